@@ -1,0 +1,223 @@
+//! The robot as a tree of rigid bodies: immutable, shared, validated when built.
+//!
+//! # Notation
+//! Body `B` hangs on its parent body `P` by one joint. `X_PJ` places the joint frame `J` in `P`; the joint
+//! turns or slides `B` along `axis` (unit vector in `J`, hence also in `B`), and `B = J` at `q = 0`. A named
+//! frame `F` is fixed to a body by `X_BF`. World is `W`, z up; the base body's frame is `R`.
+//!
+//! Generalised velocity (floating base): `v = [v_WR; w_WR; q̇]`, linear first, of the origin of R, all in
+//! world axes. A fixed base has `v = q̇`.
+#![allow(non_snake_case)]
+
+mod build;
+mod error;
+mod inertia;
+
+pub use build::ModelBuilder;
+pub use error::ModelError;
+pub use inertia::Inertia;
+
+use nalgebra::{Isometry3, Unit, Vector3};
+
+/// How the root body is attached to the world.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Base {
+    /// Six free velocities: flying and legged robots.
+    Floating,
+    /// Bolted to the world at the pose given in the state.
+    Fixed,
+}
+
+/// Index of a body; body 0 is the base.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct BodyId(pub(crate) u32);
+
+/// Index of a joint, in the order of the velocity vector.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct JointId(pub(crate) u32);
+
+/// Index of a named frame; frame 0 is the base's.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct FrameId(pub(crate) u32);
+
+macro_rules! index {
+    ($($id:ident),*) => {$(
+        impl $id {
+            /// Position in the model's list.
+            pub fn index(self) -> usize {
+                self.0 as usize
+            }
+        }
+    )*};
+}
+index!(BodyId, JointId, FrameId);
+
+/// What one degree of freedom does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum JointKind {
+    /// Rotation about the axis, rad; limits may be infinite (URDF `continuous`).
+    Revolute,
+    /// Translation along the axis, m.
+    Prismatic,
+}
+
+/// Range, speed and effort that a joint can bear. Infinite where there is no limit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JointLimits {
+    /// Lowest position, rad or m.
+    pub lower: f64,
+    /// Highest position, rad or m.
+    pub upper: f64,
+    /// Largest speed, rad/s or m/s.
+    pub velocity: f64,
+    /// Largest torque or force, N·m or N.
+    pub effort: f64,
+}
+
+/// One degree of freedom between a body and its parent.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Joint {
+    /// Unique name.
+    pub name: String,
+    /// Rotation or translation.
+    pub kind: JointKind,
+    /// Unit axis in the joint frame.
+    pub axis: Unit<Vector3<f64>>,
+    /// Pose of the joint frame in the parent body.
+    pub X_PJ: Isometry3<f64>,
+    /// Position, speed and effort limits.
+    pub limits: JointLimits,
+    /// Viscous friction, N·m·s/rad or N·s/m. Not part of `h`; the plant applies it to torque-driven joints.
+    pub damping: f64,
+    /// Coulomb friction, N·m or N. Not part of `h`; the plant applies it to torque-driven joints.
+    pub friction: f64,
+    /// Rotor inertia seen at the joint (J_motor × gear²), kg·m² or kg; added to the diagonal of M.
+    pub armature: f64,
+}
+
+/// A rigid body and the joint that carries it (none for the base).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Body {
+    /// Name of the link that gave the body its frame.
+    pub name: String,
+    /// Parent body; the base is its own parent.
+    pub parent: BodyId,
+    /// Mass, first moment and inertia about the body's origin, in body axes (merged fixed links included).
+    pub inertia: Inertia,
+}
+
+/// A named frame fixed to a body.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Frame {
+    /// Unique name.
+    pub name: String,
+    /// The body it moves with.
+    pub body: BodyId,
+    /// Its pose in that body.
+    pub X_BF: Isometry3<f64>,
+}
+
+/// An immutable rigid-body tree. Made by [`ModelBuilder`], which validates it; bodies are ordered so that a
+/// parent comes before its children.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Model {
+    name: String,
+    base: Base,
+    bodies: Vec<Body>,
+    joints: Vec<Joint>,
+    frames: Vec<Frame>,
+    gravity: Vector3<f64>,
+}
+
+impl Model {
+    /// The robot's name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Floating or fixed.
+    pub fn base(&self) -> Base {
+        self.base
+    }
+
+    /// All bodies, the base first, parents before children.
+    pub fn bodies(&self) -> &[Body] {
+        &self.bodies
+    }
+
+    /// All joints; joint `i` carries body `i + 1` and owns velocity `joint_offset() + i`.
+    pub fn joints(&self) -> &[Joint] {
+        &self.joints
+    }
+
+    /// All named frames.
+    pub fn frames(&self) -> &[Frame] {
+        &self.frames
+    }
+
+    /// Gravity vector in world axes, m/s²; −9.81 z by default.
+    pub fn gravity(&self) -> Vector3<f64> {
+        self.gravity
+    }
+
+    /// Number of generalised velocities.
+    pub fn nv(&self) -> usize {
+        self.joint_offset() + self.joints.len()
+    }
+
+    /// Index of the first joint in `v`: 6 for a floating base, 0 for a fixed one.
+    pub fn joint_offset(&self) -> usize {
+        match self.base {
+            Base::Floating => 6,
+            Base::Fixed => 0,
+        }
+    }
+
+    /// Index of a joint's velocity in `v`.
+    pub fn velocity_index(&self, joint: JointId) -> usize {
+        self.joint_offset() + joint.index()
+    }
+
+    /// Total mass, kg.
+    pub fn mass(&self) -> f64 {
+        self.bodies.iter().map(|b| b.inertia.mass).sum()
+    }
+
+    /// The joint of that name.
+    pub fn joint(&self, name: &str) -> Option<JointId> {
+        let i = self.joints.iter().position(|j| j.name == name)?;
+        Some(JointId(i as u32))
+    }
+
+    /// The frame of that name.
+    pub fn frame(&self, name: &str) -> Option<FrameId> {
+        let i = self.frames.iter().position(|f| f.name == name)?;
+        Some(FrameId(i as u32))
+    }
+
+    /// The base's own frame R.
+    pub fn base_frame(&self) -> FrameId {
+        FrameId(0)
+    }
+
+    /// The body's identifier by position in [`Model::bodies`]; `None` beyond the end.
+    pub fn body_id(&self, index: usize) -> Option<BodyId> {
+        (index < self.bodies.len()).then_some(BodyId(index as u32))
+    }
+
+    /// The same tree with other inertias: what a plant uses to differ from its controller.
+    ///
+    /// # Errors
+    /// [`ModelError`] if a new inertia is not physical.
+    pub fn with_inertias(
+        &self,
+        mut change: impl FnMut(&Body) -> Inertia,
+    ) -> Result<Model, ModelError> {
+        let mut model = self.clone();
+        for body in &mut model.bodies {
+            body.inertia = change(body);
+            body.inertia.validate(&body.name)?;
+        }
+        Ok(model)
+    }
+}

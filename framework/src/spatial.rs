@@ -1,0 +1,77 @@
+//! Rotations: exponential, logarithm, skew map and the two rotation errors.
+//!
+//! # Notation
+//! `R_AB` rotates coordinates from frame B into frame A; `w` is an angular velocity. With world-aligned
+//! velocities `Ṙ_WB = S(w) R_WB`, so an increment in **world** axes multiplies on the left:
+//! `R_WB⁺ = exp(S(w) dt) R_WB`.
+#![allow(non_snake_case)]
+
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+
+/// The skew-symmetric matrix `S(x)` with `S(x) y = x × y`.
+pub fn skew(x: &Vector3<f64>) -> Matrix3<f64> {
+    Matrix3::new(0.0, -x.z, x.y, x.z, 0.0, -x.x, -x.y, x.x, 0.0)
+}
+
+/// Inverse of [`skew`] on the skew-symmetric part: `½[A − Aᵀ]∨`.
+pub fn vee(A: &Matrix3<f64>) -> Vector3<f64> {
+    Vector3::new(
+        0.5 * (A[(2, 1)] - A[(1, 2)]),
+        0.5 * (A[(0, 2)] - A[(2, 0)]),
+        0.5 * (A[(1, 0)] - A[(0, 1)]),
+    )
+}
+
+/// `exp(S(x))` as a unit quaternion; `x` is a rotation vector in rad.
+pub fn exp(x: &Vector3<f64>) -> UnitQuaternion<f64> {
+    UnitQuaternion::from_scaled_axis(*x)
+}
+
+/// The rotation vector `log(R)∨`, rad, of magnitude at most π.
+pub fn log(R: &UnitQuaternion<f64>) -> Vector3<f64> {
+    R.scaled_axis()
+}
+
+/// Rotation error in world axes from the matrices, `e_W = ½[R R_dᵀ − R_d Rᵀ]∨` (rad for small angles).
+///
+/// Its magnitude is `sin θ`: it grows until 90° and vanishes again at 180°. The error of the paper's (11)
+/// has the wrong sign; this is the correct form for angular velocities in world axes (`w = … − K_P e_W`).
+pub fn error_matrix(R_WB: &UnitQuaternion<f64>, R_WD: &UnitQuaternion<f64>) -> Vector3<f64> {
+    let E = R_WB.to_rotation_matrix() * R_WD.to_rotation_matrix().transpose();
+    vee(E.matrix())
+}
+
+/// Rotation error in world axes from the logarithm, `e_W = log(R R_dᵀ)∨`, rad, monotone up to 180°.
+pub fn error_log(R_WB: &UnitQuaternion<f64>, R_WD: &UnitQuaternion<f64>) -> Vector3<f64> {
+    log(&(R_WB * R_WD.inverse()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_point_from_desired_to_actual_and_agree_for_small_angles() {
+        let R_WD = exp(&Vector3::new(0.4, -0.9, 0.3));
+        let d = Vector3::new(2e-4, -1e-4, 3e-4);
+        let R_WB = exp(&d) * R_WD;
+        assert!((error_log(&R_WB, &R_WD) - d).norm() < 1e-12);
+        assert!((error_matrix(&R_WB, &R_WD) - d).norm() < 1e-10);
+    }
+
+    #[test]
+    fn matrix_error_is_the_sine_of_the_angle() {
+        let R_WD = exp(&Vector3::new(0.1, 0.2, 0.3));
+        for angle in [0.3, 1.0, 2.0, 3.1_f64] {
+            let R_WB = exp(&(Vector3::y() * angle)) * R_WD;
+            assert!((error_matrix(&R_WB, &R_WD) - Vector3::y() * angle.sin()).norm() < 1e-12);
+            assert!((error_log(&R_WB, &R_WD) - Vector3::y() * angle).norm() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn vee_inverts_skew() {
+        let x = Vector3::new(1.0, -2.0, 3.0);
+        assert_eq!(vee(&skew(&x)), x);
+    }
+}
