@@ -9,6 +9,7 @@ pub mod layout;
 pub mod model;
 pub mod qp;
 pub mod reference;
+pub mod registry;
 pub mod robot;
 pub mod rows;
 pub mod setup;
@@ -18,4 +19,8 @@ pub mod task;
 pub mod tick;
 
 pub use layout::Layout;
-pub use nalgebra;
+pub use wbqp_macros::{constraint, reference, robot, solver, task};
+pub use {inventory, nalgebra, schemars, serde, serde_json, toml, typetag};
+
+// Plug-ins inside this crate are registered by the same attribute that users write.
+extern crate self as wbqp;
