@@ -7,9 +7,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::DeserializeOwned;
 use toml::de::ValueDeserializer;
 
-use crate::{
-    constraint::Constraint, qp::QpSolver, reference::Reference, robot::Robot, task::Task,
-};
+use crate::{constraint::Constraint, qp::QpSolver, reference::Reference, robot::Robot, task::Task};
 
 /// A registered plug-in of one kind.
 #[derive(Debug)]

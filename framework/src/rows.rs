@@ -79,14 +79,24 @@ impl Blocks<'_> {
     fn vdot(&mut self) -> RowMajorMut<'_> {
         let (m, n) = (self.layout.len(), self.store.nv);
         let declared = self.layout.vdot == VdotBlock::Dense;
-        let data = pick(declared, &mut self.store.vdot, &mut self.store.scratch, &mut self.store.undeclared);
+        let data = pick(
+            declared,
+            &mut self.store.vdot,
+            &mut self.store.scratch,
+            &mut self.store.undeclared,
+        );
         view(data, m, n)
     }
 
     fn effort(&mut self) -> RowMajorMut<'_> {
         let (m, n) = (self.layout.len(), self.store.nu);
         let declared = self.layout.effort == Some(Block::Dense);
-        let data = pick(declared, &mut self.store.effort, &mut self.store.scratch, &mut self.store.undeclared);
+        let data = pick(
+            declared,
+            &mut self.store.effort,
+            &mut self.store.scratch,
+            &mut self.store.undeclared,
+        );
         view(data, m, n)
     }
 

@@ -126,7 +126,11 @@ impl<'a> Setup<'a> {
     pub fn frame(&mut self, name: &str) -> Result<FrameHandle, BindError> {
         let model = self.model();
         let id = model.frame(name).ok_or_else(|| {
-            unknown("frame", name, model.frames().iter().map(|f| f.name.as_str()))
+            unknown(
+                "frame",
+                name,
+                model.frames().iter().map(|f| f.name.as_str()),
+            )
         })?;
         Ok(self.request(id))
     }
@@ -138,10 +142,14 @@ impl<'a> Setup<'a> {
     }
 
     fn request(&mut self, id: FrameId) -> FrameHandle {
-        let slot = self.frames.iter().position(|&f| f == id).unwrap_or_else(|| {
-            self.frames.push(id);
-            self.frames.len() - 1
-        });
+        let slot = self
+            .frames
+            .iter()
+            .position(|&f| f == id)
+            .unwrap_or_else(|| {
+                self.frames.push(id);
+                self.frames.len() - 1
+            });
         FrameHandle(slot)
     }
 
@@ -152,7 +160,11 @@ impl<'a> Setup<'a> {
     pub fn joint(&self, name: &str) -> Result<JointId, BindError> {
         let model = self.model();
         model.joint(name).ok_or_else(|| {
-            unknown("joint", name, model.joints().iter().map(|j| j.name.as_str()))
+            unknown(
+                "joint",
+                name,
+                model.joints().iter().map(|j| j.name.as_str()),
+            )
         })
     }
 
@@ -165,7 +177,13 @@ impl<'a> Setup<'a> {
             .iter()
             .position(|c| c.name == name)
             .map(|i| ContactId(i as u32))
-            .ok_or_else(|| unknown("contact", name, self.contacts.iter().map(|c| c.name.as_str())))
+            .ok_or_else(|| {
+                unknown(
+                    "contact",
+                    name,
+                    self.contacts.iter().map(|c| c.name.as_str()),
+                )
+            })
     }
 
     /// A contact's data.

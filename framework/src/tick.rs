@@ -63,6 +63,8 @@ impl<'a> Tick<'a> {
 
     /// A contact's state; also while it is off.
     pub fn contact(&self, contact: ContactId) -> &'a ContactState {
-        self.contacts.get(contact.index()).unwrap_or(&self.contacts[0])
+        self.contacts
+            .get(contact.index())
+            .unwrap_or(&self.contacts[0])
     }
 }

@@ -41,7 +41,11 @@ fn register(kind: &str, tag: TokenStream, item: TokenStream) -> TokenStream {
     let mut tag_tokens = tag.into_iter();
     let tag = match (tag_tokens.next(), tag_tokens.next()) {
         (Some(TokenTree::Literal(tag)), None) if tag.to_string().starts_with('"') => tag,
-        _ => return error("the attribute takes the plug-in's tag as one string, as in #[wbqp::task(\"posture\")]"),
+        _ => {
+            return error(
+                "the attribute takes the plug-in's tag as one string, as in #[wbqp::task(\"posture\")]",
+            );
+        }
     };
     let Some(implementor) = implementing_type(&item) else {
         return error("the attribute goes on an `impl Trait for Type` block");

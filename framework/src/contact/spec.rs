@@ -97,8 +97,12 @@ impl Surface {
             .chain(&self.x_axis)
             .chain(&self.origin)
             .all(|v| v.is_finite());
-        let unusable =
-            || BindError::value("surface", "needs finite numbers and a normal that is not zero");
+        let unusable = || {
+            BindError::value(
+                "surface",
+                "needs finite numbers and a normal that is not zero",
+            )
+        };
         if !finite {
             return Err(unusable());
         }
@@ -194,11 +198,17 @@ impl ContactSpec {
         if self.force_max.is_nan() || self.force_max <= self.force_min {
             return Err(BindError::value(
                 "force_max",
-                format!("is {}, must be above force_min = {}", self.force_max, self.force_min),
+                format!(
+                    "is {}, must be above force_min = {}",
+                    self.force_max, self.force_min
+                ),
             ));
         }
         if !self.offset.iter().all(|x| x.is_finite()) {
-            return Err(BindError::value("offset", "has a number that is not finite"));
+            return Err(BindError::value(
+                "offset",
+                "has a number that is not finite",
+            ));
         }
         self.surface.rotation().map(|_| ())
     }

@@ -68,6 +68,7 @@ struct Workspace {
     /// Sides of the problem that `solver` was made for.
     made_for: (usize, Vec<Side>),
     p: Vec<f64>,
+    q: Vec<f64>,
     a: Vec<f64>,
     b: Vec<f64>,
     solver: Option<DefaultSolver<f64>>,
@@ -90,7 +91,10 @@ impl std::fmt::Debug for Workspace {
 impl QpSolver for Clarabel {
     fn bind(&mut self, capacity: Capacity) -> Result<(), String> {
         if !(self.tolerance > 0.0 && self.tolerance < 1.0) {
-            return Err(format!("`tolerance` is {}, must be between 0 and 1", self.tolerance));
+            return Err(format!(
+                "`tolerance` is {}, must be between 0 and 1",
+                self.tolerance
+            ));
         }
         if self.max_iterations == 0 {
             return Err("`max_iterations` must be at least 1".into());
@@ -101,6 +105,7 @@ impl QpSolver for Clarabel {
             sides: Vec::with_capacity(sides),
             made_for: (usize::MAX, Vec::with_capacity(sides)),
             p: Vec::with_capacity(vars * (vars + 1) / 2),
+            q: Vec::with_capacity(vars),
             a: Vec::with_capacity(2 * (rows * vars + vars)),
             b: Vec::with_capacity(sides),
             ..Workspace::default()
@@ -120,7 +125,7 @@ impl QpSolver for Clarabel {
         let settings = self.settings();
         let w = &mut self.workspace;
         w.load(qp);
-        if !w.refresh(qp, settings) {
+        if !w.refresh(settings) {
             out.status = Status::Failed;
             return;
         }
@@ -233,6 +238,8 @@ impl Workspace {
         }
         self.p.clear();
         self.a.clear();
+        self.q.clear();
+        self.q.extend_from_slice(qp.g());
         for j in 0..n {
             for i in 0..=j {
                 self.p.push(qp.h()[i * n + j]);
@@ -253,12 +260,12 @@ impl Workspace {
 
     /// Replaces the numbers in the solver object, or makes a new one when the set of sides has changed.
     /// False if Clarabel refuses the data.
-    fn refresh(&mut self, qp: &Qp, settings: Option<DefaultSettings<f64>>) -> bool {
+    fn refresh(&mut self, settings: Option<DefaultSettings<f64>>) -> bool {
         let same = self.made_for.0 == self.n && self.made_for.1 == self.sides;
         if let (true, Some(solver)) = (same, &mut self.solver) {
             let updated = solver
                 .update_P(&self.p)
-                .and_then(|()| solver.update_q(qp.g()))
+                .and_then(|()| solver.update_q(&self.q))
                 .and_then(|()| solver.update_A(&self.a))
                 .and_then(|()| solver.update_b(&self.b));
             return updated.is_ok();
@@ -295,7 +302,7 @@ impl Workspace {
         ];
         let p = CscMatrix::new(n, n, p_colptr, p_rows, self.p.clone());
         let a = CscMatrix::new(self.sides.len(), n, a_colptr, a_rows, self.a.clone());
-        self.solver = DefaultSolver::new(&p, qp.g(), &a, &self.b, &cones, settings).ok();
+        self.solver = DefaultSolver::new(&p, &self.q, &a, &self.b, &cones, settings).ok();
         self.made_for.0 = n;
         self.made_for.1.clone_from(&self.sides);
         self.solver.is_some()

@@ -210,7 +210,11 @@ impl Qp {
         let n = self.n;
         let mut sum = 0.0;
         for i in 0..n {
-            let hx: f64 = self.h[i * n..(i + 1) * n].iter().zip(x).map(|(h, x)| h * x).sum();
+            let hx: f64 = self.h[i * n..(i + 1) * n]
+                .iter()
+                .zip(x)
+                .map(|(h, x)| h * x)
+                .sum();
             sum += x[i] * (0.5 * hx + self.g[i]);
         }
         sum
