@@ -153,3 +153,15 @@ pub enum RobotError {
         source: Box<dyn std::error::Error + Send + Sync>,
     },
 }
+
+/// A robot that a configuration can name: hands out the model, the actuators, the frames, the home posture.
+///
+/// Registered by `#[wbqp::robot("tag")]` and named by `[robot] type = "tag"`.
+#[typetag::serde(tag = "type")]
+pub trait Robot: std::any::Any + Send + fmt::Debug {
+    /// Makes the robot; relative paths count from `directory` (that of the configuration file).
+    ///
+    /// # Errors
+    /// [`RobotError`] naming file and element.
+    fn load(&self, directory: &std::path::Path) -> Result<RobotModel, RobotError>;
+}
