@@ -330,7 +330,7 @@ fn fixtures_of_other_shapes_load() {
     let fixtures = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/fixtures/robots");
     for (file, base, joints) in [
         ("fixed_arm", BaseKind::Fixed, 6),
-        ("gantry", BaseKind::Fixed, 6),
+        ("gantry", BaseKind::Fixed, 4),
         ("humanoid", BaseKind::Floating, 31),
         ("quadruped", BaseKind::Floating, 12),
     ] {
