@@ -62,7 +62,13 @@ impl ModelBuilder {
 
     /// Merges a link that is fixed to `body` at `X_BL`: its mass joins the body, its name becomes a frame.
     #[allow(non_snake_case)]
-    pub fn weld(&mut self, body: BodyId, X_BL: Isometry3<f64>, name: &str, inertia: &Inertia) -> FrameId {
+    pub fn weld(
+        &mut self,
+        body: BodyId,
+        X_BL: Isometry3<f64>,
+        name: &str,
+        inertia: &Inertia,
+    ) -> FrameId {
         if let Some(b) = self.model.bodies.get_mut(body.index()) {
             b.inertia = b.inertia.merged(&inertia.transformed(&X_BL));
         }
@@ -197,7 +203,9 @@ fn validate_joint(joint: &Joint) -> Result<(), ModelError> {
         ("armature", joint.armature),
     ] {
         if !value.is_finite() || value < 0.0 {
-            return refuse(format!("{what} is {value}, must be finite and not negative"));
+            return refuse(format!(
+                "{what} is {value}, must be finite and not negative"
+            ));
         }
     }
     Ok(())

@@ -57,7 +57,11 @@ impl Inertia {
     pub fn transformed(&self, X_AB: &Isometry3<f64>) -> Self {
         let R_AB = X_AB.rotation.to_rotation_matrix();
         let I_cm = R_AB.matrix() * self.I_BBcm() * R_AB.matrix().transpose();
-        Self::from_com(self.mass, X_AB.transform_point(&self.com().into()).coords, I_cm)
+        Self::from_com(
+            self.mass,
+            X_AB.transform_point(&self.com().into()).coords,
+            I_cm,
+        )
     }
 
     /// Both together, about the same origin.

@@ -1,0 +1,109 @@
+//! The configuration of a controller: what a TOML file says, or what code puts together.
+
+use std::path::PathBuf;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    constraint::Constraint,
+    contact::ContactSpec,
+    entry::Entry,
+    qp::{Clarabel, QpSolver},
+    robot::{Robot, SourceFile},
+    task::Task,
+};
+
+/// Everything a controller is made of.
+#[derive(Debug)]
+pub struct ControllerConfig {
+    /// Rate, formulation and the other settings of the loop.
+    pub settings: Settings,
+    /// The robot.
+    pub robot: Box<dyn Robot>,
+    /// The solver.
+    pub solver: Box<dyn QpSolver>,
+    /// Contacts, in the order of their ids.
+    pub contacts: Vec<ContactSpec>,
+    /// Tasks, in the order of their ids.
+    pub tasks: Vec<Entry<dyn Task>>,
+    /// Constraints, in the order of their ids.
+    pub constraints: Vec<Entry<dyn Constraint>>,
+    /// Where relative paths count from.
+    pub directory: PathBuf,
+    /// The file it was loaded from, for logs.
+    pub source: Option<SourceFile>,
+}
+
+/// The `[controller]` table.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Settings {
+    /// Ticks per second, Hz.
+    pub rate: f64,
+    /// Which variables the problem has.
+    #[serde(default)]
+    pub formulation: Formulation,
+    /// Weight of `‖(u, f)‖²` relative to the largest weight that is on; owned by the row `regularisation`.
+    #[serde(default = "default_regularisation")]
+    pub regularisation: f64,
+    /// Time constant with which a joint's velocity reference leaks to the measured velocity, s.
+    #[serde(default = "default_velocity_leak")]
+    pub velocity_leak: f64,
+}
+
+fn default_regularisation() -> f64 {
+    1e-9
+}
+fn default_velocity_leak() -> f64 {
+    0.5
+}
+
+impl Settings {
+    /// Defaults at a rate in Hz.
+    pub fn at_rate(rate: f64) -> Self {
+        Self {
+            rate,
+            formulation: Formulation::default(),
+            regularisation: default_regularisation(),
+            velocity_leak: default_velocity_leak(),
+        }
+    }
+}
+
+/// Two formulations of the same optimum.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Formulation {
+    /// Variables (u, f): `v̇` is substituted from the dynamics, the paper's (8).
+    #[default]
+    Condensed,
+    /// Variables (v̇, u, f): the dynamics are equality rows, (10d).
+    Explicit,
+}
+
+impl ControllerConfig {
+    /// A configuration without tasks, constraints and contacts, with the default solver.
+    pub fn new(settings: Settings, robot: Box<dyn Robot>) -> Self {
+        Self {
+            settings,
+            robot,
+            solver: Box::new(Clarabel::default()),
+            contacts: Vec::new(),
+            tasks: Vec::new(),
+            constraints: Vec::new(),
+            directory: PathBuf::new(),
+            source: None,
+        }
+    }
+}
+
+/// The nearest of the known names, if it is near enough to have been meant.
+pub(crate) fn did_you_mean<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
+    known
+        .iter()
+        .map(|k| (strsim::damerau_levenshtein(name, k), *k))
+        .min()
+        .filter(|(distance, _)| *distance <= 1 + name.len() / 4)
+        .map(|(_, k)| k)
+}

@@ -1,0 +1,26 @@
+//! Contacts: data that bring force variables, motion rows, cones and free directions into the problem.
+//!
+//! # Notation
+//! C is a frame fixed to the surface: z is the outward normal (towards the robot), so that pushing gives
+//! `f_n > 0`; its axes never turn with the end effector (erratum of the paper's (3)–(4)). The contact point
+//! is the origin of the robot's frame E plus an offset in E. A wrench `[force; moment]` is what the
+//! environment does to the robot, in C axes, about the contact point. `S_c` selects the constrained rows of
+//! those six, `S_f` the rest.
+#![allow(non_snake_case)]
+
+mod spec;
+mod state;
+
+pub use spec::{ContactKind, ContactSpec, FreeForce, Surface};
+pub use state::ContactState;
+
+/// Index of a contact, in the order of the configuration.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct ContactId(pub(crate) u32);
+
+impl ContactId {
+    /// Position in the configuration's list.
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}

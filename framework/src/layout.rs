@@ -1,0 +1,218 @@
+//! What a plug-in declares once: its rows, their labels and units, and the blocks they touch.
+//!
+//! A row is linear in the decision variables, `A_v v̇ + A_u u + Σ A_c f_c`, and a layout says for each of the
+//! blocks whether it is absent, dense, made of unit rows, or borrowed from a Jacobian that the framework
+//! computes anyway. Absent and borrowed blocks cost nothing to write and nothing to multiply.
+
+use crate::{contact::ContactId, tick::FrameHandle};
+
+/// One scalar row: its label among its owner's rows and the unit of its value.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RowSpec {
+    /// Axis or quantity, for example `x`, `pitch`, `normal lower`.
+    pub label: String,
+    /// Unit of the row's value, for example `m/s²`.
+    pub unit: String,
+}
+
+/// The block of rows on the accelerations `v̇`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum VdotBlock {
+    Absent,
+    Dense,
+    /// Row `k` is the unit row of column `columns[k]`.
+    Unit(Vec<usize>),
+    /// Row `k` is row `rows[k]` of the frame's world-aligned Jacobian.
+    Frame(FrameHandle, Vec<usize>),
+    /// Row `k` is row `rows[k]` of the contact's Jacobian, in contact axes.
+    Contact(ContactId, Vec<usize>),
+}
+
+/// The block of rows on the efforts `u`, or on one contact's force.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Block {
+    Dense,
+    /// Row `k` is the unit row of column `columns[k]`.
+    Unit(Vec<usize>),
+}
+
+/// A variable that can be bounded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum BoundTarget {
+    Effort(usize),
+    /// Component of the constrained directions of a contact, `0..nf`.
+    Force(ContactId, usize),
+}
+
+/// How the rows of a constraint are read.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Relation {
+    #[default]
+    Inequality,
+    Equality,
+}
+
+/// The rows a plug-in writes every tick. Returned by `bind`; fixed from then on.
+///
+/// ```
+/// use wbqp::Layout;
+/// // Three rows on the base's linear acceleration, columns 0..3 of v̇.
+/// let layout = Layout::rows([("x", "m/s²"), ("y", "m/s²"), ("z", "m/s²")])
+///     .error_unit("m")
+///     .vdot_unit([0, 1, 2]);
+/// assert_eq!(layout.len(), 3);
+/// ```
+#[derive(Clone, Debug)]
+pub struct Layout {
+    pub(crate) rows: Vec<RowSpec>,
+    pub(crate) error_unit: String,
+    pub(crate) vdot: VdotBlock,
+    pub(crate) effort: Option<Block>,
+    pub(crate) forces: Vec<(ContactId, Block)>,
+    pub(crate) bounds: Vec<(RowSpec, BoundTarget)>,
+    pub(crate) relation: Relation,
+    pub(crate) contact: Option<ContactId>,
+}
+
+impl Layout {
+    /// Rows with their labels and units, in the order they will be written.
+    pub fn rows<L: Into<String>, U: Into<String>>(rows: impl IntoIterator<Item = (L, U)>) -> Self {
+        Self {
+            rows: rows
+                .into_iter()
+                .map(|(label, unit)| RowSpec {
+                    label: label.into(),
+                    unit: unit.into(),
+                })
+                .collect(),
+            error_unit: String::new(),
+            vdot: VdotBlock::Absent,
+            effort: None,
+            forces: Vec::new(),
+            bounds: Vec::new(),
+            relation: Relation::Inequality,
+            contact: None,
+        }
+    }
+
+    /// No rows; for constraints made of bounds alone.
+    pub fn empty() -> Self {
+        Self::rows::<String, String>([])
+    }
+
+    /// Unit of what the task writes into its error (`m`, `rad`, `N`).
+    pub fn error_unit(mut self, unit: &str) -> Self {
+        unit.clone_into(&mut self.error_unit);
+        self
+    }
+
+    /// The plug-in writes all coefficients on `v̇`: rows × nv.
+    pub fn vdot_dense(mut self) -> Self {
+        self.vdot = VdotBlock::Dense;
+        self
+    }
+
+    /// Row `k` is `v̇[columns[k]]`, nothing to write.
+    pub fn vdot_unit(mut self, columns: impl IntoIterator<Item = usize>) -> Self {
+        self.vdot = VdotBlock::Unit(columns.into_iter().collect());
+        self
+    }
+
+    /// Row `k` is row `rows[k]` (0–2 linear, 3–5 angular) of the frame's world-aligned Jacobian, nothing to
+    /// write.
+    pub fn vdot_frame(mut self, frame: FrameHandle, rows: impl IntoIterator<Item = usize>) -> Self {
+        self.vdot = VdotBlock::Frame(frame, rows.into_iter().collect());
+        self
+    }
+
+    /// Row `k` is row `rows[k]` (0–2 linear, 3–5 angular) of the contact's Jacobian in contact axes, nothing
+    /// to write.
+    pub fn vdot_contact(
+        mut self,
+        contact: ContactId,
+        rows: impl IntoIterator<Item = usize>,
+    ) -> Self {
+        self.vdot = VdotBlock::Contact(contact, rows.into_iter().collect());
+        self
+    }
+
+    /// The plug-in writes all coefficients on `u`: rows × nu.
+    pub fn effort_dense(mut self) -> Self {
+        self.effort = Some(Block::Dense);
+        self
+    }
+
+    /// Row `k` is `u[columns[k]]`, nothing to write.
+    pub fn effort_unit(mut self, columns: impl IntoIterator<Item = usize>) -> Self {
+        self.effort = Some(Block::Unit(columns.into_iter().collect()));
+        self
+    }
+
+    /// The plug-in writes all coefficients on the contact's force: rows × nf of that contact.
+    pub fn force_dense(mut self, contact: ContactId) -> Self {
+        self.forces.push((contact, Block::Dense));
+        self
+    }
+
+    /// Row `k` is component `columns[k]` of the contact's force, nothing to write.
+    pub fn force_unit(
+        mut self,
+        contact: ContactId,
+        columns: impl IntoIterator<Item = usize>,
+    ) -> Self {
+        self.forces
+            .push((contact, Block::Unit(columns.into_iter().collect())));
+        self
+    }
+
+    /// Bounds the effort of actuator `index` (constraints only). Bounds are numbered in the order declared.
+    pub fn bound_effort(mut self, index: usize, label: &str, unit: &str) -> Self {
+        self.bounds
+            .push((row(label, unit), BoundTarget::Effort(index)));
+        self
+    }
+
+    /// Bounds component `component` of a contact's force (constraints only).
+    pub fn bound_force(
+        mut self,
+        contact: ContactId,
+        component: usize,
+        label: &str,
+        unit: &str,
+    ) -> Self {
+        self.bounds
+            .push((row(label, unit), BoundTarget::Force(contact, component)));
+        self
+    }
+
+    /// The rows are equalities: `A x = b`, written with [`ConstraintRows::equal`].
+    ///
+    /// [`ConstraintRows::equal`]: crate::rows::ConstraintRows::equal
+    pub fn equality(mut self) -> Self {
+        self.relation = Relation::Equality;
+        self
+    }
+
+    /// The rows and bounds exist only while this contact is on, and follow its ramp.
+    pub fn while_contact(mut self, contact: ContactId) -> Self {
+        self.contact = Some(contact);
+        self
+    }
+
+    /// Number of rows, bounds not counted.
+    pub fn len(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// Whether there is no row.
+    pub fn is_empty(&self) -> bool {
+        self.rows.is_empty()
+    }
+}
+
+fn row(label: &str, unit: &str) -> RowSpec {
+    RowSpec {
+        label: label.to_owned(),
+        unit: unit.to_owned(),
+    }
+}

@@ -1,0 +1,352 @@
+//! The interior-point solver Clarabel behind [`QpSolver`].
+//!
+//! # Mathematics
+//! Clarabel solves `min ½xᵀPx + qᵀx` subject to `A x + s = b`, `s ∈ K`. Equality rows go to the zero cone;
+//! each finite side of an inequality row or bound becomes one row of the nonnegative cone (`a x + s = u` or
+//! `−a x + s = −l`). Equilibration is off and the tolerances are 1e-12: with the defaults, weakly weighted
+//! directions come out wrong. While the set of sides stays the same the solver object is kept and its numbers
+//! are replaced in place; it allocates inside `solve` all the same, and it has no warm start.
+
+use clarabel::{
+    algebra::CscMatrix,
+    solver::{
+        DefaultSettings, DefaultSettingsBuilder, DefaultSolver, IPSolver, SolverStatus,
+        SupportedConeT,
+    },
+};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::{Capacity, Qp, QpSolver, Solution, Status};
+
+/// Settings of the Clarabel backend.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Clarabel {
+    /// Tolerance on the duality gap, feasibility and infeasibility certificates.
+    #[serde(default = "default_tolerance")]
+    pub tolerance: f64,
+    /// Iteration cap.
+    #[serde(default = "default_max_iterations")]
+    pub max_iterations: u32,
+    #[serde(skip)]
+    workspace: Workspace,
+}
+
+fn default_tolerance() -> f64 {
+    1e-12
+}
+fn default_max_iterations() -> u32 {
+    100
+}
+
+impl Default for Clarabel {
+    fn default() -> Self {
+        Self {
+            tolerance: default_tolerance(),
+            max_iterations: default_max_iterations(),
+            workspace: Workspace::default(),
+        }
+    }
+}
+
+/// One row of Clarabel's `A`: which row or bound of the [`Qp`] it came from, and which side.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Side {
+    Equal(u32),
+    RowUpper(u32),
+    RowLower(u32),
+    BoundEqual(u32),
+    BoundUpper(u32),
+    BoundLower(u32),
+}
+
+#[derive(Default)]
+struct Workspace {
+    n: usize,
+    sides: Vec<Side>,
+    /// Sides of the problem that `solver` was made for.
+    made_for: (usize, Vec<Side>),
+    p: Vec<f64>,
+    q: Vec<f64>,
+    a: Vec<f64>,
+    b: Vec<f64>,
+    solver: Option<DefaultSolver<f64>>,
+}
+
+// A clone is a fresh solver: the factorisation belongs to one problem sequence.
+impl Clone for Workspace {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
+
+impl std::fmt::Debug for Workspace {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} variables, {} sides", self.n, self.sides.len())
+    }
+}
+
+#[crate::solver("clarabel")]
+impl QpSolver for Clarabel {
+    fn bind(&mut self, capacity: Capacity) -> Result<(), String> {
+        if !(self.tolerance > 0.0 && self.tolerance < 1.0) {
+            return Err(format!(
+                "`tolerance` is {}, must be between 0 and 1",
+                self.tolerance
+            ));
+        }
+        if self.max_iterations == 0 {
+            return Err("`max_iterations` must be at least 1".into());
+        }
+        let Capacity { vars, rows } = capacity;
+        let sides = 2 * (vars + rows);
+        self.workspace = Workspace {
+            sides: Vec::with_capacity(sides),
+            made_for: (usize::MAX, Vec::with_capacity(sides)),
+            p: Vec::with_capacity(vars * (vars + 1) / 2),
+            q: Vec::with_capacity(vars),
+            a: Vec::with_capacity(2 * (rows * vars + vars)),
+            b: Vec::with_capacity(sides),
+            ..Workspace::default()
+        };
+        Ok(())
+    }
+
+    fn solve(&mut self, qp: &Qp, out: &mut Solution) {
+        out.x[..qp.n()].fill(0.0);
+        out.y[..qp.m()].fill(0.0);
+        out.z[..qp.n()].fill(0.0);
+        out.iterations = 0;
+        if has_crossed_limits(qp) {
+            out.status = Status::Infeasible;
+            return;
+        }
+        let settings = self.settings();
+        let w = &mut self.workspace;
+        w.load(qp);
+        if !w.refresh(settings) {
+            out.status = Status::Failed;
+            return;
+        }
+        let Some(solver) = &mut w.solver else {
+            out.status = Status::Failed;
+            return;
+        };
+        solver.solve();
+        let solution = &solver.solution;
+        out.iterations = solution.iterations;
+        out.status = match solution.status {
+            SolverStatus::Solved => Status::Optimal,
+            SolverStatus::AlmostSolved => Status::AlmostOptimal,
+            // Out of numerical digits, but with a point: judged by its residuals below.
+            SolverStatus::InsufficientProgress | SolverStatus::MaxIterations => Status::Budget,
+            SolverStatus::PrimalInfeasible | SolverStatus::AlmostPrimalInfeasible => {
+                Status::Infeasible
+            }
+            SolverStatus::DualInfeasible | SolverStatus::AlmostDualInfeasible => Status::Unbounded,
+            SolverStatus::MaxTime => Status::Budget,
+            _ => Status::Failed,
+        };
+        let finite = solution.x.iter().chain(&solution.z).all(|v| v.is_finite());
+        if !finite {
+            out.status = Status::Failed;
+            return;
+        }
+        out.x[..qp.n()].copy_from_slice(&solution.x);
+        for (side, &multiplier) in w.sides.iter().zip(&solution.z) {
+            match *side {
+                Side::Equal(i) | Side::RowUpper(i) => out.y[i as usize] += multiplier,
+                Side::RowLower(i) => out.y[i as usize] -= multiplier,
+                Side::BoundEqual(i) | Side::BoundUpper(i) => out.z[i as usize] += multiplier,
+                Side::BoundLower(i) => out.z[i as usize] -= multiplier,
+            }
+        }
+        // At tolerance 1e-12 Clarabel often stops a digit short for lack of progress. The point is still
+        // good to 1e-9: say so instead of throwing it away.
+        if out.status == Status::Budget && stationarity(qp, out) < 1e-8 && violation(qp, out) < 1e-8
+        {
+            out.status = Status::AlmostOptimal;
+        }
+    }
+
+    fn reset(&mut self) {
+        self.workspace.solver = None;
+        self.workspace.made_for.0 = usize::MAX;
+    }
+}
+
+impl Clarabel {
+    fn settings(&self) -> Option<DefaultSettings<f64>> {
+        DefaultSettingsBuilder::default()
+            .verbose(false)
+            .max_iter(self.max_iterations)
+            .max_threads(1)
+            .equilibrate_enable(false)
+            .presolve_enable(false)
+            .input_sparse_dropzeros(false)
+            .tol_gap_abs(self.tolerance)
+            .tol_gap_rel(self.tolerance)
+            .tol_feas(self.tolerance)
+            .tol_infeas_abs(self.tolerance)
+            .tol_infeas_rel(self.tolerance)
+            .build()
+            .ok()
+    }
+}
+
+impl Workspace {
+    /// Copies the problem into Clarabel's shape: upper triangle of `P` and dense `A`, both column by column.
+    fn load(&mut self, qp: &Qp) {
+        let n = qp.n();
+        self.n = n;
+        self.sides.clear();
+        self.b.clear();
+        let limits = || qp.row_lower().iter().zip(qp.row_upper()).enumerate();
+        let bounds = || qp.lower().iter().zip(qp.upper()).enumerate();
+        for (i, (&l, &u)) in limits() {
+            if l == u {
+                self.sides.push(Side::Equal(i as u32));
+                self.b.push(u);
+            }
+        }
+        for (i, (&l, &u)) in bounds() {
+            if l == u {
+                self.sides.push(Side::BoundEqual(i as u32));
+                self.b.push(u);
+            }
+        }
+        for (i, (&l, &u)) in limits() {
+            if l != u && u.is_finite() {
+                self.sides.push(Side::RowUpper(i as u32));
+                self.b.push(u);
+            }
+            if l != u && l.is_finite() {
+                self.sides.push(Side::RowLower(i as u32));
+                self.b.push(-l);
+            }
+        }
+        for (i, (&l, &u)) in bounds() {
+            if l != u && u.is_finite() {
+                self.sides.push(Side::BoundUpper(i as u32));
+                self.b.push(u);
+            }
+            if l != u && l.is_finite() {
+                self.sides.push(Side::BoundLower(i as u32));
+                self.b.push(-l);
+            }
+        }
+        self.p.clear();
+        self.a.clear();
+        self.q.clear();
+        self.q.extend_from_slice(qp.g());
+        for j in 0..n {
+            for i in 0..=j {
+                self.p.push(qp.h()[i * n + j]);
+            }
+            for side in &self.sides {
+                match *side {
+                    Side::Equal(i) | Side::RowUpper(i) => self.a.push(qp.row(i as usize)[j]),
+                    Side::RowLower(i) => self.a.push(-qp.row(i as usize)[j]),
+                    Side::BoundEqual(i) | Side::BoundUpper(i) if i as usize == j => {
+                        self.a.push(1.0);
+                    }
+                    Side::BoundLower(i) if i as usize == j => self.a.push(-1.0),
+                    _ => {}
+                }
+            }
+        }
+    }
+
+    /// Replaces the numbers in the solver object, or makes a new one when the set of sides has changed.
+    /// False if Clarabel refuses the data.
+    fn refresh(&mut self, settings: Option<DefaultSettings<f64>>) -> bool {
+        let same = self.made_for.0 == self.n && self.made_for.1 == self.sides;
+        if let (true, Some(solver)) = (same, &mut self.solver) {
+            let updated = solver
+                .update_P(&self.p)
+                .and_then(|()| solver.update_q(&self.q))
+                .and_then(|()| solver.update_A(&self.a))
+                .and_then(|()| solver.update_b(&self.b));
+            return updated.is_ok();
+        }
+        let Some(settings) = settings else {
+            return false;
+        };
+        let n = self.n;
+        let mut p_colptr = vec![0];
+        let mut p_rows = Vec::with_capacity(self.p.len());
+        let mut a_colptr = vec![0];
+        let mut a_rows = Vec::with_capacity(self.a.len());
+        for j in 0..n {
+            p_rows.extend(0..=j);
+            p_colptr.push(p_rows.len());
+            for (row, side) in self.sides.iter().enumerate() {
+                let present = match *side {
+                    Side::Equal(_) | Side::RowUpper(_) | Side::RowLower(_) => true,
+                    Side::BoundEqual(i) | Side::BoundUpper(i) | Side::BoundLower(i) => {
+                        i as usize == j
+                    }
+                };
+                if present {
+                    a_rows.push(row);
+                }
+            }
+            a_colptr.push(a_rows.len());
+        }
+        let equal = |s: &&Side| matches!(s, Side::Equal(_) | Side::BoundEqual(_));
+        let equalities = self.sides.iter().filter(equal).count();
+        let cones = [
+            SupportedConeT::ZeroConeT(equalities),
+            SupportedConeT::NonnegativeConeT(self.sides.len() - equalities),
+        ];
+        let p = CscMatrix::new(n, n, p_colptr, p_rows, self.p.clone());
+        let a = CscMatrix::new(self.sides.len(), n, a_colptr, a_rows, self.a.clone());
+        self.solver = DefaultSolver::new(&p, &self.q, &a, &self.b, &cones, settings).ok();
+        self.made_for.0 = n;
+        self.made_for.1.clone_from(&self.sides);
+        self.solver.is_some()
+    }
+}
+
+fn has_crossed_limits(qp: &Qp) -> bool {
+    let crossed = |(l, u): (&f64, &f64)| l > u;
+    qp.row_lower().iter().zip(qp.row_upper()).any(crossed)
+        || qp.lower().iter().zip(qp.upper()).any(crossed)
+}
+
+/// `‖H x + g + Aᵀ y + z‖∞ / (1 + ‖g‖∞)`.
+fn stationarity(qp: &Qp, s: &Solution) -> f64 {
+    let n = qp.n();
+    let mut worst = 0.0_f64;
+    let mut scale = 1.0_f64;
+    for j in 0..n {
+        let mut r = qp.g()[j] + s.z[j];
+        for i in 0..n {
+            r += qp.h()[j * n + i] * s.x[i];
+        }
+        for i in 0..qp.m() {
+            r += qp.row(i)[j] * s.y[i];
+        }
+        worst = worst.max(r.abs());
+        scale = scale.max(1.0 + qp.g()[j].abs());
+    }
+    worst / scale
+}
+
+/// Largest violation of a row or bound.
+fn violation(qp: &Qp, s: &Solution) -> f64 {
+    let mut worst = 0.0_f64;
+    for i in 0..qp.m() {
+        let ax: f64 = qp.row(i).iter().zip(&s.x).map(|(a, x)| a * x).sum();
+        worst = worst
+            .max(qp.row_lower()[i] - ax)
+            .max(ax - qp.row_upper()[i]);
+    }
+    for j in 0..qp.n() {
+        worst = worst
+            .max(qp.lower()[j] - s.x[j])
+            .max(s.x[j] - qp.upper()[j]);
+    }
+    worst
+}

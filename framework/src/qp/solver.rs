@@ -1,0 +1,90 @@
+//! What a solver takes and gives.
+
+use std::{any::Any, fmt::Debug};
+
+use super::{Capacity, Qp};
+
+/// How a solve ended. An outcome, never an error: every one of them happens on a robot.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Status {
+    /// Optimal within the solver's tolerances.
+    Optimal,
+    /// Feasible and nearly optimal: tolerances were not fully met.
+    AlmostOptimal,
+    /// No point satisfies all rows and bounds.
+    Infeasible,
+    /// The cost has no minimum.
+    Unbounded,
+    /// The iteration cap or the time budget ended the solve.
+    Budget,
+    /// Numbers went wrong: not finite, or no progress.
+    #[default]
+    Failed,
+}
+
+impl Status {
+    /// Whether the solution may be sent to the robot.
+    pub fn is_usable(self) -> bool {
+        matches!(self, Self::Optimal | Self::AlmostOptimal)
+    }
+
+    /// Its name, for logs.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Optimal => "optimal",
+            Self::AlmostOptimal => "almost_optimal",
+            Self::Infeasible => "infeasible",
+            Self::Unbounded => "unbounded",
+            Self::Budget => "budget",
+            Self::Failed => "failed",
+        }
+    }
+}
+
+/// The result of a solve, in storage of fixed capacity.
+#[derive(Clone, Debug)]
+pub struct Solution {
+    /// How it ended.
+    pub status: Status,
+    /// Iterations used.
+    pub iterations: u32,
+    /// The variables, first `qp.n()` entries valid.
+    pub x: Vec<f64>,
+    /// Multipliers of the rows: positive on an active upper side, negative on an active lower side.
+    pub y: Vec<f64>,
+    /// Multipliers of the bounds, same sign rule.
+    pub z: Vec<f64>,
+}
+
+impl Solution {
+    /// Storage for problems up to `capacity`.
+    pub fn new(capacity: Capacity) -> Self {
+        Self {
+            status: Status::Failed,
+            iterations: 0,
+            x: vec![0.0; capacity.vars],
+            y: vec![0.0; capacity.rows],
+            z: vec![0.0; capacity.vars],
+        }
+    }
+}
+
+/// A solver for [`Qp`]s: made from the configuration, given its capacity once, then called every tick.
+///
+/// A warm start is the solver's own memory, kept by [`RowId`](super::RowId) and [`VarId`](super::VarId) and not
+/// by position, so that it survives rows being switched on and off. Registered by `#[wbqp::solver("tag")]`.
+#[typetag::serde(tag = "type")]
+pub trait QpSolver: Any + Send + Debug {
+    /// Makes the workspace.
+    ///
+    /// # Errors
+    /// A setting that makes no sense, in words.
+    fn bind(&mut self, capacity: Capacity) -> Result<(), String>;
+
+    /// Solves in place. On a status that is not usable, `x`, `y` and `z` are unspecified but finite.
+    fn solve(&mut self, qp: &Qp, out: &mut Solution);
+
+    /// Forgets the warm start.
+    fn reset(&mut self) {}
+}

@@ -1,0 +1,135 @@
+//! References: trajectories that tasks follow.
+
+use std::{any::Any, borrow::Cow, fmt::Debug};
+
+use nalgebra::{UnitQuaternion, Vector3};
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+
+use crate::{setup::BindError, tick::Tick};
+
+/// The space a reference lives in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Space {
+    /// That many independent scalars.
+    Vector(usize),
+    /// Orientations. Configurations give them as roll, pitch, yaw in rad (rotations about world x, then y,
+    /// then z, that is `R_z(yaw) R_y(pitch) R_x(roll)`); rates and accelerations are in world axes.
+    Rotation,
+}
+
+impl Space {
+    /// Number of rates: the vector's length, or 3.
+    pub fn dimension(self) -> usize {
+        match self {
+            Self::Vector(n) => n,
+            Self::Rotation => 3,
+        }
+    }
+}
+
+/// Value, rate and acceleration of a reference at one time.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Sample {
+    /// The value in a vector space; left alone for rotations.
+    pub value: Vec<f64>,
+    /// The value for rotations; left alone in a vector space.
+    pub rotation: UnitQuaternion<f64>,
+    /// First derivative; angular velocity in world axes for rotations.
+    pub rate: Vec<f64>,
+    /// Second derivative; angular acceleration in world axes for rotations.
+    pub acceleration: Vec<f64>,
+}
+
+impl Sample {
+    /// At zero, or at the identity, standing still.
+    pub fn new(space: Space) -> Self {
+        let n = space.dimension();
+        Self {
+            value: vec![0.0; n],
+            rotation: UnitQuaternion::identity(),
+            rate: vec![0.0; n],
+            acceleration: vec![0.0; n],
+        }
+    }
+
+    /// Rate as a 3-vector; missing components are zero.
+    pub fn rate3(&self) -> Vector3<f64> {
+        three(&self.rate)
+    }
+
+    /// Acceleration as a 3-vector; missing components are zero.
+    pub fn acceleration3(&self) -> Vector3<f64> {
+        three(&self.acceleration)
+    }
+
+    /// Value as a 3-vector; missing components are zero.
+    pub fn value3(&self) -> Vector3<f64> {
+        three(&self.value)
+    }
+}
+
+fn three(x: &[f64]) -> Vector3<f64> {
+    Vector3::from_fn(|i, _| x.get(i).copied().unwrap_or(0.0))
+}
+
+/// Where a reference takes over: given to [`Reference::bind`].
+#[derive(Clone, Copy, Debug)]
+pub struct Start<'a> {
+    /// The space of the task.
+    pub space: Space,
+    /// Time at which the reference begins, s. Times in its configuration count from here.
+    pub time: f64,
+    /// What the task followed until now; at the first bind, the home posture's value.
+    pub from: &'a Sample,
+}
+
+/// A trajectory: value, rate and acceleration as a function of time, or of what the tick measured (an
+/// attitude computed from a desired force, say).
+///
+/// Registered by `#[wbqp::reference("tag")]` and named by `reference = { type = "tag", … }` in a task.
+#[typetag::serde(tag = "type")]
+pub trait Reference: Any + Send + Debug {
+    /// Checks the parameters against the task's space and remembers where to start.
+    ///
+    /// # Errors
+    /// [`BindError`] when lengths or numbers do not fit.
+    fn bind(&mut self, start: &Start<'_>) -> Result<(), BindError>;
+
+    /// Writes the sample for this tick. No allocation, no panic.
+    fn sample(&mut self, tick: &Tick<'_>, out: &mut Sample);
+}
+
+/// A task's reference and where it stands: given by [`Task::follow`](crate::task::Task::follow), so that another
+/// one can take over.
+///
+/// The successor is bound to [`Follow::start`] first, and takes the place of `reference` if that succeeds.
+#[derive(Debug)]
+pub struct Follow<'a> {
+    /// The trajectory followed now.
+    pub reference: &'a mut Box<dyn Reference>,
+    /// What the task followed in its last update; before the first, where it starts.
+    pub sample: &'a Sample,
+    /// The space that a successor is bound to.
+    pub space: Space,
+}
+
+impl Follow<'_> {
+    /// Where a successor takes over at `time` (s).
+    pub fn start(&self, time: f64) -> Start<'_> {
+        Start {
+            space: self.space,
+            time,
+            from: self.sample,
+        }
+    }
+}
+
+impl JsonSchema for dyn Reference {
+    fn schema_name() -> Cow<'static, str> {
+        "Reference".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({ "type": "object", "x-plugin": "reference", "required": ["type"] })
+    }
+}

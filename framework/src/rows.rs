@@ -1,0 +1,236 @@
+//! The rows that plug-ins write: fixed storage made when they are bound, filled in place every tick.
+//!
+//! Blocks lie row-major in buffers of their own, one per declared dense block, and keep their values between
+//! ticks: a constant coefficient may be written once. A block that was not declared has no storage; asking
+//! for it gives a scratch view and raises a fault that the report names.
+
+use nalgebra::{DVectorViewMut, Dyn, MatrixViewMut, U1};
+
+use crate::{
+    contact::ContactId,
+    layout::{Block, Layout, VdotBlock},
+};
+
+/// A mutable row-major matrix view: rows of coefficients.
+pub type RowMajorMut<'a> = MatrixViewMut<'a, f64, Dyn, Dyn, Dyn, U1>;
+
+/// Storage of one entry's rows.
+#[derive(Clone, Debug)]
+pub(crate) struct RowStore {
+    pub(crate) vdot: Vec<f64>,
+    pub(crate) effort: Vec<f64>,
+    /// One per declared contact, empty if its block is made of unit rows.
+    pub(crate) forces: Vec<Vec<f64>>,
+    /// `b`, or the lower limit.
+    pub(crate) lower: Vec<f64>,
+    pub(crate) upper: Vec<f64>,
+    pub(crate) bound_lower: Vec<f64>,
+    pub(crate) bound_upper: Vec<f64>,
+    pub(crate) error: Vec<f64>,
+    /// Set when a block was written that the layout does not declare.
+    pub(crate) undeclared: bool,
+    scratch: Vec<f64>,
+    nv: usize,
+    nu: usize,
+    nf: Vec<usize>,
+}
+
+impl RowStore {
+    pub(crate) fn new(layout: &Layout, nv: usize, nu: usize, nf: &[usize]) -> Self {
+        let m = layout.len();
+        let dense = |n: usize, block: &Block| match block {
+            Block::Dense => vec![0.0; m * n],
+            Block::Unit(_) => Vec::new(),
+        };
+        let widest = nf.iter().copied().fold(nv.max(nu), usize::max);
+        Self {
+            vdot: match layout.vdot {
+                VdotBlock::Dense => vec![0.0; m * nv],
+                _ => Vec::new(),
+            },
+            effort: layout.effort.as_ref().map_or(Vec::new(), |b| dense(nu, b)),
+            forces: layout
+                .forces
+                .iter()
+                .map(|(c, b)| dense(nf[c.index()], b))
+                .collect(),
+            lower: vec![0.0; m],
+            upper: vec![0.0; m],
+            bound_lower: vec![f64::NEG_INFINITY; layout.bounds.len()],
+            bound_upper: vec![f64::INFINITY; layout.bounds.len()],
+            error: vec![0.0; m],
+            undeclared: false,
+            scratch: vec![0.0; m * widest],
+            nv,
+            nu,
+            nf: nf.to_vec(),
+        }
+    }
+}
+
+/// The coefficient blocks of an entry, for tasks and constraints alike.
+#[derive(Debug)]
+struct Blocks<'a> {
+    layout: &'a Layout,
+    store: &'a mut RowStore,
+}
+
+impl Blocks<'_> {
+    fn vdot(&mut self) -> RowMajorMut<'_> {
+        let (m, n) = (self.layout.len(), self.store.nv);
+        let declared = self.layout.vdot == VdotBlock::Dense;
+        let data = pick(
+            declared,
+            &mut self.store.vdot,
+            &mut self.store.scratch,
+            &mut self.store.undeclared,
+        );
+        view(data, m, n)
+    }
+
+    fn effort(&mut self) -> RowMajorMut<'_> {
+        let (m, n) = (self.layout.len(), self.store.nu);
+        let declared = self.layout.effort == Some(Block::Dense);
+        let data = pick(
+            declared,
+            &mut self.store.effort,
+            &mut self.store.scratch,
+            &mut self.store.undeclared,
+        );
+        view(data, m, n)
+    }
+
+    fn force(&mut self, contact: ContactId) -> RowMajorMut<'_> {
+        let m = self.layout.len();
+        let n = self.store.nf.get(contact.index()).copied().unwrap_or(0);
+        let slot = self
+            .layout
+            .forces
+            .iter()
+            .position(|(c, b)| *c == contact && *b == Block::Dense);
+        let store = &mut *self.store;
+        let data = match slot.and_then(|s| store.forces.get_mut(s)) {
+            Some(data) => data,
+            None => {
+                store.undeclared = true;
+                &mut store.scratch
+            }
+        };
+        view(data, m, n)
+    }
+}
+
+fn pick<'a>(
+    declared: bool,
+    block: &'a mut [f64],
+    scratch: &'a mut [f64],
+    fault: &mut bool,
+) -> &'a mut [f64] {
+    if declared {
+        block
+    } else {
+        *fault = true;
+        scratch
+    }
+}
+
+fn view(data: &mut [f64], m: usize, n: usize) -> RowMajorMut<'_> {
+    RowMajorMut::from_slice_with_strides_generic(data, Dyn(m), Dyn(n), Dyn(n), U1)
+}
+
+/// The rows of a task: write the declared coefficient blocks, `b`, and the error.
+#[derive(Debug)]
+pub struct Rows<'a> {
+    blocks: Blocks<'a>,
+}
+
+impl<'a> Rows<'a> {
+    pub(crate) fn new(layout: &'a Layout, store: &'a mut RowStore) -> Self {
+        Self {
+            blocks: Blocks { layout, store },
+        }
+    }
+
+    /// Coefficients on `v̇`, rows × nv. Declared with [`Layout::vdot_dense`].
+    pub fn vdot(&mut self) -> RowMajorMut<'_> {
+        self.blocks.vdot()
+    }
+
+    /// Coefficients on `u`, rows × nu. Declared with [`Layout::effort_dense`].
+    pub fn effort(&mut self) -> RowMajorMut<'_> {
+        self.blocks.effort()
+    }
+
+    /// Coefficients on a contact's force, rows × nf. Declared with [`Layout::force_dense`].
+    pub fn force(&mut self, contact: ContactId) -> RowMajorMut<'_> {
+        self.blocks.force(contact)
+    }
+
+    /// What `A x` should be: the virtual input minus what does not depend on `x` (for an acceleration task,
+    /// `a* − J̇ v`). Size rows.
+    pub fn b(&mut self) -> DVectorViewMut<'_, f64> {
+        let m = self.blocks.layout.len();
+        DVectorViewMut::from_slice(&mut self.blocks.store.lower, m)
+    }
+
+    /// The task's error (actual minus desired) in the layout's error unit, for reports and logs. Size rows.
+    pub fn error(&mut self) -> DVectorViewMut<'_, f64> {
+        let m = self.blocks.layout.len();
+        DVectorViewMut::from_slice(&mut self.blocks.store.error, m)
+    }
+}
+
+/// The rows and bounds of a constraint.
+#[derive(Debug)]
+pub struct ConstraintRows<'a> {
+    blocks: Blocks<'a>,
+}
+
+impl<'a> ConstraintRows<'a> {
+    pub(crate) fn new(layout: &'a Layout, store: &'a mut RowStore) -> Self {
+        Self {
+            blocks: Blocks { layout, store },
+        }
+    }
+
+    /// Coefficients on `v̇`, rows × nv. Declared with [`Layout::vdot_dense`].
+    pub fn vdot(&mut self) -> RowMajorMut<'_> {
+        self.blocks.vdot()
+    }
+
+    /// Coefficients on `u`, rows × nu. Declared with [`Layout::effort_dense`].
+    pub fn effort(&mut self) -> RowMajorMut<'_> {
+        self.blocks.effort()
+    }
+
+    /// Coefficients on a contact's force, rows × nf. Declared with [`Layout::force_dense`].
+    pub fn force(&mut self, contact: ContactId) -> RowMajorMut<'_> {
+        self.blocks.force(contact)
+    }
+
+    /// `lower ≤ (A x)_row ≤ upper`; infinite where there is no limit. Ignored for a row that does not exist.
+    pub fn limit(&mut self, row: usize, lower: f64, upper: f64) {
+        let store = &mut *self.blocks.store;
+        if let (Some(l), Some(u)) = (store.lower.get_mut(row), store.upper.get_mut(row)) {
+            *l = lower;
+            *u = upper;
+        }
+    }
+
+    /// `(A x)_row = b`.
+    pub fn equal(&mut self, row: usize, b: f64) {
+        self.limit(row, b, b);
+    }
+
+    /// Limits of the bound declared as number `index`; infinite where there is none.
+    pub fn bound(&mut self, index: usize, lower: f64, upper: f64) {
+        let store = &mut *self.blocks.store;
+        if let (Some(l), Some(u)) = (
+            store.bound_lower.get_mut(index),
+            store.bound_upper.get_mut(index),
+        ) {
+            *l = lower;
+            *u = upper;
+        }
+    }
+}

@@ -1,0 +1,215 @@
+//! What a plug-in sees once, in `bind`: names to resolve, sizes, and frames to ask for.
+
+use crate::{
+    actuator::{Actuator, ActuatorKind},
+    contact::{ContactId, ContactSpec},
+    model::{FrameId, JointId, Model},
+    robot::RobotModel,
+    tick::FrameHandle,
+};
+
+/// Why a plug-in could not be bound to a robot. The framework adds the entry's name and type.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum BindError {
+    /// A name that the robot or the configuration does not have.
+    #[error("{kind} `{name}` does not exist{hint}; known: {known}")]
+    Unknown {
+        /// `frame`, `joint`, `contact`, `actuator`.
+        kind: &'static str,
+        /// The name given.
+        name: String,
+        /// `; did you mean …?` or empty.
+        hint: String,
+        /// The names there are.
+        known: String,
+    },
+    /// A list of the wrong length.
+    #[error("`{key}` has {got} entries, expected {expected}")]
+    Length {
+        /// The configuration key.
+        key: String,
+        /// Its length.
+        got: usize,
+        /// What was needed, in words.
+        expected: String,
+    },
+    /// A value outside what makes sense.
+    #[error("`{key}` {problem}")]
+    Value {
+        /// The configuration key.
+        key: String,
+        /// What is wrong with it.
+        problem: String,
+    },
+    /// Anything else.
+    #[error("{0}")]
+    Other(String),
+}
+
+impl BindError {
+    /// A value outside what makes sense: `key` and what is wrong with it.
+    pub fn value(key: &str, problem: impl Into<String>) -> Self {
+        Self::Value {
+            key: key.to_owned(),
+            problem: problem.into(),
+        }
+    }
+
+    /// A list of the wrong length.
+    pub fn length(key: &str, got: usize, expected: impl Into<String>) -> Self {
+        Self::Length {
+            key: key.to_owned(),
+            got,
+            expected: expected.into(),
+        }
+    }
+}
+
+/// The robot and the configuration around a plug-in, given to `bind`.
+#[derive(Debug)]
+pub struct Setup<'a> {
+    robot: &'a RobotModel,
+    contacts: &'a [ContactSpec],
+    period: f64,
+    frames: &'a mut Vec<FrameId>,
+}
+
+impl<'a> Setup<'a> {
+    /// For the controller, and for tests of plug-ins: `frames` collects the frames asked for.
+    pub fn new(
+        robot: &'a RobotModel,
+        contacts: &'a [ContactSpec],
+        period: f64,
+        frames: &'a mut Vec<FrameId>,
+    ) -> Self {
+        Self {
+            robot,
+            contacts,
+            period,
+            frames,
+        }
+    }
+
+    /// The rigid-body tree.
+    pub fn model(&self) -> &'a Model {
+        &self.robot.model
+    }
+
+    /// The robot with its actuators and home posture.
+    pub fn robot(&self) -> &'a RobotModel {
+        self.robot
+    }
+
+    /// All actuators, in the order of `u`.
+    pub fn actuators(&self) -> &'a [Actuator] {
+        &self.robot.actuators
+    }
+
+    /// Positions in `u` of the rotors.
+    pub fn rotors(&self) -> Vec<usize> {
+        let is_rotor = |a: &Actuator| matches!(a.kind, ActuatorKind::Rotor(_));
+        (0..self.robot.actuators.len())
+            .filter(|&i| is_rotor(&self.robot.actuators[i]))
+            .collect()
+    }
+
+    /// Control period, s.
+    pub fn period(&self) -> f64 {
+        self.period
+    }
+
+    /// Asks for a frame's kinematics every tick.
+    ///
+    /// # Errors
+    /// [`BindError::Unknown`] with the known names.
+    pub fn frame(&mut self, name: &str) -> Result<FrameHandle, BindError> {
+        let model = self.model();
+        let id = model.frame(name).ok_or_else(|| {
+            unknown(
+                "frame",
+                name,
+                model.frames().iter().map(|f| f.name.as_str()),
+            )
+        })?;
+        Ok(self.request(id))
+    }
+
+    /// Asks for the base frame's kinematics.
+    pub fn base_frame(&mut self) -> FrameHandle {
+        let id = self.model().base_frame();
+        self.request(id)
+    }
+
+    fn request(&mut self, id: FrameId) -> FrameHandle {
+        let slot = self
+            .frames
+            .iter()
+            .position(|&f| f == id)
+            .unwrap_or_else(|| {
+                self.frames.push(id);
+                self.frames.len() - 1
+            });
+        FrameHandle(slot)
+    }
+
+    /// Resolves a joint's name.
+    ///
+    /// # Errors
+    /// [`BindError::Unknown`] with the known names.
+    pub fn joint(&self, name: &str) -> Result<JointId, BindError> {
+        let model = self.model();
+        model.joint(name).ok_or_else(|| {
+            unknown(
+                "joint",
+                name,
+                model.joints().iter().map(|j| j.name.as_str()),
+            )
+        })
+    }
+
+    /// Resolves a contact's name.
+    ///
+    /// # Errors
+    /// [`BindError::Unknown`] with the known names.
+    pub fn contact(&self, name: &str) -> Result<ContactId, BindError> {
+        self.contacts
+            .iter()
+            .position(|c| c.name == name)
+            .map(|i| ContactId(i as u32))
+            .ok_or_else(|| {
+                unknown(
+                    "contact",
+                    name,
+                    self.contacts.iter().map(|c| c.name.as_str()),
+                )
+            })
+    }
+
+    /// A contact's data.
+    pub fn contact_spec(&self, contact: ContactId) -> &'a ContactSpec {
+        &self.contacts[contact.index()]
+    }
+}
+
+/// An error that lists what is known and guesses what was meant.
+pub(crate) fn unknown<'a>(
+    kind: &'static str,
+    name: &str,
+    known: impl Iterator<Item = &'a str>,
+) -> BindError {
+    let known: Vec<&str> = known.collect();
+    let hint = crate::config::did_you_mean(name, &known)
+        .map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
+    let known = if known.is_empty() {
+        "none".to_owned()
+    } else {
+        known.join(", ")
+    };
+    BindError::Unknown {
+        kind,
+        name: name.to_owned(),
+        hint,
+        known,
+    }
+}

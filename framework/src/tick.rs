@@ -1,0 +1,70 @@
+//! What a plug-in sees during one tick: borrowed, short-lived, already computed.
+//!
+//! # Notation
+//! W world (z up), R base, F a named frame, C a contact frame (z along the surface's outward normal). Frame
+//! Jacobians are world-aligned, contact Jacobians in C axes; both linear first.
+
+use crate::{
+    contact::{ContactId, ContactState},
+    dynamics::{Data, FrameKinematics},
+    model::Model,
+    state::State,
+};
+
+/// A frame whose kinematics the plug-in asked for in `bind`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FrameHandle(pub(crate) usize);
+
+/// The inputs of one tick.
+#[derive(Clone, Copy, Debug)]
+pub struct Tick<'a> {
+    /// Time, s, on the caller's clock.
+    pub time: f64,
+    /// Control period, s.
+    pub period: f64,
+    /// The robot.
+    pub model: &'a Model,
+    /// Measured state; velocities world-aligned.
+    pub state: &'a State,
+    /// `M`, `h`, gravity, centre of mass for that state.
+    pub dynamics: &'a Data,
+    /// Solution of the last tick that had one.
+    pub last: &'a Prediction,
+    /// The plug-in's own switch.
+    pub entry: EntryState,
+    pub(crate) frames: &'a [FrameKinematics],
+    pub(crate) contacts: &'a [ContactState],
+}
+
+/// The decision variables of the last solved tick.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Prediction {
+    /// Generalised acceleration, size nv.
+    pub vdot: nalgebra::DVector<f64>,
+    /// Actuator efforts, N or N·m, size nu.
+    pub effort: nalgebra::DVector<f64>,
+}
+
+/// How far the plug-in's entry is switched on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EntryState {
+    /// Ramp from 0 (off) to 1 (on); the framework has applied it to the weight already.
+    pub alpha: f64,
+    /// Time of the last switch, s.
+    pub since: f64,
+}
+
+impl<'a> Tick<'a> {
+    /// Pose, velocity, Jacobian and bias acceleration of a frame requested in `bind`.
+    pub fn frame(&self, frame: FrameHandle) -> &'a FrameKinematics {
+        // A handle is made by the controller that owns this tick; the base frame is always computed.
+        self.frames.get(frame.0).unwrap_or(&self.frames[0])
+    }
+
+    /// A contact's state; also while it is off.
+    pub fn contact(&self, contact: ContactId) -> &'a ContactState {
+        self.contacts
+            .get(contact.index())
+            .unwrap_or(&self.contacts[0])
+    }
+}
