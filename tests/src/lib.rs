@@ -1,1 +1,3 @@
-//! tests
+//! What several tests share.
+
+pub mod random_model;
