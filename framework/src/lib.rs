@@ -1,8 +1,10 @@
 //! wbqp
 pub mod actuator;
+mod assembly;
 pub mod config;
 pub mod constraint;
 pub mod contact;
+pub mod controller;
 pub mod dynamics;
 pub mod entry;
 pub mod layout;
@@ -18,6 +20,9 @@ pub mod state;
 pub mod task;
 pub mod tick;
 
+pub use assembly::{RowInfo, VarInfo};
+pub use config::ControllerConfig;
+pub use controller::{Command, Controller, Measurement, Report};
 pub use layout::Layout;
 pub use wbqp_macros::{constraint, reference, robot, solver, task};
 pub use {inventory, nalgebra, schemars, serde, serde_json, toml, typetag};
