@@ -20,9 +20,11 @@
 
 mod library;
 mod options;
+mod plugins;
 pub mod rotors;
 mod source;
 pub mod urdf;
 
 pub use library::{from_files, from_sources, othex, othex_vertical};
 pub use options::{BaseKind, Options};
+pub use plugins::{Othex, OthexVertical, Urdf};

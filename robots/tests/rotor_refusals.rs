@@ -34,6 +34,13 @@ fn load(rotors: &str) -> Result<RobotModel, RobotError> {
     )
 }
 
+/// The text without the lines that `drop` picks.
+fn without(text: &str, drop: impl Fn(&str) -> bool) -> String {
+    text.split_inclusive('\n')
+        .filter(|line| !drop(line))
+        .collect()
+}
+
 #[track_caller]
 fn refused(rotors: &str, parts: &[&str]) {
     match load(rotors) {
@@ -87,11 +94,7 @@ fn missing_keys() {
         "thrust",
         "time_constant",
     ] {
-        let without: String = DEFAULTS
-            .lines()
-            .filter(|line| !line.starts_with(&format!("{key} ")))
-            .map(|line| format!("{line}\n"))
-            .collect();
+        let without = without(DEFAULTS, |line| line.starts_with(&format!("{key} ")));
         refused(
             &format!("{without}{ROTOR}"),
             &[
@@ -103,11 +106,7 @@ fn missing_keys() {
         );
     }
     for key in ["name", "frame", "reaction"] {
-        let without: String = ROTOR
-            .lines()
-            .filter(|line| !line.starts_with(key))
-            .map(|line| format!("{line}\n"))
-            .collect();
+        let without = without(ROTOR, |line| line.starts_with(key));
         refused(
             &format!("{DEFAULTS}{without}"),
             &["r.toml:6:", &format!("missing field `{key}`")],

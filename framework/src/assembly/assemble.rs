@@ -416,6 +416,27 @@ impl Assembly {
         Some(&x[start..start + self.variables.nf[contact]])
     }
 
+    /// `Σ w r²` over the cost rows, plus slacks and regularisation.
+    pub(crate) fn objective(&self, groups: &[Group], x: &[f64]) -> f64 {
+        let n = self.live.vars.len();
+        let mut sum = 0.0;
+        for s in 0..self.stack_rows {
+            let a = &self.stack[s * n..(s + 1) * n];
+            let ax: f64 = a.iter().zip(x).map(|(a, x)| a * x).sum();
+            sum += self.stack_w[s] * (ax - self.stack_b[s]).powi(2);
+        }
+        for x in &x[self.live.effort..self.live.n_physical] {
+            sum += self.regularisation_weight * x * x;
+        }
+        for (group, slack) in groups.iter().zip(&self.live.slacks) {
+            if let Some(slack) = slack {
+                let s = x[*slack];
+                sum += group.largest_weight() * s * s + group.linear_penalty * s;
+            }
+        }
+        sum
+    }
+
     /// Residual `a x − b` and weight of a group's row `k`, if the group is a cost this tick.
     pub(crate) fn residual(&self, group: &Group, k: usize, x: &[f64]) -> Option<(f64, f64)> {
         let s = group.stack_start? + k;

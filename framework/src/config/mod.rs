@@ -1,4 +1,35 @@
 //! The configuration of a controller: what a TOML file says, or what code puts together.
+//!
+//! A file has the tables `[controller]` ([`Settings`]), `[robot]`, `[solver]` (optional) and any number of
+//! `[[contact]]` ([`ContactSpec`]), `[[task]]` and `[[constraint]]`:
+//! ```toml
+//! [[task]]
+//! name = "arm"            # entry keys: name, type, weight, active, transition, hardness
+//! type = "posture"        # a linked plug-in
+//! weight = 0.1            # a number, or one per row
+//! kp = 25.0               # the plug-in's own keys
+//! ```
+//! | entry key | default | meaning |
+//! |---|---|---|
+//! | `name` | | unique among tasks and constraints |
+//! | `type` | | the plug-in |
+//! | `weight` | | linear, ≥ 0; needed unless hard |
+//! | `active` | `true` | on at the start |
+//! | `transition` | `0.0` | duration of the weight's ramp, s |
+//! | `hardness` | tasks `"soft"`, constraints `"hard"` | or `{ exact = λ }`, see [`Hardness`](crate::entry::Hardness) |
+//!
+//! Loading refuses every key that nobody knows, and reports all mistakes of a file at once
+//! ([`ConfigErrors`]). [`Overrides`] replace single values. Saving what was loaded, loading and saving again
+//! gives the same text.
+
+mod document;
+mod error;
+mod load;
+mod overrides;
+mod report;
+mod save;
+mod schema;
+mod table;
 
 use std::path::PathBuf;
 
@@ -11,8 +42,23 @@ use crate::{
     entry::Entry,
     qp::{Clarabel, QpSolver},
     robot::{Robot, SourceFile},
+    setup::BindError,
     task::Task,
 };
+
+pub use error::{ConfigError, ConfigErrorKind, ConfigErrors};
+pub use overrides::{Override, Overrides, Target};
+pub use save::SaveError;
+
+/// The framework's keys of a task or constraint beside `type`; no plug-in may have them.
+const ENTRY_KEYS: [&str; 6] = [
+    "name",
+    "weight",
+    "active",
+    "transition",
+    "hardness",
+    "level",
+];
 
 /// Everything a controller is made of.
 #[derive(Debug)]
@@ -68,6 +114,37 @@ impl Settings {
             regularisation: default_regularisation(),
             velocity_leak: default_velocity_leak(),
         }
+    }
+
+    /// Checks the numbers.
+    ///
+    /// # Errors
+    /// Names the first key that is not finite or has a sign that makes no sense.
+    pub fn validate(&self) -> Result<(), BindError> {
+        match self.problems().next() {
+            Some((key, problem)) => Err(BindError::value(key, problem)),
+            None => Ok(()),
+        }
+    }
+
+    /// Keys with what is wrong with them.
+    fn problems(&self) -> impl Iterator<Item = (&'static str, String)> {
+        let positive = |x: f64| x > 0.0;
+        let not_negative = |x: f64| x >= 0.0;
+        let rules: [(_, f64, fn(f64) -> bool, _); 3] = [
+            ("rate", self.rate, positive, "positive"),
+            (
+                "regularisation",
+                self.regularisation,
+                not_negative,
+                "not negative",
+            ),
+            ("velocity_leak", self.velocity_leak, positive, "positive"),
+        ];
+        rules
+            .into_iter()
+            .filter(|(_, value, allowed, _)| !value.is_finite() || !allowed(*value))
+            .map(|(key, value, _, rule)| (key, format!("must be finite and {rule}, is {value}")))
     }
 }
 

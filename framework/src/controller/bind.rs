@@ -449,6 +449,7 @@ fn empty_report(tasks: &[Group], world: &World, capacity: Capacity) -> Report {
         fault: None,
         status: crate::qp::Status::Failed,
         iterations: 0,
+        objective: 0.0,
         vdot: nalgebra::DVector::zeros(world.model.nv()),
         tasks: tasks
             .iter()

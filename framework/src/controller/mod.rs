@@ -187,6 +187,7 @@ impl Controller {
                 measured: contact.measured,
             };
         }
+        self.report.objective = self.assembly.objective(&self.groups, &self.solution.x);
         self.report_tasks();
         self.report_active();
     }

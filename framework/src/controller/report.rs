@@ -42,6 +42,8 @@ pub struct Report {
     pub status: Status,
     /// The solver's iterations.
     pub iterations: u32,
+    /// The optimum's cost: `Σ w r²` over all soft rows, plus slacks and regularisation.
+    pub objective: f64,
     /// Generalised acceleration that the solution predicts, size nv.
     pub vdot: DVector<f64>,
     /// One per task, in the configuration's order.

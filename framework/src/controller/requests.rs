@@ -2,7 +2,7 @@
 
 use super::{Controller, error::RequestError};
 use crate::{
-    contact::ContactId,
+    contact::{ContactId, ContactSpec, ContactState},
     entry::Weight,
     layout::Layout,
     reference::Reference,
@@ -143,6 +143,16 @@ impl Controller {
             Some(i) => Ok(ContactId(i as u32)),
             None => Err(absent("contact", name, names())),
         }
+    }
+
+    /// A contact as configured. Panics only for an id of another controller.
+    pub fn contact_spec(&self, contact: ContactId) -> &ContactSpec {
+        &self.world.bindings[contact.index()].spec
+    }
+
+    /// A contact as of the last tick: kinematics, switch, forces. Panics only for an id of another controller.
+    pub fn contact_state(&self, contact: ContactId) -> &ContactState {
+        &self.world.contacts[contact.index()]
     }
 
     /// Names of the tasks, in the order of [`Report::tasks`](super::Report::tasks).

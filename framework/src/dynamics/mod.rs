@@ -9,7 +9,8 @@
 //! };
 //! let ball = Inertia::from_com(2.0, Vector3::zeros(), Matrix3::identity() * 0.01);
 //! let mut builder = ModelBuilder::new("ball", Base::Floating, "ball", ball);
-//! let tip = builder.frame(builder.base(), Isometry3::translation(0.1, 0.0, 0.0), "tip");
+//! let base = builder.base();
+//! let tip = builder.frame("tip", base, Isometry3::translation(0.1, 0.0, 0.0));
 //! let model = builder.build()?;
 //!
 //! let mut state = State::neutral(&model);

@@ -1,0 +1,490 @@
+//! From the text of a file to a [`ControllerConfig`].
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    sync::OnceLock,
+};
+
+use schemars::SchemaGenerator;
+use serde::{Deserialize, de::DeserializeOwned};
+use serde_json::Value as Json;
+use toml::{Spanned, de::DeValue};
+
+use super::{
+    ConfigError, ConfigErrorKind as Kind, ConfigErrors, ControllerConfig, ENTRY_KEYS, Overrides,
+    Settings,
+    document::Document,
+    overrides::Appendix,
+    report::{At, Report, Span, Step},
+    schema::Node,
+    table::{self, Section},
+};
+use crate::{
+    constraint::Constraint,
+    contact::ContactSpec,
+    entry::{Entry, Hardness, Weight},
+    qp::{Clarabel, QpSolver},
+    registry::{self, PluginKind},
+    robot::{Place, Robot, SourceFile},
+    setup::BindError,
+    task::Task,
+};
+
+impl ControllerConfig {
+    /// Reads a controller's file; relative paths in it count from its directory.
+    ///
+    /// # Errors
+    /// All mistakes of the file, in its order.
+    pub fn from_file(path: impl AsRef<Path>) -> Result<Self, ConfigErrors> {
+        Self::from_file_with(path, &Overrides::default())
+    }
+
+    /// Reads a controller's file with some values replaced.
+    ///
+    /// # Errors
+    /// All mistakes of the file and of the overrides, which are called by their names.
+    pub fn from_file_with(
+        path: impl AsRef<Path>,
+        overrides: &Overrides,
+    ) -> Result<Self, ConfigErrors> {
+        let path = path.as_ref();
+        let name = path.display().to_string();
+        let source = fs::read_to_string(path).map_err(|error| {
+            ConfigErrors::new(vec![ConfigError {
+                kind: Kind::Read,
+                place: Place::file(&name),
+                subject: String::new(),
+                message: format!("cannot be read: {error}"),
+            }])
+        })?;
+        let directory = path.parent().unwrap_or_else(|| Path::new(""));
+        Self::from_str_with(&source, &name, directory, overrides)
+    }
+
+    /// Reads the text of a controller's file. `file_name` is what errors call it; relative paths count from
+    /// `directory`.
+    ///
+    /// # Errors
+    /// All mistakes of the text, in its order.
+    pub fn from_str(
+        source: &str,
+        file_name: &str,
+        directory: impl Into<PathBuf>,
+    ) -> Result<Self, ConfigErrors> {
+        Self::from_str_with(source, file_name, directory, &Overrides::default())
+    }
+
+    /// Reads the text of a controller's file with some values replaced.
+    ///
+    /// # Errors
+    /// All mistakes of the text and of the overrides, which are called by their names.
+    pub fn from_str_with(
+        source: &str,
+        file_name: &str,
+        directory: impl Into<PathBuf>,
+        overrides: &Overrides,
+    ) -> Result<Self, ConfigErrors> {
+        let appendix = Appendix::new(overrides, source.len());
+        let mut report = Report::new(file_name, source, appendix.applied(overrides));
+        for message in registry_faults() {
+            let at = At::subject("internal error");
+            report.add(Kind::Internal, None, &at, message);
+        }
+        let mut document = Document::parse(source, &mut report);
+        appendix.apply(overrides, &mut document, &mut report);
+        let parts = Parts::read(document, &mut report);
+        report.finish()?;
+        match parts {
+            Some(parts) => Ok(Self {
+                settings: parts.settings,
+                robot: parts.robot,
+                solver: parts.solver,
+                contacts: parts.contacts,
+                tasks: parts.tasks,
+                constraints: parts.constraints,
+                directory: directory.into(),
+                source: Some(SourceFile {
+                    name: file_name.to_owned(),
+                    media_type: "application/toml",
+                    contents: source.to_owned(),
+                }),
+            }),
+            // Whatever is not there was reported; this is for a reader that forgot to.
+            None => Err(ConfigErrors::new(vec![ConfigError {
+                kind: Kind::Internal,
+                place: Place::file(file_name),
+                subject: String::new(),
+                message: "internal error: something is wrong that has no message".to_owned(),
+            }])),
+        }
+    }
+}
+
+/// Mistakes of the linked plug-ins themselves: the same in every load.
+fn registry_faults() -> &'static [String] {
+    static FAULTS: OnceLock<Vec<String>> = OnceLock::new();
+    FAULTS.get_or_init(|| {
+        let mut faults = Vec::new();
+        for duplicate in registry::duplicates() {
+            faults.push(format!(
+                "{} type `{}` is registered more than once: {}",
+                duplicate.kind,
+                duplicate.tag,
+                duplicate.origins.join(", ")
+            ));
+        }
+        let mut entry = vec!["type"];
+        entry.extend_from_slice(&ENTRY_KEYS);
+        reserved_keys::<dyn Task>(&entry, &mut faults);
+        reserved_keys::<dyn Constraint>(&entry, &mut faults);
+        reserved_keys::<dyn crate::reference::Reference>(&["type"], &mut faults);
+        reserved_keys::<dyn Robot>(&["type"], &mut faults);
+        reserved_keys::<dyn QpSolver>(&["type"], &mut faults);
+        faults
+    })
+}
+
+fn reserved_keys<P: PluginKind + ?Sized>(reserved: &[&str], faults: &mut Vec<String>) {
+    for plugin in P::plugins() {
+        let schema = (plugin.schema)();
+        for key in Node::root(schema.as_value()).property_names() {
+            if reserved.contains(&key) {
+                faults.push(format!(
+                    "{} type `{}` ({}) has the key `{key}`, which belongs to the framework",
+                    P::NAME,
+                    plugin.tag,
+                    plugin.origin
+                ));
+            }
+        }
+    }
+}
+
+/// Everything that is read; there if nothing is wrong.
+struct Parts {
+    settings: Settings,
+    robot: Box<dyn Robot>,
+    solver: Box<dyn QpSolver>,
+    contacts: Vec<ContactSpec>,
+    tasks: Vec<Entry<dyn Task>>,
+    constraints: Vec<Entry<dyn Constraint>>,
+}
+
+impl Parts {
+    fn read(document: Document<'_>, report: &mut Report<'_>) -> Option<Self> {
+        let settings = settings(document.controller, report);
+        let robot = match document.robot {
+            Some(section) => single::<dyn Robot>(section, report),
+            None => missing("robot", report),
+        };
+        let solver: Option<Box<dyn QpSolver>> = match document.solver {
+            Some(section) => single::<dyn QpSolver>(section, report),
+            None => Some(Box::new(Clarabel::default())),
+        };
+        let mut names = Names::default();
+        let contacts = each(document.contacts, |index, section| {
+            contact(index, section, &mut names, report)
+        });
+        let mut names = Names::default();
+        let tasks = each(document.tasks, |index, section| {
+            entry::<dyn Task>(index, section, Hardness::Soft, &mut names, report)
+        });
+        let constraints = each(document.constraints, |index, section| {
+            entry::<dyn Constraint>(index, section, Hardness::Hard, &mut names, report)
+        });
+        Some(Self {
+            settings: settings?,
+            robot: robot?,
+            solver: solver?,
+            contacts: contacts?,
+            tasks: tasks?,
+            constraints: constraints?,
+        })
+    }
+}
+
+/// Reads all sections, also after one that cannot be.
+fn each<'t, T>(
+    sections: Vec<Section<'t>>,
+    mut read: impl FnMut(usize, Section<'t>) -> Option<T>,
+) -> Option<Vec<T>> {
+    let read: Vec<_> = sections
+        .into_iter()
+        .enumerate()
+        .map(|(index, section)| read(index, section))
+        .collect();
+    read.into_iter().collect()
+}
+
+fn missing<T>(table: &str, report: &mut Report<'_>) -> Option<T> {
+    let at = At::subject("top level");
+    let message = format!("table `[{table}]` is missing");
+    report.add(Kind::MissingKey, None, &at, message);
+    None
+}
+
+fn schema_of<T: schemars::JsonSchema>() -> Json {
+    SchemaGenerator::default()
+        .into_root_schema_for::<T>()
+        .to_value()
+}
+
+fn settings(section: Option<Section<'_>>, report: &mut Report<'_>) -> Option<Settings> {
+    let Some(section) = section else {
+        return missing("controller", report);
+    };
+    let at = At::subject("controller");
+    let schema = schema_of::<Settings>();
+    let keys = section.clone();
+    let load = Settings::deserialize::<toml::de::ValueDeserializer<'_>>;
+    let settings = table::read(section, &schema, &[], load, &at, report)?;
+    let mut valid = true;
+    for (key, problem) in settings.problems() {
+        let span = span_of(&keys, key);
+        report.add(Kind::Value, Some(span), &at.key(key), problem);
+        valid = false;
+    }
+    valid.then_some(settings)
+}
+
+/// `[robot]` and `[solver]`: a plug-in without an entry.
+fn single<P: PluginKind + ?Sized>(section: Section<'_>, report: &mut Report<'_>) -> Option<Box<P>> {
+    let at = At::subject(subject(P::NAME, None, &section));
+    table::plugin::<P>(section, &[], &at, report)
+}
+
+fn contact(
+    index: usize,
+    section: Section<'_>,
+    names: &mut Names,
+    report: &mut Report<'_>,
+) -> Option<ContactSpec> {
+    let at = At::subject(subject("contact", Some(index), &section));
+    if let Some(name) = section.keys.get("name") {
+        names.check("contact", name, &at, report);
+    }
+    let schema = schema_of::<ContactSpec>();
+    let keys = section.clone();
+    let load = ContactSpec::deserialize::<toml::de::ValueDeserializer<'_>>;
+    let spec: ContactSpec = table::read(section, &schema, &[], load, &at, report)?;
+    if let Err(error) = spec.validate() {
+        let key = match &error {
+            BindError::Value { key, .. } | BindError::Length { key, .. } => key.as_str(),
+            _ => "",
+        };
+        report.add(
+            Kind::Value,
+            Some(span_of(&keys, key)),
+            &at,
+            error.to_string(),
+        );
+        return None;
+    }
+    Some(spec)
+}
+
+fn entry<P: PluginKind + ?Sized>(
+    index: usize,
+    mut section: Section<'_>,
+    default_hardness: Hardness,
+    names: &mut Names,
+    report: &mut Report<'_>,
+) -> Option<Entry<P>> {
+    let at = At::subject(subject(P::NAME, Some(index), &section));
+    let header = section.span.clone();
+    let missing = |key: &str, report: &mut Report<'_>| {
+        let span = Some(header.clone());
+        let message = format!("key `{key}` is missing");
+        report.add(Kind::MissingKey, span, &at, message);
+    };
+    let mut take = |key: &str| section.take(key);
+
+    let name = match take("name") {
+        Some(name) => {
+            names.check(P::NAME, &name, &at, report);
+            table::value::<String>(name, &at.key("name"), report)
+        }
+        None => {
+            missing("name", report);
+            None
+        }
+    };
+    let hardness = match take("hardness") {
+        Some(value) => hardness(value, &at.key("hardness"), report),
+        None => Some(default_hardness),
+    };
+    let weight = match take("weight") {
+        Some(value) => weight(value, &at, report),
+        None if hardness.is_none_or(|hardness| hardness == Hardness::Hard) => {
+            Some(Weight::Uniform(1.0))
+        }
+        None => {
+            missing("weight", report);
+            None
+        }
+    };
+    let active = optional(take("active"), true, &at.key("active"), report);
+    let transition = match take("transition") {
+        Some(value) => {
+            let at = at.key("transition");
+            let span = value.span();
+            table::value(value, &at, report)
+                .filter(|seconds| not_negative(*seconds, &span, &at, report))
+        }
+        None => Some(0.0),
+    };
+    if let Some(level) = take("level") {
+        let message = "key `level` is reserved for lexicographic levels, not supported yet";
+        report.add(Kind::Reserved, Some(level.span()), &at, message);
+    }
+    let plugin = table::plugin::<P>(section, &SHOWN_ENTRY_KEYS, &at, report);
+    Some(Entry {
+        name: name?,
+        weight: weight?,
+        active: active?,
+        transition: transition?,
+        hardness: hardness?,
+        plugin: plugin?,
+    })
+}
+
+/// The entry keys that a message lists: `level` cannot be used.
+const SHOWN_ENTRY_KEYS: [&str; 5] = ["active", "hardness", "name", "transition", "weight"];
+
+fn optional<T: DeserializeOwned>(
+    value: Option<Spanned<DeValue<'_>>>,
+    default: T,
+    at: &At,
+    report: &mut Report<'_>,
+) -> Option<T> {
+    match value {
+        Some(value) => table::value(value, at, report),
+        None => Some(default),
+    }
+}
+
+fn hardness(value: Spanned<DeValue<'_>>, at: &At, report: &mut Report<'_>) -> Option<Hardness> {
+    let span = value.span();
+    match Hardness::deserialize(toml::de::ValueDeserializer::from(value)) {
+        Ok(Hardness::Exact(price)) if !price.is_finite() || price <= 0.0 => {
+            let message = format!("exact: must be finite and positive, is {price}");
+            report.add(Kind::Value, Some(span), at, message);
+            None
+        }
+        Ok(hardness) => Some(hardness),
+        Err(error) => {
+            let span = error.span().unwrap_or(span);
+            let message = "must be \"hard\", \"soft\" or { exact = λ } with a number λ";
+            report.add(Kind::Value, Some(span), at, message);
+            None
+        }
+    }
+}
+
+fn weight(value: Spanned<DeValue<'_>>, at: &At, report: &mut Report<'_>) -> Option<Weight> {
+    let at = at.key("weight");
+    let span = value.span();
+    let rows: Option<Vec<Span>> = match value.get_ref() {
+        DeValue::Array(rows) => Some(rows.iter().map(Spanned::span).collect()),
+        _ => None,
+    };
+    let weight: Weight = table::value(value, &at, report)?;
+    let mut valid = true;
+    for (row, value) in weight.values().iter().enumerate() {
+        match rows.as_ref().and_then(|rows| rows.get(row)) {
+            Some(span) => {
+                valid &= not_negative(*value, span, &at.then(&[Step::Index(row)]), report);
+            }
+            None => valid &= not_negative(*value, &span, &at, report),
+        }
+    }
+    valid.then_some(weight)
+}
+
+fn not_negative(value: f64, span: &Span, at: &At, report: &mut Report<'_>) -> bool {
+    let valid = value.is_finite() && value >= 0.0;
+    if !valid {
+        let message = format!("must be finite and not negative, is {value}");
+        report.add(Kind::Value, Some(span.clone()), at, message);
+    }
+    valid
+}
+
+/// ``task[0] `arm` (posture)``, as far as the file says.
+fn subject(kind: &str, index: Option<usize>, section: &Section<'_>) -> String {
+    let text = |key| {
+        section
+            .keys
+            .get(key)
+            .and_then(|value| value.get_ref().as_str())
+    };
+    let mut subject = kind.to_owned();
+    if let Some(index) = index {
+        subject.push_str(&format!("[{index}]"));
+        if let Some(name) = text("name") {
+            subject.push_str(&format!(" `{name}`"));
+        }
+    }
+    if let Some(tag) = text("type") {
+        subject.push_str(&format!(" ({tag})"));
+    }
+    subject
+}
+
+/// Where the value of a dotted key is; the table if it is not written out.
+fn span_of(section: &Section<'_>, path: &str) -> Span {
+    let mut span = section.span.clone();
+    let mut keys = Some(&section.keys);
+    for key in path.split('.') {
+        let Some(value) = keys.and_then(|keys| keys.get(key)) else {
+            break;
+        };
+        span = value.span();
+        keys = value.get_ref().as_table();
+    }
+    span
+}
+
+/// The names given so far, with their places.
+#[derive(Default)]
+struct Names(Vec<(String, Place)>);
+
+impl Names {
+    fn check(
+        &mut self,
+        kind: &str,
+        value: &Spanned<DeValue<'_>>,
+        at: &At,
+        report: &mut Report<'_>,
+    ) {
+        let Some(name) = value.get_ref().as_str() else {
+            return;
+        };
+        let span = value.span();
+        if name.is_empty() {
+            report.add(
+                Kind::Value,
+                Some(span),
+                &at.key("name"),
+                "must not be empty",
+            );
+            return;
+        }
+        match self.0.iter().find(|(known, _)| known == name) {
+            Some((_, first)) => {
+                let others = if kind == "contact" {
+                    "contact"
+                } else {
+                    "task or constraint"
+                };
+                let message = format!("name `{name}` is taken by the {others} at {first}");
+                report.add(Kind::Duplicate, Some(span), at, message);
+            }
+            None => {
+                let place = report.place(&span);
+                self.0.push((name.to_owned(), place));
+            }
+        }
+    }
+}
