@@ -8,6 +8,7 @@ pub mod controller;
 pub mod dynamics;
 pub mod entry;
 pub mod layout;
+pub mod log;
 pub mod model;
 pub mod qp;
 pub mod reference;
