@@ -1,4 +1,4 @@
-//! Tasks, constraints and references for [wbqp](wbqp): those of G. Nava et al., *Direct Force Feedback Control and
+//! Tasks, constraints and references for [wbqp]: those of G. Nava et al., *Direct Force Feedback Control and
 //! Online Multi-task Optimization for Aerial Manipulators*, RA-L 2020, free of its misprints.
 //!
 //! Every plug-in here depends on the crate `wbqp` alone and uses nothing that a plug-in of yours could not use.

@@ -93,9 +93,10 @@ pub fn random_model(seed: u64, base: Base, joints: usize) -> Model {
     let mut bodies: Vec<BodyId> = vec![builder.base()];
     for i in 0..joints {
         // Chains are more telling than stars: prefer the newest body as the parent.
-        let parent = match s.chance(0.6) {
-            true => bodies[bodies.len() - 1],
-            false => bodies[s.index(bodies.len())],
+        let parent = if s.chance(0.6) {
+            bodies[bodies.len() - 1]
+        } else {
+            bodies[s.index(bodies.len())]
         };
         let inertia = s.inertia();
         bodies.push(builder.body(
@@ -112,9 +113,10 @@ pub fn random_model(seed: u64, base: Base, joints: usize) -> Model {
 }
 
 fn random_joint(s: &mut Scatter, i: usize) -> Joint {
-    let kind = match s.chance(0.3) {
-        true => JointKind::Prismatic,
-        false => JointKind::Revolute,
+    let kind = if s.chance(0.3) {
+        JointKind::Prismatic
+    } else {
+        JointKind::Revolute
     };
     let limits = JointLimits {
         lower: f64::NEG_INFINITY,

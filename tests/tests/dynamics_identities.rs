@@ -41,9 +41,10 @@ impl fmt::Debug for Case {
 
 fn robots() -> impl Strategy<Value = Case> {
     (any::<u64>(), any::<bool>(), 0_usize..=12).prop_map(|(seed, floating, joints)| {
-        let (base, joints) = match floating {
-            true => (Base::Floating, joints),
-            false => (Base::Fixed, joints.max(1)),
+        let (base, joints) = if floating {
+            (Base::Floating, joints)
+        } else {
+            (Base::Fixed, joints.max(1))
         };
         let model = random_model(seed, base, joints);
         let state = random_state(seed, &model, 2.0);
@@ -253,9 +254,10 @@ proptest! {
         data.update_kinematics(&model, &state);
         let mut s = Scatter::new(seed);
         let (nv, joints) = (model.nv(), model.joints().len());
-        let drives: Vec<_> = (0..joints).map(|_| match s.chance(servo) {
-            true => JointDrive::Acceleration(s.number(-20.0, 20.0)),
-            false => JointDrive::Effort(s.number(-5.0, 5.0)),
+        let drives: Vec<_> = (0..joints).map(|_| if s.chance(servo) {
+            JointDrive::Acceleration(s.number(-20.0, 20.0))
+        } else {
+            JointDrive::Effort(s.number(-5.0, 5.0))
         }).collect();
         let mut wrenches = Wrenches::new(&model);
         for i in 0..=joints {
@@ -328,13 +330,12 @@ fn runge_kutta(model: &Model, data: &mut Data, state: &State, dt: f64) -> State 
         }
         slopes.push((rate, vdot));
     }
-    let mean = |pick: fn(&(DVector<f64>, DVector<f64>)) -> &DVector<f64>| {
-        let k: Vec<_> = slopes.iter().map(pick).collect();
-        (k[0] + k[1] * 2.0 + k[2] * 2.0 + k[3]) / 6.0
-    };
+    let mean = |k: [&DVector<f64>; 4]| (k[0] + k[1] * 2.0 + k[2] * 2.0 + k[3]) / 6.0;
+    let rate = mean([0, 1, 2, 3].map(|i| &slopes[i].0));
+    let vdot = mean([0, 1, 2, 3].map(|i| &slopes[i].1));
     let mut next = state.clone();
-    next.advance(model, &mean(|s| &s.0), dt);
-    next.v += mean(|s| &s.1) * dt;
+    next.advance(model, &rate, dt);
+    next.v += vdot * dt;
     next
 }
 

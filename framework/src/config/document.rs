@@ -13,6 +13,7 @@ use super::{
 };
 
 const TABLES: [&str; 3] = ["controller", "robot", "solver"];
+const REQUIRED: [&str; 2] = ["controller", "robot"];
 const LISTS: [&str; 3] = ["contact", "task", "constraint"];
 
 /// The file, taken apart.
@@ -38,6 +39,7 @@ impl<'t> Document<'t> {
         let at = At::subject("top level");
         let mut document = Self::default();
         let mut starts = Vec::new();
+        let mut seen = Vec::new();
         for (key, value) in root.into_inner() {
             let name: &str = key.get_ref();
             let span = value.span();
@@ -57,6 +59,13 @@ impl<'t> Document<'t> {
                 }
             }
             starts.push(span.start);
+            seen.push(name.to_owned());
+        }
+        for name in REQUIRED {
+            if !seen.contains(&name.to_owned()) {
+                let message = format!("table `[{name}]` is missing");
+                report.add(Kind::MissingKey, None, &at, message);
+            }
         }
         starts.extend(document.sections().map(|section| section.span.start));
         report.set_sections(starts);
@@ -166,7 +175,7 @@ fn wrong_shape(name: &str, found: &DeValue<'_>, expected: &str) -> String {
         }
         other => other.type_str(),
     };
-    format!("`{name}` must be {expected}, is a {found}")
+    format!("`{name}` must be {expected}, found {found}")
 }
 
 /// Where a value begins: a list of tables has no place of its own.

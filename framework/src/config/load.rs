@@ -174,10 +174,9 @@ struct Parts {
 impl Parts {
     fn read(document: Document<'_>, report: &mut Report<'_>) -> Option<Self> {
         let settings = settings(document.controller, report);
-        let robot = match document.robot {
-            Some(section) => single::<dyn Robot>(section, report),
-            None => missing("robot", report),
-        };
+        let robot = document
+            .robot
+            .and_then(|section| single::<dyn Robot>(section, report));
         let solver: Option<Box<dyn QpSolver>> = match document.solver {
             Some(section) => single::<dyn QpSolver>(section, report),
             None => Some(Box::new(Clarabel::default())),
@@ -217,13 +216,6 @@ fn each<'t, T>(
     read.into_iter().collect()
 }
 
-fn missing<T>(table: &str, report: &mut Report<'_>) -> Option<T> {
-    let at = At::subject("top level");
-    let message = format!("table `[{table}]` is missing");
-    report.add(Kind::MissingKey, None, &at, message);
-    None
-}
-
 fn schema_of<T: schemars::JsonSchema>() -> Json {
     SchemaGenerator::default()
         .into_root_schema_for::<T>()
@@ -231,9 +223,7 @@ fn schema_of<T: schemars::JsonSchema>() -> Json {
 }
 
 fn settings(section: Option<Section<'_>>, report: &mut Report<'_>) -> Option<Settings> {
-    let Some(section) = section else {
-        return missing("controller", report);
-    };
+    let section = section?;
     let at = At::subject("controller");
     let schema = schema_of::<Settings>();
     let keys = section.clone();

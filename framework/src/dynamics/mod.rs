@@ -40,7 +40,7 @@
 //! # Sources
 //! The algorithms are those of R. Featherstone, *Rigid Body Dynamics Algorithms* (RBDA), Springer 2008:
 //! recursive Newton–Euler (section 5.3), composite rigid bodies (6.2), articulated bodies (7.3), floating base
-//! (9.3–9.4), hybrid dynamics (9.2). The transform from a body to its parent is here a pure translation,
+//! (9.3–9.5), hybrid dynamics (9.2). The transform from a body to its parent is here a pure translation,
 //! because all vectors are in world axes.
 
 mod data;
