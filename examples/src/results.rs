@@ -76,7 +76,7 @@ pub fn write_json(rows: &[Row], path: &Path) -> io::Result<()> {
 pub fn table(rows: &[Row]) -> Table {
     let mut table = Table::new();
     table
-        .load_preset(presets::UTF8_HORIZONTAL_ONLY)
+        .load_preset(presets::UTF8_FULL_CONDENSED)
         .set_content_arrangement(ContentArrangement::Dynamic)
         .set_header([
             "", "row", "quantity", "paper", "measured", "unit", "accepted",

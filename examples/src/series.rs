@@ -161,7 +161,7 @@ mod tests {
         assert_eq!(w.rmse(21.0), Some(1.0));
         assert_eq!((w.min(), w.max()), (Some(20.0), Some(22.0)));
         assert_eq!(w.farthest_from(21.9), Some(20.0));
-        assert_eq!(s.quantile(0.5), Some(50.0));
+        assert_eq!(ramp().quantile(0.5), Some(50.0));
         assert_eq!(Series::default().mean(), None);
         assert_eq!(w.fraction(|y| y > 21.0), Some(0.5));
     }

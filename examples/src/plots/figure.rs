@@ -101,6 +101,8 @@ pub struct Shade {
     pub name: String,
     /// Colour.
     pub colour: Colour,
+    /// Opacity, 0 to 1.
+    pub strength: f64,
     /// First and last instant of each, s.
     pub stretches: Vec<(f64, f64)>,
 }
@@ -132,7 +134,7 @@ pub struct Figure {
 }
 
 const WIDTH: u32 = 960;
-const PANEL: u32 = 330;
+const PANEL: u32 = 390;
 const LEGEND_ROW: i32 = 24;
 /// Plotters divides by 1.24 on the way to SVG.
 const TEXT: f64 = 17.0 * 1.24;
@@ -171,6 +173,7 @@ impl Panel {
         self.draw_header(&header)?;
         let (low, high) = self.range(time);
         let mut chart = ChartBuilder::on(&body)
+            .margin_left(14)
             .margin_right(24)
             .margin_bottom(6)
             .x_label_area_size(54)
@@ -185,6 +188,8 @@ impl Panel {
             .x_desc("time [s]")
             .y_desc(&self.y_label)
             .x_labels(11)
+            .x_label_formatter(&|t| short(*t))
+            .y_label_formatter(&|y| short(*y))
             .y_labels(7)
             .label_style(label.clone())
             .axis_desc_style(label)
@@ -211,7 +216,7 @@ impl Panel {
 
     fn draw_shades(&self, chart: &mut Chart<'_, '_>, y: (f64, f64)) -> Result<(), PlotError> {
         for shade in &self.shades {
-            let fill = shade.colour.rgb().mix(0.15).filled();
+            let fill = shade.colour.rgb().mix(shade.strength).filled();
             let rectangle =
                 |&(from, to): &(f64, f64)| Rectangle::new([(from, y.0), (to, y.1)], fill);
             chart.draw_series(shade.stretches.iter().map(rectangle))?;
@@ -264,7 +269,7 @@ impl Panel {
                     }
                 }
                 Entry::Shade(shade) => {
-                    let fill = shade.colour.rgb().mix(0.25).filled();
+                    let fill = shade.colour.rgb().mix(shade.strength).filled();
                     area.draw(&Rectangle::new([(x, y - 8), (x + 30, y + 8)], fill))?;
                 }
                 Entry::Limits(_) => {
@@ -321,6 +326,13 @@ impl Entry<'_> {
             Self::Limits(name) => name,
         }
     }
+}
+
+/// A tick's number without noise of rounding and trailing zeros.
+fn short(value: f64) -> String {
+    let text = format!("{value:.6}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    if text == "-0" { "0" } else { text }.to_owned()
 }
 
 /// Points of unbroken stretches of a signal, thinned to the lowest and highest of each pixel, so that peaks stay.

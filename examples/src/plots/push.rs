@@ -148,14 +148,15 @@ pub fn base_position(with_ft: &Log, no_ft: &Log) -> Result<Figure, ReadError> {
 fn shades(log: &Log) -> Result<Vec<Shade>, ReadError> {
     let on = log.series(&format!("/contact/{CONTACT}"), "/on")?;
     let disturbance = (log.mark("disturbance_start")?, log.mark("disturbance_end")?);
-    let shade = |name: &str, colour, stretches| Shade {
+    let shade = |name: &str, colour, strength, stretches| Shade {
         name: name.to_owned(),
         colour,
+        strength,
         stretches,
     };
     Ok(vec![
-        shade("contact", Colour::Red, on.stretches(|on| on != 0.0)),
-        shade("disturbance", Colour::Blue, vec![disturbance]),
+        shade("contact", Colour::Red, 0.12, on.stretches(|on| on != 0.0)),
+        shade("disturbance", Colour::Blue, 0.25, vec![disturbance]),
     ])
 }
 
