@@ -134,8 +134,8 @@ fn settings() {
         ),
         [
             "x.toml:2:8: controller: rate: must be finite and positive, is 0",
-            "x.toml:3:18: controller: regularisation: must be finite and not negative, is -1",
-            "x.toml:4:17: controller: velocity_leak: must be finite and positive, is inf",
+            "x.toml:3:18: controller: regularisation: must be finite and positive, is -1",
+            "x.toml:4:17: controller: velocity_leak: must be finite and at least one period, is inf",
         ]
     );
     assert_eq!(
@@ -151,7 +151,7 @@ fn settings() {
 fn robot_and_solver() {
     assert_eq!(
         messages(
-            "[controller]\nrate = 1\n[robot]\ntype = \"test.rob\"\n\
+            "[controller]\nrate = 250\n[robot]\ntype = \"test.rob\"\n\
              [solver]\ntype = \"clarabel\"\ntolerence = 1e-9\nmax_iterations = -3\n"
         ),
         [

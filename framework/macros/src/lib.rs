@@ -9,41 +9,41 @@ use proc_macro::{Delimiter, Group, Ident, Literal, Punct, Spacing, Span, TokenSt
 /// Registers an `impl Task for …` under the given tag.
 #[proc_macro_attribute]
 pub fn task(tag: TokenStream, item: TokenStream) -> TokenStream {
-    register("Task", tag, item)
+    register("Task", tag, &item)
 }
 
 /// Registers an `impl Constraint for …` under the given tag.
 #[proc_macro_attribute]
 pub fn constraint(tag: TokenStream, item: TokenStream) -> TokenStream {
-    register("Constraint", tag, item)
+    register("Constraint", tag, &item)
 }
 
 /// Registers an `impl Reference for …` under the given tag.
 #[proc_macro_attribute]
 pub fn reference(tag: TokenStream, item: TokenStream) -> TokenStream {
-    register("Reference", tag, item)
+    register("Reference", tag, &item)
 }
 
 /// Registers an `impl Robot for …` under the given tag.
 #[proc_macro_attribute]
 pub fn robot(tag: TokenStream, item: TokenStream) -> TokenStream {
-    register("Robot", tag, item)
+    register("Robot", tag, &item)
 }
 
 /// Registers an `impl QpSolver for …` under the given tag.
 #[proc_macro_attribute]
 pub fn solver(tag: TokenStream, item: TokenStream) -> TokenStream {
-    register("QpSolver", tag, item)
+    register("QpSolver", tag, &item)
 }
 
 /// Emits the implementation with its typetag name, and a registration of the implementing type.
-fn register(kind: &str, tag: TokenStream, item: TokenStream) -> TokenStream {
+fn register(kind: &str, tag: TokenStream, item: &TokenStream) -> TokenStream {
     let Some(tag) = tag_literal(tag) else {
         return error(
             "the attribute takes the plug-in's tag as one string, as in #[wbqp::task(\"posture\")]",
         );
     };
-    let Some(implementor) = implementing_type(&item) else {
+    let Some(implementor) = implementing_type(item) else {
         return error("the attribute goes on an `impl Trait for Type` block");
     };
     let source = format!(
@@ -59,7 +59,7 @@ fn register(kind: &str, tag: TokenStream, item: TokenStream) -> TokenStream {
         }};"
     );
     match source.parse::<TokenStream>() {
-        Ok(template) => substitute(template, &item, &implementor),
+        Ok(template) => substitute(template, item, &implementor),
         Err(_) => error("the tag is not a plain string"),
     }
 }

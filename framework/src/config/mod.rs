@@ -23,6 +23,7 @@
 //! gives the same text.
 
 mod document;
+mod entry;
 mod error;
 mod load;
 mod overrides;
@@ -119,7 +120,7 @@ impl Settings {
     /// Checks the numbers.
     ///
     /// # Errors
-    /// Names the first key that is not finite or has a sign that makes no sense.
+    /// Names the first key that is not finite or out of range.
     pub fn validate(&self) -> Result<(), BindError> {
         match self.problems().next() {
             Some((key, problem)) => Err(BindError::value(key, problem)),
@@ -129,22 +130,25 @@ impl Settings {
 
     /// Keys with what is wrong with them.
     fn problems(&self) -> impl Iterator<Item = (&'static str, String)> {
-        let positive = |x: f64| x > 0.0;
-        let not_negative = |x: f64| x >= 0.0;
-        let rules: [(_, f64, fn(f64) -> bool, _); 3] = [
-            ("rate", self.rate, positive, "positive"),
+        let rate_is_good = self.rate.is_finite() && self.rate > 0.0;
+        [
+            ("rate", self.rate, rate_is_good, "positive"),
             (
                 "regularisation",
                 self.regularisation,
-                not_negative,
-                "not negative",
+                self.regularisation > 0.0,
+                "positive",
             ),
-            ("velocity_leak", self.velocity_leak, positive, "positive"),
-        ];
-        rules
-            .into_iter()
-            .filter(|(_, value, allowed, _)| !value.is_finite() || !allowed(*value))
-            .map(|(key, value, _, rule)| (key, format!("must be finite and {rule}, is {value}")))
+            (
+                "velocity_leak",
+                self.velocity_leak,
+                !rate_is_good || self.velocity_leak * self.rate >= 1.0,
+                "at least one period",
+            ),
+        ]
+        .into_iter()
+        .filter(|(_, value, allowed, _)| !value.is_finite() || !allowed)
+        .map(|(key, value, _, rule)| (key, format!("must be finite and {rule}, is {value}")))
     }
 }
 

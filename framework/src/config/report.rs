@@ -111,13 +111,11 @@ impl<'a> Report<'a> {
     }
 
     pub(super) fn place(&self, span: &Span) -> Place {
-        match self.applied(span) {
-            Some(_) => Place::file(self.file),
-            None => {
-                let (line, column) = self.position(span.start);
-                Place::at(self.file, line, column)
-            }
+        if self.applied(span).is_some() {
+            return Place::file(self.file);
         }
+        let (line, column) = self.position(span.start);
+        Place::at(self.file, line, column)
     }
 
     fn applied(&self, span: &Span) -> Option<&Applied> {

@@ -135,10 +135,7 @@ pub(super) fn read<'t, T>(
             let span = error.span().unwrap_or_else(|| section.span.clone());
             report.add(Kind::Value, Some(span), &at.then(&path), error.message());
         }
-        let Some(parent) = remove(&mut section.keys, &path) else {
-            return None;
-        };
-        damaged.push(parent);
+        damaged.push(remove(&mut section.keys, &path)?);
     }
 }
 
