@@ -297,7 +297,7 @@ impl Panel {
         let mut placed = Vec::new();
         for entry in lines.chain(limits).chain(shades) {
             let width = 38 + 26 + (9.6 * entry.name().chars().count() as f64) as i32;
-            if x + width > WIDTH as i32 && x > 84 {
+            if x + width > WIDTH.cast_signed() && x > 84 {
                 (x, row) = (84, row + 1);
             }
             placed.push((entry, (x, row)));
