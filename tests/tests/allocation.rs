@@ -15,7 +15,6 @@ use wbqp::{
     schemars,
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
-    typetag,
 };
 use wbqp_tests::scenes::{KINDS, Scene};
 

@@ -3,9 +3,11 @@
 //! # Mathematics
 //! Clarabel solves `min ½xᵀPx + qᵀx` subject to `A x + s = b`, `s ∈ K`. Equality rows go to the zero cone;
 //! each finite side of an inequality row or bound becomes one row of the nonnegative cone (`a x + s = u` or
-//! `−a x + s = −l`). Equilibration is off and the tolerances are 1e-12: with the defaults, weakly weighted
+//! `−a x + s = −l`). Rows are brought to unit norm, and `x`, limits and multipliers are divided by `‖g‖∞`, so that
+//! absolute tolerances mean the same for every problem. Clarabel's own equilibration is off and the tolerances are 1e-12: with the defaults, weakly weighted
 //! directions come out wrong. While the set of sides stays the same the solver object is kept and its numbers
-//! are replaced in place; it allocates inside `solve` all the same, and it has no warm start.
+//! are replaced in place; it allocates inside `solve` all the same, and it has no warm start. The last digits come
+//! from solving for the active set that the interior point suggests (module `polish`).
 
 use clarabel::{
     algebra::CscMatrix,
@@ -17,7 +19,7 @@ use clarabel::{
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Capacity, Qp, QpSolver, Solution, Status};
+use super::{Capacity, Optimality, Qp, QpSolver, Solution, Status, polish::polish};
 
 /// Settings of the Clarabel backend.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -71,6 +73,10 @@ struct Workspace {
     q: Vec<f64>,
     a: Vec<f64>,
     b: Vec<f64>,
+    /// `1/‖row‖` of every row.
+    row_scale: Vec<f64>,
+    /// `‖g‖∞`, by which `x`, limits and multipliers are divided.
+    cost_scale: f64,
     solver: Option<DefaultSolver<f64>>,
 }
 
@@ -108,6 +114,7 @@ impl QpSolver for Clarabel {
             q: Vec::with_capacity(vars),
             a: Vec::with_capacity(2 * (rows * vars + vars)),
             b: Vec::with_capacity(sides),
+            row_scale: Vec::with_capacity(rows),
             ..Workspace::default()
         };
         Ok(())
@@ -139,7 +146,7 @@ impl QpSolver for Clarabel {
         out.status = match solution.status {
             SolverStatus::Solved => Status::Optimal,
             SolverStatus::AlmostSolved => Status::AlmostOptimal,
-            // Out of numerical digits, but with a point: judged by its residuals below.
+            // Out of digits, but with a point: judged by its errors below.
             SolverStatus::InsufficientProgress | SolverStatus::MaxIterations => Status::Budget,
             SolverStatus::PrimalInfeasible | SolverStatus::AlmostPrimalInfeasible => {
                 Status::Infeasible
@@ -153,20 +160,31 @@ impl QpSolver for Clarabel {
             out.status = Status::Failed;
             return;
         }
-        out.x[..qp.n()].copy_from_slice(&solution.x);
+        for (x, scaled) in out.x.iter_mut().zip(&solution.x) {
+            *x = scaled * w.cost_scale;
+        }
         for (side, &multiplier) in w.sides.iter().zip(&solution.z) {
+            let multiplier = multiplier * w.cost_scale;
+            let row = |i: u32| multiplier * w.row_scale[i as usize];
             match *side {
-                Side::Equal(i) | Side::RowUpper(i) => out.y[i as usize] += multiplier,
-                Side::RowLower(i) => out.y[i as usize] -= multiplier,
+                Side::Equal(i) | Side::RowUpper(i) => out.y[i as usize] += row(i),
+                Side::RowLower(i) => out.y[i as usize] -= row(i),
                 Side::BoundEqual(i) | Side::BoundUpper(i) => out.z[i as usize] += multiplier,
                 Side::BoundLower(i) => out.z[i as usize] -= multiplier,
             }
         }
-        // At tolerance 1e-12 Clarabel often stops a digit short for lack of progress. The point is still
-        // good to 1e-9: say so instead of throwing it away.
-        if out.status == Status::Budget && stationarity(qp, out) < 1e-8 && violation(qp, out) < 1e-8
-        {
-            out.status = Status::AlmostOptimal;
+        if matches!(
+            out.status,
+            Status::Optimal | Status::AlmostOptimal | Status::Budget
+        ) {
+            polish(qp, out);
+            // At tolerance 1e-12 Clarabel often stops a digit short for lack of progress: the conditions decide.
+            let error = Optimality::of(qp, out).worst();
+            if error < 1e-9 {
+                out.status = Status::Optimal;
+            } else if error < 1e-6 {
+                out.status = Status::AlmostOptimal;
+            }
         }
     }
 
@@ -202,52 +220,64 @@ impl Workspace {
         self.n = n;
         self.sides.clear();
         self.b.clear();
-        let limits = || qp.row_lower().iter().zip(qp.row_upper()).enumerate();
-        let bounds = || qp.lower().iter().zip(qp.upper()).enumerate();
-        for (i, (&l, &u)) in limits() {
-            if l == u {
-                self.sides.push(Side::Equal(i as u32));
-                self.b.push(u);
+        let largest = qp.g().iter().fold(0.0_f64, |a, g| a.max(g.abs()));
+        self.cost_scale = if largest > 0.0 { largest } else { 1.0 };
+        self.row_scale.clear();
+        for i in 0..qp.m() {
+            let norm = qp.row(i).iter().map(|a| a * a).sum::<f64>().sqrt();
+            self.row_scale.push(if norm > 0.0 { 1.0 / norm } else { 1.0 });
+        }
+        let unit = 1.0 / self.cost_scale;
+        let limits = || {
+            let limits = qp.row_lower().iter().zip(qp.row_upper()).enumerate();
+            limits.map(|(i, (&l, &u))| (i as u32, l, u))
+        };
+        let bounds = || {
+            let bounds = qp.lower().iter().zip(qp.upper()).enumerate();
+            bounds.map(|(i, (&l, &u))| (i as u32, l, u))
+        };
+        for (i, _, u) in limits().filter(|(_, l, u)| l == u) {
+            self.sides.push(Side::Equal(i));
+            self.b.push(u * unit * self.row_scale[i as usize]);
+        }
+        for (i, _, u) in bounds().filter(|(_, l, u)| l == u) {
+            self.sides.push(Side::BoundEqual(i));
+            self.b.push(u * unit);
+        }
+        for (i, l, u) in limits().filter(|(_, l, u)| l != u) {
+            let unit = unit * self.row_scale[i as usize];
+            if u.is_finite() {
+                self.sides.push(Side::RowUpper(i));
+                self.b.push(u * unit);
+            }
+            if l.is_finite() {
+                self.sides.push(Side::RowLower(i));
+                self.b.push(-l * unit);
             }
         }
-        for (i, (&l, &u)) in bounds() {
-            if l == u {
-                self.sides.push(Side::BoundEqual(i as u32));
-                self.b.push(u);
+        for (i, l, u) in bounds().filter(|(_, l, u)| l != u) {
+            if u.is_finite() {
+                self.sides.push(Side::BoundUpper(i));
+                self.b.push(u * unit);
             }
-        }
-        for (i, (&l, &u)) in limits() {
-            if l != u && u.is_finite() {
-                self.sides.push(Side::RowUpper(i as u32));
-                self.b.push(u);
-            }
-            if l != u && l.is_finite() {
-                self.sides.push(Side::RowLower(i as u32));
-                self.b.push(-l);
-            }
-        }
-        for (i, (&l, &u)) in bounds() {
-            if l != u && u.is_finite() {
-                self.sides.push(Side::BoundUpper(i as u32));
-                self.b.push(u);
-            }
-            if l != u && l.is_finite() {
-                self.sides.push(Side::BoundLower(i as u32));
-                self.b.push(-l);
+            if l.is_finite() {
+                self.sides.push(Side::BoundLower(i));
+                self.b.push(-l * unit);
             }
         }
         self.p.clear();
         self.a.clear();
         self.q.clear();
-        self.q.extend_from_slice(qp.g());
+        self.q.extend(qp.g().iter().map(|g| g * unit));
         for j in 0..n {
             for i in 0..=j {
                 self.p.push(qp.h()[i * n + j]);
             }
             for side in &self.sides {
+                let row = |i: u32| qp.row(i as usize)[j] * self.row_scale[i as usize];
                 match *side {
-                    Side::Equal(i) | Side::RowUpper(i) => self.a.push(qp.row(i as usize)[j]),
-                    Side::RowLower(i) => self.a.push(-qp.row(i as usize)[j]),
+                    Side::Equal(i) | Side::RowUpper(i) => self.a.push(row(i)),
+                    Side::RowLower(i) => self.a.push(-row(i)),
                     Side::BoundEqual(i) | Side::BoundUpper(i) if i as usize == j => {
                         self.a.push(1.0);
                     }
@@ -313,40 +343,4 @@ fn has_crossed_limits(qp: &Qp) -> bool {
     let crossed = |(l, u): (&f64, &f64)| l > u;
     qp.row_lower().iter().zip(qp.row_upper()).any(crossed)
         || qp.lower().iter().zip(qp.upper()).any(crossed)
-}
-
-/// `‖H x + g + Aᵀ y + z‖∞ / (1 + ‖g‖∞)`.
-fn stationarity(qp: &Qp, s: &Solution) -> f64 {
-    let n = qp.n();
-    let mut worst = 0.0_f64;
-    let mut scale = 1.0_f64;
-    for j in 0..n {
-        let mut r = qp.g()[j] + s.z[j];
-        for i in 0..n {
-            r += qp.h()[j * n + i] * s.x[i];
-        }
-        for i in 0..qp.m() {
-            r += qp.row(i)[j] * s.y[i];
-        }
-        worst = worst.max(r.abs());
-        scale = scale.max(1.0 + qp.g()[j].abs());
-    }
-    worst / scale
-}
-
-/// Largest violation of a row or bound.
-fn violation(qp: &Qp, s: &Solution) -> f64 {
-    let mut worst = 0.0_f64;
-    for i in 0..qp.m() {
-        let ax: f64 = qp.row(i).iter().zip(&s.x).map(|(a, x)| a * x).sum();
-        worst = worst
-            .max(qp.row_lower()[i] - ax)
-            .max(ax - qp.row_upper()[i]);
-    }
-    for j in 0..qp.n() {
-        worst = worst
-            .max(qp.lower()[j] - s.x[j])
-            .max(s.x[j] - qp.upper()[j]);
-    }
-    worst
 }

@@ -10,11 +10,14 @@
 //! `H x + g + Aᵀ y + z = 0`.
 
 mod clarabel;
+mod optimality;
+mod polish;
 mod problem;
 mod scaling;
 mod solver;
 
 pub use clarabel::Clarabel;
+pub use optimality::Optimality;
 pub use problem::{Capacity, Qp, RowId, VarId};
 pub use scaling::Jacobi;
 pub use solver::{QpSolver, Solution, Status};
