@@ -1,0 +1,162 @@
+//! The workspace of one model and the results of one state.
+//!
+//! # Notation
+//! `R` base frame, `W` world, `v = [v_WR; w_WR; q̇]`; `M v̇ + h = S u + Σ Jᵀ f`. World axes throughout.
+#![allow(non_snake_case)]
+
+use nalgebra::{
+    DMatrix, DVector, Isometry3, Matrix3xX, Translation3, UnitQuaternion, Vector3, Vector6,
+};
+
+use super::{
+    forward::ArticulatedLink,
+    inverse,
+    kinematics::{self, Link},
+    mass_matrix,
+    spatial_vector::Force,
+};
+use crate::{
+    model::{BodyId, Model},
+    state::State,
+};
+
+/// Preallocated workspace and results. Belongs to the model it was made for; never allocates after
+/// [`Data::new`]. A state with a number that is not finite gives results that are not finite, no panic.
+#[derive(Clone, Debug)]
+pub struct Data {
+    pub(super) links: Vec<Link>,
+    pub(super) articulated: Vec<ArticulatedLink>,
+    mass_matrix: DMatrix<f64>,
+    bias: DVector<f64>,
+    gravity: DVector<f64>,
+    com: Vector3<f64>,
+    com_velocity: Vector3<f64>,
+    com_jacobian: Matrix3xX<f64>,
+    com_bias: Vector3<f64>,
+    centroidal_momentum: Vector6<f64>,
+}
+
+impl Data {
+    /// Room for `model`, holding the results for [`State::neutral`].
+    pub fn new(model: &Model) -> Self {
+        let nv = model.nv();
+        let links = model.bodies().iter().enumerate().map(|(i, body)| {
+            let armature = match i {
+                0 => 0.0,
+                _ => model.joints()[i - 1].armature,
+            };
+            Link::new(body.parent.index(), armature)
+        });
+        let mut data = Self {
+            links: links.collect(),
+            articulated: vec![ArticulatedLink::zero(); model.bodies().len()],
+            mass_matrix: DMatrix::zeros(nv, nv),
+            bias: DVector::zeros(nv),
+            gravity: DVector::zeros(nv),
+            com: Vector3::zeros(),
+            com_velocity: Vector3::zeros(),
+            com_jacobian: Matrix3xX::zeros(nv),
+            com_bias: Vector3::zeros(),
+            centroidal_momentum: Vector6::zeros(),
+        };
+        data.update(model, &State::neutral(model));
+        data
+    }
+
+    /// Everything a control tick needs: kinematics, M, h, gravity, centre of mass and momentum.
+    pub fn update(&mut self, model: &Model, state: &State) {
+        self.update_kinematics(model, state);
+        let offset = model.joint_offset();
+        mass_matrix::composite_inertias(&mut self.links);
+        mass_matrix::mass_matrix(
+            &self.links,
+            &model.gravity(),
+            offset,
+            &mut self.mass_matrix,
+            &mut self.gravity,
+            &mut self.com_jacobian,
+        );
+        inverse::velocity_forces(&mut self.links, offset, &mut self.bias);
+        self.bias += &self.gravity;
+        self.update_centroid();
+    }
+
+    /// Only the kinematic pass: what [`forward_dynamics`](super::forward_dynamics),
+    /// [`inverse_dynamics`](super::inverse_dynamics), [`energy`](super::energy()) and the frame functions need. M, h,
+    /// gravity, centre of mass and momentum keep the values of the last [`Data::update`].
+    pub fn update_kinematics(&mut self, model: &Model, state: &State) {
+        kinematics::forward_pass(&mut self.links, model, state);
+    }
+
+    /// Position, velocity, bias acceleration and momentum of the centre of mass. Needs the composite inertias
+    /// and the base force of the velocity terms.
+    fn update_centroid(&mut self) {
+        let base = &self.links[0];
+        let whole = &base.composite;
+        self.com = base.p_WB + whole.h / whole.m;
+        self.com_bias = base.force.linear / whole.m;
+
+        let mut momentum = Force::zero();
+        for link in &self.links {
+            let own = link.inertia.times(&link.V);
+            momentum += own.at_parent(&(link.p_WB - self.com));
+        }
+        self.com_velocity = momentum.linear / whole.m;
+        self.centroidal_momentum
+            .fixed_rows_mut::<3>(0)
+            .copy_from(&momentum.linear);
+        self.centroidal_momentum
+            .fixed_rows_mut::<3>(3)
+            .copy_from(&momentum.angular);
+    }
+
+    /// Mass matrix `M`, nv × nv, symmetric and full, armature on the diagonal. Units kg, kg·m, kg·m² by block;
+    /// base rows in world axes about R's origin (RBDA section 6.2).
+    pub fn mass_matrix(&self) -> &DMatrix<f64> {
+        &self.mass_matrix
+    }
+
+    /// `h(q, v)`, size nv: Coriolis, centrifugal and gravity terms, without damping and friction. N and N·m; base
+    /// rows in world axes about R's origin (RBDA section 5.3).
+    pub fn bias(&self) -> &DVector<f64> {
+        &self.bias
+    }
+
+    /// `g(q) = h(q, 0)`, size nv, N and N·m: what holds the robot still; its third entry is the weight.
+    pub fn gravity(&self) -> &DVector<f64> {
+        &self.gravity
+    }
+
+    /// Centre of mass of the whole robot, m, world.
+    pub fn center_of_mass(&self) -> Vector3<f64> {
+        self.com
+    }
+
+    /// Velocity of the centre of mass, m/s, world axes.
+    pub fn center_of_mass_velocity(&self) -> Vector3<f64> {
+        self.com_velocity
+    }
+
+    /// Jacobian of the centre of mass, 3 × nv, world axes: `ṗ_com = J_com v`.
+    pub fn center_of_mass_jacobian(&self) -> &Matrix3xX<f64> {
+        &self.com_jacobian
+    }
+
+    /// `J̇_com v`, m/s², world axes: acceleration of the centre of mass when `v̇ = 0`.
+    pub fn center_of_mass_bias(&self) -> Vector3<f64> {
+        self.com_bias
+    }
+
+    /// `[linear; angular]` momentum, kg·m/s and kg·m²/s, world axes, the angular part about the centre of mass.
+    /// Spinning rotors hidden in armatures have no part in it.
+    pub fn centroidal_momentum(&self) -> Vector6<f64> {
+        self.centroidal_momentum
+    }
+
+    /// Pose `X_WB` of a body, m, world.
+    pub fn body_pose(&self, body: BodyId) -> Isometry3<f64> {
+        let link = &self.links[body.index()];
+        let rotation: UnitQuaternion<f64> = link.q_WB;
+        Isometry3::from_parts(Translation3::from(link.p_WB), rotation)
+    }
+}
