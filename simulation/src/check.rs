@@ -1,0 +1,50 @@
+//! Collects everything that is wrong with a configuration, by key.
+
+/// What is wrong, one line per key.
+#[derive(Debug, Default)]
+pub(crate) struct Problems(Vec<String>);
+
+impl Problems {
+    /// Notes a problem with a key.
+    pub(crate) fn add(&mut self, key: &str, what: &str) {
+        self.0.push(format!("{key}: {what}"));
+    }
+
+    /// A number above zero; infinite only if `infinite` says that it means "no limit".
+    pub(crate) fn positive(&mut self, key: &str, value: f64, infinite: bool) {
+        if value.is_nan() || value <= 0.0 || (!infinite && value.is_infinite()) {
+            let finite = if infinite { "" } else { " and finite" };
+            self.add(key, &format!("is {value}, must be positive{finite}"));
+        }
+    }
+
+    /// A finite number, zero or above.
+    pub(crate) fn not_negative(&mut self, key: &str, value: f64) {
+        if !value.is_finite() || value < 0.0 {
+            self.add(key, &format!("is {value}, must be finite and not negative"));
+        }
+    }
+
+    /// A finite number.
+    pub(crate) fn number(&mut self, key: &str, value: f64) {
+        if !value.is_finite() {
+            self.add(key, &format!("is {value}, must be finite"));
+        }
+    }
+
+    /// Finite numbers.
+    pub(crate) fn finite(&mut self, key: &str, values: &[f64]) {
+        if !values.iter().all(|x| x.is_finite()) {
+            self.add(key, &format!("is {values:?}, must be finite"));
+        }
+    }
+
+    /// All problems, or none.
+    pub(crate) fn into_result<E>(self, error: impl FnOnce(Vec<String>) -> E) -> Result<(), E> {
+        if self.0.is_empty() {
+            Ok(())
+        } else {
+            Err(error(self.0))
+        }
+    }
+}

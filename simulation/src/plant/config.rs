@@ -1,0 +1,291 @@
+//! The `[plant]` table: everything about the simulated world that is not the robot.
+
+use nalgebra::Vector3;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::PlantError;
+use crate::check::Problems;
+
+/// Largest step that is accepted, s: the contact needs it.
+pub const LARGEST_STEP: f64 = 4e-4;
+
+/// Everything about the simulated world that is not the robot. The default is free space, exact parameters.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct PlantConfig {
+    /// Integration step, s; at most [`LARGEST_STEP`]. Each [`advance`](super::Plant::advance) takes whole
+    /// steps of at most this length.
+    pub step: f64,
+    /// Control periods between a measurement and the start of its command.
+    pub command_delay: usize,
+    /// Speed below which the Coulomb friction of a joint without servo fades, rad/s or m/s: `F tanh(q̇ / this)`.
+    /// Made larger where the step needs it.
+    pub friction_speed: f64,
+    /// How the plant's parameters differ from the controller's.
+    pub mismatch: Mismatch,
+    /// Servos of the joints that are commanded with a velocity.
+    pub servo: ServoConfig,
+    /// Planes that the contact points cannot pass.
+    #[serde(rename = "wall", skip_serializing_if = "Vec::is_empty")]
+    pub walls: Vec<WallConfig>,
+    /// The points of the robot that touch walls. Every point can touch every wall.
+    #[serde(rename = "contact_point", skip_serializing_if = "Vec::is_empty")]
+    pub contact_points: Vec<ContactPointConfig>,
+    /// Wrenches from outside, unknown to the controller and to the sensors.
+    #[serde(rename = "disturbance", skip_serializing_if = "Vec::is_empty")]
+    pub disturbances: Vec<Disturbance>,
+}
+
+/// How the plant's parameters differ from the controller's. The default is not at all.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Mismatch {
+    /// Factor on the mass of every body and, as it would be with a denser material, on its inertia.
+    pub mass_scale: f64,
+    /// Shift of the base body's centre of mass, m, body axes.
+    pub com_shift: [f64; 3],
+    /// Further factor on every body's inertia about its centre of mass.
+    pub inertia_scale: f64,
+    /// Thrust that rotors produce relative to the thrust that was commanded.
+    pub thrust_scale: f64,
+}
+
+/// A velocity servo: `v̇ = sat((v_ref − v) / time_constant)`, whatever effort that takes up to the stall limit.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct ServoConfig {
+    /// Time constant, s.
+    pub time_constant: f64,
+    /// Largest acceleration, rad/s² or m/s²; `inf` for none.
+    pub acceleration_limit: f64,
+}
+
+/// A plane with friction.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct WallConfig {
+    /// Unique name, for logs.
+    pub name: String,
+    /// A point of the plane, m, world.
+    pub point: [f64; 3],
+    /// Outward normal, towards the robot, world axes; any length but zero.
+    pub normal: [f64; 3],
+    /// Normal stiffness k, N/m.
+    #[serde(default = "stiffness")]
+    pub stiffness: f64,
+    /// Normal damping c, N·s/m.
+    #[serde(default = "damping")]
+    pub damping: f64,
+    /// Coulomb coefficient μ, for sticking and for sliding.
+    #[serde(default = "friction")]
+    pub friction: f64,
+    /// Viscous coefficient b, N·s/m: a force `−b v_t` while in contact, beside the Coulomb force.
+    #[serde(default)]
+    pub viscous: f64,
+    /// Tangential stiffness k_t, N/m; the normal stiffness if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tangential_stiffness: Option<f64>,
+    /// Tangential damping c_t, N·s/m; the default normal damping if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tangential_damping: Option<f64>,
+}
+
+/// A point of the robot that touches walls.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ContactPointConfig {
+    /// Named frame of the robot.
+    pub frame: String,
+    /// The point in that frame, m.
+    #[serde(default)]
+    pub offset: [f64; 3],
+}
+
+/// A wrench at the origin of a frame during `[from, until)`. Its edges fall on the starts of integration steps.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Disturbance {
+    /// Named frame of the robot; links are frames too.
+    pub frame: String,
+    /// Force on the robot, N, world axes.
+    #[serde(default)]
+    pub force: [f64; 3],
+    /// Moment on the robot about the frame's origin, N·m, world axes.
+    #[serde(default)]
+    pub moment: [f64; 3],
+    /// Start, s.
+    #[serde(default)]
+    pub from: f64,
+    /// End, s; `inf` (the default) for never.
+    #[serde(default = "never")]
+    pub until: f64,
+}
+
+fn stiffness() -> f64 {
+    2e4
+}
+// A little under half of critical for 0.2 kg, the effective mass of a small arm's tip.
+fn damping() -> f64 {
+    60.0
+}
+fn friction() -> f64 {
+    0.5
+}
+fn never() -> f64 {
+    f64::INFINITY
+}
+
+impl Default for PlantConfig {
+    fn default() -> Self {
+        Self {
+            step: 2.5e-4,
+            command_delay: 1,
+            friction_speed: 0.01,
+            mismatch: Mismatch::default(),
+            servo: ServoConfig::default(),
+            walls: Vec::new(),
+            contact_points: Vec::new(),
+            disturbances: Vec::new(),
+        }
+    }
+}
+
+impl Default for Mismatch {
+    fn default() -> Self {
+        Self {
+            mass_scale: 1.0,
+            com_shift: [0.0; 3],
+            inertia_scale: 1.0,
+            thrust_scale: 1.0,
+        }
+    }
+}
+
+impl Default for ServoConfig {
+    fn default() -> Self {
+        Self {
+            time_constant: 0.03,
+            acceleration_limit: 100.0,
+        }
+    }
+}
+
+impl WallConfig {
+    /// A wall of the default material.
+    pub fn new(name: &str, point: Vector3<f64>, normal: Vector3<f64>) -> Self {
+        Self {
+            name: name.to_owned(),
+            point: point.into(),
+            normal: normal.into(),
+            stiffness: stiffness(),
+            damping: damping(),
+            friction: friction(),
+            viscous: 0.0,
+            tangential_stiffness: None,
+            tangential_damping: None,
+        }
+    }
+
+    /// k_t, N/m.
+    pub(super) fn tangential_stiffness(&self) -> f64 {
+        self.tangential_stiffness.unwrap_or(self.stiffness)
+    }
+
+    /// c_t, N·s/m. Not the normal damping by default: that one may be zero.
+    pub(super) fn tangential_damping(&self) -> f64 {
+        self.tangential_damping.unwrap_or_else(damping)
+    }
+
+    fn check(&self, key: &str, step: f64, problems: &mut Problems) {
+        let key = |name| format!("{key} `{}`: {name}", self.name);
+        problems.finite(&key("point"), &self.point);
+        problems.finite(&key("normal"), &self.normal);
+        if Vector3::from(self.normal).norm() == 0.0 {
+            problems.add(
+                &key("normal"),
+                "is zero, must point from the wall to the robot",
+            );
+        }
+        problems.positive(&key("stiffness"), self.stiffness, false);
+        problems.not_negative(&key("damping"), self.damping);
+        problems.not_negative(&key("friction"), self.friction);
+        problems.not_negative(&key("viscous"), self.viscous);
+        let (k_t, c_t) = (self.tangential_stiffness(), self.tangential_damping());
+        problems.positive(&key("tangential_stiffness"), k_t, false);
+        problems.positive(&key("tangential_damping"), c_t, false);
+        if k_t * step > c_t {
+            let what = format!(
+                "is {c_t}, must be at least tangential_stiffness × step = {}",
+                k_t * step
+            );
+            problems.add(&key("tangential_damping"), &what);
+        }
+    }
+}
+
+impl Disturbance {
+    pub(super) fn check(&self, key: &str, problems: &mut Problems) {
+        problems.finite(&format!("{key}.force"), &self.force);
+        problems.finite(&format!("{key}.moment"), &self.moment);
+        problems.number(&format!("{key}.from"), self.from);
+        if self.until.is_nan() || self.until < self.from {
+            let what = format!("is {}, must not be before from = {}", self.until, self.from);
+            problems.add(&format!("{key}.until"), &what);
+        }
+    }
+}
+
+impl PlantConfig {
+    /// Checks every number. Names of frames are checked when the plant is made.
+    ///
+    /// # Errors
+    /// [`PlantError::Config`] with every problem, each naming its key.
+    pub fn validate(&self) -> Result<(), PlantError> {
+        let mut problems = Problems::default();
+        let step = self.step;
+        if step.is_nan() || step <= 0.0 || step > LARGEST_STEP {
+            let what = format!("is {step}, must be positive and at most {LARGEST_STEP} s");
+            problems.add("step", &what);
+        }
+        if self.command_delay > 1000 {
+            let what = format!("is {}, must be at most 1000 periods", self.command_delay);
+            problems.add("command_delay", &what);
+        }
+        let Mismatch {
+            mass_scale,
+            com_shift,
+            inertia_scale,
+            thrust_scale,
+        } = self.mismatch;
+        problems.positive("mismatch.mass_scale", mass_scale, false);
+        problems.finite("mismatch.com_shift", &com_shift);
+        problems.positive("mismatch.inertia_scale", inertia_scale, false);
+        problems.positive("mismatch.thrust_scale", thrust_scale, false);
+        let ServoConfig {
+            time_constant,
+            acceleration_limit,
+        } = self.servo;
+        problems.positive("servo.time_constant", time_constant, false);
+        if time_constant < 2.0 * step {
+            let what = format!("is {time_constant}, must be at least two steps of {step} s");
+            problems.add("servo.time_constant", &what);
+        }
+        problems.positive("servo.acceleration_limit", acceleration_limit, true);
+        problems.positive("friction_speed", self.friction_speed, false);
+        for (i, wall) in self.walls.iter().enumerate() {
+            wall.check(&format!("wall[{i}]"), step, &mut problems);
+            if self.walls.iter().take(i).any(|w| w.name == wall.name) {
+                let what = format!("`{}` is used twice", wall.name);
+                problems.add(&format!("wall[{i}].name"), &what);
+            }
+        }
+        for (i, point) in self.contact_points.iter().enumerate() {
+            problems.finite(&format!("contact_point[{i}].offset"), &point.offset);
+        }
+        for (i, disturbance) in self.disturbances.iter().enumerate() {
+            disturbance.check(&format!("disturbance[{i}]"), &mut problems);
+        }
+        problems.into_result(|problems| PlantError::Config { problems })
+    }
+}

@@ -1,0 +1,34 @@
+//! The plant's own model: the controller's with other inertial parameters.
+#![allow(non_snake_case)]
+
+use nalgebra::Vector3;
+use wbqp::model::{Body, Inertia, Model, ModelError};
+
+use super::Mismatch;
+
+impl Mismatch {
+    /// A model of the same tree with this mismatch's inertias.
+    pub(super) fn apply(&self, model: &Model) -> Result<Model, ModelError> {
+        let changed = self.mass_scale != 1.0
+            || self.inertia_scale != 1.0
+            || self.com_shift.iter().any(|&x| x != 0.0);
+        if !changed {
+            return Ok(model.clone());
+        }
+        let mut is_base = true;
+        model.with_inertias(|body| {
+            let shift = if is_base { self.com_shift } else { [0.0; 3] };
+            is_base = false;
+            self.inertia(body, &Vector3::from(shift))
+        })
+    }
+
+    fn inertia(&self, body: &Body, shift: &Vector3<f64>) -> Inertia {
+        let own = &body.inertia;
+        Inertia::from_com(
+            own.mass * self.mass_scale,
+            own.com() + shift,
+            own.I_BBcm() * (self.mass_scale * self.inertia_scale),
+        )
+    }
+}

@@ -1,0 +1,111 @@
+//! The `[sensors]` table.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::{check::Problems, plant::PlantError};
+
+/// Errors of all sensors. The default is perfect knowledge of the state and no force-torque sensor.
+///
+/// `sd` is the standard deviation of white Gaussian noise, drawn per axis and per sample.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct SensorsConfig {
+    /// Motion capture of the base.
+    pub base: BaseSensorConfig,
+    /// Joint encoders.
+    pub joints: JointSensorConfig,
+    /// Force-torque sensors.
+    #[serde(rename = "force_torque", skip_serializing_if = "Vec::is_empty")]
+    pub force_torque: Vec<ForceTorqueConfig>,
+}
+
+/// Noise on pose and twist of the base. The twist is truth plus noise, not a difference of poses.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct BaseSensorConfig {
+    /// Position, m.
+    pub position_sd: f64,
+    /// Rotation vector, rad, world axes.
+    pub rotation_sd: f64,
+    /// Linear velocity, m/s.
+    pub linear_sd: f64,
+    /// Angular velocity, rad/s.
+    pub angular_sd: f64,
+}
+
+/// Noise on joint positions and velocities. The velocity is truth plus noise, not a difference of positions.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct JointSensorConfig {
+    /// Position, rad or m.
+    pub position_sd: f64,
+    /// Velocity, rad/s or m/s.
+    pub velocity_sd: f64,
+}
+
+/// A force-torque sensor: `low-pass(truth + bias + noise)`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ForceTorqueConfig {
+    /// Named frame of the robot; readings are in its axes, about its origin.
+    pub frame: String,
+    /// Constant error of the force, N.
+    #[serde(default)]
+    pub force_bias: [f64; 3],
+    /// Constant error of the moment, N·m.
+    #[serde(default)]
+    pub moment_bias: [f64; 3],
+    /// White noise on the force before the filter, N.
+    #[serde(default)]
+    pub force_sd: f64,
+    /// White noise on the moment before the filter, N·m.
+    #[serde(default)]
+    pub moment_sd: f64,
+    /// Cut-off of the first-order low-pass, Hz; `inf` for no filter.
+    #[serde(default = "cutoff")]
+    pub cutoff: f64,
+}
+
+fn cutoff() -> f64 {
+    15.0
+}
+
+impl ForceTorqueConfig {
+    /// An ideal sensor with the default filter.
+    pub fn new(frame: &str) -> Self {
+        Self {
+            frame: frame.to_owned(),
+            force_bias: [0.0; 3],
+            moment_bias: [0.0; 3],
+            force_sd: 0.0,
+            moment_sd: 0.0,
+            cutoff: cutoff(),
+        }
+    }
+}
+
+impl SensorsConfig {
+    /// Checks every number. Names of frames are checked when the sensors are made.
+    ///
+    /// # Errors
+    /// [`PlantError::Config`] with every problem, each naming its key.
+    pub fn validate(&self) -> Result<(), PlantError> {
+        let mut problems = Problems::default();
+        problems.not_negative("base.position_sd", self.base.position_sd);
+        problems.not_negative("base.rotation_sd", self.base.rotation_sd);
+        problems.not_negative("base.linear_sd", self.base.linear_sd);
+        problems.not_negative("base.angular_sd", self.base.angular_sd);
+        problems.not_negative("joints.position_sd", self.joints.position_sd);
+        problems.not_negative("joints.velocity_sd", self.joints.velocity_sd);
+        for (i, sensor) in self.force_torque.iter().enumerate() {
+            let key = |name| format!("force_torque[{i}].{name}");
+            problems.finite(&key("force_bias"), &sensor.force_bias);
+            problems.finite(&key("moment_bias"), &sensor.moment_bias);
+            problems.not_negative(&key("force_sd"), sensor.force_sd);
+            problems.not_negative(&key("moment_sd"), sensor.moment_sd);
+            problems.positive(&key("cutoff"), sensor.cutoff, true);
+        }
+        problems.into_result(|problems| PlantError::Config { problems })
+    }
+}
