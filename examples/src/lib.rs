@@ -1,1 +1,16 @@
-//! examples
+//! The paper's experiments: run, measure, draw.
+//!
+//! A binary per experiment runs the cases of a scenario into logs; every figure and every row of
+//! [`results`] is then made from the logs alone.
+
+pub mod cli;
+pub mod experiment;
+pub mod log_reader;
+pub mod plots;
+pub mod push_with_disturbance;
+pub mod results;
+pub mod series;
+
+// Plug-ins are registered by linking.
+use wbqp_robots as _;
+use wbqp_tasks as _;

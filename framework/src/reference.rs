@@ -28,7 +28,7 @@ impl Space {
 }
 
 /// Value, rate and acceleration of a reference at one time.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sample {
     /// The value in a vector space; left alone for rotations.
     pub value: Vec<f64>,
@@ -97,6 +97,31 @@ pub trait Reference: Any + Send + Debug {
 
     /// Writes the sample for this tick. No allocation, no panic.
     fn sample(&mut self, tick: &Tick<'_>, out: &mut Sample);
+}
+
+/// A task's reference and where it stands: given by [`Task::follow`](crate::task::Task::follow), so that another
+/// one can take over.
+///
+/// The successor is bound to [`Follow::start`] first, and takes the place of `reference` if that succeeds.
+#[derive(Debug)]
+pub struct Follow<'a> {
+    /// The trajectory followed now.
+    pub reference: &'a mut Box<dyn Reference>,
+    /// What the task followed in its last update; before the first, where it starts.
+    pub sample: &'a Sample,
+    /// The space that a successor is bound to.
+    pub space: Space,
+}
+
+impl Follow<'_> {
+    /// Where a successor takes over at `time` (s).
+    pub fn start(&self, time: f64) -> Start<'_> {
+        Start {
+            space: self.space,
+            time,
+            from: self.sample,
+        }
+    }
 }
 
 impl JsonSchema for dyn Reference {

@@ -2,6 +2,51 @@
 //!
 //! A plug-in registers itself through its attribute; a crate that no code names is not linked, so a binary
 //! writes `use my_plugins as _;`. Order of registration is not defined; lists are sorted by tag.
+//!
+//! ```
+//! use wbqp::{
+//!     reference::{Reference, Sample, Start},
+//!     registry,
+//!     schemars::JsonSchema,
+//!     serde::{Deserialize, Serialize},
+//!     setup::BindError,
+//!     tick::Tick,
+//! };
+//!
+//! /// Grows with a constant rate.
+//! #[derive(Debug, Serialize, Deserialize, JsonSchema)]
+//! #[serde(crate = "wbqp::serde", deny_unknown_fields)]
+//! #[schemars(crate = "wbqp::schemars")]
+//! struct Drift {
+//!     /// Rate of every component, unit of the value per second.
+//!     rate: f64,
+//! }
+//!
+//! #[wbqp::reference("example.drift")]
+//! impl Reference for Drift {
+//!     fn bind(&mut self, _: &Start<'_>) -> Result<(), BindError> {
+//!         Ok(())
+//!     }
+//!     fn sample(&mut self, _: &Tick<'_>, out: &mut Sample) {
+//!         out.rate.fill(self.rate);
+//!     }
+//! }
+//!
+//! let plugin = registry::find::<dyn Reference>("example.drift").expect("it is linked: it is here");
+//! assert_eq!(plugin.tag, "example.drift");
+//! assert!(registry::find::<dyn Reference>("example.drft").is_none());
+//! ```
+//!
+//! The attribute takes one string, and goes on an implementation:
+//!
+//! ```compile_fail
+//! #[wbqp::reference]
+//! impl wbqp::reference::Reference for Drift {}
+//! ```
+//! ```compile_fail
+//! #[wbqp::reference("example.drift")]
+//! struct Drift;
+//! ```
 
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::DeserializeOwned;
@@ -22,38 +67,81 @@ pub struct Plugin<P: ?Sized + 'static> {
     pub load: fn(ValueDeserializer<'_>) -> Result<Box<P>, toml::de::Error>,
 }
 
+/// One of the kinds of plug-in: `dyn Task`, `dyn Constraint`, `dyn Reference`, `dyn Robot`, `dyn QpSolver`.
+pub trait PluginKind: 'static {
+    /// What it is called in messages: `task`, `constraint`, `reference`, `robot`, `solver`.
+    const NAME: &'static str;
+
+    /// All linked plug-ins of the kind, sorted by tag.
+    fn plugins() -> Vec<&'static Plugin<Self>>;
+}
+
+/// The linked plug-in of that tag, if there is one; of several with the same tag the first by origin.
+pub fn find<P: PluginKind + ?Sized>(tag: &str) -> Option<&'static Plugin<P>> {
+    P::plugins().into_iter().find(|plugin| plugin.tag == tag)
+}
+
+/// A tag that more than one linked plug-in of a kind claims: no configuration can name it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Duplicate {
+    /// The kind, as [`PluginKind::NAME`].
+    pub kind: &'static str,
+    /// The tag.
+    pub tag: &'static str,
+    /// Crate, file and line of every registration, sorted.
+    pub origins: Vec<&'static str>,
+}
+
 macro_rules! plugin_kinds {
-    ($($wrapper:ident, $kind:ident, $list:ident, $what:literal;)*) => {$(
-        #[doc = concat!("A registered ", $what, ".")]
-        #[derive(Debug)]
-        pub struct $wrapper(pub Plugin<dyn $kind>);
+    ($($wrapper:ident, $kind:ident, $list:ident, $what:literal;)*) => {
+        $(
+            #[doc = concat!("A registered ", $what, ".")]
+            #[derive(Debug)]
+            pub struct $wrapper(pub Plugin<dyn $kind>);
 
-        impl $wrapper {
-            /// The entry that the attribute submits.
-            pub const fn of<T>(tag: &'static str, origin: &'static str) -> Self
-            where
-                T: $kind + DeserializeOwned + JsonSchema,
-            {
-                Self(Plugin {
-                    tag,
-                    origin,
-                    schema: || {
-                        SchemaGenerator::default().into_root_schema_for::<T>()
-                    },
-                    load: |value| Ok(Box::new(T::deserialize(value)?)),
-                })
+            impl $wrapper {
+                /// The entry that the attribute submits.
+                pub const fn of<T>(tag: &'static str, origin: &'static str) -> Self
+                where
+                    T: $kind + DeserializeOwned + JsonSchema,
+                {
+                    Self(Plugin {
+                        tag,
+                        origin,
+                        schema: || {
+                            SchemaGenerator::default().into_root_schema_for::<T>()
+                        },
+                        load: |value| Ok(Box::new(T::deserialize(value)?)),
+                    })
+                }
             }
-        }
 
-        inventory::collect!($wrapper);
+            inventory::collect!($wrapper);
 
-        #[doc = concat!("All linked ", $what, "s, sorted by tag.")]
-        pub fn $list() -> Vec<&'static Plugin<dyn $kind>> {
-            let mut all: Vec<_> = inventory::iter::<$wrapper>.into_iter().map(|p| &p.0).collect();
-            all.sort_by_key(|p| (p.tag, p.origin));
+            impl PluginKind for dyn $kind {
+                const NAME: &'static str = $what;
+
+                fn plugins() -> Vec<&'static Plugin<Self>> {
+                    $list()
+                }
+            }
+
+            #[doc = concat!("All linked ", $what, "s, sorted by tag.")]
+            pub fn $list() -> Vec<&'static Plugin<dyn $kind>> {
+                let mut all: Vec<_> = inventory::iter::<$wrapper>.into_iter().map(|p| &p.0).collect();
+                all.sort_by_key(|p| (p.tag, p.origin));
+                all
+            }
+        )*
+
+        /// Tags that are claimed more than once, over all kinds.
+        pub fn duplicates() -> Vec<Duplicate> {
+            let mut all = Vec::new();
+            $(duplicates_of::<dyn $kind>(&mut all);)*
             all
         }
-    )*};
+    };
 }
 
 plugin_kinds! {
@@ -62,4 +150,16 @@ plugin_kinds! {
     ReferencePlugin, Reference, references, "reference";
     RobotPlugin, Robot, robots, "robot";
     QpSolverPlugin, QpSolver, solvers, "solver";
+}
+
+fn duplicates_of<P: PluginKind + ?Sized>(all: &mut Vec<Duplicate>) {
+    for same in P::plugins().chunk_by(|a, b| a.tag == b.tag) {
+        if let [first, _, ..] = same {
+            all.push(Duplicate {
+                kind: P::NAME,
+                tag: first.tag,
+                origins: same.iter().map(|plugin| plugin.origin).collect(),
+            });
+        }
+    }
 }

@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 use crate::{
     contact::ContactId,
     layout::Layout,
-    reference::Reference,
+    reference::Follow,
     rows::Rows,
     setup::{BindError, Setup},
     tick::Tick,
@@ -41,8 +41,8 @@ pub trait Task: Any + Send + Debug {
     /// Called outside the tick when the entry, or the contact it belongs to, is switched on.
     fn activate(&mut self) {}
 
-    /// The trajectory that the task follows, if it has one that can be replaced while running.
-    fn reference_mut(&mut self) -> Option<&mut Box<dyn Reference>> {
+    /// The trajectory that the task follows, if it has one, with what is needed to replace it while running.
+    fn follow(&mut self) -> Option<Follow<'_>> {
         None
     }
 

@@ -1,1 +1,30 @@
-//! robots
+//! URDF and rotor descriptions for wbqp, and the robots that ship with it.
+//!
+//! A robot is a URDF file, which any vendor's tool can write, and, if it flies, a side-car file that says
+//! which of its frames carry rotors. [`from_files`] reads both into a
+//! [`RobotModel`](wbqp::robot::RobotModel); [`othex`] and [`othex_vertical`] need no files.
+//!
+//! ```
+//! let robot = wbqp_robots::othex()?;
+//! assert_eq!(robot.nu(), 9); // six rotors, then three joints
+//! assert!((robot.model.mass() - 2.91933).abs() < 1e-5);
+//! # Ok::<(), wbqp::robot::RobotError>(())
+//! ```
+//!
+//! Everything is checked on loading. What no rigid body, joint or rotor can be is refused with the file, the
+//! line, the element and what to do about it; nothing is replaced by a default in silence.
+//!
+//! * [`urdf`]: what is read from a URDF and what is refused
+//! * [`rotors`]: the side-car's keys
+//! * [`Options`]: what neither file says: floating or fixed, servoed joints, home posture
+
+mod library;
+mod options;
+mod plugins;
+pub mod rotors;
+mod source;
+pub mod urdf;
+
+pub use library::{from_files, from_sources, othex, othex_vertical};
+pub use options::{BaseKind, Options};
+pub use plugins::{Othex, OthexVertical, Urdf};

@@ -32,7 +32,11 @@
 
 mod check;
 pub mod plant;
+mod run;
+pub mod scenario;
 pub mod sensors;
 
 pub use plant::{CommandDelay, Plant, PlantCommand, PlantConfig, PlantError};
+pub use run::{Summary, run};
+pub use scenario::{RunError, Scenario, ScenarioError};
 pub use sensors::{SensorReading, Sensors, SensorsConfig};

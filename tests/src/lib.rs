@@ -1,1 +1,4 @@
-//! tests
+//! Properties, oracles and acceptance tests of wbqp: what the test files share.
+
+pub mod random_model;
+pub mod scenes;

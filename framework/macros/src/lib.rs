@@ -4,50 +4,46 @@
 //! `Box<dyn Task>` serialises, and its place in wbqp's registry, where the configuration loader finds it with
 //! its JSON Schema and its origin. The type must be `Serialize + Deserialize + JsonSchema`.
 
-use proc_macro::{Delimiter, Group, Ident, Punct, Spacing, Span, TokenStream, TokenTree};
+use proc_macro::{Delimiter, Group, Ident, Literal, Punct, Spacing, Span, TokenStream, TokenTree};
 
 /// Registers an `impl Task for …` under the given tag.
 #[proc_macro_attribute]
 pub fn task(tag: TokenStream, item: TokenStream) -> TokenStream {
-    register("Task", tag, item)
+    register("Task", tag, &item)
 }
 
 /// Registers an `impl Constraint for …` under the given tag.
 #[proc_macro_attribute]
 pub fn constraint(tag: TokenStream, item: TokenStream) -> TokenStream {
-    register("Constraint", tag, item)
+    register("Constraint", tag, &item)
 }
 
 /// Registers an `impl Reference for …` under the given tag.
 #[proc_macro_attribute]
 pub fn reference(tag: TokenStream, item: TokenStream) -> TokenStream {
-    register("Reference", tag, item)
+    register("Reference", tag, &item)
 }
 
 /// Registers an `impl Robot for …` under the given tag.
 #[proc_macro_attribute]
 pub fn robot(tag: TokenStream, item: TokenStream) -> TokenStream {
-    register("Robot", tag, item)
+    register("Robot", tag, &item)
 }
 
 /// Registers an `impl QpSolver for …` under the given tag.
 #[proc_macro_attribute]
 pub fn solver(tag: TokenStream, item: TokenStream) -> TokenStream {
-    register("QpSolver", tag, item)
+    register("QpSolver", tag, &item)
 }
 
 /// Emits the implementation with its typetag name, and a registration of the implementing type.
-fn register(kind: &str, tag: TokenStream, item: TokenStream) -> TokenStream {
-    let mut tag_tokens = tag.into_iter();
-    let tag = match (tag_tokens.next(), tag_tokens.next()) {
-        (Some(TokenTree::Literal(tag)), None) if tag.to_string().starts_with('"') => tag,
-        _ => {
-            return error(
-                "the attribute takes the plug-in's tag as one string, as in #[wbqp::task(\"posture\")]",
-            );
-        }
+fn register(kind: &str, tag: TokenStream, item: &TokenStream) -> TokenStream {
+    let Some(tag) = tag_literal(tag) else {
+        return error(
+            "the attribute takes the plug-in's tag as one string, as in #[wbqp::task(\"posture\")]",
+        );
     };
-    let Some(implementor) = implementing_type(&item) else {
+    let Some(implementor) = implementing_type(item) else {
         return error("the attribute goes on an `impl Trait for Type` block");
     };
     let source = format!(
@@ -63,8 +59,23 @@ fn register(kind: &str, tag: TokenStream, item: TokenStream) -> TokenStream {
         }};"
     );
     match source.parse::<TokenStream>() {
-        Ok(template) => substitute(template, &item, &implementor),
+        Ok(template) => substitute(template, item, &implementor),
         Err(_) => error("the tag is not a plain string"),
+    }
+}
+
+/// The one string literal of the attribute; a `$tag:literal` of a `macro_rules!` comes in an invisible group.
+fn tag_literal(tag: TokenStream) -> Option<Literal> {
+    let mut tokens = tag.into_iter();
+    match (tokens.next(), tokens.next()) {
+        (Some(TokenTree::Literal(tag)), None) => {
+            let text = tag.to_string();
+            (text.starts_with('"') && text != "\"\"").then_some(tag)
+        }
+        (Some(TokenTree::Group(group)), None) if group.delimiter() == Delimiter::None => {
+            tag_literal(group.stream())
+        }
+        _ => None,
     }
 }
 
@@ -103,7 +114,7 @@ fn error(message: &str) -> TokenStream {
         Ident::new("compile_error", Span::call_site()).into(),
         Punct::new('!', Spacing::Alone).into(),
     ];
-    let text = proc_macro::Literal::string(message);
+    let text = Literal::string(message);
     tokens.push(Group::new(Delimiter::Parenthesis, TokenTree::from(text).into()).into());
     tokens.push(Punct::new(';', Spacing::Alone).into());
     tokens.into_iter().collect()

@@ -1,4 +1,36 @@
 //! The configuration of a controller: what a TOML file says, or what code puts together.
+//!
+//! A file has the tables `[controller]` ([`Settings`]), `[robot]`, `[solver]` (optional) and any number of
+//! `[[contact]]` ([`ContactSpec`]), `[[task]]` and `[[constraint]]`:
+//! ```toml
+//! [[task]]
+//! name = "arm"            # entry keys: name, type, weight, active, transition, hardness
+//! type = "posture"        # a linked plug-in
+//! weight = 0.1            # a number, or one per row
+//! kp = 25.0               # the plug-in's own keys
+//! ```
+//! | entry key | default | meaning |
+//! |---|---|---|
+//! | `name` | | unique among tasks and constraints |
+//! | `type` | | the plug-in |
+//! | `weight` | | linear, ≥ 0; needed unless hard |
+//! | `active` | `true` | on at the start |
+//! | `transition` | `0.0` | duration of the weight's ramp, s |
+//! | `hardness` | tasks `"soft"`, constraints `"hard"` | or `{ exact = λ }`, see [`Hardness`](crate::entry::Hardness) |
+//!
+//! Loading refuses every key that nobody knows, and reports all mistakes of a file at once
+//! ([`ConfigErrors`]). [`Overrides`] replace single values. Saving what was loaded, loading and saving again
+//! gives the same text.
+
+mod document;
+mod entry;
+mod error;
+mod load;
+mod overrides;
+mod report;
+mod save;
+mod schema;
+mod table;
 
 use std::path::PathBuf;
 
@@ -11,8 +43,23 @@ use crate::{
     entry::Entry,
     qp::{Clarabel, QpSolver},
     robot::{Robot, SourceFile},
+    setup::BindError,
     task::Task,
 };
+
+pub use error::{ConfigError, ConfigErrorKind, ConfigErrors};
+pub use overrides::{Override, Overrides, Target};
+pub use save::SaveError;
+
+/// The framework's keys of a task or constraint beside `type`; no plug-in may have them.
+const ENTRY_KEYS: [&str; 6] = [
+    "name",
+    "weight",
+    "active",
+    "transition",
+    "hardness",
+    "level",
+];
 
 /// Everything a controller is made of.
 #[derive(Debug)]
@@ -68,6 +115,40 @@ impl Settings {
             regularisation: default_regularisation(),
             velocity_leak: default_velocity_leak(),
         }
+    }
+
+    /// Checks the numbers.
+    ///
+    /// # Errors
+    /// Names the first key that is not finite or out of range.
+    pub fn validate(&self) -> Result<(), BindError> {
+        match self.problems().next() {
+            Some((key, problem)) => Err(BindError::value(key, problem)),
+            None => Ok(()),
+        }
+    }
+
+    /// Keys with what is wrong with them.
+    fn problems(&self) -> impl Iterator<Item = (&'static str, String)> {
+        let rate_is_good = self.rate.is_finite() && self.rate > 0.0;
+        [
+            ("rate", self.rate, rate_is_good, "positive"),
+            (
+                "regularisation",
+                self.regularisation,
+                self.regularisation > 0.0,
+                "positive",
+            ),
+            (
+                "velocity_leak",
+                self.velocity_leak,
+                !rate_is_good || self.velocity_leak * self.rate >= 1.0,
+                "at least one period",
+            ),
+        ]
+        .into_iter()
+        .filter(|(_, value, allowed, _)| !value.is_finite() || !allowed)
+        .map(|(key, value, _, rule)| (key, format!("must be finite and {rule}, is {value}")))
     }
 }
 

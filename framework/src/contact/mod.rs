@@ -8,9 +8,11 @@
 //! those six, `S_f` the rest.
 #![allow(non_snake_case)]
 
+mod detector;
 mod spec;
 mod state;
 
+pub use detector::{Detector, Touch};
 pub use spec::{ContactKind, ContactSpec, FreeForce, Surface};
 pub use state::ContactState;
 

@@ -4,9 +4,7 @@
 //! `R` base frame, `W` world, `v = [v_WR; w_WR; q̇]`; `M v̇ + h = S u + Σ Jᵀ f`. World axes throughout.
 #![allow(non_snake_case)]
 
-use nalgebra::{
-    DMatrix, DVector, Isometry3, Matrix3xX, Translation3, UnitQuaternion, Vector3, Vector6,
-};
+use nalgebra::{DMatrix, DVector, Isometry3, Matrix3xX, Translation3, Vector3, Vector6};
 
 use super::{
     forward::ArticulatedLink,
@@ -156,7 +154,6 @@ impl Data {
     /// Pose `X_WB` of a body, m, world.
     pub fn body_pose(&self, body: BodyId) -> Isometry3<f64> {
         let link = &self.links[body.index()];
-        let rotation: UnitQuaternion<f64> = link.q_WB;
-        Isometry3::from_parts(Translation3::from(link.p_WB), rotation)
+        Isometry3::from_parts(Translation3::from(link.p_WB), link.q_WB)
     }
 }

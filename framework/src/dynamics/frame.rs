@@ -2,8 +2,8 @@
 //!
 //! # Notation
 //! Frame `F` is fixed to body `B` by `X_BF`; `o` = `p_BF_W` is its origin from B's origin, in world axes.
-//! `[v_WF; w_WF] = J v` and `[v̇_WF; ẇ_WF] = J v̇ + J̇v`, linear first, world axes, of F's origin. Body Jacobians:
-//! RBDA section 4.5 (example 4.7 on bias accelerations).
+//! `[v_WF; w_WF] = J v` and `[v̇_WF; ẇ_WF] = J v̇ + J̇v`, linear first, world axes, of F's origin. A column of J
+//! is the joint's axis carried to F's origin; `J̇v` is the body's bias acceleration carried there.
 #![allow(non_snake_case)]
 
 use nalgebra::{Isometry3, Matrix6xX, Rotation3, Vector3, Vector6};

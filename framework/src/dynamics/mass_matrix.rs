@@ -98,7 +98,8 @@ fn base_block(
             M[(a, b)] = unit * whole.m;
             M[(a, 3 + b)] = -S_h[(a, b)];
             M[(3 + a, b)] = S_h[(a, b)];
-            M[(3 + a, 3 + b)] = whole.I[(a, b)];
+            // One triangle, so that M is symmetric to the last bit.
+            M[(3 + a, 3 + b)] = whole.I[(a.min(b), a.max(b))];
             J_com[(a, b)] = unit;
             J_com[(a, 3 + b)] = -S_h[(a, b)] / whole.m;
         }

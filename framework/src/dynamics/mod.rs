@@ -9,7 +9,8 @@
 //! };
 //! let ball = Inertia::from_com(2.0, Vector3::zeros(), Matrix3::identity() * 0.01);
 //! let mut builder = ModelBuilder::new("ball", Base::Floating, "ball", ball);
-//! let tip = builder.frame(builder.base(), Isometry3::translation(0.1, 0.0, 0.0), "tip");
+//! let base = builder.base();
+//! let tip = builder.frame("tip", base, Isometry3::translation(0.1, 0.0, 0.0));
 //! let model = builder.build()?;
 //!
 //! let mut state = State::neutral(&model);
@@ -39,7 +40,7 @@
 //! # Sources
 //! The algorithms are those of R. Featherstone, *Rigid Body Dynamics Algorithms* (RBDA), Springer 2008:
 //! recursive Newton–Euler (section 5.3), composite rigid bodies (6.2), articulated bodies (7.3), floating base
-//! (9.3–9.4), hybrid dynamics (9.2). The transform from a body to its parent is here a pure translation,
+//! (9.3–9.5), hybrid dynamics (9.2). The transform from a body to its parent is here a pure translation,
 //! because all vectors are in world axes.
 
 mod data;

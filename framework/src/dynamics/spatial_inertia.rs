@@ -52,7 +52,7 @@ impl SpatialInertia {
         }
     }
 
-    /// Adds a child's inertia, given about the child's origin at `r` (parallel axes, RBDA equation 2.66).
+    /// Adds a child's inertia, given about the child's origin at `r` (parallel axes, RBDA section 2.13).
     pub(super) fn add_child(&mut self, child: &SpatialInertia, r: &Vector3<f64>) {
         let SpatialInertia { m, h, I } = child;
         let s = r * *m + h;

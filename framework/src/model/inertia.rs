@@ -95,6 +95,10 @@ impl Inertia {
             return refuse(format!("mass is {} kg, must be positive", self.mass));
         }
         let I = self.I_BBcm();
+        // Finite parameters can overflow on the way to the centre of mass.
+        if !I.iter().all(|x| x.is_finite()) {
+            return refuse("about the centre of mass is not finite".into());
+        }
         let scale = I.abs().max();
         if (I - I.transpose()).abs().max() > 1e-9 * scale {
             return refuse("is not symmetric".into());

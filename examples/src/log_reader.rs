@@ -1,0 +1,273 @@
+//! Reads logs back: figures and tables are made from the file, not from the simulator's memory.
+
+use std::{
+    collections::BTreeMap,
+    fs,
+    path::{Path, PathBuf},
+};
+
+use mcap::{McapError, MessageStream, read::LinearReader, records::Record};
+use wbqp::{
+    log::Timeline,
+    serde_json::{self, Value},
+};
+
+use crate::series::Series;
+
+/// A log in memory: the text of each message by topic, metadata and attachments.
+#[derive(Clone, Debug, Default)]
+pub struct Log {
+    topics: BTreeMap<String, Vec<(f64, Vec<u8>)>>,
+    metadata: BTreeMap<String, BTreeMap<String, String>>,
+    attachments: BTreeMap<String, Vec<u8>>,
+}
+
+/// Why a log could not be read.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReadError {
+    /// The file cannot be read.
+    #[error("{}: {source}", path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// What the operating system says.
+        source: std::io::Error,
+    },
+    /// The file is not an MCAP file, or damaged.
+    #[error("not a complete MCAP file: {0}")]
+    Mcap(#[from] McapError),
+    /// A topic is not there.
+    #[error("the log has no topic `{topic}`; it has {known}")]
+    Topic {
+        /// The topic asked for.
+        topic: String,
+        /// The topics there are.
+        known: String,
+    },
+    /// A message is not JSON.
+    #[error("a message of `{topic}` is not JSON: {source}")]
+    Json {
+        /// Its topic.
+        topic: String,
+        /// What is wrong.
+        source: serde_json::Error,
+    },
+    /// Metadata, or an entry of it, is not there or is not a number.
+    #[error("the log's metadata `{name}` lacks `{key}`")]
+    Metadata {
+        /// The table.
+        name: String,
+        /// The entry.
+        key: String,
+    },
+    /// An attachment is not there or not what it should be.
+    #[error("the log has no usable attachment with {0}")]
+    Attachment(String),
+}
+
+impl Log {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// [`ReadError::File`] or [`ReadError::Mcap`].
+    pub fn open(path: &Path) -> Result<Self, ReadError> {
+        let bytes = fs::read(path).map_err(|source| ReadError::File {
+            path: path.to_owned(),
+            source,
+        })?;
+        Self::from_bytes(&bytes)
+    }
+
+    /// Reads the contents of an MCAP file.
+    ///
+    /// # Errors
+    /// [`ReadError::Mcap`].
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, ReadError> {
+        let mut log = Self::default();
+        for message in MessageStream::new(bytes)? {
+            let message = message?;
+            let time = message.log_time as f64 * 1e-9;
+            let sample = (time, message.data.into_owned());
+            match log.topics.get_mut(&message.channel.topic) {
+                Some(samples) => samples.push(sample),
+                None => {
+                    log.topics
+                        .insert(message.channel.topic.clone(), vec![sample]);
+                }
+            }
+        }
+        for record in LinearReader::new(bytes)? {
+            match record? {
+                Record::Metadata(m) => {
+                    log.metadata.insert(m.name, m.metadata);
+                }
+                Record::Attachment { header, data, .. } => {
+                    log.attachments.insert(header.name, data.into_owned());
+                }
+                _ => {}
+            }
+        }
+        Ok(log)
+    }
+
+    /// The topics that have messages.
+    pub fn topics(&self) -> impl Iterator<Item = &str> {
+        self.topics.keys().map(String::as_str)
+    }
+
+    /// Whether the topic has messages.
+    pub fn has(&self, topic: &str) -> bool {
+        self.topics.contains_key(topic)
+    }
+
+    /// Time of the last message, s.
+    pub fn end(&self) -> f64 {
+        let last = self.topics.values().filter_map(|m| m.last());
+        last.map(|m| m.0).fold(0.0, f64::max)
+    }
+
+    /// One number over time, by topic and JSON pointer; true is 1 and false is 0.
+    ///
+    /// # Errors
+    /// [`ReadError::Topic`] or [`ReadError::Json`].
+    pub fn series(&self, topic: &str, pointer: &str) -> Result<Series, ReadError> {
+        self.series_by(topic, |message| {
+            message.pointer(pointer).map_or(f64::NAN, to_number)
+        })
+    }
+
+    /// One number over time, computed from each message.
+    ///
+    /// # Errors
+    /// [`ReadError::Topic`] or [`ReadError::Json`].
+    pub fn series_by(
+        &self,
+        topic: &str,
+        value: impl Fn(&Value) -> f64,
+    ) -> Result<Series, ReadError> {
+        self.messages(topic)?
+            .map(|message| message.map(|(time, message)| (time, value(&message))))
+            .collect()
+    }
+
+    /// Times (s) and contents of a topic's messages.
+    ///
+    /// # Errors
+    /// [`ReadError::Topic`] now, [`ReadError::Json`] per message.
+    pub fn messages(
+        &self,
+        topic: &str,
+    ) -> Result<impl Iterator<Item = Result<(f64, Value), ReadError>>, ReadError> {
+        let messages = self.topics.get(topic).ok_or_else(|| ReadError::Topic {
+            topic: topic.to_owned(),
+            known: self.topics().collect::<Vec<_>>().join(", "),
+        })?;
+        Ok(messages.iter().map(move |(time, text)| {
+            let message = serde_json::from_slice(text).map_err(|source| ReadError::Json {
+                topic: topic.to_owned(),
+                source,
+            })?;
+            Ok((*time, message))
+        }))
+    }
+
+    /// A table of texts.
+    pub fn metadata(&self, name: &str) -> Option<&BTreeMap<String, String>> {
+        self.metadata.get(name)
+    }
+
+    /// The log's named instants; empty if it has none.
+    pub fn timeline(&self) -> Timeline {
+        self.metadata(Timeline::NAME)
+            .map(Timeline::from_metadata)
+            .unwrap_or_default()
+    }
+
+    /// A named instant, s.
+    ///
+    /// # Errors
+    /// [`ReadError::Metadata`] if the run had none of that name.
+    pub fn mark(&self, name: &str) -> Result<f64, ReadError> {
+        self.timeline()
+            .get(name)
+            .ok_or_else(|| ReadError::Metadata {
+                name: Timeline::NAME.to_owned(),
+                key: name.to_owned(),
+            })
+    }
+
+    /// Limits of the rotors, in the order of their names.
+    ///
+    /// # Errors
+    /// [`ReadError::Metadata`].
+    pub fn rotors(&self) -> Result<Vec<RotorLimits>, ReadError> {
+        let lacks = |key: &str| ReadError::Metadata {
+            name: "rotors".to_owned(),
+            key: key.to_owned(),
+        };
+        let table = self.metadata("rotors").ok_or_else(|| lacks("*.min"))?;
+        let number = |key: String| {
+            let text = table.get(&key).ok_or_else(|| lacks(&key))?;
+            text.parse::<f64>().map_err(|_| lacks(&key))
+        };
+        let names = table.keys().filter_map(|k| k.strip_suffix(".min"));
+        names
+            .map(|name| {
+                Ok(RotorLimits {
+                    name: name.to_owned(),
+                    thrust: [
+                        number(format!("{name}.min"))?,
+                        number(format!("{name}.max"))?,
+                    ],
+                    speed: [
+                        number(format!("{name}.speed_min"))?,
+                        number(format!("{name}.speed_max"))?,
+                    ],
+                })
+            })
+            .collect()
+    }
+
+    /// Contents of an attachment.
+    pub fn attachment(&self, name: &str) -> Option<&[u8]> {
+        self.attachments.get(name).map(Vec::as_slice)
+    }
+
+    /// The first attached TOML file that has this key at its top.
+    ///
+    /// # Errors
+    /// [`ReadError::Attachment`].
+    pub fn attached_toml(&self, key: &str) -> Result<toml::Table, ReadError> {
+        self.attachments
+            .iter()
+            .filter(|(name, _)| has_extension(name, "toml"))
+            .filter_map(|(_, data)| std::str::from_utf8(data).ok()?.parse::<toml::Table>().ok())
+            .find(|table| table.contains_key(key))
+            .ok_or_else(|| ReadError::Attachment(format!("a TOML key `{key}`")))
+    }
+}
+
+/// Limits of a rotor.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RotorLimits {
+    /// Its name.
+    pub name: String,
+    /// Smallest and largest thrust, N.
+    pub thrust: [f64; 2],
+    /// Speeds at these, rad/s.
+    pub speed: [f64; 2],
+}
+
+fn to_number(value: &Value) -> f64 {
+    match value {
+        Value::Bool(b) => f64::from(u8::from(*b)),
+        other => other.as_f64().unwrap_or(f64::NAN),
+    }
+}
+
+fn has_extension(name: &str, extension: &str) -> bool {
+    Path::new(name)
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case(extension))
+}

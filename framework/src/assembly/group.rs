@@ -1,0 +1,133 @@
+//! One entry's rows inside the problem: layout, storage, weights, identities and switch.
+
+use crate::{
+    assembly::Table,
+    controller::switch::Switch,
+    entry::{Hardness, Weight},
+    layout::{Layout, Relation},
+    qp::{RowId, VarId},
+    rows::RowStore,
+};
+
+/// How the rows of a group enter the problem.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Treatment {
+    /// Weighted squares: soft tasks and soft equality constraints.
+    Cost,
+    /// Rows that must hold.
+    Hard,
+    /// Inequality rows that share a slack.
+    Slack,
+}
+
+/// The rows of one entry.
+#[derive(Clone, Debug)]
+pub(crate) struct Group {
+    pub(crate) name: String,
+    pub(crate) is_task: bool,
+    pub(crate) layout: Layout,
+    pub(crate) store: RowStore,
+    pub(crate) weight: Vec<f64>,
+    pub(crate) linear_penalty: f64,
+    pub(crate) treatment: Treatment,
+    pub(crate) switch: Switch,
+    /// Identities of the rows, two per row (upper, lower) if they share a slack.
+    pub(crate) rows: Vec<RowId>,
+    /// Identities of the bounds.
+    pub(crate) bounds: Vec<RowId>,
+    pub(crate) slack: Option<VarId>,
+    /// This tick: whether the rows are in the problem.
+    pub(crate) live: bool,
+    /// This tick: ramp of the entry times ramp of its contact.
+    pub(crate) alpha: f64,
+    /// This tick: where its cost rows begin in the stack.
+    pub(crate) stack_start: Option<usize>,
+}
+
+/// What an entry says about its rows.
+pub(crate) struct GroupSpec<'a> {
+    pub(crate) name: &'a str,
+    pub(crate) weight: &'a Weight,
+    pub(crate) hardness: Hardness,
+    pub(crate) switch: Switch,
+    /// Tasks write `b`; constraints write limits unless they are equalities.
+    pub(crate) is_task: bool,
+}
+
+impl Group {
+    /// Registers the rows in the table. Slacks are added later by [`Group::add_slack`], so that the ids of
+    /// physical variables come first.
+    pub(crate) fn new(
+        spec: GroupSpec<'_>,
+        layout: Layout,
+        store: RowStore,
+        table: &mut Table,
+    ) -> Self {
+        let equality = spec.is_task || layout.relation == Relation::Equality;
+        let (treatment, linear_penalty) = match (spec.hardness, equality) {
+            (Hardness::Hard, _) => (Treatment::Hard, 0.0),
+            (Hardness::Soft | Hardness::Exact(_), true) => (Treatment::Cost, 0.0),
+            (Hardness::Soft, false) => (Treatment::Slack, 0.0),
+            (Hardness::Exact(linear), false) => (Treatment::Slack, linear),
+        };
+        let mut rows = Vec::new();
+        for row in &layout.rows {
+            if treatment == Treatment::Slack {
+                let mut add = |side: &str| {
+                    table.add_row(spec.name, &format!("{} {side}", row.label), &row.unit)
+                };
+                rows.push(add("upper"));
+                rows.push(add("lower"));
+            } else {
+                rows.push(table.add_row(spec.name, &row.label, &row.unit));
+            }
+        }
+        let bounds = layout
+            .bounds
+            .iter()
+            .map(|(row, _)| table.add_row(spec.name, &row.label, &row.unit))
+            .collect();
+        Self {
+            name: spec.name.to_owned(),
+            is_task: spec.is_task,
+            weight: (0..layout.len()).map(|i| spec.weight.row(i)).collect(),
+            layout,
+            store,
+            linear_penalty,
+            treatment,
+            switch: spec.switch,
+            rows,
+            bounds,
+            slack: None,
+            live: false,
+            alpha: 0.0,
+            stack_start: None,
+        }
+    }
+
+    pub(crate) fn add_slack(&mut self, table: &mut Table) {
+        if self.treatment == Treatment::Slack && !self.layout.is_empty() {
+            let unit = self.layout.rows[0].unit.clone();
+            self.slack = Some(table.add_var(&self.name, "slack", &unit));
+        }
+    }
+
+    /// How the rows are treated this tick: hard equalities ramp as a cost and become hard at the end.
+    pub(crate) fn treatment_now(&self, is_equality: bool) -> Treatment {
+        if self.treatment == Treatment::Hard && is_equality && self.alpha < 1.0 {
+            Treatment::Cost
+        } else {
+            self.treatment
+        }
+    }
+
+    /// Largest weight, without the ramp.
+    pub(crate) fn largest_weight(&self) -> f64 {
+        self.weight.iter().copied().fold(0.0, f64::max)
+    }
+
+    /// Number of rows this group may put into the problem.
+    pub(crate) fn row_capacity(&self) -> usize {
+        self.rows.len()
+    }
+}

@@ -1,0 +1,187 @@
+//! The tables of a controller's file, before anything in them is read.
+
+use toml::{
+    Spanned,
+    de::{DeTable, DeValue},
+};
+
+use super::{
+    ConfigErrorKind as Kind,
+    overrides::Target,
+    report::{At, Report, Span},
+    table::{Section, suggestion},
+};
+
+const TABLES: [&str; 3] = ["controller", "robot", "solver"];
+const REQUIRED: [&str; 2] = ["controller", "robot"];
+const LISTS: [&str; 3] = ["contact", "task", "constraint"];
+
+/// The file, taken apart.
+#[derive(Default)]
+pub(super) struct Document<'t> {
+    pub(super) controller: Option<Section<'t>>,
+    pub(super) robot: Option<Section<'t>>,
+    pub(super) solver: Option<Section<'t>>,
+    pub(super) contacts: Vec<Section<'t>>,
+    pub(super) tasks: Vec<Section<'t>>,
+    pub(super) constraints: Vec<Section<'t>>,
+}
+
+impl<'t> Document<'t> {
+    /// Parses a file, reporting every syntax error and every table that does not belong there.
+    pub(super) fn parse(source: &'t str, report: &mut Report<'_>) -> Self {
+        let (root, errors) = DeTable::parse_recoverable(source);
+        for error in errors {
+            let message = format!("syntax: {}", error.message());
+            let span = error.span().unwrap_or(source.len()..source.len());
+            report.add(Kind::Syntax, Some(span), &At::default(), message);
+        }
+        let at = At::subject("top level");
+        let mut document = Self::default();
+        let mut starts = Vec::new();
+        let mut seen = Vec::new();
+        for (key, value) in root.into_inner() {
+            let name: &str = key.get_ref();
+            let span = value.span();
+            match name {
+                "controller" => document.controller = table(name, value, &at, report),
+                "robot" => document.robot = table(name, value, &at, report),
+                "solver" => document.solver = table(name, value, &at, report),
+                "contact" => document.contacts = list(name, value, &at, report),
+                "task" => document.tasks = list(name, value, &at, report),
+                "constraint" => document.constraints = list(name, value, &at, report),
+                _ => {
+                    let mut known = [TABLES, LISTS].concat();
+                    known.sort_unstable();
+                    let hint = suggestion(name, &known);
+                    let message = format!("unknown key `{name}`{hint}");
+                    report.add(Kind::UnknownKey, Some(key.span()), &at, message);
+                }
+            }
+            starts.push(span.start);
+            seen.push(name.to_owned());
+        }
+        for name in REQUIRED {
+            if !seen.contains(&name.to_owned()) {
+                let message = format!("table `[{name}]` is missing");
+                report.add(Kind::MissingKey, None, &at, message);
+            }
+        }
+        starts.extend(document.sections().map(|section| section.span.start));
+        report.set_sections(starts);
+        document
+    }
+
+    fn sections(&self) -> impl Iterator<Item = &Section<'t>> {
+        [&self.controller, &self.robot, &self.solver]
+            .into_iter()
+            .flatten()
+            .chain(&self.contacts)
+            .chain(&self.tasks)
+            .chain(&self.constraints)
+    }
+
+    /// The table that an override goes to, or the names there are.
+    pub(super) fn target(&mut self, target: &Target) -> Result<&mut Section<'t>, Vec<&str>> {
+        match target {
+            Target::Controller => self.controller.as_mut().ok_or_else(Vec::new),
+            Target::Robot => self.robot.as_mut().ok_or_else(Vec::new),
+            Target::Solver => Ok(self.solver.get_or_insert_with(default_solver)),
+            Target::Contact(name) => named(&mut self.contacts, name),
+            Target::Task(name) => named(&mut self.tasks, name),
+            Target::Constraint(name) => named(&mut self.constraints, name),
+        }
+    }
+}
+
+/// What a file without `[solver]` stands for.
+fn default_solver<'t>() -> Section<'t> {
+    let mut keys = DeTable::new();
+    keys.insert(
+        Spanned::new(0..0, "type".into()),
+        Spanned::new(0..0, DeValue::String("clarabel".into())),
+    );
+    Section { span: 0..0, keys }
+}
+
+fn name_of<'a>(section: &'a Section<'_>) -> Option<&'a str> {
+    section.keys.get("name")?.get_ref().as_str()
+}
+
+fn named<'a, 't>(
+    sections: &'a mut [Section<'t>],
+    name: &str,
+) -> Result<&'a mut Section<'t>, Vec<&'a str>> {
+    match sections
+        .iter()
+        .position(|section| name_of(section) == Some(name))
+    {
+        Some(index) => sections.get_mut(index).ok_or_else(Vec::new),
+        None => Err(sections.iter().filter_map(name_of).collect()),
+    }
+}
+
+fn table<'t>(
+    name: &str,
+    value: Spanned<DeValue<'t>>,
+    at: &At,
+    report: &mut Report<'_>,
+) -> Option<Section<'t>> {
+    let span = value.span();
+    match value.into_inner() {
+        DeValue::Table(keys) => Some(Section { span, keys }),
+        other => {
+            let message = wrong_shape(name, &other, &format!("a table, `[{name}]`"));
+            report.add(Kind::Value, Some(first(span, &other)), at, message);
+            None
+        }
+    }
+}
+
+fn list<'t>(
+    name: &str,
+    value: Spanned<DeValue<'t>>,
+    at: &At,
+    report: &mut Report<'_>,
+) -> Vec<Section<'t>> {
+    let span = value.span();
+    let expected = format!("a list of tables, each `[[{name}]]`");
+    let elements = match value.into_inner() {
+        DeValue::Array(elements) => elements,
+        other => {
+            let message = wrong_shape(name, &other, &expected);
+            report.add(Kind::Value, Some(span), at, message);
+            return Vec::new();
+        }
+    };
+    let mut sections = Vec::new();
+    for element in elements {
+        let span = element.span();
+        match element.into_inner() {
+            DeValue::Table(keys) => sections.push(Section { span, keys }),
+            other => {
+                let message = wrong_shape(name, &other, &expected);
+                report.add(Kind::Value, Some(span), at, message);
+            }
+        }
+    }
+    sections
+}
+
+fn wrong_shape(name: &str, found: &DeValue<'_>, expected: &str) -> String {
+    let found = match found {
+        DeValue::Array(elements) if elements.iter().all(|element| element.get_ref().is_table()) => {
+            "list of tables"
+        }
+        other => other.type_str(),
+    };
+    format!("`{name}` must be {expected}, found {found}")
+}
+
+/// Where a value begins: a list of tables has no place of its own.
+fn first(span: Span, value: &DeValue<'_>) -> Span {
+    match value {
+        DeValue::Array(elements) => elements.first().map_or(span, Spanned::span),
+        _ => span,
+    }
+}

@@ -1,0 +1,97 @@
+//! What is wrong with a configuration: every error of a file at once, each with its place.
+
+use std::fmt;
+
+use crate::robot::Place;
+
+/// One thing that is wrong, written `file:line:column: whose: what`.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{place}: {}{message}", Prefix(subject))]
+#[non_exhaustive]
+pub struct ConfigError {
+    /// What sort of mistake it is.
+    pub kind: ConfigErrorKind,
+    /// Where; without a position if it is about the file as a whole or about an override.
+    pub place: Place,
+    /// Whose it is, such as ``task[0] `arm` (posture)`` or ``override task `force`.`ki` ``; may be empty.
+    pub subject: String,
+    /// What is wrong, and what to do.
+    pub message: String,
+}
+
+/// The sort of a [`ConfigError`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum ConfigErrorKind {
+    /// The file cannot be read.
+    Read,
+    /// The text is not TOML.
+    Syntax,
+    /// A key or table that nobody knows.
+    UnknownKey,
+    /// A key or table that must be there is not.
+    MissingKey,
+    /// No plug-in of that name is linked.
+    UnknownType,
+    /// A value of the wrong type or outside what makes sense.
+    Value,
+    /// A name that is given twice.
+    Duplicate,
+    /// A key that is reserved.
+    Reserved,
+    /// An override that cannot be applied.
+    Override,
+    /// The linked plug-ins contradict one another or the framework: a mistake in code, not in the file.
+    Internal,
+}
+
+struct Prefix<'a>(&'a str);
+
+impl fmt::Display for Prefix<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.0.is_empty() {
+            return Ok(());
+        }
+        write!(f, "{}: ", self.0)
+    }
+}
+
+/// All errors of a configuration, in the order of the file; displayed one per line.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ConfigErrors {
+    errors: Vec<ConfigError>,
+}
+
+impl ConfigErrors {
+    pub(super) fn new(errors: Vec<ConfigError>) -> Self {
+        Self { errors }
+    }
+
+    /// The errors, at least one.
+    pub fn iter(&self) -> std::slice::Iter<'_, ConfigError> {
+        self.errors.iter()
+    }
+}
+
+impl<'a> IntoIterator for &'a ConfigErrors {
+    type Item = &'a ConfigError;
+    type IntoIter = std::slice::Iter<'a, ConfigError>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.iter()
+    }
+}
+
+impl fmt::Display for ConfigErrors {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, error) in self.errors.iter().enumerate() {
+            if index > 0 {
+                f.write_str("\n")?;
+            }
+            write!(f, "{error}")?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for ConfigErrors {}

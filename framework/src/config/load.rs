@@ -1,0 +1,289 @@
+//! From the text of a file to a [`ControllerConfig`].
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    sync::OnceLock,
+};
+
+use schemars::SchemaGenerator;
+use serde::Deserialize;
+use serde_json::Value as Json;
+
+use super::{
+    ConfigError, ConfigErrorKind as Kind, ConfigErrors, ControllerConfig, ENTRY_KEYS, Overrides,
+    Settings,
+    document::Document,
+    entry,
+    overrides::Appendix,
+    report::{At, Report, Span},
+    schema::Node,
+    table::{self, Section},
+};
+use crate::{
+    constraint::Constraint,
+    contact::ContactSpec,
+    entry::{Entry, Hardness},
+    qp::{Clarabel, QpSolver},
+    registry::{self, PluginKind},
+    robot::{Place, Robot, SourceFile},
+    setup::BindError,
+    task::Task,
+};
+
+impl ControllerConfig {
+    /// Reads a controller's file; relative paths in it count from its directory.
+    ///
+    /// # Errors
+    /// All mistakes of the file, in its order.
+    pub fn from_file(path: impl AsRef<Path>) -> Result<Self, ConfigErrors> {
+        Self::from_file_with(path, &Overrides::default())
+    }
+
+    /// Reads a controller's file with some values replaced.
+    ///
+    /// # Errors
+    /// All mistakes of the file and of the overrides, which are called by their names.
+    pub fn from_file_with(
+        path: impl AsRef<Path>,
+        overrides: &Overrides,
+    ) -> Result<Self, ConfigErrors> {
+        let path = path.as_ref();
+        let name = path.display().to_string();
+        let source = fs::read_to_string(path).map_err(|error| {
+            ConfigErrors::new(vec![ConfigError {
+                kind: Kind::Read,
+                place: Place::file(&name),
+                subject: String::new(),
+                message: format!("cannot be read: {error}"),
+            }])
+        })?;
+        let directory = path.parent().unwrap_or_else(|| Path::new(""));
+        Self::from_str_with(&source, &name, directory, overrides)
+    }
+
+    /// Reads the text of a controller's file. `file_name` is what errors call it; relative paths count from
+    /// `directory`.
+    ///
+    /// # Errors
+    /// All mistakes of the text, in its order.
+    pub fn from_str(
+        source: &str,
+        file_name: &str,
+        directory: impl Into<PathBuf>,
+    ) -> Result<Self, ConfigErrors> {
+        Self::from_str_with(source, file_name, directory, &Overrides::default())
+    }
+
+    /// Reads the text of a controller's file with some values replaced.
+    ///
+    /// # Errors
+    /// All mistakes of the text and of the overrides, which are called by their names.
+    pub fn from_str_with(
+        source: &str,
+        file_name: &str,
+        directory: impl Into<PathBuf>,
+        overrides: &Overrides,
+    ) -> Result<Self, ConfigErrors> {
+        let appendix = Appendix::new(overrides, source.len());
+        let mut report = Report::new(file_name, source, appendix.applied(overrides));
+        for message in registry_faults() {
+            let at = At::subject("internal error");
+            report.add(Kind::Internal, None, &at, message);
+        }
+        let mut document = Document::parse(source, &mut report);
+        appendix.apply(overrides, &mut document, &mut report);
+        let parts = Parts::read(document, &mut report);
+        report.finish()?;
+        match parts {
+            Some(parts) => Ok(Self {
+                settings: parts.settings,
+                robot: parts.robot,
+                solver: parts.solver,
+                contacts: parts.contacts,
+                tasks: parts.tasks,
+                constraints: parts.constraints,
+                directory: directory.into(),
+                source: Some(SourceFile {
+                    name: file_name.to_owned(),
+                    media_type: "application/toml",
+                    contents: source.to_owned(),
+                }),
+            }),
+            // Whatever is not there was reported; this is for a reader that forgot to.
+            None => Err(ConfigErrors::new(vec![ConfigError {
+                kind: Kind::Internal,
+                place: Place::file(file_name),
+                subject: String::new(),
+                message: "internal error: something is wrong that has no message".to_owned(),
+            }])),
+        }
+    }
+}
+
+/// Mistakes of the linked plug-ins themselves: the same in every load.
+fn registry_faults() -> &'static [String] {
+    static FAULTS: OnceLock<Vec<String>> = OnceLock::new();
+    FAULTS.get_or_init(|| {
+        let mut faults = Vec::new();
+        for duplicate in registry::duplicates() {
+            faults.push(format!(
+                "{} type `{}` is registered more than once: {}",
+                duplicate.kind,
+                duplicate.tag,
+                duplicate.origins.join(", ")
+            ));
+        }
+        let mut entry = vec!["type"];
+        entry.extend_from_slice(&ENTRY_KEYS);
+        reserved_keys::<dyn Task>(&entry, &mut faults);
+        reserved_keys::<dyn Constraint>(&entry, &mut faults);
+        reserved_keys::<dyn crate::reference::Reference>(&["type"], &mut faults);
+        reserved_keys::<dyn Robot>(&["type"], &mut faults);
+        reserved_keys::<dyn QpSolver>(&["type"], &mut faults);
+        faults
+    })
+}
+
+fn reserved_keys<P: PluginKind + ?Sized>(reserved: &[&str], faults: &mut Vec<String>) {
+    for plugin in P::plugins() {
+        let schema = (plugin.schema)();
+        for key in Node::root(schema.as_value()).property_names() {
+            if reserved.contains(&key) {
+                faults.push(format!(
+                    "{} type `{}` ({}) has the key `{key}`, which belongs to the framework",
+                    P::NAME,
+                    plugin.tag,
+                    plugin.origin
+                ));
+            }
+        }
+    }
+}
+
+/// Everything that is read; there if nothing is wrong.
+struct Parts {
+    settings: Settings,
+    robot: Box<dyn Robot>,
+    solver: Box<dyn QpSolver>,
+    contacts: Vec<ContactSpec>,
+    tasks: Vec<Entry<dyn Task>>,
+    constraints: Vec<Entry<dyn Constraint>>,
+}
+
+impl Parts {
+    fn read(document: Document<'_>, report: &mut Report<'_>) -> Option<Self> {
+        let settings = settings(document.controller, report);
+        let robot = document
+            .robot
+            .and_then(|section| single::<dyn Robot>(section, report));
+        let solver: Option<Box<dyn QpSolver>> = match document.solver {
+            Some(section) => single::<dyn QpSolver>(section, report),
+            None => Some(Box::new(Clarabel::default())),
+        };
+        let mut names = entry::Names::default();
+        let contacts = each(document.contacts, |index, section| {
+            contact(index, section, &mut names, report)
+        });
+        let mut names = entry::Names::default();
+        let tasks = each(document.tasks, |index, section| {
+            entry::read::<dyn Task>(index, section, Hardness::Soft, &mut names, report)
+        });
+        let constraints = each(document.constraints, |index, section| {
+            entry::read::<dyn Constraint>(index, section, Hardness::Hard, &mut names, report)
+        });
+        Some(Self {
+            settings: settings?,
+            robot: robot?,
+            solver: solver?,
+            contacts: contacts?,
+            tasks: tasks?,
+            constraints: constraints?,
+        })
+    }
+}
+
+/// Reads all sections, also after one that cannot be.
+fn each<'t, T>(
+    sections: Vec<Section<'t>>,
+    mut read: impl FnMut(usize, Section<'t>) -> Option<T>,
+) -> Option<Vec<T>> {
+    let read: Vec<_> = sections
+        .into_iter()
+        .enumerate()
+        .map(|(index, section)| read(index, section))
+        .collect();
+    read.into_iter().collect()
+}
+
+fn schema_of<T: schemars::JsonSchema>() -> Json {
+    SchemaGenerator::default()
+        .into_root_schema_for::<T>()
+        .to_value()
+}
+
+fn settings(section: Option<Section<'_>>, report: &mut Report<'_>) -> Option<Settings> {
+    let section = section?;
+    let at = At::subject("controller");
+    let schema = schema_of::<Settings>();
+    let keys = section.clone();
+    let load = Settings::deserialize::<toml::de::ValueDeserializer<'_>>;
+    let settings = table::read(section, &schema, &[], load, &at, report)?;
+    let mut valid = true;
+    for (key, problem) in settings.problems() {
+        let span = span_of(&keys, key);
+        report.add(Kind::Value, Some(span), &at.key(key), problem);
+        valid = false;
+    }
+    valid.then_some(settings)
+}
+
+/// `[robot]` and `[solver]`: a plug-in without an entry.
+fn single<P: PluginKind + ?Sized>(section: Section<'_>, report: &mut Report<'_>) -> Option<Box<P>> {
+    let at = At::subject(entry::subject(P::NAME, None, &section));
+    table::plugin::<P>(section, &[], &at, report)
+}
+
+fn contact(
+    index: usize,
+    section: Section<'_>,
+    names: &mut entry::Names,
+    report: &mut Report<'_>,
+) -> Option<ContactSpec> {
+    let at = At::subject(entry::subject("contact", Some(index), &section));
+    if let Some(name) = section.keys.get("name") {
+        names.check("contact", name, &at, report);
+    }
+    let schema = schema_of::<ContactSpec>();
+    let keys = section.clone();
+    let load = ContactSpec::deserialize::<toml::de::ValueDeserializer<'_>>;
+    let spec: ContactSpec = table::read(section, &schema, &[], load, &at, report)?;
+    if let Err(error) = spec.validate() {
+        let key = match &error {
+            BindError::Value { key, .. } | BindError::Length { key, .. } => key.as_str(),
+            _ => "",
+        };
+        report.add(
+            Kind::Value,
+            Some(span_of(&keys, key)),
+            &at,
+            error.to_string(),
+        );
+        return None;
+    }
+    Some(spec)
+}
+
+/// Where the value of a dotted key is; the table if it is not written out.
+fn span_of(section: &Section<'_>, path: &str) -> Span {
+    let mut span = section.span.clone();
+    let mut keys = Some(&section.keys);
+    for key in path.split('.') {
+        let Some(value) = keys.and_then(|keys| keys.get(key)) else {
+            break;
+        };
+        span = value.span();
+        keys = value.get_ref().as_table();
+    }
+    span
+}

@@ -1,0 +1,315 @@
+//! Values that replace those of a file, one by one: what a scenario's case changes.
+
+use std::{collections::BTreeMap, fmt};
+
+use serde::{Deserialize, Serialize};
+use toml::{
+    Spanned, Table, Value,
+    de::{DeTable, DeValue},
+};
+
+use super::{
+    ConfigErrorKind as Kind,
+    document::Document,
+    report::{At, Report, Span},
+    table::{Section, suggestion},
+};
+
+/// The table that an override goes to.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[non_exhaustive]
+pub enum Target {
+    /// `[controller]`.
+    Controller,
+    /// `[robot]`.
+    Robot,
+    /// `[solver]`.
+    Solver,
+    /// The `[[contact]]` of that name.
+    Contact(String),
+    /// The `[[task]]` of that name.
+    Task(String),
+    /// The `[[constraint]]` of that name.
+    Constraint(String),
+}
+
+impl Target {
+    fn parts(&self) -> (&'static str, Option<&str>) {
+        match self {
+            Self::Controller => ("controller", None),
+            Self::Robot => ("robot", None),
+            Self::Solver => ("solver", None),
+            Self::Contact(name) => ("contact", Some(name)),
+            Self::Task(name) => ("task", Some(name)),
+            Self::Constraint(name) => ("constraint", Some(name)),
+        }
+    }
+}
+
+impl fmt::Display for Target {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.parts() {
+            (kind, None) => f.write_str(kind),
+            (kind, Some(name)) => write!(f, "{kind} `{name}`"),
+        }
+    }
+}
+
+/// One replaced value.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Override {
+    /// Which table.
+    pub target: Target,
+    /// Which of its keys; the plug-in's or the framework's, but not `name`.
+    pub key: String,
+    /// The new value; a table replaces the whole old table.
+    pub value: Value,
+}
+
+impl Override {
+    fn subject(&self) -> String {
+        format!("override {}.`{}`", self.target, self.key)
+    }
+}
+
+/// Values that are put into a file's tables before they are read: existing keys are replaced, others added.
+///
+/// An override of `type` with another plug-in's tag replaces the plug-in: its keys in the file no longer
+/// count, those that are overridden as well do.
+///
+/// Deserialises from, and serialises to, a table in the shape of the file with names as keys:
+/// ```
+/// use wbqp::{config::{Overrides, Target}, toml};
+///
+/// let from_text: Overrides = toml::from_str("controller.rate = 500\ntask.force.feedback = 'off'")?;
+/// let from_code = Overrides::new()
+///     .with(Target::Controller, "rate", 500)
+///     .with(Target::Task("force".into()), "feedback", "off");
+/// assert_eq!(from_text, from_code);
+/// # Ok::<(), toml::de::Error>(())
+/// ```
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(from = "Tables", into = "Tables")]
+pub struct Overrides {
+    list: Vec<Override>,
+}
+
+impl Overrides {
+    /// None.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds one.
+    #[must_use]
+    pub fn with(mut self, target: Target, key: &str, value: impl Into<Value>) -> Self {
+        self.push(target, key, value);
+        self
+    }
+
+    /// Adds one; of two for the same key the later counts.
+    pub fn push(&mut self, target: Target, key: &str, value: impl Into<Value>) {
+        self.list.push(Override {
+            target,
+            key: key.to_owned(),
+            value: value.into(),
+        });
+    }
+
+    /// All, in the order in which they were added.
+    pub fn iter(&self) -> std::slice::Iter<'_, Override> {
+        self.list.iter()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.list.is_empty()
+    }
+}
+
+impl<'a> IntoIterator for &'a Overrides {
+    type Item = &'a Override;
+    type IntoIter = std::slice::Iter<'a, Override>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.iter()
+    }
+}
+
+/// How overrides are written.
+#[derive(Clone, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Tables {
+    #[serde(default, skip_serializing_if = "Table::is_empty")]
+    controller: Table,
+    #[serde(default, skip_serializing_if = "Table::is_empty")]
+    robot: Table,
+    #[serde(default, skip_serializing_if = "Table::is_empty")]
+    solver: Table,
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    contact: BTreeMap<String, Table>,
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    task: BTreeMap<String, Table>,
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    constraint: BTreeMap<String, Table>,
+}
+
+impl From<Tables> for Overrides {
+    fn from(tables: Tables) -> Self {
+        let mut overrides = Self::new();
+        let mut push = |target: &Target, table: Table| {
+            for (key, value) in table {
+                overrides.push(target.clone(), &key, value);
+            }
+        };
+        push(&Target::Controller, tables.controller);
+        push(&Target::Robot, tables.robot);
+        push(&Target::Solver, tables.solver);
+        for (name, table) in tables.contact {
+            push(&Target::Contact(name), table);
+        }
+        for (name, table) in tables.task {
+            push(&Target::Task(name), table);
+        }
+        for (name, table) in tables.constraint {
+            push(&Target::Constraint(name), table);
+        }
+        overrides
+    }
+}
+
+impl From<Overrides> for Tables {
+    fn from(overrides: Overrides) -> Self {
+        let mut tables = Self {
+            controller: Table::new(),
+            robot: Table::new(),
+            solver: Table::new(),
+            contact: BTreeMap::new(),
+            task: BTreeMap::new(),
+            constraint: BTreeMap::new(),
+        };
+        for Override { target, key, value } in overrides.list {
+            let table = match target {
+                Target::Controller => &mut tables.controller,
+                Target::Robot => &mut tables.robot,
+                Target::Solver => &mut tables.solver,
+                Target::Contact(name) => tables.contact.entry(name).or_default(),
+                Target::Task(name) => tables.task.entry(name).or_default(),
+                Target::Constraint(name) => tables.constraint.entry(name).or_default(),
+            };
+            table.insert(key, value);
+        }
+        tables
+    }
+}
+
+/// The text behind the end of the file that belongs to an override.
+pub(super) struct Applied {
+    pub(super) span: Span,
+    pub(super) subject: String,
+    pub(super) key: String,
+}
+
+/// The overrides' values as text, placed behind the end of the file: what is read from them has spans that
+/// no part of the file has.
+pub(super) struct Appendix {
+    text: String,
+    applied: Vec<Span>,
+}
+
+impl Appendix {
+    pub(super) fn new(overrides: &Overrides, file_length: usize) -> Self {
+        let mut text = " ".repeat(file_length + 1);
+        let mut applied = Vec::new();
+        for (index, each) in overrides.iter().enumerate() {
+            let start = text.len();
+            text.push_str(&format!("o{index} = {}\n", each.value));
+            applied.push(start..text.len());
+        }
+        Self { text, applied }
+    }
+
+    pub(super) fn applied(&self, overrides: &Overrides) -> Vec<Applied> {
+        self.applied
+            .iter()
+            .zip(overrides)
+            .map(|(span, each)| Applied {
+                span: span.clone(),
+                subject: each.subject(),
+                key: each.key.clone(),
+            })
+            .collect()
+    }
+
+    /// Puts the values into the document.
+    pub(super) fn apply<'t>(
+        &'t self,
+        overrides: &Overrides,
+        document: &mut Document<'t>,
+        report: &mut Report<'_>,
+    ) {
+        let mut values = match DeTable::parse(&self.text) {
+            Ok(values) => values.into_inner(),
+            Err(error) => {
+                let at = At::subject("overrides");
+                report.add(Kind::Override, None, &at, error.message());
+                return;
+            }
+        };
+        // A replaced plug-in first: it takes its keys with it.
+        let mut order: Vec<_> = overrides.iter().enumerate().zip(&self.applied).collect();
+        order.sort_by_key(|((_, each), _)| each.key != "type");
+        for ((index, each), span) in order {
+            let Some(value) = values.remove(format!("o{index}").as_str()) else {
+                continue;
+            };
+            let mut refuse = |message: String| {
+                report.add(Kind::Override, Some(span.clone()), &At::default(), message);
+            };
+            if each.key == "name" && each.target.parts().1.is_some() {
+                refuse("the name of an entry cannot be overridden".to_owned());
+                continue;
+            }
+            match document.target(&each.target) {
+                Ok(section) => replace(section, each, span, value),
+                Err(known) => {
+                    let (kind, name) = each.target.parts();
+                    let message = match name {
+                        Some(name) => {
+                            let hint = suggestion(name, &known);
+                            format!("no {kind} has this name{hint}")
+                        }
+                        None => format!("the file has no table `[{kind}]`"),
+                    };
+                    refuse(message);
+                }
+            }
+        }
+    }
+}
+
+fn replace<'t>(
+    section: &mut Section<'t>,
+    each: &Override,
+    span: &Span,
+    value: Spanned<DeValue<'t>>,
+) {
+    let old = section.take(&each.key);
+    let is_other = |old: &Spanned<DeValue<'_>>| old.get_ref().as_str() != value.get_ref().as_str();
+    if each.key == "type" && old.as_ref().is_some_and(is_other) {
+        let plugin_keys: Vec<_> = section
+            .keys
+            .keys()
+            .filter(|key| !super::ENTRY_KEYS.contains(&&**key.get_ref()))
+            .cloned()
+            .collect();
+        for key in plugin_keys {
+            section.take(key.get_ref());
+        }
+    }
+    let key_span = span.start..span.start + 1;
+    section
+        .keys
+        .insert(Spanned::new(key_span, each.key.clone().into()), value);
+}

@@ -1,0 +1,124 @@
+//! The keys that a JSON Schema allows, and where in it plug-ins are nested.
+
+use serde_json::{Map, Value};
+
+/// `$ref`s are followed this far; schemas of plain data are shallower.
+const MAX_REFS: usize = 16;
+
+/// A place in a JSON Schema.
+#[derive(Clone, Copy)]
+pub(super) struct Node<'s> {
+    root: &'s Value,
+    here: &'s Value,
+}
+
+/// Keys of a table that takes no others, sorted.
+pub(super) struct Keys<'s> {
+    pub(super) known: Vec<&'s str>,
+    pub(super) required: Vec<&'s str>,
+}
+
+impl<'s> Node<'s> {
+    pub(super) fn root(schema: &'s Value) -> Self {
+        Self {
+            root: schema,
+            here: schema,
+        }
+        .resolved()
+    }
+
+    /// Follows `$ref` and the two branches of an optional value.
+    fn resolved(mut self) -> Self {
+        for _ in 0..MAX_REFS {
+            let target = if let Some(reference) = self.here.get("$ref").and_then(Value::as_str) {
+                reference
+                    .strip_prefix('#')
+                    .and_then(|pointer| self.root.pointer(pointer))
+            } else {
+                self.only_branch()
+            };
+            match target {
+                Some(here) => self.here = here,
+                None => break,
+            }
+        }
+        self
+    }
+
+    /// The branch of an `anyOf` whose others are `null`, or of an `allOf` of one.
+    fn only_branch(self) -> Option<&'s Value> {
+        let branches = ["anyOf", "oneOf", "allOf"]
+            .iter()
+            .find_map(|key| self.here.get(key))?
+            .as_array()?;
+        let mut real = branches
+            .iter()
+            .filter(|branch| branch.get("type").and_then(Value::as_str) != Some("null"));
+        match (real.next(), real.next()) {
+            (Some(branch), None) if self.here.get("properties").is_none() => Some(branch),
+            _ => None,
+        }
+    }
+
+    fn at(self, here: &'s Value) -> Self {
+        Self { here, ..self }.resolved()
+    }
+
+    fn properties(self) -> Option<&'s Map<String, Value>> {
+        self.here.get("properties").and_then(Value::as_object)
+    }
+
+    /// The kind of plug-in that belongs here, if one does.
+    pub(super) fn plugin(self) -> Option<&'s str> {
+        self.here.get("x-plugin").and_then(Value::as_str)
+    }
+
+    /// All property names, also of a table that takes others as well.
+    pub(super) fn property_names(self) -> impl Iterator<Item = &'s str> {
+        self.properties()
+            .into_iter()
+            .flat_map(|properties| properties.keys().map(String::as_str))
+    }
+
+    /// The keys, if this is a table that takes no others.
+    pub(super) fn keys(self) -> Option<Keys<'s>> {
+        let is_object = match self.here.get("type") {
+            Some(Value::String(name)) => name == "object",
+            Some(Value::Array(names)) => names.iter().any(|name| name == "object"),
+            _ => false,
+        };
+        let others = self
+            .here
+            .get("additionalProperties")
+            .is_some_and(|others| others != &Value::Bool(false))
+            || ["anyOf", "oneOf", "allOf", "patternProperties"]
+                .iter()
+                .any(|key| self.here.get(key).is_some());
+        if !is_object || others {
+            return None;
+        }
+        let required = self.here.get("required").and_then(Value::as_array);
+        Some(Keys {
+            known: self.property_names().collect(),
+            required: required
+                .into_iter()
+                .flatten()
+                .filter_map(Value::as_str)
+                .collect(),
+        })
+    }
+
+    /// What the value of a key must be.
+    pub(super) fn property(self, key: &str) -> Option<Self> {
+        let here = self
+            .properties()
+            .and_then(|properties| properties.get(key))
+            .or_else(|| self.here.get("additionalProperties"))?;
+        Some(self.at(here))
+    }
+
+    /// What the elements of a list must be.
+    pub(super) fn element(self) -> Option<Self> {
+        self.here.get("items").map(|here| self.at(here))
+    }
+}

@@ -1,0 +1,340 @@
+//! Reads one table: refuses unknown keys, asks for missing ones, and finds every bad value.
+//!
+//! Serde stops at the first error. What is unknown or missing is read off the JSON Schema instead, and bad
+//! values are found by a loop: deserialise, note the error, take out the key it points at, again.
+
+use serde_json::Value;
+use toml::{
+    Spanned,
+    de::{DeTable, DeValue, ValueDeserializer},
+};
+
+use super::{
+    ConfigErrorKind as Kind, did_you_mean,
+    report::{At, Report, Span, Step},
+    schema::Node,
+};
+use crate::{
+    constraint::Constraint,
+    qp::QpSolver,
+    reference::Reference,
+    registry::{self, PluginKind},
+    robot::Robot,
+    task::Task,
+};
+
+/// A table of the file: its header's span, or the whole inline table's, and the keys.
+#[derive(Clone, Debug)]
+pub(super) struct Section<'t> {
+    pub(super) span: Span,
+    pub(super) keys: DeTable<'t>,
+}
+
+impl<'t> Section<'t> {
+    /// Takes out a key.
+    pub(super) fn take(&mut self, key: &str) -> Option<Spanned<DeValue<'t>>> {
+        self.keys.remove(key)
+    }
+
+    fn to_deserializer(&self) -> ValueDeserializer<'t> {
+        Spanned::new(self.span.clone(), DeValue::Table(self.keys.clone())).into()
+    }
+}
+
+/// `; did you mean …?` and the list of what there is.
+pub(super) fn suggestion(name: &str, known: &[&str]) -> String {
+    let hint = did_you_mean(name, known)
+        .map(|near| format!("; did you mean `{near}`?"))
+        .unwrap_or_default();
+    let known = if known.is_empty() {
+        "none".to_owned()
+    } else {
+        known.join(", ")
+    };
+    format!("{hint} (known: {known})")
+}
+
+/// Reads `type` and the keys of the plug-in it names. `entry_keys` are known as well: the caller took them.
+pub(super) fn plugin<P: PluginKind + ?Sized>(
+    mut section: Section<'_>,
+    entry_keys: &[&str],
+    at: &At,
+    report: &mut Report<'_>,
+) -> Option<Box<P>> {
+    let Some(tag) = section.take("type") else {
+        report.add(
+            Kind::MissingKey,
+            Some(section.span),
+            at,
+            "key `type` is missing",
+        );
+        return None;
+    };
+    let span = tag.span();
+    let DeValue::String(tag) = tag.into_inner() else {
+        report.add(Kind::Value, Some(span), at, "key `type` must be a string");
+        return None;
+    };
+    let Some(plugin) = registry::find::<P>(&tag) else {
+        let known: Vec<_> = P::plugins().iter().map(|plugin| plugin.tag).collect();
+        let kind = P::NAME;
+        let hint = if known.is_empty() {
+            format!("; no {kind} is linked: add `use my_plugin_crate as _;`")
+        } else {
+            suggestion(&tag, &known)
+        };
+        report.add(
+            Kind::UnknownType,
+            Some(span),
+            at,
+            format!("unknown {kind} type `{tag}`{hint}"),
+        );
+        return None;
+    };
+    let mut known = vec!["type"];
+    known.extend_from_slice(entry_keys);
+    read(
+        section,
+        (plugin.schema)().as_value(),
+        &known,
+        plugin.load,
+        at,
+        report,
+    )
+}
+
+/// Reads a table whose keys a schema describes; nothing if anything is wrong with it.
+pub(super) fn read<'t, T>(
+    mut section: Section<'t>,
+    schema: &Value,
+    other_keys: &[&str],
+    load: impl Fn(ValueDeserializer<'t>) -> Result<T, toml::de::Error>,
+    at: &At,
+    report: &mut Report<'_>,
+) -> Option<T> {
+    let before = report.len();
+    let mut inspection = Inspection {
+        at,
+        report,
+        damaged: Vec::new(),
+    };
+    let Section { span, keys } = &mut section;
+    inspection.table(Node::root(schema), span, keys, other_keys, &mut Vec::new());
+    let mut damaged = inspection.damaged;
+    loop {
+        let error = match load(section.to_deserializer()) {
+            Ok(value) => return (report.len() == before).then_some(value),
+            Err(error) => error,
+        };
+        let path = error
+            .span()
+            .and_then(|span| locate(&section.keys, &span))
+            .unwrap_or_default();
+        // A table that lost a key complains about that: said already.
+        if !damaged.contains(&path) {
+            let span = error.span().unwrap_or_else(|| section.span.clone());
+            report.add(Kind::Value, Some(span), &at.then(&path), error.message());
+        }
+        damaged.push(remove(&mut section.keys, &path)?);
+    }
+}
+
+/// Deserialises one value, reporting under its key.
+pub(super) fn value<T: serde::de::DeserializeOwned>(
+    value: Spanned<DeValue<'_>>,
+    at: &At,
+    report: &mut Report<'_>,
+) -> Option<T> {
+    let span = value.span();
+    match T::deserialize(ValueDeserializer::from(value)) {
+        Ok(value) => Some(value),
+        Err(error) => {
+            let span = error.span().unwrap_or(span);
+            report.add(Kind::Value, Some(span), at, error.message());
+            None
+        }
+    }
+}
+
+/// Compares a table with its schema. Takes out what it reports, and remembers which tables lost a key.
+struct Inspection<'a, 'r> {
+    at: &'a At,
+    report: &'a mut Report<'r>,
+    damaged: Vec<Vec<Step>>,
+}
+
+impl Inspection<'_, '_> {
+    fn table(
+        &mut self,
+        node: Node<'_>,
+        span: &Span,
+        table: &mut DeTable<'_>,
+        other_keys: &[&str],
+        path: &mut Vec<Step>,
+    ) {
+        let at = self.at.then(path);
+        if let Some(keys) = node.keys() {
+            let unknown: Vec<_> = table
+                .keys()
+                .filter(|key| !keys.known.contains(&&**key.get_ref()))
+                .cloned()
+                .collect();
+            for key in unknown {
+                let name: &str = key.get_ref();
+                let mut known = keys.known.clone();
+                known.extend_from_slice(other_keys);
+                known.sort_unstable();
+                let hint = suggestion(name, &known);
+                let message = format!("unknown key `{name}`{hint}");
+                self.report
+                    .add(Kind::UnknownKey, Some(key.span()), &at, message);
+                table.remove(name);
+            }
+            for key in keys.required {
+                if !table.contains_key(key) {
+                    self.report.add(
+                        Kind::MissingKey,
+                        Some(span.clone()),
+                        &at,
+                        format!("key `{key}` is missing"),
+                    );
+                    self.damaged.push(path.clone());
+                }
+            }
+        }
+        let mut faulty = Vec::new();
+        for (key, value) in table.iter_mut() {
+            let name: &str = key.get_ref();
+            let Some(node) = node.property(name) else {
+                continue;
+            };
+            path.push(Step::Key(name.to_owned()));
+            if !self.value(node, value, path) {
+                faulty.push(name.to_owned());
+            }
+            path.pop();
+        }
+        for key in faulty {
+            table.remove(key.as_str());
+            self.damaged.push(path.clone());
+        }
+    }
+
+    /// False if the value cannot be used at all.
+    fn value(
+        &mut self,
+        node: Node<'_>,
+        value: &mut Spanned<DeValue<'_>>,
+        path: &mut Vec<Step>,
+    ) -> bool {
+        let span = value.span();
+        if let Some(kind) = node.plugin() {
+            return self.plugin(kind, span, value.get_ref(), path);
+        }
+        match value.get_mut() {
+            DeValue::Table(table) => {
+                self.table(node, &span, table, &[], path);
+                true
+            }
+            DeValue::Array(elements) => {
+                let Some(node) = node.element() else {
+                    return true;
+                };
+                let mut usable = true;
+                for (index, element) in elements.iter_mut().enumerate() {
+                    path.push(Step::Index(index));
+                    usable &= self.value(node, element, path);
+                    path.pop();
+                }
+                usable
+            }
+            _ => true,
+        }
+    }
+
+    /// Loads a nested plug-in through its registry, for its errors alone: typetag loses their places.
+    fn plugin(&mut self, kind: &str, span: Span, value: &DeValue<'_>, path: &[Step]) -> bool {
+        let at = self.at.then(path);
+        let DeValue::Table(keys) = value else {
+            let message = format!("must be a table: {{ type = \"…\", … }} names a {kind}");
+            self.report.add(Kind::Value, Some(span), &at, message);
+            return false;
+        };
+        let section = Section {
+            span,
+            keys: keys.clone(),
+        };
+        let report = &mut *self.report;
+        match kind {
+            "task" => plugin::<dyn Task>(section, &[], &at, report).is_some(),
+            "constraint" => plugin::<dyn Constraint>(section, &[], &at, report).is_some(),
+            "reference" => plugin::<dyn Reference>(section, &[], &at, report).is_some(),
+            "robot" => plugin::<dyn Robot>(section, &[], &at, report).is_some(),
+            "solver" => plugin::<dyn QpSolver>(section, &[], &at, report).is_some(),
+            _ => true,
+        }
+    }
+}
+
+/// The innermost value, or the key, that contains a span.
+fn locate(table: &DeTable<'_>, span: &Span) -> Option<Vec<Step>> {
+    table.iter().find_map(|(key, value)| {
+        let step = Step::Key(key.get_ref().to_string());
+        if contains(&key.span(), span) && !contains(&value.span(), span) {
+            return Some(vec![step]);
+        }
+        locate_in(value, span).map(|mut path| {
+            path.insert(0, step);
+            path
+        })
+    })
+}
+
+fn locate_in(value: &Spanned<DeValue<'_>>, span: &Span) -> Option<Vec<Step>> {
+    let inner = match value.get_ref() {
+        DeValue::Table(table) => locate(table, span),
+        DeValue::Array(elements) => elements.iter().enumerate().find_map(|(index, element)| {
+            locate_in(element, span).map(|mut path| {
+                path.insert(0, Step::Index(index));
+                path
+            })
+        }),
+        _ => None,
+    };
+    inner.or_else(|| contains(&value.span(), span).then(Vec::new))
+}
+
+fn contains(outer: &Span, inner: &Span) -> bool {
+    outer.start <= inner.start && inner.end <= outer.end
+}
+
+/// Takes out the last key of a path, and gives the path of the table that had it.
+fn remove(table: &mut DeTable<'_>, path: &[Step]) -> Option<Vec<Step>> {
+    let last = path.iter().rposition(|step| matches!(step, Step::Key(_)))?;
+    let (parent, rest) = path.split_at(last);
+    let Some(Step::Key(key)) = rest.first() else {
+        return None;
+    };
+    descend(table, parent)?.remove(key.as_str())?;
+    Some(parent.to_vec())
+}
+
+fn descend<'a, 't>(table: &'a mut DeTable<'t>, path: &[Step]) -> Option<&'a mut DeTable<'t>> {
+    let Some((first, rest)) = path.split_first() else {
+        return Some(table);
+    };
+    let Step::Key(key) = first else { return None };
+    let mut value = table.get_mut(key.as_str())?.get_mut();
+    let mut rest = rest;
+    while let Some((Step::Index(index), deeper)) = rest.split_first() {
+        let DeValue::Array(elements) = value else {
+            return None;
+        };
+        value = elements.get_mut(*index)?.get_mut();
+        rest = deeper;
+    }
+    match value {
+        DeValue::Table(inner) => descend(inner, rest),
+        _ => None,
+    }
+}

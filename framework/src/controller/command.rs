@@ -1,0 +1,75 @@
+//! What goes to the actuators.
+//!
+//! # Mathematics
+//! A servoed joint receives a velocity reference that integrates the commanded acceleration and leaks to the
+//! measured velocity with time constant `τ_ℓ`:
+//! `v_ref⁺ = sat(v_ref + T v̇_A* − (T/τ_ℓ)(v_ref − v_meas))`. The leak is the anti-windup; drift of the position is
+//! removed by the posture task.
+
+use crate::{actuator::ActuatorKind, model::Model, robot::RobotModel, state::State};
+
+/// The command of a tick, in storage made once.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Command {
+    /// Effort of every actuator in the order of `u`: thrust N, torque N·m or force N.
+    pub effort: Vec<f64>,
+    /// Speed of every actuator that is a rotor, rad/s; 0 for joints. Same order as `effort`.
+    pub rotor_speed: Vec<f64>,
+    /// Acceleration of every joint, rad/s² or m/s², in the model's order.
+    pub joint_acceleration: Vec<f64>,
+    /// Velocity reference of every joint, rad/s or m/s, in the model's order.
+    pub joint_velocity: Vec<f64>,
+}
+
+impl Command {
+    pub(crate) fn new(robot: &RobotModel) -> Self {
+        let joints = robot.model.joints().len();
+        Self {
+            effort: vec![0.0; robot.nu()],
+            rotor_speed: vec![0.0; robot.nu()],
+            joint_acceleration: vec![0.0; joints],
+            joint_velocity: vec![0.0; joints],
+        }
+    }
+
+    /// Takes efforts over, clipped to the actuators' limits, and converts thrusts to rotor speeds.
+    pub(crate) fn take_efforts(&mut self, robot: &RobotModel, effort: &[f64]) {
+        for (i, actuator) in robot.actuators.iter().enumerate() {
+            let u = effort[i].max(actuator.lower).min(actuator.upper);
+            self.effort[i] = u;
+            if let ActuatorKind::Rotor(rotor) = &actuator.kind {
+                self.rotor_speed[i] = rotor.speed(u);
+            }
+        }
+    }
+
+    /// Takes accelerations over and integrates the velocity references.
+    pub(crate) fn integrate(
+        &mut self,
+        model: &Model,
+        state: &State,
+        vdot: &[f64],
+        period: f64,
+        leak: f64,
+    ) {
+        let offset = model.joint_offset();
+        for (i, joint) in model.joints().iter().enumerate() {
+            let acceleration = vdot[offset + i];
+            let measured = state.v[offset + i];
+            let reference = self.joint_velocity[i];
+            let limit = joint.limits.velocity;
+            let next = reference + period * acceleration - period / leak * (reference - measured);
+            self.joint_acceleration[i] = acceleration;
+            self.joint_velocity[i] = next.clamp(-limit, limit);
+        }
+    }
+
+    /// Starts the velocity references at the measured velocities.
+    pub(crate) fn engage(&mut self, model: &Model, state: &State) {
+        let offset = model.joint_offset();
+        for (i, joint) in model.joints().iter().enumerate() {
+            let limit = joint.limits.velocity;
+            self.joint_velocity[i] = state.v[offset + i].clamp(-limit, limit);
+        }
+    }
+}

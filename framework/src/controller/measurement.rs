@@ -1,0 +1,128 @@
+//! What the sensors say at the beginning of a tick.
+
+use nalgebra::Vector6;
+
+use crate::{contact::ContactId, robot::RobotModel, state::State};
+
+/// The inputs of a tick.
+#[derive(Clone, Debug)]
+pub struct Measurement {
+    /// Time, s, on any clock that does not go backwards.
+    pub time: f64,
+    /// Estimated state, velocities world-aligned.
+    pub state: State,
+    /// Per contact (in the configuration's order): wrench that the environment exerts on the robot,
+    /// `[force; moment]`, N and N·m, in the axes and about the origin of the contact's frame E on the robot.
+    /// Convert the sensor's sign where it is read. Zero where there is no sensor.
+    pub wrenches: Vec<Vector6<f64>>,
+}
+
+impl Measurement {
+    /// The robot's home posture at rest at time 0, no force.
+    pub fn home(robot: &RobotModel, contacts: usize) -> Self {
+        Self {
+            time: 0.0,
+            state: robot.home.clone(),
+            wrenches: vec![Vector6::zeros(); contacts],
+        }
+    }
+
+    /// What makes the measurement unusable, if anything does.
+    pub(crate) fn fault(&self, robot: &RobotModel, contacts: usize) -> Option<Fault> {
+        if !self.time.is_finite() {
+            return Some(Fault::NotFinite(Quantity::Time));
+        }
+        if !self.state.fits(&robot.model) {
+            return Some(Fault::WrongSize(Quantity::State));
+        }
+        if self.wrenches.len() != contacts {
+            return Some(Fault::WrongSize(Quantity::Wrenches));
+        }
+        let state = &self.state;
+        let checks = [
+            (
+                Quantity::BasePosition,
+                state.p_WR.iter().all(|x| x.is_finite()),
+            ),
+            (
+                Quantity::BaseOrientation,
+                state.R_WR.coords.iter().all(|x| x.is_finite()),
+            ),
+            (
+                Quantity::JointPositions,
+                state.q.iter().all(|x| x.is_finite()),
+            ),
+            (Quantity::Velocities, state.v.iter().all(|x| x.is_finite())),
+        ];
+        if let Some((what, _)) = checks.iter().find(|(_, finite)| !finite) {
+            return Some(Fault::NotFinite(*what));
+        }
+        let bad = |w: &Vector6<f64>| !w.iter().all(|x| x.is_finite());
+        self.wrenches
+            .iter()
+            .position(bad)
+            .map(|i| Fault::NotFinite(Quantity::Wrench(ContactId(i as u32))))
+    }
+}
+
+/// A measured quantity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Quantity {
+    /// The time stamp.
+    Time,
+    /// The state as a whole.
+    State,
+    /// Position of the base.
+    BasePosition,
+    /// Orientation of the base.
+    BaseOrientation,
+    /// Joint positions.
+    JointPositions,
+    /// Generalised velocities.
+    Velocities,
+    /// The list of wrenches.
+    Wrenches,
+    /// One contact's wrench.
+    Wrench(ContactId),
+}
+
+/// Why a tick did not compute a new command.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Fault {
+    /// A measured number is NaN or infinite.
+    NotFinite(Quantity),
+    /// A measured list has the wrong size.
+    WrongSize(Quantity),
+    /// The mass matrix is not positive definite at this state.
+    MassMatrix,
+    /// The solver gave no usable solution; its status is in the report.
+    Solver,
+}
+
+impl std::fmt::Display for Fault {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::NotFinite(q) => write!(f, "measurement not finite: {q}"),
+            Self::WrongSize(q) => write!(f, "measurement of the wrong size: {q}"),
+            Self::MassMatrix => f.write_str("the mass matrix is not positive definite"),
+            Self::Solver => f.write_str("the solver gave no usable solution"),
+        }
+    }
+}
+
+impl std::fmt::Display for Quantity {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Time => f.write_str("time"),
+            Self::State => f.write_str("state"),
+            Self::BasePosition => f.write_str("base position"),
+            Self::BaseOrientation => f.write_str("base orientation"),
+            Self::JointPositions => f.write_str("joint positions"),
+            Self::Velocities => f.write_str("velocities"),
+            Self::Wrenches => f.write_str("list of wrenches"),
+            Self::Wrench(c) => write!(f, "wrench of contact {}", c.index()),
+        }
+    }
+}

@@ -1,0 +1,109 @@
+//! What a tick says about itself: status, residuals, forces, active rows, times.
+
+use nalgebra::{DVector, Vector6};
+
+use super::{measurement::Fault, stopwatch::StageTimes};
+use crate::{
+    qp::{RowId, Status},
+    task::ForceReport,
+};
+
+/// Where the command of a tick comes from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Rung {
+    /// The optimum of this tick's problem.
+    Optimal,
+    /// The last command is kept; [`Report::fault`] says why.
+    #[default]
+    Held,
+}
+
+impl Rung {
+    /// Its name, for logs.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Optimal => "optimal",
+            Self::Held => "held",
+        }
+    }
+}
+
+/// The report of a tick, in storage made once.
+#[derive(Clone, Debug)]
+pub struct Report {
+    /// Time of the measurement, s.
+    pub time: f64,
+    /// Where the command comes from.
+    pub rung: Rung,
+    /// Why the command is not this tick's optimum.
+    pub fault: Option<Fault>,
+    /// How the solver ended.
+    pub status: Status,
+    /// The solver's iterations.
+    pub iterations: u32,
+    /// The optimum's cost: `Σ w r²` over all soft rows, plus slacks and regularisation.
+    pub objective: f64,
+    /// Generalised acceleration that the solution predicts, size nv.
+    pub vdot: DVector<f64>,
+    /// One per task, in the configuration's order.
+    pub tasks: Vec<TaskReport>,
+    /// One per contact, in the configuration's order.
+    pub contacts: Vec<ContactReport>,
+    /// Inequality rows and bounds at a limit, with their multipliers.
+    pub active: Vec<ActiveRow>,
+    /// Index of the first entry (tasks, then constraints) that wrote a block it had not declared.
+    pub undeclared: Option<usize>,
+    /// Weight of the regularisation row.
+    pub regularisation: f64,
+    /// Time per stage.
+    pub times: StageTimes,
+}
+
+/// What became of a task.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TaskReport {
+    /// Ramp, 0 (off) to 1 (on).
+    pub alpha: f64,
+    /// Actual minus desired, per row, in the task's error unit.
+    pub error: Vec<f64>,
+    /// `A x − b` per row: what the solution does beyond what the task asked for.
+    pub residual: Vec<f64>,
+    /// `w r²` per row.
+    pub cost: Vec<f64>,
+}
+
+/// The forces of a contact; C axes, about the contact point, on the robot. They are four different things.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactReport {
+    /// Whether it is switched on.
+    pub on: bool,
+    /// Ramp, 0 (off) to 1 (on).
+    pub alpha: f64,
+    /// Set point `f^d` and what the outer loop asks, `f*` of (11); `None` without a force task.
+    pub task: Option<ForceReport>,
+    /// What the solver plans, `f_QP`.
+    pub solution: Vector6<f64>,
+    /// What the sensor says, `f^m`.
+    pub measured: Vector6<f64>,
+}
+
+/// The side of a limit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// At the lower limit; the multiplier is negative.
+    Lower,
+    /// At the upper limit; the multiplier is positive.
+    Upper,
+}
+
+/// A row or bound at its limit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ActiveRow {
+    /// Whose; [`Controller::row`](super::Controller::row) gives the name.
+    pub row: RowId,
+    /// Which side.
+    pub side: Side,
+    /// The price of the limit: change of the cost per unit of the row.
+    pub multiplier: f64,
+}

@@ -1,0 +1,218 @@
+//! What can be asked of a running controller between ticks: switches, references, weights, plug-ins by name.
+
+use super::{Controller, error::RequestError};
+use crate::{
+    contact::{ContactId, ContactSpec, ContactState},
+    entry::Weight,
+    layout::Layout,
+    reference::Reference,
+    setup::{BindError, unknown},
+    task::Task,
+};
+
+impl Controller {
+    /// Switches an entry (task or constraint) on, with its ramp. Nothing happens if it is on.
+    ///
+    /// # Errors
+    /// [`RequestError::Absent`].
+    pub fn activate(&mut self, name: &str) -> Result<(), RequestError> {
+        let index = self.entry(name)?;
+        if self.groups[index].switch.turn(true, self.world.time) {
+            self.announce(index);
+        }
+        Ok(())
+    }
+
+    /// Switches an entry off, with its ramp. Nothing happens if it is off.
+    ///
+    /// # Errors
+    /// [`RequestError::Absent`].
+    pub fn deactivate(&mut self, name: &str) -> Result<(), RequestError> {
+        let index = self.entry(name)?;
+        self.groups[index].switch.turn(false, self.world.time);
+        Ok(())
+    }
+
+    /// Switches a contact on: its forces enter the problem, its rows and those of its tasks follow its ramp,
+    /// set points start at the force measured now, integrators start at zero.
+    ///
+    /// # Errors
+    /// [`RequestError::Absent`].
+    pub fn activate_contact(&mut self, name: &str) -> Result<(), RequestError> {
+        let id = self.contact(name)?;
+        let i = id.index();
+        let now = self.world.time;
+        if self.world.bindings[i].turn(true, now, &mut self.world.contacts[i]) {
+            let belongs = |layout: &Layout| layout.contact == Some(id);
+            for index in 0..self.groups.len() {
+                if belongs(&self.groups[index].layout) {
+                    self.announce(index);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Switches a contact off; with a ramp, its force goes from where it is to zero.
+    ///
+    /// # Errors
+    /// [`RequestError::Absent`].
+    pub fn deactivate_contact(&mut self, name: &str) -> Result<(), RequestError> {
+        let i = self.contact(name)?.index();
+        let now = self.world.time;
+        self.world.bindings[i].turn(false, now, &mut self.world.contacts[i]);
+        Ok(())
+    }
+
+    /// Gives a task another trajectory. It begins now, from what the task followed until now.
+    ///
+    /// # Errors
+    /// [`RequestError`] if the task does not exist, follows nothing, or the trajectory does not fit; the old
+    /// one is kept then.
+    pub fn follow(
+        &mut self,
+        task: &str,
+        mut reference: Box<dyn Reference>,
+    ) -> Result<(), RequestError> {
+        let index = self.task_index(task)?;
+        let now = self.world.time;
+        let follow = self.tasks[index]
+            .follow()
+            .ok_or_else(|| RequestError::NoReference {
+                name: task.to_owned(),
+            })?;
+        reference
+            .bind(&follow.start(now))
+            .map_err(|source| RequestError::Value {
+                name: task.to_owned(),
+                source,
+            })?;
+        *follow.reference = reference;
+        Ok(())
+    }
+
+    /// Gives an entry another weight, from the next tick on.
+    ///
+    /// # Errors
+    /// [`RequestError`] if the entry does not exist or the weight does not fit its rows.
+    pub fn reweight(&mut self, name: &str, weight: &Weight) -> Result<(), RequestError> {
+        let index = self.entry(name)?;
+        let group = &mut self.groups[index];
+        let rows = group.weight.len();
+        let usable = weight.values().iter().all(|w| w.is_finite() && *w >= 0.0)
+            && (matches!(weight, Weight::Uniform(_)) || weight.values().len() == rows);
+        if !usable {
+            return Err(RequestError::Value {
+                name: name.to_owned(),
+                source: BindError::value(
+                    "weight",
+                    format!("must be one number, or {rows}, finite and not negative"),
+                ),
+            });
+        }
+        for (row, w) in group.weight.iter_mut().enumerate() {
+            *w = weight.row(row);
+        }
+        Ok(())
+    }
+
+    /// A task as its own type, to read or to change its parameters. Values written here are not validated
+    /// again.
+    ///
+    /// # Errors
+    /// [`RequestError`] if there is no such task or it is of another type.
+    pub fn task_mut<T: Task>(&mut self, name: &str) -> Result<&mut T, RequestError> {
+        let index = self.task_index(name)?;
+        let is = self.tasks[index].typetag_name();
+        self.tasks[index]
+            .downcast_mut()
+            .ok_or_else(|| RequestError::OtherType {
+                name: name.to_owned(),
+                is,
+                asked: std::any::type_name::<T>(),
+            })
+    }
+
+    /// The contact of that name.
+    ///
+    /// # Errors
+    /// [`RequestError::Absent`].
+    pub fn contact(&self, name: &str) -> Result<ContactId, RequestError> {
+        let names = || self.world.bindings.iter().map(|b| b.spec.name.as_str());
+        match names().position(|n| n == name) {
+            Some(i) => Ok(ContactId(i as u32)),
+            None => Err(absent("contact", name, names())),
+        }
+    }
+
+    /// A contact as configured. Panics only for an id of another controller.
+    pub fn contact_spec(&self, contact: ContactId) -> &ContactSpec {
+        &self.world.bindings[contact.index()].spec
+    }
+
+    /// A contact as of the last tick: kinematics, switch, forces. Panics only for an id of another controller.
+    pub fn contact_state(&self, contact: ContactId) -> &ContactState {
+        &self.world.contacts[contact.index()]
+    }
+
+    /// Names of the tasks, in the order of [`Report::tasks`](super::Report::tasks).
+    pub fn task_names(&self) -> impl Iterator<Item = &str> {
+        self.groups[..self.tasks.len()]
+            .iter()
+            .map(|g| g.name.as_str())
+    }
+
+    /// Rows of each task with labels and units, in the order of [`Controller::task_names`].
+    pub fn task_layouts(&self) -> impl Iterator<Item = &Layout> {
+        self.groups[..self.tasks.len()].iter().map(|g| &g.layout)
+    }
+
+    /// Names of the contacts, in the order of [`Report::contacts`](super::Report::contacts).
+    pub fn contact_names(&self) -> impl Iterator<Item = &str> {
+        self.world.bindings.iter().map(|b| b.spec.name.as_str())
+    }
+
+    fn entry(&self, name: &str) -> Result<usize, RequestError> {
+        let names = || self.groups.iter().map(|g| g.name.as_str());
+        let found = names().position(|n| n == name);
+        found.ok_or_else(|| absent("entry", name, names()))
+    }
+
+    fn task_index(&self, name: &str) -> Result<usize, RequestError> {
+        let found = self.task_names().position(|n| n == name);
+        found.ok_or_else(|| absent("task", name, self.task_names()))
+    }
+
+    /// Tells a plug-in that it has been switched on.
+    fn announce(&mut self, index: usize) {
+        match self.tasks.get_mut(index) {
+            Some(task) => task.activate(),
+            None => self.constraints[index - self.tasks.len()].activate(),
+        }
+    }
+}
+
+fn absent<'a>(
+    kind: &'static str,
+    name: &str,
+    known: impl Iterator<Item = &'a str>,
+) -> RequestError {
+    // The same list and guess as when a plug-in names something that does not exist.
+    match unknown(kind, name, known) {
+        BindError::Unknown {
+            kind,
+            name,
+            hint,
+            known,
+        } => RequestError::Absent {
+            kind,
+            name,
+            hint,
+            known,
+        },
+        other => RequestError::Value {
+            name: name.to_owned(),
+            source: other,
+        },
+    }
+}

@@ -1,0 +1,41 @@
+//! Time of the stages of a tick, from a clock that the caller owns: the library reads none.
+
+use std::fmt::Debug;
+
+/// A monotonic clock given by the caller.
+pub trait Stopwatch: Send + Debug {
+    /// Seconds since any fixed moment.
+    fn now(&mut self) -> f64;
+}
+
+/// No clock: all stage times are zero.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NoStopwatch;
+
+impl Stopwatch for NoStopwatch {
+    fn now(&mut self) -> f64 {
+        0.0
+    }
+}
+
+/// Duration of each stage of a tick, s.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StageTimes {
+    /// Kinematics, mass matrix, bias, frames and contacts.
+    pub dynamics: f64,
+    /// The plug-ins' rows.
+    pub rows: f64,
+    /// From rows to the quadratic program.
+    pub assembly: f64,
+    /// The solver, scaling included.
+    pub solve: f64,
+    /// Command and report.
+    pub output: f64,
+}
+
+impl StageTimes {
+    /// All stages together.
+    pub fn total(&self) -> f64 {
+        self.dynamics + self.rows + self.assembly + self.solve + self.output
+    }
+}

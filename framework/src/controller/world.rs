@@ -1,0 +1,199 @@
+//! The measured world of one tick: state, dynamics, frames and contacts, computed once.
+//!
+//! # Notation
+//! W world, R base, E a contact's frame on the robot, C the surface's frame at the contact point.
+#![allow(non_snake_case)]
+
+use std::sync::Arc;
+
+use nalgebra::{Isometry3, Matrix6xX, Rotation3, Translation3, UnitQuaternion, Vector3, Vector6};
+
+use super::{measurement::Measurement, switch::Switch};
+use crate::{
+    contact::{ContactSpec, ContactState, FreeForce},
+    dynamics::{Data, FrameKinematics},
+    model::{BodyId, FrameId, Model},
+    setup::{BindError, unknown},
+    state::State,
+    tick::{EntryState, Prediction, Tick},
+};
+
+/// State, dynamics, requested frames and contacts.
+#[derive(Debug)]
+pub(crate) struct World {
+    pub(crate) model: Arc<Model>,
+    pub(crate) period: f64,
+    pub(crate) time: f64,
+    pub(crate) state: State,
+    pub(crate) data: Data,
+    pub(crate) frame_ids: Vec<FrameId>,
+    pub(crate) frames: Vec<FrameKinematics>,
+    pub(crate) contacts: Vec<ContactState>,
+    pub(crate) last: Prediction,
+    pub(crate) bindings: Vec<ContactBinding>,
+}
+
+/// What a contact needs besides its state.
+#[derive(Debug)]
+pub(crate) struct ContactBinding {
+    pub(crate) spec: ContactSpec,
+    pub(crate) switch: Switch,
+    body: BodyId,
+    X_BC: Isometry3<f64>,
+    kinematics: FrameKinematics,
+    /// Normal force of the solution when the contact was switched off.
+    exit_force: f64,
+}
+
+impl ContactBinding {
+    pub(crate) fn new(spec: &ContactSpec, model: &Model) -> Result<Self, BindError> {
+        spec.validate()?;
+        let id = model.frame(&spec.frame).ok_or_else(|| {
+            let known = model.frames().iter().map(|f| f.name.as_str());
+            unknown("frame", &spec.frame, known)
+        })?;
+        let frame = &model.frames()[id.index()];
+        let offset = Translation3::from(Vector3::from(spec.offset));
+        Ok(Self {
+            switch: Switch::new(spec.active, spec.transition),
+            body: frame.body,
+            X_BC: frame.X_BF * offset,
+            kinematics: FrameKinematics::new(model),
+            exit_force: 0.0,
+            spec: spec.clone(),
+        })
+    }
+
+    /// The state before the first tick.
+    pub(crate) fn initial_state(&self, model: &Model) -> Result<ContactState, BindError> {
+        let spec = &self.spec;
+        Ok(ContactState {
+            kind: spec.kind,
+            live: spec.active,
+            alpha: if spec.active { 1.0 } else { 0.0 },
+            since: f64::NEG_INFINITY,
+            R_WC: spec.surface.rotation()?,
+            p_WS: Vector3::from(spec.surface.origin),
+            p_SC: Vector3::zeros(),
+            R_CE: Rotation3::identity(),
+            V: Vector6::zeros(),
+            J: Matrix6xX::zeros(model.nv()),
+            Jdot_v: Vector6::zeros(),
+            surface_acceleration: Vector6::zeros(),
+            friction: spec.friction,
+            force_limits: [spec.force_min, spec.force_max],
+            measured: Vector6::zeros(),
+            measured_at_switch: Vector6::zeros(),
+            free_force: Vector6::zeros(),
+            solution: Vector6::zeros(),
+        })
+    }
+
+    /// Turns the contact on or off; false if nothing changes.
+    pub(crate) fn turn(&mut self, on: bool, now: f64, state: &mut ContactState) -> bool {
+        if !self.switch.turn(on, now) {
+            return false;
+        }
+        state.since = now;
+        if on {
+            state.measured_at_switch = state.measured;
+        } else {
+            self.exit_force = state.solution[2];
+        }
+        true
+    }
+
+    fn update(
+        &mut self,
+        time: f64,
+        model: &Model,
+        data: &Data,
+        wrench: &Vector6<f64>,
+        c: &mut ContactState,
+    ) {
+        c.alpha = self.switch.alpha(time);
+        c.live = self.switch.is_live(time);
+        c.since = self.switch.since();
+        let k = &mut self.kinematics;
+        k.update_at(model, data, self.body, &self.X_BC);
+        let R_CW = c.R_WC.inverse();
+        c.p_SC = R_CW * (k.p_WF - c.p_WS);
+        c.R_CE = R_CW * k.R_WF;
+        let rotate = |v: &Vector6<f64>| {
+            let linear = R_CW * Vector3::new(v[0], v[1], v[2]);
+            let angular = R_CW * Vector3::new(v[3], v[4], v[5]);
+            Vector6::new(
+                linear.x, linear.y, linear.z, angular.x, angular.y, angular.z,
+            )
+        };
+        c.V = rotate(&Vector6::new(
+            k.v_WF.x, k.v_WF.y, k.v_WF.z, k.w_WF.x, k.w_WF.y, k.w_WF.z,
+        ));
+        c.Jdot_v = rotate(&k.Jdot_v);
+        for (mut out, column) in c.J.column_iter_mut().zip(k.J.column_iter()) {
+            out.copy_from(&rotate(&column.into_owned()));
+        }
+        // The sensor speaks in E about E's origin; the contact point is the offset away.
+        let force = Vector3::new(wrench[0], wrench[1], wrench[2]);
+        let moment = Vector3::new(wrench[3], wrench[4], wrench[5])
+            - Vector3::from(self.spec.offset).cross(&force);
+        let (force, moment) = (c.R_CE * force, c.R_CE * moment);
+        c.measured = Vector6::new(force.x, force.y, force.z, moment.x, moment.y, moment.z);
+        c.free_force = Vector6::zeros();
+        if c.live && self.spec.free_force == FreeForce::Measured {
+            let limit = self.spec.free_force_limit;
+            for &direction in self.spec.kind.free().iter().filter(|&&d| d < 3) {
+                c.free_force[direction] = c.alpha * c.measured[direction].clamp(-limit, limit);
+            }
+        }
+        c.force_limits = if self.switch.is_on() {
+            [c.alpha * self.spec.force_min, c.alpha * self.spec.force_max]
+        } else {
+            let top = c.alpha * self.exit_force.max(self.spec.force_min);
+            [
+                c.alpha * self.spec.force_min.min(self.exit_force.max(0.0)),
+                top,
+            ]
+        };
+        if !c.live {
+            c.solution = Vector6::zeros();
+        }
+    }
+}
+
+impl World {
+    /// Takes a measurement over and computes everything that depends on it.
+    pub(crate) fn measure(&mut self, m: &Measurement) {
+        self.time = m.time;
+        self.state.copy_from(&m.state);
+        // Sensors deliver quaternions that are almost of unit length: everything after needs exactly that.
+        self.state.R_WR = UnitQuaternion::new_normalize(*m.state.R_WR.quaternion());
+        self.data.update(&self.model, &self.state);
+        for (frame, id) in self.frames.iter_mut().zip(&self.frame_ids) {
+            frame.update(&self.model, &self.data, *id);
+        }
+        for ((binding, contact), wrench) in self
+            .bindings
+            .iter_mut()
+            .zip(&mut self.contacts)
+            .zip(&m.wrenches)
+        {
+            binding.update(m.time, &self.model, &self.data, wrench, contact);
+        }
+    }
+
+    /// What a plug-in sees.
+    pub(crate) fn tick(&self, entry: EntryState) -> Tick<'_> {
+        Tick {
+            time: self.time,
+            period: self.period,
+            model: &self.model,
+            state: &self.state,
+            dynamics: &self.data,
+            last: &self.last,
+            entry,
+            frames: &self.frames,
+            contacts: &self.contacts,
+        }
+    }
+}

@@ -1,0 +1,129 @@
+//! Logs: channels of timed, named, described values, written to any sink.
+//!
+//! A [`LogSink`] takes channels, messages, metadata and attachments. [`McapLog`] writes them to an MCAP file that
+//! Foxglove and PlotJuggler open; [`MemoryLog`] keeps them for tests. [`ControllerLog`] writes what a controller
+//! knows after a tick: state, command, forces of each contact, residuals of each task, and the solver's report.
+//!
+//! # Format
+//! A message is a JSON object described by a JSON schema, which names the unit of every number. What has a name is
+//! a field, never a position in a list. A value that does not exist (the set point of a contact without force
+//! task) or is not finite is left out, so that every message is valid under its schema; Foxglove refuses schemas
+//! with nullable types. Times are seconds of the measurement's clock.
+//!
+//! ```
+//! use wbqp::log::{LogSink, MemoryLog, Object, schema};
+//!
+//! let mut log = MemoryLog::default();
+//! let description = schema::object("A spring.", [("force", schema::number("N", "Pull"))]);
+//! let channel = log.channel("/spring", "Spring", &description)?;
+//! let mut message = Vec::new();
+//! Object::write(&mut message, |o| o.number("force", 2.5));
+//! log.write(channel, 0.1, &message)?;
+//! assert_eq!(log.messages("/spring").next().unwrap().1["force"], 2.5);
+//! # Ok::<(), wbqp::log::LogError>(())
+//! ```
+
+mod controller;
+mod json;
+#[cfg(feature = "mcap")]
+mod mcap;
+mod memory;
+mod run;
+pub mod schema;
+mod state;
+
+pub use controller::ControllerLog;
+pub use json::Object;
+#[cfg(feature = "mcap")]
+pub use mcap::McapLog;
+pub use memory::MemoryLog;
+pub use run::{Timeline, configuration_hash, write_rotors, write_run};
+pub use state::{state_message, state_schema};
+
+use std::{collections::BTreeMap, path::PathBuf};
+
+/// A channel of a sink, handed out by [`LogSink::channel`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct ChannelId(u32);
+
+impl ChannelId {
+    /// For implementations of [`LogSink`]: a number of their own choice.
+    pub fn new(index: u32) -> Self {
+        Self(index)
+    }
+
+    /// The number given by the sink.
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// Where a log goes.
+pub trait LogSink: Send {
+    /// Opens a channel whose messages are JSON objects that obey `schema`.
+    ///
+    /// # Errors
+    /// [`LogError`] if the topic is taken or the sink cannot write.
+    fn channel(
+        &mut self,
+        topic: &str,
+        schema_name: &str,
+        schema: &serde_json::Value,
+    ) -> Result<ChannelId, LogError>;
+
+    /// Writes one message, JSON text, at `time` in s.
+    ///
+    /// # Errors
+    /// [`LogError`] if the time is negative or not finite, the channel is not the sink's, or it cannot write.
+    fn write(&mut self, channel: ChannelId, time: f64, message: &[u8]) -> Result<(), LogError>;
+
+    /// Writes a table of texts about the log as a whole.
+    ///
+    /// # Errors
+    /// [`LogError`] if the sink cannot write.
+    fn metadata(&mut self, name: &str, table: &BTreeMap<String, String>) -> Result<(), LogError>;
+
+    /// Keeps a file beside the messages.
+    ///
+    /// # Errors
+    /// [`LogError`] if the sink cannot write.
+    fn attach(&mut self, name: &str, media_type: &str, data: &[u8]) -> Result<(), LogError>;
+
+    /// Completes the log. Nothing can be written after.
+    ///
+    /// # Errors
+    /// [`LogError`] if the sink cannot write.
+    fn finish(&mut self) -> Result<(), LogError>;
+}
+
+/// Why something could not be logged.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum LogError {
+    /// The file cannot be made.
+    #[error("log {}: cannot be created: {source}", path.display())]
+    Create {
+        /// The file.
+        path: PathBuf,
+        /// What the operating system says.
+        source: std::io::Error,
+    },
+    /// The sink cannot write.
+    #[error("log: {0}")]
+    Write(#[source] Box<dyn std::error::Error + Send + Sync>),
+    /// A topic is opened twice.
+    #[error("log: topic `{0}` is open already; give each channel a topic of its own")]
+    Topic(String),
+    /// A channel of another sink.
+    #[error("log: channel {} is not of this sink", .0.index())]
+    Channel(ChannelId),
+    /// A time that a log cannot have.
+    #[error("log: time {0} s is negative or not finite")]
+    Time(f64),
+    /// A message is not JSON.
+    #[error("log: message is not JSON: {0}")]
+    Json(#[from] serde_json::Error),
+    /// The log has been completed.
+    #[error("log: is finished, nothing more can be written")]
+    Finished,
+}

@@ -1,0 +1,195 @@
+//! Robots from files, and the robots that ship with the crate.
+
+use std::{collections::BTreeMap, fs, path::Path, sync::Arc};
+
+use wbqp::{
+    actuator::{Actuator, ActuatorKind, Drive, JointMotor},
+    model::Model,
+    robot::{RobotError, RobotModel, SourceFile},
+    state::State,
+};
+
+use crate::{options::Options, rotors, urdf};
+
+const URDF: &str = "application/xml";
+const ROTORS: &str = "application/toml";
+
+/// Reads a URDF file and, for a robot that flies, its rotor side-car.
+///
+/// Actuators are the rotors in the side-car's order, then the motors of all joints that are not passive in
+/// the model's order.
+///
+/// # Errors
+/// A file that cannot be read, and the first thing in files or options that is wrong.
+pub fn from_files(
+    urdf: &Path,
+    rotors: Option<&Path>,
+    options: &Options,
+) -> Result<RobotModel, RobotError> {
+    let urdf = read(urdf, URDF)?;
+    let rotors = rotors.map(|path| read(path, ROTORS)).transpose()?;
+    from_sources(urdf, rotors, options)
+}
+
+/// Like [`from_files`], from texts already in memory. `media_type` is not looked at.
+///
+/// # Errors
+/// The first thing in texts or options that is wrong.
+pub fn from_sources(
+    urdf: SourceFile,
+    rotors: Option<SourceFile>,
+    options: &Options,
+) -> Result<RobotModel, RobotError> {
+    let model = urdf::model(&urdf.name, &urdf.contents, options)?;
+    let mut actuators = match &rotors {
+        Some(rotors) => rotors::actuators(&rotors.name, &rotors.contents, &model)?,
+        None => Vec::new(),
+    };
+    let first_joint = actuators.len();
+    for motor in motors(&urdf.name, &model, options)? {
+        if let Some(rotor) = actuators
+            .iter()
+            .take(first_joint)
+            .find(|r| r.name == motor.name)
+        {
+            let file = rotors.as_ref().map_or(&urdf.name, |r| &r.name);
+            return Err(RobotError::Element {
+                place: wbqp::robot::Place::file(file),
+                element: format!("rotor `{}`", rotor.name),
+                what: "a joint has the same name; give each actuator a name of its own".into(),
+            });
+        }
+        actuators.push(motor);
+    }
+    let home = home(&model, options);
+    Ok(RobotModel {
+        model: Arc::new(model),
+        actuators,
+        home,
+        sources: std::iter::once(urdf).chain(rotors).collect(),
+    })
+}
+
+/// The OTHex of the paper: a hexarotor with tilted rotors and a 3-DoF arm whose joints are servoed.
+///
+/// Actuators: thrusts `rotor_1` … `rotor_6` (N), then torques `arm_roll`, `arm_pitch1`, `arm_pitch2` (N·m).
+/// Home is the origin, level, with the arm at (0, 15, 55)°.
+///
+/// # Errors
+/// None, unless the files compiled into the crate have been changed.
+pub fn othex() -> Result<RobotModel, RobotError> {
+    from_sources(
+        embedded(
+            "othex.urdf",
+            URDF,
+            include_str!("../files/othex/othex.urdf"),
+        ),
+        Some(embedded(
+            "othex.rotors.toml",
+            ROTORS,
+            include_str!("../files/othex/othex.rotors.toml"),
+        )),
+        &othex_options(),
+    )
+}
+
+/// The under-actuated twin of [`othex`]: all rotors thrust along the base's +z.
+///
+/// # Errors
+/// None, unless the files compiled into the crate have been changed.
+pub fn othex_vertical() -> Result<RobotModel, RobotError> {
+    from_sources(
+        embedded(
+            "othex_vertical.urdf",
+            URDF,
+            include_str!("../files/othex_vertical/othex_vertical.urdf"),
+        ),
+        Some(embedded(
+            "othex_vertical.rotors.toml",
+            ROTORS,
+            include_str!("../files/othex_vertical/othex_vertical.rotors.toml"),
+        )),
+        &othex_options(),
+    )
+}
+
+fn othex_options() -> Options {
+    Options {
+        servo: ["arm_roll", "arm_pitch1", "arm_pitch2"]
+            .map(String::from)
+            .to_vec(),
+        home: BTreeMap::from([
+            ("arm_roll".to_owned(), 0.0),
+            ("arm_pitch1".to_owned(), 15_f64.to_radians()),
+            ("arm_pitch2".to_owned(), 55_f64.to_radians()),
+        ]),
+        ..Options::default()
+    }
+}
+
+fn read(path: &Path, media_type: &'static str) -> Result<SourceFile, RobotError> {
+    let name = path.display().to_string();
+    match fs::read_to_string(path) {
+        Ok(contents) => Ok(SourceFile {
+            name,
+            media_type,
+            contents,
+        }),
+        Err(source) => Err(RobotError::Read { file: name, source }),
+    }
+}
+
+fn embedded(name: &str, media_type: &'static str, contents: &str) -> SourceFile {
+    SourceFile {
+        name: name.to_owned(),
+        media_type,
+        contents: contents.to_owned(),
+    }
+}
+
+fn motors(file: &str, model: &Model, options: &Options) -> Result<Vec<Actuator>, RobotError> {
+    let mut motors = Vec::with_capacity(model.joints().len());
+    for joint in model.joints() {
+        if options.passive.contains(&joint.name) {
+            continue;
+        }
+        let effort = joint.limits.effort;
+        if effort == 0.0 {
+            return Err(RobotError::Element {
+                place: wbqp::robot::Place::file(file),
+                element: format!("joint `{}`", joint.name),
+                what: "effort limit is 0: its motor could do nothing; set it in <limit> or in option `effort`, \
+                       or list the joint in `passive`"
+                    .into(),
+            });
+        }
+        let Some(id) = model.joint(&joint.name) else {
+            continue;
+        };
+        let drive = if options.servo.contains(&joint.name) {
+            Drive::Velocity
+        } else {
+            Drive::Torque
+        };
+        motors.push(Actuator {
+            name: joint.name.clone(),
+            kind: ActuatorKind::Joint(JointMotor { joint: id, drive }),
+            lower: -effort,
+            upper: effort,
+            slew: f64::INFINITY,
+        });
+    }
+    Ok(motors)
+}
+
+fn home(model: &Model, options: &Options) -> State {
+    let mut home = State::neutral(model);
+    for (q, joint) in home.q.iter_mut().zip(model.joints()) {
+        let limits = joint.limits;
+        *q = match options.home.get(&joint.name) {
+            Some(&position) => position,
+            None => 0.0_f64.max(limits.lower).min(limits.upper),
+        };
+    }
+    home
+}

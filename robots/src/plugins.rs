@@ -1,0 +1,55 @@
+//! Robots that a configuration can name.
+
+use std::path::{Path, PathBuf};
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use wbqp::robot::{Robot, RobotError, RobotModel};
+
+use crate::{Options, from_files, othex, othex_vertical};
+
+/// `type = "othex"`: the fully actuated OTHex with its 3-DoF arm, from files inside this crate.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Othex {}
+
+#[wbqp::robot("othex")]
+impl Robot for Othex {
+    fn load(&self, _: &Path) -> Result<RobotModel, RobotError> {
+        othex()
+    }
+}
+
+/// `type = "othex_vertical"`: the under-actuated twin, all rotors thrusting along the base's +z.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct OthexVertical {}
+
+#[wbqp::robot("othex_vertical")]
+impl Robot for OthexVertical {
+    fn load(&self, _: &Path) -> Result<RobotModel, RobotError> {
+        othex_vertical()
+    }
+}
+
+/// `type = "urdf"`: any URDF, with a rotor side-car if it flies.
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Urdf {
+    /// The URDF file; relative paths count from the configuration's folder.
+    pub file: PathBuf,
+    /// The rotor side-car.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rotors: Option<PathBuf>,
+    /// What neither file says.
+    #[serde(default)]
+    pub options: Options,
+}
+
+#[wbqp::robot("urdf")]
+impl Robot for Urdf {
+    fn load(&self, directory: &Path) -> Result<RobotModel, RobotError> {
+        let rotors = self.rotors.as_ref().map(|path| directory.join(path));
+        from_files(&directory.join(&self.file), rotors.as_deref(), &self.options)
+    }
+}

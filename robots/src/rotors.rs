@@ -1,0 +1,257 @@
+//! The rotor side-car: which frames of a robot carry rotors, and their constants.
+//!
+//! URDF has no word for a rotor. A TOML file beside it names, per rotor, a frame of the robot: the rotor's
+//! axis is the frame's z axis and its thrust is along +z. SI units.
+//!
+//! ```toml
+//! [defaults]                                # for every rotor that does not say otherwise
+//! thrust_coefficient = 2.508e-5             # c_f, N/(rad/s)²
+//! moment_coefficient = 0.0192               # k_m, m: reaction torque per newton of thrust
+//! thrust = { min = 0.25, max = 10.0 }       # N
+//! time_constant = { rise = 0.0125, fall = 0.025 }  # first-order lag, s
+//! slew = 50.0                               # largest |dF/dt|, N/s; no limit if left out
+//!
+//! [[rotor]]
+//! name = "front_left"                       # what commands and logs call it
+//! frame = "rotor_1"                         # link of the URDF
+//! reaction = -1                             # reaction torque along -z (-1) or +z (1) of the frame
+//! thrust = { min = 0.25, max = 8.0 }        # any key of [defaults]
+//! ```
+
+use serde::Deserialize;
+use toml::Spanned;
+use wbqp::{
+    actuator::{Actuator, ActuatorKind, Reaction, Rotor},
+    model::Model,
+    robot::{Place, RobotError},
+};
+
+use crate::source::{Source, did_you_mean};
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    #[serde(default)]
+    defaults: Defaults,
+    #[serde(default)]
+    rotor: Vec<Spanned<Entry>>,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Defaults {
+    thrust_coefficient: Option<Spanned<f64>>,
+    moment_coefficient: Option<Spanned<f64>>,
+    thrust: Option<Spanned<Range>>,
+    time_constant: Option<Spanned<Lag>>,
+    slew: Option<Spanned<f64>>,
+}
+
+/// Repeats the keys of [`Defaults`]: serde's `flatten` would lose their positions.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Entry {
+    name: Spanned<String>,
+    frame: Spanned<String>,
+    reaction: Spanned<i64>,
+    thrust_coefficient: Option<Spanned<f64>>,
+    moment_coefficient: Option<Spanned<f64>>,
+    thrust: Option<Spanned<Range>>,
+    time_constant: Option<Spanned<Lag>>,
+    slew: Option<Spanned<f64>>,
+}
+
+#[derive(Clone, Copy, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Range {
+    min: f64,
+    max: f64,
+}
+
+#[derive(Clone, Copy, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Lag {
+    rise: f64,
+    fall: f64,
+}
+
+/// Reads the text of a side-car into actuators, in the file's order; `file` is its name, for messages.
+///
+/// # Errors
+/// The first thing that is wrong: an unknown key, a key that neither the rotor nor `[defaults]` has, a frame
+/// that `model` does not have, a name or frame used twice, a value that no rotor has, no rotor at all.
+pub fn actuators(file: &str, text: &str, model: &Model) -> Result<Vec<Actuator>, RobotError> {
+    let source = Source { file, text };
+    let parsed: File = toml::from_str(text).map_err(|e| RobotError::Syntax {
+        place: e
+            .span()
+            .map_or_else(|| Place::file(file), |span| source.place(span.start)),
+        what: e.message().to_owned(),
+    })?;
+    if parsed.rotor.is_empty() {
+        return Err(RobotError::Syntax {
+            place: Place::file(file),
+            what: "has no [[rotor]]; leave the file out for a robot without rotors".into(),
+        });
+    }
+    let mut actuators: Vec<Actuator> = Vec::with_capacity(parsed.rotor.len());
+    for entry in &parsed.rotor {
+        let rotor = Checker {
+            source: &source,
+            element: format!("rotor `{}`", entry.get_ref().name.get_ref()),
+            offset: entry.span().start,
+        };
+        let actuator = rotor.actuator(entry.get_ref(), &parsed.defaults, model, &actuators)?;
+        actuators.push(actuator);
+    }
+    Ok(actuators)
+}
+
+/// Checks one rotor and names it in errors.
+struct Checker<'a> {
+    source: &'a Source<'a>,
+    element: String,
+    offset: usize,
+}
+
+impl Checker<'_> {
+    fn actuator(
+        &self,
+        entry: &Entry,
+        defaults: &Defaults,
+        model: &Model,
+        others: &[Actuator],
+    ) -> Result<Actuator, RobotError> {
+        let name = entry.name.get_ref();
+        if name.trim().is_empty() {
+            return self.refuse(&entry.name, "`name` is empty");
+        }
+        if others.iter().any(|other| other.name == *name) {
+            return self.refuse(
+                &entry.name,
+                "is defined twice; give each rotor a name of its own",
+            );
+        }
+        let frame_name = entry.frame.get_ref();
+        let Some(frame) = model.frame(frame_name) else {
+            let known = model.frames().iter().map(|f| f.name.as_str());
+            return self.refuse(
+                &entry.frame,
+                format!(
+                    "robot `{}` has no frame `{frame_name}`{}",
+                    model.name(),
+                    did_you_mean(frame_name, known)
+                ),
+            );
+        };
+        let same_frame = others.iter().find(
+            |other| matches!(&other.kind, ActuatorKind::Rotor(rotor) if rotor.frame == frame),
+        );
+        if let Some(other) = same_frame {
+            return self.refuse(
+                &entry.frame,
+                format!(
+                    "frame `{frame_name}` already carries rotor `{}`",
+                    other.name
+                ),
+            );
+        }
+        let reaction = match entry.reaction.get_ref() {
+            1 => Reaction::Positive,
+            -1 => Reaction::Negative,
+            other => {
+                return self.refuse(
+                    &entry.reaction,
+                    format!("reaction is {other}, must be 1 (torque along +z of the frame) or -1"),
+                );
+            }
+        };
+        let thrust_coefficient = self.positive(
+            "thrust_coefficient",
+            entry.thrust_coefficient.as_ref(),
+            defaults.thrust_coefficient.as_ref(),
+        )?;
+        let moment_coefficient = self.positive(
+            "moment_coefficient",
+            entry.moment_coefficient.as_ref(),
+            defaults.moment_coefficient.as_ref(),
+        )?;
+        let thrust = self.required("thrust", entry.thrust.as_ref(), defaults.thrust.as_ref())?;
+        let Range { min, max } = *thrust.get_ref();
+        if !min.is_finite() || !max.is_finite() || min < 0.0 || min > max {
+            return self.refuse(
+                thrust,
+                format!("thrust from {min} to {max} N: needs 0 <= min <= max, both finite"),
+            );
+        }
+        let lag = self.required(
+            "time_constant",
+            entry.time_constant.as_ref(),
+            defaults.time_constant.as_ref(),
+        )?;
+        let Lag { rise, fall } = *lag.get_ref();
+        if ![rise, fall].iter().all(|t| t.is_finite() && *t > 0.0) {
+            return self.refuse(
+                lag,
+                format!(
+                    "time_constant rise {rise} s, fall {fall} s: both must be positive and finite"
+                ),
+            );
+        }
+        let slew = match entry.slew.as_ref().or(defaults.slew.as_ref()) {
+            Some(_) => self.positive("slew", entry.slew.as_ref(), defaults.slew.as_ref())?,
+            None => f64::INFINITY,
+        };
+        Ok(Actuator {
+            name: name.clone(),
+            kind: ActuatorKind::Rotor(Rotor {
+                frame,
+                thrust_coefficient,
+                moment_coefficient,
+                reaction,
+                rise,
+                fall,
+            }),
+            lower: min,
+            upper: max,
+            slew,
+        })
+    }
+
+    fn refuse<T, S>(&self, at: &Spanned<S>, what: impl Into<String>) -> Result<T, RobotError> {
+        self.source.refuse(at.span().start, &self.element, what)
+    }
+
+    /// The rotor's own value, or the default.
+    fn required<'v, T>(
+        &self,
+        key: &str,
+        own: Option<&'v Spanned<T>>,
+        default: Option<&'v Spanned<T>>,
+    ) -> Result<&'v Spanned<T>, RobotError> {
+        own.or(default).ok_or_else(|| {
+            self.source.error(
+                self.offset,
+                &self.element,
+                format!("`{key}` is missing; give it here or in [defaults]"),
+            )
+        })
+    }
+
+    fn positive(
+        &self,
+        key: &str,
+        own: Option<&Spanned<f64>>,
+        default: Option<&Spanned<f64>>,
+    ) -> Result<f64, RobotError> {
+        let value = self.required(key, own, default)?;
+        let number = *value.get_ref();
+        if number.is_finite() && number > 0.0 {
+            return Ok(number);
+        }
+        self.refuse(
+            value,
+            format!("{key} is {number}, must be positive and finite"),
+        )
+    }
+}

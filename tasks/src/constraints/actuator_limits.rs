@@ -1,0 +1,70 @@
+//! What the actuators can do.
+
+use wbqp::{
+    actuator::ActuatorKind,
+    constraint::Constraint,
+    layout::Layout,
+    model::JointKind,
+    rows::ConstraintRows,
+    schemars::JsonSchema,
+    serde::{Deserialize, Serialize},
+    setup::{BindError, Setup},
+    tick::Tick,
+};
+
+/// Keeps every effort within its actuator's limits, the paper's (10b): `u_l ≤ u ≤ u_u`, N for rotors and prismatic
+/// joints, N·m for revolute ones.
+///
+/// The limits are the robot's (`lower` and `upper` of each actuator). The paper prints bounds on ω that act on its
+/// input ω²; here the variable is the thrust itself, and so are its bounds. An actuator's `slew` is not used: rate
+/// limits have to count from the last command that was sent.
+///
+/// Bounds on single variables, no rows; they are hard whatever the entry says.
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(crate = "wbqp::serde", deny_unknown_fields)]
+#[schemars(crate = "wbqp::schemars")]
+pub struct ActuatorLimits {
+    #[serde(skip)]
+    limits: Vec<[f64; 2]>,
+}
+
+impl ActuatorLimits {
+    /// For all actuators.
+    pub fn new() -> Self {
+        Self::default()
+    }
+}
+
+#[wbqp::constraint("actuator_limits")]
+impl Constraint for ActuatorLimits {
+    fn bind(&mut self, setup: &mut Setup<'_>) -> Result<Layout, BindError> {
+        let model = setup.model();
+        let mut layout = Layout::empty();
+        for (index, actuator) in setup.actuators().iter().enumerate() {
+            let (lower, upper) = (actuator.lower, actuator.upper);
+            if lower.is_nan() || upper.is_nan() || lower > upper {
+                return Err(BindError::Other(format!(
+                    "actuator `{}` has limits {lower} and {upper}",
+                    actuator.name
+                )));
+            }
+            let turns = match &actuator.kind {
+                ActuatorKind::Joint(motor) => {
+                    model.joints()[motor.joint.index()].kind == JointKind::Revolute
+                }
+                _ => false,
+            };
+            let unit = if turns { "N·m" } else { "N" };
+            layout = layout.bound_effort(index, &actuator.name, unit);
+        }
+        let limits = setup.actuators().iter().map(|a| [a.lower, a.upper]);
+        self.limits = limits.collect();
+        Ok(layout)
+    }
+
+    fn update(&mut self, _: &Tick<'_>, rows: &mut ConstraintRows<'_>) {
+        for (index, [lower, upper]) in self.limits.iter().enumerate() {
+            rows.bound(index, *lower, *upper);
+        }
+    }
+}

@@ -1,0 +1,189 @@
+//! The contact neither slips nor pulls.
+//!
+//! # Notation
+//! C the surface's frame, z its outward normal. Forces are what the environment does to the robot, in C axes, so that
+//! pushing gives `f_n > 0`.
+
+use std::f64::consts::{PI, TAU};
+
+use wbqp::{
+    constraint::Constraint,
+    contact::{ContactId, ContactKind},
+    layout::Layout,
+    rows::ConstraintRows,
+    schemars::JsonSchema,
+    serde::{Deserialize, Serialize},
+    setup::{BindError, Setup},
+    tick::Tick,
+};
+
+/// Keeps the contact force in a pyramid around the normal and the normal force within the contact's limits, the
+/// paper's (10c):
+///
+/// `n_kᵀ f_t ≤ μ' f_n` for `k = 0 … N − 1`, `f_min ≤ f_n ≤ f_max`, N,
+///
+/// `n_k` at the angle `2πk/N` from the surface's x. The inner pyramid, `μ' = μ cos(π/N)`, lies inside the friction
+/// cone; the outer, `μ' = μ`, around it. Friction coefficient and limits are the contact's; its ramp scales the limits.
+///
+/// A contact that constrains no tangential force (`normal`, `normal_tilt`) gets the limits of the normal force alone,
+/// which are bounds on one variable and hard whatever the entry says.
+///
+/// Exists while the contact is on.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(crate = "wbqp::serde", deny_unknown_fields)]
+#[schemars(crate = "wbqp::schemars")]
+pub struct FrictionPyramid {
+    /// The contact, by name.
+    pub contact: String,
+    /// Number of sides N, 3 to 64.
+    #[serde(default = "default_sides")]
+    #[schemars(range(min = 3, max = 64))]
+    pub sides: usize,
+    /// Inside the cone or around it.
+    #[serde(default)]
+    pub approximation: Approximation,
+    #[serde(skip)]
+    bound: Option<(ContactId, ContactKind)>,
+    /// `n_k`.
+    #[serde(skip)]
+    normals: Vec<[f64; 2]>,
+}
+
+/// How a pyramid approximates the friction cone.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(crate = "wbqp::serde", rename_all = "snake_case")]
+#[schemars(crate = "wbqp::schemars")]
+pub enum Approximation {
+    /// Inside: never slips, gives away part of the friction.
+    #[default]
+    Inner,
+    /// Around: uses all of the friction, may slip at the edges.
+    Outer,
+}
+
+impl Approximation {
+    /// `μ'/μ` for a number of sides.
+    fn factor(self, sides: usize) -> f64 {
+        match self {
+            Self::Inner => (PI / sides as f64).cos(),
+            Self::Outer => 1.0,
+        }
+    }
+}
+
+fn default_sides() -> usize {
+    4
+}
+
+impl FrictionPyramid {
+    /// Four sides, inside the cone.
+    pub fn new(contact: impl Into<String>) -> Self {
+        Self {
+            contact: contact.into(),
+            sides: default_sides(),
+            approximation: Approximation::default(),
+            bound: None,
+            normals: Vec::new(),
+        }
+    }
+
+    /// With another number of sides.
+    pub fn with_sides(mut self, sides: usize) -> Self {
+        self.sides = sides;
+        self
+    }
+
+    /// With another approximation.
+    pub fn approximated(mut self, approximation: Approximation) -> Self {
+        self.approximation = approximation;
+        self
+    }
+}
+
+fn normals(sides: usize) -> impl Iterator<Item = [f64; 2]> {
+    (0..sides).map(move |k| {
+        let (sin, cos) = (TAU * k as f64 / sides as f64).sin_cos();
+        [cos, sin]
+    })
+}
+
+#[wbqp::constraint("friction_pyramid")]
+impl Constraint for FrictionPyramid {
+    fn bind(&mut self, setup: &mut Setup<'_>) -> Result<Layout, BindError> {
+        if !(3..=64).contains(&self.sides) {
+            let problem = format!("is {}, must be 3 to 64", self.sides);
+            return Err(BindError::value("sides", problem));
+        }
+        let contact = setup.contact(&self.contact)?;
+        let kind = setup.contact_spec(contact).kind;
+        self.bound = Some((contact, kind));
+        self.normals = match kind.tangential() {
+            Some(_) => normals(self.sides).collect(),
+            None => Vec::new(),
+        };
+        let mut layout = if self.normals.is_empty() {
+            Layout::empty()
+        } else {
+            let rows = (0..self.sides).map(|k| (format!("side {k}"), "N"));
+            Layout::rows(rows).force_dense(contact)
+        };
+        layout = layout.bound_force(contact, kind.normal(), "normal", "N");
+        Ok(layout.while_contact(contact))
+    }
+
+    fn update(&mut self, tick: &Tick<'_>, rows: &mut ConstraintRows<'_>) {
+        let Some((id, kind)) = self.bound else {
+            return;
+        };
+        let contact = tick.contact(id);
+        let [lower, upper] = contact.force_limits;
+        rows.bound(0, lower, upper);
+        let Some([x, y]) = kind.tangential() else {
+            return;
+        };
+        let friction = contact.friction * self.approximation.factor(self.normals.len());
+        let mut force = rows.force(id);
+        for (k, [along_x, along_y]) in self.normals.iter().enumerate() {
+            force[(k, x)] = *along_x;
+            force[(k, y)] = *along_y;
+            force[(k, kind.normal())] = -friction;
+        }
+        for k in 0..self.normals.len() {
+            rows.limit(k, f64::NEG_INFINITY, 0.0);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Largest tangential force per newton of normal force that a pyramid allows in a direction.
+    fn reach(sides: usize, approximation: Approximation, mu: f64, angle: f64) -> f64 {
+        let (sin, cos) = angle.sin_cos();
+        let slope = normals(sides)
+            .map(|[x, y]| x * cos + y * sin)
+            .fold(0.0, f64::max);
+        mu * approximation.factor(sides) / slope
+    }
+
+    #[test]
+    fn inner_lies_inside_the_cone_and_outer_around_it_and_both_touch_it() {
+        let mu = 0.5;
+        for sides in 3..12 {
+            let directions = || (0..7200).map(|k| TAU * f64::from(k) / 7200.0);
+            let inner = || directions().map(|a| reach(sides, Approximation::Inner, mu, a));
+            let outer = || directions().map(|a| reach(sides, Approximation::Outer, mu, a));
+            let widest = inner().fold(0.0, f64::max);
+            let narrowest = outer().fold(f64::INFINITY, f64::min);
+            assert!(widest <= mu + 1e-12 && widest > mu - 1e-3, "{sides}");
+            assert!(narrowest >= mu - 1e-12 && narrowest < mu + 1e-3, "{sides}");
+        }
+    }
+
+    #[test]
+    fn four_inner_sides_are_the_square_of_half_diagonal_mu() {
+        let along_x = reach(4, Approximation::Inner, 0.5, 0.0);
+        assert!((along_x - 0.5 / 2.0_f64.sqrt()).abs() < 1e-12);
+    }
+}

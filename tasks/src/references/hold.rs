@@ -1,0 +1,52 @@
+//! Standing still.
+
+use wbqp::{
+    reference::{Reference, Sample, Start},
+    schemars::JsonSchema,
+    serde::{Deserialize, Serialize},
+    setup::BindError,
+    tick::Tick,
+};
+
+use super::leg;
+
+/// Stays at a value, or where it takes over. Rate and acceleration are zero.
+///
+/// Jumps to the value at once; [`MinJerk`](crate::MinJerk) goes there smoothly.
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(crate = "wbqp::serde", deny_unknown_fields)]
+#[schemars(crate = "wbqp::schemars")]
+pub struct Hold {
+    /// The value, in the task's unit (m, rad or N); `[roll, pitch, yaw]` in rad for a rotation. Without it, what
+    /// the task followed before; at the start, the home posture.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-unit" = "the task's"))]
+    pub value: Option<Vec<f64>>,
+    #[serde(skip)]
+    held: Sample,
+}
+
+impl Hold {
+    /// Stays at a value.
+    pub fn at(value: impl Into<Vec<f64>>) -> Self {
+        Self {
+            value: Some(value.into()),
+            held: Sample::default(),
+        }
+    }
+}
+
+#[wbqp::reference("hold")]
+impl Reference for Hold {
+    fn bind(&mut self, start: &Start<'_>) -> Result<(), BindError> {
+        self.held = match &self.value {
+            Some(value) => leg::knot(start.space, "value", value)?,
+            None => leg::takeover(start)?,
+        };
+        Ok(())
+    }
+
+    fn sample(&mut self, _: &Tick<'_>, out: &mut Sample) {
+        leg::stand(&self.held, out);
+    }
+}

@@ -1,0 +1,13 @@
+//! Reference generators.
+//!
+//! Values of rotations are `[roll, pitch, yaw]` in rad, `R_z(yaw) R_y(pitch) R_x(roll)`; their rates and
+//! accelerations are in world axes. Times count from where the reference takes over.
+
+mod hold;
+mod leg;
+mod min_jerk;
+mod waypoints;
+
+pub use hold::Hold;
+pub use min_jerk::MinJerk;
+pub use waypoints::{Waypoint, Waypoints};

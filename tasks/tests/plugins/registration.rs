@@ -1,0 +1,185 @@
+//! Names, schemas, and the way through a file and back.
+
+use wbqp::{
+    ControllerConfig,
+    constraint::Constraint,
+    reference::Reference,
+    registry,
+    serde::{Serialize, de::DeserializeOwned},
+    serde_json::{self, Value},
+    task::Task,
+};
+
+use crate::robot::Small;
+
+const TASKS: [&str; 6] = [
+    "base_orientation",
+    "base_position",
+    "contact_force",
+    "free_motion",
+    "posture",
+    "propeller_regularisation",
+];
+const CONSTRAINTS: [&str; 3] = ["actuator_limits", "contact_motion", "friction_pyramid"];
+const REFERENCES: [&str; 3] = ["hold", "min_jerk", "waypoints"];
+
+#[test]
+fn every_plugin_is_registered_once_under_its_name() {
+    // A use of the crate, so that it is linked.
+    let _ = wbqp_tasks::Posture::new(1.0, 1.0);
+    let tags: Vec<_> = registry::tasks().iter().map(|p| p.tag).collect();
+    assert_eq!(tags, TASKS);
+    let tags: Vec<_> = registry::constraints().iter().map(|p| p.tag).collect();
+    assert_eq!(tags, CONSTRAINTS);
+    let tags: Vec<_> = registry::references().iter().map(|p| p.tag).collect();
+    assert_eq!(tags, REFERENCES);
+    assert!(registry::duplicates().is_empty());
+}
+
+#[test]
+fn every_key_is_documented_and_every_number_has_a_unit() {
+    let schemas = (registry::tasks().into_iter().map(|p| (p.tag, p.schema)))
+        .chain(
+            registry::constraints()
+                .into_iter()
+                .map(|p| (p.tag, p.schema)),
+        )
+        .chain(
+            registry::references()
+                .into_iter()
+                .map(|p| (p.tag, p.schema)),
+        );
+    for (tag, schema) in schemas {
+        let schema = schema();
+        let schema = schema.as_value();
+        assert!(schema["description"].is_string(), "{tag}");
+        assert_eq!(schema["additionalProperties"], false, "{tag}");
+        let Some(keys) = schema["properties"].as_object() else {
+            continue;
+        };
+        for (key, about) in keys {
+            assert!(about["description"].is_string(), "{tag}.{key}");
+            let is_number = about["type"] == "number"
+                || about["$ref"] == "#/$defs/Gain"
+                || about["items"]["type"] == "number";
+            assert_eq!(
+                about["x-unit"].is_string(),
+                is_number || key == "reference",
+                "{tag}.{key}"
+            );
+        }
+    }
+}
+
+fn round_trip<P: ?Sized>(texts: &[&str])
+where
+    Box<P>: Serialize + DeserializeOwned,
+{
+    for text in texts {
+        let given: Value = serde_json::from_str(text).expect("the test's own text");
+        let load = |value: &Value| serde_json::from_value::<Box<P>>(value.clone());
+        let plugin = load(&given).unwrap_or_else(|e| panic!("{text}: {e}"));
+        let saved = serde_json::to_value(&plugin).expect("plug-ins are plain data");
+        for (key, value) in given.as_object().expect("plug-ins are tables") {
+            assert_eq!(saved[key], *value, "{key} of {saved}");
+        }
+        let again = load(&saved).unwrap_or_else(|e| panic!("{saved}: {e}"));
+        let saved_again = serde_json::to_value(&again).expect("plug-ins are plain data");
+        assert_eq!(saved_again, saved);
+        let mut unknown = given;
+        unknown["kpp"] = 1.0.into();
+        assert!(load(&unknown).is_err(), "{unknown}");
+    }
+}
+
+#[test]
+fn plugins_survive_json() {
+    round_trip::<dyn Reference>(&[
+        r#"{"type":"hold"}"#,
+        r#"{"type":"hold","value":[1.0,2.0]}"#,
+        r#"{"type":"min_jerk","to":[1.0],"duration":2.0}"#,
+        r#"{"type":"min_jerk","to":[1.0],"duration":2.0,"from":[0.5],"start":1.0}"#,
+        r#"{"type":"waypoints","points":[{"at":1.0,"value":[1.0],"dwell":0.5},{"at":2.0,"value":[0.0],"dwell":0.0}]}"#,
+    ]);
+    round_trip::<dyn Task>(&[
+        r#"{"type":"base_position","kp":40.0,"kd":[1.0,2.0,3.0]}"#,
+        r#"{"type":"base_position","kp":4.0,"kd":1.0,"reference":{"type":"hold","value":[0.0,0.0,1.0]}}"#,
+        r#"{"type":"base_orientation","kp":4.0,"kd":1.0,"error":"matrix","axes":"body"}"#,
+        r#"{"type":"posture","kp":4.0,"kd":1.0,"joints":["elbow"]}"#,
+        r#"{"type":"free_motion","contact":"a","kp":4.0,"kd":1.0,"axes":["y","x"],"origin":"touch"}"#,
+        r#"{"type":"contact_force","contact":"a","feedback":"off","tangential":"measured","reference":{"type":"hold","value":[5.0]}}"#,
+        r#"{"type":"propeller_regularisation"}"#,
+    ]);
+    round_trip::<dyn Constraint>(&[
+        r#"{"type":"actuator_limits"}"#,
+        r#"{"type":"contact_motion","contact":"a","damping":0.0}"#,
+        r#"{"type":"friction_pyramid","contact":"a","sides":8,"approximation":"outer"}"#,
+    ]);
+}
+
+#[test]
+fn a_whole_controller_survives_toml() {
+    let _ = Small::default();
+    let text = r#"
+[controller]
+rate = 250.0
+
+[robot]
+type = "small"
+
+[[contact]]
+name = "tip"
+frame = "tip"
+kind = "normal"
+surface = { normal = [-1, 0, 0], x_axis = [0, 0, 1] }
+
+[[task]]
+name = "where"
+type = "base_position"
+weight = 1
+kp = 40
+kd = [12, 12, 14]
+reference = { type = "waypoints", points = [{ at = 1, value = [0, 0, 1] }, { at = 2, value = [0, 0, 1.5] }] }
+
+[[task]]
+name = "push"
+type = "contact_force"
+weight = 2
+contact = "tip"
+reference = { type = "min_jerk", to = [5], duration = 1 }
+
+[[task]]
+name = "slide"
+type = "free_motion"
+weight = 2.5
+contact = "tip"
+kp = 40
+kd = 12
+
+[[constraint]]
+name = "limits"
+type = "actuator_limits"
+
+[[constraint]]
+name = "wall"
+type = "contact_motion"
+hardness = "soft"
+weight = 50
+contact = "tip"
+"#;
+    let load = |text: &str| ControllerConfig::from_str(text, "test.toml", "");
+    let config = load(text).unwrap_or_else(|e| panic!("{e}"));
+    let saved = config.to_toml().expect("it can be saved");
+    let again = load(&saved).unwrap_or_else(|e| panic!("{e}\n{saved}"));
+    assert_eq!(again.to_toml().expect("it can be saved"), saved);
+
+    let wrong = text.replace("kp = 40\nkd = 12\n", "kp = \"stiff\"\nkdd = 12\n");
+    let errors = load(&wrong).expect_err("three mistakes").to_string();
+    for part in [
+        "a number or a list of numbers, one per axis",
+        "kdd",
+        "key `kd` is missing",
+    ] {
+        assert!(errors.contains(part), "{errors}");
+    }
+}

@@ -1,0 +1,94 @@
+//! A tick does not allocate outside the solver, also when contacts, tasks and weights are switched.
+//!
+//! The counting allocator is the whole process's: this file has one test, so that nothing else runs beside it.
+
+use std::{
+    alloc::System,
+    sync::atomic::{AtomicUsize, Ordering},
+};
+
+use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
+use wbqp::{
+    config::Formulation,
+    entry::Weight,
+    qp::{Capacity, Clarabel, Qp, QpSolver, Solution},
+    schemars,
+    schemars::JsonSchema,
+    serde::{Deserialize, Serialize},
+    typetag,
+};
+use wbqp_tests::scenes::{KINDS, Scene};
+
+#[global_allocator]
+static ALLOCATOR: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
+
+/// Allocations inside the solver's own solve.
+static IN_SOLVER: AtomicUsize = AtomicUsize::new(0);
+
+/// Clarabel with its allocations counted apart.
+#[derive(Debug, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(crate = "wbqp::serde")]
+struct Bracketed {
+    #[serde(skip)]
+    inner: Clarabel,
+}
+
+#[wbqp::solver("test.bracketed")]
+impl QpSolver for Bracketed {
+    fn bind(&mut self, capacity: Capacity) -> Result<(), String> {
+        self.inner.bind(capacity)
+    }
+
+    fn solve(&mut self, qp: &Qp, out: &mut Solution) {
+        let before = allocations();
+        self.inner.solve(qp, out);
+        IN_SOLVER.fetch_add(allocations() - before, Ordering::Relaxed);
+    }
+}
+
+fn allocations() -> usize {
+    let stats = Region::new(ALLOCATOR).initial();
+    stats.allocations + stats.reallocations
+}
+
+#[test]
+fn a_tick_allocates_nothing_outside_the_solver() {
+    for kind in KINDS {
+        for formulation in [Formulation::Condensed, Formulation::Explicit] {
+            let mut scene = Scene::new(kind, 11, u32::MAX, 0b1111);
+            scene.formulation = formulation;
+            scene.soft_cones = true;
+            let mut config = scene.config();
+            config.solver = Box::new(Bracketed::default());
+            for contact in &mut config.contacts {
+                contact.transition = 0.05;
+            }
+            for entry in &mut config.tasks {
+                entry.transition = 0.03;
+            }
+            let mut controller = wbqp::Controller::new(config).expect("the scene is valid");
+            let mut measurement = scene.measurement();
+            let mut outside = 0;
+            for tick in 0..500_u32 {
+                measurement.time = f64::from(tick) * 0.004;
+                measurement.state.v[0] = (f64::from(tick) * 0.1).sin();
+                match tick % 50 {
+                    10 => controller.deactivate_contact("contact_0"),
+                    20 => controller.deactivate("posture"),
+                    30 => controller.activate_contact("contact_0"),
+                    40 => controller.activate("posture"),
+                    45 => controller.reweight("posture", &Weight::Uniform(0.5)),
+                    _ => Ok(()),
+                }
+                .expect("the names exist");
+                let (before, solver) = (allocations(), IN_SOLVER.load(Ordering::Relaxed));
+                controller.tick(&measurement);
+                let in_tick = allocations() - before;
+                outside += in_tick - (IN_SOLVER.load(Ordering::Relaxed) - solver);
+            }
+            assert_eq!(outside, 0, "{kind:?}, {formulation:?}");
+        }
+    }
+    let in_solver = IN_SOLVER.load(Ordering::Relaxed);
+    assert!(in_solver > 0, "the bracket counts nothing: the test would not notice");
+}

@@ -1,0 +1,95 @@
+//! A measurement that cannot be used is reported, by name, and the last command stays as it is.
+
+use nalgebra::Quaternion;
+use wbqp::{
+    controller::{Measurement, Rung},
+    nalgebra,
+    nalgebra::UnitQuaternion,
+};
+use wbqp_tests::scenes::{Kind, Scene};
+
+fn spoil(what: usize, m: &mut Measurement, bad: f64) -> &'static str {
+    match what {
+        0 => {
+            m.time = bad;
+            "measurement not finite: time"
+        }
+        1 => {
+            m.state.p_WR.y = bad;
+            "measurement not finite: base position"
+        }
+        2 => {
+            m.state.R_WR = UnitQuaternion::new_unchecked(Quaternion::new(bad, 0.0, 0.0, 0.0));
+            "measurement not finite: base orientation"
+        }
+        3 => {
+            m.state.q[1] = bad;
+            "measurement not finite: joint positions"
+        }
+        4 => {
+            m.state.v[7] = bad;
+            "measurement not finite: velocities"
+        }
+        _ => {
+            m.wrenches[0][4] = bad;
+            "measurement not finite: wrench of contact 0"
+        }
+    }
+}
+
+#[test]
+fn not_finite_is_reported_by_name_and_the_command_stays() {
+    let scene = Scene::new(Kind::Othex, 5, u32::MAX, 1);
+    let good = scene.measurement();
+    for what in 0..6 {
+        for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            let mut controller = scene.controller();
+            let (command, report) = controller.tick(&good);
+            assert_eq!(report.rung, Rung::Optimal);
+            let last = command.clone();
+            let mut measurement = good.clone();
+            let message = spoil(what, &mut measurement, bad);
+            let (command, report) = controller.tick(&measurement);
+            assert_eq!(*command, last);
+            assert_eq!(report.rung, Rung::Held);
+            assert_eq!(report.fault.expect("a fault").to_string(), message);
+            // And the next good one is used again.
+            let (_, report) = controller.tick(&good);
+            assert_eq!((report.rung, report.fault), (Rung::Optimal, None));
+        }
+    }
+}
+
+#[test]
+fn wrong_sizes_are_reported_too() {
+    let scene = Scene::new(Kind::Othex, 5, u32::MAX, 1);
+    let mut controller = scene.controller();
+    let mut measurement = scene.measurement();
+    measurement.wrenches.clear();
+    let (_, report) = controller.tick(&measurement);
+    let message = report.fault.expect("a fault").to_string();
+    assert_eq!(message, "measurement of the wrong size: list of wrenches");
+    let mut measurement = scene.measurement();
+    measurement.state.q = nalgebra::DVector::zeros(1);
+    let (_, report) = controller.tick(&measurement);
+    let message = report.fault.expect("a fault").to_string();
+    assert_eq!(message, "measurement of the wrong size: state");
+}
+
+#[test]
+fn before_the_first_good_tick_the_command_is_the_hover() {
+    let scene = Scene::new(Kind::Othex, 5, u32::MAX, 1);
+    let mut controller = scene.controller();
+    let mut measurement = scene.measurement();
+    measurement.time = f64::NAN;
+    let (command, _) = controller.tick(&measurement);
+    // Row F1 of the paper's robot: the thrusts that hold it still.
+    for (thrust, expected) in command
+        .effort
+        .iter()
+        .zip([5.8775, 6.7787, 5.1716, 5.1089, 6.6993, 5.8646])
+    {
+        assert!((thrust - expected).abs() <= 5e-5, "{thrust} {expected}");
+    }
+    assert!(controller.hover_residual().amax() < 1e-5);
+}

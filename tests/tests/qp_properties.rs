@@ -1,0 +1,229 @@
+//! Properties of the quadratic program, on random states of several robots with random subsets of tasks.
+
+use nalgebra::{DMatrix, DVector};
+use proptest::prelude::*;
+use wbqp::{
+    config::Formulation,
+    contact::ContactKind,
+    controller::{Controller, Rung},
+    nalgebra,
+    qp::{Qp, Solution, Status},
+};
+use wbqp_tests::scenes::{KINDS, Kind, Scene};
+
+/// A scene; contacts are points or sliding points.
+fn scenes() -> impl Strategy<Value = Scene> {
+    let parts = (
+        0..KINDS.len(),
+        any::<u32>(),
+        any::<u32>(),
+        0..16_u32,
+        any::<[bool; 2]>(),
+    );
+    parts.prop_map(|(kind, seed, tasks, contacts, [normal, soft_cones])| {
+        let mut scene = Scene::new(KINDS[kind], u64::from(seed), tasks, contacts);
+        scene.soft_cones = soft_cones;
+        if normal {
+            scene.contact_kind = ContactKind::Normal;
+        }
+        scene
+    })
+}
+
+fn solved(scene: &Scene) -> Controller {
+    let mut controller = scene.controller();
+    controller.tick(&scene.measurement());
+    controller
+}
+
+/// Jacobi scale of every variable.
+fn scales(qp: &Qp) -> Vec<f64> {
+    let n = qp.n();
+    let scale = |i: usize| match qp.h()[i * n + i] {
+        h if h > 0.0 => 1.0 / h.sqrt(),
+        _ => 1.0,
+    };
+    (0..n).map(scale).collect()
+}
+
+/// Condition number of the Jacobi-scaled Hessian.
+fn condition(qp: &Qp) -> f64 {
+    let (n, d) = (qp.n(), scales(qp));
+    let scaled = DMatrix::from_fn(n, n, |i, j| qp.h()[i * n + j] * d[i] * d[j]);
+    let eigenvalues = scaled.symmetric_eigenvalues();
+    eigenvalues.max() / eigenvalues.min().max(1e-300)
+}
+
+fn relative(a: f64, b: f64) -> f64 {
+    (a - b).abs() / (1.0 + a.abs().max(b.abs()))
+}
+
+fn same_vector(a: &DVector<f64>, b: &DVector<f64>) -> f64 {
+    (a - b).amax() / (1.0 + a.amax())
+}
+
+/// Objective, v̇ and, where the problem is well conditioned, the efforts agree.
+fn same_solution(a: &Controller, b: &Controller) -> Result<(), TestCaseError> {
+    prop_assert_eq!(a.report().rung, Rung::Optimal, "{:?}", a.report().status);
+    prop_assert_eq!(b.report().rung, Rung::Optimal, "{:?}", b.report().status);
+    let objective = relative(a.report().objective, b.report().objective);
+    prop_assert!(objective < 1e-9, "objective differs by {:e}", objective);
+    let condition = condition(a.problem());
+    if condition < 1e8 {
+        let vdot = same_vector(&a.report().vdot, &b.report().vdot);
+        prop_assert!(vdot < 1e-6, "v̇ differs by {:e} at condition {:e}", vdot, condition);
+        for (a, b) in a.command().effort.iter().zip(&b.command().effort) {
+            prop_assert!(relative(*a, *b) < 1e-6, "efforts {} {} at {:e}", a, b, condition);
+        }
+    }
+    Ok(())
+}
+
+/// Largest violations of the optimality conditions.
+#[derive(Debug, Default)]
+struct Kkt {
+    /// `‖D (H x + g + Aᵀ y + z)‖∞ / (1 + ‖D g‖∞)`.
+    stationarity: f64,
+    /// Row units.
+    primal: f64,
+    /// Multiplier times distance to its limit, relative to the cost.
+    complementarity: f64,
+    /// Multipliers of sides that have no limit.
+    sign: f64,
+}
+
+fn kkt(qp: &Qp, s: &Solution) -> Kkt {
+    let (n, m, d) = (qp.n(), qp.m(), scales(qp));
+    let largest_g = (0..n).map(|i| (d[i] * qp.g()[i]).abs()).fold(0.0, f64::max);
+    let mut out = Kkt::default();
+    for j in 0..n {
+        let hx: f64 = (0..n).map(|i| qp.h()[j * n + i] * s.x[i]).sum();
+        let ay: f64 = (0..m).map(|i| qp.row(i)[j] * s.y[i]).sum();
+        let r = d[j] * (hx + qp.g()[j] + ay + s.z[j]) / (1.0 + largest_g);
+        out.stationarity = out.stationarity.max(r.abs());
+    }
+    let cost = 1.0 + qp.objective(&s.x).abs();
+    let mut side = |value: f64, lower: f64, upper: f64, multiplier: f64| {
+        out.primal = out.primal.max(lower - value).max(value - upper);
+        let distance = if multiplier > 0.0 {
+            upper - value
+        } else {
+            value - lower
+        };
+        if distance.is_finite() {
+            out.complementarity = out.complementarity.max((multiplier * distance).abs() / cost);
+        } else {
+            out.sign = out.sign.max(multiplier.abs() / cost);
+        }
+    };
+    for i in 0..m {
+        let ax: f64 = qp.row(i).iter().zip(&s.x).map(|(a, x)| a * x).sum();
+        side(ax, qp.row_lower()[i], qp.row_upper()[i], s.y[i]);
+    }
+    for j in 0..n {
+        side(s.x[j], qp.lower()[j], qp.upper()[j], s.z[j]);
+    }
+    out
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 200, ..ProptestConfig::default() })]
+
+    #[test]
+    fn condensed_and_explicit_have_the_same_optimum(scene in scenes()) {
+        let explicit = Scene { formulation: Formulation::Explicit, ..scene.clone() };
+        let (a, b) = (solved(&scene), solved(&explicit));
+        same_solution(&a, &b)?;
+        for (a, b) in a.report().tasks.iter().zip(&b.report().tasks) {
+            for ((x, y), cost) in a.residual.iter().zip(&b.residual).zip(&a.cost) {
+                // A residual is determined as far as its cost weighs in the objective.
+                if *cost > 1e-6 {
+                    prop_assert!(relative(*x, *y) < 1e-5, "residuals {} and {}", x, y);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_solution_satisfies_the_optimality_conditions(scene in scenes(), explicit: bool) {
+        let mut scene = scene;
+        if explicit {
+            scene.formulation = Formulation::Explicit;
+        }
+        let controller = solved(&scene);
+        prop_assert_eq!(controller.report().rung, Rung::Optimal);
+        let k = kkt(controller.problem(), controller.solution());
+        let worst = k.stationarity.max(k.primal).max(k.complementarity).max(k.sign);
+        prop_assert!(worst < 1e-8, "{:?}", k);
+    }
+
+    #[test]
+    fn the_order_of_tasks_does_not_matter(scene in scenes()) {
+        let reversed = Scene { reversed: true, ..scene.clone() };
+        same_solution(&solved(&scene), &solved(&reversed))?;
+    }
+
+    #[test]
+    fn scaling_all_weights_changes_nothing_but_the_cost(
+        scene in scenes(),
+        exponent in -2.0..2.0_f64,
+    ) {
+        let factor = 10f64.powf(exponent);
+        let scaled = Scene { scale: factor, ..scene.clone() };
+        let (a, b) = (solved(&scene), solved(&scaled));
+        let (cost, scaled_cost) = (a.report().objective, b.report().objective / factor);
+        prop_assert!(relative(cost, scaled_cost) < 1e-9, "{} and {}", cost, scaled_cost);
+        if condition(a.problem()) < 1e8 {
+            prop_assert!(same_vector(&a.report().vdot, &b.report().vdot) < 1e-6);
+        }
+    }
+
+    #[test]
+    fn an_inactive_task_is_as_good_as_none(scene in scenes()) {
+        let listed = Scene { list_inactive: true, ..scene.clone() };
+        same_solution(&solved(&scene), &solved(&listed))?;
+    }
+
+    #[test]
+    fn hard_rows_hold_where_the_status_is_optimal(scene in scenes()) {
+        let scene = Scene { hard_contacts: true, ..scene };
+        let controller = solved(&scene);
+        if controller.report().status == Status::Optimal {
+            let k = kkt(controller.problem(), controller.solution());
+            prop_assert!(k.primal < 1e-8, "{:?}", k);
+        } else {
+            prop_assert_ne!(controller.report().status, Status::Unbounded);
+        }
+    }
+
+    #[test]
+    fn turning_everything_about_gravity_turns_the_solution(
+        scene in scenes(),
+        yaw in -3.0..3.0_f64,
+    ) {
+        let turned = Scene { yaw, ..scene.clone() };
+        let (a, b) = (solved(&scene), solved(&turned));
+        prop_assert!(relative(a.report().objective, b.report().objective) < 1e-9);
+        if condition(a.problem()) < 1e8 {
+            for (a, b) in a.command().effort.iter().zip(&b.command().effort) {
+                prop_assert!(relative(*a, *b) < 1e-6, "efforts {} and {}", a, b);
+            }
+        }
+    }
+}
+
+#[test]
+fn contradictory_hard_rows_come_back_as_infeasible() {
+    // An arm whose flange must stop at once from high speed: bounds on the torques and the hard contact rows
+    // cannot both hold.
+    let mut scene = Scene::new(Kind::FixedArm, 3, u32::MAX, 1);
+    scene.hard_contacts = true;
+    let mut measurement = scene.measurement();
+    measurement.state.v.fill(80.0);
+    let mut controller = scene.controller();
+    let before = controller.command().clone();
+    let (command, report) = controller.tick(&measurement);
+    assert_eq!(report.status, Status::Infeasible);
+    assert_eq!(report.rung, Rung::Held);
+    assert_eq!(*command, before);
+}
