@@ -1,5 +1,6 @@
 //! Robots and plants for the tests.
-#![allow(dead_code, non_snake_case)]
+// Every test file takes what it needs of this.
+#![allow(dead_code, unreachable_pub, non_snake_case)]
 
 use std::sync::Arc;
 
