@@ -1,4 +1,4 @@
-//! How long 25 s of a hexarotor with a servoed arm against a wall take: `cargo run --release -p wbqp-sim
+//! How long 25 × 1 s of a hexarotor with a servoed arm against a wall take: `cargo run --release -p wbqp-sim
 //! --example plant_speed`.
 #![allow(non_snake_case)]
 
@@ -25,22 +25,22 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         force_torque: vec![ForceTorqueConfig::new("tip")],
         ..SensorsConfig::default()
     };
-    let mut sensors = Sensors::new(&config, &plant, 1)?;
     let mut command = PlantCommand::rest(&robot);
     let thrusts = hover(&robot, &start);
     command.values_mut()[..6].copy_from_slice(&thrusts[..6]);
     plant.settle_rotors(&command)?;
 
+    // Nobody controls the robot: a new start every second keeps it near the wall.
     let begin = Instant::now();
-    for _ in 0..6250 {
-        sensors.sample(&plant);
-        plant.advance_with(&command, 0.004, |plant| sensors.observe(plant))?;
+    for _ in 0..25 {
+        let mut plant = plant.clone();
+        let mut sensors = Sensors::new(&config, &plant, 1)?;
+        for _ in 0..250 {
+            sensors.sample(&plant);
+            plant.advance_with(&command, 0.004, |plant| sensors.observe(plant))?;
+        }
+        assert!(!plant.is_diverged(), "the robot got lost");
     }
-    println!(
-        "{} s simulated in {:.3} s, diverged: {}",
-        plant.time(),
-        begin.elapsed().as_secs_f64(),
-        plant.is_diverged()
-    );
+    println!("25 s in {:.3} s", begin.elapsed().as_secs_f64());
     Ok(())
 }
