@@ -87,7 +87,7 @@ impl Layout {
     }
 
     /// Scales the quaternion to unit length.
-    pub(super) fn normalise(&self, x: &mut [f64]) {
+    pub(super) fn normalise(x: &mut [f64]) {
         let norm = quaternion(x).norm();
         for part in &mut x[QUATERNION..JOINTS] {
             *part /= norm;

@@ -2,7 +2,7 @@
 
 use wbqp::dynamics::forward_dynamics;
 
-use super::{CLOCK, FARTHEST, FASTEST, Plant};
+use super::{CLOCK, FARTHEST, FASTEST, Plant, layout::Layout};
 
 /// Classical Runge–Kutta: fraction of the step at which the second to fourth stages are evaluated.
 const STAGES: [f64; 3] = [0.5, 0.5, 1.0];
@@ -29,7 +29,7 @@ impl Plant {
         }
         self.work = work;
         self.time = end;
-        self.layout.normalise(&mut self.x);
+        Layout::normalise(&mut self.x);
         self.arrive(true);
     }
 
