@@ -20,7 +20,7 @@ use wbqp::{
 use wbqp_robots::{BaseKind, Options, Othex, OthexVertical, Urdf};
 use wbqp_tasks::{
     ActuatorLimits, BaseOrientation, BasePosition, ContactForce, ContactMotion, FreeMotion,
-    FrictionPyramid, Hold, Posture, PropellerRegularisation,
+    FrictionPyramid, Hold, Origin, Posture, PropellerRegularisation,
 };
 
 /// The robots of the property tests.
@@ -217,7 +217,12 @@ impl Scene {
                 Box::new(BaseOrientation::new(kp, kd).following(hold(rpy)))
             }
             name if name.starts_with("force") => Box::new(ContactForce::new(contact(), 5.0)),
-            _ => Box::new(FreeMotion::new(contact(), kp, kd)),
+            _ => {
+                // In surface coordinates, which turn with the scene.
+                let target = random(0.3);
+                let hold = Hold::at([target.x, target.y]);
+                Box::new(FreeMotion::new(contact(), kp, kd).following(hold, Origin::Surface))
+            }
         };
         (weight.into(), task)
     }
@@ -231,7 +236,8 @@ impl Scene {
         let mut config = ControllerConfig::new(settings, self.robot_plugin());
         config.contacts = self.contact_specs();
         for (bit, name) in self.task_names().iter().enumerate() {
-            let on = self.tasks >> bit & 1 == 1;
+            // Something must determine the efforts: r_a where there are rotors, the posture elsewhere.
+            let on = self.tasks >> bit & 1 == 1 || (bit == 0 && !self.has_rotors());
             // A point contact has no free translation.
             let possible = !(name.starts_with("free") && self.contact_kind == ContactKind::Point);
             if possible && (on || self.list_inactive) {

@@ -62,18 +62,28 @@ fn same_vector(a: &DVector<f64>, b: &DVector<f64>) -> f64 {
     (a - b).amax() / (1.0 + a.amax())
 }
 
+/// Difference of two costs. A cost is what is left of a large constant `Σ w b²` and the problem's own objective:
+/// it is relative to the latter, which is what a solver minimises.
+fn cost_difference(a: &Controller, b: &Controller, factor: f64) -> f64 {
+    let (cost, other) = (a.report().objective, b.report().objective / factor);
+    let own = a.problem().objective(&a.solution().x);
+    (cost - other).abs() / (1.0 + cost.abs() + own.abs())
+}
+
 /// Objective, v̇ and, where the problem is well conditioned, the efforts agree.
 fn same_solution(a: &Controller, b: &Controller) -> Result<(), TestCaseError> {
     prop_assert_eq!(a.report().rung, Rung::Optimal, "{:?}", a.report().status);
     prop_assert_eq!(b.report().rung, Rung::Optimal, "{:?}", b.report().status);
-    let objective = relative(a.report().objective, b.report().objective);
-    prop_assert!(objective < 1e-9, "objective differs by {:e}", objective);
+    let cost = cost_difference(a, b, 1.0);
+    prop_assert!(cost < 1e-9, "cost differs by {:e}", cost);
     let condition = condition(a.problem());
     if condition < 1e8 {
+        // Rounding, amplified by the condition.
+        let tolerance = 1e-6 + 1e-12 * condition;
         let vdot = same_vector(&a.report().vdot, &b.report().vdot);
-        prop_assert!(vdot < 1e-6, "v̇ differs by {:e} at condition {:e}", vdot, condition);
+        prop_assert!(vdot < tolerance, "v̇ differs by {:e} at condition {:e}", vdot, condition);
         for (a, b) in a.command().effort.iter().zip(&b.command().effort) {
-            prop_assert!(relative(*a, *b) < 1e-6, "efforts {} {} at {:e}", a, b, condition);
+            prop_assert!(relative(*a, *b) < tolerance, "efforts {} {} at {:e}", a, b, condition);
         }
     }
     Ok(())
@@ -127,7 +137,7 @@ fn kkt(qp: &Qp, s: &Solution) -> Kkt {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 200, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn condensed_and_explicit_have_the_same_optimum(scene in scenes()) {
@@ -171,10 +181,11 @@ proptest! {
         let factor = 10f64.powf(exponent);
         let scaled = Scene { scale: factor, ..scene.clone() };
         let (a, b) = (solved(&scene), solved(&scaled));
-        let (cost, scaled_cost) = (a.report().objective, b.report().objective / factor);
-        prop_assert!(relative(cost, scaled_cost) < 1e-9, "{} and {}", cost, scaled_cost);
-        if condition(a.problem()) < 1e8 {
-            prop_assert!(same_vector(&a.report().vdot, &b.report().vdot) < 1e-6);
+        prop_assert!(cost_difference(&a, &b, factor) < 1e-9);
+        let condition = condition(a.problem());
+        if condition < 1e8 {
+            let vdot = same_vector(&a.report().vdot, &b.report().vdot);
+            prop_assert!(vdot < 1e-6 + 1e-12 * condition, "v̇ differs by {:e}", vdot);
         }
     }
 
@@ -203,10 +214,11 @@ proptest! {
     ) {
         let turned = Scene { yaw, ..scene.clone() };
         let (a, b) = (solved(&scene), solved(&turned));
-        prop_assert!(relative(a.report().objective, b.report().objective) < 1e-9);
-        if condition(a.problem()) < 1e8 {
+        prop_assert!(cost_difference(&a, &b, 1.0) < 1e-9);
+        let condition = condition(a.problem());
+        if condition < 1e8 {
             for (a, b) in a.command().effort.iter().zip(&b.command().effort) {
-                prop_assert!(relative(*a, *b) < 1e-6, "efforts {} and {}", a, b);
+                prop_assert!(relative(*a, *b) < 1e-6 + 1e-12 * condition, "efforts {} {}", a, b);
             }
         }
     }

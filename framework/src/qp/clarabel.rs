@@ -4,10 +4,11 @@
 //! Clarabel solves `min ½xᵀPx + qᵀx` subject to `A x + s = b`, `s ∈ K`. Equality rows go to the zero cone;
 //! each finite side of an inequality row or bound becomes one row of the nonnegative cone (`a x + s = u` or
 //! `−a x + s = −l`). Rows are brought to unit norm, and `x`, limits and multipliers are divided by `‖g‖∞`, so that
-//! absolute tolerances mean the same for every problem. Clarabel's own equilibration is off and the tolerances are 1e-12: with the defaults, weakly weighted
-//! directions come out wrong. While the set of sides stays the same the solver object is kept and its numbers
-//! are replaced in place; it allocates inside `solve` all the same, and it has no warm start. The last digits come
-//! from solving for the active set that the interior point suggests (module `polish`).
+//! absolute tolerances mean the same for every problem. Clarabel's own equilibration is off and the tolerances are
+//! 1e-12: with the defaults, weakly weighted directions come out wrong. While the set of sides stays the same the
+//! solver object is kept and its numbers are replaced in place; it allocates inside `solve` all the same, and it
+//! has no warm start. The last digits come from solving for the active set that the interior point suggests
+//! (module `polish`).
 
 use clarabel::{
     algebra::CscMatrix,
@@ -121,43 +122,68 @@ impl QpSolver for Clarabel {
     }
 
     fn solve(&mut self, qp: &Qp, out: &mut Solution) {
-        out.x[..qp.n()].fill(0.0);
-        out.y[..qp.m()].fill(0.0);
-        out.z[..qp.n()].fill(0.0);
         out.iterations = 0;
         if has_crossed_limits(qp) {
+            out.x[..qp.n()].fill(0.0);
+            out.y[..qp.m()].fill(0.0);
+            out.z[..qp.n()].fill(0.0);
             out.status = Status::Infeasible;
             return;
         }
-        let settings = self.settings();
+        self.workspace.load(qp);
+        for regularisation in REGULARISATIONS {
+            self.attempt(regularisation, qp, out);
+            let tried_enough = !matches!(out.status, Status::Failed | Status::Budget);
+            if tried_enough {
+                break;
+            }
+            // The next attempt begins with a solver object of its own.
+            self.reset();
+        }
+    }
+
+    fn reset(&mut self) {
+        self.workspace.solver = None;
+        self.workspace.made_for.0 = usize::MAX;
+    }
+}
+
+/// Static regularisations of Clarabel's factorisation. Its default, 1e-8, would drown a regularisation of 1e-9 of
+/// the largest weight; the smallest is tried first, and now and then it is too little for the factorisation.
+const REGULARISATIONS: [f64; 3] = [1e-13, 1e-11, 1e-8];
+
+impl Clarabel {
+    /// Solves the loaded problem once.
+    fn attempt(&mut self, regularisation: f64, qp: &Qp, out: &mut Solution) {
+        let settings = self.settings(regularisation);
         let w = &mut self.workspace;
-        w.load(qp);
+        out.status = Status::Failed;
+        out.x[..qp.n()].fill(0.0);
+        out.y[..qp.m()].fill(0.0);
+        out.z[..qp.n()].fill(0.0);
         if !w.refresh(settings) {
-            out.status = Status::Failed;
             return;
         }
         let Some(solver) = &mut w.solver else {
-            out.status = Status::Failed;
             return;
         };
         solver.solve();
         let solution = &solver.solution;
-        out.iterations = solution.iterations;
-        out.status = match solution.status {
+        out.iterations += solution.iterations;
+        let status = match solution.status {
             SolverStatus::Solved => Status::Optimal,
             SolverStatus::AlmostSolved => Status::AlmostOptimal,
-            // Out of digits, but with a point: judged by its errors below.
-            SolverStatus::InsufficientProgress | SolverStatus::MaxIterations => Status::Budget,
             SolverStatus::PrimalInfeasible | SolverStatus::AlmostPrimalInfeasible => {
                 Status::Infeasible
             }
             SolverStatus::DualInfeasible | SolverStatus::AlmostDualInfeasible => Status::Unbounded,
-            SolverStatus::MaxTime => Status::Budget,
+            // Out of digits, iterations or time, but with a point: judged by its errors below.
+            SolverStatus::InsufficientProgress
+            | SolverStatus::MaxIterations
+            | SolverStatus::MaxTime => Status::Budget,
             _ => Status::Failed,
         };
-        let finite = solution.x.iter().chain(&solution.z).all(|v| v.is_finite());
-        if !finite {
-            out.status = Status::Failed;
+        if !solution.x.iter().chain(&solution.z).all(|v| v.is_finite()) {
             return;
         }
         for (x, scaled) in out.x.iter_mut().zip(&solution.x) {
@@ -173,29 +199,23 @@ impl QpSolver for Clarabel {
                 Side::BoundLower(i) => out.z[i as usize] -= multiplier,
             }
         }
-        if matches!(
-            out.status,
-            Status::Optimal | Status::AlmostOptimal | Status::Budget
-        ) {
-            polish(qp, out);
-            // At tolerance 1e-12 Clarabel often stops a digit short for lack of progress: the conditions decide.
-            let error = Optimality::of(qp, out).worst();
-            if error < 1e-9 {
-                out.status = Status::Optimal;
-            } else if error < 1e-6 {
-                out.status = Status::AlmostOptimal;
-            }
+        out.status = status;
+        if matches!(status, Status::Infeasible | Status::Unbounded) {
+            return;
+        }
+        polish(qp, out);
+        // At tolerance 1e-12 Clarabel often stops a digit short for lack of progress: the conditions decide.
+        let error = Optimality::of(qp, out).worst();
+        if error < 1e-9 {
+            out.status = Status::Optimal;
+        } else if error < 1e-6 {
+            out.status = Status::AlmostOptimal;
+        } else if status.is_usable() {
+            out.status = Status::Budget;
         }
     }
 
-    fn reset(&mut self) {
-        self.workspace.solver = None;
-        self.workspace.made_for.0 = usize::MAX;
-    }
-}
-
-impl Clarabel {
-    fn settings(&self) -> Option<DefaultSettings<f64>> {
+    fn settings(&self, regularisation: f64) -> Option<DefaultSettings<f64>> {
         DefaultSettingsBuilder::default()
             .verbose(false)
             .max_iter(self.max_iterations)
@@ -203,6 +223,8 @@ impl Clarabel {
             .equilibrate_enable(false)
             .presolve_enable(false)
             .input_sparse_dropzeros(false)
+            .static_regularization_constant(regularisation)
+            .iterative_refinement_max_iter(50)
             .tol_gap_abs(self.tolerance)
             .tol_gap_rel(self.tolerance)
             .tol_feas(self.tolerance)
