@@ -81,9 +81,20 @@ fn same_solution(a: &Controller, b: &Controller) -> Result<(), TestCaseError> {
         // Rounding, amplified by the condition.
         let tolerance = 1e-6 + 1e-12 * condition;
         let vdot = same_vector(&a.report().vdot, &b.report().vdot);
-        prop_assert!(vdot < tolerance, "v̇ differs by {:e} at condition {:e}", vdot, condition);
+        prop_assert!(
+            vdot < tolerance,
+            "v̇ differs by {:e} at condition {:e}",
+            vdot,
+            condition
+        );
         for (a, b) in a.command().effort.iter().zip(&b.command().effort) {
-            prop_assert!(relative(*a, *b) < tolerance, "efforts {} {} at {:e}", a, b, condition);
+            prop_assert!(
+                relative(*a, *b) < tolerance,
+                "efforts {} {} at {:e}",
+                a,
+                b,
+                condition
+            );
         }
     }
     Ok(())
@@ -106,10 +117,10 @@ fn kkt(qp: &Qp, s: &Solution) -> Kkt {
     let (n, m, d) = (qp.n(), qp.m(), scales(qp));
     let largest_g = (0..n).map(|i| (d[i] * qp.g()[i]).abs()).fold(0.0, f64::max);
     let mut out = Kkt::default();
-    for j in 0..n {
+    for (j, scale) in d.iter().enumerate() {
         let hx: f64 = (0..n).map(|i| qp.h()[j * n + i] * s.x[i]).sum();
         let ay: f64 = (0..m).map(|i| qp.row(i)[j] * s.y[i]).sum();
-        let r = d[j] * (hx + qp.g()[j] + ay + s.z[j]) / (1.0 + largest_g);
+        let r = scale * (hx + qp.g()[j] + ay + s.z[j]) / (1.0 + largest_g);
         out.stationarity = out.stationarity.max(r.abs());
     }
     let cost = 1.0 + qp.objective(&s.x).abs();
@@ -121,7 +132,9 @@ fn kkt(qp: &Qp, s: &Solution) -> Kkt {
             value - lower
         };
         if distance.is_finite() {
-            out.complementarity = out.complementarity.max((multiplier * distance).abs() / cost);
+            out.complementarity = out
+                .complementarity
+                .max((multiplier * distance).abs() / cost);
         } else {
             out.sign = out.sign.max(multiplier.abs() / cost);
         }

@@ -234,7 +234,12 @@ impl Scenario {
             rpy,
             joints,
         } = &self.file.initial;
-        if !position.iter().chain(rpy).chain(joints.values()).all(|x| x.is_finite()) {
+        if !position
+            .iter()
+            .chain(rpy)
+            .chain(joints.values())
+            .all(|x| x.is_finite())
+        {
             return Err(self.refuse("initial: has a number that is not finite"));
         }
         let mut state = robot.home.clone();
@@ -289,9 +294,9 @@ impl Scenario {
             }
             for (i, event) in file.events.iter().enumerate() {
                 // The check applies every event to a controller that never runs.
-                event
-                    .apply(&mut controller)
-                    .map_err(|what| self.refuse(&format!("event[{i}] at {} s: {what}", event.at)))?;
+                event.apply(&mut controller).map_err(|what| {
+                    self.refuse(&format!("event[{i}] at {} s: {what}", event.at))
+                })?;
             }
         }
         Ok(())
