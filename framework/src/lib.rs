@@ -141,13 +141,13 @@
 //! ```text
 //! minimise   Σ w (A_v v̇ + A_u u + A_f f − b)²  +  w_ε ‖(u, f)‖²  +  Σ (w s² + λ s)
 //! subject to M v̇ + h = S u + Σ J_cᵀ f_c + Σ J_fᵀ f_f
-//!            lower ≤ C_v v̇ + C_u u + C_f f + s ≤ upper,  s ≥ 0
+//!            lower − s ≤ C_v v̇ + C_u u + C_f f ≤ upper + s,  s ≥ 0
 //!            bounds on single efforts and force components
 //! ```
 //!
 //! The first sum runs over the rows of tasks and of softened equality constraints. `f_f` is the force in a
 //! contact's free directions, zero or measured, and known before the solve. A slack `s` belongs to a soft group
-//! of inequality rows, and relaxes both sides. The default formulation is condensed: `v̇` is substituted, and the
+//! of inequality rows; hard rows have none. The default formulation is condensed: `v̇` is substituted, and the
 //! solver sees `(u, f, s)`. The explicit one keeps `v̇` and has the dynamics as rows ([`config::Formulation`]).
 //!
 //! # Where to begin
