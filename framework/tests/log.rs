@@ -208,7 +208,7 @@ fn a_tick_is_written_channel_by_channel() {
     assert!(command["joints"]["elbow"]["effort"].is_number());
 
     let tip = first("/contact/tip");
-    assert_eq!(tip["on"], true);
+    assert_eq!(tip["active"], true);
     assert_eq!(tip["clamped"], true);
     assert_eq!(tip["reference"]["z"], 5.0);
     assert_eq!(tip["virtual_input"]["z"], 6.0);
