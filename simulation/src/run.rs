@@ -58,7 +58,9 @@ pub fn run(
     write_run(
         sink,
         seed,
-        std::iter::once(scenario.source()).chain(&source).chain(&robot.sources),
+        std::iter::once(scenario.source())
+            .chain(&source)
+            .chain(&robot.sources),
     )?;
     write_rotors(sink, &robot)?;
     let mut log = ControllerLog::new(&controller, sink)?;
@@ -90,10 +92,9 @@ pub fn run(
         contacts.copy_wrenches(&reading.wrenches, &mut measurement.wrenches);
         // Half a period of slack: k × period is not exact.
         while let Some(event) = events.next_if(|e| e.at <= measurement.time + 0.5 * period) {
-            event.apply(&mut controller).map_err(|what| RunError::Event {
-                at: event.at,
-                what,
-            })?;
+            event
+                .apply(&mut controller)
+                .map_err(|what| RunError::Event { at: event.at, what })?;
             if let Some(mark) = &event.mark {
                 timeline = timeline.mark(mark, measurement.time);
             }
@@ -170,7 +171,9 @@ impl Contacts {
     fn truth(&self, plant: &Plant, controller: &Controller, out: &mut [Option<Vector3<f64>>]) {
         let names = controller.contact_names();
         for ((frame, name), out) in self.points.iter().zip(names).zip(out) {
-            let at_frame = plant.contacts().filter(|(point, _, _)| &point.frame == frame);
+            let at_frame = plant
+                .contacts()
+                .filter(|(point, _, _)| &point.frame == frame);
             let force_W: Vector3<f64> = at_frame.map(|(_, _, truth)| truth.force_W).sum();
             *out = controller
                 .contact(name)

@@ -60,8 +60,14 @@ impl Event {
             controller.reweight(name, weight).map_err(text)?;
         }
         for (task, value) in &self.follow {
+            if !value.is_table() {
+                return Err(format!(
+                    "follow.{task}: must be a table with a `type`, found {}",
+                    value.type_str()
+                ));
+            }
             let reference = <Box<dyn Reference>>::deserialize(value.clone())
-                .map_err(|e| format!("follow.{task}: {}", e.message()))?;
+                .map_err(|e| format!("follow.{task}: {}", e.message().trim_end()))?;
             controller.follow(task, reference).map_err(text)?;
         }
         Ok(())
