@@ -151,9 +151,8 @@ impl Scene {
         frames
             .map(|(i, frame)| {
                 let mut rng = self.rng(100 + i as u64);
-                let random = |rng: &mut ChaCha8Rng| {
-                    Vector3::from_fn(|_, _| rng.random_range(-1.0..1.0_f64))
-                };
+                let random =
+                    |rng: &mut ChaCha8Rng| Vector3::from_fn(|_, _| rng.random_range(-1.0..1.0_f64));
                 let tilt = 0.3 * random(&mut rng);
                 let normal = match self.kind {
                     Kind::Quadruped => Vector3::z(),
@@ -173,7 +172,11 @@ impl Scene {
                     },
                     friction: rng.random_range(0.3..0.9),
                     force_min: 0.5,
-                    force_max: if self.kind == Kind::Quadruped { 300.0 } else { 15.0 },
+                    force_max: if self.kind == Kind::Quadruped {
+                        300.0
+                    } else {
+                        15.0
+                    },
                     free_force: FreeForce::Measured,
                     free_force_limit: 5.0,
                     active: self.contacts >> i & 1 == 1,
@@ -198,12 +201,19 @@ impl Scene {
     }
 
     fn make_task(&self, name: &str) -> (Weight, Box<dyn Task>) {
-        let part = name.bytes().fold(7, |h: u64, b| h.wrapping_mul(31) + u64::from(b)) % 10_000;
+        let part = name
+            .bytes()
+            .fold(7, |h: u64, b| h.wrapping_mul(31) + u64::from(b))
+            % 10_000;
         let mut rng = self.rng(20_000 + part);
         let weight = self.scale * 10f64.powf(rng.random_range(-2.0..1.0));
         let (kp, kd) = (rng.random_range(1.0..60.0), rng.random_range(1.0..15.0));
         let mut random = |scale: f64| Vector3::from_fn(|_, _| rng.random_range(-scale..scale));
-        let index = || name.rsplit('_').next().and_then(|i| i.parse::<usize>().ok());
+        let index = || {
+            name.rsplit('_')
+                .next()
+                .and_then(|i| i.parse::<usize>().ok())
+        };
         let contact = || format!("contact_{}", index().unwrap_or(0));
         let hold = |v: Vector3<f64>| Hold::at([v.x, v.y, v.z]);
         let task: Box<dyn Task> = match name {
