@@ -89,5 +89,8 @@ fn a_tick_allocates_nothing_outside_the_solver() {
         }
     }
     let in_solver = IN_SOLVER.load(Ordering::Relaxed);
-    assert!(in_solver > 0, "the bracket counts nothing: the test would not notice");
+    assert!(
+        in_solver > 0,
+        "the bracket counts nothing: the test would not notice"
+    );
 }

@@ -25,7 +25,10 @@ fn mass_and_singular_values() {
     }
     let mut singular: Vec<f64> = S.singular_values().iter().copied().collect();
     singular.sort_by(|a, b| b.total_cmp(a));
-    for (value, expected) in singular.iter().zip([1.980, 1.064, 1.018, 0.659, 0.562, 0.460]) {
+    for (value, expected) in singular
+        .iter()
+        .zip([1.980, 1.064, 1.018, 0.659, 0.562, 0.460])
+    {
         assert!((value - expected).abs() <= 5e-4, "{value} {expected}");
     }
 }

@@ -81,9 +81,20 @@ fn same_solution(a: &Controller, b: &Controller) -> Result<(), TestCaseError> {
         // Rounding, amplified by the condition.
         let tolerance = 1e-6 + 1e-12 * condition;
         let vdot = same_vector(&a.report().vdot, &b.report().vdot);
-        prop_assert!(vdot < tolerance, "v̇ differs by {:e} at condition {:e}", vdot, condition);
+        prop_assert!(
+            vdot < tolerance,
+            "v̇ differs by {:e} at condition {:e}",
+            vdot,
+            condition
+        );
         for (a, b) in a.command().effort.iter().zip(&b.command().effort) {
-            prop_assert!(relative(*a, *b) < tolerance, "efforts {} {} at {:e}", a, b, condition);
+            prop_assert!(
+                relative(*a, *b) < tolerance,
+                "efforts {} {} at {:e}",
+                a,
+                b,
+                condition
+            );
         }
     }
     Ok(())
@@ -121,7 +132,9 @@ fn kkt(qp: &Qp, s: &Solution) -> Kkt {
             value - lower
         };
         if distance.is_finite() {
-            out.complementarity = out.complementarity.max((multiplier * distance).abs() / cost);
+            out.complementarity = out
+                .complementarity
+                .max((multiplier * distance).abs() / cost);
         } else {
             out.sign = out.sign.max(multiplier.abs() / cost);
         }
