@@ -153,6 +153,7 @@ fn controller() -> Controller {
         force_max: 20.0,
         free_force: FreeForce::Zero,
         free_force_limit: 20.0,
+        free_force_cutoff: 15.0,
         active: true,
         transition: 0.0,
     };

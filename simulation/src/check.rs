@@ -1,5 +1,7 @@
 //! Collects everything that is wrong with a configuration, by key.
 
+use wbqp::model::Model;
+
 /// What is wrong, one line per key.
 #[derive(Debug, Default)]
 pub(crate) struct Problems(Vec<String>);
@@ -47,4 +49,14 @@ impl Problems {
             Err(error(self.0))
         }
     }
+}
+
+/// What is said of a frame that the robot does not have.
+pub(crate) fn unknown_frame(model: &Model, name: &str) -> String {
+    let known: Vec<&str> = model.frames().iter().map(|f| f.name.as_str()).collect();
+    format!(
+        "robot `{}` has no frame `{name}` (known: {})",
+        model.name(),
+        known.join(", ")
+    )
 }

@@ -90,8 +90,8 @@ pub fn run(
         measurement.time = k as f64 * period;
         measurement.state.copy_from(&reading.state);
         contacts.copy_wrenches(&reading.wrenches, &mut measurement.wrenches);
-        // A nanosecond of slack: k × period is not exact.
-        while let Some(event) = events.next_if(|e| e.at <= measurement.time + 1e-9) {
+        // A little slack: k × period is not exact.
+        while let Some(event) = events.next_if(|e| e.at <= measurement.time + 1e-6 * period) {
             event
                 .apply(&mut controller)
                 .map_err(|what| RunError::Event { at: event.at, what })?;

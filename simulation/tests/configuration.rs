@@ -179,7 +179,7 @@ fn unknown_frames_are_refused() {
     };
     assert_eq!(
         Sensors::new(&sensors, &plant, 0).unwrap_err().to_string(),
-        "force_torque[0].frame: robot `block` has no frame `finger`"
+        "force_torque[0].frame: robot `block` has no frame `finger` (known: block, tip)"
     );
 }
 

@@ -1,4 +1,5 @@
 //! Properties, oracles and acceptance tests of wbqp: what the test files share.
 
+pub mod closed_loop;
 pub mod random_model;
 pub mod scenes;

@@ -139,7 +139,10 @@ impl<'a> IntoIterator for &'a Overrides {
 
 /// How overrides are written.
 #[derive(Clone, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "tables of values, like task.<name>.<key> = …"
+)]
 struct Tables {
     #[serde(default, skip_serializing_if = "Table::is_empty")]
     controller: Table,

@@ -20,7 +20,7 @@ use super::{
     ActiveDisturbance, Disturbance, Plant, PlantCommand, PlantConfig, PlantError, Work,
     contact::Contact, joint::JointPlant, layout::Layout, rotor::RotorPlant,
 };
-use crate::check::Problems;
+use crate::check::{Problems, unknown_frame};
 
 /// Deepest initial penetration that is taken for meant, m.
 const DEEPEST_START: f64 = 0.005;
@@ -191,15 +191,6 @@ fn check_actuators(actuators: &[Actuator]) -> Result<(), PlantError> {
         }
     }
     Ok(())
-}
-
-fn unknown_frame(model: &Model, name: &str) -> String {
-    let known: Vec<&str> = model.frames().iter().map(|f| f.name.as_str()).collect();
-    format!(
-        "robot `{}` has no frame `{name}` (known: {})",
-        model.name(),
-        known.join(", ")
-    )
 }
 
 fn contact_points(

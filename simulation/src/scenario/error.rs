@@ -33,24 +33,48 @@ pub enum ScenarioError {
         what: String,
     },
     /// The controller's file is refused.
-    #[error("{0}")]
-    Config(Box<ConfigErrors>),
-    /// The controller does not fit the robot.
-    #[error("{file}: {source}")]
-    Controller {
-        /// The controller's file.
+    #[error("{source}\nin case `{case}` of {file}")]
+    Config {
+        /// The scenario's file.
         file: String,
+        /// The case, whose own values count.
+        case: String,
+        /// Everything that is wrong.
+        source: Box<ConfigErrors>,
+    },
+    /// The controller does not fit the robot.
+    #[error("{controller}: {source}\nin case `{case}` of {file}")]
+    Controller {
+        /// The scenario's file.
+        file: String,
+        /// The case, whose own values count.
+        case: String,
+        /// The controller's file.
+        controller: String,
         /// What is wrong.
         source: Box<ControllerError>,
     },
     /// The plant or its sensors are refused.
-    #[error("{file}: {source}")]
+    #[error("{}", plant_message(file, table, source))]
     Plant {
         /// The scenario's file.
         file: String,
+        /// The table it comes from, `plant` or `sensors`.
+        table: &'static str,
         /// What is wrong.
         source: Box<PlantError>,
     },
+}
+
+/// One line per problem, each with the file and the whole key.
+fn plant_message(file: &str, table: &str, error: &PlantError) -> String {
+    match error {
+        PlantError::Config { problems } => {
+            let lines = problems.iter().map(|p| format!("{file}: {table}.{p}"));
+            lines.collect::<Vec<_>>().join("\n")
+        }
+        other => format!("{file}: {other}"),
+    }
 }
 
 /// Why a run stopped.

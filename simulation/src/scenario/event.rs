@@ -9,7 +9,7 @@ use wbqp::{controller::Controller, entry::Weight, reference::Reference};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Event {
-    /// When, s: before the first tick at or after this time.
+    /// When, s: before the first tick at or after this time. After the end of the run, never.
     pub at: f64,
     /// Name under which the log's timeline keeps the time.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -60,8 +60,14 @@ impl Event {
             controller.reweight(name, weight).map_err(text)?;
         }
         for (task, value) in &self.follow {
+            if !value.is_table() {
+                return Err(format!(
+                    "follow.{task}: must be a table with a `type`, found {}",
+                    value.type_str()
+                ));
+            }
             let reference = <Box<dyn Reference>>::deserialize(value.clone())
-                .map_err(|e| format!("follow.{task}: {}", e.message()))?;
+                .map_err(|e| format!("follow.{task}: {}", e.message().trim_end()))?;
             controller.follow(task, reference).map_err(text)?;
         }
         Ok(())

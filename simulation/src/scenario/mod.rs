@@ -49,7 +49,7 @@ use wbqp::{
     state::State,
 };
 
-use crate::{Plant, PlantConfig, Sensors, SensorsConfig};
+use crate::{Plant, PlantConfig, PlantError, Sensors, SensorsConfig};
 
 /// A loaded and checked scenario.
 #[derive(Clone, Debug)]
@@ -76,7 +76,7 @@ struct ScenarioFile {
     detectors: Vec<Detector>,
     #[serde(default, rename = "event")]
     events: Vec<Event>,
-    #[serde(rename = "case")]
+    #[serde(default, rename = "case")]
     cases: Vec<Case>,
 }
 
@@ -175,25 +175,32 @@ impl Scenario {
                 known.join(", ")
             )));
         };
-        ControllerConfig::from_file_with(&self.controller, &found.set)
-            .map_err(|errors| ScenarioError::Config(Box::new(errors)))
+        ControllerConfig::from_file_with(&self.controller, &found.set).map_err(|errors| {
+            ScenarioError::Config {
+                file: self.source.name.clone(),
+                case: case.to_owned(),
+                source: Box::new(errors),
+            }
+        })
     }
 
     pub(crate) fn make_controller(&self, case: &str) -> Result<Controller, ScenarioError> {
         let config = self.controller_config(case)?;
         Controller::new(config).map_err(|source| ScenarioError::Controller {
-            file: self.controller.display().to_string(),
+            file: self.source.name.clone(),
+            case: case.to_owned(),
+            controller: self.controller.display().to_string(),
             source: Box::new(source),
         })
     }
 
     pub(crate) fn make_plant(&self, robot: &RobotModel) -> Result<Plant, ScenarioError> {
         let initial = self.initial_state(robot)?;
-        Plant::new(robot, &self.file.plant, initial).map_err(|e| self.plant_error(e))
+        Plant::new(robot, &self.file.plant, initial).map_err(|e| self.plant_error("plant", e))
     }
 
     pub(crate) fn make_sensors(&self, plant: &Plant, seed: u64) -> Result<Sensors, ScenarioError> {
-        Sensors::new(&self.file.sensors, plant, seed).map_err(|e| self.plant_error(e))
+        Sensors::new(&self.file.sensors, plant, seed).map_err(|e| self.plant_error("sensors", e))
     }
 
     pub(crate) fn events(&self) -> &[Event] {
@@ -244,7 +251,10 @@ impl Scenario {
     fn check(&self) -> Result<(), ScenarioError> {
         let file = &self.file;
         if !(file.duration.is_finite() && file.duration > 0.0) {
-            let what = format!("duration: is {} s, must be positive", file.duration);
+            let what = format!(
+                "duration: is {} s, must be positive and finite",
+                file.duration
+            );
             return Err(self.refuse(&what));
         }
         if file.cases.is_empty() {
@@ -272,9 +282,17 @@ impl Scenario {
             for (i, detector) in file.detectors.iter().enumerate() {
                 let refuse = |what: String| self.refuse(&format!("detector[{i}]: {what}"));
                 detector.validate().map_err(|e| refuse(e.to_string()))?;
-                controller
+                let contact = controller
                     .contact(&detector.contact)
                     .map_err(|e| refuse(e.to_string()))?;
+                let frame = &controller.contact_spec(contact).frame;
+                if !file.sensors.force_torque.iter().any(|s| &s.frame == frame) {
+                    let what = format!(
+                        "no force is measured at contact `{}`: there is no [[sensors.force_torque]] with frame = \"{frame}\"",
+                        detector.contact
+                    );
+                    return Err(refuse(what));
+                }
             }
             for (i, event) in file.events.iter().enumerate() {
                 // The check applies every event to a controller that never runs.
@@ -293,9 +311,11 @@ impl Scenario {
         }
     }
 
-    fn plant_error(&self, source: crate::PlantError) -> ScenarioError {
+    /// Keys in the error count from `table`.
+    fn plant_error(&self, table: &'static str, source: PlantError) -> ScenarioError {
         ScenarioError::Plant {
             file: self.source.name.clone(),
+            table,
             source: Box::new(source),
         }
     }

@@ -21,7 +21,7 @@ use wbqp::{spatial, state::State};
 pub use config::{BaseSensorConfig, ForceTorqueConfig, JointSensorConfig, SensorsConfig};
 
 use crate::{
-    check::Problems,
+    check::{Problems, unknown_frame},
     plant::{Plant, PlantError},
 };
 use force_torque::ForceTorque;
@@ -70,11 +70,7 @@ impl Sensors {
                 }
                 None => problems.add(
                     &format!("force_torque[{i}].frame"),
-                    &format!(
-                        "robot `{}` has no frame `{}`",
-                        plant.model().name(),
-                        sensor.frame
-                    ),
+                    &unknown_frame(plant.model(), &sensor.frame),
                 ),
             }
         }
