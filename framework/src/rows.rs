@@ -109,12 +109,11 @@ impl Blocks<'_> {
             .iter()
             .position(|(c, b)| *c == contact && *b == Block::Dense);
         let store = &mut *self.store;
-        let data = match slot.and_then(|s| store.forces.get_mut(s)) {
-            Some(data) => data,
-            None => {
-                store.undeclared = true;
-                &mut store.scratch
-            }
+        let data = if let Some(data) = slot.and_then(|s| store.forces.get_mut(s)) {
+            data
+        } else {
+            store.undeclared = true;
+            &mut store.scratch
         };
         view(data, m, n)
     }

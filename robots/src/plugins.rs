@@ -50,6 +50,10 @@ pub struct Urdf {
 impl Robot for Urdf {
     fn load(&self, directory: &Path) -> Result<RobotModel, RobotError> {
         let rotors = self.rotors.as_ref().map(|path| directory.join(path));
-        from_files(&directory.join(&self.file), rotors.as_deref(), &self.options)
+        from_files(
+            &directory.join(&self.file),
+            rotors.as_deref(),
+            &self.options,
+        )
     }
 }

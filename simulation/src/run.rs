@@ -21,7 +21,7 @@ use wbqp::{
 
 use crate::{
     CommandDelay, Plant, PlantCommand,
-    scenario::{RunError, Scenario, ScenarioError},
+    scenario::{RunError, Scenario},
 };
 
 /// How a run ended.
@@ -53,7 +53,7 @@ pub fn run(
     let robot = controller.robot().clone();
     let mut plant = scenario.make_plant(&robot)?;
     let mut sensors = scenario.make_sensors(&plant, seed)?;
-    let contacts = Contacts::new(scenario, &controller)?;
+    let contacts = Contacts::new(scenario, &controller);
 
     write_run(
         sink,
@@ -145,7 +145,7 @@ struct Contacts {
 }
 
 impl Contacts {
-    fn new(scenario: &Scenario, controller: &Controller) -> Result<Self, ScenarioError> {
+    fn new(scenario: &Scenario, controller: &Controller) -> Self {
         let frames: Vec<String> = controller
             .contact_names()
             .filter_map(|name| controller.contact(name).ok())
@@ -155,10 +155,10 @@ impl Contacts {
             let sensors = &scenario.sensors().force_torque;
             sensors.iter().position(|s| &s.frame == frame)
         };
-        Ok(Self {
+        Self {
             sensors: frames.iter().map(sensor_of).collect(),
             points: frames,
-        })
+        }
     }
 
     fn copy_wrenches(&self, readings: &[Vector6<f64>], out: &mut [Vector6<f64>]) {

@@ -45,6 +45,10 @@ pub const KINDS: [Kind; 4] = [
 ];
 
 /// A control problem, reproducible from its fields.
+#[allow(
+    clippy::struct_excessive_bools,
+    reason = "independent choices that tests combine freely"
+)]
 #[derive(Clone, Debug)]
 pub struct Scene {
     /// The robot.
@@ -119,6 +123,9 @@ impl Scene {
     }
 
     /// The robot.
+    ///
+    /// # Panics
+    /// If its files do not load.
     pub fn robot(&self) -> RobotModel {
         self.robot_plugin()
             .load(std::path::Path::new(""))
@@ -301,6 +308,9 @@ impl Scene {
     }
 
     /// The controller.
+    ///
+    /// # Panics
+    /// If the scene is not valid.
     pub fn controller(&self) -> Controller {
         Controller::new(self.config()).expect("the scenes of the tests are valid")
     }

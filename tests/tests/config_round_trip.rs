@@ -27,7 +27,7 @@ tolerance = 1e-10
 [[contact]]
 name = "wall"
 frame = "tip"
-kind = "normal_tilt"
+kind = "normal"
 surface.normal = [-1, 0, 0]
 surface.x_axis = [0, 1, 0]
 force_max = inf

@@ -117,10 +117,10 @@ fn kkt(qp: &Qp, s: &Solution) -> Kkt {
     let (n, m, d) = (qp.n(), qp.m(), scales(qp));
     let largest_g = (0..n).map(|i| (d[i] * qp.g()[i]).abs()).fold(0.0, f64::max);
     let mut out = Kkt::default();
-    for j in 0..n {
+    for (j, scale) in d.iter().enumerate() {
         let hx: f64 = (0..n).map(|i| qp.h()[j * n + i] * s.x[i]).sum();
         let ay: f64 = (0..m).map(|i| qp.row(i)[j] * s.y[i]).sum();
-        let r = d[j] * (hx + qp.g()[j] + ay + s.z[j]) / (1.0 + largest_g);
+        let r = scale * (hx + qp.g()[j] + ay + s.z[j]) / (1.0 + largest_g);
         out.stationarity = out.stationarity.max(r.abs());
     }
     let cost = 1.0 + qp.objective(&s.x).abs();

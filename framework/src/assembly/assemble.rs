@@ -391,16 +391,15 @@ impl Assembly {
     /// `v̇` of a solution.
     pub(crate) fn vdot(&self, x: &[f64], out: &mut nalgebra::DVector<f64>) {
         for i in 0..self.variables.nv {
-            out[i] = match self.live.vdot {
-                Some(start) => x[start + i],
-                None => {
-                    let (b, c) = self.condensed.response(i);
-                    let mut sum = c;
-                    for (b, x) in b.iter().zip(x) {
-                        sum += b * x;
-                    }
-                    sum
+            out[i] = if let Some(start) = self.live.vdot {
+                x[start + i]
+            } else {
+                let (b, c) = self.condensed.response(i);
+                let mut sum = c;
+                for (b, x) in b.iter().zip(x) {
+                    sum += b * x;
                 }
+                sum
             };
         }
     }

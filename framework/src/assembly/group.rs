@@ -58,7 +58,7 @@ impl Group {
     /// Registers the rows in the table. Slacks are added later by [`Group::add_slack`], so that the ids of
     /// physical variables come first.
     pub(crate) fn new(
-        spec: GroupSpec<'_>,
+        spec: &GroupSpec<'_>,
         layout: Layout,
         store: RowStore,
         table: &mut Table,

@@ -11,13 +11,14 @@ use crate::setup::BindError;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ContactKind {
-    /// Position and orientation: six constrained directions.
+    /// Position and orientation: six constrained directions. Refused until moments can be limited.
     Full,
     /// Position, the end effector may turn: a point with friction, three forces.
     Point,
     /// The normal translation alone: a frictionless (or sliding) point, one force.
     Normal,
-    /// The normal translation and the two tilts: a foot that slides, one force and two moments.
+    /// The normal translation and the two tilts: a foot that slides, one force and two moments. Refused until
+    /// moments can be limited.
     NormalTilt,
 }
 
@@ -175,11 +176,12 @@ impl ContactSpec {
     /// Names the key: friction or limits negative, not finite or reversed, a bad surface, a kind that has no
     /// complete set of force limits yet.
     pub fn validate(&self) -> Result<(), BindError> {
-        if self.kind == ContactKind::Full {
+        // Without them the solver could pull with moments.
+        if matches!(self.kind, ContactKind::Full | ContactKind::NormalTilt) {
             return Err(BindError::value(
                 "kind",
-                "`full` needs centre-of-pressure and torsion limits, which do not exist yet; \
-                 use `point`, or several `point` contacts",
+                "needs limits on moments (centre of pressure, torsion), which do not exist yet; \
+                 use `point` or `normal`, or several `point` contacts",
             ));
         }
         for (key, value) in [

@@ -50,7 +50,7 @@ impl Controller {
             mut constraints,
             ..
         } = config;
-        check_settings(&settings)?;
+        settings.validate().map_err(ControllerError::Settings)?;
         check_names(&tasks, &constraints, &contacts)?;
         let period = 1.0 / settings.rate;
         let model = robot.model.clone();
@@ -234,29 +234,6 @@ fn request(frames: &mut Vec<FrameId>, id: FrameId) -> FrameHandle {
     FrameHandle(slot)
 }
 
-fn check_settings(settings: &crate::config::Settings) -> Result<(), ControllerError> {
-    let refuse = |key, problem: String| Err(ControllerError::Setting { key, problem });
-    if !(settings.rate.is_finite() && settings.rate > 0.0) {
-        return refuse("rate", format!("is {} Hz, must be positive", settings.rate));
-    }
-    if !(settings.regularisation.is_finite() && settings.regularisation > 0.0) {
-        return refuse(
-            "regularisation",
-            format!("is {}, must be positive", settings.regularisation),
-        );
-    }
-    if !(settings.velocity_leak.is_finite() && settings.velocity_leak * settings.rate >= 1.0) {
-        return refuse(
-            "velocity_leak",
-            format!(
-                "is {} s, must be at least one period",
-                settings.velocity_leak
-            ),
-        );
-    }
-    Ok(())
-}
-
 fn check_names(
     tasks: &[Entry<dyn crate::task::Task>],
     constraints: &[Entry<dyn crate::constraint::Constraint>],
@@ -289,7 +266,7 @@ fn bind_error(kind: &'static str, name: &str, tag: &str, source: BindError) -> C
         kind,
         name: name.to_owned(),
         tag: tag.to_owned(),
-        source,
+        source: Box::new(source),
     }
 }
 
@@ -314,7 +291,7 @@ fn make_group<P: ?Sized>(
         is_task: kind == "task",
     };
     let store = RowStore::new(&layout, sizes.nv, sizes.nu, sizes.nf);
-    Ok(Group::new(spec, layout, store, table))
+    Ok(Group::new(&spec, layout, store, table))
 }
 
 fn check_entry<P: ?Sized>(entry: &Entry<P>, rows: usize) -> Result<(), BindError> {

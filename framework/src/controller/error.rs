@@ -8,7 +8,7 @@ use crate::{robot::RobotError, setup::BindError};
 pub enum ControllerError {
     /// The robot was refused.
     #[error("robot: {0}")]
-    Robot(#[from] RobotError),
+    Robot(#[source] Box<RobotError>),
     /// An entry does not fit the robot.
     #[error("{kind} `{name}` ({tag}): {source}")]
     Bind {
@@ -19,7 +19,7 @@ pub enum ControllerError {
         /// Its plug-in's tag.
         tag: String,
         /// What is wrong.
-        source: BindError,
+        source: Box<BindError>,
     },
     /// Two entries share a name.
     #[error("{kind} `{name}` is defined twice; give each entry a name of its own")]
@@ -30,16 +30,17 @@ pub enum ControllerError {
         name: String,
     },
     /// A setting of the loop makes no sense.
-    #[error("controller: `{key}` {problem}")]
-    Setting {
-        /// The key.
-        key: &'static str,
-        /// What is wrong.
-        problem: String,
-    },
+    #[error("controller: {0}")]
+    Settings(#[source] BindError),
     /// The solver refused its settings.
     #[error("solver: {0}")]
     Solver(String),
+}
+
+impl From<RobotError> for ControllerError {
+    fn from(error: RobotError) -> Self {
+        Self::Robot(Box::new(error))
+    }
 }
 
 /// Why a running controller could not do what was asked.

@@ -152,6 +152,10 @@ impl QpSolver for Clarabel {
 /// the largest weight; the smallest is tried first, and now and then it is too little for the factorisation.
 const REGULARISATIONS: [f64; 3] = [1e-13, 1e-11, 1e-8];
 
+/// Error of the optimality conditions from which on the active set is solved for: with less there is nothing to
+/// gain.
+const POLISH_ABOVE: f64 = 1e-12;
+
 impl Clarabel {
     /// Solves the loaded problem once.
     fn attempt(&mut self, regularisation: f64, qp: &Qp, out: &mut Solution) {
@@ -203,7 +207,9 @@ impl Clarabel {
         if matches!(status, Status::Infeasible | Status::Unbounded) {
             return;
         }
-        polish(qp, out);
+        if Optimality::of(qp, out).worst() > POLISH_ABOVE {
+            polish(qp, out);
+        }
         // At tolerance 1e-12 Clarabel often stops a digit short for lack of progress: the conditions decide.
         let error = Optimality::of(qp, out).worst();
         if error < 1e-9 {
@@ -247,7 +253,8 @@ impl Workspace {
         self.row_scale.clear();
         for i in 0..qp.m() {
             let norm = qp.row(i).iter().map(|a| a * a).sum::<f64>().sqrt();
-            self.row_scale.push(if norm > 0.0 { 1.0 / norm } else { 1.0 });
+            self.row_scale
+                .push(if norm > 0.0 { 1.0 / norm } else { 1.0 });
         }
         let unit = 1.0 / self.cost_scale;
         let limits = || {

@@ -59,8 +59,6 @@ impl Optimality {
 
     /// The largest of the three.
     pub fn worst(&self) -> f64 {
-        self.stationarity
-            .max(self.primal)
-            .max(self.complementarity)
+        self.stationarity.max(self.primal).max(self.complementarity)
     }
 }

@@ -51,7 +51,13 @@ pub(super) fn polish(qp: &Qp, solution: &mut Solution) {
                 Some(j) => candidate.z[j] += multiplier,
             }
         }
-        if !correct(qp, &candidate.x, &multipliers, &mut active, attempt < BATCHES) {
+        if !correct(
+            qp,
+            &candidate.x,
+            &multipliers,
+            &mut active,
+            attempt < BATCHES,
+        ) {
             break;
         }
     }
