@@ -84,7 +84,7 @@ fn log(story: &Story) -> Log {
             _ => 5.0,
         };
         let contact = json!({
-            "on": t > 6.0,
+            "active": t > 6.0,
             "clamped": false,
             "reference": { "z": 5.0 },
             "virtual_input": { "z": if disturbed { story.commanded } else { 5.0 } },
@@ -221,7 +221,7 @@ fn rows_that_are_missed_say_so() {
 #[test]
 fn a_log_that_lacks_something_says_what() {
     let log = log(&no_ft());
-    match log.series("/contact/foot", "/on") {
+    match log.series("/contact/foot", "/active") {
         Err(ReadError::Topic { topic, known }) => {
             assert_eq!(topic, "/contact/foot");
             assert!(known.contains("/contact/tip"));

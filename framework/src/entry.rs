@@ -9,7 +9,8 @@ use serde::{Deserialize, Deserializer, Serialize, de};
 pub struct Entry<P: ?Sized> {
     /// Unique name: how logs, reports, errors and events call it.
     pub name: String,
-    /// Weight of the rows, **linear**: cost `w r²`, unit 1/unit(row)². Without meaning for hard entries.
+    /// Weight of the rows, **linear**: cost `w r²`, unit 1/unit(row)². Hard equality rows have it only while they
+    /// ramp, as a cost that becomes hard at the end.
     pub weight: Weight,
     /// Whether it is on at the start.
     pub active: bool,

@@ -18,7 +18,7 @@ pub struct FrameHandle(pub(crate) usize);
 /// The inputs of one tick.
 #[derive(Clone, Copy, Debug)]
 pub struct Tick<'a> {
-    /// Time, s, on the caller's clock.
+    /// Time since the controller's first tick, s.
     pub time: f64,
     /// Control period, s.
     pub period: f64,
@@ -41,7 +41,7 @@ pub struct Tick<'a> {
 pub struct Prediction {
     /// Generalised acceleration, size nv.
     pub vdot: nalgebra::DVector<f64>,
-    /// Actuator efforts, N or N·m, size nu.
+    /// Actuator efforts as sent, within limits, N or N·m, size nu. Before the first tick, the hover.
     pub effort: nalgebra::DVector<f64>,
 }
 

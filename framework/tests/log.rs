@@ -153,6 +153,7 @@ fn controller() -> Controller {
         force_max: 20.0,
         free_force: FreeForce::Zero,
         free_force_limit: 20.0,
+        free_force_cutoff: 15.0,
         active: true,
         transition: 0.0,
     };
@@ -208,7 +209,7 @@ fn a_tick_is_written_channel_by_channel() {
     assert!(command["joints"]["elbow"]["effort"].is_number());
 
     let tip = first("/contact/tip");
-    assert_eq!(tip["on"], true);
+    assert_eq!(tip["active"], true);
     assert_eq!(tip["clamped"], true);
     assert_eq!(tip["reference"]["z"], 5.0);
     assert_eq!(tip["virtual_input"]["z"], 6.0);

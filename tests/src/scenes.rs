@@ -186,6 +186,7 @@ impl Scene {
                     },
                     free_force: FreeForce::Measured,
                     free_force_limit: 5.0,
+                    free_force_cutoff: 15.0,
                     active: self.contacts >> i & 1 == 1,
                     transition: 0.0,
                 }

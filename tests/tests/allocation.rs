@@ -10,6 +10,7 @@ use std::{
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 use wbqp::{
     config::Formulation,
+    controller::Rung,
     entry::Weight,
     qp::{Capacity, Clarabel, Qp, QpSolver, Solution},
     schemars,
@@ -43,6 +44,10 @@ impl QpSolver for Bracketed {
         self.inner.solve(qp, out);
         IN_SOLVER.fetch_add(allocations() - before, Ordering::Relaxed);
     }
+
+    fn reset(&mut self) {
+        self.inner.reset();
+    }
 }
 
 fn allocations() -> usize {
@@ -67,7 +72,7 @@ fn a_tick_allocates_nothing_outside_the_solver() {
             }
             let mut controller = wbqp::Controller::new(config).expect("the scene is valid");
             let mut measurement = scene.measurement();
-            let mut outside = 0;
+            let (mut outside, mut optimal) = (0, 0);
             for tick in 0..500_u32 {
                 measurement.time = f64::from(tick) * 0.004;
                 measurement.state.v[0] = (f64::from(tick) * 0.1).sin();
@@ -81,10 +86,15 @@ fn a_tick_allocates_nothing_outside_the_solver() {
                 }
                 .expect("the names exist");
                 let (before, solver) = (allocations(), IN_SOLVER.load(Ordering::Relaxed));
-                controller.tick(&measurement);
+                let rung = controller.tick(&measurement).1.rung;
                 let in_tick = allocations() - before;
+                optimal += u32::from(rung == Rung::Optimal);
                 outside += in_tick - (IN_SOLVER.load(Ordering::Relaxed) - solver);
             }
+            assert!(
+                optimal > 490,
+                "{kind:?}: only {optimal} ticks ran to the end"
+            );
             assert_eq!(outside, 0, "{kind:?}, {formulation:?}");
         }
     }

@@ -39,7 +39,7 @@ pub fn draw(with_ft: &Log, no_ft: &Log, directory: &Path) -> Result<(), FigureEr
 pub fn normal_force(with_ft: &Log, no_ft: &Log) -> Result<Figure, ReadError> {
     let panel = |log: &Log, title: &str| {
         let topic = format!("/contact/{CONTACT}");
-        let on = log.series(&topic, "/on")?;
+        let on = log.series(&topic, "/active")?;
         // Outside contact nothing is commanded.
         let in_contact = |pointer: &str| {
             let mut series = log.series(&topic, pointer)?;
@@ -146,7 +146,7 @@ pub fn base_position(with_ft: &Log, no_ft: &Log) -> Result<Figure, ReadError> {
 
 /// Contact (red) and disturbance (blue).
 fn shades(log: &Log) -> Result<Vec<Shade>, ReadError> {
-    let on = log.series(&format!("/contact/{CONTACT}"), "/on")?;
+    let on = log.series(&format!("/contact/{CONTACT}"), "/active")?;
     let disturbance = (log.mark("disturbance_start")?, log.mark("disturbance_end")?);
     let shade = |name: &str, colour, strength, stretches| Shade {
         name: name.to_owned(),

@@ -85,7 +85,8 @@ fn weights(controller: &Table) -> Vec<Row> {
     table_i
         .into_iter()
         .map(|(symbol, tag, paper)| {
-            let quantity = format!("weight of {symbol} (Table I, row B)");
+            let part = if symbol == "f_c" { ", normal" } else { "" };
+            let quantity = format!("weight of {symbol}{part} (Table I, row B)");
             let measured = weight(controller, tag);
             Row::judged("A1-B", (&quantity, "1"), paper, measured, "exact", |w| {
                 w == paper

@@ -4,6 +4,7 @@ use super::{Actuation, Group, Live, Table, Treatment, condensed::Condensed, live
 use crate::{
     config::Formulation,
     contact::ContactState,
+    controller::Fault,
     dynamics::{Data, FrameKinematics},
     layout::{Block, BoundTarget, Relation, VdotBlock},
     qp::{Capacity, Qp, RowId},
@@ -25,6 +26,8 @@ pub(crate) struct Assembly {
     regularisation: f64,
     variables: Variables,
     dynamics_rows: Vec<RowId>,
+    /// The bound on each contact's normal force, which every contact brings.
+    normal_rows: Vec<RowId>,
     pub(crate) live: Live,
     condensed: Condensed,
     /// Cost rows, row-major over the packed variables; their right-hand sides and weights.
@@ -46,6 +49,38 @@ pub(crate) struct VariableNames<'a> {
     pub(crate) contacts: Vec<(&'a str, &'static [usize])>,
 }
 
+/// Rows that belong to the framework, registered before those of the entries: ids ascend in the order in which rows
+/// appear in the problem.
+pub(crate) struct ProblemRows {
+    dynamics: Vec<RowId>,
+    normals: Vec<RowId>,
+}
+
+impl ProblemRows {
+    pub(crate) fn new(
+        formulation: Formulation,
+        names: &VariableNames<'_>,
+        table: &mut Table,
+    ) -> Self {
+        let mut dynamics = Vec::new();
+        if formulation == Formulation::Explicit {
+            for (label, unit) in &names.accelerations {
+                let unit = match *unit {
+                    "m/s²" => "N",
+                    _ => "N·m",
+                };
+                dynamics.push(table.add_row("dynamics", label, unit));
+            }
+        }
+        table.add_row("regularisation", "efforts and forces", "1");
+        let normals = names.contacts.iter();
+        let normals = normals
+            .map(|(name, _)| table.add_row(name, "normal force", "N"))
+            .collect();
+        Self { dynamics, normals }
+    }
+}
+
 const FORCE_LABELS: [(&str, &str); 6] = [
     ("x", "N"),
     ("y", "N"),
@@ -61,18 +96,16 @@ impl Assembly {
         formulation: Formulation,
         regularisation: f64,
         names: &VariableNames<'_>,
+        rows: ProblemRows,
         groups: &mut [Group],
         table: &mut Table,
     ) -> Self {
+        let ProblemRows {
+            dynamics: dynamics_rows,
+            normals: normal_rows,
+        } = rows;
         let nv = names.accelerations.len();
         let nu = names.efforts.len();
-        let mut dynamics_rows = Vec::new();
-        if formulation == Formulation::Explicit {
-            for (label, unit) in &names.accelerations {
-                let unit = if *unit == "m/s²" { "N" } else { "N·m" };
-                dynamics_rows.push(table.add_row("dynamics", label, unit));
-            }
-        }
         let mut first_vdot = 0;
         for (i, (label, unit)) in names.accelerations.iter().enumerate() {
             let id = table.add_var("acceleration", label, unit);
@@ -105,6 +138,7 @@ impl Assembly {
             formulation,
             regularisation,
             dynamics_rows,
+            normal_rows,
             live: Live::new(nf.len(), groups.len(), capacity),
             condensed: Condensed::new(nv, nu + nf.iter().sum::<usize>()),
             variables: Variables {
@@ -138,13 +172,13 @@ impl Assembly {
         }
     }
 
-    /// Builds the problem of this tick. False if the mass matrix is not positive definite.
+    /// Builds the problem of this tick.
     pub(crate) fn assemble(
         &mut self,
         terms: &DynamicsTerms<'_>,
         groups: &mut [Group],
         qp: &mut Qp,
-    ) -> bool {
+    ) -> Result<(), Fault> {
         let explicit = self.formulation == Formulation::Explicit;
         let live_slack = |g: usize| groups[g].live.then_some(groups[g].slack).flatten();
         self.live.refresh(
@@ -158,19 +192,18 @@ impl Assembly {
         if explicit {
             self.push_dynamics(terms, qp);
         } else if !self.condensed.solve(terms) {
-            return false;
+            return Err(Fault::MassMatrix);
         }
         self.stack_rows = 0;
         for (index, group) in groups.iter_mut().enumerate() {
             group.stack_start = None;
-            if group.live {
-                self.add_group(index, group, terms, qp);
+            if group.live && !self.add_group(index, group, terms, qp) {
+                return Err(Fault::Rows(index));
             }
         }
         self.add_cost(qp);
         self.regularise(groups, qp);
-        self.add_bounds(groups, qp);
-        true
+        self.add_bounds(terms, groups, qp)
     }
 
     /// `M v̇ − [S J_cᵀ] (u, f) = Σ J_fᵀ f_f − h`.
@@ -197,7 +230,7 @@ impl Assembly {
         group: &mut Group,
         terms: &DynamicsTerms<'_>,
         qp: &mut Qp,
-    ) {
+    ) -> bool {
         let n = qp.n();
         let treatment = group.treatment_now(is_equality(group));
         if treatment == Treatment::Cost {
@@ -206,6 +239,13 @@ impl Assembly {
         for k in 0..group.layout.len() {
             let shift = self.expand(group, k, terms, n);
             let (lower, upper) = (group.store.lower[k] - shift, group.store.upper[k] - shift);
+            // Infinite limits are legal, infinite right-hand sides are not; a NaN never is.
+            let one_sided = treatment != Treatment::Cost && !is_equality(group);
+            let usable = |limit: f64| limit.is_finite() || (one_sided && !limit.is_nan());
+            let coefficients = self.row[..n].iter().all(|a| a.is_finite());
+            if !(coefficients && usable(lower) && (is_equality(group) || usable(upper))) {
+                return false;
+            }
             match treatment {
                 Treatment::Cost => {
                     let s = self.stack_rows;
@@ -241,9 +281,10 @@ impl Assembly {
         }
         if let (Treatment::Slack, Some(s)) = (treatment, self.live.slacks[index]) {
             let (h, g) = qp.cost_mut();
-            h[s * n + s] += 2.0 * group.largest_weight();
-            g[s] += group.linear_penalty;
+            h[s * n + s] += 2.0 * group.slack_weight();
+            g[s] += group.slack_penalty();
         }
+        true
     }
 
     /// Row `k` of a group over the packed variables, into `self.row`; returns `A_v c`.
@@ -357,14 +398,26 @@ impl Assembly {
     }
 
     /// Intersects the bounds of all live groups and remembers whose are the tightest.
-    fn add_bounds(&mut self, groups: &[Group], qp: &mut Qp) {
+    fn add_bounds(
+        &mut self,
+        terms: &DynamicsTerms<'_>,
+        groups: &[Group],
+        qp: &mut Qp,
+    ) -> Result<(), Fault> {
         let n = qp.n();
         self.bound_owner[..n].fill([None; 2]);
         let (lower, upper) = qp.bounds_mut();
         for slack in self.live.slacks.iter().flatten() {
             lower[*slack] = 0.0;
         }
-        for group in groups.iter().filter(|g| g.live) {
+        for (c, contact) in terms.contacts.iter().enumerate() {
+            if let Some(start) = self.live.forces[c] {
+                let p = start + contact.kind.normal();
+                [lower[p], upper[p]] = contact.force_limits;
+                self.bound_owner[p] = [Some(self.normal_rows[c]); 2];
+            }
+        }
+        for (index, group) in groups.iter().enumerate().filter(|(_, g)| g.live) {
             for (b, (_, target)) in group.layout.bounds.iter().enumerate() {
                 let position = match *target {
                     BoundTarget::Effort(i) => Some(self.live.effort + i),
@@ -376,6 +429,9 @@ impl Assembly {
                     continue;
                 };
                 let (l, u) = (group.store.bound_lower[b], group.store.bound_upper[b]);
+                if l.is_nan() || u.is_nan() {
+                    return Err(Fault::Rows(index));
+                }
                 if l > lower[p] {
                     lower[p] = l;
                     self.bound_owner[p][0] = Some(group.bounds[b]);
@@ -386,6 +442,7 @@ impl Assembly {
                 }
             }
         }
+        Ok(())
     }
 
     /// `v̇` of a solution.
@@ -430,7 +487,7 @@ impl Assembly {
         for (group, slack) in groups.iter().zip(&self.live.slacks) {
             if let Some(slack) = slack {
                 let s = x[*slack];
-                sum += group.largest_weight() * s * s + group.linear_penalty * s;
+                sum += group.slack_weight() * s * s + group.slack_penalty() * s;
             }
         }
         sum

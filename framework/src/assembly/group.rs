@@ -126,6 +126,16 @@ impl Group {
         self.weight.iter().copied().fold(0.0, f64::max)
     }
 
+    /// Weight of the slack's square, the ramp applied. Never zero: a slack without cost has no optimum.
+    pub(crate) fn slack_weight(&self) -> f64 {
+        self.largest_weight() * self.alpha.max(1e-6)
+    }
+
+    /// Linear price of the slack, the ramp applied.
+    pub(crate) fn slack_penalty(&self) -> f64 {
+        self.linear_penalty * self.alpha
+    }
+
     /// Number of rows this group may put into the problem.
     pub(crate) fn row_capacity(&self) -> usize {
         self.rows.len()

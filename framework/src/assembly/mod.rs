@@ -17,7 +17,7 @@ mod live;
 mod table;
 
 pub(crate) use actuation::Actuation;
-pub(crate) use assemble::{Assembly, DynamicsTerms, VariableNames};
+pub(crate) use assemble::{Assembly, DynamicsTerms, ProblemRows, VariableNames};
 pub(crate) use group::{Group, GroupSpec, Treatment};
 pub(crate) use live::Live;
 pub(crate) use table::Table;

@@ -9,10 +9,12 @@
 #![allow(non_snake_case)]
 
 mod detector;
+mod motion;
 mod spec;
 mod state;
 
 pub use detector::{Detector, Touch};
+pub use motion::SurfaceMotion;
 pub use spec::{ContactKind, ContactSpec, FreeForce, Surface};
 pub use state::ContactState;
 

@@ -67,7 +67,7 @@ pub enum FreeForce {
     /// Nothing. Right where the free directions are moments, whose measurement is mostly noise.
     #[default]
     Zero,
-    /// The measured force, translations only, clipped to `free_force_limit`.
+    /// The measured force, translations only, low-passed and clipped to `free_force_limit`.
     Measured,
 }
 
@@ -148,6 +148,9 @@ pub struct ContactSpec {
     /// Clip of the measured free force, N, per axis.
     #[serde(default = "default_free_force_limit")]
     pub free_force_limit: f64,
+    /// Cut-off of the first-order low-pass on the measured free force, Hz; `inf` for no filter.
+    #[serde(default = "default_free_force_cutoff")]
+    pub free_force_cutoff: f64,
     /// Whether the contact is on at the start.
     #[serde(default)]
     pub active: bool,
@@ -164,6 +167,9 @@ fn default_force_min() -> f64 {
 }
 fn default_force_max() -> f64 {
     1e3
+}
+fn default_free_force_cutoff() -> f64 {
+    15.0
 }
 fn default_free_force_limit() -> f64 {
     20.0
@@ -196,6 +202,12 @@ impl ContactSpec {
                     format!("is {value}, must be finite and not negative"),
                 ));
             }
+        }
+        if self.free_force_cutoff.is_nan() || self.free_force_cutoff <= 0.0 {
+            return Err(BindError::value(
+                "free_force_cutoff",
+                format!("is {} Hz, must be positive", self.free_force_cutoff),
+            ));
         }
         if self.force_max.is_nan() || self.force_max <= self.force_min {
             return Err(BindError::value(

@@ -11,11 +11,13 @@ use super::{
 };
 use crate::{
     actuator::ActuatorKind,
-    assembly::{Actuation, Assembly, DynamicsTerms, Group, GroupSpec, Table, VariableNames},
+    assembly::{
+        Actuation, Assembly, DynamicsTerms, Group, GroupSpec, ProblemRows, Table, VariableNames,
+    },
     config::ControllerConfig,
     dynamics::{Data, FrameKinematics},
     entry::{Entry, Hardness},
-    layout::{BoundTarget, Layout, VdotBlock},
+    layout::{BoundTarget, Layout, Relation, VdotBlock},
     model::{Base, FrameId, JointKind, Model},
     qp::{Capacity, Jacobi, Qp, Solution, VarId},
     robot::RobotModel,
@@ -59,7 +61,7 @@ impl Controller {
         let mut contact_states = Vec::new();
         for spec in &contacts {
             let named = |source| bind_error("contact", &spec.name, "contact", source);
-            let binding = ContactBinding::new(spec, &model).map_err(named)?;
+            let binding = ContactBinding::new(spec, &model, period).map_err(named)?;
             contact_states.push(binding.initial_state(&model).map_err(named)?);
             bindings.push(binding);
         }
@@ -76,28 +78,6 @@ impl Controller {
         // Frame 0 is always the base's, so that a handle never dangles.
         let mut frame_ids = vec![model.base_frame()];
         let actuation = Actuation::new(&model, &robot.actuators, |id| request(&mut frame_ids, id));
-        let mut table = Table::default();
-        let mut groups = Vec::new();
-        for entry in &mut tasks {
-            let mut setup = Setup::new(&robot, &contacts, period, &mut frame_ids);
-            let layout = entry.plugin.bind(&mut setup);
-            let tag = entry.plugin.typetag_name();
-            groups.push(make_group("task", entry, tag, layout, &sizes, &mut table)?);
-        }
-        for entry in &mut constraints {
-            let mut setup = Setup::new(&robot, &contacts, period, &mut frame_ids);
-            let layout = entry.plugin.bind(&mut setup);
-            let tag = entry.plugin.typetag_name();
-            groups.push(make_group(
-                "constraint",
-                entry,
-                tag,
-                layout,
-                &sizes,
-                &mut table,
-            )?);
-        }
-
         let names = VariableNames {
             accelerations: acceleration_names(&model),
             efforts: robot
@@ -110,10 +90,43 @@ impl Controller {
                 .map(|c| (c.name.as_str(), c.kind.constrained()))
                 .collect(),
         };
+        let mut table = Table::default();
+        let problem_rows = ProblemRows::new(settings.formulation, &names, &mut table);
+        let mut groups = Vec::new();
+        for entry in &mut tasks {
+            let mut setup = Setup::new(&robot, &contacts, period, &mut frame_ids);
+            let layout = entry.plugin.bind(&mut setup);
+            let tag = entry.plugin.typetag_name();
+            groups.push(make_group(
+                "task",
+                entry,
+                tag,
+                layout,
+                &sizes,
+                frame_ids.len(),
+                &mut table,
+            )?);
+        }
+        for entry in &mut constraints {
+            let mut setup = Setup::new(&robot, &contacts, period, &mut frame_ids);
+            let layout = entry.plugin.bind(&mut setup);
+            let tag = entry.plugin.typetag_name();
+            groups.push(make_group(
+                "constraint",
+                entry,
+                tag,
+                layout,
+                &sizes,
+                frame_ids.len(),
+                &mut table,
+            )?);
+        }
+
         let assembly = Assembly::new(
             settings.formulation,
             settings.regularisation,
             &names,
+            problem_rows,
             &mut groups,
             &mut table,
         );
@@ -132,6 +145,7 @@ impl Controller {
         let world = World {
             period,
             time: 0.0,
+            origin: None,
             state: robot.home.clone(),
             data: Data::new(&model),
             frame_ids,
@@ -195,9 +209,11 @@ impl Controller {
         self.solver
             .solve(self.jacobi.scale(&self.qp), &mut self.solution);
         self.jacobi.unscale(&mut self.solution);
-        if self.solution.status.is_usable() {
-            self.command.take_efforts(&self.robot, &self.solution.x);
+        if !self.solution.status.is_usable() {
+            // As near to no effort as the limits allow.
+            self.solution.x[..nu].fill(0.0);
         }
+        self.command.take_efforts(&self.robot, &self.solution.x);
         for k in 0..nv {
             let su: f64 = (0..nu)
                 .map(|j| s[k * nu + j] * self.command.effort[j])
@@ -207,6 +223,7 @@ impl Controller {
         self.world.last.effort.copy_from_slice(&self.command.effort);
         self.solver.reset();
         self.qp.reset([]);
+        self.world.origin = None;
     }
 
     /// The terms of the dynamics, borrowed for the assembly.
@@ -277,12 +294,13 @@ fn make_group<P: ?Sized>(
     tag: &str,
     layout: Result<Layout, BindError>,
     sizes: &Sizes<'_>,
+    frames: usize,
     table: &mut Table,
 ) -> Result<Group, ControllerError> {
     let refuse = |source| bind_error(kind, &entry.name, tag, source);
     let layout = layout.map_err(refuse)?;
-    check_layout(&layout, sizes, kind == "task").map_err(refuse)?;
-    check_entry(entry, layout.len()).map_err(refuse)?;
+    check_layout(&layout, sizes, frames, kind == "task").map_err(refuse)?;
+    check_entry(entry, &layout, kind == "task").map_err(refuse)?;
     let spec = GroupSpec {
         name: &entry.name,
         weight: &entry.weight,
@@ -294,7 +312,12 @@ fn make_group<P: ?Sized>(
     Ok(Group::new(&spec, layout, store, table))
 }
 
-fn check_entry<P: ?Sized>(entry: &Entry<P>, rows: usize) -> Result<(), BindError> {
+fn check_entry<P: ?Sized>(
+    entry: &Entry<P>,
+    layout: &Layout,
+    is_task: bool,
+) -> Result<(), BindError> {
+    let rows = layout.len();
     if let crate::entry::Weight::PerRow(weights) = &entry.weight
         && weights.len() != rows
     {
@@ -314,6 +337,32 @@ fn check_entry<P: ?Sized>(entry: &Entry<P>, rows: usize) -> Result<(), BindError
         let problem = format!("is {} s, must be finite and not negative", entry.transition);
         return Err(BindError::value("transition", problem));
     }
+    let equality = is_task || layout.relation == Relation::Equality;
+    let soft = entry.hardness != Hardness::Hard;
+    if matches!(entry.hardness, Hardness::Exact(_)) && equality {
+        return Err(BindError::value(
+            "hardness",
+            "an exact penalty is for inequality rows; use `soft` with a weight",
+        ));
+    }
+    if soft && !is_task && rows == 0 {
+        return Err(BindError::value(
+            "hardness",
+            "bounds are always hard, and the entry has no rows that could be softened",
+        ));
+    }
+    if soft && !equality && entry.weight.values().iter().all(|w| *w == 0.0) {
+        return Err(BindError::value(
+            "weight",
+            "is zero: a soft inequality without price limits nothing",
+        ));
+    }
+    if entry.transition > 0.0 && !equality && !soft {
+        return Err(BindError::value(
+            "transition",
+            "hard inequalities and bounds cannot ramp; use `soft`, or no transition",
+        ));
+    }
     if let Hardness::Exact(linear) = entry.hardness
         && !(linear.is_finite() && linear > 0.0)
     {
@@ -326,7 +375,12 @@ fn check_entry<P: ?Sized>(entry: &Entry<P>, rows: usize) -> Result<(), BindError
 }
 
 /// Catches a plug-in that declares what does not exist, so that nothing can go out of range in a tick.
-fn check_layout(layout: &Layout, sizes: &Sizes<'_>, is_task: bool) -> Result<(), BindError> {
+fn check_layout(
+    layout: &Layout,
+    sizes: &Sizes<'_>,
+    frames: usize,
+    is_task: bool,
+) -> Result<(), BindError> {
     let rows = layout.len();
     let columns = |what: &str, list: &[usize], limit: usize| {
         if list.len() != rows {
@@ -348,7 +402,14 @@ fn check_layout(layout: &Layout, sizes: &Sizes<'_>, is_task: bool) -> Result<(),
     match &layout.vdot {
         VdotBlock::Absent | VdotBlock::Dense => {}
         VdotBlock::Unit(list) => columns("acceleration columns", list, sizes.nv)?,
-        VdotBlock::Frame(_, list) => columns("frame Jacobian rows", list, 6)?,
+        VdotBlock::Frame(frame, list) => {
+            if frame.0 >= frames {
+                return Err(BindError::Other(
+                    "its layout declares a frame of another setup".into(),
+                ));
+            }
+            columns("frame Jacobian rows", list, 6)?;
+        }
         VdotBlock::Contact(contact, list) => {
             nf(*contact)?;
             columns("contact Jacobian rows", list, 6)?;

@@ -7,7 +7,7 @@ use crate::{contact::ContactId, robot::RobotModel, state::State};
 /// The inputs of a tick.
 #[derive(Clone, Debug)]
 pub struct Measurement {
-    /// Time, s, on any clock that does not go backwards.
+    /// Time, s, on any clock that does not go backwards. References and ramps count from the first tick.
     pub time: f64,
     /// Estimated state, velocities world-aligned.
     pub state: State,
@@ -57,6 +57,10 @@ impl Measurement {
         if let Some((what, _)) = checks.iter().find(|(_, finite)| !finite) {
             return Some(Fault::NotFinite(*what));
         }
+        // Estimators deliver unit quaternions up to rounding; anything else is no orientation.
+        if !(0.9..=1.1).contains(&state.R_WR.coords.norm()) {
+            return Some(Fault::NotARotation);
+        }
         let bad = |w: &Vector6<f64>| !w.iter().all(|x| x.is_finite());
         self.wrenches
             .iter()
@@ -95,6 +99,10 @@ pub enum Fault {
     NotFinite(Quantity),
     /// A measured list has the wrong size.
     WrongSize(Quantity),
+    /// The base's quaternion is not of unit length, nor near it.
+    NotARotation,
+    /// A plug-in wrote a coefficient or a limit that is not a number; the index counts tasks, then constraints.
+    Rows(usize),
     /// The mass matrix is not positive definite at this state.
     MassMatrix,
     /// The solver gave no usable solution; its status is in the report.
@@ -106,6 +114,10 @@ impl std::fmt::Display for Fault {
         match self {
             Self::NotFinite(q) => write!(f, "measurement not finite: {q}"),
             Self::WrongSize(q) => write!(f, "measurement of the wrong size: {q}"),
+            Self::NotARotation => {
+                f.write_str("measurement: the base orientation is not a unit quaternion")
+            }
+            Self::Rows(entry) => write!(f, "entry {entry} wrote a number that is not finite"),
             Self::MassMatrix => f.write_str("the mass matrix is not positive definite"),
             Self::Solver => f.write_str("the solver gave no usable solution"),
         }

@@ -26,7 +26,7 @@ use crate::{
     assembly::{Actuation, Assembly, Group, RowInfo, Table, VarInfo},
     config::Settings,
     constraint::Constraint,
-    qp::{Jacobi, Qp, QpSolver, RowId, Solution, VarId},
+    qp::{Jacobi, Qp, QpSolver, RowId, Solution, Status, VarId},
     robot::RobotModel,
     rows::{ConstraintRows, Rows},
     task::Task,
@@ -70,9 +70,17 @@ impl Controller {
     pub fn tick(&mut self, measurement: &Measurement) -> (&Command, &Report) {
         self.report.time = measurement.time;
         self.report.active.clear();
+        self.report.status = Status::Failed;
+        self.report.iterations = 0;
+        self.report.objective = 0.0;
+        self.report.times = StageTimes::default();
         let fault = measurement.fault(&self.robot, self.world.contacts.len());
         let fault = fault.or_else(|| self.solve(measurement).err());
         self.report.fault = fault;
+        if fault.is_some() {
+            // Velocity references start anew from the measured velocities once there is a solution again.
+            self.engaged = false;
+        }
         self.report.rung = if fault.is_none() {
             Rung::Optimal
         } else {
@@ -92,9 +100,7 @@ impl Controller {
             .assembly
             .assemble(&terms, &mut self.groups, &mut self.qp);
         let built = self.stopwatch.now();
-        if !assembled {
-            return Err(Fault::MassMatrix);
-        }
+        assembled?;
         self.solver
             .solve(self.jacobi.scale(&self.qp), &mut self.solution);
         self.jacobi.unscale(&mut self.solution);

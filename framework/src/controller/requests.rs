@@ -2,7 +2,7 @@
 
 use super::{Controller, error::RequestError};
 use crate::{
-    contact::{ContactId, ContactSpec, ContactState},
+    contact::{ContactId, ContactSpec, ContactState, SurfaceMotion},
     entry::Weight,
     layout::Layout,
     reference::Reference,
@@ -64,7 +64,8 @@ impl Controller {
         Ok(())
     }
 
-    /// Gives a task another trajectory. It begins now, from what the task followed until now.
+    /// Gives a task another trajectory. It begins at the last tick's time, from
+    /// what the task followed until then.
     ///
     /// # Errors
     /// [`RequestError`] if the task does not exist, follows nothing, or the trajectory does not fit; the old
@@ -88,6 +89,22 @@ impl Controller {
                 source,
             })?;
         *follow.reference = reference;
+        Ok(())
+    }
+
+    /// Moves a contact's surface; its pose, twist and acceleration hold from the next tick on.
+    ///
+    /// # Errors
+    /// [`RequestError`] if there is no such contact or a number is not finite.
+    pub fn move_surface(&mut self, name: &str, motion: &SurfaceMotion) -> Result<(), RequestError> {
+        let i = self.contact(name)?.index();
+        if !motion.is_finite() {
+            return Err(RequestError::Value {
+                name: name.to_owned(),
+                source: BindError::value("surface", "has a number that is not finite"),
+            });
+        }
+        self.world.bindings[i].move_surface(motion);
         Ok(())
     }
 

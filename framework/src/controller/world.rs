@@ -10,7 +10,7 @@ use nalgebra::{Isometry3, Matrix6xX, Rotation3, Translation3, UnitQuaternion, Ve
 
 use super::{measurement::Measurement, switch::Switch};
 use crate::{
-    contact::{ContactSpec, ContactState, FreeForce},
+    contact::{ContactSpec, ContactState, FreeForce, SurfaceMotion},
     dynamics::{Data, FrameKinematics},
     model::{BodyId, FrameId, Model},
     setup::{BindError, unknown},
@@ -23,7 +23,10 @@ use crate::{
 pub(crate) struct World {
     pub(crate) model: Arc<Model>,
     pub(crate) period: f64,
+    /// Time since the first tick, s.
     pub(crate) time: f64,
+    /// The measurement's time at the first tick.
+    pub(crate) origin: Option<f64>,
     pub(crate) state: State,
     pub(crate) data: Data,
     pub(crate) frame_ids: Vec<FrameId>,
@@ -43,10 +46,17 @@ pub(crate) struct ContactBinding {
     kinematics: FrameKinematics,
     /// Normal force of the solution when the contact was switched off.
     exit_force: f64,
+    /// Ramp at that moment.
+    exit_alpha: f64,
+    /// Low-passed force in the free directions, C axes, N.
+    filtered: Vector3<f64>,
+    motion: SurfaceMotion,
+    /// Share of a new sample in the low-pass.
+    gain: f64,
 }
 
 impl ContactBinding {
-    pub(crate) fn new(spec: &ContactSpec, model: &Model) -> Result<Self, BindError> {
+    pub(crate) fn new(spec: &ContactSpec, model: &Model, period: f64) -> Result<Self, BindError> {
         spec.validate()?;
         let id = model.frame(&spec.frame).ok_or_else(|| {
             let known = model.frames().iter().map(|f| f.name.as_str());
@@ -60,6 +70,13 @@ impl ContactBinding {
             X_BC: frame.X_BF * offset,
             kinematics: FrameKinematics::new(model),
             exit_force: 0.0,
+            exit_alpha: 1.0,
+            filtered: Vector3::zeros(),
+            motion: SurfaceMotion::fixed(
+                spec.surface.rotation()?,
+                Vector3::from(spec.surface.origin),
+            ),
+            gain: 1.0 - (-std::f64::consts::TAU * spec.free_force_cutoff * period).exp(),
             spec: spec.clone(),
         })
     }
@@ -72,8 +89,8 @@ impl ContactBinding {
             live: spec.active,
             alpha: if spec.active { 1.0 } else { 0.0 },
             since: f64::NEG_INFINITY,
-            R_WC: spec.surface.rotation()?,
-            p_WS: Vector3::from(spec.surface.origin),
+            R_WC: self.motion.R_WC,
+            p_WS: self.motion.p_WS,
             p_SC: Vector3::zeros(),
             R_CE: Rotation3::identity(),
             V: Vector6::zeros(),
@@ -97,10 +114,17 @@ impl ContactBinding {
         state.since = now;
         if on {
             state.measured_at_switch = state.measured;
+            self.filtered = Vector3::new(state.measured[0], state.measured[1], state.measured[2]);
         } else {
             self.exit_force = state.solution[2];
+            self.exit_alpha = self.switch.alpha(now).max(1e-9);
         }
         true
+    }
+
+    /// Moves the surface from the next tick on.
+    pub(crate) fn move_surface(&mut self, motion: &SurfaceMotion) {
+        self.motion = *motion;
     }
 
     fn update(
@@ -116,6 +140,8 @@ impl ContactBinding {
         c.since = self.switch.since();
         let k = &mut self.kinematics;
         k.update_at(model, data, self.body, &self.X_BC);
+        c.R_WC = self.motion.R_WC;
+        c.p_WS = self.motion.p_WS;
         let R_CW = c.R_WC.inverse();
         c.p_SC = R_CW * (k.p_WF - c.p_WS);
         c.R_CE = R_CW * k.R_WF;
@@ -126,9 +152,9 @@ impl ContactBinding {
                 linear.x, linear.y, linear.z, angular.x, angular.y, angular.z,
             )
         };
-        c.V = rotate(&Vector6::new(
-            k.v_WF.x, k.v_WF.y, k.v_WF.z, k.w_WF.x, k.w_WF.y, k.w_WF.z,
-        ));
+        let velocity = Vector6::new(k.v_WF.x, k.v_WF.y, k.v_WF.z, k.w_WF.x, k.w_WF.y, k.w_WF.z);
+        c.V = rotate(&(velocity - self.motion.velocity_at(&k.p_WF)));
+        c.surface_acceleration = rotate(&self.motion.acceleration_at(&k.p_WF));
         c.Jdot_v = rotate(&k.Jdot_v);
         for (mut out, column) in c.J.column_iter_mut().zip(k.J.column_iter()) {
             out.copy_from(&rotate(&column.into_owned()));
@@ -139,21 +165,21 @@ impl ContactBinding {
             - Vector3::from(self.spec.offset).cross(&force);
         let (force, moment) = (c.R_CE * force, c.R_CE * moment);
         c.measured = Vector6::new(force.x, force.y, force.z, moment.x, moment.y, moment.z);
+        self.filtered += (force - self.filtered) * self.gain;
         c.free_force = Vector6::zeros();
         if c.live && self.spec.free_force == FreeForce::Measured {
             let limit = self.spec.free_force_limit;
             for &direction in self.spec.kind.free().iter().filter(|&&d| d < 3) {
-                c.free_force[direction] = c.alpha * c.measured[direction].clamp(-limit, limit);
+                c.free_force[direction] = c.alpha * self.filtered[direction].clamp(-limit, limit);
             }
         }
         c.force_limits = if self.switch.is_on() {
             [c.alpha * self.spec.force_min, c.alpha * self.spec.force_max]
         } else {
-            let top = c.alpha * self.exit_force.max(self.spec.force_min);
-            [
-                c.alpha * self.spec.force_min.min(self.exit_force.max(0.0)),
-                top,
-            ]
+            // From the force at the switch to zero, whichever ramp was under way.
+            let ramp = c.alpha / self.exit_alpha;
+            let force = self.exit_force.max(0.0);
+            [c.alpha * self.spec.force_min.min(force), ramp * force]
         };
         if !c.live {
             c.solution = Vector6::zeros();
@@ -164,7 +190,7 @@ impl ContactBinding {
 impl World {
     /// Takes a measurement over and computes everything that depends on it.
     pub(crate) fn measure(&mut self, m: &Measurement) {
-        self.time = m.time;
+        self.time = m.time - *self.origin.get_or_insert(m.time);
         self.state.copy_from(&m.state);
         // Sensors deliver quaternions that are almost of unit length: everything after needs exactly that.
         self.state.R_WR = UnitQuaternion::new_normalize(*m.state.R_WR.quaternion());
@@ -178,7 +204,7 @@ impl World {
             .zip(&mut self.contacts)
             .zip(&m.wrenches)
         {
-            binding.update(m.time, &self.model, &self.data, wrench, contact);
+            binding.update(self.time, &self.model, &self.data, wrench, contact);
         }
     }
 

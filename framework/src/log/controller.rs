@@ -214,7 +214,7 @@ fn contact_schema() -> Value {
             "Forces of the environment on the robot at a contact, contact axes: z is the surface's outward \
              normal, so pushing is positive",
             [
-                ("on", schema::boolean("Switched on")),
+                ("active", schema::boolean("Switched on")),
                 ("alpha", schema::ratio("Ramp, 0 off to 1 on")),
                 (
                     "clamped",
@@ -246,7 +246,7 @@ fn contact_message(report: &Report, index: usize, truth: Option<Vector3<f64>>, o
     let contact = &report.contacts[index];
     let force = |w: &Vector6<f64>| Vector3::new(w[0], w[1], w[2]);
     Object::write(out, |o| {
-        o.boolean("on", contact.on);
+        o.boolean("active", contact.on);
         o.number("alpha", contact.alpha);
         if let Some(task) = &contact.task {
             o.boolean("clamped", task.clamped);

@@ -133,7 +133,8 @@ impl QpSolver for Clarabel {
         self.workspace.load(qp);
         for regularisation in REGULARISATIONS {
             self.attempt(regularisation, qp, out);
-            let tried_enough = !matches!(out.status, Status::Failed | Status::Budget);
+            let tried_enough = !matches!(out.status, Status::Failed | Status::Budget)
+                || out.iterations >= self.max_iterations;
             if tried_enough {
                 break;
             }
@@ -159,7 +160,9 @@ const POLISH_ABOVE: f64 = 1e-12;
 impl Clarabel {
     /// Solves the loaded problem once.
     fn attempt(&mut self, regularisation: f64, qp: &Qp, out: &mut Solution) {
-        let settings = self.settings(regularisation);
+        // The cap is for all attempts together.
+        let left = self.max_iterations.saturating_sub(out.iterations);
+        let settings = self.settings(regularisation, left.max(1));
         let w = &mut self.workspace;
         out.status = Status::Failed;
         out.x[..qp.n()].fill(0.0);
@@ -221,10 +224,10 @@ impl Clarabel {
         }
     }
 
-    fn settings(&self, regularisation: f64) -> Option<DefaultSettings<f64>> {
+    fn settings(&self, regularisation: f64, iterations: u32) -> Option<DefaultSettings<f64>> {
         DefaultSettingsBuilder::default()
             .verbose(false)
-            .max_iter(self.max_iterations)
+            .max_iter(iterations)
             .max_threads(1)
             .equilibrate_enable(false)
             .presolve_enable(false)

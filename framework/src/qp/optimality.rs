@@ -32,11 +32,11 @@ impl Optimality {
             for i in 0..m {
                 r += qp.row(i)[j] * s.y[i];
             }
-            out.stationarity = out.stationarity.max(r.abs() / (1.0 + largest_g));
+            out.stationarity = worse(out.stationarity, r.abs() / (1.0 + largest_g));
         }
         let cost = 1.0 + qp.objective(&s.x).abs();
         let mut side = |value: f64, lower: f64, upper: f64, multiplier: f64| {
-            out.primal = out.primal.max(lower - value).max(value - upper);
+            out.primal = worse(worse(out.primal, lower - value), value - upper);
             let distance = if multiplier > 0.0 {
                 upper - value
             } else {
@@ -44,7 +44,7 @@ impl Optimality {
             };
             if multiplier != 0.0 {
                 let price = (multiplier * distance).abs() / cost;
-                out.complementarity = out.complementarity.max(price);
+                out.complementarity = worse(out.complementarity, price);
             }
         };
         for i in 0..m {
@@ -59,6 +59,15 @@ impl Optimality {
 
     /// The largest of the three.
     pub fn worst(&self) -> f64 {
-        self.stationarity.max(self.primal).max(self.complementarity)
+        worse(worse(self.stationarity, self.primal), self.complementarity)
+    }
+}
+
+/// The larger of two errors, where a NaN is the largest (`f64::max` would drop it).
+fn worse(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b.is_nan() {
+        f64::INFINITY
+    } else {
+        a.max(b)
     }
 }

@@ -157,22 +157,6 @@ impl Scenario {
         self.file.duration
     }
 
-    /// The plant, to be changed by a study before a run.
-    pub fn plant_mut(&mut self) -> &mut PlantConfig {
-        &mut self.file.plant
-    }
-
-    /// Puts values into the controller's configuration of every case, before the case's own.
-    pub fn override_controller(&mut self, overrides: &Overrides) {
-        for case in &mut self.file.cases {
-            let mut all = overrides.clone();
-            for o in &case.set {
-                all.push(o.target.clone(), &o.key, o.value.clone());
-            }
-            case.set = all;
-        }
-    }
-
     /// The file it was loaded from.
     pub fn source(&self) -> &SourceFile {
         &self.source

@@ -16,16 +16,17 @@ use wbqp::{
 /// joints, N·m for revolute ones.
 ///
 /// The limits are the robot's (`lower` and `upper` of each actuator). The paper prints bounds on ω that act on its
-/// input ω²; here the variable is the thrust itself, and so are its bounds. An actuator's `slew` is not used: rate
-/// limits have to count from the last command that was sent.
+/// input ω²; here the variable is the thrust itself, and so are its bounds. Where an actuator has a `slew`, the effort
+/// also stays within `slew` × period of the last one that was sent.
 ///
 /// Bounds on single variables, no rows; they are hard whatever the entry says.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(crate = "wbqp::serde", deny_unknown_fields)]
 #[schemars(crate = "wbqp::schemars")]
 pub struct ActuatorLimits {
+    /// Lower and upper limit, and largest change per tick.
     #[serde(skip)]
-    limits: Vec<[f64; 2]>,
+    limits: Vec<[f64; 3]>,
 }
 
 impl ActuatorLimits {
@@ -57,14 +58,17 @@ impl Constraint for ActuatorLimits {
             let unit = if turns { "N·m" } else { "N" };
             layout = layout.bound_effort(index, &actuator.name, unit);
         }
-        let limits = setup.actuators().iter().map(|a| [a.lower, a.upper]);
+        let period = setup.period();
+        let limits = setup.actuators().iter();
+        let limits = limits.map(|a| [a.lower, a.upper, a.slew * period]);
         self.limits = limits.collect();
         Ok(layout)
     }
 
-    fn update(&mut self, _: &Tick<'_>, rows: &mut ConstraintRows<'_>) {
-        for (index, [lower, upper]) in self.limits.iter().enumerate() {
-            rows.bound(index, *lower, *upper);
+    fn update(&mut self, tick: &Tick<'_>, rows: &mut ConstraintRows<'_>) {
+        let sent = tick.last.effort.iter();
+        for ((index, [lower, upper, change]), sent) in self.limits.iter().enumerate().zip(sent) {
+            rows.bound(index, lower.max(sent - change), upper.min(sent + change));
         }
     }
 }

@@ -127,6 +127,7 @@ pub(crate) fn contacts() -> Vec<ContactSpec> {
         force_max: 20.0,
         free_force: FreeForce::Zero,
         free_force_limit: 20.0,
+        free_force_cutoff: 15.0,
         active: false,
         transition: 0.0,
     };
