@@ -245,7 +245,7 @@ set.contact.tip.transition = 0.0
     wbqp_sim::run(&scenario, "only", 1, &mut log, &mut |_| ()).expect("runs");
     let on: Vec<f64> = log
         .messages("/contact/tip")
-        .filter(|(_, message)| message["on"] == true)
+        .filter(|(_, message)| message["active"] == true)
         .map(|(time, _)| time)
         .collect();
     // The first tick at or after 0.05 s, to the last before 0.12 s.
