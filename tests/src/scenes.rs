@@ -282,7 +282,8 @@ impl Scene {
         ));
         for i in 0..self.contact_frames().len() {
             let contact = format!("contact_{i}");
-            let cone = if self.soft_cones {
+            // A sliding point has no cone, only bounds, which are always hard.
+            let cone = if self.soft_cones && self.contact_kind == ContactKind::Point {
                 Hardness::Exact(10.0 * self.scale)
             } else {
                 Hardness::Hard

@@ -93,3 +93,18 @@ fn before_the_first_good_tick_the_command_is_the_hover() {
     }
     assert!(controller.hover_residual().amax() < 1e-5);
 }
+
+#[test]
+fn a_quaternion_that_is_none_is_reported() {
+    let scene = Scene::new(Kind::Othex, 5, u32::MAX, 1);
+    let mut controller = scene.controller();
+    let mut measurement = scene.measurement();
+    let zero = Quaternion::new(0.0, 0.0, 0.0, 0.0);
+    measurement.state.R_WR = UnitQuaternion::new_unchecked(zero);
+    let (_, report) = controller.tick(&measurement);
+    let message = report.fault.expect("a fault").to_string();
+    assert_eq!(
+        message,
+        "measurement: the base orientation is not a unit quaternion"
+    );
+}

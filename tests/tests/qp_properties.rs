@@ -79,7 +79,7 @@ fn same_solution(a: &Controller, b: &Controller) -> Result<(), TestCaseError> {
     let condition = condition(a.problem());
     if condition < 1e8 {
         // Rounding, amplified by the condition.
-        let tolerance = 1e-9 + 1e-14 * condition;
+        let tolerance = 1e-7 + 1e-12 * condition;
         let vdot = same_vector(&a.report().vdot, &b.report().vdot);
         prop_assert!(
             vdot < tolerance,
@@ -157,12 +157,16 @@ proptest! {
         let explicit = Scene { formulation: Formulation::Explicit, ..scene.clone() };
         let (a, b) = (solved(&scene), solved(&explicit));
         same_solution(&a, &b)?;
+        // Two points whose costs differ by ε lie within ε of one another in the cost's own norm: Σ w Δr² ≤ ε.
+        let own = a.problem().objective(&a.solution().x);
+        let epsilon = 1e-9 * (1.0 + a.report().objective.abs() + own.abs());
+        let condition = condition(a.problem());
         for (a, b) in a.report().tasks.iter().zip(&b.report().tasks) {
             for ((x, y), cost) in a.residual.iter().zip(&b.residual).zip(&a.cost) {
-                // A residual is determined as far as its cost weighs in the objective.
-                if *cost > 1e-6 {
-                    prop_assert!(relative(*x, *y) < 1e-5, "residuals {} and {}", x, y);
-                }
+                let weight = if *x == 0.0 { 0.0 } else { cost / (x * x) };
+                prop_assert!(weight * (x - y).powi(2) < epsilon, "residuals {} and {}", x, y);
+                let near = relative(*x, *y) < 1e-7 + 1e-12 * condition;
+                prop_assert!(near || condition > 1e8, "residuals {} and {}", x, y);
             }
         }
     }
@@ -201,7 +205,7 @@ proptest! {
         let condition = condition(a.problem());
         if condition < 1e8 {
             let vdot = same_vector(&a.report().vdot, &b.report().vdot);
-            prop_assert!(vdot < 1e-6 + 1e-12 * condition, "v̇ differs by {:e}", vdot);
+            prop_assert!(vdot < 1e-7 + 1e-12 * condition, "v̇ differs by {:e}", vdot);
         }
     }
 
@@ -219,7 +223,8 @@ proptest! {
             let k = kkt(controller.problem(), controller.solution());
             prop_assert!(k.primal < 1e-8, "{:?}", k);
         } else {
-            prop_assert_eq!(controller.report().status, Status::Infeasible);
+            let status = controller.report().status;
+            prop_assert!(matches!(status, Status::Infeasible | Status::AlmostOptimal), "{:?}", status);
         }
     }
 
@@ -235,7 +240,7 @@ proptest! {
         let condition = condition(a.problem());
         if condition < 1e8 {
             for (a, b) in a.command().effort.iter().zip(&b.command().effort) {
-                prop_assert!(relative(*a, *b) < 1e-6 + 1e-12 * condition, "efforts {} {}", a, b);
+                prop_assert!(relative(*a, *b) < 1e-7 + 1e-12 * condition, "efforts {} {}", a, b);
             }
         }
     }

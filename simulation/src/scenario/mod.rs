@@ -157,11 +157,6 @@ impl Scenario {
         self.file.duration
     }
 
-    /// The plant, to be changed by a study before a run. The log's attached files do not show such a change.
-    pub fn plant_mut(&mut self) -> &mut PlantConfig {
-        &mut self.file.plant
-    }
-
     /// The file it was loaded from.
     pub fn source(&self) -> &SourceFile {
         &self.source

@@ -1,0 +1,110 @@
+//! A plug-in that writes numbers that are not finite is found out, and nothing of them reaches the command.
+
+use wbqp::{
+    config::Formulation,
+    constraint::Constraint,
+    controller::{Controller, Fault, Rung},
+    entry::{Entry, Hardness},
+    layout::Layout,
+    rows::{ConstraintRows, Rows},
+    schemars::JsonSchema,
+    serde::{Deserialize, Serialize},
+    setup::{BindError, Setup},
+    task::Task,
+    tick::Tick,
+};
+use wbqp_tests::scenes::{Kind, Scene};
+
+/// Writes `bad` into one place after some good ticks.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(crate = "wbqp::serde")]
+#[schemars(crate = "wbqp::schemars")]
+struct Spoiler {
+    place: usize,
+    bad: f64,
+}
+
+#[wbqp::task("test.spoiler")]
+impl Task for Spoiler {
+    fn bind(&mut self, _: &mut Setup<'_>) -> Result<Layout, BindError> {
+        Ok(Layout::rows([("a", "rad/s²")]).vdot_dense())
+    }
+
+    fn update(&mut self, tick: &Tick<'_>, rows: &mut Rows<'_>) {
+        let value = if tick.time > 0.1 { self.bad } else { 1.0 };
+        if self.place == 0 {
+            rows.vdot()[(0, 0)] = value;
+        } else {
+            rows.b()[0] = value;
+        }
+    }
+}
+
+#[wbqp::constraint("test.spoiler")]
+impl Constraint for Spoiler {
+    fn bind(&mut self, _: &mut Setup<'_>) -> Result<Layout, BindError> {
+        Ok(Layout::rows([("a", "N·m")])
+            .effort_unit([0])
+            .bound_effort(1, "b", "N·m"))
+    }
+
+    fn update(&mut self, tick: &Tick<'_>, rows: &mut ConstraintRows<'_>) {
+        let value = if tick.time > 0.1 { self.bad } else { 1e3 };
+        rows.limit(0, -1e3, if self.place == 0 { value } else { 1e3 });
+        rows.bound(0, -1e3, if self.place == 1 { value } else { 1e3 });
+    }
+}
+
+/// The fault of the tick in which the plug-in turns bad.
+fn fault(scene: &Scene, spoil: impl FnOnce(&mut wbqp::ControllerConfig)) -> Option<Fault> {
+    let mut config = scene.config();
+    spoil(&mut config);
+    let mut controller = Controller::new(config).expect("the scene is valid");
+    let mut measurement = scene.measurement();
+    let (command, report) = controller.tick(&measurement);
+    assert_eq!(report.rung, Rung::Optimal);
+    let last = command.clone();
+    measurement.time = 1.0;
+    let (command, report) = controller.tick(&measurement);
+    if report.fault.is_some() {
+        assert_eq!(*command, last);
+        assert!(!report.status.is_usable());
+    }
+    report.fault
+}
+
+#[test]
+fn what_is_not_a_number_is_a_fault_of_its_entry() {
+    for kind in [Kind::FixedArm, Kind::Othex] {
+        for formulation in [Formulation::Condensed, Formulation::Explicit] {
+            let mut scene = Scene::new(kind, 7, 1, 0);
+            scene.formulation = formulation;
+            let tasks = scene.config().tasks.len();
+            let constraints = scene.config().constraints.len();
+            for place in [0, 1] {
+                for bad in [f64::NAN, f64::INFINITY] {
+                    let task = Box::new(Spoiler { place, bad });
+                    let found = fault(&scene, |config| {
+                        let entry: Entry<dyn Task> =
+                            Entry::new("spoiler", 1.0, Hardness::Soft, task);
+                        config.tasks.push(entry);
+                    });
+                    assert_eq!(found, Some(Fault::Rows(tasks)), "{kind:?} {place} {bad}");
+                }
+                let hard = |bad| -> Entry<dyn Constraint> {
+                    let plugin = Box::new(Spoiler { place, bad });
+                    Entry::new("spoiler", 1.0, Hardness::Hard, plugin)
+                };
+                let found = fault(&scene, |config| {
+                    config.constraints.push(hard(f64::NAN));
+                });
+                assert_eq!(found, Some(Fault::Rows(tasks + constraints)));
+                // No limit is a limit that a constraint may well have.
+                let found = fault(&scene, |config| {
+                    config.constraints.push(hard(f64::INFINITY));
+                });
+                assert_eq!(found, None);
+            }
+        }
+    }
+}
