@@ -40,7 +40,7 @@ fn default_tolerance() -> f64 {
     1e-12
 }
 fn default_max_iterations() -> u32 {
-    100
+    200
 }
 
 impl Default for Clarabel {
@@ -131,15 +131,33 @@ impl QpSolver for Clarabel {
             return;
         }
         self.workspace.load(qp);
+        // The best point so far that is not exact to the last digits.
+        let mut almost: Option<(f64, Solution)> = None;
         for regularisation in REGULARISATIONS {
             self.attempt(regularisation, qp, out);
-            let tried_enough = !matches!(out.status, Status::Failed | Status::Budget)
-                || out.iterations >= self.max_iterations;
-            if tried_enough {
-                break;
+            match out.status {
+                Status::Infeasible | Status::Unbounded => return,
+                Status::Optimal | Status::AlmostOptimal => {
+                    let error = Optimality::of(qp, out).worst();
+                    if error < EXACT {
+                        return;
+                    }
+                    if almost.as_ref().is_none_or(|(best, _)| error < *best) {
+                        almost = Some((error, out.clone()));
+                    }
+                }
+                Status::Budget | Status::Failed => {}
             }
             // The next attempt begins with a solver object of its own.
             self.reset();
+            if out.iterations >= self.max_iterations {
+                break;
+            }
+        }
+        if let Some((_, best)) = almost {
+            let iterations = out.iterations;
+            *out = best;
+            out.iterations = iterations;
         }
     }
 
@@ -151,7 +169,10 @@ impl QpSolver for Clarabel {
 
 /// Static regularisations of Clarabel's factorisation. Its default, 1e-8, would drown a regularisation of 1e-9 of
 /// the largest weight; the smallest is tried first, and now and then it is too little for the factorisation.
-const REGULARISATIONS: [f64; 3] = [1e-13, 1e-11, 1e-8];
+const REGULARISATIONS: [f64; 4] = [1e-13, 1e-11, 1e-9, 1e-8];
+
+/// Error of the optimality conditions below which no further attempt is made.
+const EXACT: f64 = 1e-11;
 
 /// Error of the optimality conditions from which on the active set is solved for: with less there is nothing to
 /// gain.

@@ -21,6 +21,7 @@ const ATTEMPTS: usize = 40;
 /// what is worst.
 const BATCHES: usize = 4;
 const DELTA: f64 = 1e-11;
+const REFINEMENTS: usize = 10;
 
 /// A row or bound held at one of its limits.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -191,8 +192,11 @@ fn solve(qp: &Qp, active: &[Active]) -> Option<(DVector<f64>, DVector<f64>)> {
     }
     let lu = regular.lu();
     let mut x = lu.solve(&rhs)?;
-    for _ in 0..3 {
+    for _ in 0..REFINEMENTS {
         let residual = &rhs - &kkt * &x;
+        if residual.amax() <= 1e-15 * rhs.amax() {
+            break;
+        }
         x += lu.solve(&residual)?;
     }
     if !x.iter().all(|v| v.is_finite()) {
