@@ -190,7 +190,9 @@ fn the_measured_force_switches() {
     let on = seen.iter().position(|s| s.on).expect("is switched on");
     // 20 ms beyond the threshold are five periods; the next tick is the first with the contact.
     let beyond = |from: usize| seen[from..from + 6].iter().all(|s| s.measured > 1.0);
-    let firm = (touch..).find(|&i| beyond(i)).expect("presses");
+    let firm = (touch..seen.len() - 6)
+        .find(|&i| beyond(i))
+        .expect("presses");
     println!("touch {:.3} s, on {:.3} s", seen[touch].time, seen[on].time);
     assert_eq!(on, firm + 6);
 

@@ -62,7 +62,7 @@ impl Controller {
         for spec in &contacts {
             let named = |source| bind_error("contact", &spec.name, "contact", source);
             let binding = ContactBinding::new(spec, &model, period).map_err(named)?;
-            contact_states.push(binding.initial_state(&model).map_err(named)?);
+            contact_states.push(binding.initial_state(&model));
             bindings.push(binding);
         }
         let nf: Vec<usize> = contacts

@@ -82,9 +82,9 @@ impl ContactBinding {
     }
 
     /// The state before the first tick.
-    pub(crate) fn initial_state(&self, model: &Model) -> Result<ContactState, BindError> {
+    pub(crate) fn initial_state(&self, model: &Model) -> ContactState {
         let spec = &self.spec;
-        Ok(ContactState {
+        ContactState {
             kind: spec.kind,
             live: spec.active,
             alpha: if spec.active { 1.0 } else { 0.0 },
@@ -103,7 +103,7 @@ impl ContactBinding {
             measured_at_switch: Vector6::zeros(),
             free_force: Vector6::zeros(),
             solution: Vector6::zeros(),
-        })
+        }
     }
 
     /// Turns the contact on or off; false if nothing changes.

@@ -9,7 +9,7 @@
 //! ```
 //! is solved with iterative refinement against δ = 0 (δ keeps dependent rows harmless). Sides that turn out
 //! violated join, sides with a multiplier of the wrong sign leave, for a limited number of times. The result is taken only
-//! if it satisfies the optimality conditions better than the point it came from.
+//! if it satisfies the optimality conditions, or does so better than the point it came from.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -22,6 +22,8 @@ const ATTEMPTS: usize = 40;
 const BATCHES: usize = 4;
 const DELTA: f64 = 1e-11;
 const REFINEMENTS: usize = 10;
+/// A candidate with an error below this is taken even if the interior point's was smaller still: it is a vertex.
+const EXACT: f64 = 1e-12;
 
 /// A row or bound held at one of its limits.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,7 +65,7 @@ pub(super) fn polish(qp: &Qp, solution: &mut Solution) {
         }
     }
     // A multiplier that still has the wrong sign shows as a lack of complementarity.
-    if Optimality::of(qp, &candidate).worst() < before {
+    if Optimality::of(qp, &candidate).worst() < before.max(EXACT) {
         *solution = candidate;
     }
 }
