@@ -20,7 +20,7 @@ use clarabel::{
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Capacity, Optimality, Qp, QpSolver, Solution, Status, polish::polish};
+use super::{Capacity, Optimality, Qp, QpSolver, Solution, Status, polish::Polish};
 
 /// Settings of the Clarabel backend.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -79,6 +79,9 @@ struct Workspace {
     /// `‖g‖∞`, by which `x`, limits and multipliers are divided.
     cost_scale: f64,
     solver: Option<DefaultSolver<f64>>,
+    polish: Polish,
+    /// The best point so far that is not exact to the last digits, and its error.
+    almost: Option<(f64, Solution)>,
 }
 
 // A clone is a fresh solver: the factorisation belongs to one problem sequence.
@@ -116,6 +119,8 @@ impl QpSolver for Clarabel {
             a: Vec::with_capacity(2 * (rows * vars + vars)),
             b: Vec::with_capacity(sides),
             row_scale: Vec::with_capacity(rows),
+            polish: Polish::new(capacity),
+            almost: Some((f64::INFINITY, Solution::new(capacity))),
             ..Workspace::default()
         };
         Ok(())
@@ -131,8 +136,9 @@ impl QpSolver for Clarabel {
             return;
         }
         self.workspace.load(qp);
-        // The best point so far that is not exact to the last digits.
-        let mut almost: Option<(f64, Solution)> = None;
+        if let Some((error, _)) = &mut self.workspace.almost {
+            *error = f64::INFINITY;
+        }
         for regularisation in REGULARISATIONS {
             self.attempt(regularisation, qp, out);
             match out.status {
@@ -142,8 +148,11 @@ impl QpSolver for Clarabel {
                     if error < EXACT {
                         return;
                     }
-                    if almost.as_ref().is_none_or(|(best, _)| error < *best) {
-                        almost = Some((error, out.clone()));
+                    if let Some((best, point)) = &mut self.workspace.almost
+                        && error < *best
+                    {
+                        *best = error;
+                        point.copy_from(out);
                     }
                 }
                 Status::Budget | Status::Failed => {}
@@ -154,9 +163,11 @@ impl QpSolver for Clarabel {
                 break;
             }
         }
-        if let Some((_, best)) = almost {
+        if let Some((error, point)) = &self.workspace.almost
+            && error.is_finite()
+        {
             let iterations = out.iterations;
-            *out = best;
+            out.copy_from(point);
             out.iterations = iterations;
         }
     }
@@ -229,7 +240,7 @@ impl Clarabel {
         }
         // Also where the errors are small: a direction that only the regularisation determines costs less than any
         // tolerance, and the interior point stops anywhere along it.
-        polish(qp, out);
+        w.polish.improve(qp, out);
         // At tolerance 1e-12 Clarabel often stops a digit short for lack of progress: the conditions decide.
         let error = Optimality::of(qp, out).worst();
         if error < 1e-9 {

@@ -68,6 +68,15 @@ impl Solution {
             z: vec![0.0; capacity.vars],
         }
     }
+
+    /// Copies another solution of the same capacity without allocating.
+    pub fn copy_from(&mut self, other: &Solution) {
+        self.status = other.status;
+        self.iterations = other.iterations;
+        self.x.copy_from_slice(&other.x);
+        self.y.copy_from_slice(&other.y);
+        self.z.copy_from_slice(&other.z);
+    }
 }
 
 /// A solver for [`Qp`]s: made from the configuration, given its capacity once, then called every tick.
