@@ -57,9 +57,16 @@ impl fmt::Display for Prefix<'_> {
 }
 
 /// All errors of a configuration, in the order of the file; displayed one per line.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, PartialEq, Eq)]
 pub struct ConfigErrors {
     errors: Vec<ConfigError>,
+}
+
+// What `fn main() -> Result` prints: the list as a person reads it.
+impl fmt::Debug for ConfigErrors {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{self}")
+    }
 }
 
 impl ConfigErrors {
