@@ -69,6 +69,9 @@ pub struct Scene {
     pub scale: f64,
     /// Rotation of everything about gravity, rad.
     pub yaw: f64,
+    /// Whether the base position has other gains and weights along x than along y. They turn with the scene only by
+    /// quarter turns, which swap the two.
+    pub per_axis: bool,
     /// Formulation of the problem.
     pub formulation: Formulation,
     /// Whether the tasks are listed in reverse.
@@ -90,6 +93,7 @@ impl Scene {
             soft_cones: false,
             scale: 1.0,
             yaw: 0.0,
+            per_axis: false,
             formulation: Formulation::Condensed,
             reversed: false,
             list_inactive: false,
@@ -224,6 +228,22 @@ impl Scene {
         };
         let contact = || format!("contact_{}", index().unwrap_or(0));
         let hold = |v: Vector3<f64>| Hold::at([v.x, v.y, v.z]);
+        // World axes x and y, swapped by an odd number of quarter turns.
+        let along = |x: f64, y: f64, z: f64| {
+            let quarters = (self.yaw / std::f64::consts::FRAC_PI_2).round() as i64;
+            if quarters % 2 == 0 {
+                vec![x, y, z]
+            } else {
+                vec![y, x, z]
+            }
+        };
+        if name == "base_position" && self.per_axis {
+            let target = self.turn() * random(0.5);
+            let gains = |k: f64| along(k, 3.0 * k, 2.0 * k);
+            let task = BasePosition::new(gains(kp), gains(kd)).following(hold(target));
+            let weights = along(weight, 5.0 * weight, 2.0 * weight);
+            return (weights.into(), Box::new(task));
+        }
         let task: Box<dyn Task> = match name {
             "posture" => Box::new(Posture::new(kp, kd)),
             "base_position" => {

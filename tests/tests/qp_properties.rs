@@ -252,6 +252,25 @@ proptest! {
             }
         }
     }
+
+    #[test]
+    fn quarter_turns_swap_gains_and_weights_of_world_axes(
+        scene in scenes(),
+        quarters in 1..4_i32,
+    ) {
+        let scene = Scene { per_axis: true, ..scene };
+        let yaw = f64::from(quarters) * std::f64::consts::FRAC_PI_2;
+        let turned = Scene { yaw, ..scene.clone() };
+        let (a, b) = (solved(&scene), solved(&turned));
+        prop_assert_eq!((a.report().rung, b.report().rung), (Rung::Optimal, Rung::Optimal));
+        prop_assert!(cost_difference(&a, &b, 1.0) < 1e-9);
+        let condition = condition(a.problem());
+        if condition < 1e8 {
+            for (a, b) in a.command().effort.iter().zip(&b.command().effort) {
+                prop_assert!(relative(*a, *b) < 1e-7 + 1e-12 * condition, "efforts {} {}", a, b);
+            }
+        }
+    }
 }
 
 #[test]
