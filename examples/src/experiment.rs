@@ -1,8 +1,12 @@
-//! What all experiments share: run the cases of a scenario into logs, then report.
+//! What all experiments share: run the cases of a scenario into logs, then measure and draw from the logs alone.
 
-use std::path::{Path, PathBuf};
+use std::{
+    path::{Path, PathBuf},
+    process::ExitCode,
+};
 
 use anyhow::{Context, Result, bail};
+use clap::Parser;
 use wbqp::log::{LogSink, McapLog};
 use wbqp_sim::Scenario;
 
@@ -11,6 +15,80 @@ use crate::{
     log_reader::Log,
     results::{self, Row},
 };
+
+/// One experiment of the paper.
+#[derive(Clone, Copy, Debug)]
+pub struct Experiment {
+    /// Name of its scenario, and of its directory of results.
+    pub name: &'static str,
+    /// What a reader sees, with the paper's section.
+    pub title: &'static str,
+    /// Measures the logs.
+    pub measure: fn(&Runs) -> Result<Vec<Row>>,
+    /// Draws the figures into [`Runs::directory`].
+    pub draw: fn(&Runs) -> Result<Vec<Picture>>,
+}
+
+/// A figure in the directory of an experiment.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Picture {
+    /// File name.
+    pub file: String,
+    /// What it shows, and which of the paper's figures it corresponds to.
+    pub caption: String,
+}
+
+impl Picture {
+    /// A figure with its caption.
+    pub fn new(file: &str, caption: &str) -> Self {
+        Self {
+            file: file.to_owned(),
+            caption: caption.to_owned(),
+        }
+    }
+}
+
+impl Experiment {
+    /// Runs all cases, measures, draws, and writes everything to `<out>/<name>/`.
+    ///
+    /// # Errors
+    /// If the scenario is refused or a file cannot be written. A case that diverged is no error: its rows cannot
+    /// be measured then, and the outcome says so.
+    pub fn run(&self, args: &Common) -> Result<Outcome> {
+        let runs = run_cases(self.name, args)?;
+        let (rows, pictures) = if runs.diverged() {
+            (Vec::new(), Vec::new())
+        } else {
+            (
+                (self.measure)(&runs).context("measuring")?,
+                (self.draw)(&runs).context("drawing")?,
+            )
+        };
+        runs.finish(rows, pictures)
+    }
+
+    /// The binary of this experiment.
+    ///
+    /// # Errors
+    /// See [`Experiment::run`].
+    pub fn main(&self) -> Result<ExitCode> {
+        let arguments = Arguments::parse();
+        let outcome = self.run(&arguments.common)?;
+        Ok(if outcome.completed() {
+            ExitCode::SUCCESS
+        } else {
+            ExitCode::FAILURE
+        })
+    }
+}
+
+/// Runs one experiment of the paper: logs, figures and a table of results
+#[derive(Parser, Debug)]
+#[command(version)]
+struct Arguments {
+    #[command(flatten)]
+    common: Common,
+}
 
 /// The finished cases of a scenario.
 #[derive(Debug)]
@@ -31,6 +109,8 @@ struct Case {
 pub struct Outcome {
     /// Measured rows; empty if a case diverged.
     pub rows: Vec<Row>,
+    /// Figures; none if a case diverged.
+    pub pictures: Vec<Picture>,
     /// Cases that diverged, with the time, s.
     pub diverged: Vec<(String, f64)>,
 }
@@ -43,10 +123,7 @@ impl Outcome {
 }
 
 /// Runs every case of a scenario into `<out>/<name>/<case>.mcap`.
-///
-/// # Errors
-/// If the scenario is refused or a log cannot be written.
-pub fn run_cases(name: &str, args: &Common) -> Result<Runs> {
+fn run_cases(name: &str, args: &Common) -> Result<Runs> {
     let file = scenario_file(name, args.scenario.as_deref());
     let scenario = Scenario::from_file(&file)?;
     let directory = args.out.join(name);
@@ -105,26 +182,16 @@ impl Runs {
     }
 
     /// Writes `results.json` and prints the table.
-    ///
-    /// # Errors
-    /// If the file cannot be written.
-    pub fn with_rows(&self, rows: Vec<Row>) -> Result<Outcome> {
+    fn finish(&self, rows: Vec<Row>, pictures: Vec<Picture>) -> Result<Outcome> {
         let path = self.directory.join("results.json");
         results::write_json(&rows, &path).with_context(|| path.display().to_string())?;
         println!("{}", results::table(&rows));
         println!("logs, figures and results: {}", self.directory.display());
         Ok(Outcome {
             rows,
+            pictures,
             diverged: self.diverged_cases(),
         })
-    }
-
-    /// The outcome of cases that cannot be measured: `results.json` is an empty list.
-    ///
-    /// # Errors
-    /// If the file cannot be written.
-    pub fn without_rows(&self) -> Result<Outcome> {
-        self.with_rows(Vec::new())
     }
 
     fn diverged_cases(&self) -> Vec<(String, f64)> {

@@ -5,6 +5,7 @@
 
 pub mod cli;
 pub mod experiment;
+pub mod experiments;
 pub mod log_reader;
 pub mod plots;
 pub mod push_with_disturbance;

@@ -32,7 +32,7 @@ fn every_row_is_met() {
         seed: 1,
         scenario: None,
     };
-    let outcome = push_with_disturbance::run(&args).expect("runs");
+    let outcome = push_with_disturbance::EXPERIMENT.run(&args).expect("runs");
     assert!(outcome.completed(), "diverged: {:?}", outcome.diverged);
     let judged = outcome.rows.iter().filter(|r| r.pass.is_some());
     assert!(judged.count() >= 18);
@@ -44,7 +44,10 @@ fn every_row_is_met() {
     let wrong: Vec<String> = wrong.map(|row| format!("{row:?}")).collect();
     assert!(wrong.is_empty(), "not as promised:\n{}", wrong.join("\n"));
     for file in ["with_ft.mcap", "no_ft.mcap", "results.json"] {
-        let path = out.0.join(push_with_disturbance::NAME).join(file);
+        let path = out
+            .0
+            .join(push_with_disturbance::EXPERIMENT.name)
+            .join(file);
         assert!(path.metadata().is_ok_and(|m| m.len() > 0), "{file}");
     }
 }

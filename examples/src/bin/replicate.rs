@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use anyhow::Result;
 use clap::Parser;
-use wbqp_examples::{cli::Common, push_with_disturbance};
+use wbqp_examples::{cli::Common, experiments};
 
 /// Replicates the paper's experiments: logs, figures and a table of results
 #[derive(Parser, Debug)]
@@ -16,8 +16,12 @@ struct Arguments {
 
 fn main() -> Result<ExitCode> {
     let arguments = Arguments::parse();
-    let outcome = push_with_disturbance::run(&arguments.common)?;
-    Ok(if outcome.completed() {
+    let mut completed = true;
+    for experiment in experiments::ALL {
+        println!("\n{}", experiment.title);
+        completed &= experiment.run(&arguments.common)?.completed();
+    }
+    Ok(if completed {
         ExitCode::SUCCESS
     } else {
         ExitCode::FAILURE

@@ -4,6 +4,7 @@ use std::{f64::consts::TAU, path::Path};
 
 use super::{Colour, Figure, Line, Panel, PlotError, Shade};
 use crate::{
+    experiment::Picture,
     log_reader::{Log, ReadError},
     push_with_disturbance::measures::{CONTACT, base_angles, base_topic},
     series::Series,
@@ -25,11 +26,30 @@ pub enum FigureError {
 ///
 /// # Errors
 /// [`FigureError`].
-pub fn draw(with_ft: &Log, no_ft: &Log, directory: &Path) -> Result<(), FigureError> {
-    normal_force(with_ft, no_ft)?.save(&directory.join("fig2_normal_force.svg"))?;
-    propellers_and_rotation(with_ft)?.save(&directory.join("fig3_propellers_rotation.svg"))?;
-    base_position(with_ft, no_ft)?.save(&directory.join("base_position.svg"))?;
-    Ok(())
+pub fn draw(with_ft: &Log, no_ft: &Log, directory: &Path) -> Result<Vec<Picture>, FigureError> {
+    let figures = [
+        (
+            normal_force(with_ft, no_ft)?,
+            "fig2_normal_force.svg",
+            "Normal force with and without force feedback (Fig. 2)",
+        ),
+        (
+            propellers_and_rotation(with_ft)?,
+            "fig3_propellers_rotation.svg",
+            "Propeller speeds with their limits, and rotation of the base (Fig. 3)",
+        ),
+        (
+            base_position(with_ft, no_ft)?,
+            "base_position.svg",
+            "Where the base goes",
+        ),
+    ];
+    let mut pictures = Vec::new();
+    for (figure, file, caption) in figures {
+        figure.save(&directory.join(file))?;
+        pictures.push(Picture::new(file, caption));
+    }
+    Ok(pictures)
 }
 
 /// Fig. 2: measured and commanded normal force with and without force feedback.
