@@ -45,6 +45,9 @@ pub fn from_sources(
         Some(rotors) => rotors::actuators(&rotors.name, &rotors.contents, &model)?,
         None => Vec::new(),
     };
+    if let Some(thrust_max) = options.thrust_max {
+        limit_thrust(&mut actuators, thrust_max)?;
+    }
     let first_joint = actuators.len();
     for motor in motors(&urdf.name, &model, options)? {
         if let Some(rotor) = actuators
@@ -78,6 +81,10 @@ pub fn from_sources(
 /// # Errors
 /// None, unless the files compiled into the crate have been changed.
 pub fn othex() -> Result<RobotModel, RobotError> {
+    othex_with(None)
+}
+
+pub(crate) fn othex_with(thrust_max: Option<f64>) -> Result<RobotModel, RobotError> {
     from_sources(
         embedded(
             "othex.urdf",
@@ -89,7 +96,7 @@ pub fn othex() -> Result<RobotModel, RobotError> {
             ROTORS,
             include_str!("../files/othex/othex.rotors.toml"),
         )),
-        &othex_options(),
+        &othex_options(thrust_max),
     )
 }
 
@@ -98,6 +105,10 @@ pub fn othex() -> Result<RobotModel, RobotError> {
 /// # Errors
 /// None, unless the files compiled into the crate have been changed.
 pub fn othex_vertical() -> Result<RobotModel, RobotError> {
+    othex_vertical_with(None)
+}
+
+pub(crate) fn othex_vertical_with(thrust_max: Option<f64>) -> Result<RobotModel, RobotError> {
     from_sources(
         embedded(
             "othex_vertical.urdf",
@@ -109,12 +120,13 @@ pub fn othex_vertical() -> Result<RobotModel, RobotError> {
             ROTORS,
             include_str!("../files/othex_vertical/othex_vertical.rotors.toml"),
         )),
-        &othex_options(),
+        &othex_options(thrust_max),
     )
 }
 
-fn othex_options() -> Options {
+fn othex_options(thrust_max: Option<f64>) -> Options {
     Options {
+        thrust_max,
         servo: ["arm_roll", "arm_pitch1", "arm_pitch2"]
             .map(String::from)
             .to_vec(),
@@ -145,6 +157,22 @@ fn embedded(name: &str, media_type: &'static str, contents: &str) -> SourceFile 
         media_type,
         contents: contents.to_owned(),
     }
+}
+
+fn limit_thrust(rotors: &mut [Actuator], thrust_max: f64) -> Result<(), RobotError> {
+    for rotor in rotors {
+        if !thrust_max.is_finite() || thrust_max < rotor.lower {
+            return Err(RobotError::Option {
+                option: "thrust_max".to_owned(),
+                what: format!(
+                    "is {thrust_max} N, must be finite and not below the least thrust of rotor `{}`, {} N",
+                    rotor.name, rotor.lower
+                ),
+            });
+        }
+        rotor.upper = thrust_max;
+    }
+    Ok(())
 }
 
 fn motors(file: &str, model: &Model, options: &Options) -> Result<Vec<Actuator>, RobotError> {

@@ -30,6 +30,9 @@ pub struct Options {
     pub effort: BTreeMap<String, f64>,
     /// Rotor inertia seen at the joint (J_motor × gear²), kg·m² or kg. URDF has no place for it.
     pub armature: BTreeMap<String, f64>,
+    /// Largest thrust of every rotor, N, instead of the side-car's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub thrust_max: Option<f64>,
     /// Drop the URDF's joint damping and friction, which are often dummies that keep a simulator stable.
     pub ignore_joint_friction: bool,
 }

@@ -6,29 +6,37 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use wbqp::robot::{Robot, RobotError, RobotModel};
 
-use crate::{Options, from_files, othex, othex_vertical};
+use crate::{Options, from_files, library};
 
 /// `type = "othex"`: the fully actuated OTHex with its 3-DoF arm, from files inside this crate.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Othex {}
+#[serde(default, deny_unknown_fields)]
+pub struct Othex {
+    /// Largest thrust of every rotor, N, instead of the side-car's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub thrust_max: Option<f64>,
+}
 
 #[wbqp::robot("othex")]
 impl Robot for Othex {
     fn load(&self, _: &Path) -> Result<RobotModel, RobotError> {
-        othex()
+        library::othex_with(self.thrust_max)
     }
 }
 
 /// `type = "othex_vertical"`: the under-actuated twin, all rotors thrusting along the base's +z.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct OthexVertical {}
+#[serde(default, deny_unknown_fields)]
+pub struct OthexVertical {
+    /// Largest thrust of every rotor, N, instead of the side-car's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub thrust_max: Option<f64>,
+}
 
 #[wbqp::robot("othex_vertical")]
 impl Robot for OthexVertical {
     fn load(&self, _: &Path) -> Result<RobotModel, RobotError> {
-        othex_vertical()
+        library::othex_vertical_with(self.thrust_max)
     }
 }
 

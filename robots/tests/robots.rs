@@ -10,7 +10,7 @@ use wbqp::{
     actuator::{ActuatorKind, Drive},
     model::{Base, JointKind, Model},
     nalgebra::{DVector, Isometry3, Translation3, UnitQuaternion, Vector3},
-    robot::RobotModel,
+    robot::{Robot, RobotModel},
 };
 use wbqp_robots::{BaseKind, Options, from_files, othex, othex_vertical, urdf};
 
@@ -308,6 +308,27 @@ fn details_of_the_format() {
         (model.joints()[1].damping, model.joints()[1].friction),
         (0.0, 0.0)
     );
+}
+
+#[test]
+fn thrust_max_is_every_rotors() {
+    let plugin = |thrust_max| wbqp_robots::Othex { thrust_max };
+    let load = |thrust_max| plugin(thrust_max).load(Path::new(""));
+    let limits = |robot: RobotModel| -> Vec<(f64, f64)> {
+        robot.rotors().map(|(_, a, _)| (a.lower, a.upper)).collect()
+    };
+    assert_eq!(limits(load(None).unwrap()), [(0.25, 10.0); 6]);
+    assert_eq!(limits(load(Some(9.5)).unwrap()), [(0.25, 9.5); 6]);
+    for bad in [0.2, f64::NAN, f64::INFINITY] {
+        let message = load(Some(bad)).unwrap_err().to_string();
+        assert_eq!(
+            message,
+            format!(
+                "option `thrust_max`: is {bad} N, must be finite and not below the least thrust of rotor \
+                 `rotor_1`, 0.25 N"
+            )
+        );
+    }
 }
 
 #[test]

@@ -38,5 +38,5 @@ pub mod sensors;
 
 pub use plant::{CommandDelay, Plant, PlantCommand, PlantConfig, PlantError};
 pub use run::{Summary, run};
-pub use scenario::{RunError, Scenario, ScenarioError};
+pub use scenario::{RunError, Scenario, ScenarioError, Variation};
 pub use sensors::{SensorReading, Sensors, SensorsConfig};

@@ -21,7 +21,7 @@ use wbqp::{
 
 use crate::{
     CommandDelay, Plant, PlantCommand,
-    scenario::{RunError, Scenario},
+    scenario::{Case, RunError, Scenario},
 };
 
 /// How a run ended.
@@ -46,41 +46,46 @@ pub fn run(
     sink: &mut dyn LogSink,
     progress: &mut dyn FnMut(f64),
 ) -> Result<Summary, RunError> {
-    let config = scenario.controller_config(case)?;
+    let case = scenario.case(case)?;
+    let config = case.controller_config()?;
     let source = config.source.clone();
-    let controller = scenario.make_controller(case)?;
+    let controller = case.make_controller(config)?;
     let mut controller = controller.with_stopwatch(Box::new(WallClock(Instant::now())));
     let robot = controller.robot().clone();
-    let mut plant = scenario.make_plant(&robot)?;
-    let mut sensors = scenario.make_sensors(&plant, seed)?;
-    let contacts = Contacts::new(scenario, &controller);
+    let mut plant = case.make_plant(&robot)?;
+    let mut sensors = case.make_sensors(&plant, seed)?;
+    let contacts = Contacts::new(case, &controller);
 
     write_run(
         sink,
         seed,
         std::iter::once(scenario.source())
+            .chain(&scenario.variation().source())
             .chain(&source)
             .chain(&robot.sources),
     )?;
+    let names = [("name", scenario.name()), ("case", case.name())];
+    let names = names.map(|(key, value)| (key.to_owned(), value.to_owned()));
+    sink.metadata("scenario", &names.into())?;
     write_rotors(sink, &robot)?;
     let mut log = ControllerLog::new(&controller, sink)?;
     let truth_channel = sink.channel("/plant", "PlantState", &state_schema(&robot.model))?;
     let mut message = Vec::new();
     let mut truth = vec![None; contacts.sensors.len()];
-    let mut timeline = disturbance_marks(scenario);
+    let mut timeline = disturbance_marks(case);
 
     let mut measurement = Measurement::home(&robot, contacts.sensors.len());
     let mut computed = PlantCommand::rest(&robot);
     write_command(&robot, controller.command(), &mut computed);
     plant.settle_rotors(&computed)?;
-    let mut delay = CommandDelay::new(scenario.plant().command_delay, computed.clone());
-    let mut detectors: Vec<Detector> = scenario.detectors().to_vec();
-    let mut events: Vec<_> = scenario.events().iter().collect();
+    let mut delay = CommandDelay::new(case.plant().command_delay, computed.clone());
+    let mut detectors: Vec<Detector> = case.detectors().to_vec();
+    let mut events: Vec<_> = case.events().iter().collect();
     events.sort_by(|a, b| a.at.total_cmp(&b.at));
     let mut events = events.into_iter().peekable();
 
     let period = 1.0 / controller.settings().rate;
-    let ticks = (scenario.duration() / period).round() as usize;
+    let ticks = case.ticks(controller.settings().rate);
     let mut summary = Summary::default();
     for k in 0..ticks {
         if k % (ticks / 100).max(1) == 0 {
@@ -145,14 +150,14 @@ struct Contacts {
 }
 
 impl Contacts {
-    fn new(scenario: &Scenario, controller: &Controller) -> Self {
+    fn new(case: &Case, controller: &Controller) -> Self {
         let frames: Vec<String> = controller
             .contact_names()
             .filter_map(|name| controller.contact(name).ok())
             .map(|id| controller.contact_spec(id).frame.clone())
             .collect();
         let sensor_of = |frame: &String| {
-            let sensors = &scenario.sensors().force_torque;
+            let sensors = &case.sensors().force_torque;
             sensors.iter().position(|s| &s.frame == frame)
         };
         Self {
@@ -195,14 +200,14 @@ fn write_command(robot: &RobotModel, command: &Command, out: &mut PlantCommand) 
     }
 }
 
-/// `disturbance_start` and `disturbance_end` of the first disturbance.
-fn disturbance_marks(scenario: &Scenario) -> Timeline {
-    match scenario.plant().disturbances.first() {
-        Some(d) => Timeline::default()
-            .mark("disturbance_start", d.from)
-            .mark("disturbance_end", d.until),
-        None => Timeline::default(),
-    }
+/// `<name>_start` and `<name>_end` of every disturbance; of several with one name, the first's.
+fn disturbance_marks(case: &Case) -> Timeline {
+    let disturbances = case.plant().disturbances.iter().rev();
+    disturbances.fold(Timeline::default(), |timeline, d| {
+        timeline
+            .mark(&format!("{}_start", d.name), d.from)
+            .mark(&format!("{}_end", d.name), d.until)
+    })
 }
 
 /// The clock of the stage times in the log.

@@ -59,6 +59,30 @@ fn a_rotor_pushes_along_its_axis_and_turns_against_its_drag() {
 }
 
 #[test]
+fn weak_rotors_produce_less_than_was_commanded() {
+    let robot = hexarotor();
+    let thrusts = |mismatch: Mismatch| {
+        let config = PlantConfig {
+            mismatch,
+            ..PlantConfig::default()
+        };
+        let mut plant = Plant::new(&robot, &config, robot.home.clone()).unwrap();
+        let mut command = PlantCommand::rest(&robot);
+        command.values_mut()[..2].copy_from_slice(&[4.0, 9.0]);
+        plant.settle_rotors(&command).unwrap();
+        [plant.thrusts()[0], plant.thrusts()[1]]
+    };
+    let with = |thrust_scale, thrust_max| Mismatch {
+        thrust_scale,
+        thrust_max,
+        ..Mismatch::default()
+    };
+    assert_eq!(thrusts(with(1.0, f64::INFINITY)), [4.0, 9.0]);
+    assert_eq!(thrusts(with(1.0, 7.0)), [4.0, 7.0]);
+    assert_eq!(thrusts(with(0.5, 7.0)), [2.0, 4.5]);
+}
+
+#[test]
 fn mismatch_changes_the_plants_model_only() {
     let robot = hexarotor();
     let config = PlantConfig {
@@ -66,7 +90,7 @@ fn mismatch_changes_the_plants_model_only() {
             mass_scale: 1.05,
             com_shift: [0.01, 0.0, 0.0],
             inertia_scale: 1.2,
-            thrust_scale: 1.0,
+            ..Mismatch::default()
         },
         ..PlantConfig::default()
     };
@@ -160,6 +184,7 @@ fn loaded(load: f64) -> Plant {
     let robot = two_links(Drive::Velocity, 0.0, 0.0);
     let config = PlantConfig {
         disturbances: vec![Disturbance {
+            name: wbqp_sim::plant::DISTURBANCE.into(),
             frame: "shoulder_link".into(),
             force: [0.0; 3],
             moment: [0.0, load, 0.0],

@@ -16,6 +16,7 @@ use wbqp_sim::{
 fn refused(change: impl FnOnce(&mut PlantConfig)) -> String {
     let mut config = against(wall());
     config.disturbances.push(Disturbance {
+        name: wbqp_sim::plant::DISTURBANCE.into(),
         frame: "tip".into(),
         force: [0.0; 3],
         moment: [0.0; 3],

@@ -104,6 +104,7 @@ fn contact_and_stick_converge_at_fourth_order() {
 
 fn push(force: [f64; 3]) -> Disturbance {
     Disturbance {
+        name: wbqp_sim::plant::DISTURBANCE.into(),
         frame: "tip".into(),
         force,
         moment: [0.0; 3],
@@ -214,6 +215,7 @@ fn disturbance_acts_in_its_window_at_its_frame() {
     let robot = block();
     let config = PlantConfig {
         disturbances: vec![Disturbance {
+            name: wbqp_sim::plant::DISTURBANCE.into(),
             frame: "tip".into(),
             force: [-3.5, 0.0, 0.0],
             moment: [0.0, 0.0, 0.08],
@@ -236,6 +238,7 @@ fn disturbance_acts_in_its_window_at_its_frame() {
     assert!((plant.state().v[5] - 0.08 * 0.2 / 0.04).abs() < 1e-9);
 
     let late = Disturbance {
+        name: wbqp_sim::plant::DISTURBANCE.into(),
         force: [0.0, 2.0, 0.0],
         moment: [0.0; 3],
         from: 0.0,

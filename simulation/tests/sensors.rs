@@ -25,6 +25,7 @@ fn pressed() -> Plant {
     let robot = carriage();
     let config = PlantConfig {
         disturbances: vec![Disturbance {
+            name: wbqp_sim::plant::DISTURBANCE.into(),
             frame: "tip".into(),
             force: [5.0, 0.0, 0.0],
             moment: [0.0; 3],

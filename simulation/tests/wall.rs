@@ -12,6 +12,7 @@ use wbqp_sim::{
 
 fn push(force: [f64; 3], from: f64, until: f64) -> Disturbance {
     Disturbance {
+        name: wbqp_sim::plant::DISTURBANCE.into(),
         frame: "tip".into(),
         force,
         moment: [0.0; 3],

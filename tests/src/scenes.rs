@@ -119,8 +119,8 @@ impl Scene {
             })
         };
         match self.kind {
-            Kind::Othex => Box::new(Othex {}),
-            Kind::OthexVertical => Box::new(OthexVertical {}),
+            Kind::Othex => Box::new(Othex::default()),
+            Kind::OthexVertical => Box::new(OthexVertical::default()),
             Kind::Quadruped => urdf("quadruped.urdf", BaseKind::Floating),
             Kind::FixedArm => urdf("fixed_arm.urdf", BaseKind::Fixed),
         }

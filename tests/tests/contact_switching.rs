@@ -199,6 +199,7 @@ fn the_measured_force_switches() {
     // Pulled away harder than the controller can push, it is switched off, and stays so on the way back.
     let time = running.time();
     let pull = plant::Disturbance {
+        name: plant::DISTURBANCE.into(),
         frame: "base_link".into(),
         force: [-15.0, 0.0, 0.0],
         moment: [0.0; 3],

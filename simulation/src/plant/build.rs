@@ -237,7 +237,6 @@ fn disturbances(model: &Model, list: &[Disturbance]) -> Result<Vec<ActiveDisturb
 }
 
 fn rotors(robot: &RobotModel, config: &PlantConfig) -> Result<Vec<RotorPlant>, PlantError> {
-    let scale = config.mismatch.thrust_scale;
     robot
         .rotors()
         .map(|(index, actuator, rotor)| {
@@ -247,7 +246,14 @@ fn rotors(robot: &RobotModel, config: &PlantConfig) -> Result<Vec<RotorPlant>, P
                     what: "a rotor needs finite thrust limits".into(),
                 });
             }
-            RotorPlant::new(index, actuator, rotor, scale, config.step, &robot.model)
+            RotorPlant::new(
+                index,
+                actuator,
+                rotor,
+                &config.mismatch,
+                config.step,
+                &robot.model,
+            )
         })
         .collect()
 }

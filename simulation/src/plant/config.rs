@@ -10,6 +10,9 @@ use crate::check::Problems;
 /// Largest step that is accepted, s: the contact needs it.
 pub const LARGEST_STEP: f64 = 4e-4;
 
+/// Name of a disturbance that is given none.
+pub const DISTURBANCE: &str = "disturbance";
+
 /// Everything about the simulated world that is not the robot. The default is free space, exact parameters.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
@@ -49,6 +52,8 @@ pub struct Mismatch {
     pub inertia_scale: f64,
     /// Thrust that rotors produce relative to the thrust that was commanded.
     pub thrust_scale: f64,
+    /// Largest thrust that a rotor produces, N, whatever the controller's limit; `inf` for no other limit.
+    pub thrust_max: f64,
 }
 
 /// A velocity servo: `v̇ = sat((v_ref − v) / time_constant)`, whatever effort that takes up to the stall limit.
@@ -106,6 +111,9 @@ pub struct ContactPointConfig {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Disturbance {
+    /// Name under which the log's timeline keeps its start and end, and by which a case changes it.
+    #[serde(default = "disturbance_name")]
+    pub name: String,
     /// Named frame of the robot; links are frames too.
     pub frame: String,
     /// Force on the robot, N, world axes.
@@ -131,6 +139,9 @@ fn damping() -> f64 {
 }
 fn friction() -> f64 {
     0.5
+}
+fn disturbance_name() -> String {
+    DISTURBANCE.to_owned()
 }
 fn never() -> f64 {
     f64::INFINITY
@@ -158,6 +169,7 @@ impl Default for Mismatch {
             com_shift: [0.0; 3],
             inertia_scale: 1.0,
             thrust_scale: 1.0,
+            thrust_max: f64::INFINITY,
         }
     }
 }
@@ -257,11 +269,13 @@ impl PlantConfig {
             com_shift,
             inertia_scale,
             thrust_scale,
+            thrust_max,
         } = self.mismatch;
         problems.positive("mismatch.mass_scale", mass_scale, false);
         problems.finite("mismatch.com_shift", &com_shift);
         problems.positive("mismatch.inertia_scale", inertia_scale, false);
         problems.positive("mismatch.thrust_scale", thrust_scale, false);
+        problems.positive("mismatch.thrust_max", thrust_max, true);
         let ServoConfig {
             time_constant,
             acceleration_limit,

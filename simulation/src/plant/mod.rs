@@ -34,7 +34,8 @@ use wbqp::{
 
 pub use command::{CommandDelay, PlantCommand};
 pub use config::{
-    ContactPointConfig, Disturbance, LARGEST_STEP, Mismatch, PlantConfig, ServoConfig, WallConfig,
+    ContactPointConfig, DISTURBANCE, Disturbance, LARGEST_STEP, Mismatch, PlantConfig, ServoConfig,
+    WallConfig,
 };
 pub use contact::ContactTruth;
 pub use error::PlantError;

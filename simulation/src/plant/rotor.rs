@@ -4,7 +4,8 @@
 //! `f` is the thrust produced, N; `z_i` the z axis of rotor i's frame in world axes; `k_m` the moment
 //! coefficient, m; `σ` the sign of the reaction torque.
 //! ```text
-//! ḟ = (s·sat(f_cmd) − f) / τ        τ = rise while f rises, fall while it falls; s = thrust_scale
+//! ḟ = (min(s·sat(f_cmd), f_m) − f) / τ    τ = rise while f rises, fall while it falls
+//!                                         s = thrust_scale, f_m = thrust_max
 //! force f z_i at the frame's origin, moment σ k_m f z_i
 //! ```
 #![allow(non_snake_case)]
@@ -16,7 +17,7 @@ use wbqp::{
     model::{BodyId, FrameId, Model},
 };
 
-use super::PlantError;
+use super::{Mismatch, PlantError};
 
 /// A rotor of the plant.
 #[derive(Clone, Copy, Debug)]
@@ -28,6 +29,7 @@ pub(super) struct RotorPlant {
     lower: f64,
     upper: f64,
     scale: f64,
+    max: f64,
     rise: f64,
     fall: f64,
     /// `σ k_m`, m.
@@ -39,7 +41,7 @@ impl RotorPlant {
         index: usize,
         actuator: &Actuator,
         rotor: &Rotor,
-        scale: f64,
+        mismatch: &Mismatch,
         step: f64,
         model: &Model,
     ) -> Result<Self, PlantError> {
@@ -68,7 +70,8 @@ impl RotorPlant {
             body: frame.body,
             lower: actuator.lower,
             upper: actuator.upper,
-            scale,
+            scale: mismatch.thrust_scale,
+            max: mismatch.thrust_max,
             rise: rotor.rise,
             fall: rotor.fall,
             moment: rotor.reaction.sign() * rotor.moment_coefficient,
@@ -77,7 +80,7 @@ impl RotorPlant {
 
     /// Thrust that a command leads to, N.
     pub(super) fn target(&self, command: f64) -> f64 {
-        self.scale * command.clamp(self.lower, self.upper)
+        (self.scale * command.clamp(self.lower, self.upper)).min(self.max)
     }
 
     /// `ḟ`, N/s.

@@ -19,16 +19,16 @@ pub enum ScenarioError {
     /// The text is not a scenario.
     #[error("{place}: {message}")]
     Syntax {
-        /// `file:line:column`.
+        /// `file:line:column`; for a value of a variation, the value.
         place: String,
         /// What is wrong.
         message: String,
     },
     /// A value makes no sense or a name refers to nothing.
-    #[error("{file}: {what}")]
+    #[error("{place}: {what}")]
     Value {
-        /// The file.
-        file: String,
+        /// The file, with line and column where they are known.
+        place: String,
         /// Key and what is wrong.
         what: String,
     },
@@ -53,6 +53,16 @@ pub enum ScenarioError {
         controller: String,
         /// What is wrong.
         source: Box<ControllerError>,
+    },
+    /// Something is wrong in one case.
+    #[error("{source}\nin case `{case}` of {file}")]
+    Case {
+        /// The scenario's file.
+        file: String,
+        /// The case, whose own values and entries count.
+        case: String,
+        /// What is wrong.
+        source: Box<ScenarioError>,
     },
     /// The plant or its sensors are refused.
     #[error("{}", plant_message(file, table, source))]

@@ -9,7 +9,7 @@ use wbqp::{controller::Controller, entry::Weight, reference::Reference};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Event {
-    /// When, s: before the first tick at or after this time. After the end of the run, never.
+    /// When, s: before the first tick at or after this time, which must not be after the run's end.
     pub at: f64,
     /// Name under which the log's timeline keeps the time.
     #[serde(default, skip_serializing_if = "Option::is_none")]

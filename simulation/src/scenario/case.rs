@@ -1,0 +1,272 @@
+//! One case of a scenario, with everything that the file, its changes and a variation say.
+
+use std::{
+    collections::BTreeMap,
+    ops::Range,
+    path::{Path, PathBuf},
+};
+
+use nalgebra::{UnitQuaternion, Vector3};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use toml::Spanned;
+use wbqp::{
+    config::{ControllerConfig, Overrides},
+    contact::Detector,
+    controller::Controller,
+    model::Model,
+    robot::RobotModel,
+    state::State,
+};
+
+use super::{
+    Event, ScenarioError,
+    file::{CaseFile, Keys, Text},
+};
+use crate::{Plant, PlantConfig, PlantError, Sensors, SensorsConfig};
+
+/// One case of a [`Scenario`](super::Scenario).
+#[derive(Clone, Debug)]
+pub struct Case {
+    name: String,
+    /// The scenario's file.
+    file: String,
+    controller: PathBuf,
+    set: Overrides,
+    duration: f64,
+    initial: Initial,
+    plant: PlantConfig,
+    sensors: SensorsConfig,
+    detectors: Vec<Detector>,
+    events: Vec<Event>,
+    /// Where the detectors and the events are in the text.
+    places: [Vec<Range<usize>>; 2],
+}
+
+/// Where the robot starts, at rest.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Initial {
+    /// Position of the base, m, world.
+    pub position: [f64; 3],
+    /// Roll, pitch, yaw of the base, rad.
+    pub rpy: [f64; 3],
+    /// Joint positions that differ from the robot's home, rad or m.
+    pub joints: BTreeMap<String, f64>,
+}
+
+impl Case {
+    pub(super) fn new(case: CaseFile, file: &str, directory: &Path) -> Self {
+        let Keys {
+            controller,
+            duration,
+            initial,
+            plant,
+            sensors,
+            detectors,
+            events,
+            ..
+        } = case.keys;
+        let places = [
+            detectors.iter().map(Spanned::span).collect(),
+            events.iter().map(Spanned::span).collect(),
+        ];
+        Self {
+            name: case.name,
+            file: file.to_owned(),
+            controller: directory.join(controller),
+            set: case.set,
+            duration,
+            initial,
+            plant,
+            sensors,
+            detectors: detectors.into_iter().map(Spanned::into_inner).collect(),
+            events: events.into_iter().map(Spanned::into_inner).collect(),
+            places,
+        }
+    }
+
+    /// Its name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Simulated time, s.
+    pub fn duration(&self) -> f64 {
+        self.duration
+    }
+
+    /// Where the robot starts.
+    pub fn initial(&self) -> &Initial {
+        &self.initial
+    }
+
+    /// The simulated world.
+    pub fn plant(&self) -> &PlantConfig {
+        &self.plant
+    }
+
+    /// What the controller measures.
+    pub fn sensors(&self) -> &SensorsConfig {
+        &self.sensors
+    }
+
+    /// Contacts switched by measured force.
+    pub fn detectors(&self) -> &[Detector] {
+        &self.detectors
+    }
+
+    /// What changes at a given time, in the file's order.
+    pub fn events(&self) -> &[Event] {
+        &self.events
+    }
+
+    /// What is put into the controller's file.
+    pub fn overrides(&self) -> &Overrides {
+        &self.set
+    }
+
+    /// The controller's configuration.
+    ///
+    /// # Errors
+    /// [`ScenarioError::Config`] if it is refused.
+    pub fn controller_config(&self) -> Result<ControllerConfig, ScenarioError> {
+        ControllerConfig::from_file_with(&self.controller, &self.set).map_err(|errors| {
+            ScenarioError::Config {
+                file: self.file.clone(),
+                case: self.name.clone(),
+                source: Box::new(errors),
+            }
+        })
+    }
+
+    pub(crate) fn make_controller(
+        &self,
+        config: ControllerConfig,
+    ) -> Result<Controller, ScenarioError> {
+        Controller::new(config).map_err(|source| ScenarioError::Controller {
+            file: self.file.clone(),
+            case: self.name.clone(),
+            controller: self.controller.display().to_string(),
+            source: Box::new(source),
+        })
+    }
+
+    pub(crate) fn make_plant(&self, robot: &RobotModel) -> Result<Plant, ScenarioError> {
+        let initial = self.initial_state(robot)?;
+        Plant::new(robot, &self.plant, initial).map_err(|e| self.plant_error("plant", e))
+    }
+
+    pub(crate) fn make_sensors(&self, plant: &Plant, seed: u64) -> Result<Sensors, ScenarioError> {
+        Sensors::new(&self.sensors, plant, seed).map_err(|e| self.plant_error("sensors", e))
+    }
+
+    fn initial_state(&self, robot: &RobotModel) -> Result<State, ScenarioError> {
+        let Initial {
+            position,
+            rpy,
+            joints,
+        } = &self.initial;
+        if !position
+            .iter()
+            .chain(rpy)
+            .chain(joints.values())
+            .all(|x| x.is_finite())
+        {
+            return Err(self.refuse("initial: has a number that is not finite"));
+        }
+        let mut state = robot.home.clone();
+        state.p_WR = Vector3::from(*position);
+        state.R_WR = UnitQuaternion::from_euler_angles(rpy[0], rpy[1], rpy[2]);
+        for (name, position) in joints {
+            let joint = robot.model.joint(name).ok_or_else(|| {
+                self.refuse(&format!(
+                    "initial.joints: the robot has no joint `{name}`; known: {}",
+                    joint_names(&robot.model)
+                ))
+            })?;
+            state.q[joint.index()] = *position;
+        }
+        Ok(state)
+    }
+
+    /// Number of control periods.
+    pub(crate) fn ticks(&self, rate: f64) -> usize {
+        (self.duration * rate).round() as usize
+    }
+
+    /// Makes everything once.
+    pub(super) fn check(&self, text: &Text<'_>) -> Result<(), ScenarioError> {
+        if !(self.duration.is_finite() && self.duration > 0.0) {
+            return Err(self.refuse(&format!(
+                "duration: is {} s, must be positive and finite",
+                self.duration
+            )));
+        }
+        let mut controller = self.make_controller(self.controller_config()?)?;
+        let plant = self.make_plant(controller.robot())?;
+        self.make_sensors(&plant, 0)?;
+        let [detectors, events] = &self.places;
+        for (detector, span) in self.detectors.iter().zip(detectors) {
+            let refuse = |what: String| ScenarioError::Value {
+                place: text.place(span.start),
+                what: format!("detector: {what}"),
+            };
+            detector.validate().map_err(|e| refuse(e.to_string()))?;
+            let contact = controller
+                .contact(&detector.contact)
+                .map_err(|e| refuse(e.to_string()))?;
+            let frame = &controller.contact_spec(contact).frame;
+            if !self.sensors.force_torque.iter().any(|s| &s.frame == frame) {
+                return Err(refuse(format!(
+                    "no force is measured at contact `{}`: there is no [[sensors.force_torque]] with frame = \"{frame}\"",
+                    detector.contact
+                )));
+            }
+        }
+        let rate = controller.settings().rate;
+        let last_tick = self.ticks(rate).saturating_sub(1) as f64 / rate;
+        for (i, (event, span)) in self.events.iter().zip(events).enumerate() {
+            let refuse = |what: String| ScenarioError::Value {
+                place: text.place(span.start),
+                what: match &event.mark {
+                    Some(mark) => format!("event `{mark}` at {} s: {what}", event.at),
+                    None => format!("event at {} s: {what}", event.at),
+                },
+            };
+            // The check applies every event to a controller that never runs.
+            event.apply(&mut controller).map_err(&refuse)?;
+            if event.at > last_tick + 1e-6 / rate {
+                return Err(refuse(format!(
+                    "would never happen: the last tick is at {last_tick:.3} s"
+                )));
+            }
+            let earlier = &self.events[..i];
+            if event.mark.is_some() && earlier.iter().any(|e| e.mark == event.mark) {
+                return Err(refuse("another event has the same mark".into()));
+            }
+        }
+        Ok(())
+    }
+
+    fn refuse(&self, what: &str) -> ScenarioError {
+        ScenarioError::Value {
+            place: self.file.clone(),
+            what: what.to_owned(),
+        }
+    }
+
+    /// Keys in the error count from `table`.
+    fn plant_error(&self, table: &'static str, source: PlantError) -> ScenarioError {
+        ScenarioError::Plant {
+            file: self.file.clone(),
+            table,
+            source: Box::new(source),
+        }
+    }
+}
+
+fn joint_names(model: &Model) -> String {
+    let names: Vec<&str> = model.joints().iter().map(|j| j.name.as_str()).collect();
+    names.join(", ")
+}

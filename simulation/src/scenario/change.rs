@@ -1,0 +1,264 @@
+//! What a case takes from the scenario's file: entries that are not for it left out, its changes put in.
+//!
+//! Works on the parsed text, so that whatever is wrong afterwards still has its place in the file.
+
+use std::{collections::BTreeMap, ops::Range};
+
+use toml::{
+    Spanned,
+    de::{DeArray, DeTable, DeValue},
+};
+
+/// A list of the file, the key by which changes name its entries, and the name of one without that key.
+struct List {
+    path: &'static [&'static str],
+    key: &'static str,
+    default: Option<&'static str>,
+}
+
+const LISTS: [List; 6] = [
+    list(&["event"], "mark"),
+    list(&["detector"], "contact"),
+    list(&["plant", "wall"], "name"),
+    list(&["plant", "contact_point"], "frame"),
+    List {
+        path: &["plant", "disturbance"],
+        key: "name",
+        default: Some(crate::plant::DISTURBANCE),
+    },
+    list(&["sensors", "force_torque"], "frame"),
+];
+
+const fn list(path: &'static [&'static str], key: &'static str) -> List {
+    List {
+        path,
+        key,
+        default: None,
+    }
+}
+
+/// Keys of the file that are the same in every case.
+const FIXED: [&str; 2] = ["name", "case"];
+
+impl List {
+    fn name_of<'a>(&self, entry: &'a DeValue<'_>) -> Option<&'a str> {
+        let given = entry.as_table()?.get(self.key);
+        given.map_or(self.default, |name| name.get_ref().as_str())
+    }
+
+    fn display(&self) -> String {
+        format!("[[{}]]", self.path.join("."))
+    }
+
+    fn last(&self) -> &'static str {
+        self.path.last().copied().unwrap_or_default()
+    }
+}
+
+/// What is wrong, and where in the text.
+#[derive(Debug)]
+pub(super) struct Refusal {
+    pub(super) span: Range<usize>,
+    pub(super) message: String,
+}
+
+/// Names of the entries that a case leaves out, by the list's last key.
+pub(super) type LeftOut = BTreeMap<&'static str, Vec<String>>;
+
+/// Leaves out the entries whose `cases` do not contain a case, and the keys `cases`.
+pub(super) fn select(
+    root: &mut DeTable<'_>,
+    case: &str,
+    known: &[&str],
+) -> Result<LeftOut, Refusal> {
+    let mut all_left_out = LeftOut::new();
+    for list in &LISTS {
+        let Some(DeValue::Array(entries)) = descend(root, list.path) else {
+            continue;
+        };
+        let (mut left, mut left_out) = (DeArray::new(), Vec::new());
+        for mut entry in std::mem::replace(entries, DeArray::new()) {
+            if belongs(&mut entry, case, known)? {
+                left.push(entry);
+            } else {
+                left_out.extend(list.name_of(entry.get_ref()).map(str::to_owned));
+            }
+        }
+        *entries = left;
+        all_left_out.insert(list.last(), left_out);
+    }
+    Ok(all_left_out)
+}
+
+/// Whether an entry is for a case; takes out its `cases`.
+fn belongs(entry: &mut Spanned<DeValue<'_>>, case: &str, known: &[&str]) -> Result<bool, Refusal> {
+    let DeValue::Table(keys) = entry.get_mut() else {
+        return Ok(true);
+    };
+    let Some(cases) = keys.remove("cases") else {
+        return Ok(true);
+    };
+    let refuse = |span, message| Err(Refusal { span, message });
+    let DeValue::Array(names) = cases.get_ref() else {
+        let found = cases.get_ref().type_str();
+        let message = format!("`cases` must be a list of cases' names, found {found}");
+        return refuse(cases.span(), message);
+    };
+    if names.is_empty() {
+        let message = "`cases` is empty: this would be in no case".to_owned();
+        return refuse(cases.span(), message);
+    }
+    let mut found = false;
+    for name in names {
+        match name.get_ref().as_str() {
+            Some(name) if known.contains(&name) => found |= name == case,
+            Some(other) => {
+                let known = known.join(", ");
+                let message = format!("there is no case `{other}`; known: {known}");
+                return refuse(name.span(), message);
+            }
+            None => {
+                let found = name.get_ref().type_str();
+                let message = format!("`cases` must be a list of cases' names, found {found}");
+                return refuse(name.span(), message);
+            }
+        }
+    }
+    Ok(found)
+}
+
+fn descend<'a, 't>(table: &'a mut DeTable<'t>, path: &[&str]) -> Option<&'a mut DeValue<'t>> {
+    let (first, rest) = path.split_first()?;
+    let value = table.get_mut(*first)?.get_mut();
+    match (rest.is_empty(), value) {
+        (true, value) => Some(value),
+        (false, DeValue::Table(inner)) => descend(inner, rest),
+        _ => None,
+    }
+}
+
+/// Whose changes they are.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Whose<'a> {
+    /// The case's own: every entry that they name must be there.
+    Case,
+    /// A variation's, which is the same for all cases: an entry that this case leaves out is none of its business.
+    Variation(&'a LeftOut),
+}
+
+/// Puts changes into the file.
+pub(super) fn apply<'t>(
+    root: &mut DeTable<'t>,
+    changes: &DeTable<'t>,
+    whose: Whose<'_>,
+) -> Result<(), Refusal> {
+    for (key, _) in changes {
+        if FIXED.contains(&&**key.get_ref()) {
+            return Err(Refusal {
+                span: key.span(),
+                message: format!("`{}` is the same in every case", key.get_ref()),
+            });
+        }
+    }
+    merge(root, changes, whose, &mut Vec::new())
+}
+
+fn merge<'t>(
+    table: &mut DeTable<'t>,
+    changes: &DeTable<'t>,
+    whose: Whose<'_>,
+    path: &mut Vec<String>,
+) -> Result<(), Refusal> {
+    for (key, change) in changes {
+        path.push(key.get_ref().to_string());
+        let list = LISTS.iter().find(|list| list.path == path.as_slice());
+        match change.get_ref() {
+            DeValue::Table(changes) if list.is_some() || !changes.contains_key("type") => {
+                let old = table
+                    .entry(key.clone())
+                    .or_insert_with(|| Spanned::new(change.span(), nothing(list)));
+                match (old.get_mut(), list) {
+                    (DeValue::Table(old), None) => merge(old, changes, whose, path)?,
+                    (DeValue::Array(entries), Some(list)) => {
+                        merge_entries(entries, changes, list, whose, path)?;
+                    }
+                    (other, _) => *other = change.get_ref().clone(),
+                }
+            }
+            // Lists and numbers, and references: what has a `type` is replaced as a whole.
+            _ => {
+                table.insert(key.clone(), change.clone());
+            }
+        }
+        path.pop();
+    }
+    Ok(())
+}
+
+fn nothing<'t>(list: Option<&List>) -> DeValue<'t> {
+    match list {
+        Some(_) => DeValue::Array(DeArray::new()),
+        None => DeValue::Table(DeTable::new()),
+    }
+}
+
+fn merge_entries<'t>(
+    entries: &mut DeArray<'t>,
+    changes: &DeTable<'t>,
+    list: &List,
+    whose: Whose<'_>,
+    path: &mut Vec<String>,
+) -> Result<(), Refusal> {
+    for (name, change) in changes {
+        let is_named =
+            |entry: &Spanned<DeValue<'_>>| list.name_of(entry.get_ref()) == Some(&**name.get_ref());
+        let refuse = |what: String| Refusal {
+            span: name.span(),
+            message: format!("{} {what}", list.display()),
+        };
+        let known: Vec<String> = entries
+            .iter()
+            .filter_map(|entry| list.name_of(entry.get_ref()))
+            .map(str::to_owned)
+            .collect();
+        let mut found = entries.iter_mut().filter(|entry| is_named(entry));
+        let (entry, other) = (found.next(), found.next());
+        if other.is_some() {
+            let what = format!("with {} `{}` is there twice", list.key, name.get_ref());
+            return Err(refuse(what));
+        }
+        let Some(entry) = entry else {
+            if let Whose::Variation(left_out) = whose
+                && let Some(names) = left_out.get(list.last())
+                && names.iter().any(|other| other == name.get_ref())
+            {
+                continue;
+            }
+            let known = if known.is_empty() {
+                "none".to_owned()
+            } else {
+                known.join(", ")
+            };
+            let what = format!(
+                "with {} `{}` is not there; known: {known}",
+                list.key,
+                name.get_ref()
+            );
+            return Err(refuse(what));
+        };
+        let (DeValue::Table(keys), DeValue::Table(changes)) = (entry.get_mut(), change.get_ref())
+        else {
+            return Err(Refusal {
+                span: change.span(),
+                message: format!(
+                    "must be a table of values, found {}",
+                    change.get_ref().type_str()
+                ),
+            });
+        };
+        path.push(name.get_ref().to_string());
+        merge(keys, changes, whose, path)?;
+        path.pop();
+    }
+    Ok(())
+}

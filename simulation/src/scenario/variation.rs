@@ -1,0 +1,150 @@
+//! Values of a run that differ from its scenario's: what a sweep varies.
+
+use serde::{Deserialize, Serialize};
+use toml::{Table, Value};
+use wbqp::{
+    config::{Overrides, Target},
+    robot::SourceFile,
+};
+
+use super::ScenarioError;
+
+/// Changes on top of every case, in the form that a case has: `change` for the scenario, `set` for the controller.
+///
+/// ```
+/// use wbqp::config::Target;
+/// use wbqp_sim::Variation;
+///
+/// let from_text = Variation::from_toml(
+///     "change.plant.mismatch.mass_scale = 1.05\nset.task.base_orientation.kp = 60.0",
+/// )?;
+/// let from_code = Variation::new()
+///     .change("plant.mismatch.mass_scale", 1.05)
+///     .set(Target::Task("base_orientation".into()), "kp", 60.0);
+/// assert_eq!(from_text, from_code);
+/// # Ok::<(), wbqp_sim::ScenarioError>(())
+/// ```
+/// [`Scenario::varied`](super::Scenario::varied) applies and checks it. A named part of the scenario that some cases
+/// do not have is changed in the others.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Variation {
+    /// In the shape of the scenario's file, with names for the entries of lists.
+    #[serde(skip_serializing_if = "Table::is_empty")]
+    change: Table,
+    #[serde(skip_serializing_if = "Overrides::is_empty")]
+    set: Overrides,
+}
+
+impl Variation {
+    /// Changes nothing.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Reads keys `change.…` and `set.…` as in a `[[case]]`.
+    ///
+    /// # Errors
+    /// [`ScenarioError::Syntax`] with line and column.
+    pub fn from_toml(text: &str) -> Result<Self, ScenarioError> {
+        toml::from_str(text).map_err(|error| super::file::syntax(&error, NAME, text))
+    }
+
+    /// Changes a value of the scenario, named by a path such as `plant.wall.NAME.friction`. Of two for the same path
+    /// the later counts.
+    pub fn change(mut self, path: &str, value: impl Into<Value>) -> Self {
+        let mut table = &mut self.change;
+        let mut keys = path.split('.').peekable();
+        while let Some(key) = keys.next() {
+            if keys.peek().is_none() {
+                table.insert(key.to_owned(), value.into());
+                break;
+            }
+            let inner = table
+                .entry(key)
+                .or_insert_with(|| Value::Table(Table::new()));
+            if !inner.is_table() {
+                *inner = Value::Table(Table::new());
+            }
+            match inner {
+                Value::Table(inner) => table = inner,
+                _ => break,
+            }
+        }
+        self
+    }
+
+    /// Changes a value of the controller, as [`Overrides::with`].
+    pub fn set(mut self, target: Target, key: &str, value: impl Into<Value>) -> Self {
+        self.set.push(target, key, value);
+        self
+    }
+
+    /// This one, then another.
+    pub fn then(mut self, other: &Self) -> Self {
+        merge(&mut self.change, &other.change);
+        for each in &other.set {
+            self.set
+                .push(each.target.clone(), &each.key, each.value.clone());
+        }
+        self
+    }
+
+    /// Whether it changes nothing.
+    pub fn is_empty(&self) -> bool {
+        self.change.is_empty() && self.set.is_empty()
+    }
+
+    pub(super) fn overrides(&self) -> &Overrides {
+        &self.set
+    }
+
+    /// The changes of the scenario as TOML, a line per value, with its whole path.
+    pub(super) fn changes(&self) -> String {
+        let mut lines = String::new();
+        write_lines(&self.change, "", &mut lines);
+        lines
+    }
+
+    /// What a log keeps of it; nothing if it changes nothing.
+    pub(crate) fn source(&self) -> Option<SourceFile> {
+        (!self.is_empty()).then(|| SourceFile {
+            name: NAME.to_owned(),
+            media_type: "application/toml",
+            contents: toml::to_string(self).unwrap_or_default(),
+        })
+    }
+}
+
+/// What errors and logs call it.
+const NAME: &str = "variation.toml";
+
+fn write_lines(table: &Table, path: &str, lines: &mut String) {
+    for (key, value) in table {
+        let bare = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+        let path = if !key.is_empty() && key.chars().all(bare) {
+            format!("{path}{key}")
+        } else {
+            format!("{path}{}", Value::from(key.as_str()))
+        };
+        match value {
+            Value::Table(inner) if !inner.contains_key("type") => {
+                write_lines(inner, &format!("{path}."), lines);
+            }
+            value => lines.push_str(&format!("{path} = {value}\n")),
+        }
+    }
+}
+
+fn merge(into: &mut Table, from: &Table) {
+    for (key, value) in from {
+        match (into.get_mut(key), value) {
+            (Some(Value::Table(old)), Value::Table(new)) if !new.contains_key("type") => {
+                merge(old, new);
+            }
+            _ => {
+                into.insert(key.clone(), value.clone());
+            }
+        }
+    }
+}
