@@ -2,4 +2,5 @@
 
 pub mod closed_loop;
 pub mod random_model;
+pub mod random_qp;
 pub mod scenes;

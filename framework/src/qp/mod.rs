@@ -9,6 +9,7 @@
 //! active upper side, negative on an active lower side**, so that at the optimum
 //! `H x + g + Aᵀ y + z = 0`.
 
+mod active_set;
 mod clarabel;
 mod optimality;
 mod polish;
@@ -16,6 +17,7 @@ mod problem;
 mod scaling;
 mod solver;
 
+pub use active_set::ActiveSet;
 pub use clarabel::Clarabel;
 pub use optimality::Optimality;
 pub use problem::{Capacity, Qp, RowId, VarId};

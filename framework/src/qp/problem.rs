@@ -9,6 +9,11 @@ pub struct RowId(pub(crate) u32);
 pub struct VarId(pub(crate) u32);
 
 impl RowId {
+    /// The row at a position of a table of rows.
+    pub fn new(index: u32) -> Self {
+        Self(index)
+    }
+
     /// Position in the table of rows.
     pub fn index(self) -> usize {
         self.0 as usize
@@ -16,6 +21,11 @@ impl RowId {
 }
 
 impl VarId {
+    /// The variable at a position of a table of variables.
+    pub fn new(index: u32) -> Self {
+        Self(index)
+    }
+
     /// Position in the table of variables.
     pub fn index(self) -> usize {
         self.0 as usize

@@ -1,0 +1,68 @@
+//! Rows and bounds seen as one list of constraints: rows first, then one bound per variable.
+
+use super::kernels::dot;
+use crate::qp::Qp;
+
+/// A constraint held at one of its limits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Active {
+    /// Index of the row, or m + index of the variable.
+    pub(super) index: usize,
+    /// +1 at the upper limit, −1 at the lower one, 0 for an equality, whose multiplier may have any sign.
+    pub(super) side: f64,
+    /// Value of that limit.
+    pub(super) limit: f64,
+}
+
+/// Number of constraints.
+pub(super) fn count(qp: &Qp) -> usize {
+    qp.m() + qp.n()
+}
+
+/// Lower and upper limit.
+pub(super) fn limits(qp: &Qp, index: usize) -> (f64, f64) {
+    match index.checked_sub(qp.m()) {
+        None => (qp.row_lower()[index], qp.row_upper()[index]),
+        Some(j) => (qp.lower()[j], qp.upper()[j]),
+    }
+}
+
+/// `aᵀ x`.
+pub(super) fn value(qp: &Qp, index: usize, x: &[f64]) -> f64 {
+    match index.checked_sub(qp.m()) {
+        None => dot(qp.row(index), x),
+        Some(j) => x[j],
+    }
+}
+
+/// `|a|ᵀ |x|`: the size of the numbers whose rounding a value carries.
+pub(super) fn magnitude(qp: &Qp, index: usize, x: &[f64]) -> f64 {
+    match index.checked_sub(qp.m()) {
+        None => qp
+            .row(index)
+            .iter()
+            .zip(x)
+            .map(|(a, x)| (a * x).abs())
+            .sum(),
+        Some(j) => x[j].abs(),
+    }
+}
+
+/// Copies `a`.
+pub(super) fn copy_normal(qp: &Qp, index: usize, out: &mut [f64]) {
+    match index.checked_sub(qp.m()) {
+        None => out[..qp.n()].copy_from_slice(qp.row(index)),
+        Some(j) => {
+            out[..qp.n()].fill(0.0);
+            out[j] = 1.0;
+        }
+    }
+}
+
+/// `out += α a`.
+pub(super) fn add_normal(qp: &Qp, index: usize, alpha: f64, out: &mut [f64]) {
+    match index.checked_sub(qp.m()) {
+        None => super::kernels::axpy(out, alpha, qp.row(index)),
+        Some(j) => out[j] += alpha,
+    }
+}

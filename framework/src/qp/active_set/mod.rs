@@ -1,0 +1,106 @@
+//! A dense dual active-set solver, warm-started: the default.
+//!
+//! # Mathematics
+//! The problem is `min ½xᵀHx + gᵀx` subject to `l ≤ A x ≤ u` with rows and bounds of variables alike. For the
+//! constraints that are *held* at a limit, with normals N and limits b, the minimiser and its multipliers solve
+//! ```text
+//! H x + N λ = −g,   Nᵀ x = b
+//! ```
+//! (`working_set` says how). The method goes through pairs (held constraints, λ) that are dual feasible: λ ≥ 0 at
+//! upper, ≤ 0 at lower limits. From λ it moves towards the multipliers λ* of the minimiser. If one of them would change
+//! its sign on the way, the step ends there and that constraint is let go; at λ* the minimiser x is checked, and
+//! constraints that it violates are held next, with λ = 0. Every step raises the dual cost, so it ends: with
+//! nothing violated, which is the optimum, or with a violated constraint whose normal is a combination `a = N r` of those
+//! held. Then λ moves along `(−r, 1)`, which leaves x where it is, until a multiplier reaches zero and its constraint is
+//! let go. If none does, `(−r, 1)` is the proof that no point satisfies these constraints together (Farkas):
+//! `Aᵀ y + z = 0` while the limits weighted with the multipliers have a negative sum.
+//!
+//! Of several violated constraints the one is taken that is farthest away in the metric of H,
+//! `violation / ‖U⁻ᵀ a‖` with `H = UᵀU`, the distance that z has to go; in the first rounds all of them are taken together. At the
+//! end the pair is refined: residuals of the optimality conditions in the problem's own numbers, corrected with the
+//! factors at hand.
+//!
+//! The next solve begins with the constraints held last, found again by their [`RowId`](super::RowId) and
+//! [`VarId`](super::VarId), with λ = 0, which is dual feasible whatever has changed in between. Those with a λ* of the
+//! wrong sign are let go at once.
+//!
+//! Nothing depends on the scale of rows or variables: a pivot is compared with its diagonal entry, a violation with
+//! the numbers that were added up, dependence is an angle, and the choice of constraints is in the metric of H.
+//!
+//! # Sources
+//! D. Goldfarb, A. Idnani, *A numerically stable dual method for solving strictly convex quadratic programs*,
+//! Mathematical Programming 27 (1983), for the dual steps and the factorisation. D. Arnström, A. Bemporad, D. Axehill,
+//! *A dual active-set solver for embedded quadratic programming using recursive LDLᵀ updates*, IEEE TAC 67 (2022), for
+//! multipliers computed anew in every step, warm starts, and proximal steps. R. T. Rockafellar, *Monotone operators and
+//! the proximal point algorithm*, SIAM J. Control Optim. 14 (1976).
+
+mod constraint;
+mod hessian;
+mod kernels;
+mod orthogonal;
+mod solve;
+mod working_set;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::{Capacity, Qp, QpSolver, Solution};
+use solve::Workspace;
+
+/// Settings of the active-set solver.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ActiveSet {
+    /// Cap on the number of changes of the active set.
+    #[serde(default = "default_max_iterations")]
+    pub max_iterations: u32,
+    /// Violation of a row or bound that is accepted, relative to the numbers it is computed from.
+    #[serde(default = "default_tolerance")]
+    pub tolerance: f64,
+    #[serde(skip)]
+    workspace: Workspace,
+}
+
+fn default_max_iterations() -> u32 {
+    500
+}
+
+fn default_tolerance() -> f64 {
+    1e-12
+}
+
+impl Default for ActiveSet {
+    fn default() -> Self {
+        Self {
+            max_iterations: default_max_iterations(),
+            tolerance: default_tolerance(),
+            workspace: Workspace::default(),
+        }
+    }
+}
+
+#[crate::solver("active_set")]
+impl QpSolver for ActiveSet {
+    fn bind(&mut self, capacity: Capacity) -> Result<(), String> {
+        if self.max_iterations == 0 {
+            return Err("`max_iterations` must be at least 1".into());
+        }
+        if !(1e-15..=1e-6).contains(&self.tolerance) {
+            return Err(format!(
+                "`tolerance` is {}, must be between 1e-15 and 1e-6",
+                self.tolerance
+            ));
+        }
+        self.workspace = Workspace::new(capacity);
+        Ok(())
+    }
+
+    fn solve(&mut self, qp: &Qp, out: &mut Solution) {
+        self.workspace
+            .solve(qp, self.tolerance, self.max_iterations, out);
+    }
+
+    fn reset(&mut self) {
+        self.workspace.forget();
+    }
+}

@@ -1,0 +1,629 @@
+//! The dual iteration, from the factorisation to refined multipliers.
+
+use super::{
+    constraint::{Active, add_normal, copy_normal, count, limits, magnitude, value},
+    hessian::Hessian,
+    kernels::{axpy, dot, largest},
+    working_set::WorkingSet,
+};
+use crate::qp::{Capacity, Qp, RowId, Solution, Status, VarId};
+
+/// Rounds in which all violated constraints are held together.
+const JOINT_ROUNDS: u32 = 4;
+/// Rounds in which all constraints with a multiplier of the wrong sign are let go together, before any was exact.
+const GUESS_ROUNDS: u32 = 6;
+/// Residual of the optimality conditions, relative to their terms, that needs no refinement.
+const EXACT: f64 = 1e-14;
+/// Refinements, or proximal steps, on one set of held constraints.
+const REFINEMENTS: u32 = 50;
+/// A violation below this, relative to the numbers that are added up, may be the rounding of an `x` that is not refined.
+const ROUNDING: f64 = 1e-8;
+/// Times that a refined point may turn out to violate a constraint, or to hold one too many.
+const CORRECTIONS: u32 = 50;
+
+/// Relative violation, or multiplier of the wrong sign, that a refined point may have: the more, the longer it takes.
+const FORGIVEN: [f64; 4] = [1e-11, 1e-10, 1e-9, 1e-8];
+
+/// Who is held, by identity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Id {
+    Row(RowId),
+    Bound(VarId),
+}
+
+/// Why the dual iteration stopped.
+enum End {
+    /// Nothing is violated.
+    Optimal,
+    /// The certificate is in the solution.
+    Infeasible,
+    Budget,
+}
+
+/// Storage of the method, made once.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Workspace {
+    hessian: Hessian,
+    set: WorkingSet,
+    v: Vec<f64>,
+    x: Vec<f64>,
+    /// Which constraints are not to be checked: held, equalities, or without a remedy.
+    settled: Vec<bool>,
+    violated: Vec<(f64, Active)>,
+    w: Vec<f64>,
+    gradient: Vec<f64>,
+    p: Vec<f64>,
+    previous: Vec<(Id, f64)>,
+    tolerance: f64,
+    /// Size of the terms of the gradient at the last residuals.
+    size: f64,
+    iterations: u32,
+    max_iterations: u32,
+}
+
+impl Workspace {
+    pub(super) fn new(capacity: Capacity) -> Self {
+        let Capacity { vars: n, rows: m } = capacity;
+        Self {
+            hessian: Hessian::new(n),
+            set: WorkingSet::new(n),
+            v: vec![0.0; n],
+            x: vec![0.0; n],
+            settled: vec![false; m + n],
+            violated: Vec::with_capacity(m + n),
+            w: vec![0.0; n],
+            gradient: vec![0.0; n],
+            p: vec![0.0; n],
+            previous: Vec::with_capacity(n),
+            ..Self::default()
+        }
+    }
+
+    /// The next solve begins without any constraint held.
+    pub(super) fn forget(&mut self) {
+        self.previous.clear();
+    }
+
+    pub(super) fn solve(
+        &mut self,
+        qp: &Qp,
+        tolerance: f64,
+        max_iterations: u32,
+        out: &mut Solution,
+    ) {
+        clear(qp, out);
+        self.tolerance = tolerance;
+        self.iterations = 0;
+        self.max_iterations = max_iterations;
+        out.status = self.run(qp, out);
+        out.iterations = self.iterations;
+        if !out.status.is_usable() {
+            self.previous.clear();
+        }
+    }
+
+    fn run(&mut self, qp: &Qp, out: &mut Solution) -> Status {
+        if let Some((index, excess)) = crossed(qp) {
+            // The upper limit alone against the lower one: no combination of signed multipliers says that, the
+            // row itself does.
+            let _ = excess;
+            add_multiplier(qp, index, 1.0, out);
+            return Status::Infeasible;
+        }
+        if !self.hessian.factorise(qp) {
+            return Status::Failed;
+        }
+        let status = self.run_factorised(qp, out);
+        if status == Status::Optimal || !self.hessian.is_suspect() {
+            return status;
+        }
+        // What was taken for curvature may have been rounding.
+        clear(qp, out);
+        if !self.hessian.factorise_raised(qp) {
+            return Status::Failed;
+        }
+        self.previous.clear();
+        self.run_factorised(qp, out)
+    }
+
+    fn run_factorised(&mut self, qp: &Qp, out: &mut Solution) -> Status {
+        let n = qp.n();
+        self.iterations = 0;
+        let v = &mut self.v[..n];
+        v.copy_from_slice(qp.g());
+        self.hessian.shift(v);
+        self.hessian.solve_transposed(v);
+        self.set.reset(v);
+        self.settled[..count(qp)].fill(false);
+        if !self.hold_equalities(qp, out) {
+            return Status::Infeasible;
+        }
+        self.hold_previous(qp);
+        let mut guess_rounds = GUESS_ROUNDS;
+        for correction in 0..CORRECTIONS {
+            match self.ascend(qp, guess_rounds, out) {
+                End::Optimal => {}
+                End::Infeasible => return Status::Infeasible,
+                End::Budget => {
+                    self.write(qp, out);
+                    return Status::Budget;
+                }
+            }
+            guess_rounds = 0;
+            let residual = self.refine(qp);
+            // What goes to and fro is on the edge.
+            let forgiven = FORGIVEN[(correction as usize / 8).min(FORGIVEN.len() - 1)];
+            if self.is_settled(qp, forgiven) {
+                self.remember(qp);
+                self.write(qp, out);
+                return if residual < 1e-9 {
+                    Status::Optimal
+                } else if residual < 1e-6 {
+                    Status::AlmostOptimal
+                } else {
+                    Status::Failed
+                };
+            }
+            if self.hessian.is_raised() && self.is_unbounded(qp) {
+                return Status::Unbounded;
+            }
+            self.move_on(qp, forgiven);
+        }
+        self.write(qp, out);
+        Status::Budget
+    }
+
+    /// Holds all equality rows and fixed variables; false if they contradict one another.
+    fn hold_equalities(&mut self, qp: &Qp, out: &mut Solution) -> bool {
+        for index in 0..count(qp) {
+            let (lower, upper) = limits(qp, index);
+            if lower != upper {
+                continue;
+            }
+            self.settled[index] = true;
+            let side = 0.0;
+            let constraint = Active {
+                index,
+                side,
+                limit: upper,
+            };
+            if self.push(qp, constraint, 0.0) {
+                continue;
+            }
+            // Depends on those held: either implied by them, or in contradiction.
+            self.set.combine(&self.w);
+            for side in [1.0, -1.0] {
+                if self.contradicts(qp, Active { side, ..constraint }) {
+                    self.certify(qp, index, side, out);
+                    return false;
+                }
+            }
+        }
+        true
+    }
+
+    /// Holds what was held at the end of the last solve and still exists.
+    fn hold_previous(&mut self, qp: &Qp) {
+        for i in 0..self.previous.len() {
+            let (id, side) = self.previous[i];
+            let found = match id {
+                Id::Row(id) => qp.rows().binary_search(&id).ok(),
+                Id::Bound(id) => qp.vars().binary_search(&id).ok().map(|j| qp.m() + j),
+            };
+            let Some(index) = found.filter(|&i| !self.settled[i]) else {
+                continue;
+            };
+            let (lower, upper) = limits(qp, index);
+            let limit = if side > 0.0 { upper } else { lower };
+            let constraint = Active { index, side, limit };
+            if limit.is_finite() && self.push(qp, constraint, 0.0) {
+                self.settled[index] = true;
+            }
+        }
+    }
+
+    /// Holds a constraint, with `w` in `self.w`.
+    fn push(&mut self, qp: &Qp, constraint: Active, multiplier: f64) -> bool {
+        let n = qp.n();
+        if !self.set.has_room() {
+            self.rebuild(qp);
+        }
+        let w = &mut self.w[..n];
+        copy_normal(qp, constraint.index, w);
+        self.hessian.solve_transposed(w);
+        self.set.push(constraint, multiplier, w)
+    }
+
+    /// Factorises the held constraints anew, when the product of reflections and rotations has become too long.
+    fn rebuild(&mut self, qp: &Qp) {
+        let n = qp.n();
+        let count = self.set.len();
+        self.violated.clear();
+        for (&held, &multiplier) in self.set.active().iter().zip(&self.set.multipliers) {
+            self.violated.push((multiplier, held));
+        }
+        self.set.linear_term(&mut self.v[..n]);
+        self.set.reset(&self.v[..n]);
+        for i in 0..count {
+            let (multiplier, held) = self.violated[i];
+            let w = &mut self.w[..n];
+            copy_normal(qp, held.index, w);
+            self.hessian.solve_transposed(w);
+            if !self.set.push(held, multiplier, w) {
+                self.settled[held.index] = held.side == 0.0;
+            }
+        }
+    }
+
+    /// The dual iteration.
+    fn ascend(&mut self, qp: &Qp, mut guess_rounds: u32, out: &mut Solution) -> End {
+        let n = qp.n();
+        let mut joint_rounds = JOINT_ROUNDS;
+        let mut tolerance = self.tolerance;
+        loop {
+            self.iterations += 1;
+            if self.iterations > self.max_iterations {
+                return End::Budget;
+            }
+            self.set.find_targets();
+            if guess_rounds > 0 {
+                // All multipliers are zero as yet, so that any of these constraints may go.
+                guess_rounds -= 1;
+                if self.release_wrong() {
+                    continue;
+                }
+                guess_rounds = 0;
+            } else if let Some((alpha, j)) = blocking(&self.set) {
+                self.set.approach_targets(alpha);
+                self.release(j);
+                continue;
+            }
+            self.set.accept_targets();
+            self.set.primal(&self.hessian, &mut self.x[..n]);
+            let worst = self.find_violated(qp, tolerance);
+            if self.violated.is_empty() {
+                return End::Optimal;
+            }
+            if worst < ROUNDING {
+                // May be rounding of x: constraints that are held and let go for that would never come to an end.
+                // What is refined later is checked again.
+                tolerance *= 2.0;
+            }
+            if joint_rounds > 0 && self.violated.len() > 1 {
+                joint_rounds -= 1;
+                let mut any = false;
+                for i in 0..self.violated.len() {
+                    let (_, constraint) = self.violated[i];
+                    if !self.set.has_room() {
+                        break;
+                    }
+                    if self.push(qp, constraint, 0.0) {
+                        self.settled[constraint.index] = true;
+                        any = true;
+                    }
+                }
+                if any {
+                    continue;
+                }
+                self.find_violated(qp, tolerance);
+            }
+            if !self.hold_worst(qp, out) {
+                return End::Infeasible;
+            }
+        }
+    }
+
+    /// Lets all constraints go whose multiplier would have the wrong sign; whether there were any.
+    fn release_wrong(&mut self) -> bool {
+        let mut any = false;
+        for j in (0..self.set.len()).rev() {
+            let side = self.set.active()[j].side;
+            if self.set.computed()[j] * side < 0.0 {
+                self.release(j);
+                any = true;
+            }
+        }
+        any
+    }
+
+    fn release(&mut self, j: usize) {
+        let released = self.set.remove(j);
+        self.settled[released.index] = false;
+    }
+
+    /// Collects what `self.x` violates by more than a tolerance, relative to the numbers that are added up; returns the
+    /// largest relative violation.
+    fn find_violated(&mut self, qp: &Qp, tolerance: f64) -> f64 {
+        self.violated.clear();
+        let mut worst = 0.0_f64;
+        let x = &self.x[..qp.n()];
+        for (index, &settled) in self.settled[..count(qp)].iter().enumerate() {
+            if settled {
+                continue;
+            }
+            let (lower, upper) = limits(qp, index);
+            let value = value(qp, index, x);
+            let (excess, side, limit) = if value > upper {
+                (value - upper, 1.0, upper)
+            } else if value < lower {
+                (lower - value, -1.0, lower)
+            } else {
+                continue;
+            };
+            let relative = excess / (limit.abs() + magnitude(qp, index, x));
+            if relative > tolerance {
+                worst = worst.max(relative);
+                self.violated.push((excess, Active { index, side, limit }));
+            }
+        }
+        worst
+    }
+
+    /// Holds the violated constraint that is farthest away; false if that is impossible.
+    fn hold_worst(&mut self, qp: &Qp, out: &mut Solution) -> bool {
+        let n = qp.n();
+        let mut worst: Option<(f64, Active)> = None;
+        for &(excess, constraint) in &self.violated {
+            let distance = if self.violated.len() == 1 {
+                excess
+            } else {
+                let w = &mut self.w[..n];
+                copy_normal(qp, constraint.index, w);
+                self.hessian.solve_transposed(w);
+                excess / dot(w, w).sqrt()
+            };
+            if worst.is_none_or(|(d, _)| distance > d) {
+                worst = Some((distance, constraint));
+            }
+        }
+        let Some((_, constraint)) = worst else {
+            return true;
+        };
+        let mut multiplier = 0.0;
+        while !self.push(qp, constraint, multiplier) {
+            self.set.combine(&self.w);
+            let held = self.set.active().iter().zip(&self.set.multipliers);
+            let rounding = 1e-11 * largest(self.set.computed());
+            let mut first: Option<(f64, f64, usize)> = None;
+            for (j, ((held, &multiplier), &r)) in held.zip(self.set.computed()).enumerate() {
+                // Along the ray this multiplier changes by −side · r per unit.
+                let rate = held.side * constraint.side * r;
+                if rate > rounding {
+                    let step = (multiplier * held.side).max(0.0) / rate;
+                    if first.is_none_or(|(s, q, _)| step < s || (step == s && rate > q)) {
+                        first = Some((step, rate, j));
+                    }
+                }
+            }
+            let Some((step, _, j)) = first else {
+                if self.contradicts(qp, constraint) {
+                    self.certify(qp, constraint.index, constraint.side, out);
+                    return false;
+                }
+                // Implied by those held up to rounding, which is what the violation is.
+                self.settled[constraint.index] = true;
+                return true;
+            };
+            multiplier += step * constraint.side;
+            self.set.follow_ray(step * constraint.side);
+            self.release(j);
+            self.iterations += 1;
+        }
+        self.settled[constraint.index] = true;
+        true
+    }
+
+    /// Whether the limits of a dependent constraint and of those held contradict one another by more than rounding.
+    fn contradicts(&mut self, qp: &Qp, constraint: Active) -> bool {
+        self.refine_combination(qp, constraint.index);
+        let (mut sum, mut size) = (0.0, 0.0);
+        let held = self.set.active().iter().zip(self.set.computed());
+        let terms = held.map(|(held, r)| -constraint.side * r * held.limit);
+        for term in terms.chain([constraint.side * constraint.limit]) {
+            sum += term;
+            size += f64::abs(term);
+        }
+        sum < -1e-9 * size
+    }
+
+    /// Corrects the combination of held normals that a dependent one was found to be, by what is left of it.
+    fn refine_combination(&mut self, qp: &Qp, index: usize) {
+        let (n, k) = (qp.n(), self.set.len());
+        self.p[..k].copy_from_slice(self.set.computed());
+        let rest = &mut self.gradient[..n];
+        for _ in 0..2 {
+            copy_normal(qp, index, rest);
+            for (held, &r) in self.set.active().iter().zip(&self.p) {
+                add_normal(qp, held.index, -r, rest);
+            }
+            self.set.project(&self.hessian, rest);
+            axpy(&mut self.p[..k], 1.0, self.set.computed());
+        }
+        self.set.take_combination(&self.p[..k]);
+    }
+
+    /// Writes the proof that a constraint, at one of its sides, contradicts those held, whose combination was computed last.
+    fn certify(&mut self, qp: &Qp, index: usize, side: f64, out: &mut Solution) {
+        for (r, held) in self.set.computed().iter().zip(self.set.active()) {
+            let multiplier = -side * r;
+            // One of the wrong sign is rounding, else its constraint would have been let go.
+            if multiplier * held.side >= 0.0 {
+                add_multiplier(qp, held.index, multiplier, out);
+            }
+        }
+        add_multiplier(qp, index, side, out);
+    }
+
+    /// Corrects `x` and the multipliers by the residuals of the optimality conditions on the held constraints, until
+    /// rounding is left. Returns the relative residual.
+    fn refine(&mut self, qp: &Qp) -> f64 {
+        let n = qp.n();
+        let k = self.set.len();
+        let mut before = f64::INFINITY;
+        for _ in 0..REFINEMENTS {
+            let residual = self.residuals(qp);
+            let raised = self.hessian.is_raised();
+            // A proximal step may gain slowly, a refinement gains at once or not at all.
+            let stalled = residual > if raised { 0.95 * before } else { 0.3 * before };
+            if residual < EXACT || stalled {
+                return residual;
+            }
+            before = residual;
+            let (d, p) = (&mut self.gradient[..n], &mut self.p[..k]);
+            self.set.correct(&self.hessian, d, p);
+            axpy(&mut self.x[..n], 1.0, d);
+            axpy(&mut self.set.multipliers, 1.0, p);
+        }
+        before
+    }
+
+    /// `H x + g + N λ` into `self.gradient`, `b − Nᵀ x` into `self.p`; returns the larger of the two relative to the
+    /// numbers that they are made of.
+    fn residuals(&mut self, qp: &Qp) -> f64 {
+        let n = qp.n();
+        let x = &self.x[..n];
+        let gradient = &mut self.gradient[..n];
+        let mut size = 0.0_f64;
+        for ((d, h), g) in gradient.iter_mut().zip(qp.h().chunks_exact(n)).zip(qp.g()) {
+            let hx = dot(h, x);
+            size = size.max(hx.abs()).max(g.abs());
+            *d = hx + g;
+        }
+        if self.hessian.is_raised() {
+            // The size of a proximal term.
+            size = size.max(1e-6 * largest(x));
+        }
+        self.size = size;
+        let mut worst = 0.0_f64;
+        for ((held, &m), p) in self
+            .set
+            .active()
+            .iter()
+            .zip(&self.set.multipliers)
+            .zip(&mut self.p)
+        {
+            add_normal(qp, held.index, m, gradient);
+            *p = held.limit - value(qp, held.index, x);
+            if *p != 0.0 {
+                worst = worst.max(p.abs() / (held.limit.abs() + magnitude(qp, held.index, x)));
+            }
+        }
+        let stationarity = largest(gradient);
+        if stationarity > 0.0 {
+            worst = worst.max(stationarity / size.max(f64::MIN_POSITIVE));
+        }
+        worst
+    }
+
+    /// Whether the refined point violates nothing and holds nothing with a multiplier of the wrong sign, beyond what is
+    /// forgiven.
+    fn is_settled(&mut self, qp: &Qp, forgiven: f64) -> bool {
+        self.find_violated(qp, self.tolerance.max(forgiven));
+        let wrong = self.wrong_multiplier(forgiven);
+        let held = self.set.active().iter().zip(&self.set.multipliers);
+        self.violated.is_empty() && !held.into_iter().any(|(held, m)| -m * held.side > wrong)
+    }
+
+    /// The size of a multiplier of the wrong sign that is more than rounding.
+    fn wrong_multiplier(&self, forgiven: f64) -> f64 {
+        forgiven * largest(&self.set.multipliers).max(self.size)
+    }
+
+    /// The next proximal step, or another look at a point that was refined: what is wrongly held is let go.
+    fn move_on(&mut self, qp: &Qp, forgiven: f64) {
+        let n = qp.n();
+        let (x, w) = (&self.x[..n], &mut self.w[..n]);
+        self.set.centre(&self.hessian, x, w);
+        let wrong = self.wrong_multiplier(forgiven);
+        for j in (0..self.set.len()).rev() {
+            if -self.set.multipliers[j] * self.set.active()[j].side > wrong {
+                self.release(j);
+            }
+        }
+        for (held, m) in self.set.held_mut() {
+            if *m * held.side < 0.0 {
+                *m = 0.0;
+            }
+        }
+    }
+
+    /// Whether the last proximal step was along a direction in which the cost falls for ever.
+    fn is_unbounded(&self, qp: &Qp) -> bool {
+        let n = qp.n();
+        let d = &self.gradient[..n];
+        let size = largest(d);
+        if size < 1e6 * (1.0 + largest(&self.x[..n]) * 1e-3) && size < 1e9 {
+            return false;
+        }
+        let flat = qp
+            .h()
+            .chunks_exact(n)
+            .all(|h| dot(h, d).abs() <= 1e-9 * size);
+        let free = (0..count(qp)).all(|index| {
+            let (lower, upper) = limits(qp, index);
+            let rate = value(qp, index, d);
+            let rounding = 1e-9 * magnitude(qp, index, d);
+            (upper.is_infinite() || rate <= rounding) && (lower.is_infinite() || rate >= -rounding)
+        });
+        flat && free && dot(qp.g(), d) < 0.0
+    }
+
+    fn remember(&mut self, qp: &Qp) {
+        self.previous.clear();
+        for held in self.set.active().iter().filter(|h| h.side != 0.0) {
+            let id = match held.index.checked_sub(qp.m()) {
+                None => Id::Row(qp.rows()[held.index]),
+                Some(j) => Id::Bound(qp.vars()[j]),
+            };
+            self.previous.push((id, held.side));
+        }
+    }
+
+    fn write(&self, qp: &Qp, out: &mut Solution) {
+        out.x[..qp.n()].copy_from_slice(&self.x[..qp.n()]);
+        for (held, &m) in self.set.active().iter().zip(&self.set.multipliers) {
+            // One of the wrong sign is rounding.
+            if m * held.side >= 0.0 {
+                add_multiplier(qp, held.index, m, out);
+            }
+        }
+    }
+}
+
+/// The first multiplier that changes its sign on the way to the targets, and after which part of the way.
+fn blocking(set: &WorkingSet) -> Option<(f64, usize)> {
+    let mut first: Option<(f64, usize)> = None;
+    let multipliers = set.multipliers.iter().zip(set.computed());
+    for (j, (held, (m, t))) in set.active().iter().zip(multipliers).enumerate() {
+        let (m, t) = ((m * held.side).max(0.0), t * held.side);
+        if t < 0.0 {
+            let alpha = m / (m - t);
+            if first.is_none_or(|(a, _)| alpha < a) {
+                first = Some((alpha, j));
+            }
+        }
+    }
+    first
+}
+
+/// A constraint whose lower limit is above its upper one, and by how much.
+fn crossed(qp: &Qp) -> Option<(usize, f64)> {
+    (0..count(qp)).find_map(|index| {
+        let (lower, upper) = limits(qp, index);
+        (lower > upper).then_some((index, lower - upper))
+    })
+}
+
+fn clear(qp: &Qp, out: &mut Solution) {
+    let (n, m) = (qp.n(), qp.m());
+    out.x[..n].fill(0.0);
+    out.y[..m].fill(0.0);
+    out.z[..n].fill(0.0);
+}
+
+fn add_multiplier(qp: &Qp, index: usize, multiplier: f64, out: &mut Solution) {
+    match index.checked_sub(qp.m()) {
+        None => out.y[index] += multiplier,
+        Some(j) => out.z[j] += multiplier,
+    }
+}

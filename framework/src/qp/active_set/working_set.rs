@@ -1,0 +1,257 @@
+//! The constraints that are held, and the least-distance solution on them.
+//!
+//! # Mathematics
+//! With `z = U x` and `v = U⁻ᵀ g` the problem on the held constraints is `min ½‖z + v‖²` subject to `Wᵀ z = b`, the columns
+//! of W being `w = U⁻ᵀ a`. The factorisation `W = Q [R; 0]` gives
+//! ```text
+//! z = Q [z₁; −(Qᵀv)₂],   Rᵀ z₁ = b,   R λ = −(z₁ + (Qᵀv)₁)
+//! ```
+//! A constraint appends a column: its components beyond the k-th are reflected on to one. One that leaves makes R
+//! Hessenberg, and rotations make it triangular again (Goldfarb and Idnani 1983 update the same factorisation).
+//! `Wᵀ W` is never formed: it would square the condition number, and a weakly weighted direction makes all
+//! constraints look alike then.
+
+use super::{
+    constraint::Active,
+    hessian::Hessian,
+    kernels::{axpy, dot},
+    orthogonal::Orthogonal,
+};
+
+/// Sine of the angle to the held constraints below which a constraint depends on them.
+const DEPENDENT: f64 = 1e-10;
+
+#[derive(Clone, Debug, Default)]
+pub(super) struct WorkingSet {
+    n: usize,
+    active: Vec<Active>,
+    q: Orthogonal,
+    /// Row k holds column k of R: k + 1 entries, with a stride of n.
+    r: Vec<f64>,
+    /// `1/R_kk`.
+    reciprocal: Vec<f64>,
+    /// `Qᵀ v`.
+    v: Vec<f64>,
+    /// The first `known` entries are valid.
+    z1: Vec<f64>,
+    known: usize,
+    /// Multipliers, dual feasible.
+    pub(super) multipliers: Vec<f64>,
+    /// Multipliers of the solution on the held constraints, or how a dependent one combines from them.
+    targets: Vec<f64>,
+}
+
+impl WorkingSet {
+    pub(super) fn new(n: usize) -> Self {
+        Self {
+            n: 0,
+            active: Vec::with_capacity(n + 1),
+            q: Orthogonal::new(n, 3 * n + 4, 8 * n * n + 16),
+            r: vec![0.0; n * n],
+            reciprocal: vec![0.0; n],
+            v: vec![0.0; n],
+            z1: vec![0.0; n],
+            known: 0,
+            multipliers: Vec::with_capacity(n + 1),
+            targets: vec![0.0; n],
+        }
+    }
+
+    /// Nothing held; `v = U⁻ᵀ g`.
+    pub(super) fn reset(&mut self, v: &[f64]) {
+        self.n = v.len();
+        self.active.clear();
+        self.multipliers.clear();
+        self.q.reset(self.n);
+        self.v[..self.n].copy_from_slice(v);
+        self.known = 0;
+    }
+
+    pub(super) fn active(&self) -> &[Active] {
+        &self.active
+    }
+
+    /// The constraints held with their multipliers.
+    pub(super) fn held_mut(&mut self) -> impl Iterator<Item = (&Active, &mut f64)> {
+        self.active.iter().zip(&mut self.multipliers)
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.active.len()
+    }
+
+    /// Whether a constraint can be held, and any number of them dropped, before the factorisation has to be made anew.
+    pub(super) fn has_room(&self) -> bool {
+        self.q.has_room(self.n)
+    }
+
+    /// Holds a constraint whose `w` is given, with the multiplier it has so far. False if it depends on those held:
+    /// then `w` is left as `Qᵀ w`, whose first entries give the combination.
+    pub(super) fn push(&mut self, constraint: Active, multiplier: f64, w: &mut [f64]) -> bool {
+        let k = self.len();
+        let size = dot(w, w);
+        self.q.transposed(w);
+        let tail = &w[k.min(self.n)..];
+        let independent = dot(tail, tail) > DEPENDENT * DEPENDENT * size;
+        if !independent {
+            return false;
+        }
+        let before = self.q.len();
+        self.q.reflect(k, w);
+        self.q.transposed_from(before, &mut self.v[..self.n]);
+        self.r[k * self.n..=k * self.n + k].copy_from_slice(&w[..=k]);
+        self.reciprocal[k] = 1.0 / w[k];
+        self.active.push(constraint);
+        self.multipliers.push(multiplier);
+        true
+    }
+
+    /// Lets the j-th constraint go.
+    pub(super) fn remove(&mut self, j: usize) -> Active {
+        let n = self.n;
+        let removed = self.active.remove(j);
+        self.multipliers.remove(j);
+        let k = self.len();
+        for i in j..k {
+            let from = (i + 1) * n;
+            self.r.copy_within(from..from + i + 2, i * n);
+        }
+        for i in j..k {
+            let at = i * n + i;
+            let (c, s, r) = self.q.rotate(i, self.r[at], self.r[at + 1]);
+            self.r[at] = r;
+            self.reciprocal[i] = 1.0 / r;
+            for row in self.r[(i + 1) * n..k * n].chunks_exact_mut(n) {
+                (row[i], row[i + 1]) = (c * row[i] + s * row[i + 1], c * row[i + 1] - s * row[i]);
+            }
+            let v = &mut self.v;
+            (v[i], v[i + 1]) = (c * v[i] + s * v[i + 1], c * v[i + 1] - s * v[i]);
+        }
+        self.known = self.known.min(j);
+        removed
+    }
+
+    /// Computes the multipliers of the least-distance solution on the held constraints: [`WorkingSet::computed`].
+    pub(super) fn find_targets(&mut self) {
+        let (n, k) = (self.n, self.len());
+        for i in self.known..k {
+            let r = &self.r[i * n..i * n + i];
+            self.z1[i] = (self.active[i].limit - dot(r, &self.z1)) * self.reciprocal[i];
+        }
+        self.known = k;
+        let (targets, z1) = (&mut self.targets[..k], &self.z1[..k]);
+        for (t, (z, v)) in targets.iter_mut().zip(z1.iter().zip(&self.v)) {
+            *t = -(z + v);
+        }
+        self.solve_r(k);
+    }
+
+    /// What [`WorkingSet::find_targets`] or [`WorkingSet::combine`] computed last, per held constraint.
+    pub(super) fn computed(&self) -> &[f64] {
+        &self.targets[..self.len()]
+    }
+
+    /// `targets ← R⁻¹ targets`.
+    fn solve_r(&mut self, k: usize) {
+        let n = self.n;
+        for i in (0..k).rev() {
+            let (head, tail) = self.targets.split_at_mut(i);
+            let t = tail[0] * self.reciprocal[i];
+            tail[0] = t;
+            if t != 0.0 {
+                axpy(head, -t, &self.r[i * n..i * n + i]);
+            }
+        }
+    }
+
+    /// Computes `R⁻¹` of the first entries of `Qᵀ w`: how a dependent constraint combines from those held.
+    pub(super) fn combine(&mut self, transformed: &[f64]) {
+        let k = self.len();
+        self.targets[..k].copy_from_slice(&transformed[..k]);
+        self.solve_r(k);
+    }
+
+    /// Replaces `a` by `Qᵀ U⁻ᵀ a` and computes how the part of it along the held constraints combines from them.
+    pub(super) fn project(&mut self, hessian: &Hessian, a: &mut [f64]) {
+        hessian.solve_transposed(a);
+        self.q.transposed(a);
+        self.combine(a);
+    }
+
+    /// Takes a combination that was corrected.
+    pub(super) fn take_combination(&mut self, combination: &[f64]) {
+        self.targets[..combination.len()].copy_from_slice(combination);
+    }
+
+    /// Changes the multipliers along the last combination, by `−step` times it.
+    pub(super) fn follow_ray(&mut self, step: f64) {
+        for (m, r) in self.multipliers.iter_mut().zip(&self.targets) {
+            *m -= step * r;
+        }
+    }
+
+    /// The targets of the last call of [`WorkingSet::find_targets`] become the multipliers.
+    pub(super) fn accept_targets(&mut self) {
+        self.multipliers
+            .copy_from_slice(&self.targets[..self.active.len()]);
+    }
+
+    /// Goes the part `α` of the way to the targets.
+    pub(super) fn approach_targets(&mut self, alpha: f64) {
+        for (m, t) in self.multipliers.iter_mut().zip(&self.targets) {
+            *m += alpha * (t - *m);
+        }
+    }
+
+    /// The `x` that belongs to the targets.
+    pub(super) fn primal(&self, hessian: &Hessian, x: &mut [f64]) {
+        let k = self.len();
+        x[..k].copy_from_slice(&self.z1[..k]);
+        for (x, v) in x[k..].iter_mut().zip(&self.v[k..]) {
+            *x = -v;
+        }
+        self.q.apply(x);
+        hessian.solve(x);
+    }
+
+    /// Solves `[H̃ A_aᵀ; A_a 0] [dx; dλ] = [−d; p]`: replaces `d` by `dx` and `p` (one entry per held constraint) by `dλ`.
+    pub(super) fn correct(&mut self, hessian: &Hessian, d: &mut [f64], p: &mut [f64]) {
+        let (n, k) = (self.n, self.len());
+        hessian.solve_transposed(d);
+        self.q.transposed(d);
+        for i in 0..k {
+            let r = &self.r[i * n..i * n + i];
+            p[i] = (p[i] - dot(r, p)) * self.reciprocal[i];
+            self.targets[i] = -(p[i] + d[i]);
+        }
+        self.solve_r(k);
+        d[..k].copy_from_slice(&p[..k]);
+        for d in &mut d[k..] {
+            *d = -*d;
+        }
+        self.q.apply(d);
+        hessian.solve(d);
+        p[..k].copy_from_slice(&self.targets[..k]);
+    }
+
+    /// Moves the linear term so that `x` with the present multipliers is the solution on the held constraints:
+    /// the next proximal step.
+    pub(super) fn centre(&mut self, hessian: &Hessian, x: &[f64], scratch: &mut [f64]) {
+        let (n, k) = (self.n, self.len());
+        hessian.multiply(x, scratch);
+        self.q.transposed(scratch);
+        for (v, z) in self.v[..n].iter_mut().zip(scratch) {
+            *v = -*z;
+        }
+        for (i, &m) in self.multipliers.iter().enumerate().take(k) {
+            axpy(&mut self.v[..=i], -m, &self.r[i * n..=i * n + i]);
+        }
+        self.known = 0;
+    }
+
+    /// `v` in its original axes, to begin anew with [`WorkingSet::reset`].
+    pub(super) fn linear_term(&self, v: &mut [f64]) {
+        v.copy_from_slice(&self.v[..self.n]);
+        self.q.apply(v);
+    }
+}
