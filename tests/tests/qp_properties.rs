@@ -1,7 +1,7 @@
 //! Properties of the quadratic program, on random states of several robots with random subsets of tasks.
 
 use nalgebra::{DMatrix, DVector};
-use proptest::{prelude::*, test_runner::RngSeed};
+use proptest::prelude::*;
 use wbqp::{
     config::Formulation,
     contact::ContactKind,
@@ -62,12 +62,15 @@ fn same_vector(a: &DVector<f64>, b: &DVector<f64>) -> f64 {
     (a - b).amax() / (1.0 + a.amax())
 }
 
-/// Difference of two costs. A cost is what is left of a large constant `Σ w b²` and the problem's own objective:
-/// it is relative to the latter, which is what a solver minimises.
+/// Relative difference of two costs, the second divided by a factor.
 fn cost_difference(a: &Controller, b: &Controller, factor: f64) -> f64 {
-    let (cost, other) = (a.report().objective, b.report().objective / factor);
-    let own = a.problem().objective(&a.solution().x);
-    (cost - other).abs() / (1.0 + cost.abs() + own.abs())
+    relative(a.report().objective, b.report().objective / factor)
+}
+
+/// How far two solutions of one problem, put together in different ways, may be apart. The sum that makes H is rounded
+/// at 1e-16, and a solution moves by as much times the condition number, whoever solves for it.
+fn tolerance(condition: f64) -> f64 {
+    1e-9 + 100.0 * f64::EPSILON * condition
 }
 
 /// Objective, v̇ and, where the problem is well conditioned, the efforts agree.
@@ -78,8 +81,7 @@ fn same_solution(a: &Controller, b: &Controller) -> Result<(), TestCaseError> {
     prop_assert!(cost < 1e-9, "cost differs by {:e}", cost);
     let condition = condition(a.problem());
     if condition < 1e8 {
-        // Rounding, amplified by the condition.
-        let tolerance = 1e-7 + 1e-12 * condition;
+        let tolerance = tolerance(condition);
         let vdot = same_vector(&a.report().vdot, &b.report().vdot);
         prop_assert!(
             vdot < tolerance,
@@ -150,12 +152,9 @@ fn kkt(qp: &Qp, s: &Solution) -> Kkt {
 }
 
 proptest! {
-    // A fixed seed: about one case in 10 000 is a degenerate problem on which an interior point, even polished,
-    // stops a digit short in `x`; a run must say the same every time. Another seed draws others.
     #![proptest_config(ProptestConfig {
         cases: 500,
         failure_persistence: None,
-        rng_seed: RngSeed::Fixed(20_201),
         ..ProptestConfig::default()
     })]
 
@@ -173,7 +172,7 @@ proptest! {
             for ((x, y), cost) in a.residual.iter().zip(&b.residual).zip(&a.cost) {
                 let weight = if *x == 0.0 { 0.0 } else { cost / (x * x) };
                 prop_assert!(weight * (x - y).powi(2) < epsilon, "residuals {} and {}", x, y);
-                let near = (x - y).abs() < (1e-7 + 1e-12 * condition) * (1.0 + size);
+                let near = (x - y).abs() < tolerance(condition) * (1.0 + size);
                 prop_assert!(near || condition > 1e8, "residuals {} and {}", x, y);
             }
         }
@@ -213,7 +212,7 @@ proptest! {
         let condition = condition(a.problem());
         if condition < 1e8 {
             let vdot = same_vector(&a.report().vdot, &b.report().vdot);
-            prop_assert!(vdot < 1e-7 + 1e-12 * condition, "v̇ differs by {:e}", vdot);
+            prop_assert!(vdot < tolerance(condition), "v̇ differs by {:e}", vdot);
         }
     }
 
@@ -232,7 +231,7 @@ proptest! {
             prop_assert!(k.primal < 1e-8, "{:?}", k);
         } else {
             let status = controller.report().status;
-            prop_assert!(matches!(status, Status::Infeasible | Status::AlmostOptimal), "{:?}", status);
+            prop_assert_eq!(status, Status::Infeasible);
         }
     }
 
@@ -248,7 +247,7 @@ proptest! {
         let condition = condition(a.problem());
         if condition < 1e8 {
             for (a, b) in a.command().effort.iter().zip(&b.command().effort) {
-                prop_assert!(relative(*a, *b) < 1e-7 + 1e-12 * condition, "efforts {} {}", a, b);
+                prop_assert!(relative(*a, *b) < tolerance(condition), "efforts {} {}", a, b);
             }
         }
     }
@@ -267,7 +266,7 @@ proptest! {
         let condition = condition(a.problem());
         if condition < 1e8 {
             for (a, b) in a.command().effort.iter().zip(&b.command().effort) {
-                prop_assert!(relative(*a, *b) < 1e-7 + 1e-12 * condition, "efforts {} {}", a, b);
+                prop_assert!(relative(*a, *b) < tolerance(condition), "efforts {} {}", a, b);
             }
         }
     }

@@ -99,7 +99,7 @@ fn default_solver<'t>() -> Section<'t> {
     let mut keys = DeTable::new();
     keys.insert(
         Spanned::new(0..0, "type".into()),
-        Spanned::new(0..0, DeValue::String("clarabel".into())),
+        Spanned::new(0..0, DeValue::String("active_set".into())),
     );
     Section { span: 0..0, keys }
 }

@@ -24,7 +24,7 @@ use crate::{
     constraint::Constraint,
     contact::ContactSpec,
     entry::{Entry, Hardness},
-    qp::{Clarabel, QpSolver},
+    qp::{ActiveSet, QpSolver},
     registry::{self, PluginKind},
     robot::{Place, Robot, SourceFile},
     setup::BindError,
@@ -179,7 +179,7 @@ impl Parts {
             .and_then(|section| single::<dyn Robot>(section, report));
         let solver: Option<Box<dyn QpSolver>> = match document.solver {
             Some(section) => single::<dyn QpSolver>(section, report),
-            None => Some(Box::new(Clarabel::default())),
+            None => Some(Box::new(ActiveSet::default())),
         };
         let mut names = entry::Names::default();
         let contacts = each(document.contacts, |index, section| {

@@ -41,7 +41,7 @@ use crate::{
     constraint::Constraint,
     contact::ContactSpec,
     entry::Entry,
-    qp::{Clarabel, QpSolver},
+    qp::{ActiveSet, QpSolver},
     robot::{Robot, SourceFile},
     setup::BindError,
     task::Task,
@@ -169,7 +169,7 @@ impl ControllerConfig {
         Self {
             settings,
             robot,
-            solver: Box::new(Clarabel::default()),
+            solver: Box::new(ActiveSet::default()),
             contacts: Vec::new(),
             tasks: Vec::new(),
             constraints: Vec::new(),

@@ -35,16 +35,17 @@ pub(super) fn value(qp: &Qp, index: usize, x: &[f64]) -> f64 {
     }
 }
 
-/// `|a|ᵀ |x|`: the size of the numbers whose rounding a value carries.
-pub(super) fn magnitude(qp: &Qp, index: usize, x: &[f64]) -> f64 {
+/// The size of the numbers whose rounding a value carries: `|a|ᵀ |x|`, and a thousandth of `|a|ᵀ` times the largest
+/// variable, which is what is left where large numbers cancel. `unit` holds the variables' units, in which they compare,
+/// and `largest` the largest variable in these.
+pub(super) fn magnitude(qp: &Qp, index: usize, x: &[f64], unit: &[f64], largest: f64) -> f64 {
+    let of = |x: f64, unit: f64| x.abs() + 1e-3 * unit * largest;
     match index.checked_sub(qp.m()) {
-        None => qp
-            .row(index)
-            .iter()
-            .zip(x)
-            .map(|(a, x)| (a * x).abs())
-            .sum(),
-        Some(j) => x[j].abs(),
+        None => {
+            let terms = qp.row(index).iter().zip(x.iter().zip(unit));
+            terms.map(|(a, (&x, &unit))| a.abs() * of(x, unit)).sum()
+        }
+        Some(j) => of(x[j], unit[j]),
     }
 }
 

@@ -47,6 +47,8 @@ pub(super) struct Workspace {
     set: WorkingSet,
     v: Vec<f64>,
     x: Vec<f64>,
+    /// `1/√h_jj`, the unit of each variable.
+    unit: Vec<f64>,
     /// Which constraints are not to be checked: held, equalities, or without a remedy.
     settled: Vec<bool>,
     violated: Vec<(f64, Active)>,
@@ -69,6 +71,7 @@ impl Workspace {
             set: WorkingSet::new(n),
             v: vec![0.0; n],
             x: vec![0.0; n],
+            unit: vec![0.0; n],
             settled: vec![false; m + n],
             violated: Vec::with_capacity(m + n),
             w: vec![0.0; n],
@@ -129,6 +132,10 @@ impl Workspace {
     fn run_factorised(&mut self, qp: &Qp, out: &mut Solution) -> Status {
         let n = qp.n();
         self.iterations = 0;
+        for (j, unit) in self.unit[..n].iter_mut().enumerate() {
+            let h = qp.h()[j * n + j];
+            *unit = if h > 0.0 { 1.0 / h.sqrt() } else { 1.0 };
+        }
         let v = &mut self.v[..n];
         v.copy_from_slice(qp.g());
         self.hessian.shift(v);
@@ -336,7 +343,8 @@ impl Workspace {
     fn find_violated(&mut self, qp: &Qp, tolerance: f64) -> f64 {
         self.violated.clear();
         let mut worst = 0.0_f64;
-        let x = &self.x[..qp.n()];
+        let (x, unit) = (&self.x[..qp.n()], &self.unit[..qp.n()]);
+        let scale = largest_in(unit, x);
         for (index, &settled) in self.settled[..count(qp)].iter().enumerate() {
             if settled {
                 continue;
@@ -350,7 +358,7 @@ impl Workspace {
             } else {
                 continue;
             };
-            let relative = excess / (limit.abs() + magnitude(qp, index, x));
+            let relative = excess / (limit.abs() + magnitude(qp, index, x, unit, scale));
             if relative > tolerance {
                 worst = worst.max(relative);
                 self.violated.push((excess, Active { index, side, limit }));
@@ -481,7 +489,8 @@ impl Workspace {
     /// numbers that they are made of.
     fn residuals(&mut self, qp: &Qp) -> f64 {
         let n = qp.n();
-        let x = &self.x[..n];
+        let (x, unit) = (&self.x[..n], &self.unit[..n]);
+        let scale = largest_in(unit, x);
         let gradient = &mut self.gradient[..n];
         let mut size = 0.0_f64;
         for ((d, h), g) in gradient.iter_mut().zip(qp.h().chunks_exact(n)).zip(qp.g()) {
@@ -505,7 +514,8 @@ impl Workspace {
             add_normal(qp, held.index, m, gradient);
             *p = held.limit - value(qp, held.index, x);
             if *p != 0.0 {
-                worst = worst.max(p.abs() / (held.limit.abs() + magnitude(qp, held.index, x)));
+                worst = worst
+                    .max(p.abs() / (held.limit.abs() + magnitude(qp, held.index, x, unit, scale)));
             }
         }
         let stationarity = largest(gradient);
@@ -562,7 +572,7 @@ impl Workspace {
         let free = (0..count(qp)).all(|index| {
             let (lower, upper) = limits(qp, index);
             let rate = value(qp, index, d);
-            let rounding = 1e-9 * magnitude(qp, index, d);
+            let rounding = 1e-9 * magnitude(qp, index, d, &self.unit, size);
             (upper.is_infinite() || rate <= rounding) && (lower.is_infinite() || rate >= -rounding)
         });
         flat && free && dot(qp.g(), d) < 0.0
@@ -604,6 +614,12 @@ fn blocking(set: &WorkingSet) -> Option<(f64, usize)> {
         }
     }
     first
+}
+
+/// The largest variable, each in its unit.
+fn largest_in(unit: &[f64], x: &[f64]) -> f64 {
+    let in_units = x.iter().zip(unit).map(|(x, unit)| (x / unit).abs());
+    in_units.fold(0.0, f64::max)
 }
 
 /// A constraint whose lower limit is above its upper one, and by how much.
