@@ -2,7 +2,9 @@
 
 use std::{f64::consts::TAU, path::Path};
 
-use super::{Colour, Figure, FigureError, Line, Panel, Shade, contact_shade, propellers, same_range};
+use super::{
+    Colour, Figure, FigureError, Line, Panel, Shade, contact_shade, propellers, same_range,
+};
 use crate::{
     base,
     experiment::Picture,

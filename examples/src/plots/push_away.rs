@@ -2,7 +2,9 @@
 
 use std::{f64::consts::TAU, path::Path};
 
-use super::{Colour, Figure, FigureError, Line, Panel, Shade, contact_shade, propellers, same_range};
+use super::{
+    Colour, Figure, FigureError, Line, Panel, Shade, contact_shade, propellers, same_range,
+};
 use crate::{
     base,
     experiment::Picture,
@@ -54,8 +56,7 @@ pub fn draw(free: &Log, contact: &Log, directory: &Path) -> Result<Vec<Picture>,
 /// # Errors
 /// [`ReadError`].
 pub fn acceleration_and_force(free: &Log, contact: &Log) -> Result<Figure, ReadError> {
-    let acceleration =
-        |log: &Log| log.series("/command", &format!("/joints/{JOINT}/acceleration"));
+    let acceleration = |log: &Log| log.series("/command", &format!("/joints/{JOINT}/acceleration"));
     let topic = format!("/contact/{CONTACT}");
     let force = |pointer: &str| contact.series(&topic, pointer);
     Ok(Figure {

@@ -67,14 +67,24 @@ impl<'a> Case<'a> {
         series.window(self.start, f64::INFINITY)
     }
 
-    /// [T, T + duration of the move].
-    fn moving(&self, series: &Series) -> Series {
-        series.window(self.start, self.start + DURATION)
-    }
-
     /// Error of the position along n from T on, m.
     fn error(&self) -> Result<Series, ReadError> {
         Ok(self.after(&position_error(self.log)?))
+    }
+
+    /// Distance from the desired position from T on, m.
+    fn distance(&self) -> Result<Series, ReadError> {
+        let mut squares: Option<Series> = None;
+        for axis in ["x", "y", "z"] {
+            let actual = base::position(self.log, axis)?;
+            let error = difference(&actual, &reference(self.log, axis)?);
+            let square = error.map(|e| e * e);
+            squares = Some(match squares {
+                Some(sum) => difference(&sum, &square.map(|s| -s)),
+                None => square,
+            });
+        }
+        Ok(self.after(&squares.unwrap_or_default().map(f64::sqrt)))
     }
 }
 
@@ -208,6 +218,12 @@ fn manoeuvre(cases: &[&Case<'_>]) -> Result<Vec<Row>, ReadError> {
     ])
 }
 
+/// Time between the first two samples, s.
+fn period(series: &Series) -> Option<f64> {
+    let (first, second) = (series.t.first()?, series.t.get(1)?);
+    Some(second - first)
+}
+
 /// From 0 to 1 with the least jerk.
 fn min_jerk(s: f64) -> f64 {
     let s = s.clamp(0.0, 1.0);
@@ -219,7 +235,7 @@ fn switching(free: &Case<'_>, contact: &Case<'_>) -> Result<Vec<Row>, ReadError>
     let on = |alpha: f64| alpha != 0.0;
     let percent = |fraction: f64| 100.0 * fraction;
     let alpha = contact.contact("/alpha")?;
-    let period = alpha.t.get(1).zip(alpha.t.first()).map(|(b, a)| b - a);
+    let period = period(&alpha);
     let removed = contact.after(&alpha).samples().find(|(_, a)| !on(*a));
     let removed = removed.map(|(t, _)| t);
     let again = removed.and_then(|t| alpha.window(t, f64::INFINITY).fraction(on));
@@ -236,7 +252,10 @@ fn switching(free: &Case<'_>, contact: &Case<'_>) -> Result<Vec<Row>, ReadError>
         ),
         Row::judged(
             "D2",
-            ("contact: time with contact rows before T, without a break", "s"),
+            (
+                "contact: time with contact rows before T, without a break",
+                "s",
+            ),
             None,
             since.map(|(from, _)| contact.start - from),
             "> 0",
@@ -273,6 +292,10 @@ fn tracking(free: &Case<'_>, contact: &Case<'_>) -> Result<Vec<Row>, ReadError> 
         convergence(&errors[0], free.start),
         convergence(&errors[1], contact.start),
     ];
+    let [space_free, space_contact] = [
+        convergence(&free.distance()?, free.start),
+        convergence(&contact.distance()?, contact.start),
+    ];
     let at_start = errors[1].y.first().map(|e| 100.0 * e);
     Ok(vec![
         less(
@@ -304,6 +327,12 @@ fn tracking(free: &Case<'_>, contact: &Case<'_>) -> Result<Vec<Row>, ReadError> 
         ),
         plain("D4", ("free: convergence", "s"), time_free),
         plain("D4", ("contact: convergence", "s"), time_contact),
+        plain("D4", ("free: convergence, all three axes", "s"), space_free),
+        plain(
+            "D4",
+            ("contact: convergence, all three axes", "s"),
+            space_contact,
+        ),
     ])
 }
 
@@ -338,10 +367,9 @@ fn time_at_bounds(case: &Case<'_>) -> Result<Option<f64>, ReadError> {
     for rotor in case.log.rotors()? {
         let topic = format!("/rotors/{}/thrust", rotor.name);
         let thrust = case.after(&case.log.series("/command", &topic)?);
-        let length = thrust.t.last().zip(thrust.t.first()).map(|(b, a)| b - a);
         let fraction = thrust.fraction(|f| rotor.at_a_bound(f));
-        if let Some((fraction, length)) = fraction.zip(length) {
-            sum = Some(sum.unwrap_or(0.0) + fraction * length);
+        if let Some((fraction, period)) = fraction.zip(period(&thrust)) {
+            sum = Some(sum.unwrap_or(0.0) + fraction * thrust.len() as f64 * period);
         }
     }
     Ok(sum)
@@ -349,52 +377,54 @@ fn time_at_bounds(case: &Case<'_>) -> Result<Option<f64>, ReadError> {
 
 /// D6: what pushes.
 fn mechanism(free: &Case<'_>, contact: &Case<'_>) -> Result<Vec<Row>, ReadError> {
-    let acceleration = |case: &Case<'_>| {
+    let acceleration = |case: &Case<'_>, duration: f64| {
         let topic = format!("/joints/{JOINT}/acceleration");
-        let series = case.moving(&case.log.series("/command", &topic)?);
-        Ok::<_, ReadError>(series.farthest_from(0.0).map(f64::abs))
+        let series = case.log.series("/command", &topic)?;
+        let window = series.window(case.start, case.start + duration);
+        Ok::<_, ReadError>(window.farthest_from(0.0).map(f64::abs))
     };
-    let [a_free, a_contact] = [acceleration(free)?, acceleration(contact)?];
+    let mut rows = Vec::new();
+    // Also without what comes after the release: that brakes the arm and pushes nothing.
+    let push = contact.after(&contact.contact("/alpha")?);
+    let push = push.last_exit(0.0, 0.0).unwrap_or(contact.start) - contact.start;
+    for (window, duration) in [("the move", DURATION), ("the time in contact", push)] {
+        let [free, contact] = [
+            acceleration(free, duration)?,
+            acceleration(contact, duration)?,
+        ];
+        let quantity = |case: &str| format!("{case}: max |acceleration of joint 2| over {window}");
+        rows.push(Row::judged(
+            "D6",
+            (
+                &format!("max |commanded acceleration of joint 2| over {window}, contact / free"),
+                "1",
+            ),
+            None,
+            contact.zip(free).map(|(c, f)| c / f),
+            "> 2",
+            |r| r > 2.0,
+        ));
+        rows.push(plain("D6", (&quantity("free"), "rad/s²"), free));
+        rows.push(plain("D6", (&quantity("contact"), "rad/s²"), contact));
+    }
     let force = |pointer: &str| {
         let series = contact.contact(pointer)?;
         Ok::<_, ReadError>(contact.after(&series).max())
     };
-    Ok(vec![
-        Row::judged(
-            "D6",
-            (
-                "max |acceleration commanded to joint 2| over [T, T+0.5], contact / free",
-                "1",
-            ),
-            None,
-            a_contact.zip(a_free).map(|(c, f)| c / f),
-            "> 2",
-            |r| r > 2.0,
-        ),
-        plain(
-            "D6",
-            ("free: max |acceleration of joint 2|", "rad/s²"),
-            a_free,
-        ),
-        plain(
-            "D6",
-            ("contact: max |acceleration of joint 2|", "rad/s²"),
-            a_contact,
-        ),
-        Row::judged(
-            "D6",
-            ("contact: max normal force planned, f_QP", "N"),
-            None,
-            force("/solution/z")?,
-            "> 10 N",
-            |f| f > 10.0,
-        ),
-        plain(
-            "D6",
-            ("contact: max real normal force", "N"),
-            force("/truth/z")?,
-        ),
-    ])
+    rows.push(Row::judged(
+        "D6",
+        ("contact: max normal force planned, f_QP", "N"),
+        None,
+        force("/solution/z")?,
+        "> 10 N",
+        |f| f > 10.0,
+    ));
+    rows.push(plain(
+        "D6",
+        ("contact: max real normal force", "N"),
+        force("/truth/z")?,
+    ));
+    Ok(rows)
 }
 
 /// A row that passes if the free case's value is larger than the contact's by more than a margin.
