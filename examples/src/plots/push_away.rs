@@ -58,7 +58,7 @@ pub fn draw(free: &Log, contact: &Log, directory: &Path) -> Result<Vec<Picture>,
 pub fn acceleration_and_force(free: &Log, contact: &Log) -> Result<Figure, ReadError> {
     let acceleration = |log: &Log| log.series("/command", &format!("/joints/{JOINT}/acceleration"));
     let topic = format!("/contact/{CONTACT}");
-    let force = |pointer: &str| contact.series(&topic, pointer);
+    let force = |log: &Log, pointer: &str| log.series(&topic, pointer);
     Ok(Figure {
         panels: vec![
             Panel {
@@ -72,12 +72,17 @@ pub fn acceleration_and_force(free: &Log, contact: &Log) -> Result<Figure, ReadE
                 ..Panel::default()
             },
             Panel {
-                title: "Normal force, with contact".to_owned(),
+                title: "Normal force".to_owned(),
                 y_label: "normal force [N]".to_owned(),
                 lines: vec![
-                    Line::solid("planned f_QP", Colour::Red, force("/solution/z")?),
-                    Line::solid("real", Colour::Green, force("/truth/z")?),
-                    Line::solid("measured", Colour::Grey, force("/measured/z")?),
+                    Line::solid("planned f_QP", Colour::Red, force(contact, "/solution/z")?),
+                    Line::solid("real", Colour::Green, force(contact, "/truth/z")?),
+                    Line::solid("measured", Colour::Grey, force(contact, "/measured/z")?),
+                    Line::solid(
+                        "planned, without",
+                        Colour::Blue,
+                        force(free, "/solution/z")?,
+                    ),
                 ],
                 shades: shades(contact)?,
                 ..Panel::default()
