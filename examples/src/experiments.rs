@@ -1,6 +1,6 @@
 //! The paper's experiments, in its order.
 
-use crate::{experiment::Experiment, push_with_disturbance};
+use crate::{experiment::Experiment, push_away, push_with_disturbance};
 
 /// All of them.
-pub const ALL: &[Experiment] = &[push_with_disturbance::EXPERIMENT];
+pub const ALL: &[Experiment] = &[push_with_disturbance::EXPERIMENT, push_away::EXPERIMENT];

@@ -3,14 +3,18 @@
 //! A binary per experiment runs the cases of a scenario into logs; every figure and every row of
 //! [`results`] is then made from the logs alone.
 
+pub mod base;
 pub mod cli;
 pub mod experiment;
 pub mod experiments;
 pub mod log_reader;
 pub mod plots;
+pub mod push_away;
 pub mod push_with_disturbance;
 pub mod results;
 pub mod series;
+pub mod table_i;
+pub mod tick_time;
 
 // Plug-ins are registered by linking.
 use wbqp_robots as _;

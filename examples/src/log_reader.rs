@@ -259,6 +259,14 @@ pub struct RotorLimits {
     pub speed: [f64; 2],
 }
 
+impl RotorLimits {
+    /// Whether a thrust in N is at a bound: within 1 % of the range.
+    pub fn at_a_bound(&self, thrust: f64) -> bool {
+        let [low, high] = self.thrust;
+        (thrust - low).abs().min((thrust - high).abs()) <= 0.01 * (high - low)
+    }
+}
+
 fn to_number(value: &Value) -> f64 {
     match value {
         Value::Bool(b) => f64::from(u8::from(*b)),

@@ -1,5 +1,6 @@
 //! Properties, oracles and acceptance tests of wbqp: what the test files share.
 
+pub mod acceptance;
 pub mod closed_loop;
 pub mod random_model;
 pub mod random_qp;

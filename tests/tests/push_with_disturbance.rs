@@ -1,55 +1,20 @@
 //! Experiment B as it ships: every row of its table, and bit-reproducible logs.
 
-use std::{
-    collections::BTreeMap,
-    env, fs,
-    path::{Path, PathBuf},
-    process,
-};
+use std::{collections::BTreeMap, fs, path::Path};
 
 use serde_json::Value;
 use wbqp::log::{ChannelId, LogError, LogSink};
-use wbqp_examples::{cli::Common, push_with_disturbance};
+use wbqp_examples::push_with_disturbance;
 use wbqp_sim::Scenario;
+use wbqp_tests::acceptance::{Missed, assert_every_row};
 
-/// Rows that are missed, each with its reason. They must be missed: one that is met leaves this list.
-const MISSED: &[(&str, &str, &str)] = &[];
-
-/// A directory that goes away with its owner.
-struct Temporary(PathBuf);
-
-impl Drop for Temporary {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
-}
+/// Rows that are missed, each with its reason.
+const MISSED: &[Missed] = &[];
 
 #[test]
 fn every_row_is_met() {
-    let out = Temporary(env::temp_dir().join(format!("wbqp-push-{}", process::id())));
-    let args = Common {
-        out: out.0.clone(),
-        seed: 1,
-        scenario: None,
-    };
-    let outcome = push_with_disturbance::EXPERIMENT.run(&args).expect("runs");
-    assert!(outcome.completed(), "diverged: {:?}", outcome.diverged);
-    let judged = outcome.rows.iter().filter(|r| r.pass.is_some());
-    assert!(judged.count() >= 18);
-    let wrong = outcome.rows.iter().filter(|row| {
-        let missed = |m: &(&str, &str, &str)| m.0 == row.id && m.1 == row.quantity;
-        let expected = !MISSED.iter().any(missed);
-        row.pass.is_some_and(|pass| pass != expected)
-    });
-    let wrong: Vec<String> = wrong.map(|row| format!("{row:?}")).collect();
-    assert!(wrong.is_empty(), "not as promised:\n{}", wrong.join("\n"));
-    for file in ["with_ft.mcap", "no_ft.mcap", "results.json"] {
-        let path = out
-            .0
-            .join(push_with_disturbance::EXPERIMENT.name)
-            .join(file);
-        assert!(path.metadata().is_ok_and(|m| m.len() > 0), "{file}");
-    }
+    let experiment = &push_with_disturbance::EXPERIMENT;
+    assert_every_row(experiment, MISSED, 18, &["with_ft", "no_ft"]);
 }
 
 /// The bytes of each channel's messages, with their times.

@@ -2,25 +2,16 @@
 
 use std::{f64::consts::TAU, path::Path};
 
-use super::{Colour, Figure, Line, Panel, PlotError, Shade};
+use super::{
+    Colour, Figure, FigureError, Line, Panel, Shade, contact_shade, propellers, same_range,
+};
 use crate::{
+    base,
     experiment::Picture,
     log_reader::{Log, ReadError},
-    push_with_disturbance::measures::{CONTACT, base_angles, base_topic},
+    push_with_disturbance::measures::CONTACT,
     series::Series,
 };
-
-/// Why the figures of an experiment could not be made.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum FigureError {
-    /// The log lacks something.
-    #[error(transparent)]
-    Read(#[from] ReadError),
-    /// The figure cannot be drawn.
-    #[error(transparent)]
-    Plot(#[from] PlotError),
-}
 
 /// Draws all figures of the experiment into a directory.
 ///
@@ -100,29 +91,13 @@ pub fn normal_force(with_ft: &Log, no_ft: &Log) -> Result<Figure, ReadError> {
 /// # Errors
 /// [`ReadError`].
 pub fn propellers_and_rotation(log: &Log) -> Result<Figure, ReadError> {
-    let rotors = log.rotors()?;
-    let mut lines = Vec::new();
-    let mut limits: Vec<f64> = Vec::new();
-    for (rotor, colour) in rotors.iter().zip(Colour::CYCLE.into_iter().cycle()) {
-        let speed = log.series("/command", &format!("/rotors/{}/speed", rotor.name))?;
-        lines.push(Line::solid(&rotor.name.replace('_', " "), colour, speed));
-        for speed in rotor.speed {
-            if !limits.contains(&speed) {
-                limits.push(speed);
-            }
-        }
-    }
     let degrees = |s: &Series| s.map(|a| a * 360.0 / TAU);
-    let [roll, pitch, yaw] = base_angles(log)?;
+    let [roll, pitch, yaw] = base::angles(log)?;
     Ok(Figure {
         panels: vec![
             Panel {
-                title: "Commanded propeller speeds".to_owned(),
-                y_label: "speed [rad/s]".to_owned(),
-                lines,
                 shades: shades(log)?,
-                limits: Some(("limits".to_owned(), limits)),
-                ..Panel::default()
+                ..propellers(log, "Commanded propeller speeds")?
             },
             Panel {
                 title: "Base rotation error (desired: level)".to_owned(),
@@ -146,7 +121,7 @@ pub fn propellers_and_rotation(log: &Log) -> Result<Figure, ReadError> {
 /// [`ReadError`].
 pub fn base_position(with_ft: &Log, no_ft: &Log) -> Result<Figure, ReadError> {
     let panel = |axis: &str| {
-        let position = |log: &Log| log.series(base_topic(log), &format!("/base/position/{axis}"));
+        let position = |log: &Log| base::position(log, axis);
         Ok::<_, ReadError>(Panel {
             title: format!("Base position, {axis}"),
             y_label: format!("{axis} [m]"),
@@ -166,35 +141,13 @@ pub fn base_position(with_ft: &Log, no_ft: &Log) -> Result<Figure, ReadError> {
 
 /// Contact (red) and disturbance (blue).
 fn shades(log: &Log) -> Result<Vec<Shade>, ReadError> {
-    let on = log.series(&format!("/contact/{CONTACT}"), "/active")?;
-    let disturbance = (log.mark("disturbance_start")?, log.mark("disturbance_end")?);
-    let shade = |name: &str, colour, strength, stretches| Shade {
-        name: name.to_owned(),
-        colour,
-        strength,
-        stretches,
-    };
     Ok(vec![
-        shade("contact", Colour::Red, 0.12, on.stretches(|on| on != 0.0)),
-        shade("disturbance", Colour::Blue, 0.25, vec![disturbance]),
+        contact_shade(log, CONTACT)?,
+        Shade {
+            name: "disturbance".to_owned(),
+            colour: Colour::Blue,
+            strength: 0.25,
+            stretches: vec![(log.mark("disturbance_start")?, log.mark("disturbance_end")?)],
+        },
     ])
-}
-
-/// Gives all panels the range that the widest needs, so that they can be compared.
-fn same_range(panels: &mut [Panel], time: (f64, f64)) {
-    let values: Vec<f64> = panels
-        .iter()
-        .flat_map(|p| &p.lines)
-        .map(|l| l.data.window(time.0, time.1))
-        .flat_map(|s| [s.min(), s.max()])
-        .flatten()
-        .collect();
-    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    if low < high {
-        let margin = 0.06 * (high - low);
-        for panel in panels {
-            panel.y_range = Some((low - margin, high + margin));
-        }
-    }
 }

@@ -5,12 +5,15 @@
 
 use std::f64::consts::TAU;
 
-use toml::{Table, Value};
+use toml::Table;
 
 use crate::{
+    base,
     log_reader::{Log, ReadError},
     results::Row,
     series::Series,
+    table_i::{self, number},
+    tick_time,
 };
 
 /// Name of the contact in the scenario's controller.
@@ -23,7 +26,8 @@ const SET_POINT: f64 = 5.0;
 /// # Errors
 /// [`ReadError`] if a log lacks a topic or a table that every row needs.
 pub fn rows(with_ft: &Log, no_ft: &Log) -> Result<Vec<Row>, ReadError> {
-    let mut rows = weights(&with_ft.attached_toml("task")?);
+    let controller = with_ft.attached_toml("task")?;
+    let mut rows = table_i::rows('B', [1.0, 1.0, 0.1, 0.0, 2.0, 1e-5], &controller);
     let ft = Case::new(with_ft)?;
     let no = Case::new(no_ft)?;
     rows.extend(inputs(&ft)?);
@@ -31,7 +35,7 @@ pub fn rows(with_ft: &Log, no_ft: &Log) -> Result<Vec<Row>, ReadError> {
     rows_without_ft(&no, error, &mut rows)?;
     rows.extend(saturation(&ft)?);
     rows.extend(motion(&ft)?);
-    rows.push(tick_time(&ft)?);
+    rows.push(tick_time::row(with_ft)?);
     Ok(rows)
 }
 
@@ -70,52 +74,6 @@ impl<'a> Case<'a> {
     fn disturbed(&self, series: &Series) -> Series {
         series.window(self.start, self.end)
     }
-}
-
-/// A1: Table I, row B.
-fn weights(controller: &Table) -> Vec<Row> {
-    let table_i = [
-        ("p_R", "base_position", 1.0),
-        ("R_R", "base_orientation", 1.0),
-        ("q_A", "posture", 0.1),
-        ("p_f", "free_motion", 0.0),
-        ("f_c", "contact_force", 2.0),
-        ("r_a", "propeller_regularisation", 1e-5),
-    ];
-    table_i
-        .into_iter()
-        .map(|(symbol, tag, paper)| {
-            let part = if symbol == "f_c" { ", normal" } else { "" };
-            let quantity = format!("weight of {symbol}{part} (Table I, row B)");
-            let measured = weight(controller, tag);
-            Row::judged("A1-B", (&quantity, "1"), paper, measured, "exact", |w| {
-                w == paper
-            })
-        })
-        .collect()
-}
-
-/// Weight of the task of that type, 0 if there is none. Of a weight per row, the last: the normal force is the
-/// last of the point contact's rows; for the other tasks all must be equal.
-fn weight(controller: &Table, tag: &str) -> Option<f64> {
-    let tasks = controller.get("task")?.as_array()?;
-    let of_type = |task: &&Value| task.get("type").and_then(Value::as_str) == Some(tag);
-    let Some(task) = tasks.iter().find(of_type) else {
-        return Some(0.0);
-    };
-    match task.get("weight")? {
-        Value::Array(rows) => {
-            let last = number(rows.last()?)?;
-            let uniform = rows.iter().all(|w| number(w) == Some(last));
-            (uniform || tag == "contact_force").then_some(last)
-        }
-        one => number(one),
-    }
-}
-
-fn number(value: &Value) -> Option<f64> {
-    let integer = || value.as_integer().map(|i| i as f64);
-    value.as_float().or_else(integer)
 }
 
 /// B1 and B2: set point and disturbance.
@@ -271,9 +229,10 @@ fn saturation(ft: &Case<'_>) -> Result<Vec<Row>, ReadError> {
         let thrust = ft
             .log
             .series("/command", &format!("/rotors/{}/thrust", rotor.name))?;
-        let [low, high] = rotor.thrust;
-        let at_bound = |f: f64| (f - low).abs().min((f - high).abs()) <= 0.01 * (high - low);
-        let mostly = |window: Series| window.fraction(at_bound).is_some_and(|f| f > 0.5);
+        let mostly = |window: Series| {
+            let fraction = window.fraction(|f| rotor.at_a_bound(f));
+            fraction.is_some_and(|f| f > 0.5)
+        };
         during += u32::from(mostly(ft.steady(&thrust)));
         before += u32::from(mostly(ft.before(&thrust)));
     }
@@ -299,9 +258,9 @@ fn saturation(ft: &Case<'_>) -> Result<Vec<Row>, ReadError> {
 
 /// B8 and B9: what the base does.
 fn motion(ft: &Case<'_>) -> Result<Vec<Row>, ReadError> {
-    let [_, pitch, _] = base_angles(ft.log)?;
+    let [_, pitch, _] = base::angles(ft.log)?;
     let nose_up = ft.disturbed(&pitch.map(|p| -p * 360.0 / TAU));
-    let x = ft.log.series(base_topic(ft.log), "/base/position/x")?;
+    let x = base::position(ft.log, "x")?;
     let rest = ft.before(&x).mean();
     let displacement = |x: Option<f64>| x.zip(rest).map(|(x, rest)| 100.0 * (x - rest));
     let farthest = rest.and_then(|rest| ft.disturbed(&x).farthest_from(rest));
@@ -339,52 +298,4 @@ fn motion(ft: &Case<'_>) -> Result<Vec<Row>, ReadError> {
             "public log −8.5 cm, informative",
         ),
     ])
-}
-
-/// The plant's state if the log has it, else the estimate.
-pub fn base_topic(log: &Log) -> &'static str {
-    if log.has("/plant") {
-        "/plant"
-    } else {
-        "/state"
-    }
-}
-
-/// Roll, pitch and yaw of the base, rad (z-y-x convention); positive pitch is nose down.
-///
-/// # Errors
-/// [`ReadError`] if the log has no state.
-pub fn base_angles(log: &Log) -> Result<[Series; 3], ReadError> {
-    let topic = base_topic(log);
-    let mut angles = [const { Vec::new() }; 3];
-    let mut times = Vec::new();
-    for message in log.messages(topic)? {
-        let (time, message) = message?;
-        let [w, x, y, z] = ["w", "x", "y", "z"].map(|c| {
-            let number = message["base"]["orientation"][c].as_f64();
-            number.unwrap_or(f64::NAN)
-        });
-        times.push(time);
-        angles[0].push((2.0 * (w * x + y * z)).atan2(1.0 - 2.0 * (x * x + y * y)));
-        angles[1].push((2.0 * (w * y - z * x)).clamp(-1.0, 1.0).asin());
-        angles[2].push((2.0 * (w * z + x * y)).atan2(1.0 - 2.0 * (y * y + z * z)));
-    }
-    Ok(angles.map(|y| Series {
-        t: times.clone(),
-        y,
-    }))
-}
-
-/// Time of a tick on this machine.
-fn tick_time(ft: &Case<'_>) -> Result<Row, ReadError> {
-    let total = ft.log.series("/qp", "/times/total")?;
-    // Without a stopwatch all times are zero.
-    let median = total.quantile(0.5).filter(|t| *t > 0.0);
-    Ok(Row::informative(
-        "time",
-        ("median wall-clock time of a tick on this machine", "µs"),
-        None,
-        median,
-        "informative",
-    ))
 }

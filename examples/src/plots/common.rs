@@ -1,0 +1,69 @@
+//! What figures of several experiments have in common.
+
+use super::{Colour, Line, Panel, PlotError, Shade};
+use crate::log_reader::{Log, ReadError};
+
+/// Why the figures of an experiment could not be made.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum FigureError {
+    /// The log lacks something.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    /// The figure cannot be drawn.
+    #[error(transparent)]
+    Plot(#[from] PlotError),
+}
+
+/// The stretches of time in which a contact is on, red.
+pub(super) fn contact_shade(log: &Log, contact: &str) -> Result<Shade, ReadError> {
+    let on = log.series(&format!("/contact/{contact}"), "/active")?;
+    Ok(Shade {
+        name: "contact".to_owned(),
+        colour: Colour::Red,
+        strength: 0.12,
+        stretches: on.stretches(|on| on != 0.0),
+    })
+}
+
+/// Commanded rotor speeds with their limits; no shades.
+pub(super) fn propellers(log: &Log, title: &str) -> Result<Panel, ReadError> {
+    let rotors = log.rotors()?;
+    let mut lines = Vec::new();
+    let mut limits: Vec<f64> = Vec::new();
+    for (rotor, colour) in rotors.iter().zip(Colour::CYCLE.into_iter().cycle()) {
+        let speed = log.series("/command", &format!("/rotors/{}/speed", rotor.name))?;
+        lines.push(Line::solid(&rotor.name.replace('_', " "), colour, speed));
+        for speed in rotor.speed {
+            if !limits.contains(&speed) {
+                limits.push(speed);
+            }
+        }
+    }
+    Ok(Panel {
+        title: title.to_owned(),
+        y_label: "speed [rad/s]".to_owned(),
+        lines,
+        limits: Some(("limits".to_owned(), limits)),
+        ..Panel::default()
+    })
+}
+
+/// Gives all panels the range that the widest needs, so that they can be compared.
+pub(super) fn same_range(panels: &mut [Panel], time: (f64, f64)) {
+    let values: Vec<f64> = panels
+        .iter()
+        .flat_map(|p| &p.lines)
+        .map(|l| l.data.window(time.0, time.1))
+        .flat_map(|s| [s.min(), s.max()])
+        .flatten()
+        .collect();
+    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    if low < high {
+        let margin = 0.06 * (high - low);
+        for panel in panels {
+            panel.y_range = Some((low - margin, high + margin));
+        }
+    }
+}

@@ -1,0 +1,16 @@
+//! Experiment D, pushing away (paper IV-D, Figs. 6, 7, 8).
+
+pub mod measures;
+
+use crate::{experiment::Experiment, plots::push_away};
+
+/// Two cases, far from the wall and in contact with it.
+pub const EXPERIMENT: Experiment = Experiment {
+    name: "push_away",
+    title: "D: pushing away (IV-D)",
+    measure: |runs| Ok(measures::rows(&runs.log("free")?, &runs.log("contact")?)?),
+    draw: |runs| {
+        let (free, contact) = (runs.log("free")?, runs.log("contact")?);
+        Ok(push_away::draw(&free, &contact, runs.directory())?)
+    },
+};
