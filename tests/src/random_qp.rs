@@ -55,6 +55,9 @@ struct Row {
 }
 
 /// Draws a problem with up to `largest` variables.
+///
+/// # Panics
+/// Never: the storage is made for the rows.
 pub fn random_qp(family: Family, seed: u64, largest: usize) -> Known {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let rng = &mut rng;

@@ -49,6 +49,17 @@ pub(super) fn magnitude(qp: &Qp, index: usize, x: &[f64], unit: &[f64], largest:
     }
 }
 
+/// Largest entry of a normal, the variables in their units.
+pub(super) fn largest_normal(qp: &Qp, index: usize, unit: &[f64]) -> f64 {
+    match index.checked_sub(qp.m()) {
+        None => {
+            let entries = qp.row(index).iter().zip(unit);
+            entries.fold(0.0, |largest, (a, unit)| largest.max((a * unit).abs()))
+        }
+        Some(j) => unit[j],
+    }
+}
+
 /// Copies `a`.
 pub(super) fn copy_normal(qp: &Qp, index: usize, out: &mut [f64]) {
     match index.checked_sub(qp.m()) {

@@ -1,7 +1,9 @@
 //! The dual iteration, from the factorisation to refined multipliers.
 
 use super::{
-    constraint::{Active, add_normal, copy_normal, count, limits, magnitude, value},
+    constraint::{
+        Active, add_normal, copy_normal, count, largest_normal, limits, magnitude, value,
+    },
     hessian::Hessian,
     kernels::{axpy, dot, largest},
     working_set::WorkingSet,
@@ -14,8 +16,12 @@ const JOINT_ROUNDS: u32 = 4;
 const GUESS_ROUNDS: u32 = 6;
 /// Residual of the optimality conditions, relative to their terms, that needs no refinement.
 const EXACT: f64 = 1e-14;
+/// Relative residual of an optimum.
+const CONVERGED: f64 = 1e-9;
 /// Refinements, or proximal steps, on one set of held constraints.
 const REFINEMENTS: u32 = 50;
+/// Iterations after which larger violations, too, are taken for rounding.
+const LONG: u32 = 200;
 /// A violation below this, relative to the numbers that are added up, may be the rounding of an `x` that is not refined.
 const ROUNDING: f64 = 1e-8;
 /// Times that a refined point may turn out to violate a constraint, or to hold one too many.
@@ -47,6 +53,8 @@ pub(super) struct Workspace {
     set: WorkingSet,
     v: Vec<f64>,
     x: Vec<f64>,
+    /// Where the last proximal steps began.
+    last: Vec<f64>,
     /// `1/√h_jj`, the unit of each variable.
     unit: Vec<f64>,
     /// Which constraints are not to be checked: held, equalities, or without a remedy.
@@ -57,8 +65,10 @@ pub(super) struct Workspace {
     p: Vec<f64>,
     previous: Vec<(Id, f64)>,
     tolerance: f64,
-    /// Size of the terms of the gradient at the last residuals.
+    /// Size of the terms of the gradient at the last residuals, in units of the variables.
     size: f64,
+    /// The last residuals, relative to it.
+    residual: f64,
     iterations: u32,
     max_iterations: u32,
 }
@@ -71,6 +81,7 @@ impl Workspace {
             set: WorkingSet::new(n),
             v: vec![0.0; n],
             x: vec![0.0; n],
+            last: vec![0.0; n],
             unit: vec![0.0; n],
             settled: vec![false; m + n],
             violated: Vec::with_capacity(m + n),
@@ -100,6 +111,12 @@ impl Workspace {
         self.max_iterations = max_iterations;
         out.status = self.run(qp, out);
         out.iterations = self.iterations;
+        let (n, m) = (qp.n(), qp.m());
+        let mut numbers = out.x[..n].iter().chain(&out.y[..m]).chain(&out.z[..n]);
+        if !numbers.all(|v| v.is_finite()) {
+            clear(qp, out);
+            out.status = Status::Failed;
+        }
         if !out.status.is_usable() {
             self.previous.clear();
         }
@@ -146,9 +163,9 @@ impl Workspace {
             return Status::Infeasible;
         }
         self.hold_previous(qp);
-        let mut guess_rounds = GUESS_ROUNDS;
+        self.last[..n].fill(0.0);
         for correction in 0..CORRECTIONS {
-            match self.ascend(qp, guess_rounds, out) {
+            match self.ascend(qp, correction == 0, out) {
                 End::Optimal => {}
                 End::Infeasible => return Status::Infeasible,
                 End::Budget => {
@@ -156,23 +173,27 @@ impl Workspace {
                     return Status::Budget;
                 }
             }
-            guess_rounds = 0;
-            let residual = self.refine(qp);
+            self.refine(qp);
+            let raised = self.hessian.is_raised();
+            if raised && self.residual > CONVERGED {
+                if self.is_unbounded(qp) {
+                    return Status::Unbounded;
+                }
+                self.last[..n].copy_from_slice(&self.x[..n]);
+            }
             // What goes to and fro is on the edge.
-            let forgiven = FORGIVEN[(correction as usize / 8).min(FORGIVEN.len() - 1)];
-            if self.is_settled(qp, forgiven) {
+            let forgiven = FORGIVEN[(correction as usize / 4).min(FORGIVEN.len() - 1)];
+            let far = raised && self.residual > CONVERGED && correction + 1 < CORRECTIONS;
+            if self.is_settled(qp, forgiven) && !far {
                 self.remember(qp);
                 self.write(qp, out);
-                return if residual < 1e-9 {
+                return if self.residual < CONVERGED {
                     Status::Optimal
-                } else if residual < 1e-6 {
+                } else if self.residual < 1e-6 {
                     Status::AlmostOptimal
                 } else {
                     Status::Failed
                 };
-            }
-            if self.hessian.is_raised() && self.is_unbounded(qp) {
-                return Status::Unbounded;
             }
             self.move_on(qp, forgiven);
         }
@@ -263,9 +284,13 @@ impl Workspace {
     }
 
     /// The dual iteration.
-    fn ascend(&mut self, qp: &Qp, mut guess_rounds: u32, out: &mut Solution) -> End {
+    fn ascend(&mut self, qp: &Qp, is_first: bool, out: &mut Solution) -> End {
         let n = qp.n();
-        let mut joint_rounds = JOINT_ROUNDS;
+        let (mut guess_rounds, mut joint_rounds) = if is_first {
+            (GUESS_ROUNDS, JOINT_ROUNDS)
+        } else {
+            (0, 0)
+        };
         let mut tolerance = self.tolerance;
         loop {
             self.iterations += 1;
@@ -291,7 +316,7 @@ impl Workspace {
             if self.violated.is_empty() {
                 return End::Optimal;
             }
-            if worst < ROUNDING {
+            if worst < ROUNDING || (worst < 1e3 * ROUNDING && self.iterations > LONG) {
                 // May be rounding of x: constraints that are held and let go for that would never come to an end.
                 // What is refined later is checked again.
                 tolerance *= 2.0;
@@ -463,18 +488,17 @@ impl Workspace {
     }
 
     /// Corrects `x` and the multipliers by the residuals of the optimality conditions on the held constraints, until
-    /// rounding is left. Returns the relative residual.
-    fn refine(&mut self, qp: &Qp) -> f64 {
+    /// rounding is left.
+    fn refine(&mut self, qp: &Qp) {
         let n = qp.n();
         let k = self.set.len();
+        // A proximal step may gain slowly, a refinement gains at once or not at all.
+        let stalled = if self.hessian.is_raised() { 0.95 } else { 0.3 };
         let mut before = f64::INFINITY;
         for _ in 0..REFINEMENTS {
             let residual = self.residuals(qp);
-            let raised = self.hessian.is_raised();
-            // A proximal step may gain slowly, a refinement gains at once or not at all.
-            let stalled = residual > if raised { 0.95 * before } else { 0.3 * before };
-            if residual < EXACT || stalled {
-                return residual;
+            if residual < EXACT || residual > stalled * before {
+                return;
             }
             before = residual;
             let (d, p) = (&mut self.gradient[..n], &mut self.p[..k]);
@@ -482,61 +506,57 @@ impl Workspace {
             axpy(&mut self.x[..n], 1.0, d);
             axpy(&mut self.set.multipliers, 1.0, p);
         }
-        before
+        self.residuals(qp);
     }
 
-    /// `H x + g + N λ` into `self.gradient`, `b − Nᵀ x` into `self.p`; returns the larger of the two relative to the
-    /// numbers that they are made of.
+    /// `H x + g + N λ` into `self.gradient`, `b − Nᵀ x` into `self.p`; returns the larger of the two relative to what it
+    /// is the difference of.
     fn residuals(&mut self, qp: &Qp) -> f64 {
         let n = qp.n();
         let (x, unit) = (&self.x[..n], &self.unit[..n]);
         let scale = largest_in(unit, x);
         let gradient = &mut self.gradient[..n];
         let mut size = 0.0_f64;
-        for ((d, h), g) in gradient.iter_mut().zip(qp.h().chunks_exact(n)).zip(qp.g()) {
+        let rows = qp.h().chunks_exact(n).zip(qp.g());
+        for ((d, (h, g)), unit) in gradient.iter_mut().zip(rows).zip(unit) {
             let hx = dot(h, x);
-            size = size.max(hx.abs()).max(g.abs());
+            size = size.max(unit * hx.abs()).max(unit * g.abs());
             *d = hx + g;
         }
         if self.hessian.is_raised() {
             // The size of a proximal term.
-            size = size.max(1e-6 * largest(x));
+            size = size.max(1e-6 * scale);
         }
-        self.size = size;
-        let mut worst = 0.0_f64;
-        for ((held, &m), p) in self
-            .set
-            .active()
-            .iter()
-            .zip(&self.set.multipliers)
-            .zip(&mut self.p)
-        {
+        let mut primal = 0.0_f64;
+        let held = self.set.active().iter().zip(&self.set.multipliers);
+        for ((held, &m), p) in held.zip(&mut self.p) {
             add_normal(qp, held.index, m, gradient);
             *p = held.limit - value(qp, held.index, x);
             if *p != 0.0 {
-                worst = worst
-                    .max(p.abs() / (held.limit.abs() + magnitude(qp, held.index, x, unit, scale)));
+                let magnitude = magnitude(qp, held.index, x, unit, scale);
+                primal = primal.max(p.abs() / (held.limit.abs() + magnitude));
             }
         }
-        let stationarity = largest(gradient);
-        if stationarity > 0.0 {
-            worst = worst.max(stationarity / size.max(f64::MIN_POSITIVE));
-        }
-        worst
+        let in_units = gradient.iter().zip(unit).map(|(d, unit)| (d * unit).abs());
+        let stationarity = in_units.fold(0.0, f64::max);
+        // The entries of H x may be small differences of large terms, none of which exceeds the largest variable.
+        self.size = size.max(scale).max(f64::MIN_POSITIVE);
+        self.residual = primal.max(stationarity / self.size);
+        primal.max(stationarity / size.max(f64::MIN_POSITIVE))
     }
 
     /// Whether the refined point violates nothing and holds nothing with a multiplier of the wrong sign, beyond what is
     /// forgiven.
     fn is_settled(&mut self, qp: &Qp, forgiven: f64) -> bool {
         self.find_violated(qp, self.tolerance.max(forgiven));
-        let wrong = self.wrong_multiplier(forgiven);
-        let held = self.set.active().iter().zip(&self.set.multipliers);
-        self.violated.is_empty() && !held.into_iter().any(|(held, m)| -m * held.side > wrong)
+        self.violated.is_empty() && (0..self.set.len()).all(|j| !self.is_wrong(qp, j, forgiven))
     }
 
-    /// The size of a multiplier of the wrong sign that is more than rounding.
-    fn wrong_multiplier(&self, forgiven: f64) -> f64 {
-        forgiven * largest(&self.set.multipliers).max(self.size)
+    /// Whether the multiplier of the j-th constraint held has the wrong sign by more than is forgiven.
+    fn is_wrong(&self, qp: &Qp, j: usize, forgiven: f64) -> bool {
+        let held = self.set.active()[j];
+        let wrong = -self.set.multipliers[j] * held.side;
+        wrong > 0.0 && wrong * largest_normal(qp, held.index, &self.unit) > forgiven * self.size
     }
 
     /// The next proximal step, or another look at a point that was refined: what is wrongly held is let go.
@@ -544,9 +564,8 @@ impl Workspace {
         let n = qp.n();
         let (x, w) = (&self.x[..n], &mut self.w[..n]);
         self.set.centre(&self.hessian, x, w);
-        let wrong = self.wrong_multiplier(forgiven);
         for j in (0..self.set.len()).rev() {
-            if -self.set.multipliers[j] * self.set.active()[j].side > wrong {
+            if self.is_wrong(qp, j, forgiven) {
                 self.release(j);
             }
         }
@@ -557,14 +576,15 @@ impl Workspace {
         }
     }
 
-    /// Whether the last proximal step was along a direction in which the cost falls for ever.
-    fn is_unbounded(&self, qp: &Qp) -> bool {
+    /// Whether the last proximal steps went along a direction in which the cost falls for ever.
+    fn is_unbounded(&mut self, qp: &Qp) -> bool {
         let n = qp.n();
-        let d = &self.gradient[..n];
-        let size = largest(d);
-        if size < 1e6 * (1.0 + largest(&self.x[..n]) * 1e-3) && size < 1e9 {
-            return false;
+        let d = &mut self.w[..n];
+        for ((d, x), last) in d.iter_mut().zip(&self.x).zip(&self.last) {
+            *d = x - last;
         }
+        let d = &self.w[..n];
+        let size = largest(d);
         let flat = qp
             .h()
             .chunks_exact(n)
