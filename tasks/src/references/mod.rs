@@ -6,8 +6,10 @@
 mod hold;
 mod leg;
 mod min_jerk;
+mod thrust_attitude;
 mod waypoints;
 
 pub use hold::Hold;
 pub use min_jerk::MinJerk;
+pub use thrust_attitude::ThrustAttitude;
 pub use waypoints::{Waypoint, Waypoints};
