@@ -64,14 +64,15 @@ pub fn force_and_propellers(log: &Log) -> Result<Figure, ReadError> {
 /// [`ReadError`].
 pub fn rotation(log: &Log) -> Result<Figure, ReadError> {
     let [roll, pitch, yaw] = base::angles(log)?.map(|angle| angle.map(f64::to_degrees));
+    let level = roll.map(|_| 0.0);
     let panel = Panel {
         title: "Base rotation error (desired: level)".to_owned(),
         y_label: "angle [deg]".to_owned(),
         lines: vec![
-            Line::dashed("desired", Colour::Black, roll.map(|_| 0.0)),
             Line::solid("roll", Colour::Green, roll),
             Line::solid("pitch (nose down positive)", Colour::Red, pitch),
             Line::solid("yaw", Colour::Blue, yaw),
+            Line::dashed("desired", Colour::Black, level),
         ],
         ..Panel::default()
     };

@@ -119,10 +119,7 @@ fn tilt(case: &str, log: &Log, rows: &mut Vec<Row>) -> Result<(), ReadError> {
     ));
     rows.push(Row::informative(
         "E2",
-        (
-            &format!("{case}: largest pitch of the run, nose down"),
-            "°",
-        ),
+        (&format!("{case}: largest pitch of the run, nose down"), "°"),
         None,
         pitch.max(),
         "informative",
@@ -205,8 +202,7 @@ pub fn desired_pitch(log: &Log) -> Result<Series, ReadError> {
             }
         };
         let number = |value: &wbqp::serde_json::Value| value.as_f64().unwrap_or(f64::NAN);
-        let [w, x, y, z] =
-            ["w", "x", "y", "z"].map(|c| number(&state["base"]["orientation"][c]));
+        let [w, x, y, z] = ["w", "x", "y", "z"].map(|c| number(&state["base"]["orientation"][c]));
         let error = ["x", "y", "z"].map(|c| number(&task["rows"][c]["error"]));
         let actual = UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z));
         let desired = spatial::exp(&-Vector3::from(error)) * actual;

@@ -15,10 +15,6 @@ pub const EXPERIMENT: Experiment = Experiment {
     },
     draw: |runs| {
         let (literal, attitude) = (runs.log("literal")?, runs.log("attitude_reference")?);
-        Ok(under_actuated::draw(
-            &literal,
-            &attitude,
-            runs.directory(),
-        )?)
+        Ok(under_actuated::draw(&literal, &attitude, runs.directory())?)
     },
 };

@@ -1,7 +1,8 @@
 //! Reference generators.
 //!
 //! Values of rotations are `[roll, pitch, yaw]` in rad, `R_z(yaw) R_y(pitch) R_x(roll)`; their rates and
-//! accelerations are in world axes. Times count from where the reference takes over.
+//! accelerations are in world axes. Times count from where the reference takes over. [`ThrustAttitude`] alone does not
+//! depend on time but on what the tick knows.
 
 mod hold;
 mod leg;
