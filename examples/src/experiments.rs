@@ -1,6 +1,10 @@
 //! The paper's experiments, in its order.
 
-use crate::{experiment::Experiment, push_away, push_with_disturbance};
+use crate::{experiment::Experiment, push_away, push_with_disturbance, under_actuated};
 
 /// All of them.
-pub const ALL: &[Experiment] = &[push_with_disturbance::EXPERIMENT, push_away::EXPERIMENT];
+pub const ALL: &[Experiment] = &[
+    push_with_disturbance::EXPERIMENT,
+    push_away::EXPERIMENT,
+    under_actuated::EXPERIMENT,
+];

@@ -15,6 +15,7 @@ pub mod results;
 pub mod series;
 pub mod table_i;
 pub mod tick_time;
+pub mod under_actuated;
 
 // Plug-ins are registered by linking.
 use wbqp_robots as _;

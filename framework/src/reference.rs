@@ -83,7 +83,7 @@ pub struct Start<'a> {
     pub from: &'a Sample,
 }
 
-/// A trajectory: value, rate and acceleration as a function of time, or of what the tick measured (an
+/// A trajectory: value, rate and acceleration as a function of time, or of what the tick knows (an
 /// attitude computed from a desired force, say).
 ///
 /// Registered by `#[wbqp::reference("tag")]` and named by `reference = { type = "tag", … }` in a task.

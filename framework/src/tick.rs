@@ -36,9 +36,13 @@ pub struct Tick<'a> {
     pub(crate) contacts: &'a [ContactState],
 }
 
-/// The decision variables of the last solved tick.
+/// The decision variables of the last solved tick, and what was asked of them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Prediction {
+    /// What tasks asked of `v̇`, size nv: for each component the virtual input `a*` of the live tasks whose rows are
+    /// that component alone, their mean by weight if there are several, the hard one's if one is hard. Zero where
+    /// no task asks, and before the first tick.
+    pub virtual_input: nalgebra::DVector<f64>,
     /// Generalised acceleration, size nv.
     pub vdot: nalgebra::DVector<f64>,
     /// Actuator efforts as sent, within limits, N or N·m, size nu. Before the first tick, the hover.
@@ -66,5 +70,10 @@ impl<'a> Tick<'a> {
         self.contacts
             .get(contact.index())
             .unwrap_or(&self.contacts[0])
+    }
+
+    /// All contacts, in the order of the configuration; also those that are off.
+    pub fn contacts(&self) -> &'a [ContactState] {
+        self.contacts
     }
 }

@@ -17,7 +17,8 @@ use wbqp::{
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
 };
-use wbqp_tests::scenes::{KINDS, Scene};
+use wbqp_tasks::ThrustAttitude;
+use wbqp_tests::scenes::{KINDS, Kind, Scene};
 
 #[global_allocator]
 static ALLOCATOR: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
@@ -76,6 +77,13 @@ fn a_tick_allocates_nothing_outside_the_solver() {
                 entry.transition = 0.03;
             }
             let mut controller = wbqp::Controller::new(config).expect("the scene is valid");
+            if kind == Kind::OthexVertical {
+                // The reference that computes most.
+                let thrust = Box::new(ThrustAttitude::new());
+                controller
+                    .follow("base_orientation", thrust)
+                    .expect("the scene has the task");
+            }
             let mut measurement = scene.measurement();
             let (mut outside, mut optimal) = (0, 0);
             for tick in 0..500_u32 {

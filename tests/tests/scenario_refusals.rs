@@ -485,7 +485,7 @@ fn events() {
         "\"min_jerk\"",
         "\"minjerk\"",
         "follow.base_position: unknown variant `minjerk`, expected one of `hold`, `min_jerk`, \
-         `waypoints`",
+         `thrust_attitude`, `waypoints`",
     );
     event(
         "to = [",

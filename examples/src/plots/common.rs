@@ -1,7 +1,10 @@
 //! What figures of several experiments have in common.
 
 use super::{Colour, Line, Panel, PlotError, Shade};
-use crate::log_reader::{Log, ReadError};
+use crate::{
+    log_reader::{Log, ReadError},
+    series::Series,
+};
 
 /// Why the figures of an experiment could not be made.
 #[derive(Debug, thiserror::Error)]
@@ -23,6 +26,36 @@ pub(super) fn contact_shade(log: &Log, contact: &str) -> Result<Shade, ReadError
         colour: Colour::Red,
         strength: 0.12,
         stretches: on.stretches(|on| on != 0.0),
+    })
+}
+
+/// A quantity of a contact over time, while it is on: outside contact nothing is commanded.
+pub(super) fn in_contact(log: &Log, contact: &str, pointer: &str) -> Result<Series, ReadError> {
+    let topic = format!("/contact/{contact}");
+    let on = log.series(&topic, "/active")?;
+    let mut series = log.series(&topic, pointer)?;
+    for (y, on) in series.y.iter_mut().zip(&on.y) {
+        if *on == 0.0 {
+            *y = f64::NAN;
+        }
+    }
+    Ok(series)
+}
+
+/// Measured, commanded and desired normal force of a contact; no shades.
+pub(super) fn contact_force(log: &Log, contact: &str, title: &str) -> Result<Panel, ReadError> {
+    let measured = log.series(&format!("/contact/{contact}"), "/measured/z")?;
+    let commanded = in_contact(log, contact, "/virtual_input/z")?;
+    let desired = in_contact(log, contact, "/reference/z")?;
+    Ok(Panel {
+        title: title.to_owned(),
+        y_label: "normal force [N]".to_owned(),
+        lines: vec![
+            Line::solid("measured", Colour::Red, measured),
+            Line::solid("commanded f*", Colour::Blue, commanded),
+            Line::dashed("desired", Colour::Black, desired),
+        ],
+        ..Panel::default()
     })
 }
 

@@ -4,7 +4,8 @@ mod common;
 mod figure;
 pub mod push;
 pub mod push_away;
+pub mod under_actuated;
 
 pub use common::FigureError;
-use common::{contact_shade, propellers, same_range};
+use common::{contact_force, contact_shade, in_contact, propellers, same_range};
 pub use figure::{Colour, Figure, Line, Panel, PlotError, Shade};

@@ -3,7 +3,8 @@
 use std::{f64::consts::TAU, path::Path};
 
 use super::{
-    Colour, Figure, FigureError, Line, Panel, Shade, contact_shade, propellers, same_range,
+    Colour, Figure, FigureError, Line, Panel, Shade, contact_force, contact_shade, propellers,
+    same_range,
 };
 use crate::{
     base,
@@ -49,32 +50,9 @@ pub fn draw(with_ft: &Log, no_ft: &Log, directory: &Path) -> Result<Vec<Picture>
 /// [`ReadError`].
 pub fn normal_force(with_ft: &Log, no_ft: &Log) -> Result<Figure, ReadError> {
     let panel = |log: &Log, title: &str| {
-        let topic = format!("/contact/{CONTACT}");
-        let on = log.series(&topic, "/active")?;
-        // Outside contact nothing is commanded.
-        let in_contact = |pointer: &str| {
-            let mut series = log.series(&topic, pointer)?;
-            for (y, on) in series.y.iter_mut().zip(&on.y) {
-                if *on == 0.0 {
-                    *y = f64::NAN;
-                }
-            }
-            Ok::<_, ReadError>(series)
-        };
         Ok::<_, ReadError>(Panel {
-            title: title.to_owned(),
-            y_label: "normal force [N]".to_owned(),
-            lines: vec![
-                Line::solid("measured", Colour::Red, log.series(&topic, "/measured/z")?),
-                Line::solid(
-                    "commanded f*",
-                    Colour::Blue,
-                    in_contact("/virtual_input/z")?,
-                ),
-                Line::dashed("desired", Colour::Black, in_contact("/reference/z")?),
-            ],
             shades: shades(log)?,
-            ..Panel::default()
+            ..contact_force(log, CONTACT, title)?
         })
     };
     let mut panels = vec![

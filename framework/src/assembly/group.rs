@@ -4,7 +4,7 @@ use crate::{
     assembly::Table,
     controller::switch::Switch,
     entry::{Hardness, Weight},
-    layout::{Layout, Relation},
+    layout::{Layout, Relation, VdotBlock},
     qp::{RowId, VarId},
     rows::RowStore,
 };
@@ -134,6 +134,31 @@ impl Group {
     /// Linear price of the slack, the ramp applied.
     pub(crate) fn slack_penalty(&self) -> f64 {
         self.linear_penalty * self.alpha
+    }
+
+    /// What the live groups ask of `v̇[column]` by rows on that component alone: their mean by weight, or the first
+    /// hard one's; zero if none asks.
+    pub(crate) fn virtual_input(groups: &[Self], column: usize) -> f64 {
+        let (mut sum, mut total) = (0.0, 0.0);
+        for group in groups.iter().filter(|g| g.live) {
+            let VdotBlock::Unit(columns) = &group.layout.vdot else {
+                continue;
+            };
+            if group.layout.effort.is_some() || !group.layout.forces.is_empty() {
+                continue;
+            }
+            let hard = group.treatment_now(true) == Treatment::Hard;
+            for (row, _) in columns.iter().enumerate().filter(|(_, c)| **c == column) {
+                let asked = group.store.lower[row];
+                if hard {
+                    return asked;
+                }
+                let weight = group.weight[row] * group.alpha;
+                sum += weight * asked;
+                total += weight;
+            }
+        }
+        if total > 0.0 { sum / total } else { 0.0 }
     }
 
     /// Number of rows this group may put into the problem.

@@ -42,6 +42,9 @@ pub struct ContactState {
     pub measured_at_switch: Vector6<f64>,
     /// Wrench put into the dynamics for the free directions.
     pub free_force: Vector6<f64>,
+    /// Set point `f^d` of the contact's force task in the last tick, N, on the robot, C axes; zero without one and
+    /// while the contact is off.
+    pub set_point: Vector3<f64>,
     /// Wrench of the last solution, zero in the free directions.
     pub solution: Vector6<f64>,
 }

@@ -152,6 +152,7 @@ impl Controller {
             frames,
             contacts: contact_states,
             last: Prediction {
+                virtual_input: nalgebra::DVector::zeros(sizes.nv),
                 vdot: nalgebra::DVector::zeros(sizes.nv),
                 effort: nalgebra::DVector::zeros(sizes.nu),
             },

@@ -164,6 +164,10 @@ impl Controller {
         let x = &self.solution.x[..self.qp.n()];
         self.assembly.vdot(x, &mut self.world.last.vdot);
         self.report.vdot.copy_from(&self.world.last.vdot);
+        let tasks = &self.groups[..self.tasks.len()];
+        for (column, asked) in self.world.last.virtual_input.iter_mut().enumerate() {
+            *asked = Group::virtual_input(tasks, column);
+        }
         let effort = self.assembly.effort(x);
         self.command.take_efforts(&self.robot, effort);
         self.world.last.effort.copy_from_slice(&self.command.effort);
@@ -180,6 +184,7 @@ impl Controller {
         );
         for (i, contact) in self.world.contacts.iter_mut().enumerate() {
             contact.solution.fill(0.0);
+            contact.set_point.fill(0.0);
             if let Some(force) = self.assembly.force(x, i) {
                 for (&direction, f) in contact.kind.constrained().iter().zip(force) {
                     contact.solution[direction] = *f;
@@ -224,8 +229,10 @@ impl Controller {
             }
             if let (true, Some(force)) = (group.live, task.force_report())
                 && let Some(contact) = self.report.contacts.get_mut(force.contact.index())
+                && let Some(state) = self.world.contacts.get_mut(force.contact.index())
             {
                 contact.task = Some(force);
+                state.set_point = force.reference;
             }
         }
     }

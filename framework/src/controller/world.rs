@@ -102,6 +102,7 @@ impl ContactBinding {
             measured: Vector6::zeros(),
             measured_at_switch: Vector6::zeros(),
             free_force: Vector6::zeros(),
+            set_point: Vector3::zeros(),
             solution: Vector6::zeros(),
         }
     }
@@ -183,6 +184,7 @@ impl ContactBinding {
         };
         if !c.live {
             c.solution = Vector6::zeros();
+            c.set_point = Vector3::zeros();
         }
     }
 }

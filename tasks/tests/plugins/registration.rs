@@ -21,7 +21,7 @@ const TASKS: [&str; 6] = [
     "propeller_regularisation",
 ];
 const CONSTRAINTS: [&str; 3] = ["actuator_limits", "contact_motion", "friction_pyramid"];
-const REFERENCES: [&str; 3] = ["hold", "min_jerk", "waypoints"];
+const REFERENCES: [&str; 4] = ["hold", "min_jerk", "thrust_attitude", "waypoints"];
 
 #[test]
 fn every_plugin_is_registered_once_under_its_name() {
@@ -59,7 +59,10 @@ fn every_key_is_documented_and_every_number_has_a_unit() {
         };
         for (key, about) in keys {
             assert!(about["description"].is_string(), "{tag}.{key}");
+            let kinds = about["type"].as_array();
+            let optional = kinds.is_some_and(|kinds| kinds.contains(&"number".into()));
             let is_number = about["type"] == "number"
+                || optional
                 || about["$ref"] == "#/$defs/Gain"
                 || about["items"]["type"] == "number";
             assert_eq!(
@@ -99,6 +102,8 @@ fn plugins_survive_json() {
         r#"{"type":"hold","value":[1.0,2.0]}"#,
         r#"{"type":"min_jerk","to":[1.0],"duration":2.0}"#,
         r#"{"type":"min_jerk","to":[1.0],"duration":2.0,"from":[0.5],"start":1.0}"#,
+        r#"{"type":"thrust_attitude"}"#,
+        r#"{"type":"thrust_attitude","yaw":0.5,"max_tilt":0.2,"cutoff":5.0}"#,
         r#"{"type":"waypoints","points":[{"at":1.0,"value":[1.0],"dwell":0.5},{"at":2.0,"value":[0.0],"dwell":0.0}]}"#,
     ]);
     round_trip::<dyn Task>(&[

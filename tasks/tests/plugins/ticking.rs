@@ -13,7 +13,7 @@ use wbqp::{
 };
 use wbqp_tasks::{
     ActuatorLimits, BaseOrientation, BasePosition, ContactForce, ContactMotion, FreeMotion,
-    FrictionPyramid, MinJerk, Origin, Posture, PropellerRegularisation, Tangential,
+    FrictionPyramid, MinJerk, Origin, Posture, PropellerRegularisation, Tangential, ThrustAttitude,
 };
 
 use crate::robot::{Small, contacts, small};
@@ -221,6 +221,53 @@ fn the_set_point_follows_the_contacts_ramp() {
         .to_vec();
     near(&off, &[0.5 * pushed, 0.0], 5e-3);
     assert_eq!(asked(&mut controller, 2.0), None);
+}
+
+#[test]
+fn tilts_for_what_tasks_ask_and_contacts_need() {
+    let thrust = ThrustAttitude::new().filtered_at(f64::INFINITY);
+    let mut controller = Setting::new()
+        .task("position", 1.0, BasePosition::new(4.0, 0.0))
+        .task("idle", 3.0, BasePosition::new(0.0, 0.0))
+        .task(
+            "orientation",
+            1.0,
+            BaseOrientation::new(36.0, 12.0).following(thrust),
+        )
+        .task("arm", 0.1, Posture::new(25.0, 10.0))
+        .task(
+            "force",
+            1e3,
+            ContactForce::new("sliding", 5.0).without_feedback(),
+        )
+        .constraint("wall", ContactMotion::new("sliding"))
+        .controller();
+    let mut m = home();
+    let mut tilt = |controller: &mut Controller, x: f64| {
+        m.state.p_WR.x = x;
+        m.time += 0.004;
+        // Level itself, so that the error is what the reference is not.
+        let error = tick(controller, &m).tasks[2].error.clone();
+        near(&[error[0], error[2]], &[0.0, 0.0], 1e-9);
+        -error[1]
+    };
+    // Nothing was asked before the first tick.
+    assert!(tilt(&mut controller, -0.5).abs() < 1e-12);
+    // 2 m/s² with weight 1 and none with weight 3.
+    let expected = (0.5_f64 / 9.81).atan();
+    assert!((tilt(&mut controller, -0.5) - expected).abs() < 1e-9);
+    controller.deactivate("idle").unwrap();
+    tilt(&mut controller, -0.5);
+    let expected = (2.0_f64 / 9.81).atan();
+    assert!((tilt(&mut controller, -0.5) - expected).abs() < 1e-9);
+    // Nose down towards a wall that is ahead.
+    controller.activate_contact("sliding").unwrap();
+    tilt(&mut controller, 0.0);
+    let expected = (5.0 / (small().model.mass() * 9.81)).atan();
+    assert!((tilt(&mut controller, 0.0) - expected).abs() < 1e-9);
+    controller.deactivate_contact("sliding").unwrap();
+    tilt(&mut controller, 0.0);
+    assert!(tilt(&mut controller, 0.0).abs() < 1e-12);
 }
 
 #[test]
