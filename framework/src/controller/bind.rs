@@ -19,7 +19,7 @@ use crate::{
     entry::{Entry, Hardness},
     layout::{BoundTarget, Layout, Relation, VdotBlock},
     model::{Base, FrameId, JointKind, Model},
-    qp::{Capacity, Jacobi, Qp, Solution, VarId},
+    qp::{Capacity, Qp, Solution, VarId},
     robot::RobotModel,
     rows::RowStore,
     setup::{BindError, Setup},
@@ -170,7 +170,6 @@ impl Controller {
             assembly,
             actuation,
             qp: Qp::new(capacity),
-            jacobi: Jacobi::new(capacity),
             solution: Solution::new(capacity),
             solver,
             world,
@@ -207,9 +206,7 @@ impl Controller {
             lower[i] = actuator.lower;
             upper[i] = actuator.upper;
         }
-        self.solver
-            .solve(self.jacobi.scale(&self.qp), &mut self.solution);
-        self.jacobi.unscale(&mut self.solution);
+        self.solver.solve(&self.qp, &mut self.solution);
         if !self.solution.status.is_usable() {
             // As near to no effort as the limits allow.
             self.solution.x[..nu].fill(0.0);

@@ -26,7 +26,7 @@ use crate::{
     assembly::{Actuation, Assembly, Group, RowInfo, Table, VarInfo},
     config::Settings,
     constraint::Constraint,
-    qp::{Jacobi, Qp, QpSolver, RowId, Solution, Status, VarId},
+    qp::{Qp, QpSolver, RowId, Solution, Status, VarId},
     robot::RobotModel,
     rows::{ConstraintRows, Rows},
     task::Task,
@@ -50,7 +50,6 @@ pub struct Controller {
     assembly: Assembly,
     actuation: Actuation,
     qp: Qp,
-    jacobi: Jacobi,
     solution: Solution,
     solver: Box<dyn QpSolver>,
     world: World,
@@ -101,9 +100,7 @@ impl Controller {
             .assemble(&terms, &mut self.groups, &mut self.qp);
         let built = self.stopwatch.now();
         assembled?;
-        self.solver
-            .solve(self.jacobi.scale(&self.qp), &mut self.solution);
-        self.jacobi.unscale(&mut self.solution);
+        self.solver.solve(&self.qp, &mut self.solution);
         let solved = self.stopwatch.now();
         self.report.status = self.solution.status;
         self.report.iterations = self.solution.iterations;

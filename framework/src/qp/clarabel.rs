@@ -3,7 +3,7 @@
 //! # Mathematics
 //! Clarabel solves `min ½xᵀPx + qᵀx` subject to `A x + s = b`, `s ∈ K`. Equality rows go to the zero cone;
 //! each finite side of an inequality row or bound becomes one row of the nonnegative cone (`a x + s = u` or
-//! `−a x + s = −l`). Rows are brought to unit norm, and `x`, limits and multipliers are divided by `‖g‖∞`, so that
+//! `−a x + s = −l`). The variables are Jacobi-scaled (module `scaling`), rows are brought to unit norm, and `x`, limits and multipliers are divided by `‖g‖∞`, so that
 //! absolute tolerances mean the same for every problem. Clarabel's own equilibration is off and the tolerances are
 //! 1e-12: with the defaults, weakly weighted directions come out wrong. While the set of sides stays the same the
 //! solver object is kept and its numbers are replaced in place; it allocates inside `solve` all the same, and it
@@ -20,7 +20,9 @@ use clarabel::{
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Capacity, Optimality, Qp, QpSolver, Solution, Status, polish::Polish};
+use super::{
+    Capacity, Optimality, Qp, QpSolver, Solution, Status, polish::Polish, scaling::Jacobi,
+};
 
 /// Settings of the Clarabel backend.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -80,6 +82,7 @@ struct Workspace {
     cost_scale: f64,
     solver: Option<DefaultSolver<f64>>,
     polish: Polish,
+    jacobi: Option<Jacobi>,
     /// The best point so far that is not exact to the last digits, and its error.
     almost: Option<(f64, Solution)>,
 }
@@ -120,6 +123,7 @@ impl QpSolver for Clarabel {
             b: Vec::with_capacity(sides),
             row_scale: Vec::with_capacity(rows),
             polish: Polish::new(capacity),
+            jacobi: Some(Jacobi::new(capacity)),
             almost: Some((f64::INFINITY, Solution::new(capacity))),
             ..Workspace::default()
         };
@@ -127,6 +131,31 @@ impl QpSolver for Clarabel {
     }
 
     fn solve(&mut self, qp: &Qp, out: &mut Solution) {
+        let Some(mut jacobi) = self.workspace.jacobi.take() else {
+            out.status = Status::Failed;
+            return;
+        };
+        self.solve_scaled(jacobi.scale(qp), out);
+        jacobi.unscale(out);
+        self.workspace.jacobi = Some(jacobi);
+    }
+
+    fn reset(&mut self) {
+        self.workspace.solver = None;
+        self.workspace.made_for.0 = usize::MAX;
+    }
+}
+
+/// Static regularisations of Clarabel's factorisation. Its default, 1e-8, would drown a regularisation of 1e-9 of
+/// the largest weight; the smallest is tried first, and now and then it is too little for the factorisation.
+const REGULARISATIONS: [f64; 4] = [1e-13, 1e-11, 1e-9, 1e-8];
+
+/// Error of the optimality conditions below which no further attempt is made.
+const EXACT: f64 = 1e-11;
+
+impl Clarabel {
+    /// Solves a problem whose H has ones on its diagonal.
+    fn solve_scaled(&mut self, qp: &Qp, out: &mut Solution) {
         out.iterations = 0;
         if has_crossed_limits(qp) {
             out.x[..qp.n()].fill(0.0);
@@ -172,20 +201,6 @@ impl QpSolver for Clarabel {
         }
     }
 
-    fn reset(&mut self) {
-        self.workspace.solver = None;
-        self.workspace.made_for.0 = usize::MAX;
-    }
-}
-
-/// Static regularisations of Clarabel's factorisation. Its default, 1e-8, would drown a regularisation of 1e-9 of
-/// the largest weight; the smallest is tried first, and now and then it is too little for the factorisation.
-const REGULARISATIONS: [f64; 4] = [1e-13, 1e-11, 1e-9, 1e-8];
-
-/// Error of the optimality conditions below which no further attempt is made.
-const EXACT: f64 = 1e-11;
-
-impl Clarabel {
     /// Solves the loaded problem once.
     fn attempt(&mut self, regularisation: f64, qp: &Qp, out: &mut Solution) {
         // The cap is for all attempts together.

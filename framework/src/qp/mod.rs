@@ -21,5 +21,4 @@ pub use active_set::ActiveSet;
 pub use clarabel::Clarabel;
 pub use optimality::Optimality;
 pub use problem::{Capacity, Qp, RowId, VarId};
-pub use scaling::Jacobi;
 pub use solver::{QpSolver, Solution, Status};

@@ -10,14 +10,14 @@ use super::{Capacity, Qp, Solution};
 
 /// The diagonal `D` and the scaled problem.
 #[derive(Clone, Debug)]
-pub struct Jacobi {
+pub(super) struct Jacobi {
     d: Vec<f64>,
     scaled: Qp,
 }
 
 impl Jacobi {
     /// Workspace for problems up to `capacity`.
-    pub fn new(capacity: Capacity) -> Self {
+    pub(super) fn new(capacity: Capacity) -> Self {
         Self {
             d: vec![1.0; capacity.vars],
             scaled: Qp::new(capacity),
@@ -25,7 +25,7 @@ impl Jacobi {
     }
 
     /// Scales a problem and hands out the scaled one.
-    pub fn scale(&mut self, qp: &Qp) -> &Qp {
+    pub(super) fn scale(&mut self, qp: &Qp) -> &Qp {
         let (n, m) = (qp.n(), qp.m());
         self.scaled.copy_from(qp);
         for i in 0..n {
@@ -59,7 +59,7 @@ impl Jacobi {
     }
 
     /// Turns a solution of the scaled problem into one of the original.
-    pub fn unscale(&self, solution: &mut Solution) {
+    pub(super) fn unscale(&self, solution: &mut Solution) {
         for i in 0..self.scaled.n() {
             solution.x[i] *= self.d[i];
             solution.z[i] /= self.d[i];

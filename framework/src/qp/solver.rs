@@ -91,7 +91,9 @@ pub trait QpSolver: Any + Send + Debug {
     /// A setting that makes no sense, in words.
     fn bind(&mut self, capacity: Capacity) -> Result<(), String>;
 
-    /// Solves in place. On a status that is not usable, `x`, `y` and `z` are unspecified but finite.
+    /// Solves in place. The problem comes in physical units; scaling is the solver's. On [`Status::Infeasible`], `y` and
+    /// `z` may hold the proof (`Aᵀ y + z = 0` while the limits that they weight have a negative sum); otherwise, on a
+    /// status that is not usable, `x`, `y` and `z` are unspecified but finite.
     fn solve(&mut self, qp: &Qp, out: &mut Solution);
 
     /// Forgets the warm start.
