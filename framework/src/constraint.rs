@@ -28,7 +28,8 @@ pub trait Constraint: Any + Send + Debug {
     /// Writes this tick's rows and bounds.
     fn update(&mut self, tick: &Tick<'_>, rows: &mut ConstraintRows<'_>);
 
-    /// Called outside the tick when the entry, or the contact it belongs to, is switched on.
+    /// Called before the update of the tick in which the entry, or the contact it belongs to, is switched on. No
+    /// allocation, no panic.
     fn activate(&mut self) {}
 }
 

@@ -38,7 +38,8 @@ pub trait Task: Any + Send + Debug {
     /// Writes this tick's rows.
     fn update(&mut self, tick: &Tick<'_>, rows: &mut Rows<'_>);
 
-    /// Called outside the tick when the entry, or the contact it belongs to, is switched on.
+    /// Called before the update of the tick in which the entry, or the contact it belongs to, is switched on. No
+    /// allocation, no panic.
     fn activate(&mut self) {}
 
     /// The trajectory that the task follows, if it has one, with what is needed to replace it while running.

@@ -54,7 +54,7 @@ pub struct Prediction {
 pub struct EntryState {
     /// Ramp from 0 (off) to 1 (on); the framework has applied it to the weight already.
     pub alpha: f64,
-    /// Time of the last switch, s.
+    /// Time of the tick of the last switch, s; −∞ before.
     pub since: f64,
 }
 

@@ -123,7 +123,7 @@ fn with_a_ramp_nothing_jumps() {
         &seen[at(2.4)..at(3.4)],
         &seen[at(3.4)..at(5.0)],
     );
-    let (exit, gone) = (&seen[at(5.0)..at(6.0) - 2], &seen[at(6.0)..]);
+    let (exit, gone) = (&seen[at(5.0)..at(6.0)], &seen[at(6.0)..]);
 
     // Off: no variables. On: three more.
     let without = off[0].variables;
@@ -136,9 +136,9 @@ fn with_a_ramp_nothing_jumps() {
             .chain(on)
             .all(|s| s.on && s.variables == without + 3)
     );
-    // The ramp begins at the last tick's time, one period earlier.
+    // The ramp begins with the tick.
     assert!(
-        ramp[0].alpha < 1e-3 && ramp[0].limits[1] < 0.02,
+        ramp[0].alpha == 0.0 && ramp[0].limits[1] == 0.0,
         "{:?}",
         ramp[0]
     );

@@ -251,7 +251,7 @@ impl Assembly {
                     let s = self.stack_rows;
                     self.stack[s * n..(s + 1) * n].copy_from_slice(&self.row[..n]);
                     self.stack_b[s] = lower;
-                    self.stack_w[s] = group.weight[k] * group.alpha;
+                    self.stack_w[s] = group.weight.now()[k] * group.alpha;
                     self.stack_rows += 1;
                 }
                 Treatment::Hard => {

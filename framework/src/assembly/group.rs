@@ -1,7 +1,7 @@
 //! One entry's rows inside the problem: layout, storage, weights, identities and switch.
 
 use crate::{
-    assembly::Table,
+    assembly::{Table, weight::WeightRamp},
     controller::switch::Switch,
     entry::{Hardness, Weight},
     layout::{Layout, Relation, VdotBlock},
@@ -27,7 +27,7 @@ pub(crate) struct Group {
     pub(crate) is_task: bool,
     pub(crate) layout: Layout,
     pub(crate) store: RowStore,
-    pub(crate) weight: Vec<f64>,
+    pub(crate) weight: WeightRamp,
     pub(crate) linear_penalty: f64,
     pub(crate) treatment: Treatment,
     pub(crate) switch: Switch,
@@ -90,7 +90,10 @@ impl Group {
         Self {
             name: spec.name.to_owned(),
             is_task: spec.is_task,
-            weight: (0..layout.len()).map(|i| spec.weight.row(i)).collect(),
+            weight: WeightRamp::new(
+                (0..layout.len()).map(|i| spec.weight.row(i)).collect(),
+                spec.switch.transition(),
+            ),
             layout,
             store,
             linear_penalty,
@@ -112,6 +115,12 @@ impl Group {
         }
     }
 
+    /// Takes over what was asked for since the last tick; whether the entry is switched on in this one.
+    pub(crate) fn settle(&mut self, now: f64) -> bool {
+        self.weight.update(now);
+        self.switch.settle(now) == Some(true)
+    }
+
     /// How the rows are treated this tick: hard equalities ramp as a cost and become hard at the end.
     pub(crate) fn treatment_now(&self, is_equality: bool) -> Treatment {
         if self.treatment == Treatment::Hard && is_equality && self.alpha < 1.0 {
@@ -123,7 +132,7 @@ impl Group {
 
     /// Largest weight, without the ramp.
     pub(crate) fn largest_weight(&self) -> f64 {
-        self.weight.iter().copied().fold(0.0, f64::max)
+        self.weight.now().iter().copied().fold(0.0, f64::max)
     }
 
     /// Weight of the slack's square, the ramp applied. Never zero: a slack without cost has no optimum.

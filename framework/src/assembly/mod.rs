@@ -15,6 +15,7 @@ mod condensed;
 mod group;
 mod live;
 mod table;
+mod weight;
 
 pub(crate) use actuation::Actuation;
 pub(crate) use assemble::{Assembly, DynamicsTerms, ProblemRows, VariableNames};

@@ -14,7 +14,7 @@ pub struct ContactState {
     pub live: bool,
     /// Ramp: 0 off, 1 fully on.
     pub alpha: f64,
-    /// Time of the last switch, s.
+    /// Time of the tick of the last switch, s; −∞ before.
     pub since: f64,
     /// Orientation of the surface frame in the world.
     pub R_WC: Rotation3<f64>,
@@ -38,7 +38,7 @@ pub struct ContactState {
     pub force_limits: [f64; 2],
     /// Measured wrench on the robot about the contact point, N and N·m.
     pub measured: Vector6<f64>,
-    /// Measured wrench when the contact was last switched on: where set points start.
+    /// Measured wrench in the tick in which the contact was last switched on.
     pub measured_at_switch: Vector6<f64>,
     /// Wrench put into the dynamics for the free directions.
     pub free_force: Vector6<f64>,

@@ -127,13 +127,20 @@ impl Controller {
         self.report.undeclared = None;
         let now = self.world.time;
         for (index, group) in self.groups.iter_mut().enumerate() {
-            let (contact_alpha, contact_live) = match group.layout.contact {
+            let (contact_alpha, contact_live, contact_on) = match group.layout.contact {
                 Some(c) => {
                     let contact = &self.world.contacts[c.index()];
-                    (contact.alpha, contact.live)
+                    let binding = &self.world.bindings[c.index()];
+                    (contact.alpha, contact.live, binding.switched_on)
                 }
-                None => (1.0, true),
+                None => (1.0, true, false),
             };
+            if group.settle(now) || contact_on {
+                match self.tasks.get_mut(index) {
+                    Some(task) => task.activate(),
+                    None => self.constraints[index - self.tasks.len()].activate(),
+                }
+            }
             group.live = group.switch.is_live(now) && contact_live;
             group.alpha = group.switch.alpha(now) * contact_alpha;
             if !group.live {

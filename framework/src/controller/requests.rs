@@ -1,7 +1,10 @@
 //! What can be asked of a running controller between ticks: switches, references, weights, plug-ins by name.
+//!
+//! It takes effect in the next tick, and ramps and trajectories begin at that tick's time.
 
 use super::{Controller, error::RequestError};
 use crate::{
+    assembly::Treatment,
     contact::{ContactId, ContactSpec, ContactState, SurfaceMotion},
     entry::Weight,
     layout::Layout,
@@ -17,9 +20,7 @@ impl Controller {
     /// [`RequestError::Absent`].
     pub fn activate(&mut self, name: &str) -> Result<(), RequestError> {
         let index = self.entry(name)?;
-        if self.groups[index].switch.turn(true, self.world.time) {
-            self.announce(index);
-        }
+        self.groups[index].switch.turn(true);
         Ok(())
     }
 
@@ -29,27 +30,18 @@ impl Controller {
     /// [`RequestError::Absent`].
     pub fn deactivate(&mut self, name: &str) -> Result<(), RequestError> {
         let index = self.entry(name)?;
-        self.groups[index].switch.turn(false, self.world.time);
+        self.groups[index].switch.turn(false);
         Ok(())
     }
 
     /// Switches a contact on: its forces enter the problem, its rows and those of its tasks follow its ramp,
-    /// set points start at the force measured now, integrators start at zero.
+    /// set points start at the force measured in the next tick, integrators start at zero.
     ///
     /// # Errors
     /// [`RequestError::Absent`].
     pub fn activate_contact(&mut self, name: &str) -> Result<(), RequestError> {
-        let id = self.contact(name)?;
-        let i = id.index();
-        let now = self.world.time;
-        if self.world.bindings[i].turn(true, now, &mut self.world.contacts[i]) {
-            let belongs = |layout: &Layout| layout.contact == Some(id);
-            for index in 0..self.groups.len() {
-                if belongs(&self.groups[index].layout) {
-                    self.announce(index);
-                }
-            }
-        }
+        let i = self.contact(name)?.index();
+        self.world.bindings[i].switch.turn(true);
         Ok(())
     }
 
@@ -59,13 +51,12 @@ impl Controller {
     /// [`RequestError::Absent`].
     pub fn deactivate_contact(&mut self, name: &str) -> Result<(), RequestError> {
         let i = self.contact(name)?.index();
-        let now = self.world.time;
-        self.world.bindings[i].turn(false, now, &mut self.world.contacts[i]);
+        self.world.bindings[i].switch.turn(false);
         Ok(())
     }
 
-    /// Gives a task another trajectory. It begins at the last tick's time, from
-    /// what the task followed until then.
+    /// Gives a task another trajectory. It begins one period after the last tick (before the first tick: with
+    /// that), from what the task followed until then.
     ///
     /// # Errors
     /// [`RequestError`] if the task does not exist, follows nothing, or the trajectory does not fit; the old
@@ -76,14 +67,14 @@ impl Controller {
         mut reference: Box<dyn Reference>,
     ) -> Result<(), RequestError> {
         let index = self.task_index(task)?;
-        let now = self.world.time;
+        let begin = self.world.next_time();
         let follow = self.tasks[index]
             .follow()
             .ok_or_else(|| RequestError::NoReference {
                 name: task.to_owned(),
             })?;
         reference
-            .bind(&follow.start(now))
+            .bind(&follow.start(begin))
             .map_err(|source| RequestError::Value {
                 name: task.to_owned(),
                 source,
@@ -108,14 +99,14 @@ impl Controller {
         Ok(())
     }
 
-    /// Gives an entry another weight, from the next tick on.
+    /// Gives an entry another weight, to which it goes from the next tick on with the entry's ramp.
     ///
     /// # Errors
     /// [`RequestError`] if the entry does not exist or the weight does not fit its rows.
     pub fn reweight(&mut self, name: &str, weight: &Weight) -> Result<(), RequestError> {
         let index = self.entry(name)?;
         let group = &mut self.groups[index];
-        let rows = group.weight.len();
+        let rows = group.weight.now().len();
         let usable = weight.values().iter().all(|w| w.is_finite() && *w >= 0.0)
             && (matches!(weight, Weight::Uniform(_)) || weight.values().len() == rows);
         if !usable {
@@ -127,9 +118,16 @@ impl Controller {
                 ),
             });
         }
-        for (row, w) in group.weight.iter_mut().enumerate() {
-            *w = weight.row(row);
+        if group.treatment == Treatment::Slack && weight.values().iter().all(|w| *w == 0.0) {
+            return Err(RequestError::Value {
+                name: name.to_owned(),
+                source: BindError::value(
+                    "weight",
+                    "is zero: a soft inequality without price limits nothing",
+                ),
+            });
         }
+        group.weight.turn(weight);
         Ok(())
     }
 
@@ -198,14 +196,6 @@ impl Controller {
     fn task_index(&self, name: &str) -> Result<usize, RequestError> {
         let found = self.task_names().position(|n| n == name);
         found.ok_or_else(|| absent("task", name, self.task_names()))
-    }
-
-    /// Tells a plug-in that it has been switched on.
-    fn announce(&mut self, index: usize) {
-        match self.tasks.get_mut(index) {
-            Some(task) => task.activate(),
-            None => self.constraints[index - self.tasks.len()].activate(),
-        }
     }
 }
 

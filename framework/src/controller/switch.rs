@@ -1,5 +1,7 @@
 //! On, off, and the ramp between.
 //!
+//! A request between two ticks takes effect in the next one, and its ramp begins at that tick's time.
+//!
 //! # Mathematics
 //! After a switch at `t₀` the activation goes from where it was, `α₀`, to its target (0 or 1) by
 //! `α = α₀ + (target − α₀) s((t − t₀)/τ)` with the smoothstep `s(x) = 3x² − 2x³`.
@@ -8,6 +10,8 @@
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Switch {
     on: bool,
+    /// What it is to be from the next tick on.
+    wanted: bool,
     transition: f64,
     since: f64,
     from: f64,
@@ -18,21 +22,28 @@ impl Switch {
     pub(crate) fn new(on: bool, transition: f64) -> Self {
         Self {
             on,
+            wanted: on,
             transition,
             since: f64::NEG_INFINITY,
             from: if on { 1.0 } else { 0.0 },
         }
     }
 
-    /// Begins a ramp at time `now` (or jumps, without transition). False if nothing changes.
-    pub(crate) fn turn(&mut self, on: bool, now: f64) -> bool {
-        if self.on == on {
-            return false;
+    /// Asks for a switch in the next tick.
+    pub(crate) fn turn(&mut self, on: bool) {
+        self.wanted = on;
+    }
+
+    /// Begins the ramp that was asked for, or jumps without transition, at the time of this tick. Whether it is on
+    /// now, if it was switched.
+    pub(crate) fn settle(&mut self, now: f64) -> Option<bool> {
+        if self.wanted == self.on {
+            return None;
         }
         self.from = self.alpha(now);
-        self.on = on;
+        self.on = self.wanted;
         self.since = now;
-        true
+        Some(self.on)
     }
 
     /// Activation at time `now`, 0 to 1.
@@ -42,8 +53,7 @@ impl Switch {
         if elapsed >= self.transition {
             return target;
         }
-        let x = (elapsed / self.transition).clamp(0.0, 1.0);
-        self.from + (target - self.from) * x * x * (3.0 - 2.0 * x)
+        self.from + (target - self.from) * smoothstep(elapsed / self.transition)
     }
 
     /// Whether it is on, or still ramping off.
@@ -58,6 +68,16 @@ impl Switch {
     pub(crate) fn since(&self) -> f64 {
         self.since
     }
+
+    pub(crate) fn transition(&self) -> f64 {
+        self.transition
+    }
+}
+
+/// `3x² − 2x³` between 0 and 1, constant outside.
+pub(crate) fn smoothstep(x: f64) -> f64 {
+    let x = x.clamp(0.0, 1.0);
+    x * x * (3.0 - 2.0 * x)
 }
 
 #[cfg(test)]
@@ -68,12 +88,17 @@ mod tests {
     fn ramps_smoothly_and_turns_around_without_a_jump() {
         let mut s = Switch::new(false, 2.0);
         assert!(!s.is_live(5.0));
-        assert!(s.turn(true, 10.0));
-        assert!(!s.turn(true, 10.5), "already on");
+        s.turn(true);
+        assert!(!s.is_on() && !s.is_live(9.9), "not before the next tick");
+        assert_eq!(s.settle(10.0), Some(true));
+        assert_eq!(s.since(), 10.0);
+        s.turn(true);
+        assert_eq!(s.settle(10.5), None, "already on");
         assert_eq!(s.alpha(10.0), 0.0);
         assert_eq!(s.alpha(11.0), 0.5);
         let before = s.alpha(11.5);
-        assert!(s.turn(false, 11.5));
+        s.turn(false);
+        assert_eq!(s.settle(11.5), Some(false));
         assert_eq!(s.alpha(11.5), before);
         assert!(s.is_live(13.0));
         assert!(!s.is_live(13.5));
@@ -82,7 +107,16 @@ mod tests {
     #[test]
     fn without_transition_it_jumps() {
         let mut s = Switch::new(true, 0.0);
-        s.turn(false, 1.0);
+        s.turn(false);
+        s.settle(1.0);
         assert!(!s.is_live(1.0));
+    }
+
+    #[test]
+    fn a_request_that_is_taken_back_is_none() {
+        let mut s = Switch::new(true, 0.0);
+        s.turn(false);
+        s.turn(true);
+        assert_eq!(s.settle(1.0), None);
     }
 }

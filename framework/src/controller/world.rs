@@ -41,6 +41,8 @@ pub(crate) struct World {
 pub(crate) struct ContactBinding {
     pub(crate) spec: ContactSpec,
     pub(crate) switch: Switch,
+    /// Whether it is switched on in this tick.
+    pub(crate) switched_on: bool,
     body: BodyId,
     X_BC: Isometry3<f64>,
     kinematics: FrameKinematics,
@@ -66,6 +68,7 @@ impl ContactBinding {
         let offset = Translation3::from(Vector3::from(spec.offset));
         Ok(Self {
             switch: Switch::new(spec.active, spec.transition),
+            switched_on: false,
             body: frame.body,
             X_BC: frame.X_BF * offset,
             kinematics: FrameKinematics::new(model),
@@ -107,20 +110,22 @@ impl ContactBinding {
         }
     }
 
-    /// Turns the contact on or off; false if nothing changes.
-    pub(crate) fn turn(&mut self, on: bool, now: f64, state: &mut ContactState) -> bool {
-        if !self.switch.turn(on, now) {
-            return false;
+    /// Begins a switch that was asked for, at the time of this tick and with its measurement.
+    fn settle(&mut self, now: f64, c: &mut ContactState) {
+        let exit_alpha = self.switch.alpha(now).max(1e-9);
+        let switched = self.switch.settle(now);
+        self.switched_on = switched == Some(true);
+        match switched {
+            Some(true) => {
+                c.measured_at_switch = c.measured;
+                self.filtered = Vector3::new(c.measured[0], c.measured[1], c.measured[2]);
+            }
+            Some(false) => {
+                self.exit_force = c.solution[2];
+                self.exit_alpha = exit_alpha;
+            }
+            None => {}
         }
-        state.since = now;
-        if on {
-            state.measured_at_switch = state.measured;
-            self.filtered = Vector3::new(state.measured[0], state.measured[1], state.measured[2]);
-        } else {
-            self.exit_force = state.solution[2];
-            self.exit_alpha = self.switch.alpha(now).max(1e-9);
-        }
-        true
     }
 
     /// Moves the surface from the next tick on.
@@ -136,9 +141,6 @@ impl ContactBinding {
         wrench: &Vector6<f64>,
         c: &mut ContactState,
     ) {
-        c.alpha = self.switch.alpha(time);
-        c.live = self.switch.is_live(time);
-        c.since = self.switch.since();
         let k = &mut self.kinematics;
         k.update_at(model, data, self.body, &self.X_BC);
         c.R_WC = self.motion.R_WC;
@@ -167,6 +169,10 @@ impl ContactBinding {
         let (force, moment) = (c.R_CE * force, c.R_CE * moment);
         c.measured = Vector6::new(force.x, force.y, force.z, moment.x, moment.y, moment.z);
         self.filtered += (force - self.filtered) * self.gain;
+        self.settle(time, c);
+        c.alpha = self.switch.alpha(time);
+        c.live = self.switch.is_live(time);
+        c.since = self.switch.since();
         c.free_force = Vector6::zeros();
         if c.live && self.spec.free_force == FreeForce::Measured {
             let limit = self.spec.free_force_limit;
@@ -207,6 +213,14 @@ impl World {
             .zip(&m.wrenches)
         {
             binding.update(self.time, &self.model, &self.data, wrench, contact);
+        }
+    }
+
+    /// When the next tick is expected, s: what is asked for between two ticks counts from there.
+    pub(crate) fn next_time(&self) -> f64 {
+        match self.origin {
+            Some(_) => self.time + self.period,
+            None => 0.0,
         }
     }
 

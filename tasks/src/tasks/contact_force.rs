@@ -8,7 +8,7 @@ mod feedback;
 mod set_point;
 
 use feedback::{Loop, Settings};
-use set_point::{Ramp, SetPoint};
+use set_point::{Now, Ramp, SetPoint};
 use wbqp::{
     contact::{ContactId, ContactKind},
     layout::Layout,
@@ -41,9 +41,9 @@ use crate::{
 /// are in this order. Feedback acts on the normal alone; moments are asked to be zero.
 ///
 /// # Switching
-/// When the contact comes on, the set point starts at the measured force and goes to `f^d` with the contact's ramp.
-/// When it goes off with a ramp, the feedback stops and `f*` goes from the solution at that moment to zero with the ramp.
-/// The integrator starts at zero whenever the contact or the task is switched on.
+/// When the contact or the task comes on, the set point starts at the measured force and goes to `f^d` with the ramp,
+/// and the integrator starts at zero. When the contact goes off with a ramp, the feedback stops and `f*` goes from the
+/// solution at that moment to zero with the ramp. When the task alone goes off, its weight fades.
 ///
 /// Exists while the contact is on. Error: `f^m − f^d`, N or N·m.
 #[derive(Debug, Serialize, Deserialize, JsonSchema)]
@@ -222,19 +222,23 @@ impl Task for ContactForce {
         self.reference.sample(tick, &mut self.sample);
         let contact = tick.contact(id);
         let (measured, solution) = (contact.measured[2], contact.solution[2]);
-        let target = component(&self.sample.value, 0);
-        let start = contact.measured_at_switch[2];
         let settings = self.settings();
-        let (set_point, virtual_input) =
-            match self.ramp.update(contact.alpha, target, start, solution) {
-                SetPoint::Follow(force) => {
-                    let input =
-                        self.feedback_loop
-                            .step(&settings, tick.period, force, measured, solution);
-                    (force, input)
-                }
-                SetPoint::Release(force) => (force, force),
-            };
+        let now = Now {
+            contact: contact.alpha,
+            task: tick.entry.alpha,
+            target: component(&self.sample.value, 0),
+            measured,
+            solution,
+        };
+        let (set_point, virtual_input) = match self.ramp.update(&now) {
+            SetPoint::Follow(force) => {
+                let input =
+                    self.feedback_loop
+                        .step(&settings, tick.period, force, measured, solution);
+                (force, input)
+            }
+            SetPoint::Release(force) => (force, force),
+        };
         let tangential = |row: usize| match self.tangential {
             Tangential::Zero => 0.0,
             Tangential::Measured => contact.measured[row],
