@@ -7,6 +7,7 @@ pub mod base;
 pub mod cli;
 pub mod experiment;
 pub mod experiments;
+pub mod jumps;
 pub mod log_reader;
 pub mod plots;
 pub mod push_away;

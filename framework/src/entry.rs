@@ -14,7 +14,7 @@ pub struct Entry<P: ?Sized> {
     pub weight: Weight,
     /// Whether it is on at the start.
     pub active: bool,
-    /// Duration of the weight's ramp when it is switched, s.
+    /// Duration of the weight's ramp when it is switched or given another weight, s.
     pub transition: f64,
     /// Hard or soft.
     pub hardness: Hardness,

@@ -3,55 +3,25 @@
 use std::path::Path;
 
 use wbqp::{
-    config::{ControllerConfig, Overrides, Target},
+    config::{Overrides, Target},
     contact::Detector,
     controller::Controller,
     log::MemoryLog,
-    nalgebra::Vector3,
 };
 use wbqp_robots as _;
-use wbqp_sim::{PlantConfig, Scenario, SensorsConfig, plant, sensors::ForceTorqueConfig};
+use wbqp_sim::{Scenario, plant};
 use wbqp_tasks::MinJerk;
-use wbqp_tests::closed_loop::ClosedLoop;
+use wbqp_tests::{
+    approach::{self, BEFORE},
+    closed_loop::ClosedLoop,
+};
 
 /// Largest normal force of the contact, N, as configured.
 const FORCE_MAX: f64 = 20.0;
-/// Base position 2 cm before the tip touches, m.
-const BEFORE: [f64; 3] = [-0.14, 0.0, 1.258];
-/// Base position 5 cm beyond, m.
-const BEYOND: [f64; 3] = [-0.0688, 0.0, 1.258];
-
-/// Experiment B close to its wall, without noise and disturbance, about to approach within 2 s.
+/// About to approach, with this transition of the contact.
 fn approaching(transition: f64) -> ClosedLoop {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../examples/scenarios/push_with_disturbance.controller.toml");
-    let overrides = Overrides::new().with(Target::Contact("tip".into()), "transition", transition);
-    let config = ControllerConfig::from_file_with(file, &overrides).expect("ships");
-    let controller = Controller::new(config).expect("fits the robot");
-    let mut initial = controller.robot().home.clone();
-    initial.p_WR = Vector3::from(BEFORE);
-    let wall = plant::WallConfig::new("wall", Vector3::zeros(), -Vector3::x());
-    let tip = plant::ContactPointConfig {
-        frame: "tool".into(),
-        offset: [0.0; 3],
-    };
-    let plant = PlantConfig {
-        walls: vec![wall],
-        contact_points: vec![tip],
-        ..PlantConfig::default()
-    };
-    let sensors = SensorsConfig {
-        force_torque: vec![ForceTorqueConfig::new("tool")],
-        ..SensorsConfig::default()
-    };
-    let mut running =
-        ClosedLoop::new(controller, &plant, &sensors, initial).expect("can be simulated");
-    let approach = MinJerk::new(BEYOND, 2.0).starting_at(BEFORE);
-    running
-        .controller
-        .follow("base_position", Box::new(approach))
-        .expect("follows");
-    running
+    let tip = Target::Contact("tip".into());
+    approach::approaching(&Overrides::new().with(tip, "transition", transition))
 }
 
 /// What one tick says of the contact.
@@ -64,8 +34,8 @@ struct Seen {
     solution: f64,
     measured: f64,
     variables: usize,
-    /// Largest change of a thrust since the last tick, N.
-    jump: f64,
+    /// Largest change of a thrust since the last tick, N, and of a joint's predicted acceleration, rad/s².
+    jumps: [f64; 2],
 }
 
 /// Steps until a time, s.
@@ -73,11 +43,18 @@ fn observe(running: &mut ClosedLoop, until: f64) -> Vec<Seen> {
     let mut seen = Vec::new();
     while running.time() < until - 1e-9 {
         let time = running.time();
-        let before = running.controller.command().effort.clone();
+        let commanded = |controller: &Controller| {
+            let thrusts = controller.command().effort[..6].to_vec();
+            [thrusts, controller.report().vdot.as_slice()[6..].to_vec()]
+        };
+        let before = commanded(&running.controller);
         running.step().expect("the plant moves on");
         let controller = &running.controller;
-        let after = &controller.command().effort;
-        let jumps = before.iter().zip(after).take(6).map(|(a, b)| (a - b).abs());
+        let after = commanded(controller);
+        let largest = |i: usize| {
+            let changes = before[i].iter().zip(&after[i]).map(|(a, b)| (a - b).abs());
+            changes.fold(0.0, f64::max)
+        };
         let contact = controller.report().contacts[0];
         let id = controller.contact("tip").expect("exists");
         seen.push(Seen {
@@ -88,16 +65,18 @@ fn observe(running: &mut ClosedLoop, until: f64) -> Vec<Seen> {
             solution: contact.solution[2],
             measured: contact.measured[2],
             variables: controller.problem().n(),
-            jump: jumps.fold(0.0, f64::max),
+            jumps: [largest(0), largest(1)],
         });
     }
     seen
 }
 
-/// The largest jump of a thrust in the second after a time.
-fn largest_jump(seen: &[Seen], from: f64) -> f64 {
+/// The largest jumps in the second after a time.
+fn largest_jumps(seen: &[Seen], from: f64) -> [f64; 2] {
     let window = seen.iter().filter(|s| (from..from + 1.0).contains(&s.time));
-    window.map(|s| s.jump).fold(0.0, f64::max)
+    window.fold([0.0; 2], |largest, s| {
+        [0, 1].map(|i| f64::max(largest[i], s.jumps[i]))
+    })
 }
 
 /// A run with the contact switched on at 2.4 s, when the tip presses already, and off at 5 s.
@@ -171,11 +150,17 @@ fn with_a_ramp_nothing_jumps() {
 fn without_a_ramp_the_command_jumps() {
     let (ramped, sudden) = (on_and_off(1.0), on_and_off(0.0));
     for (what, time) in [("on", 2.4), ("off", 5.0)] {
-        let (with, without) = (largest_jump(&ramped, time), largest_jump(&sudden, time));
-        println!(
-            "{what}: largest change of a thrust per tick {with:.3} N with, {without:.3} N without"
-        );
-        assert!(with < 0.5 * without);
+        let (with, without) = (largest_jumps(&ramped, time), largest_jumps(&sudden, time));
+        for (i, unit) in ["N of a thrust", "rad/s² of a joint's acceleration"]
+            .iter()
+            .enumerate()
+        {
+            println!(
+                "{what}: largest change per tick {:.4} with, {:.4} without, {unit}",
+                with[i], without[i]
+            );
+            assert!(with[i] < 0.2 * without[i]);
+        }
     }
     let at_once = &sudden[(250.0 * 2.4_f64).round() as usize];
     assert!(at_once.on && at_once.alpha == 1.0 && at_once.limits[1] == FORCE_MAX);

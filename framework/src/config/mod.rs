@@ -15,7 +15,7 @@
 //! | `type` | | the plug-in |
 //! | `weight` | | linear, ≥ 0; needed unless hard |
 //! | `active` | `true` | on at the start |
-//! | `transition` | `0.0` | duration of the weight's ramp, s |
+//! | `transition` | `0.0` | duration of the ramp when it is switched or reweighted, s |
 //! | `hardness` | tasks `"soft"`, constraints `"hard"` | or `{ exact = λ }`, see [`Hardness`](crate::entry::Hardness) |
 //!
 //! Loading refuses every key that nobody knows, and reports all mistakes of a file at once

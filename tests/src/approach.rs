@@ -1,0 +1,53 @@
+//! Experiment B close to its wall, without noise and disturbance: a contact to switch and to push on.
+
+use std::path::Path;
+
+use wbqp::{
+    config::{ControllerConfig, Overrides},
+    controller::Controller,
+    nalgebra::Vector3,
+};
+use wbqp_sim::{PlantConfig, SensorsConfig, plant, sensors::ForceTorqueConfig};
+use wbqp_tasks::MinJerk;
+
+use crate::closed_loop::ClosedLoop;
+
+/// Base position 2 cm before the tip touches, m.
+pub const BEFORE: [f64; 3] = [-0.14, 0.0, 1.258];
+/// Base position 5 cm beyond, m.
+pub const BEYOND: [f64; 3] = [-0.0688, 0.0, 1.258];
+
+/// About to go from [`BEFORE`] to [`BEYOND`] within 2 s; the tip touches after about 0.8 s.
+///
+/// # Panics
+/// If the overrides do not fit the controller.
+pub fn approaching(overrides: &Overrides) -> ClosedLoop {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../examples/scenarios/push_with_disturbance.controller.toml");
+    let config = ControllerConfig::from_file_with(file, overrides).expect("ships");
+    let controller = Controller::new(config).expect("fits the robot");
+    let mut initial = controller.robot().home.clone();
+    initial.p_WR = Vector3::from(BEFORE);
+    let wall = plant::WallConfig::new("wall", Vector3::zeros(), -Vector3::x());
+    let tip = plant::ContactPointConfig {
+        frame: "tool".into(),
+        offset: [0.0; 3],
+    };
+    let plant = PlantConfig {
+        walls: vec![wall],
+        contact_points: vec![tip],
+        ..PlantConfig::default()
+    };
+    let sensors = SensorsConfig {
+        force_torque: vec![ForceTorqueConfig::new("tool")],
+        ..SensorsConfig::default()
+    };
+    let mut running =
+        ClosedLoop::new(controller, &plant, &sensors, initial).expect("can be simulated");
+    let approach = MinJerk::new(BEYOND, 2.0).starting_at(BEFORE);
+    running
+        .controller
+        .follow("base_position", Box::new(approach))
+        .expect("follows");
+    running
+}
