@@ -201,6 +201,7 @@ pub mod rows;
 pub mod setup;
 pub mod spatial;
 pub mod state;
+pub mod statics;
 pub mod task;
 pub mod tick;
 

@@ -47,6 +47,12 @@ pub trait Task: Any + Send + Debug {
         None
     }
 
+    /// The contact whose normal force, N, is what the task's trajectory says, if it is a task that pushes: what it
+    /// will ask for can be checked before a run.
+    fn pushes(&self) -> Option<ContactId> {
+        None
+    }
+
     /// What a force task asked of the solver in the last update; for logs and reports.
     fn force_report(&self) -> Option<ForceReport> {
         None

@@ -41,6 +41,11 @@ impl WeightRamp {
         &self.now
     }
 
+    /// The weights when everything that was asked for is done.
+    pub(crate) fn wanted(&self) -> &[f64] {
+        &self.to
+    }
+
     /// Asks for other weights from the next tick on.
     pub(crate) fn turn(&mut self, weight: &Weight) {
         for (row, w) in self.to.iter_mut().enumerate() {

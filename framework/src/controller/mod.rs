@@ -8,6 +8,7 @@ mod bind;
 mod command;
 mod error;
 mod measurement;
+mod rehearsal;
 mod report;
 mod requests;
 mod stopwatch;
@@ -17,6 +18,7 @@ mod world;
 pub use command::Command;
 pub use error::{ControllerError, RequestError};
 pub use measurement::{Fault, Measurement, Quantity};
+pub use rehearsal::PlannedForce;
 pub use report::{ActiveRow, ContactReport, Report, Rung, Side, TaskReport};
 pub use stopwatch::{NoStopwatch, StageTimes, Stopwatch};
 

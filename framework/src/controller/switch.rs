@@ -61,6 +61,11 @@ impl Switch {
         self.on || self.alpha(now) > 0.0
     }
 
+    /// Whether it is on from the next tick on.
+    pub(crate) fn is_wanted(&self) -> bool {
+        self.wanted
+    }
+
     pub(crate) fn is_on(&self) -> bool {
         self.on
     }

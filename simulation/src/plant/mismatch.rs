@@ -1,12 +1,33 @@
 //! The plant's own model: the controller's with other inertial parameters.
 #![allow(non_snake_case)]
 
+use std::sync::Arc;
+
 use nalgebra::Vector3;
-use wbqp::model::{Body, Inertia, Model, ModelError};
+use wbqp::{
+    actuator::ActuatorKind,
+    model::{Body, Inertia, Model, ModelError},
+    robot::RobotModel,
+};
 
 use super::Mismatch;
 
 impl Mismatch {
+    /// A robot with this mismatch's inertias, whose rotors' limits are those of the thrust that they produce.
+    pub(crate) fn robot(&self, robot: &RobotModel) -> Result<RobotModel, ModelError> {
+        let mut own = RobotModel {
+            model: Arc::new(self.apply(&robot.model)?),
+            ..robot.clone()
+        };
+        for actuator in &mut own.actuators {
+            if let ActuatorKind::Rotor(_) = actuator.kind {
+                actuator.lower = (self.thrust_scale * actuator.lower).min(self.thrust_max);
+                actuator.upper = (self.thrust_scale * actuator.upper).min(self.thrust_max);
+            }
+        }
+        Ok(own)
+    }
+
     /// A model of the same tree with this mismatch's inertias.
     pub(super) fn apply(&self, model: &Model) -> Result<Model, ModelError> {
         let changed = self.mass_scale != 1.0

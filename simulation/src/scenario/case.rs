@@ -91,6 +91,15 @@ impl Case {
         &self.name
     }
 
+    /// The scenario's file, as errors call it.
+    pub(super) fn file(&self) -> &str {
+        &self.file
+    }
+
+    pub(super) fn controller_file(&self) -> &Path {
+        &self.controller
+    }
+
     /// Simulated time, s.
     pub fn duration(&self) -> f64 {
         self.duration
@@ -144,12 +153,7 @@ impl Case {
         &self,
         config: ControllerConfig,
     ) -> Result<Controller, ScenarioError> {
-        Controller::new(config).map_err(|source| ScenarioError::Controller {
-            file: self.file.clone(),
-            case: self.name.clone(),
-            controller: self.controller.display().to_string(),
-            source: Box::new(source),
-        })
+        Controller::new(config).map_err(|source| self.controller_error(source))
     }
 
     pub(crate) fn make_plant(&self, robot: &RobotModel) -> Result<Plant, ScenarioError> {
@@ -161,7 +165,7 @@ impl Case {
         Sensors::new(&self.sensors, plant, seed).map_err(|e| self.plant_error("sensors", e))
     }
 
-    fn initial_state(&self, robot: &RobotModel) -> Result<State, ScenarioError> {
+    pub(super) fn initial_state(&self, robot: &RobotModel) -> Result<State, ScenarioError> {
         let Initial {
             position,
             rpy,
@@ -246,10 +250,13 @@ impl Case {
                 return Err(refuse("another event has the same mark".into()));
             }
         }
-        Ok(())
+        let mut events: Vec<&Event> = self.events.iter().collect();
+        events.sort_by(|a, b| a.at.total_cmp(&b.at));
+        let mut controller = self.make_controller(self.controller_config()?)?;
+        self.check_pushes(&mut controller, &events)
     }
 
-    fn refuse(&self, what: &str) -> ScenarioError {
+    pub(super) fn refuse(&self, what: &str) -> ScenarioError {
         ScenarioError::Value {
             place: self.file.clone(),
             what: what.to_owned(),
@@ -257,7 +264,7 @@ impl Case {
     }
 
     /// Keys in the error count from `table`.
-    fn plant_error(&self, table: &'static str, source: PlantError) -> ScenarioError {
+    pub(super) fn plant_error(&self, table: &'static str, source: PlantError) -> ScenarioError {
         ScenarioError::Plant {
             file: self.file.clone(),
             table,

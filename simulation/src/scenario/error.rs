@@ -64,6 +64,20 @@ pub enum ScenarioError {
         /// What is wrong.
         source: Box<ScenarioError>,
     },
+    /// A task asks for a normal force that the plant cannot push with, whatever the controller.
+    #[error("{}", push_message(file, task, contact, *asked, *possible))]
+    Push {
+        /// The scenario's file.
+        file: String,
+        /// The task.
+        task: String,
+        /// The contact.
+        contact: String,
+        /// Largest set point, N.
+        asked: f64,
+        /// Largest normal force in a static equilibrium, N; `None` if there is no equilibrium.
+        possible: Option<f64>,
+    },
     /// The plant or its sensors are refused.
     #[error("{}", plant_message(file, table, source))]
     Plant {
@@ -85,6 +99,23 @@ fn plant_message(file: &str, table: &str, error: &PlantError) -> String {
         }
         other => format!("{file}: {other}"),
     }
+}
+
+/// Both numbers are rounded, but never to the same.
+fn push_message(
+    file: &str,
+    task: &str,
+    contact: &str,
+    asked: f64,
+    possible: Option<f64>,
+) -> String {
+    let tenths = |force: f64| (10.0 * force).round();
+    let possible = match possible {
+        Some(force) if tenths(force) < tenths(asked) => format!("{force:.1} N possible"),
+        Some(force) => format!("{:.1} N possible", (10.0 * force).floor() / 10.0),
+        None => "the plant cannot rest there at all".to_owned(),
+    };
+    format!("{file}: task `{task}` pushes on contact `{contact}`: {asked:.1} N asked, {possible}")
 }
 
 /// Why a run stopped.

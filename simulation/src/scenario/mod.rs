@@ -40,13 +40,15 @@
 //!
 //! A [`Variation`] has the same two tables, `set` and `change`, for all cases: what a sweep needs.
 //!
-//! Everything is checked when the file is loaded, against the robot and the controller of every case.
+//! Everything is checked when the file is loaded, against the robot and the controller of every case, also whether
+//! the plant can push as hard as it is asked to ([`Case::push_limit`]).
 
 mod case;
 mod change;
 mod error;
 mod event;
 mod file;
+mod push;
 mod variation;
 
 pub use case::{Case, Initial};

@@ -280,6 +280,10 @@ impl Task for ContactForce {
         })
     }
 
+    fn pushes(&self) -> Option<ContactId> {
+        self.bound.map(|(contact, _)| contact)
+    }
+
     fn force_report(&self) -> Option<ForceReport> {
         self.report
     }

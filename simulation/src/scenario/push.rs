@@ -1,0 +1,179 @@
+//! Whether the plant can push as hard as a scenario asks.
+
+use nalgebra::{UnitQuaternion, Vector6};
+use wbqp::{
+    config::ControllerConfig,
+    contact::ContactSpec,
+    controller::{Controller, ControllerError},
+    robot::RobotModel,
+    statics::{Load, Push, largest_push},
+};
+
+use super::{Case, Event, ScenarioError};
+use crate::{
+    PlantError,
+    check::unknown_frame,
+    plant::{Disturbance, Mismatch},
+};
+
+/// How closely references are looked at: every so many seconds, and so many times in a very long run.
+const LOOK: f64 = 0.02;
+const LOOKS: f64 = 5000.0;
+/// Set points may be beyond the limit by this, N.
+const SLACK: f64 = 1e-3;
+
+impl Case {
+    /// The largest normal force at a contact in a static equilibrium of the plant: with its mass and its thrusts, in
+    /// the initial posture, level, with the initial yaw, and with the friction of the contact or of the plant's walls,
+    /// whichever is least; the controller's other contacts may bear what they can. `None` if there is no equilibrium.
+    /// A base that cannot push level leans, see [`wbqp::statics`].
+    ///
+    /// Disturbances are taken as constant; an empty slice for none. Loading a scenario refuses set points above the
+    /// limit without disturbances. To ask for the limit of a variation whose set point may be above it, let the
+    /// variation ask for a small force first.
+    ///
+    /// # Errors
+    /// [`ScenarioError`] if the contact does not exist or the controller's file is refused.
+    pub fn push_limit(
+        &self,
+        contact: &str,
+        disturbances: &[Disturbance],
+    ) -> Result<Option<Push>, ScenarioError> {
+        let config = self.controller_config()?;
+        let robot = config
+            .robot
+            .load(&config.directory)
+            .map_err(|e| self.controller_error(e.into()))?;
+        if !config.contacts.iter().any(|c| c.name == contact) {
+            return Err(self.refuse(&unknown_contact(&config, contact)));
+        }
+        self.limit(&robot, &config.contacts, contact, disturbances)
+    }
+
+    fn limit(
+        &self,
+        robot: &RobotModel,
+        contacts: &[ContactSpec],
+        name: &str,
+        disturbances: &[Disturbance],
+    ) -> Result<Option<Push>, ScenarioError> {
+        let mismatch: &Mismatch = &self.plant().mismatch;
+        let own = mismatch
+            .robot(robot)
+            .map_err(|e| self.plant_error("plant", PlantError::from(e)))?;
+        let mut loads = Vec::new();
+        for disturbance in disturbances {
+            let Some(frame) = own.model.frame(&disturbance.frame) else {
+                return Err(self.refuse(&unknown_frame(&own.model, &disturbance.frame)));
+            };
+            let mut wrench = Vector6::zeros();
+            wrench
+                .fixed_rows_mut::<3>(0)
+                .copy_from_slice(&disturbance.force);
+            wrench
+                .fixed_rows_mut::<3>(3)
+                .copy_from_slice(&disturbance.moment);
+            loads.push(Load { frame, wrench });
+        }
+        let mut level = self.initial_state(robot)?;
+        let (_, _, yaw) = level.R_WR.euler_angles();
+        level.R_WR = UnitQuaternion::from_euler_angles(0.0, 0.0, yaw);
+        let walls = self.plant().walls.iter().map(|wall| wall.friction);
+        let friction = walls.fold(f64::INFINITY, f64::min);
+        let slippery = |contact: &ContactSpec| ContactSpec {
+            friction: contact.friction.min(friction),
+            ..contact.clone()
+        };
+        let (mut pushing, others): (Vec<_>, Vec<_>) = contacts
+            .iter()
+            .map(slippery)
+            .partition(|contact| contact.name == name);
+        let Some(pushing) = pushing.pop() else {
+            return Ok(None);
+        };
+        largest_push(&own, &level, &pushing, &others, &loads)
+            .map_err(|e| self.refuse(&format!("contact `{name}`: {e}")))
+    }
+
+    /// Refuses set points that the plant cannot reach. The controller is one that will not run, without any event yet;
+    /// `events` are sorted by time and can be applied.
+    pub(super) fn check_pushes(
+        &self,
+        controller: &mut Controller,
+        events: &[&Event],
+    ) -> Result<(), ScenarioError> {
+        let period = 1.0 / controller.settings().rate;
+        // Largest set point by task and contact.
+        let mut asked: Vec<(String, usize, f64)> = Vec::new();
+        let mut look = |controller: &mut Controller, time: f64| {
+            for planned in controller.rehearse(time) {
+                let contact = planned.contact.index();
+                let known = asked
+                    .iter_mut()
+                    .find(|(task, at, _)| task == planned.task && *at == contact);
+                match known {
+                    Some((_, _, largest)) => *largest = largest.max(planned.normal),
+                    None => asked.push((planned.task.to_owned(), contact, planned.normal)),
+                }
+            }
+        };
+        let interval = LOOK.max(self.duration() / LOOKS);
+        let mut time = 0.0;
+        for event in events.iter().map(Some).chain([None]) {
+            let until = event.map_or(self.duration(), |e| e.at);
+            while time < until {
+                look(controller, time);
+                time += interval;
+            }
+            if let Some(event) = event {
+                controller.rehearse(event.at - period);
+                event.apply(controller).map_err(|what| self.refuse(&what))?;
+                time = event.at;
+            }
+        }
+        look(controller, self.duration());
+
+        let names: Vec<String> = controller.contact_names().map(str::to_owned).collect();
+        let mut contacts = Vec::new();
+        for name in &names {
+            let id = controller
+                .contact(name)
+                .map_err(|e| self.refuse(&e.to_string()))?;
+            contacts.push(controller.contact_spec(id).clone());
+        }
+        for (task, contact, asked) in asked.iter().filter(|(_, _, asked)| *asked > 0.0) {
+            let Some(name) = names.get(*contact) else {
+                continue;
+            };
+            let possible = self.limit(controller.robot(), &contacts, name, &[])?;
+            let possible = possible.map(|push| push.normal);
+            if possible.is_none_or(|possible| *asked > possible + SLACK) {
+                return Err(ScenarioError::Push {
+                    file: self.file().to_owned(),
+                    task: task.clone(),
+                    contact: name.clone(),
+                    asked: *asked,
+                    possible,
+                });
+            }
+        }
+        Ok(())
+    }
+
+    pub(super) fn controller_error(&self, source: ControllerError) -> ScenarioError {
+        ScenarioError::Controller {
+            file: self.file().to_owned(),
+            case: self.name().to_owned(),
+            controller: self.controller_file().display().to_string(),
+            source: Box::new(source),
+        }
+    }
+}
+
+fn unknown_contact(config: &ControllerConfig, name: &str) -> String {
+    let known: Vec<&str> = config.contacts.iter().map(|c| c.name.as_str()).collect();
+    format!(
+        "the controller has no contact `{name}`; known: {}",
+        known.join(", ")
+    )
+}
