@@ -53,7 +53,7 @@ name = "plain"
 name = "other"
 change.duration = 2.0
 change.initial.joints.arm_pitch1 = 0.2
-change.plant.mismatch = { mass_scale = 1.05, thrust_scale = 0.9 }
+change.plant.mismatch = { mass_scale = 1.05, thrust_scale = 0.95 }
 change.plant.wall.wall.friction = 0.3
 change.plant.disturbance.gust.force = [0.0, 1.0, 0.0]
 change.sensors.base.position_sd = 0.001
@@ -93,7 +93,7 @@ fn each_case_has_its_own() {
     assert_eq!(other.initial().position, [-0.5, 0.0, 1.258]);
     assert_eq!(plain.plant().mismatch.mass_scale, 1.0);
     assert_eq!(other.plant().mismatch.mass_scale, 1.05);
-    assert_eq!(other.plant().mismatch.thrust_scale, 0.9);
+    assert_eq!(other.plant().mismatch.thrust_scale, 0.95);
     assert_eq!(plain.plant().walls[0].friction, 0.5);
     assert_eq!(other.plant().walls[0].friction, 0.3);
     assert_eq!(other.plant().walls[0].normal, [-1.0, 0.0, 0.0]);
@@ -266,13 +266,13 @@ fn events_that_would_never_happen() {
 #[test]
 fn a_variation_is_on_top_of_every_case() {
     let variation = Variation::new()
-        .change("plant.mismatch.mass_scale", 1.1)
+        .change("plant.mismatch.mass_scale", 1.02)
         .change("plant.wall.wall.friction", 0.4)
         .change("event.late.at", 0.6)
         .set(Target::Robot, "thrust_max", 9.5)
         .set(Target::Task("base_orientation".into()), "kp", 60.0);
     let same = Variation::from_toml(
-        "change.plant.mismatch.mass_scale = 1.1\n\
+        "change.plant.mismatch.mass_scale = 1.02\n\
          change.plant.wall.wall.friction = 0.4\n\
          change.event.late.at = 0.6\n\
          set.robot.thrust_max = 9.5\n\
@@ -282,7 +282,7 @@ fn a_variation_is_on_top_of_every_case() {
 
     // In two steps it is the same.
     let scenario = good()
-        .varied(&Variation::new().change("plant.mismatch.mass_scale", 1.2))
+        .varied(&Variation::new().change("plant.mismatch.mass_scale", 1.03))
         .and_then(|once| once.varied(&variation))
         .expect("is good");
     for case in ["plain", "other", "calm"] {
@@ -290,7 +290,7 @@ fn a_variation_is_on_top_of_every_case() {
         let saved = config.to_toml().expect("can be saved");
         assert!(saved.contains("kp = 60.0") && saved.contains("thrust_max = 9.5"));
         let case = scenario.case(case).expect("exists");
-        assert_eq!(case.plant().mismatch.mass_scale, 1.1);
+        assert_eq!(case.plant().mismatch.mass_scale, 1.02);
         // A wall or an event that a case does not have is left alone.
         assert!(case.plant().walls.iter().all(|w| w.friction == 0.4));
         let controller = Controller::new(config).expect("fits");
@@ -300,7 +300,7 @@ fn a_variation_is_on_top_of_every_case() {
     assert_eq!(scenario.case("other").expect("exists").events()[1].at, 0.6);
     // What the case itself changes stays.
     let other = scenario.case("other").expect("exists");
-    assert_eq!(other.plant().mismatch.thrust_scale, 0.9);
+    assert_eq!(other.plant().mismatch.thrust_scale, 0.95);
 
     let mut log = MemoryLog::default();
     wbqp_sim::run(&scenario, "plain", 1, &mut log, &mut |_| ()).expect("is simulated");
