@@ -276,3 +276,21 @@ fn an_under_actuated_scenario_loads() {
     twin(5.0).expect("5 N is possible");
     assert!(twin(30.0).is_err());
 }
+
+#[test]
+fn a_share_of_the_limit_can_be_asked_of_any_plant() {
+    let plant = "change.plant.mismatch = { mass_scale = 1.05, thrust_scale = 0.9 }\n";
+    let with = |force: f64| {
+        scenario(&format!(
+            "{plant}set.task.contact_force.reference = {{ type = \"hold\", value = [{force}] }}"
+        ))
+    };
+    // A small set point is accepted whatever the plant, and the limit does not depend on it.
+    let small = with(0.1).expect("is possible");
+    let case = small.case("with_ft").expect("exists");
+    let limit = case.push_limit("tip", &[]).expect("exists");
+    let limit = limit.expect("has an equilibrium").normal;
+    println!("motors −10 %, mass +5 %: {limit:.2} N");
+    with(0.8 * limit).expect("is possible");
+    with(limit + 0.1).expect_err("is not");
+}

@@ -162,7 +162,7 @@ impl Group {
                 if hard {
                     return asked;
                 }
-                let weight = group.weight[row] * group.alpha;
+                let weight = group.weight.now()[row] * group.alpha;
                 sum += weight * asked;
                 total += weight;
             }
