@@ -33,15 +33,16 @@ use crate::{
     contact::ContactSpec,
     dynamics::{Data, FrameKinematics},
     model::{Base, FrameId},
-    qp::{Capacity, Clarabel, Qp, QpSolver, RowId, Solution, VarId},
+    qp::{ActiveSet, Capacity, Qp, QpSolver, RowId, Solution, VarId},
     robot::RobotModel,
     setup::{BindError, unknown},
     state::State,
     tick::FrameHandle,
 };
 
-/// Cost of `‖(u, f)‖²` beside a unit cost of f_n: picks one optimum.
-const RIDGE: f64 = 1e-9;
+/// Cost of `‖(u, f)‖²` beside a unit price of f_n. It makes a quadratic program of the linear one and picks the
+/// shortest of its optima; so small a price moves none of them, as long as efforts and forces are below 1e4.
+const RIDGE: f64 = 1e-5;
 /// Relative singular value of the base's actuation below which a direction is missing.
 const RANK: f64 = 1e-6;
 /// Largest tilt of a base that must lean, degrees.
@@ -130,7 +131,7 @@ struct Problem<'a> {
     supports: Vec<Support<'a>>,
     loads: &'a [Load],
     data: Data,
-    solver: Clarabel,
+    solver: ActiveSet,
     qp: Qp,
     solution: Solution,
 }
@@ -176,7 +177,7 @@ impl<'a> Problem<'a> {
             vars: n,
             rows: model.nv() + 4 * supports.len(),
         };
-        let mut solver = Clarabel::default();
+        let mut solver = ActiveSet::default();
         solver.bind(capacity).map_err(BindError::Other)?;
         Ok(Self {
             robot,
