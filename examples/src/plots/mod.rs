@@ -4,6 +4,7 @@ mod common;
 mod figure;
 pub mod push;
 pub mod push_away;
+pub mod slide;
 pub mod under_actuated;
 
 pub use common::FigureError;
