@@ -70,6 +70,7 @@ fn every_key_is_documented_and_every_number_has_a_unit() {
             let is_number = about["type"] == "number"
                 || optional
                 || about["$ref"] == "#/$defs/Gain"
+                || about["anyOf"][0]["$ref"] == "#/$defs/Gain"
                 || about["items"]["type"] == "number";
             assert_eq!(
                 about["x-unit"].is_string(),
