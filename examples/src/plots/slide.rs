@@ -58,14 +58,8 @@ pub fn draw(logs: &Logs, directory: &Path) -> Result<Vec<Picture>, FigureError> 
 /// # Errors
 /// [`ReadError`].
 pub fn path(with_ff: &Log, without_ff: &Log) -> Result<Map, ReadError> {
-    let on = [
-        sliding(with_ff, Track::new(with_ff, "x")?)?,
-        sliding(with_ff, Track::new(with_ff, "y")?)?,
-    ];
-    let off = [
-        sliding(without_ff, Track::new(without_ff, "x")?)?,
-        sliding(without_ff, Track::new(without_ff, "y")?)?,
-    ];
+    let on = [sliding(with_ff, "x")?, sliding(with_ff, "y")?];
+    let off = [sliding(without_ff, "x")?, sliding(without_ff, "y")?];
     let curve = |name: &str, colour, [x, y]: [&Series; 2]| {
         Curve::new(name, colour, &centimetres(y), &centimetres(x))
     };
@@ -91,19 +85,19 @@ pub fn path(with_ff: &Log, without_ff: &Log) -> Result<Map, ReadError> {
 }
 
 /// The track during the slide, from where the contact was made.
-fn sliding(log: &Log, track: Track) -> Result<Track, ReadError> {
+fn sliding(log: &Log, axis: &str) -> Result<Track, ReadError> {
     let (start, end) = (log.mark("slide_start")?, log.mark("slide_end")?);
-    let track = from_touch(track);
-    let window = |s: Series| s.window(start, end);
+    let track = from_touch(&Track::new(log, axis)?);
+    let window = |s: &Series| s.window(start, end);
     Ok(Track {
-        reference: window(track.reference),
-        measured: window(track.measured),
-        real: window(track.real),
+        reference: window(&track.reference),
+        measured: window(&track.measured),
+        real: window(&track.real),
     })
 }
 
 /// Counts from the reference at the first contact.
-fn from_touch(track: Track) -> Track {
+fn from_touch(track: &Track) -> Track {
     let origin = track.reference.samples().next().map_or(0.0, |(_, p)| p);
     let shifted = |s: &Series| s.map(|p| p - origin);
     Track {
@@ -119,7 +113,7 @@ fn from_touch(track: Track) -> Track {
 /// [`ReadError`].
 pub fn tracking_and_force(log: &Log) -> Result<Figure, ReadError> {
     let position = |axis: &str, title: &str| {
-        let track = from_touch(Track::new(log, axis)?);
+        let track = from_touch(&Track::new(log, axis)?);
         Ok::<_, ReadError>(Panel {
             title: title.to_owned(),
             y_label: format!("{axis} [cm]"),

@@ -133,7 +133,13 @@ impl Ellipse {
             return;
         };
         leg::stand(from, out);
-        let progress = ((time - begin) / self.duration).max(0.0).min(1.0);
+        let elapsed = time - begin;
+        // A time that is not a number counts as before.
+        let progress = if elapsed > 0.0 {
+            (elapsed / self.duration).min(1.0)
+        } else {
+            0.0
+        };
         let [s, ds, dds] = leg::min_jerk(progress);
         let sweep = TAU * self.turns;
         let (sin, cos) = (self.phase + sweep * s).sin_cos();
@@ -251,7 +257,7 @@ mod tests {
         let from = at_rest([0.3, -0.2, 1.0]);
         let reference = Ellipse::new([0.05, 0.1], 4.0).turns(2.0).after(0.5);
         let reference = bound(reference, &from).unwrap();
-        for time in [f64::NEG_INFINITY, 0.0, BEGIN, BEGIN + 0.5] {
+        for time in [f64::NAN, f64::NEG_INFINITY, 0.0, BEGIN, BEGIN + 0.5] {
             assert_eq!(at(&reference, time), from, "{time}");
         }
         for time in [BEGIN + 4.5, BEGIN + 5.0, f64::INFINITY] {
