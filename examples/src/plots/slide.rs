@@ -3,7 +3,8 @@
 use std::{f64::consts::TAU, path::Path};
 
 use super::{
-    Colour, Curve, Figure, FigureError, Line, Map, Panel, Shade, contact_shade, same_range,
+    Colour, Curve, Figure, FigureError, Line, Map, Panel, Shade, contact_force, contact_shade,
+    same_range,
 };
 use crate::{
     experiment::Picture,
@@ -125,25 +126,9 @@ pub fn tracking_and_force(log: &Log) -> Result<Figure, ReadError> {
             ..Panel::default()
         })
     };
-    let topic = format!("/contact/{CONTACT}");
     let force = Panel {
-        title: "Normal force".to_owned(),
-        y_label: "normal force [N]".to_owned(),
-        lines: vec![
-            Line::solid("measured", Colour::Red, log.series(&topic, "/measured/z")?),
-            Line::solid(
-                "commanded f*",
-                Colour::Blue,
-                log.series(&topic, "/virtual_input/z")?,
-            ),
-            Line::dashed(
-                "desired",
-                Colour::Black,
-                log.series(&topic, "/reference/z")?,
-            ),
-        ],
         shades: shades(log)?,
-        ..Panel::default()
+        ..contact_force(log, CONTACT, "Normal force")?
     };
     Ok(Figure {
         panels: vec![

@@ -13,7 +13,8 @@ use wbqp::{
 };
 use wbqp_tasks::{
     ActuatorLimits, BaseOrientation, BasePosition, ContactForce, ContactMotion, FreeMotion,
-    FrictionPyramid, Hold, MinJerk, Origin, Posture, PropellerRegularisation, Tangential, ThrustAttitude,
+    FrictionPyramid, Hold, MinJerk, Origin, Posture, PropellerRegularisation, Tangential,
+    ThrustAttitude,
 };
 
 use crate::robot::{Small, contacts, small};
