@@ -1,10 +1,13 @@
 //! The paper's experiments, in its order.
 
-use crate::{experiment::Experiment, push_away, push_with_disturbance, under_actuated};
+use crate::{
+    experiment::Experiment, push_and_slide, push_away, push_with_disturbance, under_actuated,
+};
 
 /// All of them.
 pub const ALL: &[Experiment] = &[
     push_with_disturbance::EXPERIMENT,
+    push_and_slide::EXPERIMENT,
     push_away::EXPERIMENT,
     under_actuated::EXPERIMENT,
 ];

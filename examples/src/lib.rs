@@ -10,6 +10,7 @@ pub mod experiments;
 pub mod jumps;
 pub mod log_reader;
 pub mod plots;
+pub mod push_and_slide;
 pub mod push_away;
 pub mod push_with_disturbance;
 pub mod results;

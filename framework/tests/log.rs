@@ -15,8 +15,8 @@ use wbqp::{
     controller::Rung,
     entry::{Entry, Hardness},
     log::{
-        ControllerLog, LogError, LogSink, McapLog, MemoryLog, Timeline, configuration_hash,
-        write_rotors, write_run,
+        ControllerLog, LogError, LogSink, McapLog, MemoryLog, Timeline, TrueContact,
+        configuration_hash, write_rotors, write_run,
     },
     model::{Base, Inertia, Joint, JointKind, JointLimits, ModelBuilder},
     robot::{Robot, RobotError, RobotModel, SourceFile},
@@ -180,7 +180,11 @@ fn run(sink: &mut dyn LogSink) -> Controller {
     measurement.state.v[6] = 0.25;
     measurement.wrenches[0] = Vector6::new(-4.0, 0.0, 0.0, 0.0, 0.0, 0.0);
     controller.tick(&measurement);
-    let truth = [Some(Vector3::new(0.0, 0.0, 4.5)), None];
+    let tip = TrueContact {
+        force: Vector3::new(0.0, 0.0, 4.5),
+        position: Vector3::new(0.1, 0.2, 0.3),
+    };
+    let truth = [Some(tip), None];
     log.record(&controller, &measurement, &truth, sink).unwrap();
     measurement.time = f64::NAN;
     measurement.state.p_WR.y = f64::INFINITY;
@@ -216,8 +220,18 @@ fn a_tick_is_written_channel_by_channel() {
     assert!((tip["solution"]["z"].as_f64().unwrap() - 5.0).abs() < 1e-3);
     assert!((tip["measured"]["z"].as_f64().unwrap() - 4.0).abs() < 1e-12);
     assert_eq!(tip["truth"]["z"], 4.5);
+    assert_eq!(tip["true_position"]["y"], 0.2);
+    let position = controller.report().contacts[0].position;
+    assert!(position.norm() > 0.1);
+    assert_eq!(tip["position"]["x"], position.x);
     let other = first("/contact/other");
-    for absent in ["reference", "virtual_input", "clamped", "truth"] {
+    for absent in [
+        "reference",
+        "virtual_input",
+        "clamped",
+        "truth",
+        "true_position",
+    ] {
         assert!(other.get(absent).is_none(), "{absent}");
     }
 

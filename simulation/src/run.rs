@@ -15,7 +15,10 @@ use wbqp::{
     actuator::{ActuatorKind, Drive},
     contact::{Detector, Touch},
     controller::{Command, Controller, Measurement, Rung, Stopwatch},
-    log::{ControllerLog, LogSink, Timeline, state_message, state_schema, write_rotors, write_run},
+    log::{
+        ControllerLog, LogSink, Timeline, TrueContact, state_message, state_schema, write_rotors,
+        write_run,
+    },
     robot::RobotModel,
 };
 
@@ -172,18 +175,24 @@ impl Contacts {
         }
     }
 
-    /// The real force at each contact, C axes.
-    fn truth(&self, plant: &Plant, controller: &Controller, out: &mut [Option<Vector3<f64>>]) {
+    /// The real force and place of each contact; nothing where the plant has no such point or no wall.
+    fn truth(&self, plant: &Plant, controller: &Controller, out: &mut [Option<TrueContact>]) {
         let names = controller.contact_names();
         for ((frame, name), out) in self.points.iter().zip(names).zip(out) {
-            let at_frame = plant
-                .contacts()
-                .filter(|(point, _, _)| &point.frame == frame);
-            let force_W: Vector3<f64> = at_frame.map(|(_, _, truth)| truth.force_W).sum();
-            *out = controller
-                .contact(name)
-                .ok()
-                .map(|id| controller.contact_state(id).R_WC.inverse() * force_W);
+            let at_frame = || {
+                let contacts = plant.contacts();
+                contacts.filter(|(point, _, _)| &point.frame == frame)
+            };
+            let force_W: Vector3<f64> = at_frame().map(|(_, _, truth)| truth.force_W).sum();
+            let p_WC = at_frame().map(|(_, _, truth)| truth.p_WC).next();
+            *out = controller.contact(name).ok().zip(p_WC).map(|(id, p_WC)| {
+                let contact = controller.contact_state(id);
+                let R_CW = contact.R_WC.inverse();
+                TrueContact {
+                    force: R_CW * force_W,
+                    position: R_CW * (p_WC - contact.p_WS),
+                }
+            });
         }
     }
 }

@@ -15,7 +15,7 @@
 //! | `actuator_limits` | constraint | (10b) |
 //! | `friction_pyramid` | constraint | (10c) |
 //! | `contact_motion` | constraint | (10e) |
-//! | `hold`, `min_jerk`, `waypoints` | reference | y^d(t) |
+//! | `hold`, `min_jerk`, `waypoints`, `ellipse` | reference | y^d(t) |
 //! | `thrust_attitude` | reference | attitude of an under-actuated base, not in the paper |
 //!
 //! The dynamics (10d) belong to the framework.
@@ -47,7 +47,7 @@ mod tasks;
 
 pub use constraints::{ActuatorLimits, Approximation, ContactMotion, FrictionPyramid};
 pub use gain::Gain;
-pub use references::{Hold, MinJerk, ThrustAttitude, Waypoint, Waypoints};
+pub use references::{Ellipse, Hold, MinJerk, ThrustAttitude, Waypoint, Waypoints};
 pub use tasks::{
     BaseOrientation, BasePosition, ContactForce, Feedback, FreeMotion, GainAxes, Origin, Posture,
     PropellerRegularisation, RotationError, SurfaceAxis, Tangential,

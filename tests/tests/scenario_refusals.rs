@@ -484,8 +484,8 @@ fn events() {
     event(
         "\"min_jerk\"",
         "\"minjerk\"",
-        "follow.base_position: unknown variant `minjerk`, expected one of `hold`, `min_jerk`, \
-         `thrust_attitude`, `waypoints`",
+        "follow.base_position: unknown variant `minjerk`, expected one of `ellipse`, `hold`, \
+         `min_jerk`, `thrust_attitude`, `waypoints`",
     );
     event(
         "to = [",

@@ -47,7 +47,7 @@ impl Colour {
         Self::Sky,
     ];
 
-    fn rgb(self) -> RGBColor {
+    pub(super) fn rgb(self) -> RGBColor {
         match self {
             Self::Black => RGBColor(0, 0, 0),
             Self::Blue => RGBColor(0, 114, 178),
@@ -133,13 +133,13 @@ pub struct Figure {
     pub time: (f64, f64),
 }
 
-const WIDTH: u32 = 960;
+pub(super) const WIDTH: u32 = 960;
 const PANEL: u32 = 390;
 const LEGEND_ROW: i32 = 24;
 /// Plotters divides by 1.24 on the way to SVG.
-const TEXT: f64 = 17.0 * 1.24;
+pub(super) const TEXT: f64 = 17.0 * 1.24;
 const TITLE: f64 = 19.0 * 1.24;
-const FONT: &str = "DejaVu Sans, Arial, sans-serif";
+pub(super) const FONT: &str = "DejaVu Sans, Arial, sans-serif";
 /// Lines thinner than this in time show nothing more.
 const POINTS: usize = 1600;
 
@@ -169,7 +169,7 @@ impl Figure {
 
 impl Panel {
     fn draw(&self, area: &Area<'_>, time: (f64, f64)) -> Result<(), PlotError> {
-        let (header, body) = area.split_vertically(38 + LEGEND_ROW * self.legend_rows());
+        let (header, body) = area.split_vertically(self.header_height());
         self.draw_header(&header)?;
         let (low, high) = self.range(time);
         let mut chart = ChartBuilder::on(&body)
@@ -245,8 +245,13 @@ impl Panel {
         (low - margin, high + margin)
     }
 
+    /// Height of title and legend, pixels.
+    pub(super) fn header_height(&self) -> i32 {
+        38 + LEGEND_ROW * self.legend_rows()
+    }
+
     /// Title on the left, legend below it, row by row.
-    fn draw_header(&self, area: &Area<'_>) -> Result<(), PlotError> {
+    pub(super) fn draw_header(&self, area: &Area<'_>) -> Result<(), PlotError> {
         let at = |size: f64| {
             (FONT, size)
                 .into_font()
@@ -329,7 +334,7 @@ impl Entry<'_> {
 }
 
 /// A tick's number without noise of rounding and trailing zeros.
-fn short(value: f64) -> String {
+pub(super) fn short(value: f64) -> String {
     let text = format!("{value:.6}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
     if text == "-0" { "0" } else { text }.to_owned()

@@ -505,6 +505,7 @@ fn empty_report(tasks: &[Group], world: &World, capacity: Capacity) -> Report {
                 task: None,
                 solution: nalgebra::Vector6::zeros(),
                 measured: nalgebra::Vector6::zeros(),
+                position: nalgebra::Vector3::zeros(),
             })
             .collect(),
         active: Vec::with_capacity(2 * capacity.vars + capacity.rows),

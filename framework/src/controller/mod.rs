@@ -202,6 +202,7 @@ impl Controller {
                 task: None,
                 solution: contact.solution,
                 measured: contact.measured,
+                position: contact.p_SC,
             };
         }
         self.report.objective = self.assembly.objective(&self.groups, &self.solution.x);

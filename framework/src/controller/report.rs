@@ -1,6 +1,6 @@
 //! What a tick says about itself: status, residuals, forces, active rows, times.
 
-use nalgebra::{DVector, Vector6};
+use nalgebra::{DVector, Vector3, Vector6};
 
 use super::{measurement::Fault, stopwatch::StageTimes};
 use crate::{
@@ -73,7 +73,7 @@ pub struct TaskReport {
     pub cost: Vec<f64>,
 }
 
-/// The forces of a contact; C axes, about the contact point, on the robot. They are four different things.
+/// The forces of a contact, four different things: C axes, about the contact point, on the robot. And where it is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactReport {
     /// Whether it is switched on.
@@ -86,6 +86,8 @@ pub struct ContactReport {
     pub solution: Vector6<f64>,
     /// What the sensor says, `f^m`.
     pub measured: Vector6<f64>,
+    /// Contact point on the robot according to the measured state, m, surface coordinates; also while it is off.
+    pub position: Vector3<f64>,
 }
 
 /// The side of a limit.

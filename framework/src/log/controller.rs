@@ -20,7 +20,7 @@ use crate::{
 /// |---|---|
 /// | `/state` | the measured state, see [`state_message`] |
 /// | `/command` | `rotors` and `joints` by name |
-/// | `/contact/<name>` | switch, ramp and the four forces |
+/// | `/contact/<name>` | switch, ramp, the four forces, and the contact point |
 /// | `/task/<name>` | ramp, and per row error, residual and cost |
 /// | `/qp` | status, fault, iterations, times of the stages, active limits |
 ///
@@ -36,6 +36,15 @@ pub struct ControllerLog {
     /// Time of the last record: a tick whose own time is unusable is filed there.
     time: f64,
     message: Vec<u8>,
+}
+
+/// What only a simulator knows of a contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TrueContact {
+    /// The real force on the robot, N, C axes.
+    pub force: Vector3<f64>,
+    /// The real contact point on the robot, m, surface coordinates.
+    pub position: Vector3<f64>,
 }
 
 #[derive(Debug)]
@@ -82,8 +91,8 @@ impl ControllerLog {
         })
     }
 
-    /// Writes the last tick. `truth` is each contact's real force, N, C axes, which only a simulator knows; an
-    /// empty slice if nobody does.
+    /// Writes the last tick. `truth` is what only a simulator knows of each contact; an empty slice if nobody
+    /// does.
     ///
     /// # Errors
     /// [`LogError`] of the sink.
@@ -91,7 +100,7 @@ impl ControllerLog {
         &mut self,
         controller: &Controller,
         measurement: &Measurement,
-        truth: &[Option<Vector3<f64>>],
+        truth: &[Option<TrueContact>],
         sink: &mut dyn LogSink,
     ) -> Result<(), LogError> {
         let report = controller.report();
@@ -211,8 +220,8 @@ fn contact_schema() -> Value {
     titled(
         "wbqp.Contact",
         schema::object(
-            "Forces of the environment on the robot at a contact, contact axes: z is the surface's outward \
-             normal, so pushing is positive",
+            "A contact point on the robot and the forces of the environment on it, contact axes: z is the \
+             surface's outward normal, so pushing is positive",
             [
                 ("active", schema::boolean("Switched on")),
                 ("alpha", schema::ratio("Ramp, 0 off to 1 on")),
@@ -234,15 +243,26 @@ fn contact_schema() -> Value {
                 ("solution", schema::xyz("N", "What the solver plans, f_QP")),
                 ("measured", schema::xyz("N", "What the sensor says, f^m")),
                 (
+                    "position",
+                    schema::xyz(
+                        "m",
+                        "Contact point according to the measured state, surface coordinates",
+                    ),
+                ),
+                (
                     "truth",
                     schema::xyz("N", "The real force; absent outside simulation"),
+                ),
+                (
+                    "true_position",
+                    schema::xyz("m", "The real contact point; absent outside simulation"),
                 ),
             ],
         ),
     )
 }
 
-fn contact_message(report: &Report, index: usize, truth: Option<Vector3<f64>>, out: &mut Vec<u8>) {
+fn contact_message(report: &Report, index: usize, truth: Option<TrueContact>, out: &mut Vec<u8>) {
     let contact = &report.contacts[index];
     let force = |w: &Vector6<f64>| Vector3::new(w[0], w[1], w[2]);
     Object::write(out, |o| {
@@ -255,8 +275,10 @@ fn contact_message(report: &Report, index: usize, truth: Option<Vector3<f64>>, o
         }
         o.xyz("solution", &force(&contact.solution));
         o.xyz("measured", &force(&contact.measured));
+        o.xyz("position", &contact.position);
         if let Some(truth) = truth {
-            o.xyz("truth", &truth);
+            o.xyz("truth", &truth.force);
+            o.xyz("true_position", &truth.position);
         }
     });
 }

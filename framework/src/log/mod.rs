@@ -32,7 +32,7 @@ mod run;
 pub mod schema;
 mod state;
 
-pub use controller::ControllerLog;
+pub use controller::{ControllerLog, TrueContact};
 pub use json::Object;
 #[cfg(feature = "mcap")]
 pub use mcap::McapLog;

@@ -62,7 +62,7 @@ impl Leg {
 }
 
 /// `s(τ)` with its first and second derivative.
-fn min_jerk(tau: f64) -> [f64; 3] {
+pub(crate) fn min_jerk(tau: f64) -> [f64; 3] {
     let t2 = tau * tau;
     [
         t2 * tau * (10.0 + tau * (-15.0 + 6.0 * tau)),

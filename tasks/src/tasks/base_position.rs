@@ -20,17 +20,18 @@ use wbqp::{
 use crate::{
     follow::{at_rest, begin, stay},
     gain::Gain,
-    integral::Integral,
+    integral::{Integral, Settings},
 };
 
 /// Moves the origin of a floating base, the paper's p_R.
 ///
 /// First row of (11), three rows in world axes, m/s²:
 ///
-/// `v̇_WR = v̇_WD − K_D (v_WR − v_WD) − K_P (p_WR − p_WD) − K_I ∫ (p_WR − p_WD) dt`.
+/// `v̇_WR = v̇_WD − K_D (v_WR − v_WD) − K_P (p_WR − p_WD) − ξ`, `ξ̇ = K_I (p_WR − p_WD) + k_aw (a* − a_QP)`.
 ///
-/// The integral is not in the paper and off by default; it removes the sag that a wrong mass or thrust leaves. It is
-/// clamped per axis and starts at zero whenever the task is switched on.
+/// The integral ξ is not in the paper and off by default; it removes the sag that a wrong mass or thrust leaves. It is
+/// clamped per axis and starts at zero whenever the task is switched on. Its second part is back-calculation against
+/// wind-up: `a*` is what the task asked for in the last tick, `a_QP` what limits and other tasks left of it.
 ///
 /// Error: `p_WR − p_WD`, m. Gains are along world axes.
 #[derive(Debug, Serialize, Deserialize, JsonSchema)]
@@ -51,6 +52,11 @@ pub struct BasePosition {
     #[serde(default = "default_integral_limit")]
     #[schemars(extend("x-unit" = "m/s²"))]
     pub integral_limit: f64,
+    /// Back-calculation gain `k_aw` of the integral, 1/s: one number, or one per world axis. Default `K_I/K_P`, with which
+    /// the integral stays out of conflicts with limits and other tasks; 0 leaves only `integral_limit`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-unit" = "1/s"))]
+    pub anti_windup: Option<Gain>,
     /// Where to go: position of the base's origin in the world, m. Default: hold the home posture's.
     #[serde(default = "stay")]
     #[schemars(extend("x-unit" = "m"))]
@@ -76,6 +82,7 @@ impl BasePosition {
             kd: kd.into(),
             ki: no_integral(),
             integral_limit: default_integral_limit(),
+            anti_windup: None,
             reference: stay(),
             sample: Sample::default(),
             integral: Integral::default(),
@@ -87,6 +94,21 @@ impl BasePosition {
         self.reference = Box::new(reference);
         self
     }
+
+    /// Adds the integral (1/s³), clamped to an acceleration in m/s².
+    pub fn with_integral(mut self, ki: impl Into<Gain>, limit: f64) -> Self {
+        (self.ki, self.integral_limit) = (ki.into(), limit);
+        self
+    }
+
+    fn integral_settings(&self) -> Settings<'_> {
+        Settings {
+            kp: &self.kp,
+            ki: &self.ki,
+            anti_windup: self.anti_windup.as_ref(),
+            limit: self.integral_limit,
+        }
+    }
 }
 
 #[wbqp::task("base_position")]
@@ -95,7 +117,7 @@ impl Task for BasePosition {
         require_floating(setup)?;
         self.kp.validate("kp", 3)?;
         self.kd.validate("kd", 3)?;
-        Integral::validate(&self.ki, self.integral_limit, 3)?;
+        self.integral_settings().validate(3, setup.period())?;
         let home = at_rest(setup.robot().home.p_WR.iter().copied());
         self.sample = begin(self.reference.as_mut(), Space::Vector(3), home)?;
         self.integral = Integral::new(3);
@@ -109,13 +131,14 @@ impl Task for BasePosition {
         let v_WR = Vector3::from_fn(|i, _| tick.state.v[i]);
         let error = tick.state.p_WR - self.sample.value3();
         let rate = v_WR - self.sample.rate3();
-        let integral = Vector3::from_fn(|i, _| {
-            let growth = self.ki.axis(i) * error[i];
-            self.integral
-                .step(i, growth, tick.period, self.integral_limit)
-        });
-        let acceleration =
-            self.sample.acceleration3() - self.kd.times(&rate) - self.kp.times(&error) - integral;
+        let mut acceleration =
+            self.sample.acceleration3() - self.kd.times(&rate) - self.kp.times(&error);
+        for i in 0..3 {
+            let law = self.integral_settings().law(i);
+            let given = tick.last.vdot[i];
+            acceleration[i] -= self.integral.step(i, law, error[i], given, tick.period);
+            self.integral.ask(i, acceleration[i]);
+        }
         rows.b().copy_from(&acceleration);
         rows.error().copy_from(&error);
     }

@@ -22,7 +22,7 @@ use wbqp::{
 use crate::{
     follow::{at_rest, begin, component, stay},
     gain::Gain,
-    integral::Integral,
+    integral::{Integral, Settings},
 };
 
 /// Slides the contact point along the surface, the paper's p_f.
@@ -30,12 +30,15 @@ use crate::{
 /// Fourth row of (11), one row per axis in C axes, m/s², with `p` the contact point on the robot in surface
 /// coordinates and `v` its velocity relative to the surface:
 ///
-/// `J_f v̇ = v̇_d − K_D (v − v_d) − K_P (p − p_d) − K_I ∫ (p − p_d) dt + a_S − J̇_f v`.
+/// `J_f v̇ = v̇_d − K_D (v − v_d) − K_P (p − p_d) − ξ + a_S − J̇_f v`, `ξ̇ = K_I (p − p_d) + k_aw (a* − a_QP)`.
 ///
 /// `J_f` is made of rows of the contact's Jacobian in C axes. The paper turns the Jacobian with the end effector
 /// instead, which lets the normal direction leak into this task when the tool tilts, and its (8) prints `J_f v` for
-/// the bias `J̇_f v`. `a_S` is the acceleration of a moving surface. The integral is not in the paper and off by
-/// default; it is clamped per axis and starts at zero whenever the contact or the task is switched on.
+/// the bias `J̇_f v`. `a_S` is the acceleration of a moving surface.
+///
+/// The integral ξ is not in the paper and off by default; it removes what a wrong mass or thrust leaves. It is clamped
+/// per axis and starts at zero whenever the contact or the task is switched on. Its second part is back-calculation
+/// against wind-up: `a*` is what the row asked for in the last tick, `a_QP` what limits and other tasks left of it.
 ///
 /// The axes are translations. Free rotations are not controlled by this task.
 ///
@@ -60,6 +63,11 @@ pub struct FreeMotion {
     #[serde(default = "default_integral_limit")]
     #[schemars(extend("x-unit" = "m/s²"))]
     pub integral_limit: f64,
+    /// Back-calculation gain `k_aw` of the integral, 1/s: one number, or one per axis. Default `K_I/K_P`, with which
+    /// the integral stays out of conflicts with limits and other tasks; 0 leaves only `integral_limit`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-unit" = "1/s"))]
+    pub anti_windup: Option<Gain>,
     /// Which axes of the surface; rows, gains and reference are in this order. Default: all translations that the
     /// contact leaves free, x before y.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -145,6 +153,7 @@ impl FreeMotion {
             kd: kd.into(),
             ki: no_integral(),
             integral_limit: default_integral_limit(),
+            anti_windup: None,
             axes: None,
             origin: Origin::default(),
             reference: stay(),
@@ -158,6 +167,12 @@ impl FreeMotion {
     pub fn following(mut self, reference: impl Reference, origin: Origin) -> Self {
         self.reference = Box::new(reference);
         self.origin = origin;
+        self
+    }
+
+    /// Adds the integral (1/s³), clamped to an acceleration in m/s².
+    pub fn with_integral(mut self, ki: impl Into<Gain>, limit: f64) -> Self {
+        (self.ki, self.integral_limit) = (ki.into(), limit);
         self
     }
 
@@ -226,7 +241,13 @@ impl Task for FreeMotion {
         let n = axes.len();
         self.kp.validate("kp", n)?;
         self.kd.validate("kd", n)?;
-        Integral::validate(&self.ki, self.integral_limit, n)?;
+        Settings {
+            kp: &self.kp,
+            ki: &self.ki,
+            anti_windup: self.anti_windup.as_ref(),
+            limit: self.integral_limit,
+        }
+        .validate(n, setup.period())?;
         let from = match self.origin {
             Origin::Surface => at_home(setup, spec)?,
             Origin::Touch => Vector3::zeros(),
@@ -256,20 +277,29 @@ impl Task for FreeMotion {
             Origin::Surface => Vector3::zeros(),
             Origin::Touch => contact.p_SC,
         });
+        let settings = Settings {
+            kp: &self.kp,
+            ki: &self.ki,
+            anti_windup: self.anti_windup.as_ref(),
+            limit: self.integral_limit,
+        };
         for (k, axis) in bound.axes.iter().enumerate() {
             let i = axis.row();
             let error = contact.p_SC[i] - base[i] - component(&self.sample.value, k);
             let rate = contact.V[i] - component(&self.sample.rate, k);
-            let growth = self.ki.axis(k) * error;
+            let row = contact.J.row(i);
+            let given = row.iter().zip(&tick.last.vdot).map(|(j, a)| j * a).sum();
             let integral = self
                 .integral
-                .step(k, growth, tick.period, self.integral_limit);
-            rows.b()[k] = component(&self.sample.acceleration, k)
+                .step(k, settings.law(k), error, given, tick.period);
+            let asked = component(&self.sample.acceleration, k)
                 - self.kd.axis(k) * rate
                 - self.kp.axis(k) * error
                 - integral
                 + contact.surface_acceleration[i]
                 - contact.Jdot_v[i];
+            self.integral.ask(k, asked);
+            rows.b()[k] = asked;
             rows.error()[k] = error;
         }
     }

@@ -21,7 +21,13 @@ const TASKS: [&str; 6] = [
     "propeller_regularisation",
 ];
 const CONSTRAINTS: [&str; 3] = ["actuator_limits", "contact_motion", "friction_pyramid"];
-const REFERENCES: [&str; 4] = ["hold", "min_jerk", "thrust_attitude", "waypoints"];
+const REFERENCES: [&str; 5] = [
+    "ellipse",
+    "hold",
+    "min_jerk",
+    "thrust_attitude",
+    "waypoints",
+];
 
 #[test]
 fn every_plugin_is_registered_once_under_its_name() {
@@ -64,6 +70,7 @@ fn every_key_is_documented_and_every_number_has_a_unit() {
             let is_number = about["type"] == "number"
                 || optional
                 || about["$ref"] == "#/$defs/Gain"
+                || about["anyOf"][0]["$ref"] == "#/$defs/Gain"
                 || about["items"]["type"] == "number";
             assert_eq!(
                 about["x-unit"].is_string(),
@@ -105,6 +112,8 @@ fn plugins_survive_json() {
         r#"{"type":"thrust_attitude"}"#,
         r#"{"type":"thrust_attitude","yaw":0.5,"max_tilt":0.2,"cutoff":5.0}"#,
         r#"{"type":"waypoints","points":[{"at":1.0,"value":[1.0],"dwell":0.5},{"at":2.0,"value":[0.0],"dwell":0.0}]}"#,
+        r#"{"type":"ellipse","semi_axes":[0.05,0.1],"duration":18.0}"#,
+        r#"{"type":"ellipse","semi_axes":[0.05,0.1],"duration":18.0,"turns":-2.0,"phase":1.5,"axes":[2,0],"from":[0.0],"start":1.0}"#,
     ]);
     round_trip::<dyn Task>(&[
         r#"{"type":"base_position","kp":40.0,"kd":[1.0,2.0,3.0]}"#,

@@ -13,7 +13,8 @@ use wbqp::{
 };
 use wbqp_tasks::{
     ActuatorLimits, BaseOrientation, BasePosition, ContactForce, ContactMotion, FreeMotion,
-    FrictionPyramid, MinJerk, Origin, Posture, PropellerRegularisation, Tangential, ThrustAttitude,
+    FrictionPyramid, Hold, MinJerk, Origin, Posture, PropellerRegularisation, Tangential,
+    ThrustAttitude,
 };
 
 use crate::robot::{Small, contacts, small};
@@ -131,6 +132,60 @@ fn the_integral_is_off_by_default_and_clamped_when_on() {
     };
     near(&with(0.0), &[0.0, 0.0], 1e-5);
     near(&with(10.0), &[-0.004, -0.3], 1e-5);
+}
+
+/// What the rows of the last task ask for along the x axis of the world or of the surface, after the same measurement
+/// for 20 s. Its position is 0.1 m off.
+fn asked_in_the_end(setting: Setting, weight: f64, task: impl Task) -> f64 {
+    let mut controller = setting.task("last", weight, task).controller();
+    let mut m = home();
+    m.state.p_WR += Vector3::new(0.1, 0.0, 0.1);
+    tick(&mut controller, &m);
+    controller.activate_contact("sliding").unwrap();
+    for _ in 0..5000 {
+        tick(&mut controller, &m);
+    }
+    let report = tick(&mut controller, &m);
+    let task = report.tasks.last().unwrap();
+    assert!((task.error[0] - 0.1).abs() < 1e-12, "{task:?}");
+    // Residual A x − b; the base does not turn, so that A x is the base's acceleration.
+    let given = [report.vdot[0], report.vdot[2]][usize::from(task.error.len() == 2)];
+    given - task.residual[0]
+}
+
+#[test]
+fn integrals_trust_the_model_and_stay_out_of_conflicts() {
+    let setting = || {
+        Setting::new()
+            .task("orientation", 1.0, BaseOrientation::new(36.0, 12.0))
+            .task("arm", 1.0, Posture::new(25.0, 10.0))
+            .task("rotors", 1e-5, PropellerRegularisation::new())
+            // So that something determines every direction.
+            .task("position", 1e-4, BasePosition::new(0.0, 0.0))
+    };
+    // Keeps the base from accelerating, whatever the task under test asks for.
+    let held = || setting().task("stop", 1e3, BasePosition::new(0.0, 0.0));
+    let base = || BasePosition::new(4.0, 4.0).with_integral(2.0, 0.3);
+    let slide = || {
+        FreeMotion::new("sliding", 4.0, 4.0)
+            .following(Hold::default(), Origin::Surface)
+            .with_integral(2.0, 0.3)
+    };
+    // The solver gives what is asked for, the error stays: the model is wrong, and the integral goes to its limit.
+    let alone = asked_in_the_end(setting(), 1.0, base());
+    assert!((alone + 0.4 + 0.3).abs() < 1e-3, "{alone}");
+    let alone = asked_in_the_end(setting(), 1.0, slide());
+    assert!((alone + 0.4 + 0.3).abs() < 1e-3, "{alone}");
+    // Something stronger is in the way: as without integral.
+    let conflict = asked_in_the_end(held(), 1e-3, base());
+    assert!((conflict + 0.4).abs() < 1e-3, "{conflict}");
+    let conflict = asked_in_the_end(held(), 1e-3, slide());
+    assert!((conflict + 0.4).abs() < 1e-3, "{conflict}");
+    // Without back-calculation it winds up.
+    let mut wound_up = base();
+    wound_up.anti_windup = Some(0.0.into());
+    let conflict = asked_in_the_end(held(), 1e-3, wound_up);
+    assert!((conflict + 0.4 + 0.3).abs() < 1e-3, "{conflict}");
 }
 
 #[test]
