@@ -149,7 +149,7 @@ mod tests {
             let (c, s, r) = q.rotate(start, 3.0, 4.0);
             assert!((c * 3.0 + s * 4.0 - r).abs() < 1e-14 && (c * 4.0 - s * 3.0).abs() < 1e-14);
         }
-        assert!(!q.has_room(0));
+        assert!(!q.has_room(100));
         let original: Vec<f64> = vector(9);
         let mut w = original.clone();
         q.transposed(&mut w);
