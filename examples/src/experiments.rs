@@ -1,7 +1,8 @@
-//! The paper's experiments, in its order.
+//! The paper's experiments, in its order, and what else is measured.
 
 use crate::{
-    experiment::Experiment, push_and_slide, push_away, push_with_disturbance, under_actuated,
+    experiment::Experiment, push_and_slide, push_away, push_with_disturbance, switching,
+    under_actuated,
 };
 
 /// All of them.
@@ -10,4 +11,5 @@ pub const ALL: &[Experiment] = &[
     push_and_slide::EXPERIMENT,
     push_away::EXPERIMENT,
     under_actuated::EXPERIMENT,
+    switching::EXPERIMENT,
 ];

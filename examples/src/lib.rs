@@ -15,6 +15,7 @@ pub mod push_away;
 pub mod push_with_disturbance;
 pub mod results;
 pub mod series;
+pub mod switching;
 pub mod table_i;
 pub mod tick_time;
 pub mod under_actuated;

@@ -224,6 +224,10 @@ impl Log {
                         number(format!("{name}.speed_min"))?,
                         number(format!("{name}.speed_max"))?,
                     ],
+                    lag: [
+                        number(format!("{name}.rise"))?,
+                        number(format!("{name}.fall"))?,
+                    ],
                 })
             })
             .collect()
@@ -257,6 +261,8 @@ pub struct RotorLimits {
     pub thrust: [f64; 2],
     /// Speeds at these, rad/s.
     pub speed: [f64; 2],
+    /// Time constants of the thrust, rising and falling, s.
+    pub lag: [f64; 2],
 }
 
 impl RotorLimits {

@@ -70,6 +70,8 @@ fn log(story: &Story) -> Log {
             ("max", "10"),
             ("speed_min", "100"),
             ("speed_max", "630"),
+            ("rise", "0.0125"),
+            ("fall", "0.025"),
         ]
         .map(|(key, value)| (format!("r{i}.{key}"), value.to_owned()))
     });

@@ -6,6 +6,7 @@ mod map;
 pub mod push;
 pub mod push_away;
 pub mod slide;
+pub mod switching;
 pub mod under_actuated;
 
 pub use common::FigureError;

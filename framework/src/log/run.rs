@@ -55,8 +55,8 @@ fn file_name(source: &SourceFile) -> &str {
     name.and_then(|n| n.to_str()).unwrap_or(&source.name)
 }
 
-/// Writes the metadata `rotors`: for each rotor `<name>.min` and `<name>.max`, N, and `<name>.speed_min` and
-/// `<name>.speed_max`, rad/s.
+/// Writes the metadata `rotors`: for each rotor `<name>.min` and `<name>.max`, N, `<name>.speed_min` and
+/// `<name>.speed_max`, rad/s, `<name>.rise` and `<name>.fall`, s.
 ///
 /// # Errors
 /// [`LogError`] of the sink.
@@ -68,6 +68,8 @@ pub fn write_rotors(sink: &mut dyn LogSink, robot: &RobotModel) -> Result<(), Lo
             ("max", actuator.upper),
             ("speed_min", rotor.speed(actuator.lower)),
             ("speed_max", rotor.speed(actuator.upper)),
+            ("rise", rotor.rise),
+            ("fall", rotor.fall),
         ] {
             table.insert(format!("{}.{key}", actuator.name), value.to_string());
         }

@@ -1,0 +1,16 @@
+//! What switching does to the commands, with ramps and without.
+
+pub mod measures;
+
+use crate::{experiment::Experiment, plots::switching};
+
+/// Two cases, with the transitions of the entries and without.
+pub const EXPERIMENT: Experiment = Experiment {
+    name: "switching",
+    title: "Switching while it runs, with and without ramps",
+    measure: |runs| measures::rows(&runs.log("ramped")?, &runs.log("sudden")?),
+    draw: |runs| {
+        let (ramped, sudden) = (runs.log("ramped")?, runs.log("sudden")?);
+        Ok(switching::draw(&ramped, &sudden, runs.directory())?)
+    },
+};
