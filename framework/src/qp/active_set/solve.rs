@@ -123,10 +123,8 @@ impl Workspace {
     }
 
     fn run(&mut self, qp: &Qp, out: &mut Solution) -> Status {
-        if let Some((index, excess)) = crossed(qp) {
-            // The upper limit alone against the lower one: no combination of signed multipliers says that, the
-            // row itself does.
-            let _ = excess;
+        if let Some(index) = crossed(qp) {
+            // Not a combination of constraints but one alone: its multiplier names it.
             add_multiplier(qp, index, 1.0, out);
             return Status::Infeasible;
         }
@@ -209,10 +207,9 @@ impl Workspace {
                 continue;
             }
             self.settled[index] = true;
-            let side = 0.0;
             let constraint = Active {
                 index,
-                side,
+                side: 0.0,
                 limit: upper,
             };
             if self.push(qp, constraint, 0.0) {
@@ -642,11 +639,11 @@ fn largest_in(unit: &[f64], x: &[f64]) -> f64 {
     in_units.fold(0.0, f64::max)
 }
 
-/// A constraint whose lower limit is above its upper one, and by how much.
-fn crossed(qp: &Qp) -> Option<(usize, f64)> {
-    (0..count(qp)).find_map(|index| {
+/// A constraint whose lower limit is above its upper one.
+fn crossed(qp: &Qp) -> Option<usize> {
+    (0..count(qp)).find(|&index| {
         let (lower, upper) = limits(qp, index);
-        (lower > upper).then_some((index, lower - upper))
+        lower > upper
     })
 }
 

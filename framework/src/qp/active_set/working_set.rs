@@ -82,7 +82,7 @@ impl WorkingSet {
 
     /// Whether a constraint can be held, and any number of them dropped, before the factorisation has to be made anew.
     pub(super) fn has_room(&self) -> bool {
-        self.q.has_room(self.n)
+        self.q.has_room(self.n * (self.n + 1) / 2)
     }
 
     /// Holds a constraint whose `w` is given, with the multiplier it has so far. False if it depends on those held:
