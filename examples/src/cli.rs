@@ -1,13 +1,13 @@
 //! The command line that all examples share.
 
 use std::{
-    cell::Cell,
     io::{IsTerminal, stderr},
     path::{Path, PathBuf},
+    sync::atomic::{AtomicU32, Ordering},
 };
 
 use clap::Args;
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 
 /// Options of every example.
 #[derive(Args, Clone, Debug)]
@@ -18,9 +18,6 @@ pub struct Common {
     /// Seed of the sensors' noise
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
-    /// Scenario file instead of the one that ships
-    #[arg(long, value_name = "FILE")]
-    pub scenario: Option<PathBuf>,
 }
 
 /// The scenario given, or the shipped one of that name: below the working directory if it is there, else where this
@@ -38,32 +35,54 @@ pub fn scenario_file(name: &str, given: Option<&Path>) -> PathBuf {
     }
 }
 
-/// A progress bar on a terminal, a line per 10 % elsewhere; both on standard error.
+/// Progress of things that run side by side: bars below one another on a terminal, a line now and then elsewhere; both
+/// on standard error.
+#[derive(Debug)]
+pub struct ProgressBars {
+    bars: Option<MultiProgress>,
+    /// Lines per bar where there is no terminal.
+    lines: u32,
+}
+
+impl ProgressBars {
+    /// Without bars yet. `lines` is how often each speaks where there is no terminal.
+    pub fn new(lines: u32) -> Self {
+        Self {
+            bars: stderr().is_terminal().then(MultiProgress::new),
+            lines: lines.max(1),
+        }
+    }
+
+    /// A bar at zero.
+    pub fn start(&self, name: &str) -> Progress {
+        let bar = self.bars.as_ref().map(|bars| {
+            let style = ProgressStyle::with_template("{msg:36} {wide_bar} {percent:>3} %  {eta}")
+                .unwrap_or_else(|_| ProgressStyle::default_bar());
+            let bar = ProgressBar::new(1000)
+                .with_style(style)
+                .with_message(name.to_owned());
+            bars.add(bar)
+        });
+        Progress {
+            name: name.to_owned(),
+            bar,
+            lines: self.lines,
+            printed: AtomicU32::new(0),
+        }
+    }
+}
+
+/// One bar of [`ProgressBars`].
 #[derive(Debug)]
 pub struct Progress {
     name: String,
     bar: Option<ProgressBar>,
-    /// Tenths that have been printed.
-    tenths: Cell<u32>,
+    lines: u32,
+    /// Lines so far.
+    printed: AtomicU32,
 }
 
 impl Progress {
-    /// Starts at zero.
-    pub fn new(name: &str) -> Self {
-        let bar = stderr().is_terminal().then(|| {
-            let style = ProgressStyle::with_template("{msg:36} {wide_bar} {percent:>3} %  {eta}")
-                .unwrap_or_else(|_| ProgressStyle::default_bar());
-            ProgressBar::new(1000)
-                .with_style(style)
-                .with_message(name.to_owned())
-        });
-        Self {
-            name: name.to_owned(),
-            bar,
-            tenths: Cell::new(0),
-        }
-    }
-
     /// The finished fraction, 0 to 1.
     pub fn update(&self, fraction: f64) {
         let fraction = fraction.clamp(0.0, 1.0);
@@ -71,10 +90,9 @@ impl Progress {
             bar.set_position((1000.0 * fraction) as u64);
             return;
         }
-        let tenths = (10.0 * fraction + 1e-9) as u32;
-        if tenths > self.tenths.get() {
-            self.tenths.set(tenths);
-            eprintln!("{}: {} %", self.name, 10 * tenths);
+        let reached = (f64::from(self.lines) * fraction + 1e-9) as u32;
+        if reached > self.printed.fetch_max(reached, Ordering::Relaxed) {
+            eprintln!("{}: {} %", self.name, 100 * reached / self.lines);
         }
     }
 

@@ -1,4 +1,4 @@
-//! What all experiments share: run the cases of a scenario into logs, then measure and draw from the logs alone.
+//! What all experiments share: run the cases of a scenario, then measure and draw from the logs alone.
 
 use std::{
     path::{Path, PathBuf},
@@ -7,12 +7,12 @@ use std::{
 
 use anyhow::{Context, Result, bail};
 use clap::Parser;
-use wbqp::log::{LogSink, McapLog};
-use wbqp_sim::Scenario;
 
 use crate::{
-    cli::{Common, Progress, scenario_file},
+    cli::Common,
     log_reader::Log,
+    promises::Breach,
+    replication,
     results::{self, Row},
 };
 
@@ -23,6 +23,8 @@ pub struct Experiment {
     pub name: &'static str,
     /// What a reader sees, with the paper's section.
     pub title: &'static str,
+    /// What happens in it, and in which cases, in a few sentences.
+    pub about: &'static str,
     /// Measures the logs.
     pub measure: fn(&Runs) -> Result<Vec<Row>>,
     /// Draws the figures into [`Runs::directory`].
@@ -55,30 +57,18 @@ impl Experiment {
     /// If the scenario is refused or a file cannot be written. A case that diverged is no error: its rows cannot
     /// be measured then, and the outcome says so.
     pub fn run(&self, args: &Common) -> Result<Outcome> {
-        let runs = run_cases(self.name, args)?;
-        let (rows, pictures) = if runs.diverged() {
-            (Vec::new(), Vec::new())
-        } else {
-            (
-                (self.measure)(&runs).context("measuring")?,
-                (self.draw)(&runs).context("drawing")?,
-            )
-        };
-        runs.finish(rows, pictures)
+        replication::run_one(self, args, None)
     }
 
-    /// The binary of this experiment.
+    /// The binary of this experiment: succeeds if all promised rows are met.
     ///
     /// # Errors
     /// See [`Experiment::run`].
     pub fn main(&self) -> Result<ExitCode> {
         let arguments = Arguments::parse();
-        let outcome = self.run(&arguments.common)?;
-        Ok(if outcome.completed() {
-            ExitCode::SUCCESS
-        } else {
-            ExitCode::FAILURE
-        })
+        let outcome = replication::run_one(self, &arguments.common, arguments.scenario.as_deref())?;
+        outcome.print();
+        Ok(replication::conclude(&[outcome]))
     }
 }
 
@@ -88,6 +78,9 @@ impl Experiment {
 struct Arguments {
     #[command(flatten)]
     common: Common,
+    /// Scenario file instead of the one that ships
+    #[arg(long, value_name = "FILE")]
+    scenario: Option<PathBuf>,
 }
 
 /// The finished cases of a scenario.
@@ -97,73 +90,48 @@ pub struct Runs {
     cases: Vec<Case>,
 }
 
+/// A finished case.
 #[derive(Debug)]
-struct Case {
-    name: String,
-    log: PathBuf,
-    diverged: Option<f64>,
+pub(crate) struct Case {
+    pub(crate) name: String,
+    pub(crate) log: Recorded,
+    /// Time at which the plant diverged, s, if it did.
+    pub(crate) diverged: Option<f64>,
+    /// Ticks, and how many of them kept the last command.
+    pub(crate) ticks: (usize, usize),
 }
 
-/// What an experiment leaves behind.
-#[derive(Clone, Debug, Default)]
-pub struct Outcome {
-    /// Measured rows; empty if a case diverged.
-    pub rows: Vec<Row>,
-    /// Figures; none if a case diverged.
-    pub pictures: Vec<Picture>,
-    /// Cases that diverged, with the time, s.
-    pub diverged: Vec<(String, f64)>,
-}
-
-impl Outcome {
-    /// Whether every case ran to its end.
-    pub fn completed(&self) -> bool {
-        self.diverged.is_empty()
-    }
-}
-
-/// Runs every case of a scenario into `<out>/<name>/<case>.mcap`.
-fn run_cases(name: &str, args: &Common) -> Result<Runs> {
-    let file = scenario_file(name, args.scenario.as_deref());
-    let scenario = Scenario::from_file(&file)?;
-    let directory = args.out.join(name);
-    let mut cases = Vec::new();
-    for case in scenario.cases() {
-        let path = directory.join(format!("{case}.mcap"));
-        let mut log = McapLog::create(&path)?;
-        let progress = Progress::new(&format!("{name}/{case}"));
-        let summary = wbqp_sim::run(&scenario, case, args.seed, &mut log, &mut |fraction| {
-            progress.update(fraction);
-        })?;
-        log.finish()?;
-        progress.finish();
-        if summary.held > 0 {
-            eprintln!(
-                "{name}/{case}: {} of {} ticks kept the last command",
-                summary.held, summary.ticks
-            );
-        }
-        if let Some(time) = summary.diverged {
-            eprintln!("{name}/{case}: diverged at {time:.3} s");
-        }
-        cases.push(Case {
-            name: case.to_owned(),
-            log: path,
-            diverged: summary.diverged,
-        });
-    }
-    Ok(Runs { directory, cases })
+/// Where a log is.
+#[derive(Debug)]
+pub(crate) enum Recorded {
+    /// In an MCAP file.
+    File(PathBuf),
+    /// In memory.
+    Memory(Log),
 }
 
 impl Runs {
+    pub(crate) fn new(directory: &Path, cases: Vec<Case>) -> Self {
+        Self {
+            directory: directory.to_owned(),
+            cases,
+        }
+    }
+
     /// Where logs, figures and results go.
     pub fn directory(&self) -> &Path {
         &self.directory
     }
 
-    /// Whether any case diverged.
-    pub fn diverged(&self) -> bool {
-        self.cases.iter().any(|c| c.diverged.is_some())
+    /// Names of the cases, in the scenario's order.
+    pub fn cases(&self) -> impl Iterator<Item = &str> {
+        self.cases.iter().map(|c| c.name.as_str())
+    }
+
+    /// Cases that diverged, with the time, s.
+    pub fn diverged(&self) -> Vec<(String, f64)> {
+        let diverged = |c: &Case| Some((c.name.clone(), c.diverged?));
+        self.cases.iter().filter_map(diverged).collect()
     }
 
     /// Reads the log of a case.
@@ -171,31 +139,91 @@ impl Runs {
     /// # Errors
     /// If the scenario has no such case or the log cannot be read.
     pub fn log(&self, case: &str) -> Result<Log> {
+        match self.recorded(case)? {
+            Recorded::Memory(log) => Ok(log.clone()),
+            Recorded::File(path) => {
+                Log::open(path).with_context(|| format!("log {}", path.display()))
+            }
+        }
+    }
+
+    /// The log of a case without its messages: metadata and attachments.
+    ///
+    /// # Errors
+    /// As [`Runs::log`].
+    pub fn header(&self, case: &str) -> Result<Log> {
+        match self.recorded(case)? {
+            Recorded::Memory(log) => Ok(log.clone()),
+            Recorded::File(path) => {
+                Log::open_header(path).with_context(|| format!("log {}", path.display()))
+            }
+        }
+    }
+
+    fn recorded(&self, case: &str) -> Result<&Recorded> {
         let Some(found) = self.cases.iter().find(|c| c.name == case) else {
-            let known: Vec<&str> = self.cases.iter().map(|c| c.name.as_str()).collect();
+            let known: Vec<&str> = self.cases().collect();
             bail!(
                 "the experiment needs a case `{case}`, the scenario has {}",
                 known.join(", ")
             );
         };
-        Log::open(&found.log).with_context(|| format!("log {}", found.log.display()))
+        Ok(&found.log)
     }
 
-    /// Writes `results.json` and prints the table.
-    fn finish(&self, rows: Vec<Row>, pictures: Vec<Picture>) -> Result<Outcome> {
-        let path = self.directory.join("results.json");
-        results::write_json(&rows, &path).with_context(|| path.display().to_string())?;
-        println!("{}", results::table(&rows));
-        println!("logs, figures and results: {}", self.directory.display());
-        Ok(Outcome {
-            rows,
-            pictures,
-            diverged: self.diverged_cases(),
+    /// Ticks that kept the last command, in words, for each case that has any.
+    fn held(&self) -> impl Iterator<Item = String> {
+        let held = self.cases.iter().filter(|c| c.ticks.1 > 0);
+        held.map(|c| {
+            let (ticks, held) = c.ticks;
+            format!("{}: {held} of {ticks} ticks kept the last command", c.name)
         })
     }
+}
 
-    fn diverged_cases(&self) -> Vec<(String, f64)> {
-        let diverged = |c: &Case| Some((c.name.clone(), c.diverged?));
-        self.cases.iter().filter_map(diverged).collect()
+/// What an experiment leaves behind.
+#[derive(Debug)]
+pub struct Outcome {
+    /// The experiment.
+    pub experiment: Experiment,
+    /// Its logs.
+    pub runs: Runs,
+    /// Measured rows; empty if a case diverged.
+    pub rows: Vec<Row>,
+    /// Figures; none if a case diverged.
+    pub pictures: Vec<Picture>,
+    /// In what the rows differ from what is promised; nothing if a case diverged.
+    pub breaches: Vec<Breach>,
+}
+
+impl Outcome {
+    /// Whether every case ran to its end.
+    pub fn completed(&self) -> bool {
+        self.runs.diverged().is_empty()
+    }
+
+    /// Whether every case ran to its end and all rows are as promised.
+    pub fn is_as_promised(&self) -> bool {
+        self.completed() && self.breaches.is_empty()
+    }
+
+    /// Prints title and table, and what went wrong on standard error.
+    pub fn print(&self) {
+        let name = self.experiment.name;
+        println!("\n{}", self.experiment.title);
+        println!("{}", results::table(&self.rows));
+        for held in self.runs.held() {
+            eprintln!("{name}/{held}");
+        }
+        for (case, time) in self.runs.diverged() {
+            eprintln!("{name}/{case}: diverged at {time:.3} s");
+        }
+        for breach in &self.breaches {
+            eprintln!("{name}: {breach}");
+        }
+        println!(
+            "logs, figures and results: {}",
+            self.runs.directory().display()
+        );
     }
 }

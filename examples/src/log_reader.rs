@@ -4,20 +4,21 @@ use std::{
     collections::BTreeMap,
     fs,
     path::{Path, PathBuf},
+    sync::Arc,
 };
 
 use mcap::{McapError, MessageStream, read::LinearReader, records::Record};
 use wbqp::{
-    log::Timeline,
+    log::{ChannelId, LogError, LogSink, Timeline},
     serde_json::{self, Value},
 };
 
 use crate::series::Series;
 
-/// A log in memory: the text of each message by topic, metadata and attachments.
+/// A log in memory: the text of each message by topic, metadata and attachments. Clones share the messages.
 #[derive(Clone, Debug, Default)]
 pub struct Log {
-    topics: BTreeMap<String, Vec<(f64, Vec<u8>)>>,
+    topics: BTreeMap<String, Arc<Vec<(f64, Vec<u8>)>>>,
     metadata: BTreeMap<String, BTreeMap<String, String>>,
     attachments: BTreeMap<String, Vec<u8>>,
 }
@@ -72,11 +73,15 @@ impl Log {
     /// # Errors
     /// [`ReadError::File`] or [`ReadError::Mcap`].
     pub fn open(path: &Path) -> Result<Self, ReadError> {
-        let bytes = fs::read(path).map_err(|source| ReadError::File {
-            path: path.to_owned(),
-            source,
-        })?;
-        Self::from_bytes(&bytes)
+        Self::from_bytes(&read(path)?)
+    }
+
+    /// Reads metadata and attachments of a file, not its messages.
+    ///
+    /// # Errors
+    /// [`ReadError::File`] or [`ReadError::Mcap`].
+    pub fn open_header(path: &Path) -> Result<Self, ReadError> {
+        Self::header(&read(path)?)
     }
 
     /// Reads the contents of an MCAP file.
@@ -84,19 +89,26 @@ impl Log {
     /// # Errors
     /// [`ReadError::Mcap`].
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, ReadError> {
-        let mut log = Self::default();
+        let mut topics: BTreeMap<String, Vec<(f64, Vec<u8>)>> = BTreeMap::new();
         for message in MessageStream::new(bytes)? {
             let message = message?;
             let time = message.log_time as f64 * 1e-9;
             let sample = (time, message.data.into_owned());
-            match log.topics.get_mut(&message.channel.topic) {
+            match topics.get_mut(&message.channel.topic) {
                 Some(samples) => samples.push(sample),
                 None => {
-                    log.topics
-                        .insert(message.channel.topic.clone(), vec![sample]);
+                    topics.insert(message.channel.topic.clone(), vec![sample]);
                 }
             }
         }
+        Ok(Self {
+            topics: topics.into_iter().map(|(t, m)| (t, Arc::new(m))).collect(),
+            ..Self::header(bytes)?
+        })
+    }
+
+    fn header(bytes: &[u8]) -> Result<Self, ReadError> {
+        let mut log = Self::default();
         for record in LinearReader::new(bytes)? {
             match record? {
                 Record::Metadata(m) => {
@@ -233,6 +245,13 @@ impl Log {
             .collect()
     }
 
+    /// Names and contents of the attached TOML files.
+    pub fn attached_texts(&self) -> impl Iterator<Item = (&str, &str)> {
+        let toml = self.attachments.iter();
+        let toml = toml.filter(|(name, _)| has_extension(name, "toml"));
+        toml.filter_map(|(name, data)| Some((name.as_str(), std::str::from_utf8(data).ok()?)))
+    }
+
     /// Contents of an attachment.
     pub fn attachment(&self, name: &str) -> Option<&[u8]> {
         self.attachments.get(name).map(Vec::as_slice)
@@ -243,12 +262,73 @@ impl Log {
     /// # Errors
     /// [`ReadError::Attachment`].
     pub fn attached_toml(&self, key: &str) -> Result<toml::Table, ReadError> {
-        self.attachments
-            .iter()
-            .filter(|(name, _)| has_extension(name, "toml"))
-            .filter_map(|(_, data)| std::str::from_utf8(data).ok()?.parse::<toml::Table>().ok())
+        self.attached_texts()
+            .filter_map(|(_, text)| text.parse::<toml::Table>().ok())
             .find(|table| table.contains_key(key))
             .ok_or_else(|| ReadError::Attachment(format!("a TOML key `{key}`")))
+    }
+}
+
+fn read(path: &Path) -> Result<Vec<u8>, ReadError> {
+    fs::read(path).map_err(|source| ReadError::File {
+        path: path.to_owned(),
+        source,
+    })
+}
+
+/// Keeps what a run writes, to be read without a file. What is read is what an MCAP file would give.
+#[derive(Debug, Default)]
+pub struct Recorder {
+    topics: Vec<(String, Vec<(f64, Vec<u8>)>)>,
+    metadata: BTreeMap<String, BTreeMap<String, String>>,
+    attachments: BTreeMap<String, Vec<u8>>,
+}
+
+impl Recorder {
+    /// What was written.
+    pub fn into_log(self) -> Log {
+        let written = self.topics.into_iter().filter(|(_, m)| !m.is_empty());
+        Log {
+            topics: written.map(|(t, m)| (t, Arc::new(m))).collect(),
+            metadata: self.metadata,
+            attachments: self.attachments,
+        }
+    }
+}
+
+impl LogSink for Recorder {
+    fn channel(&mut self, topic: &str, _: &str, _: &Value) -> Result<ChannelId, LogError> {
+        if self.topics.iter().any(|(t, _)| t == topic) {
+            return Err(LogError::Topic(topic.to_owned()));
+        }
+        self.topics.push((topic.to_owned(), Vec::new()));
+        Ok(ChannelId::new(self.topics.len() as u32 - 1))
+    }
+
+    fn write(&mut self, channel: ChannelId, time: f64, message: &[u8]) -> Result<(), LogError> {
+        if !(time.is_finite() && time >= 0.0) {
+            return Err(LogError::Time(time));
+        }
+        let topic = self.topics.get_mut(channel.index());
+        let (_, messages) = topic.ok_or(LogError::Channel(channel))?;
+        // Files have whole nanoseconds.
+        let nanoseconds = (time * 1e9).round() as u64;
+        messages.push((nanoseconds as f64 * 1e-9, message.to_owned()));
+        Ok(())
+    }
+
+    fn metadata(&mut self, name: &str, table: &BTreeMap<String, String>) -> Result<(), LogError> {
+        self.metadata.insert(name.to_owned(), table.clone());
+        Ok(())
+    }
+
+    fn attach(&mut self, name: &str, _: &str, data: &[u8]) -> Result<(), LogError> {
+        self.attachments.insert(name.to_owned(), data.to_owned());
+        Ok(())
+    }
+
+    fn finish(&mut self) -> Result<(), LogError> {
+        Ok(())
     }
 }
 

@@ -6,6 +6,8 @@ use comfy_table::{Cell, CellAlignment, ContentArrangement, Table, presets};
 use serde::{Deserialize, Serialize};
 use wbqp::serde_json;
 
+use crate::tick_time;
+
 /// One figure of an experiment. `results.json` is a list of these, with exactly these keys.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -40,6 +42,20 @@ impl Row {
             pass: Some(measured.is_some_and(accept)),
             ..Self::informative(id, (quantity, unit), paper, measured, tolerance)
         }
+    }
+
+    /// The measured value with its unit.
+    pub fn measured_text(&self) -> String {
+        match (self.measured, self.unit.as_str()) {
+            (None, _) => "nothing".to_owned(),
+            (Some(value), "1") => number(value),
+            (Some(value), unit) => format!("{} {unit}", number(value)),
+        }
+    }
+
+    /// Whether it is a time of the wall clock, which differs from run to run.
+    pub fn is_wall_clock(&self) -> bool {
+        self.id == tick_time::ID
     }
 
     /// A row that neither passes nor fails.
@@ -105,20 +121,32 @@ pub fn table(rows: &[Row]) -> Table {
 }
 
 /// Four significant digits, without trailing zeros.
-fn number(value: f64) -> String {
-    if value == 0.0 {
+pub fn number(value: f64) -> String {
+    rounded(value, 4)
+}
+
+/// So many significant digits, without trailing zeros. What is below 1e-9 in any unit here is rounding: 0.
+pub fn rounded(value: f64, digits: usize) -> String {
+    if value.abs() < 1e-9 {
         return "0".to_owned();
     }
-    let magnitude = value.abs().log10().floor();
-    if !(-4.0..6.0).contains(&magnitude) {
-        return format!("{value:.3e}");
-    }
-    let decimals = (3.0 - magnitude).max(0.0) as usize;
-    let text = format!("{value:.decimals$}");
-    if text.contains('.') {
-        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    let last = digits.saturating_sub(1);
+    // Rounding first: 9.9996 has one digit more before the point.
+    let scientific = format!("{value:.last$e}");
+    let (mantissa, exponent) = scientific.split_once('e').unwrap_or((&scientific, "0"));
+    let exponent: i32 = exponent.parse().unwrap_or(0);
+    let short = |text: &str| {
+        if text.contains('.') {
+            text.trim_end_matches('0').trim_end_matches('.').to_owned()
+        } else {
+            text.to_owned()
+        }
+    };
+    if (-4..6).contains(&exponent) {
+        let decimals = (last as i32 - exponent).max(0) as usize;
+        short(&format!("{value:.decimals$}"))
     } else {
-        text
+        format!("{}e{exponent}", short(mantissa))
     }
 }
 
@@ -146,13 +174,19 @@ mod tests {
         for (value, text) in [
             (5.0, "5"),
             (0.123456, "0.1235"),
-            (1e-5, "1.000e-5"),
+            (1e-5, "1e-5"),
+            (1.2346e-5, "1.235e-5"),
+            (-1.2e-12, "0"),
+            (9.99996, "10"),
+            (0.99996, "1"),
             (-12.3456, "-12.35"),
             (1500.0, "1500"),
             (0.0, "0"),
         ] {
             assert_eq!(number(value), text);
         }
+        assert_eq!(rounded(0.99951, 3), "1");
+        assert_eq!(rounded(1234.6, 3), "1235");
     }
 
     #[test]

@@ -5,6 +5,9 @@ use crate::{
     results::Row,
 };
 
+/// What its row has for an id.
+pub const ID: &str = "time";
+
 /// Median wall-clock time of a tick on the machine that ran the log; only informs.
 ///
 /// # Errors
@@ -14,7 +17,7 @@ pub fn row(log: &Log) -> Result<Row, ReadError> {
     // Without a stopwatch all times are zero.
     let median = total.quantile(0.5).filter(|t| *t > 0.0);
     Ok(Row::informative(
-        "time",
+        ID,
         ("median wall-clock time of a tick on this machine", "µs"),
         None,
         median,
