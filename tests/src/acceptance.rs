@@ -2,7 +2,9 @@
 
 use std::{env, fs, path::PathBuf, process};
 
-use wbqp_examples::{cli::Common, experiment::Experiment};
+use wbqp_examples::{cli::Common, experiment::Experiment, markdown};
+
+const DOCUMENTED: &str = include_str!("../../docs/replication.md");
 
 /// A directory that goes away with its owner.
 struct Temporary(PathBuf);
@@ -13,7 +15,8 @@ impl Drop for Temporary {
     }
 }
 
-/// Runs an experiment with seed 1. Its rows are as `promised_rows.toml` has them, and logs of all cases, figures and
+/// Runs an experiment with seed 1. Its rows are as `promised_rows.toml` has them and as
+/// `docs/replication.md` says, and logs of all cases, figures and
 /// results are there.
 ///
 /// # Panics
@@ -30,6 +33,11 @@ pub fn assert_as_promised(experiment: &Experiment) {
     assert!(diverged.is_empty(), "diverged: {diverged:?}");
     let breaches: Vec<String> = outcome.breaches.iter().map(ToString::to_string).collect();
     assert!(breaches.is_empty(), "{}", breaches.join("\n"));
+    let section = markdown::section(&outcome).expect("promises are good");
+    assert!(
+        DOCUMENTED.contains(&section),
+        "docs/replication.md is not what is measured; `cargo run --release -- --docs` writes it anew:\n{section}"
+    );
     let logs = outcome.runs.cases().map(|case| format!("{case}.mcap"));
     let figures = outcome.pictures.iter().map(|p| p.file.clone());
     for file in logs.chain(figures).chain(["results.json".to_owned()]) {

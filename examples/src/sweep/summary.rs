@@ -1,0 +1,155 @@
+//! How often each row holds, and where it is worst.
+
+use comfy_table::{Cell, CellAlignment, ContentArrangement, Table, presets};
+
+use super::{Sweep, Swept, SweptRow};
+use crate::results::number;
+
+/// The worst of a row.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Worst {
+    /// Its value in words, or that the experiment stopped.
+    pub value: String,
+    /// Index of the variation.
+    pub point: usize,
+}
+
+impl SweptRow {
+    /// At how many points it holds.
+    pub fn count(&self) -> usize {
+        self.holds.iter().filter(|holds| **holds).count()
+    }
+
+    /// Whether it has the same value everywhere, as what is given has.
+    pub fn is_constant(&self) -> bool {
+        self.count() == self.holds.len() && self.measured.windows(2).all(|m| m[0] == m[1])
+    }
+
+    /// Where it is worst. A run that stopped is worse than any value; values that do not hold are worse than those that do;
+    /// among these the one that is farthest from the value without variation is the worst. `None` if the row is constant.
+    pub fn worst(&self, stopped: &[Option<String>]) -> Option<Worst> {
+        if self.is_constant() {
+            return None;
+        }
+        if let Some(point) = stopped.iter().position(Option::is_some) {
+            let diverged = stopped[point].iter().any(|why| why.contains("diverged"));
+            let value = if diverged { "diverged" } else { "refused" };
+            return Some(Worst {
+                value: value.to_owned(),
+                point,
+            });
+        }
+        let plain = self.measured.first().copied().flatten().unwrap_or(0.0);
+        let fails = self.count() < self.holds.len();
+        let candidates = self.measured.iter().zip(&self.holds).enumerate();
+        let candidates = candidates.filter(|(_, (_, holds))| !(fails && **holds));
+        let distance = |value: &Option<f64>| value.map_or(f64::INFINITY, |v| (v - plain).abs());
+        // The first of equals, so that the order of the plan decides.
+        let worst = candidates.reduce(|a, b| {
+            if distance(b.1.0) > distance(a.1.0) {
+                b
+            } else {
+                a
+            }
+        })?;
+        let (point, (value, _)) = worst;
+        Some(Worst {
+            value: value.map_or_else(|| "nothing".to_owned(), number),
+            point,
+        })
+    }
+}
+
+impl Swept {
+    /// Rows that vary.
+    pub fn varying(&self) -> impl Iterator<Item = &SweptRow> {
+        self.rows.iter().filter(|row| !row.is_constant())
+    }
+
+    /// Number of rows that are the same everywhere.
+    pub fn constant(&self) -> usize {
+        self.rows.len() - self.varying().count()
+    }
+}
+
+/// A table per experiment for a terminal.
+pub fn text(sweep: &Sweep) -> String {
+    let mut text = String::new();
+    for swept in &sweep.experiments {
+        text.push_str(&format!("\n{}\n{}\n", swept.title, table(sweep, swept)));
+        text.push_str(&format!(
+            "and {} rows that are the same in all {}\n",
+            swept.constant(),
+            sweep.points.len()
+        ));
+        for (point, why) in sweep.points.iter().zip(&swept.stopped) {
+            if let Some(why) = why {
+                text.push_str(&format!("{}: {why}\n", point.name()));
+            }
+        }
+    }
+    text
+}
+
+fn table(sweep: &Sweep, swept: &Swept) -> Table {
+    let mut table = Table::new();
+    table
+        .load_preset(presets::UTF8_FULL_CONDENSED)
+        .set_content_arrangement(ContentArrangement::Dynamic)
+        .set_header([
+            "row",
+            "quantity",
+            "holds",
+            "plain",
+            "worst",
+            "unit",
+            "accepted",
+            "worst with",
+        ]);
+    let right = |text: String| Cell::new(text).set_alignment(CellAlignment::Right);
+    for row in swept.varying() {
+        let worst = row.worst(&swept.stopped);
+        let plain = row.measured.first().copied().flatten();
+        let point = worst.as_ref().and_then(|w| sweep.points.get(w.point));
+        table.add_row([
+            Cell::new(&row.id),
+            Cell::new(&row.quantity),
+            right(format!("{} of {}", row.count(), row.holds.len())),
+            right(plain.map_or_else(|| "–".to_owned(), number)),
+            right(worst.map_or_else(|| "–".to_owned(), |w| w.value)),
+            Cell::new(&row.unit),
+            Cell::new(&row.tolerance),
+            Cell::new(point.map_or_else(String::new, super::Point::name)),
+        ]);
+    }
+    table
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(measured: &[f64], holds: &[bool]) -> SweptRow {
+        SweptRow {
+            id: "B6".to_owned(),
+            quantity: "error".to_owned(),
+            unit: "N".to_owned(),
+            tolerance: "≤ 1".to_owned(),
+            measured: measured.iter().map(|m| Some(*m)).collect(),
+            holds: holds.to_vec(),
+        }
+    }
+
+    #[test]
+    fn what_fails_is_worse_than_what_is_far_and_what_stops_is_worst() {
+        let far = row(&[0.9, 0.1, 1.1], &[true, true, true]);
+        assert_eq!(far.worst(&[const { None }; 3]).unwrap().value, "0.1");
+        let fails = row(&[0.9, 0.1, 1.1], &[true, true, false]);
+        assert_eq!(fails.worst(&[const { None }; 3]).unwrap().value, "1.1");
+        assert_eq!(fails.count(), 2);
+        let stops = [None, Some("x diverged at 1.0 s".to_owned()), None];
+        let worst = fails.worst(&stops).unwrap();
+        assert_eq!((worst.value.as_str(), worst.point), ("diverged", 1));
+        assert_eq!(row(&[1.0; 3], &[true; 3]).worst(&[const { None }; 3]), None);
+    }
+}
