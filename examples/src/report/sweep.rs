@@ -25,7 +25,7 @@ pub(super) fn section(sweep: Option<&Sweep>) -> Markup {
 
 fn found(sweep: &Sweep) -> Markup {
     let points = sweep.points.len();
-    let combinations = sweep.points.iter().filter(|p| p.scales.len() > 1).count();
+    let combinations = sweep.combinations().count();
     html! {
         p {
             (points) " variations of every experiment, " (sweep.runs) " runs: as it ships, four quantities one at a time at \
@@ -36,6 +36,12 @@ fn found(sweep: &Sweep) -> Markup {
         p {
             span class="key y" { "✓" } "holds " span class="key n" { "✗" } "does not "
             span class="key x" { "–" } "the run diverged, or the scenario was refused"
+        }
+        @if combinations > 0 {
+            details {
+                summary { "The combinations" }
+                ul { @for (number, point) in sweep.combinations() { li { (number) ": " (point.words()) } } }
+            }
         }
         @for swept in &sweep.experiments {
             h3 { (swept.title) }
@@ -49,8 +55,8 @@ fn found(sweep: &Sweep) -> Markup {
             @if swept.rows.iter().any(|row| row.count() < points) { (grid(sweep, swept)) }
             @if swept.stopped.iter().any(Option::is_some) {
                 ul {
-                    @for (point, why) in sweep.points.iter().zip(&swept.stopped) {
-                        @if let Some(why) = why { li { (point.name()) ": " (why) } }
+                    @for (point, why) in swept.stopped.iter().enumerate() {
+                        @if let Some(why) = why { li { (sweep.name(point)) ": " (why) } }
                     }
                 }
             }
@@ -67,26 +73,27 @@ fn summary(sweep: &Sweep, swept: &Swept) -> Markup {
                         th { "row" }
                         th { "quantity" }
                         th.n { "holds" }
-                        th.n { "as it ships" }
-                        th.n { "worst" }
+                        th.n { "unvaried" }
+                        th.n { "range" }
                         th { "unit" }
                         th { "accepted" }
-                        th { "worst with" }
+                        th.n { "worst failure" }
+                        th { "with" }
                     }
                 }
                 tbody {
                     @for row in swept.varying() {
                         @let worst = row.worst(&swept.stopped);
-                        @let point = worst.as_ref().and_then(|w| sweep.points.get(w.point));
                         tr {
                             td.id { (row.id) }
                             td { (row.quantity) }
                             td.n { (row.count()) " of " (row.holds.len()) }
                             td.n { (row.measured.first().copied().flatten().map_or("–".to_owned(), number)) }
-                            td.n { (worst.as_ref().map_or("–", |w| &w.value)) }
+                            td.n { (row.range_text()) }
                             td { (super::unit(&row.unit)) }
                             td { (row.tolerance) }
-                            td { (point.map_or_else(String::new, Point::name)) }
+                            td.n { (worst.as_ref().map_or("", |w| &w.value)) }
+                            td { (worst.as_ref().map(|w| sweep.name(w.point)).unwrap_or_default()) }
                         }
                     }
                 }
@@ -101,7 +108,7 @@ fn grid(sweep: &Sweep, swept: &Swept) -> Markup {
         let of = |p: &&Point| p.scales.len() == 1 && p.scales.contains_key(factor);
         sweep.points.iter().filter(of).count()
     };
-    let combinations = sweep.points.iter().filter(|p| p.scales.len() > 1).count();
+    let combinations = sweep.combinations().count();
     let head = |point: &Point, number: usize| match point.scales.values().next() {
         None => String::new(),
         Some(scale) if point.scales.len() == 1 => percent(*scale).replace(" %", ""),
@@ -123,7 +130,7 @@ fn grid(sweep: &Sweep, swept: &Swept) -> Markup {
                     tr {
                         th {}
                         @for (i, point) in sweep.points.iter().enumerate() {
-                            th title=(point.name()) { (head(point, (i + 1).saturating_sub(first))) }
+                            th title=(point.words()) { (head(point, (i + 1).saturating_sub(first))) }
                         }
                     }
                 }
@@ -131,7 +138,7 @@ fn grid(sweep: &Sweep, swept: &Swept) -> Markup {
                     @for row in swept.rows.iter().filter(|r| r.count() < r.holds.len()) {
                         tr {
                             td.row title=(row.quantity) { b { (row.id) } " " (row.quantity) }
-                            @for (i, point) in sweep.points.iter().enumerate() { (cell(swept, row, i, point)) }
+                            @for i in 0..sweep.points.len() { (cell(sweep, swept, row, i)) }
                         }
                     }
                 }
@@ -140,7 +147,7 @@ fn grid(sweep: &Sweep, swept: &Swept) -> Markup {
     }
 }
 
-fn cell(swept: &Swept, row: &SweptRow, index: usize, point: &Point) -> Markup {
+fn cell(sweep: &Sweep, swept: &Swept, row: &SweptRow, index: usize) -> Markup {
     let stopped = swept.stopped.get(index).is_some_and(Option::is_some);
     let holds = row.holds.get(index).copied().unwrap_or(false);
     let (class, mark) = match (stopped, holds) {
@@ -148,9 +155,22 @@ fn cell(swept: &Swept, row: &SweptRow, index: usize, point: &Point) -> Markup {
         (false, true) => ("cell y", "✓"),
         (false, false) => ("cell n", "✗"),
     };
+    let class = if is_first_of_group(sweep, index) {
+        format!("{class} first")
+    } else {
+        class.to_owned()
+    };
     let value = row.measured.get(index).copied().flatten();
     let value = value.map_or_else(|| "nothing".to_owned(), number);
+    let what = sweep.points.get(index).map(Point::words);
     html! {
-        td class=(class) title={ (point.name()) ": " (value) " " (super::unit(&row.unit)) } { (mark) }
+        td class=(class) title={ (what.unwrap_or_default()) ": " (value) " " (super::unit(&row.unit)) } { (mark) }
     }
+}
+
+/// Whether the factors differ from those of the point before.
+fn is_first_of_group(sweep: &Sweep, index: usize) -> bool {
+    let factors = |i: usize| sweep.points.get(i).map(|p| p.scales.keys());
+    let before = index.checked_sub(1).and_then(factors);
+    !before.zip(factors(index)).is_some_and(|(a, b)| a.eq(b))
 }

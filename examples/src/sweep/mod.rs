@@ -91,7 +91,7 @@ pub fn run(experiments: &[Experiment], points: &[Point], seed: u64) -> Result<Sw
     println!(
         "\nSweep: {} variations, {runs} runs. One at a time, and {} combinations.",
         points.len(),
-        points.iter().filter(|p| p.scales.len() > 1).count()
+        points.iter().filter(|p| p.is_combination()).count()
     );
     let bars = ProgressBars::new(10);
     let done = Done {
@@ -199,7 +199,7 @@ impl<'a> Prepared<'a> {
             return Ok(Attempt::Stopped(why));
         }
         let rows = (self.experiment.measure)(&Runs::new(Path::new(""), cases));
-        let what = || format!("measuring {}, {}", self.experiment.name, point.name());
+        let what = || format!("measuring {}, {}", self.experiment.name, point.words());
         Ok(Attempt::Measured(rows.with_context(what)?))
     }
 }
@@ -255,6 +255,25 @@ impl SweptRow {
 }
 
 impl Sweep {
+    /// The combinations with their numbers.
+    pub fn combinations(&self) -> impl Iterator<Item = (usize, &Point)> {
+        let points = self.points.iter().filter(|p| p.is_combination());
+        points.enumerate().map(|(i, point)| (i + 1, point))
+    }
+
+    /// What a table calls a variation: what it scales, or the number of the combination.
+    pub fn name(&self, point: usize) -> String {
+        let Some(found) = self.points.get(point) else {
+            return String::new();
+        };
+        if !found.is_combination() {
+            return found.words();
+        }
+        let until = self.points.iter().take(point + 1);
+        let number = until.filter(|p| p.is_combination()).count();
+        format!("combination {number}")
+    }
+
     /// The file in an output directory.
     pub fn file(out: &Path) -> PathBuf {
         out.join("sweep.json")

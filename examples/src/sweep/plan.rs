@@ -45,8 +45,13 @@ impl Point {
         self.scales.is_empty()
     }
 
-    /// In words: `f_max −10 %`.
-    pub fn name(&self) -> String {
+    /// Whether several factors are scaled.
+    pub fn is_combination(&self) -> bool {
+        self.scales.len() > 1
+    }
+
+    /// What is scaled, in words: `f_max −10 %`.
+    pub fn words(&self) -> String {
         if self.is_plain() {
             return "as it ships".to_owned();
         }
@@ -76,8 +81,8 @@ mod tests {
         assert!(points[0].is_plain());
         let scales = points.iter().flat_map(|p| p.scales.values());
         assert!(scales.into_iter().all(|s| (0.9..=1.1).contains(s)));
-        assert_eq!(points[1].name(), "f_max −10 %");
-        assert_eq!(points[16].name(), "mass +10 %");
+        assert_eq!(points[1].words(), "f_max −10 %");
+        assert_eq!(points[16].words(), "mass +10 %");
         assert_eq!(points[17].scales.len(), 4);
     }
 }

@@ -5,7 +5,7 @@ use comfy_table::{Cell, CellAlignment, ContentArrangement, Table, presets};
 use super::{Sweep, Swept, SweptRow};
 use crate::results::number;
 
-/// The worst of a row.
+/// The worst with which a row does not hold.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Worst {
     /// Its value in words, or that the experiment stopped.
@@ -25,14 +25,21 @@ impl SweptRow {
         self.count() == self.holds.len() && self.measured.windows(2).all(|m| m[0] == m[1])
     }
 
-    /// Where it is worst. A run that stopped is worse than any value; values that do not hold are worse than those that do;
-    /// among these the one that is farthest from the value without variation is the worst. `None` if the row is constant.
+    /// Smallest and largest value; `None` if there is none.
+    pub fn range(&self) -> Option<(f64, f64)> {
+        let values = || self.measured.iter().copied().flatten();
+        Some((values().reduce(f64::min)?, values().reduce(f64::max)?))
+    }
+
+    /// Of the variations with which it does not hold, the worst. A run that stopped is worse than any value; among values
+    /// the one that is farthest from the value without variation is the worst. `None` if it always holds.
     pub fn worst(&self, stopped: &[Option<String>]) -> Option<Worst> {
-        if self.is_constant() {
-            return None;
-        }
-        if let Some(point) = stopped.iter().position(Option::is_some) {
-            let diverged = stopped[point].iter().any(|why| why.contains("diverged"));
+        let stop = stopped
+            .iter()
+            .enumerate()
+            .find_map(|(i, s)| Some((i, s.as_ref()?)));
+        if let Some((point, why)) = stop {
+            let diverged = why.contains("diverged");
             let value = if diverged { "diverged" } else { "refused" };
             return Some(Worst {
                 value: value.to_owned(),
@@ -40,23 +47,23 @@ impl SweptRow {
             });
         }
         let plain = self.measured.first().copied().flatten().unwrap_or(0.0);
-        let fails = self.count() < self.holds.len();
-        let candidates = self.measured.iter().zip(&self.holds).enumerate();
-        let candidates = candidates.filter(|(_, (_, holds))| !(fails && **holds));
         let distance = |value: &Option<f64>| value.map_or(f64::INFINITY, |v| (v - plain).abs());
+        let failures = self.measured.iter().zip(&self.holds).enumerate();
+        let failures = failures.filter(|(_, (_, holds))| !**holds);
+        let worst = failures.map(|(point, (value, _))| (point, value));
         // The first of equals, so that the order of the plan decides.
-        let worst = candidates.reduce(|a, b| {
-            if distance(b.1.0) > distance(a.1.0) {
-                b
-            } else {
-                a
-            }
-        })?;
-        let (point, (value, _)) = worst;
+        let worst = worst.reduce(|a, b| if distance(b.1) > distance(a.1) { b } else { a });
+        let (point, value) = worst?;
         Some(Worst {
             value: value.map_or_else(|| "nothing".to_owned(), number),
             point,
         })
+    }
+
+    /// Smallest and largest value in words.
+    pub fn range_text(&self) -> String {
+        let text = |(low, high)| format!("{} … {}", number(low), number(high));
+        self.range().map_or_else(|| "–".to_owned(), text)
     }
 }
 
@@ -82,11 +89,15 @@ pub fn text(sweep: &Sweep) -> String {
             swept.constant(),
             sweep.points.len()
         ));
-        for (point, why) in sweep.points.iter().zip(&swept.stopped) {
+        for (point, why) in swept.stopped.iter().enumerate() {
             if let Some(why) = why {
-                text.push_str(&format!("{}: {why}\n", point.name()));
+                text.push_str(&format!("{}: {why}\n", sweep.name(point)));
             }
         }
+    }
+    text.push('\n');
+    for (number, point) in sweep.combinations() {
+        text.push_str(&format!("combination {number}: {}\n", point.words()));
     }
     text
 }
@@ -110,16 +121,17 @@ fn table(sweep: &Sweep, swept: &Swept) -> Table {
     for row in swept.varying() {
         let worst = row.worst(&swept.stopped);
         let plain = row.measured.first().copied().flatten();
-        let point = worst.as_ref().and_then(|w| sweep.points.get(w.point));
+        let with = worst.as_ref().map(|w| sweep.name(w.point));
         table.add_row([
             Cell::new(&row.id),
             Cell::new(&row.quantity),
             right(format!("{} of {}", row.count(), row.holds.len())),
             right(plain.map_or_else(|| "–".to_owned(), number)),
-            right(worst.map_or_else(|| "–".to_owned(), |w| w.value)),
+            right(row.range_text()),
             Cell::new(&row.unit),
             Cell::new(&row.tolerance),
-            Cell::new(point.map_or_else(String::new, super::Point::name)),
+            right(worst.map_or_else(String::new, |w| w.value)),
+            Cell::new(with.unwrap_or_default()),
         ]);
     }
     table
@@ -141,15 +153,16 @@ mod tests {
     }
 
     #[test]
-    fn what_fails_is_worse_than_what_is_far_and_what_stops_is_worst() {
-        let far = row(&[0.9, 0.1, 1.1], &[true, true, true]);
-        assert_eq!(far.worst(&[const { None }; 3]).unwrap().value, "0.1");
+    fn what_fails_is_bad_and_what_stops_is_worse() {
+        let holds = row(&[0.9, 0.1, 1.1], &[true, true, true]);
+        assert_eq!(holds.worst(&[const { None }; 3]), None);
+        assert_eq!(holds.range_text(), "0.1 … 1.1");
         let fails = row(&[0.9, 0.1, 1.1], &[true, true, false]);
         assert_eq!(fails.worst(&[const { None }; 3]).unwrap().value, "1.1");
         assert_eq!(fails.count(), 2);
         let stops = [None, Some("x diverged at 1.0 s".to_owned()), None];
         let worst = fails.worst(&stops).unwrap();
         assert_eq!((worst.value.as_str(), worst.point), ("diverged", 1));
-        assert_eq!(row(&[1.0; 3], &[true; 3]).worst(&[const { None }; 3]), None);
+        assert!(row(&[1.0; 3], &[true; 3]).is_constant() && !holds.is_constant());
     }
 }
