@@ -89,7 +89,7 @@ pub fn run(experiments: &[Experiment], points: &[Point], seed: u64) -> Result<Sw
     let per_point: usize = prepared.iter().map(|p| p.cases.len()).sum();
     let runs = per_point * points.len();
     println!(
-        "\nSweep: {} variations, {runs} runs. One at a time, and {} combinations.",
+        "\nSweep: {} variations, {runs} runs. One quantity at a time, and random combinations: {}.",
         points.len(),
         points.iter().filter(|p| p.is_combination()).count()
     );
