@@ -15,10 +15,13 @@ use wbqp::{
 
 use crate::series::Series;
 
+/// Times, s, and texts of a topic's messages.
+type Messages = Vec<(f64, Vec<u8>)>;
+
 /// A log in memory: the text of each message by topic, metadata and attachments. Clones share the messages.
 #[derive(Clone, Debug, Default)]
 pub struct Log {
-    topics: BTreeMap<String, Arc<Vec<(f64, Vec<u8>)>>>,
+    topics: BTreeMap<String, Arc<Messages>>,
     metadata: BTreeMap<String, BTreeMap<String, String>>,
     attachments: BTreeMap<String, Vec<u8>>,
 }
@@ -89,7 +92,7 @@ impl Log {
     /// # Errors
     /// [`ReadError::Mcap`].
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, ReadError> {
-        let mut topics: BTreeMap<String, Vec<(f64, Vec<u8>)>> = BTreeMap::new();
+        let mut topics: BTreeMap<String, Messages> = BTreeMap::new();
         for message in MessageStream::new(bytes)? {
             let message = message?;
             let time = message.log_time as f64 * 1e-9;
@@ -279,7 +282,7 @@ fn read(path: &Path) -> Result<Vec<u8>, ReadError> {
 /// Keeps what a run writes, to be read without a file. What is read is what an MCAP file would give.
 #[derive(Debug, Default)]
 pub struct Recorder {
-    topics: Vec<(String, Vec<(f64, Vec<u8>)>)>,
+    topics: Vec<(String, Messages)>,
     metadata: BTreeMap<String, BTreeMap<String, String>>,
     attachments: BTreeMap<String, Vec<u8>>,
 }

@@ -64,12 +64,16 @@ pub fn section(outcome: &Outcome) -> Result<String, PromiseError> {
     for row in outcome.rows.iter().filter(|row| row.pass == Some(false)) {
         if let Some(reason) = promises.reason(row) {
             let (id, quantity) = (&row.id, escaped(&row.quantity));
-            notes.push(format!("- {id}, {quantity}, is missed: {reason}\n"));
+            notes.push(format!(
+                "- {id}, {quantity}, is missed: {}\n",
+                escaped(reason)
+            ));
         }
     }
     for remark in &promises.remark {
         let quantity = escaped(&remark.quantity);
-        notes.push(format!("- {}, {quantity}: {}\n", remark.id, remark.text));
+        let text = escaped(&remark.text);
+        notes.push(format!("- {}, {quantity}: {text}\n", remark.id));
     }
     if !notes.is_empty() {
         text.push('\n');

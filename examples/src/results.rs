@@ -134,7 +134,7 @@ pub fn rounded(value: f64, digits: usize) -> String {
     // Rounding first: 9.9996 has one digit more before the point.
     let scientific = format!("{value:.last$e}");
     let (mantissa, exponent) = scientific.split_once('e').unwrap_or((&scientific, "0"));
-    let exponent: i32 = exponent.parse().unwrap_or(0);
+    let exponent: isize = exponent.parse().unwrap_or(0);
     let short = |text: &str| {
         if text.contains('.') {
             text.trim_end_matches('0').trim_end_matches('.').to_owned()
@@ -143,7 +143,7 @@ pub fn rounded(value: f64, digits: usize) -> String {
         }
     };
     if (-4..6).contains(&exponent) {
-        let decimals = (last as i32 - exponent).max(0) as usize;
+        let decimals = last.saturating_add_signed(-exponent);
         short(&format!("{value:.decimals$}"))
     } else {
         format!("{}e{exponent}", short(mantissa))

@@ -136,9 +136,8 @@ fn check_page(page: &str) {
     let namespace = "http://www.w3.org/2000/svg";
     assert!(!page.replace(namespace, "").contains("http"));
     assert_eq!(page.matches("<svg").count(), page.matches("</svg>").count());
-    let mut ids: Vec<&str> = page.split(" id=\"").skip(1).collect();
-    ids.iter_mut()
-        .for_each(|id| *id = &id[..id.find('"').unwrap()]);
+    let after = page.split(" id=\"").skip(1);
+    let mut ids: Vec<&str> = after.filter_map(|text| text.split('"').next()).collect();
     let count = ids.len();
     ids.sort_unstable();
     ids.dedup();

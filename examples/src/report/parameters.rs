@@ -134,7 +134,7 @@ impl CaseFiles {
             let mut files = log.attached_texts();
             let found = files.find_map(|(name, text)| {
                 let table = text.parse::<Table>().ok()?;
-                table.contains_key(key).then(|| (name, text, table))
+                table.contains_key(key).then_some((name, text, table))
             });
             found.with_context(|| format!("the log has no file with `{key}`"))
         };
