@@ -111,11 +111,12 @@ fn table(sweep: &Sweep, swept: &Swept) -> Table {
             "row",
             "quantity",
             "holds",
-            "plain",
-            "worst",
+            "unvaried",
+            "range",
             "unit",
             "accepted",
-            "worst with",
+            "worst failure",
+            "with",
         ]);
     let right = |text: String| Cell::new(text).set_alignment(CellAlignment::Right);
     for row in swept.varying() {
