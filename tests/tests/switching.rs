@@ -1,0 +1,9 @@
+//! Switching as it ships: every row of its table is as promised.
+
+use wbqp_examples::switching;
+use wbqp_tests::acceptance::assert_as_promised;
+
+#[test]
+fn every_row_is_as_promised() {
+    assert_as_promised(&switching::EXPERIMENT);
+}
