@@ -52,6 +52,58 @@ const TASKS: &[(&str, Option<Meaning>)] = &[
         None,
     ),
     ("type = 'propeller_regularisation'", None),
+    (
+        "type = 'frame_position'\nframe = 'tool'\nkp = [9, 8, 7]\nkd = 5",
+        None,
+    ),
+    (
+        "type = 'frame_position'\nframe = 'fore'\nkp = 9\nkd = 5\naxes = ['z', 'x']\nreference = { type = 'hold', value = [1, 2] }",
+        None,
+    ),
+    (
+        "type = 'frame_orientation'\nframe = 'tool'\nkp = [9, 8, 7]\nkd = 5",
+        None,
+    ),
+    (
+        "type = 'frame_orientation'\nframe = 'tool'\nkp = [9, 8, 7]\nkd = 5\nerror = 'matrix'\naxes = 'body'",
+        None,
+    ),
+    (
+        "type = 'frame_pose'\nframe = 'tool'\nkp = [9, 8, 7, 6, 5, 4]\nkd = 5",
+        None,
+    ),
+    (
+        "type = 'relative_pose'\nframe = 'tool'\nrelative_to = 'upper'\nkp = [9, 8, 7, 6, 5, 4]\nkd = 5",
+        None,
+    ),
+    (
+        "type = 'relative_pose'\nframe = 'base'\nrelative_to = 'tool'\nkp = 9\nkd = 5\nerror = 'matrix'",
+        None,
+    ),
+    ("type = 'com'\nkp = 9\nkd = 5", None),
+    ("type = 'com'\nkp = [9, 8]\nkd = 5\naxes = ['x', 'y']", None),
+    (
+        "type = 'centroidal_angular_momentum'\nk = [3, 4, 5]",
+        Some(Meaning::Velocity),
+    ),
+    ("type = 'joint_torque_regularisation'", None),
+    (
+        "type = 'joint_torque_regularisation'\njoints = ['wrist', 'elbow']\nreference = { type = 'hold', value = [1, 2] }",
+        None,
+    ),
+    ("type = 'thrust_regularisation'", None),
+    (
+        "type = 'thrust_regularisation'\nrotors = ['rotor_3', 'rotor_0']\nreference = { type = 'hold', value = [5, 6] }",
+        None,
+    ),
+    (
+        "type = 'constant_force'\ncontact = 'full'\nnormal = 5\ntangential = [1, 2]\nmoment = [0.1, 0.2, 0.3]",
+        None,
+    ),
+    (
+        "type = 'constant_force'\ncontact = 'normal'\nnormal = 5",
+        None,
+    ),
 ];
 
 /// Constraints, likewise.
