@@ -119,6 +119,32 @@ const CONSTRAINTS: &[(&str, Option<Meaning>)] = &[
         "type = 'friction_pyramid'\ncontact = 'normal'\nsides = 6\napproximation = 'outer'",
         None,
     ),
+    ("type = 'joint_limits'", None),
+    (
+        "type = 'joint_limits'\nacceleration = [10, 30]\nmargin = 0.05\njoints = ['wrist', 'elbow']",
+        None,
+    ),
+    ("type = 'thrust_rate_limits'", None),
+    (
+        "type = 'thrust_rate_limits'\nrise = 100\nfall = 50\nrotors = ['rotor_1']",
+        None,
+    ),
+    (
+        "type = 'plane_distance'\nframe = 'tool'\noffset = [0.1, 0.2, -0.1]\npoint = [0, 0, -1]\nnormal = [1, 2, 3]\nmargin = 0.1\na1 = 3\na2 = 4",
+        Some(Meaning::Barrier),
+    ),
+    (
+        "type = 'tilt_limit'\nmax_tilt = 0.4\na1 = 3",
+        Some(Meaning::Barrier),
+    ),
+    (
+        "type = 'contact_wrench'\ncontact = 'full'\nhalf_length_x = 0.1\nhalf_length_y = 0.05",
+        None,
+    ),
+    (
+        "type = 'contact_wrench'\ncontact = 'normal_tilt'\nhalf_length_x = 0.1\nhalf_length_y = 0.05\ntorsional_friction = 0.02\nsides = 6",
+        None,
+    ),
 ];
 
 fn main() -> ExitCode {
