@@ -72,6 +72,7 @@ pub struct Layout {
     pub(crate) bounds: Vec<(RowSpec, BoundTarget)>,
     pub(crate) relation: Relation,
     pub(crate) contact: Option<ContactId>,
+    pub(crate) moment_limits: Vec<ContactId>,
 }
 
 impl Layout {
@@ -92,6 +93,7 @@ impl Layout {
             bounds: Vec::new(),
             relation: Relation::Inequality,
             contact: None,
+            moment_limits: Vec::new(),
         }
     }
 
@@ -196,6 +198,13 @@ impl Layout {
     /// The rows and bounds exist only while this contact is on, and follow its ramp.
     pub fn while_contact(mut self, contact: ContactId) -> Self {
         self.contact = Some(contact);
+        self
+    }
+
+    /// The rows and bounds limit all moments of this contact (constraints only). A contact that constrains rotations
+    /// is refused unless some constraint says so: without limits, a solver would pull with moments.
+    pub fn limits_moments(mut self, contact: ContactId) -> Self {
+        self.moment_limits.push(contact);
         self
     }
 

@@ -161,6 +161,7 @@
 //! | describe a contact | [`contact::ContactSpec`], [`contact::Detector`] |
 //! | use the dynamics alone | [`dynamics::Data`], [`dynamics::FrameKinematics`] |
 //! | bring a solver | [`qp::QpSolver`], [`qp::Qp`], [`qp::Solution`] |
+//! | test a plug-in | [`testing::PluginTest`] |
 //! | keep a log | [`log::ControllerLog`], [`log::LogSink`] |
 //! | list what a file can name | [`registry`] |
 //!
@@ -203,6 +204,7 @@ pub mod spatial;
 pub mod state;
 pub mod statics;
 pub mod task;
+pub mod testing;
 pub mod tick;
 
 pub use assembly::{RowInfo, VarInfo};

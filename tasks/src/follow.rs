@@ -1,6 +1,7 @@
 //! What tasks with a reference share.
 
 use wbqp::{
+    nalgebra::UnitQuaternion,
     reference::{Reference, Sample, Space, Start},
     setup::BindError,
 };
@@ -19,12 +20,23 @@ pub(crate) fn begin(
     space: Space,
     from: Sample,
 ) -> Result<Sample, BindError> {
+    begin_as("reference", reference, space, from)
+}
+
+/// Like [`begin`], for a reference under another key.
+pub(crate) fn begin_as(
+    key: &str,
+    reference: &mut dyn Reference,
+    space: Space,
+    from: Sample,
+) -> Result<Sample, BindError> {
+    let outer = key;
     let start = Start {
         space,
         time: 0.0,
         from: &from,
     };
-    let inside = |key: String| format!("reference.{key}");
+    let inside = |key: String| format!("{outer}.{key}");
     match reference.bind(&start) {
         Ok(()) => Ok(from),
         Err(BindError::Length { key, got, expected }) => Err(BindError::Length {
@@ -37,6 +49,14 @@ pub(crate) fn begin(
             problem,
         }),
         Err(other) => Err(other),
+    }
+}
+
+/// A sample at rest with this orientation.
+pub(crate) fn turned(rotation: UnitQuaternion<f64>) -> Sample {
+    Sample {
+        rotation,
+        ..Sample::new(Space::Rotation)
     }
 }
 

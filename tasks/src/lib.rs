@@ -1,5 +1,5 @@
 //! Tasks, constraints and references for [wbqp]: those of G. Nava et al., *Direct Force Feedback Control and
-//! Online Multi-task Optimization for Aerial Manipulators*, RA-L 2020, free of its misprints.
+//! Online Multi-task Optimization for Aerial Manipulators*, RA-L 2020, free of its misprints, and a catalogue beyond it.
 //!
 //! Every plug-in here depends on the crate `wbqp` alone and uses nothing that a plug-in of yours could not use.
 //! A binary that names none of these types writes `use wbqp_tasks as _;`, or the linker leaves them out.
@@ -17,6 +17,23 @@
 //! | `contact_motion` | constraint | (10e) |
 //! | `hold`, `min_jerk`, `waypoints`, `ellipse` | reference | y^d(t) |
 //! | `thrust_attitude` | reference | attitude of an under-actuated base, not in the paper |
+//!
+//! Not in the paper:
+//!
+//! | `type` | kind | what it does |
+//! |---|---|---|
+//! | `frame_position`, `frame_orientation`, `frame_pose` | task | move a frame in the world |
+//! | `relative_pose` | task | moves a frame relative to another one |
+//! | `com` | task | moves the centre of mass |
+//! | `centroidal_angular_momentum` | task | angular momentum about the centre of mass |
+//! | `joint_torque_regularisation` | task | joint torques near a value |
+//! | `thrust_regularisation` | task | thrusts near a value |
+//! | `constant_force` | task | contact force at a fixed set point |
+//! | `joint_limits` | constraint | range and speed of joints, viable |
+//! | `thrust_rate_limits` | constraint | rates of thrusts |
+//! | `plane_distance` | constraint | a point stays on one side of a plane |
+//! | `tilt_limit` | constraint | the base does not tilt too far |
+//! | `contact_wrench` | constraint | friction, centre of pressure and torsion of a sole |
 //!
 //! The dynamics (10d) belong to the framework.
 //!
@@ -37,18 +54,27 @@
 //! # Ok::<(), serde_json::Error>(())
 //! ```
 
+mod axis;
 mod check;
 mod constraints;
+mod effort;
 mod follow;
 mod gain;
+mod home;
 mod integral;
 mod references;
 mod tasks;
 
-pub use constraints::{ActuatorLimits, Approximation, ContactMotion, FrictionPyramid};
+pub use axis::Axis;
+pub use constraints::{
+    ActuatorLimits, Approximation, ContactMotion, ContactWrench, FrictionPyramid, JointLimits,
+    PlaneDistance, ThrustRateLimits, TiltLimit,
+};
 pub use gain::Gain;
 pub use references::{Ellipse, Hold, MinJerk, ThrustAttitude, Waypoint, Waypoints};
 pub use tasks::{
-    BaseOrientation, BasePosition, ContactForce, Feedback, FreeMotion, GainAxes, Origin, Posture,
-    PropellerRegularisation, RotationError, SurfaceAxis, Tangential,
+    BaseOrientation, BasePosition, CentroidalAngularMomentum, Com, ConstantForce, ContactForce,
+    Feedback, FrameOrientation, FramePose, FramePosition, FreeMotion, GainAxes,
+    JointTorqueRegularisation, Origin, Posture, PropellerRegularisation, RelativePose,
+    RotationError, SurfaceAxis, Tangential, ThrustRegularisation,
 };

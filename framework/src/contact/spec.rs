@@ -11,14 +11,14 @@ use crate::setup::BindError;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ContactKind {
-    /// Position and orientation: six constrained directions. Refused until moments can be limited.
+    /// Position and orientation: six constrained directions. Needs a constraint that limits its moments.
     Full,
     /// Position, the end effector may turn: a point with friction, three forces.
     Point,
     /// The normal translation alone: a frictionless (or sliding) point, one force.
     Normal,
-    /// The normal translation and the two tilts: a foot that slides, one force and two moments. Refused until
-    /// moments can be limited.
+    /// The normal translation and the two tilts: a foot that slides, one force and two moments. Needs a constraint
+    /// that limits its moments.
     NormalTilt,
 }
 
@@ -41,6 +41,11 @@ impl ContactKind {
             Self::Normal => &[0, 1, 3, 4, 5],
             Self::NormalTilt => &[0, 1, 5],
         }
+    }
+
+    /// Whether moments are among the constrained components.
+    pub fn has_moments(self) -> bool {
+        self.constrained().iter().any(|&row| row > 2)
     }
 
     /// Position of the normal force among the constrained components.
@@ -176,20 +181,11 @@ fn default_free_force_limit() -> f64 {
 }
 
 impl ContactSpec {
-    /// Checks the numbers and the kind.
+    /// Checks the numbers.
     ///
     /// # Errors
-    /// Names the key: friction or limits negative, not finite or reversed, a bad surface, a kind that has no
-    /// complete set of force limits yet.
+    /// Names the key: friction or limits negative, not finite or reversed, a bad surface.
     pub fn validate(&self) -> Result<(), BindError> {
-        // Without them the solver could pull with moments.
-        if matches!(self.kind, ContactKind::Full | ContactKind::NormalTilt) {
-            return Err(BindError::value(
-                "kind",
-                "needs limits on moments (centre of pressure, torsion), which do not exist yet; \
-                 use `point` or `normal`, or several `point` contacts",
-            ));
-        }
         for (key, value) in [
             ("friction", self.friction),
             ("force_min", self.force_min),

@@ -122,6 +122,8 @@ impl Controller {
             )?);
         }
 
+        check_moment_limits(&contacts, &groups[tasks.len()..])?;
+
         let assembly = Assembly::new(
             settings.formulation,
             settings.regularisation,
@@ -235,10 +237,12 @@ impl Controller {
     }
 }
 
-struct Sizes<'a> {
-    nv: usize,
-    nu: usize,
-    nf: &'a [usize],
+/// Sizes of the decision variables.
+pub(crate) struct Sizes<'a> {
+    pub(crate) nv: usize,
+    pub(crate) nu: usize,
+    /// Constrained components of each contact.
+    pub(crate) nf: &'a [usize],
 }
 
 fn request(frames: &mut Vec<FrameId>, id: FrameId) -> FrameHandle {
@@ -283,6 +287,27 @@ fn bind_error(kind: &'static str, name: &str, tag: &str, source: BindError) -> C
         tag: tag.to_owned(),
         source: Box::new(source),
     }
+}
+
+/// A contact with moments needs a constraint that limits them: without, the solver would pull with moments.
+fn check_moment_limits(
+    contacts: &[crate::contact::ContactSpec],
+    constraints: &[Group],
+) -> Result<(), ControllerError> {
+    for (i, spec) in contacts.iter().enumerate() {
+        let limits = |g: &Group| g.layout.moment_limits.iter().any(|c| c.index() == i);
+        if spec.kind.has_moments() && !constraints.iter().any(limits) {
+            let problem = format!(
+                "constrains rotations, and no constraint limits this contact's moments: add one of type \
+                 `contact_wrench` with `contact = \"{}\"` (crate wbqp-tasks), or one of your own whose layout says \
+                 `limits_moments`",
+                spec.name
+            );
+            let source = BindError::value("kind", problem);
+            return Err(bind_error("contact", &spec.name, "contact", source));
+        }
+    }
+    Ok(())
 }
 
 /// Checks the entry and its layout and registers its rows.
@@ -373,7 +398,7 @@ fn check_entry<P: ?Sized>(
 }
 
 /// Catches a plug-in that declares what does not exist, so that nothing can go out of range in a tick.
-fn check_layout(
+pub(crate) fn check_layout(
     layout: &Layout,
     sizes: &Sizes<'_>,
     frames: usize,
@@ -438,8 +463,8 @@ fn check_layout(
             "a task cannot bound variables; make it a constraint".into(),
         ));
     }
-    if let Some(contact) = layout.contact {
-        nf(contact)?;
+    for contact in layout.contact.iter().chain(&layout.moment_limits) {
+        nf(*contact)?;
     }
     Ok(())
 }

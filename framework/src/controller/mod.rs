@@ -4,7 +4,7 @@
 //! solver → command and report. No step looks back, and nothing is allocated after
 //! [`Controller::new`] except inside a solver that needs it.
 
-mod bind;
+pub(crate) mod bind;
 mod command;
 mod error;
 mod measurement;
@@ -13,7 +13,7 @@ mod report;
 mod requests;
 mod stopwatch;
 pub(crate) mod switch;
-mod world;
+pub(crate) mod world;
 
 pub use command::Command;
 pub use error::{ControllerError, RequestError};

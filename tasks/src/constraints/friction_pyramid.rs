@@ -63,7 +63,7 @@ pub enum Approximation {
 
 impl Approximation {
     /// `μ'/μ` for a number of sides.
-    fn factor(self, sides: usize) -> f64 {
+    pub(super) fn factor(self, sides: usize) -> f64 {
         match self {
             Self::Inner => (PI / sides as f64).cos(),
             Self::Outer => 1.0,
@@ -71,7 +71,7 @@ impl Approximation {
     }
 }
 
-fn default_sides() -> usize {
+pub(super) fn default_sides() -> usize {
     4
 }
 
@@ -100,7 +100,16 @@ impl FrictionPyramid {
     }
 }
 
-fn normals(sides: usize) -> impl Iterator<Item = [f64; 2]> {
+/// Refuses numbers of sides that make no pyramid, or too large a problem.
+pub(super) fn validate_sides(sides: usize) -> Result<(), BindError> {
+    if (3..=64).contains(&sides) {
+        return Ok(());
+    }
+    let problem = format!("is {sides}, must be 3 to 64");
+    Err(BindError::value("sides", problem))
+}
+
+pub(super) fn normals(sides: usize) -> impl Iterator<Item = [f64; 2]> {
     (0..sides).map(move |k| {
         let (sin, cos) = (TAU * k as f64 / sides as f64).sin_cos();
         [cos, sin]
@@ -110,10 +119,7 @@ fn normals(sides: usize) -> impl Iterator<Item = [f64; 2]> {
 #[wbqp::constraint("friction_pyramid")]
 impl Constraint for FrictionPyramid {
     fn bind(&mut self, setup: &mut Setup<'_>) -> Result<Layout, BindError> {
-        if !(3..=64).contains(&self.sides) {
-            let problem = format!("is {}, must be 3 to 64", self.sides);
-            return Err(BindError::value("sides", problem));
-        }
+        validate_sides(self.sides)?;
         let contact = setup.contact(&self.contact)?;
         let kind = setup.contact_spec(contact).kind;
         self.bound = Some((contact, kind));

@@ -102,8 +102,31 @@ pub enum GainAxes {
     /// World axes: `K`.
     #[default]
     World,
-    /// The base's own axes (roll, pitch, yaw of the robot): `R_WR K R_WRᵀ`. The rows stay in world axes.
+    /// The turning body's own axes (of a base: roll, pitch, yaw of the robot): `R K Rᵀ`. The rows stay in the axes they
+    /// are in.
     Body,
+}
+
+impl GainAxes {
+    /// `K_D rate + K_P error` for vectors in the axes that `R` turns the body's into, whatever axes the gains are in.
+    pub(crate) fn feedback(
+        self,
+        [kp, kd]: [&Gain; 2],
+        R: &UnitQuaternion<f64>,
+        error: &Vector3<f64>,
+        rate: &Vector3<f64>,
+    ) -> Vector3<f64> {
+        match self {
+            Self::World => kd.times(rate) + kp.times(error),
+            Self::Body => {
+                let (rate, error) = (
+                    R.inverse_transform_vector(rate),
+                    R.inverse_transform_vector(error),
+                );
+                R * (kd.times(&rate) + kp.times(&error))
+            }
+        }
+    }
 }
 
 impl BaseOrientation {
@@ -123,25 +146,6 @@ impl BaseOrientation {
     pub fn following(mut self, reference: impl Reference) -> Self {
         self.reference = Box::new(reference);
         self
-    }
-
-    /// `K_D rate + K_P error` for vectors in world axes, whatever axes the gains are in.
-    fn feedback(
-        &self,
-        R_WR: &UnitQuaternion<f64>,
-        error: &Vector3<f64>,
-        rate: &Vector3<f64>,
-    ) -> Vector3<f64> {
-        match self.axes {
-            GainAxes::World => self.kd.times(rate) + self.kp.times(error),
-            GainAxes::Body => {
-                let (rate, error) = (
-                    R_WR.inverse_transform_vector(rate),
-                    R_WR.inverse_transform_vector(error),
-                );
-                R_WR * (self.kd.times(&rate) + self.kp.times(&error))
-            }
-        }
     }
 }
 
@@ -169,7 +173,10 @@ impl Task for BaseOrientation {
         let w_WR = Vector3::from_fn(|i, _| tick.state.v[3 + i]);
         let error = self.error.between(R_WR, &self.sample.rotation);
         let rate = w_WR - self.sample.rate3();
-        let acceleration = self.sample.acceleration3() - self.feedback(R_WR, &error, &rate);
+        let feedback = self
+            .axes
+            .feedback([&self.kp, &self.kd], R_WR, &error, &rate);
+        let acceleration = self.sample.acceleration3() - feedback;
         rows.b().copy_from(&acceleration);
         rows.error().copy_from(&error);
     }
@@ -227,8 +234,7 @@ mod tests {
             (RotationError::Matrix, GainAxes::World),
             (RotationError::Matrix, GainAxes::Body),
         ] {
-            let mut task = BaseOrientation::new([20.0, 30.0, 10.0], 9.0);
-            (task.error, task.axes) = (error, axes);
+            let task = BaseOrientation::new([20.0, 30.0, 10.0], 9.0);
             for start in [
                 turn(0.4, 0.0, 0.0),
                 turn(0.0, 2.5, 1.0),
@@ -238,7 +244,7 @@ mod tests {
                 let dt = 1e-3;
                 for _ in 0..15_000 {
                     let e = error.between(&R_WR, &desired);
-                    w -= task.feedback(&R_WR, &e, &w) * dt;
+                    w -= axes.feedback([&task.kp, &task.kd], &R_WR, &e, &w) * dt;
                     R_WR = spatial::exp(&(w * dt)) * R_WR;
                 }
                 assert!(R_WR.angle_to(&desired) < 1e-3, "{error:?} {axes:?}");
@@ -249,12 +255,11 @@ mod tests {
     #[test]
     fn body_gains_turn_with_the_base() {
         let R_WR = turn(0.0, 0.0, std::f64::consts::FRAC_PI_2);
-        let mut task = BaseOrientation::new([1.0, 2.0, 3.0], 0.0);
+        let (kp, kd) = (Gain::from([1.0, 2.0, 3.0]), Gain::from(0.0));
         let x = Vector3::x();
-        let zero = Vector3::zeros();
-        assert!((task.feedback(&R_WR, &x, &zero) - x).norm() < 1e-12);
+        let feedback = |axes: GainAxes| axes.feedback([&kp, &kd], &R_WR, &x, &Vector3::zeros());
+        assert!((feedback(GainAxes::World) - x).norm() < 1e-12);
         // Yawed by 90°, the world's x is the base's −y.
-        task.axes = GainAxes::Body;
-        assert!((task.feedback(&R_WR, &x, &zero) - 2.0 * x).norm() < 1e-12);
+        assert!((feedback(GainAxes::Body) - 2.0 * x).norm() < 1e-12);
     }
 }

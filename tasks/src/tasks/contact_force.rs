@@ -180,7 +180,7 @@ impl ContactForce {
 }
 
 /// Labels and units of a contact's six components.
-const COMPONENTS: [(&str, &str); 6] = [
+pub(super) const COMPONENTS: [(&str, &str); 6] = [
     ("x", "N"),
     ("y", "N"),
     ("normal", "N"),

@@ -8,8 +8,11 @@ use wbqp::{
     task::Task,
 };
 use wbqp_tasks::{
-    ActuatorLimits, BaseOrientation, BasePosition, ContactForce, ContactMotion, FreeMotion,
-    FrictionPyramid, Hold, MinJerk, Posture, PropellerRegularisation, SurfaceAxis,
+    ActuatorLimits, Axis, BaseOrientation, BasePosition, CentroidalAngularMomentum, Com,
+    ConstantForce, ContactForce, ContactMotion, ContactWrench, FrameOrientation, FramePose,
+    FramePosition, FreeMotion, FrictionPyramid, Hold, JointLimits, JointTorqueRegularisation,
+    MinJerk, PlaneDistance, Posture, PropellerRegularisation, RelativePose, SurfaceAxis,
+    ThrustRateLimits, ThrustRegularisation, TiltLimit,
 };
 
 use crate::robot::{contacts, small};
@@ -55,6 +58,99 @@ fn row_counts() {
     );
     assert_eq!(rows(constraint(ContactMotion::new("point"))), 3);
     assert_eq!(rows(constraint(ContactMotion::new("sliding"))), 1);
+}
+
+#[test]
+fn row_counts_beyond_the_paper() {
+    assert_eq!(rows(task(FramePosition::new("tip", 1.0, 1.0))), 3);
+    let level = FramePosition::new("tip", [1.0, 2.0], 1.0).along([Axis::X, Axis::Y]);
+    assert_eq!(rows(task(level)), 2);
+    assert_eq!(rows(task(FrameOrientation::new("tip", 1.0, 1.0))), 3);
+    assert_eq!(rows(task(FramePose::new("tip", [1.0; 6], 1.0))), 6);
+    assert_eq!(rows(task(RelativePose::new("tip", "base", 1.0, 1.0))), 6);
+    assert_eq!(rows(task(Com::new(1.0, 1.0).along([Axis::Z]))), 1);
+    assert_eq!(rows(task(CentroidalAngularMomentum::new(1.0))), 3);
+    assert_eq!(rows(task(JointTorqueRegularisation::new())), 1);
+    assert_eq!(rows(task(ThrustRegularisation::new())), 6);
+    assert_eq!(rows(task(ConstantForce::new("tilting", 5.0))), 3);
+    assert_eq!(rows(constraint(JointLimits::new(10.0))), 1);
+    assert_eq!(rows(constraint(ThrustRateLimits::new(10.0))), 0);
+    let plane = PlaneDistance::new("tip", [0.0; 3], [0.0, 0.0, 2.0]);
+    assert_eq!(rows(constraint(plane)), 1);
+    assert_eq!(rows(constraint(TiltLimit::new(0.3))), 8);
+    let sole = ContactWrench::new("tilting", 0.1, 0.05);
+    assert_eq!(rows(constraint(sole)), 4);
+}
+
+#[test]
+fn refusals_beyond_the_paper_name_the_key() {
+    let mut sideways = ConstantForce::new("sliding", 5.0);
+    sideways.tangential = [0.0, 1.0];
+    let plane = |normal| PlaneDistance::new("tip", [0.0; 3], normal);
+    for (start, refused) in [
+        (
+            "frame `tp` does not exist; did you mean `tip`?",
+            task(FramePosition::new("tp", 1.0, 1.0)),
+        ),
+        (
+            "`axes` names `x` twice",
+            task(Com::new(1.0, 1.0).along([Axis::X, Axis::X])),
+        ),
+        ("`axes` has 0 entries", task(Com::new(1.0, 1.0).along([]))),
+        (
+            "`kd` has 3 entries",
+            task(FramePose::new("tip", 1.0, [1.0; 3])),
+        ),
+        (
+            "`position.duration` is 0",
+            task(FramePose::new("tip", 1.0, 1.0).moving(MinJerk::new([0.0; 3], 0.0))),
+        ),
+        (
+            "`orientation.value` has 2 entries",
+            task(RelativePose::new("tip", "base", 1.0, 1.0).turning(Hold::at([0.0; 2]))),
+        ),
+        (
+            "`relative_to` is `tip`, the frame itself",
+            task(RelativePose::new("tip", "tip", 1.0, 1.0)),
+        ),
+        (
+            "`reference.value` has 2 entries",
+            task(JointTorqueRegularisation::new().following(Hold::at([0.0; 2]))),
+        ),
+        (
+            "`joints` names `elbow` twice",
+            task(JointTorqueRegularisation::new().only(["elbow", "elbow"])),
+        ),
+        ("`tangential` has y = 1", task(sideways)),
+        ("`normal` is -1", task(ConstantForce::new("sliding", -1.0))),
+        ("`acceleration` is 0", constraint(JointLimits::new(0.0))),
+        (
+            "`margin` is 2.5, which leaves joint `elbow` no range",
+            constraint(JointLimits::new(1.0).with_margin(2.5)),
+        ),
+        ("`rise` is 0", constraint(ThrustRateLimits::new(0.0))),
+        (
+            "rotor `rotor0` has no `slew`",
+            constraint(ThrustRateLimits::default()),
+        ),
+        ("`normal` is zero", constraint(plane([0.0; 3]))),
+        (
+            "`a2` is 300 1/s, must be at most 250",
+            constraint(plane([0.0, 0.0, 1.0]).with_rates(1.0, 300.0)),
+        ),
+        ("`max_tilt` is 1.6 rad", constraint(TiltLimit::new(1.6))),
+        (
+            "`half_length_x` is 0",
+            constraint(ContactWrench::new("tilting", 0.0, 0.1)),
+        ),
+        (
+            "`contact` `point` has no moments to limit; use `friction_pyramid`",
+            constraint(ContactWrench::new("point", 0.1, 0.1)),
+        ),
+    ] {
+        let error = refused.expect_err(start).to_string();
+        assert!(error.starts_with(start), "{error} / {start}");
+    }
 }
 
 #[test]

@@ -1,0 +1,372 @@
+//! A test kit for authors of plug-ins: does a task or constraint do what its documentation says, on any robot?
+//!
+//! ```
+//! # use wbqp::{Layout, rows::Rows, schemars::JsonSchema, serde::{Deserialize, Serialize}};
+//! # use wbqp::{model::JointId, setup::{BindError, Setup}, task::Task, tick::Tick};
+//! use wbqp::testing::PluginTest;
+//!
+//! /// Brings one joint to a position: `q̈ = −kd q̇ − kp (q − target)`.
+//! #[derive(Debug, Serialize, Deserialize, JsonSchema)]
+//! #[serde(crate = "wbqp::serde", deny_unknown_fields)]
+//! #[schemars(crate = "wbqp::schemars")]
+//! struct HoldJoint {
+//!     /// The joint, by name.
+//!     joint: String,
+//!     /// Where to, rad or m.
+//!     target: f64,
+//!     /// Stiffness, 1/s².
+//!     kp: f64,
+//!     /// Damping, 1/s.
+//!     kd: f64,
+//!     #[serde(skip)]
+//!     bound: Option<(JointId, usize)>,
+//! }
+//!
+//! #[wbqp::task("example.hold_joint")]
+//! impl Task for HoldJoint {
+//!     // …
+//! #     fn bind(&mut self, setup: &mut Setup<'_>) -> Result<Layout, BindError> {
+//! #         let joint = setup.joint(&self.joint)?;
+//! #         let column = setup.model().velocity_index(joint);
+//! #         self.bound = Some((joint, column));
+//! #         Ok(Layout::rows([(&self.joint, "rad/s²")]).error_unit("rad").vdot_unit([column]))
+//! #     }
+//! #     fn update(&mut self, tick: &Tick<'_>, rows: &mut Rows<'_>) {
+//! #         let Some((joint, column)) = self.bound else { return };
+//! #         let error = tick.state.q[joint.index()] - self.target;
+//! #         rows.b()[0] = -self.kd * tick.state.v[column] - self.kp * error;
+//! #         rows.error()[0] = error;
+//! #     }
+//! }
+//!
+//! let toml = r#"
+//!     type = "example.hold_joint"
+//!     joint = "elbow"
+//!     target = 0.3
+//!     kp = 25.0
+//!     kd = 10.0
+//! "#;
+//! PluginTest::task(toml).assert_passes();
+//! ```
+//!
+//! A plug-in is given in its TOML form, because a new one is made for each robot and each comparison. It may
+//! name what all [built-in robots](built_in_robots) have: the joints `shoulder`, `elbow` and `wrist`, the frames
+//! `base`, `upper`, `fore`, `hand` and `tool`, and the [contacts](built_in_contacts) `point`, `normal`, `full` and
+//! `normal_tilt`. A robot that the plug-in refuses in `bind` is left out, as long as one is left.
+//!
+//! # What is checked
+//! Of every plug-in
+//!
+//! | check | what must hold |
+//! |---|---|
+//! | [`Form`](Check::Form) | it loads; load → save → load → save gives the same, in TOML and JSON; no key is lost; no key belongs to the framework; `bind` and `update` change no key |
+//! | [`UnknownKeys`](Check::UnknownKeys) | an unknown key is refused, in the table and in every table inside |
+//! | [`Schema`](Check::Schema) | every key is in the schema, with a description |
+//! | [`Layout`](Check::Layout) | rows have labels (all different) and units; only declared blocks are written; every `b`, error, limit and bound is written; what is declared exists |
+//! | [`Finite`](Check::Finite) | coefficients, `b` and errors are finite; limits are numbers in order |
+//! | [`Coefficients`](Check::Coefficients) | they depend on the configuration and on time alone: not on velocities, measured forces, the last solution or the states before |
+//! | [`Allocation`](Check::Allocation) | `update` does not allocate, if a counter is given: see [`PluginTest::counting`] |
+//!
+//! What else is checked depends on what the rows mean, their [`Meaning`]. With `J` the coefficients on `v̇`,
+//! `J̇v` their bias and `e` the error, a row `J v̇ = b` asks for `ë = J v̇ + J̇v = a*`, so `b = a* − J̇v`:
+//!
+//! | check | [`Position`](Meaning::Position) | [`Velocity`](Meaning::Velocity) | [`Motion`](Meaning::Motion) | [`Barrier`](Meaning::Barrier) | [`Affine`](Meaning::Affine) |
+//! |---|---|---|---|---|---|
+//! | [`Jacobian`](Check::Jacobian) | `ė = J v` | `∂e/∂v = J` | – | limit at rest: gradient `−c J` | error affine in efforts and forces, with slope `A` |
+//! | [`Bias`](Check::Bias) | yes | yes | yes | yes | – |
+//! | [`Feedback`](Check::Feedback) | opposes `e` and `J v` | opposes `J v` | opposes `J v` | opposes `J v` | – |
+//!
+//! * **Jacobian.** The error is differentiated by central differences along random velocity directions on the
+//!   manifold, the base turned by the exponential. A rotation error has `ė = J v` only where it is zero. The
+//!   home posture is therefore moved to the state under test: a reference that stays at home makes the error zero
+//!   there. Give the plug-in such a reference (the built-in ones do it by default).
+//! * **Bias.** Nothing need be known of the gains: in `b(v) = a_d − K_D J v − K_P e − J̇v` only the bias is even
+//!   in `v`, so `J̇v = b(0) − ½ [b(v) + b(−v)]`. It is compared with the central difference of `J v` along `v`.
+//! * **Feedback.** `b` must not push the error, or the velocity, in its own direction: this finds a sign
+//!   that is wrong.
+//! * **Barrier.** The limits of `ḧ + (a₁ + a₂) ḣ + a₁ a₂ h ≥ 0` are such rows. At rest they change with
+//!   the configuration by `−c J v`, with one `c ≥ 0` per row.
+//!
+//! States are random and reproducible: positions within 1 m and within joint limits, any attitude.
+#![allow(non_snake_case)]
+
+mod affine;
+mod bench;
+mod form;
+mod motion;
+mod report;
+mod robots;
+mod scatter;
+mod subject;
+mod written;
+
+use std::fmt;
+
+pub use report::{Check, Failure, Failures, Passed};
+pub use robots::{built_in_contacts, built_in_robots};
+
+use crate::{
+    constraint::Constraint,
+    contact::ContactSpec,
+    layout::{Layout, Relation, VdotBlock},
+    robot::RobotModel,
+    task::Task,
+};
+use bench::{Bench, Inputs};
+use report::Report;
+use scatter::Scatter;
+use subject::Subject;
+
+/// What rows on accelerations mean, hence which derivatives are compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Meaning {
+    /// The rows are the second derivative of the error. Assumed of tasks on `v̇` alone.
+    Position,
+    /// The rows are the first derivative of the error, as of a momentum.
+    Velocity,
+    /// Accelerations that have no error. Assumed of equality constraints on `v̇` alone.
+    Motion,
+    /// Limits on the second derivative of a function of the configuration, affine in its first.
+    Barrier,
+    /// Efforts and forces. Assumed of all other tasks.
+    Affine,
+    /// None of these: only what holds for every plug-in. Assumed of all other constraints.
+    Other,
+}
+
+/// A test of one plug-in, made of what it is given and run by [`PluginTest::run`].
+pub struct PluginTest {
+    kind: Kind,
+    /// The plug-in's TOML form, or why there is none.
+    text: Result<String, String>,
+    meaning: Option<Meaning>,
+    built_in: bool,
+    robots: Vec<RobotModel>,
+    contacts: Vec<ContactSpec>,
+    states: usize,
+    seed: u64,
+    allocations: Option<Box<dyn Fn() -> usize>>,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Kind {
+    Task,
+    Constraint,
+}
+
+impl PluginTest {
+    fn new(kind: Kind, text: Result<String, String>) -> Self {
+        Self {
+            kind,
+            text,
+            meaning: None,
+            built_in: true,
+            robots: Vec::new(),
+            contacts: built_in_contacts(),
+            states: 5,
+            seed: 1,
+            allocations: None,
+        }
+    }
+
+    /// Tests a task in its TOML form: `type` and its own keys, without those of the entry.
+    pub fn task(toml: impl Into<String>) -> Self {
+        Self::new(Kind::Task, Ok(toml.into()))
+    }
+
+    /// Tests a constraint in its TOML form: `type` and its own keys, without those of the entry.
+    pub fn constraint(toml: impl Into<String>) -> Self {
+        Self::new(Kind::Constraint, Ok(toml.into()))
+    }
+
+    /// Tests a task that was made in code.
+    pub fn of_task(task: &dyn Task) -> Self {
+        Self::new(Kind::Task, task.save().map(|table| table.to_string()))
+    }
+
+    /// Tests a constraint that was made in code.
+    pub fn of_constraint(constraint: &dyn Constraint) -> Self {
+        let text = constraint.save().map(|table| table.to_string());
+        Self::new(Kind::Constraint, text)
+    }
+
+    /// Says what the rows mean, where the assumption is wrong.
+    pub fn meaning(mut self, meaning: Meaning) -> Self {
+        self.meaning = Some(meaning);
+        self
+    }
+
+    /// Tests on this robot too.
+    pub fn robot(mut self, robot: RobotModel) -> Self {
+        self.robots.push(robot);
+        self
+    }
+
+    /// Tests on the robots given alone, not on the built-in ones.
+    pub fn without_built_in_robots(mut self) -> Self {
+        self.built_in = false;
+        self
+    }
+
+    /// With these contacts instead of the built-in ones. All of them are on.
+    pub fn contacts(mut self, contacts: Vec<ContactSpec>) -> Self {
+        self.contacts = contacts;
+        self
+    }
+
+    /// With another number of random states per robot than 5.
+    pub fn states(mut self, states: usize) -> Self {
+        self.states = states;
+        self
+    }
+
+    /// With other random states.
+    pub fn seed(mut self, seed: u64) -> Self {
+        self.seed = seed;
+        self
+    }
+
+    /// Checks that `update` does not allocate, by a function that says how many allocations there have been.
+    ///
+    /// A library cannot replace the allocator of the program, so the test does. With the crate `stats_alloc`, in
+    /// a test of its own process (`harness = false`; other threads would be counted too):
+    ///
+    /// ```ignore
+    /// #[global_allocator]
+    /// static ALLOCATOR: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
+    ///
+    /// fn main() {
+    ///     PluginTest::task(toml)
+    ///         .counting(|| {
+    ///             let stats = ALLOCATOR.stats();
+    ///             stats.allocations + stats.reallocations
+    ///         })
+    ///         .assert_passes();
+    /// }
+    /// ```
+    pub fn counting(mut self, allocations: impl Fn() -> usize + 'static) -> Self {
+        self.allocations = Some(Box::new(allocations));
+        self
+    }
+
+    /// Runs all checks.
+    ///
+    /// # Errors
+    /// Every check that failed, once per robot, with the first place where it did.
+    pub fn run(&self) -> Result<Passed, Failures> {
+        match self.kind {
+            Kind::Task => self.run_as::<dyn Task>(),
+            Kind::Constraint => self.run_as::<dyn Constraint>(),
+        }
+    }
+
+    /// Runs all checks and panics with the report if one fails: for tests.
+    ///
+    /// # Panics
+    /// If a check fails.
+    #[track_caller]
+    pub fn assert_passes(&self) {
+        if let Err(failures) = self.run() {
+            panic!("{failures}");
+        }
+    }
+
+    fn run_as<P: Subject + ?Sized>(&self) -> Result<Passed, Failures> {
+        let mut report = Report::new(P::NAME);
+        let Some(form) = form::check::<P>(&self.text, &mut report) else {
+            return report.finish();
+        };
+        for robot in self.all_robots(&mut report) {
+            let bench = Bench {
+                form: &form,
+                robot: &robot,
+                contacts: &self.contacts,
+                allocations: self.allocations.as_deref(),
+            };
+            self.on_robot::<P>(&bench, &mut report);
+        }
+        report.finish()
+    }
+
+    fn all_robots(&self, report: &mut Report) -> Vec<RobotModel> {
+        let mut robots = Vec::new();
+        if self.built_in {
+            match built_in_robots() {
+                Ok(built_in) => robots = built_in,
+                Err(error) => report.fail(Check::Layout, "", error.to_string()),
+            }
+        }
+        robots.extend(self.robots.iter().cloned());
+        robots
+    }
+
+    fn on_robot<P: Subject + ?Sized>(&self, bench: &Bench<'_>, report: &mut Report) {
+        let name = bench.robot.model.name().to_owned();
+        let layout = match bench.layout::<P>() {
+            Ok(layout) => layout,
+            Err(error) => {
+                report.refused(&name, error);
+                return;
+            }
+        };
+        report.accepted(&name);
+        written::check_layout::<P>(bench, &layout, report);
+        let meaning = self.meaning.unwrap_or_else(|| assumed::<P>(&layout));
+        for k in 0..self.states {
+            let mut scatter = Scatter::new(self.seed.wrapping_add(1000 * k as u64));
+            report.state(k);
+            let here = Inputs::random(bench, &mut scatter);
+            let there = Inputs::random(bench, &mut scatter);
+            // Without sound rows there is nothing to differentiate.
+            if !written::check_rows::<P>(bench, &here, &there, report) {
+                return;
+            }
+            let compared = match meaning {
+                Meaning::Position => {
+                    motion::position_jacobian::<P>(bench, &here, &mut scatter, report)
+                        .and_then(|()| motion::bias_and_damping::<P>(bench, &here, &there, report))
+                }
+                Meaning::Velocity => {
+                    motion::velocity_jacobian::<P>(bench, &here, &mut scatter, report)
+                        .and_then(|()| motion::bias_and_damping::<P>(bench, &here, &there, report))
+                }
+                Meaning::Motion => motion::bias_and_damping::<P>(bench, &here, &there, report),
+                Meaning::Barrier => motion::bias_and_damping::<P>(bench, &here, &there, report)
+                    .and_then(|()| {
+                        motion::barrier_gradient::<P>(bench, &here, &mut scatter, report)
+                    }),
+                Meaning::Affine => affine::check::<P>(bench, &here, &mut scatter, report),
+                Meaning::Other => Some(()),
+            };
+            if compared.is_none() {
+                let message = "it refuses the robot with some home postures";
+                report.fail(Check::Layout, &name, message);
+            }
+        }
+    }
+}
+
+impl fmt::Debug for PluginTest {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("PluginTest")
+            .field("kind", &self.kind)
+            .field("text", &self.text)
+            .field("meaning", &self.meaning)
+            .field("states", &self.states)
+            .field("seed", &self.seed)
+            .finish_non_exhaustive()
+    }
+}
+
+/// What the layout says of the rows' meaning.
+fn assumed<P: Subject + ?Sized>(layout: &Layout) -> Meaning {
+    let on_motion = layout.vdot != VdotBlock::Absent;
+    let on_forces = layout.effort.is_some() || !layout.forces.is_empty();
+    match (P::IS_TASK, on_motion, on_forces) {
+        (true, true, false) => Meaning::Position,
+        (true, ..) => Meaning::Affine,
+        (false, true, false) if layout.relation == Relation::Equality => Meaning::Motion,
+        (false, ..) => Meaning::Other,
+    }
+}

@@ -1,0 +1,314 @@
+//! Joints stay within their range and speed.
+//!
+//! # Mathematics
+//! Over one period T at constant acceleration a, `q⁺ = q + T q̇ + ½ T² a` and `q̇⁺ = q̇ + T a`. A state is viable if the
+//! joint can still stop before the limit with the acceleration A that it always has: `q̇² ≤ 2 A (q_u − q)` while it
+//! moves towards `q_u`. The bounds on a are those of A. Del Prete, *Joint position and velocity bounds in discrete-time
+//! acceleration/torque control of robot manipulators*, IEEE RA-L 3(1), 2018: its algorithms 1 (positions) and 2
+//! (viability), with what it leaves open, states beyond a limit, brought back with A.
+
+use wbqp::{
+    constraint::Constraint,
+    layout::Layout,
+    model::{JointId, JointKind},
+    rows::ConstraintRows,
+    schemars::JsonSchema,
+    serde::{Deserialize, Serialize},
+    setup::{BindError, Setup},
+    tick::Tick,
+};
+
+use crate::{check, effort::chosen, gain::Gain};
+
+/// Keeps joints within their range of positions and their speed, by limits on accelerations that can always be kept:
+///
+/// `a_l(q, q̇) ≤ q̈ ≤ a_u(q, q̇)`, one row per joint, rad/s² or m/s².
+///
+/// A joint is let go as fast towards its limit as it can still stop before it with the acceleration `A` (viability), so
+/// the limits never contradict one another, however violent the tasks are. With T the period, `q_l`, `q_u` the range and
+/// `v_u` the speed, `a_u` is the smallest of
+///
+/// * `A`,
+/// * `(v_u − q̇)/T`: the speed after the period,
+/// * the position, between the ticks as well: `2 (q_u − q − T q̇)/T²` while the joint does not turn back within the
+///   period, else `min(−q̇²/(2 (q_u − q)), −q̇/T)`,
+/// * viability: the a for which `(q̇ + T a)² = 2 A (q_u − q⁺)`, but at least `−q̇/T`,
+///
+/// and `a_l` mirrors it (A. Del Prete, IEEE RA-L 3(1), 2018). Beyond a limit the joint is brought back with `A`.
+///
+/// `A` must be within what the motors can do everywhere, or the rows ask for more than there is; then a hard entry
+/// makes the problem infeasible, `hardness = { exact = … }` does not. Range and speed are the robot's.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(crate = "wbqp::serde", deny_unknown_fields)]
+#[schemars(crate = "wbqp::schemars")]
+pub struct JointLimits {
+    /// Acceleration `A` with which a joint can always brake, and the largest that is allowed, rad/s² or m/s²: one
+    /// number, or one per joint.
+    #[serde(default = "default_acceleration")]
+    #[schemars(extend("x-unit" = "rad/s² or m/s²"))]
+    pub acceleration: Gain,
+    /// Distance kept from both ends of the range, rad or m.
+    #[serde(default)]
+    #[schemars(extend("x-unit" = "rad or m"))]
+    pub margin: f64,
+    /// Which joints, by name; rows are in this order. Default: all, in the model's order.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub joints: Option<Vec<String>>,
+    #[serde(skip)]
+    limited: Vec<Limited>,
+}
+
+/// A joint and its limits.
+#[derive(Clone, Debug)]
+struct Limited {
+    joint: JointId,
+    column: usize,
+    range: Range,
+}
+
+/// What a joint can do.
+#[derive(Clone, Copy, Debug)]
+struct Range {
+    lower: f64,
+    upper: f64,
+    speed: f64,
+    acceleration: f64,
+}
+
+fn default_acceleration() -> Gain {
+    Gain::Uniform(20.0)
+}
+
+impl JointLimits {
+    /// All joints, which can brake with this acceleration (rad/s² or m/s²).
+    pub fn new(acceleration: impl Into<Gain>) -> Self {
+        Self {
+            acceleration: acceleration.into(),
+            margin: 0.0,
+            joints: None,
+            limited: Vec::new(),
+        }
+    }
+
+    /// Keeps a distance from both ends, rad or m.
+    pub fn with_margin(mut self, margin: f64) -> Self {
+        self.margin = margin;
+        self
+    }
+}
+
+impl Range {
+    /// Limits on the acceleration over the next period.
+    fn bounds(&self, q: f64, v: f64, period: f64) -> [f64; 2] {
+        let upper = self.towards_upper(q, v, period);
+        // The lower end is the upper one of the mirrored joint.
+        let mirrored = Self {
+            lower: -self.upper,
+            upper: -self.lower,
+            ..*self
+        };
+        let lower = -mirrored.towards_upper(-q, -v, period);
+        if lower <= upper {
+            return [lower, upper];
+        }
+        // Both ends are violated, or nearly: in between.
+        let middle = 0.5 * (lower + upper);
+        [middle, middle]
+    }
+
+    fn towards_upper(&self, q: f64, v: f64, period: f64) -> f64 {
+        let a = self.acceleration;
+        let speed = (self.speed - v) / period;
+        let position = position_bound(self.upper - q, v, period);
+        let viability = viability_bound(self.upper - q, v, a, period);
+        speed.min(position).min(viability).min(a).max(-a)
+    }
+}
+
+/// Largest acceleration for which the joint does not pass its end, `room` away, during the period.
+fn position_bound(room: f64, v: f64, period: f64) -> f64 {
+    let at_end = 2.0 * (room - period * v) / (period * period);
+    let stops = -v / period;
+    if v <= 0.0 || at_end > stops {
+        // The last point of the period is the nearest to the end.
+        at_end
+    } else if room > 0.0 {
+        // It turns back within the period.
+        (-v * v / (2.0 * room)).min(stops)
+    } else {
+        f64::NEG_INFINITY
+    }
+}
+
+/// Largest acceleration after which the joint can still stop before its end.
+fn viability_bound(room: f64, v: f64, a: f64, period: f64) -> f64 {
+    let stops = -v / period;
+    // (v + T x)² ≤ 2 A (room − T v − ½ T² x), a quadratic in x.
+    let t2 = period * period;
+    let b = 2.0 * period * v + a * t2;
+    let c = v * v - 2.0 * a * (room - period * v);
+    let discriminant = b * b - 4.0 * t2 * c;
+    let root = if discriminant >= 0.0 {
+        (-b + discriminant.sqrt()) / (2.0 * t2)
+    } else {
+        stops
+    };
+    // A joint that stands or goes back is viable.
+    root.max(stops)
+}
+
+#[wbqp::constraint("joint_limits")]
+impl Constraint for JointLimits {
+    fn bind(&mut self, setup: &mut Setup<'_>) -> Result<Layout, BindError> {
+        check::not_negative("margin", self.margin)?;
+        let model = setup.model();
+        let all = || (0..model.joints().len()).filter_map(|i| model.joint(&model.joints()[i].name));
+        let joints = chosen(
+            "joints",
+            self.joints.as_deref(),
+            || all().collect(),
+            |name| setup.joint(name),
+        )?;
+        if joints.is_empty() {
+            return Err(BindError::Other(format!(
+                "`{}` has no joints",
+                model.name()
+            )));
+        }
+        self.acceleration.validate("acceleration", joints.len())?;
+        self.limited.clear();
+        for (k, joint) in joints.into_iter().enumerate() {
+            let about = &model.joints()[joint.index()];
+            let range = Range {
+                lower: about.limits.lower + self.margin,
+                upper: about.limits.upper - self.margin,
+                speed: about.limits.velocity,
+                acceleration: self.acceleration.axis(k),
+            };
+            if range.lower > range.upper {
+                let problem = format!(
+                    "is {}, which leaves joint `{}` no range",
+                    self.margin, about.name
+                );
+                return Err(BindError::value("margin", problem));
+            }
+            check::positive("acceleration", range.acceleration)?;
+            let column = model.velocity_index(joint);
+            self.limited.push(Limited {
+                joint,
+                column,
+                range,
+            });
+        }
+        let rows = self.limited.iter().map(|limited| {
+            let about = &model.joints()[limited.joint.index()];
+            match about.kind {
+                JointKind::Revolute => (about.name.as_str(), "rad/s²"),
+                JointKind::Prismatic => (about.name.as_str(), "m/s²"),
+            }
+        });
+        Ok(Layout::rows(rows).vdot_unit(self.limited.iter().map(|limited| limited.column)))
+    }
+
+    fn update(&mut self, tick: &Tick<'_>, rows: &mut ConstraintRows<'_>) {
+        for (k, limited) in self.limited.iter().enumerate() {
+            let q = tick.state.q[limited.joint.index()];
+            let v = tick.state.v[limited.column];
+            let [lower, upper] = limited.range.bounds(q, v, tick.period);
+            rows.limit(k, lower, upper);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PERIOD: f64 = 0.004;
+    const RANGE: Range = Range {
+        lower: -0.5,
+        upper: 1.0,
+        speed: 2.0,
+        acceleration: 20.0,
+    };
+
+    /// Pushes a joint with accelerations that `ask` wants, clipped to the bounds.
+    fn run(mut q: f64, mut v: f64, ask: impl Fn(usize) -> f64) -> Vec<[f64; 2]> {
+        let mut path = Vec::new();
+        for k in 0..2000 {
+            let [lower, upper] = RANGE.bounds(q, v, PERIOD);
+            assert!(lower <= upper, "{lower} {upper} at {q} {v}");
+            assert!(lower >= -20.0 && upper <= 20.0);
+            let a = ask(k).max(lower).min(upper);
+            // The extremum within the period counts as well.
+            let t = (-v / a).clamp(0.0, PERIOD);
+            if t.is_finite() {
+                path.push([q + t * v + 0.5 * t * t * a, v]);
+            }
+            q += PERIOD * v + 0.5 * PERIOD * PERIOD * a;
+            v += PERIOD * a;
+            path.push([q, v]);
+        }
+        path
+    }
+
+    #[test]
+    fn range_and_speed_are_kept_whatever_is_asked() {
+        for scale in [5.0, 20.0, 1e3, 1e6] {
+            for steps in [1, 7, 90, 700, 5000] {
+                let ask = |k: usize| {
+                    if (k / steps).is_multiple_of(2) {
+                        scale
+                    } else {
+                        -scale
+                    }
+                };
+                for [q, v] in run(0.0, 0.0, ask) {
+                    assert!(
+                        (-0.5 - 1e-9..=1.0 + 1e-9).contains(&q),
+                        "{q} for {scale}, {steps}"
+                    );
+                    assert!(v.abs() <= 2.0 + 1e-9, "{v} for {scale}, {steps}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_whole_range_is_used() {
+        let path = run(0.0, 0.0, |_| 1e3);
+        let furthest = path.iter().map(|[q, _]| *q).fold(0.0, f64::max);
+        let fastest = path.iter().map(|[_, v]| *v).fold(0.0, f64::max);
+        assert!(furthest > 1.0 - 1e-6, "{furthest}");
+        assert!(fastest > 2.0 - 1e-9, "{fastest}");
+    }
+
+    #[test]
+    fn a_joint_beyond_its_limit_is_brought_back() {
+        for (q, v) in [
+            (1.2, 0.0),
+            (1.2, 1.5),
+            (1.001, 0.0),
+            (-0.7, -2.0),
+            (1.1, 3.0),
+        ] {
+            let path = run(q, v, |_| if q > 0.0 { 1e3 } else { -1e3 });
+            let [end, _] = path[path.len() - 1];
+            assert!(
+                (-0.5 - 1e-6..=1.0 + 1e-6).contains(&end),
+                "{end} from {q}, {v}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_joint_without_limits_is_bounded_by_its_acceleration_alone() {
+        let free = Range {
+            lower: f64::NEG_INFINITY,
+            upper: f64::INFINITY,
+            speed: f64::INFINITY,
+            acceleration: 20.0,
+        };
+        assert_eq!(free.bounds(3.0, -7.0, PERIOD), [-20.0, 20.0]);
+    }
+}

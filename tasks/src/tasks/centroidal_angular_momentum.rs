@@ -1,0 +1,113 @@
+//! Angular momentum about the centre of mass.
+//!
+//! # Notation
+//! W world, R base, G the centre of mass, `r = p_WG − p_WR`. All vectors in world axes.
+#![allow(non_snake_case)]
+
+use wbqp::{
+    layout::Layout,
+    nalgebra::Vector3,
+    reference::{Follow, Reference, Sample, Space},
+    rows::Rows,
+    schemars::JsonSchema,
+    serde::{Deserialize, Serialize},
+    setup::{BindError, Setup},
+    task::Task,
+    tick::Tick,
+};
+
+use super::base_position::require_floating;
+use crate::{
+    follow::{at_rest, begin, stay},
+    gain::Gain,
+};
+
+/// Controls the angular momentum of the whole robot about its centre of mass: zero keeps limbs from winding it up.
+///
+/// Three rows in world axes, N·m, the rate of the momentum:
+///
+/// `A v̇ = L̇_d − K (L_G − L_d) − Ȧ v`.
+///
+/// `A` is the angular part of the centroidal momentum matrix (Orin, Goswami and Lee, *Centroidal dynamics of a humanoid
+/// robot*, Autonomous Robots 35, 2013). With a floating base it is read off the mass matrix: its first three
+/// rows are the linear momentum and the next three the angular one about R, so `A = M_w − S(r) M_v`; likewise
+/// `Ȧ v = n − r × f` with the force `f` and the moment `n` about R that the velocities alone need at the base.
+///
+/// The reference is a momentum, its rate `L̇_d`. Rotors that spin have no part in `L_G`. Floating base only.
+///
+/// Error: `L_G − L_d`, kg·m²/s.
+#[derive(Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(crate = "wbqp::serde", deny_unknown_fields)]
+#[schemars(crate = "wbqp::schemars")]
+pub struct CentroidalAngularMomentum {
+    /// Gain `K`, 1/s: one number, or one per world axis.
+    #[schemars(extend("x-unit" = "1/s"))]
+    pub k: Gain,
+    /// The momentum wanted: three numbers, kg·m²/s, world axes. Default: none, as in the home posture at rest.
+    #[serde(default = "stay")]
+    #[schemars(extend("x-unit" = "kg·m²/s"))]
+    pub reference: Box<dyn Reference>,
+    #[serde(skip)]
+    sample: Sample,
+}
+
+impl CentroidalAngularMomentum {
+    /// Takes all momentum away with this gain (1/s).
+    pub fn new(k: impl Into<Gain>) -> Self {
+        Self {
+            k: k.into(),
+            reference: stay(),
+            sample: Sample::default(),
+        }
+    }
+
+    /// Follows a trajectory: momentum, kg·m²/s, world axes.
+    pub fn following(mut self, reference: impl Reference) -> Self {
+        self.reference = Box::new(reference);
+        self
+    }
+}
+
+#[wbqp::task("centroidal_angular_momentum")]
+impl Task for CentroidalAngularMomentum {
+    fn bind(&mut self, setup: &mut Setup<'_>) -> Result<Layout, BindError> {
+        require_floating(setup)?;
+        self.k.validate("k", 3)?;
+        let home = at_rest([0.0; 3]);
+        self.sample = begin(self.reference.as_mut(), Space::Vector(3), home)?;
+        Ok(Layout::rows([("x", "N·m"), ("y", "N·m"), ("z", "N·m")])
+            .error_unit("kg·m²/s")
+            .vdot_dense())
+    }
+
+    fn update(&mut self, tick: &Tick<'_>, rows: &mut Rows<'_>) {
+        self.reference.sample(tick, &mut self.sample);
+        let data = tick.dynamics;
+        let r = data.center_of_mass() - tick.state.p_WR;
+        let mut vdot = rows.vdot();
+        for (j, column) in data.mass_matrix().column_iter().enumerate() {
+            let linear = Vector3::new(column[0], column[1], column[2]);
+            let angular = Vector3::new(column[3], column[4], column[5]) - r.cross(&linear);
+            for i in 0..3 {
+                vdot[(i, j)] = angular[i];
+            }
+        }
+        let at_base = |i: usize| data.bias()[i] - data.gravity()[i];
+        let f = Vector3::new(at_base(0), at_base(1), at_base(2));
+        let n = Vector3::new(at_base(3), at_base(4), at_base(5));
+        let momentum = data.centroidal_momentum();
+        let error = Vector3::from_fn(|i, _| momentum[3 + i]) - self.sample.value3();
+        let bias = n - r.cross(&f);
+        rows.b()
+            .copy_from(&(self.sample.rate3() - self.k.times(&error) - bias));
+        rows.error().copy_from(&error);
+    }
+
+    fn follow(&mut self) -> Option<Follow<'_>> {
+        Some(Follow {
+            reference: &mut self.reference,
+            sample: &self.sample,
+            space: Space::Vector(3),
+        })
+    }
+}

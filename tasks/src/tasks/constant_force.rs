@@ -1,0 +1,130 @@
+//! A contact force at a fixed set point.
+//!
+//! # Notation
+//! Forces are what the environment does to the robot, in C axes (z the surface's outward normal), so that pushing gives
+//! `f_n > 0`.
+
+use wbqp::{
+    contact::{ContactId, ContactKind},
+    layout::Layout,
+    nalgebra::Vector3,
+    rows::Rows,
+    schemars::JsonSchema,
+    serde::{Deserialize, Serialize},
+    setup::{BindError, Setup},
+    task::{ForceReport, Task},
+    tick::Tick,
+};
+
+use super::contact_force::COMPONENTS;
+use crate::check;
+
+/// Asks a contact for a constant wrench: no trajectory, no feedback, no integrator. For what carries the robot, as the
+/// feet of a legged one, or as a regularisation of contact forces.
+///
+/// One row per constrained component of the contact, C axes, N or N·m: `f = α f_d`, where the contact's ramp α takes the
+/// set point from zero and back to it.
+///
+/// To push with a force that is measured, see [`ContactForce`](crate::ContactForce). Exists while the contact is on.
+///
+/// Error: measured minus `α f_d`, N or N·m.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(crate = "wbqp::serde", deny_unknown_fields)]
+#[schemars(crate = "wbqp::schemars")]
+pub struct ConstantForce {
+    /// The contact, by name.
+    pub contact: String,
+    /// Normal force, N.
+    #[schemars(extend("x-unit" = "N"))]
+    pub normal: f64,
+    /// Tangential force along the surface's x and y, N; zero where the contact leaves that direction free.
+    #[serde(default)]
+    #[schemars(extend("x-unit" = "N"))]
+    pub tangential: [f64; 2],
+    /// Moment about the contact point, along the surface's x, y and normal, N·m; zero where the contact leaves that
+    /// rotation free.
+    #[serde(default)]
+    #[schemars(extend("x-unit" = "N·m"))]
+    pub moment: [f64; 3],
+    #[serde(skip)]
+    report: Option<ForceReport>,
+    #[serde(skip)]
+    bound: Option<(ContactId, ContactKind)>,
+}
+
+impl ConstantForce {
+    /// A normal force in N, all other components zero.
+    pub fn new(contact: impl Into<String>, normal: f64) -> Self {
+        Self {
+            contact: contact.into(),
+            normal,
+            tangential: [0.0; 2],
+            moment: [0.0; 3],
+            report: None,
+            bound: None,
+        }
+    }
+
+    /// The six components, C axes.
+    fn wrench(&self) -> [f64; 6] {
+        let ([x, y], [mx, my, mz]) = (self.tangential, self.moment);
+        [x, y, self.normal, mx, my, mz]
+    }
+}
+
+#[wbqp::task("constant_force")]
+impl Task for ConstantForce {
+    fn bind(&mut self, setup: &mut Setup<'_>) -> Result<Layout, BindError> {
+        let contact = setup.contact(&self.contact)?;
+        let kind = setup.contact_spec(contact).kind;
+        check::not_negative("normal", self.normal)?;
+        check::finite("tangential", &self.tangential)?;
+        check::finite("moment", &self.moment)?;
+        let wrench = self.wrench();
+        if let Some(&free) = kind.free().iter().find(|&&row| wrench[row] != 0.0) {
+            let (key, (label, _)) = (
+                if free < 3 { "tangential" } else { "moment" },
+                COMPONENTS[free],
+            );
+            let problem = format!(
+                "has {label} = {}, which `{}` leaves free",
+                wrench[free], self.contact
+            );
+            return Err(BindError::value(key, problem));
+        }
+        self.bound = Some((contact, kind));
+        self.report = None;
+        let rows = kind.constrained();
+        Ok(Layout::rows(rows.iter().map(|&row| COMPONENTS[row]))
+            .error_unit(if kind.has_moments() { "N or N·m" } else { "N" })
+            .force_unit(contact, 0..rows.len())
+            .while_contact(contact))
+    }
+
+    fn update(&mut self, tick: &Tick<'_>, rows: &mut Rows<'_>) {
+        let Some((id, kind)) = self.bound else {
+            return;
+        };
+        let contact = tick.contact(id);
+        let wrench = self.wrench().map(|component| contact.alpha * component);
+        for (k, &row) in kind.constrained().iter().enumerate() {
+            rows.b()[k] = wrench[row];
+            rows.error()[k] = contact.measured[row] - wrench[row];
+        }
+        let force = Vector3::new(wrench[0], wrench[1], wrench[2]);
+        self.report = Some(ForceReport {
+            contact: id,
+            reference: force,
+            virtual_input: force,
+            clamped: false,
+        });
+    }
+
+    fn activate(&mut self) {
+        self.report = None;
+    }
+
+    fn force_report(&self) -> Option<ForceReport> {
+        self.report
+    }
+}

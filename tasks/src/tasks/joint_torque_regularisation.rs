@@ -1,0 +1,131 @@
+//! Joint torques near a value.
+
+use wbqp::{
+    layout::Layout,
+    model::JointKind,
+    reference::{Follow, Reference, Space},
+    rows::Rows,
+    schemars::JsonSchema,
+    serde::{Deserialize, Serialize},
+    setup::{BindError, Setup},
+    task::Task,
+    tick::Tick,
+};
+
+use crate::{
+    effort::{Efforts, chosen},
+    follow::stay,
+};
+
+/// Keeps joint torques near a value, by default near zero: the effort that other tasks leave open is then the
+/// smallest, and a redundant robot has one solution.
+///
+/// One row per joint motor, N·m for a revolute joint, N for a prismatic one: `τ = τ_d`.
+///
+/// Written as a task of small weight it is Tikhonov's regularisation of the torques; with `1/τ_max²` as the weight of
+/// each row, shares of what the motors can bear are balanced.
+///
+/// Error: torque of the last solution minus `τ_d`, N·m or N.
+#[derive(Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(crate = "wbqp::serde", deny_unknown_fields)]
+#[schemars(crate = "wbqp::schemars")]
+pub struct JointTorqueRegularisation {
+    /// Which joints, by name; rows and reference are in this order. Default: all that have a motor, in the order of
+    /// the actuators.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub joints: Option<Vec<String>>,
+    /// The torques wanted: one per joint, N·m or N. Default: zero.
+    #[serde(default = "stay")]
+    #[schemars(extend("x-unit" = "N·m or N"))]
+    pub reference: Box<dyn Reference>,
+    #[serde(skip)]
+    efforts: Efforts,
+}
+
+impl JointTorqueRegularisation {
+    /// All motors, towards zero.
+    pub fn new() -> Self {
+        Self {
+            joints: None,
+            reference: stay(),
+            efforts: Efforts::default(),
+        }
+    }
+
+    /// Towards other torques: one per joint, N·m or N.
+    pub fn following(mut self, reference: impl Reference) -> Self {
+        self.reference = Box::new(reference);
+        self
+    }
+
+    /// Only of these joints.
+    pub fn only<S: Into<String>>(mut self, joints: impl IntoIterator<Item = S>) -> Self {
+        self.joints = Some(joints.into_iter().map(Into::into).collect());
+        self
+    }
+}
+
+impl Default for JointTorqueRegularisation {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+#[wbqp::task("joint_torque_regularisation")]
+impl Task for JointTorqueRegularisation {
+    fn bind(&mut self, setup: &mut Setup<'_>) -> Result<Layout, BindError> {
+        let (model, robot) = (setup.model(), setup.robot());
+        let ids = || (0..model.joints().len()).filter_map(|i| model.joint(&model.joints()[i].name));
+        let motor = |joint| robot.joint_actuator(joint).map(|index| (joint, index));
+        let mut motors = chosen(
+            "joints",
+            self.joints.as_deref(),
+            || ids().filter_map(motor).collect(),
+            |name| {
+                let joint = setup.joint(name)?;
+                motor(joint).ok_or_else(|| {
+                    BindError::value("joints", format!("names `{name}`, which has no motor"))
+                })
+            },
+        )?;
+        if motors.is_empty() {
+            return Err(BindError::Other(format!(
+                "`{}` has no joint motor",
+                model.name()
+            )));
+        }
+        if self.joints.is_none() {
+            motors.sort_by_key(|(_, index)| *index);
+        }
+        let turns = |kind| match kind {
+            JointKind::Revolute => "N·m",
+            JointKind::Prismatic => "N",
+        };
+        let units: Vec<_> = motors
+            .iter()
+            .map(|(joint, _)| turns(model.joints()[joint.index()].kind))
+            .collect();
+        let names = motors
+            .iter()
+            .map(|(joint, _)| model.joints()[joint.index()].name.as_str());
+        let same = units.iter().all(|unit| *unit == units[0]);
+        let layout = Layout::rows(names.zip(units.iter().copied()))
+            .error_unit(if same { units[0] } else { "N·m or N" })
+            .effort_unit(motors.iter().map(|(_, index)| *index));
+        let indices = motors.into_iter().map(|(_, index)| index).collect();
+        self.efforts.bind(self.reference.as_mut(), indices)?;
+        Ok(layout)
+    }
+
+    fn update(&mut self, tick: &Tick<'_>, rows: &mut Rows<'_>) {
+        self.efforts.update(self.reference.as_mut(), tick, rows);
+    }
+
+    fn follow(&mut self) -> Option<Follow<'_>> {
+        Some(Follow {
+            reference: &mut self.reference,
+            sample: &self.efforts.sample,
+            space: Space::Vector(self.efforts.indices.len()),
+        })
+    }
+}

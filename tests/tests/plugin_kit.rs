@@ -1,0 +1,205 @@
+//! Every plug-in of wbqp-tasks passes the test kit that authors of plug-ins use, allocations included.
+//!
+//! The counting allocator is the whole process's: this is a program without the test harness.
+
+use std::{alloc::System, process::ExitCode};
+
+use stats_alloc::{INSTRUMENTED_SYSTEM, StatsAlloc};
+use wbqp::{
+    registry,
+    testing::{Meaning, PluginTest},
+};
+use wbqp_tasks as _;
+
+#[global_allocator]
+static ALLOCATOR: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
+
+/// Tasks in their TOML forms, and what their rows mean where it is not what is assumed.
+const TASKS: &[(&str, Option<Meaning>)] = &[
+    ("type = 'base_position'\nkp = [9, 8, 7]\nkd = 5", None),
+    (
+        "type = 'base_position'\nkp = 4\nkd = 1\nki = 2\nreference = { type = 'min_jerk', to = [1, 2, 3], duration = 1 }",
+        None,
+    ),
+    ("type = 'base_orientation'\nkp = [9, 8, 7]\nkd = 5", None),
+    (
+        "type = 'base_orientation'\nkp = 4\nkd = 1\nerror = 'matrix'\naxes = 'body'",
+        None,
+    ),
+    (
+        "type = 'base_orientation'\nkp = 4\nkd = 1\nreference = { type = 'thrust_attitude' }",
+        Some(Meaning::Motion),
+    ),
+    ("type = 'posture'\nkp = 4\nkd = 1", None),
+    (
+        "type = 'posture'\nkp = [4, 3]\nkd = 1\njoints = ['wrist', 'shoulder']",
+        None,
+    ),
+    (
+        "type = 'free_motion'\ncontact = 'normal'\nkp = 4\nkd = 1",
+        None,
+    ),
+    (
+        "type = 'free_motion'\ncontact = 'normal'\nkp = 4\nkd = 1\nki = 1\naxes = ['y']\norigin = 'touch'",
+        None,
+    ),
+    (
+        "type = 'contact_force'\ncontact = 'normal'\nreference = { type = 'hold', value = [5] }",
+        None,
+    ),
+    (
+        "type = 'contact_force'\ncontact = 'full'\ntangential = 'measured'\nreference = { type = 'hold', value = [5] }",
+        None,
+    ),
+    ("type = 'propeller_regularisation'", None),
+    (
+        "type = 'frame_position'\nframe = 'tool'\nkp = [9, 8, 7]\nkd = 5",
+        None,
+    ),
+    (
+        "type = 'frame_position'\nframe = 'fore'\nkp = 9\nkd = 5\naxes = ['z', 'x']\nreference = { type = 'hold', value = [1, 2] }",
+        None,
+    ),
+    (
+        "type = 'frame_orientation'\nframe = 'tool'\nkp = [9, 8, 7]\nkd = 5",
+        None,
+    ),
+    (
+        "type = 'frame_orientation'\nframe = 'tool'\nkp = [9, 8, 7]\nkd = 5\nerror = 'matrix'\naxes = 'body'",
+        None,
+    ),
+    (
+        "type = 'frame_pose'\nframe = 'tool'\nkp = [9, 8, 7, 6, 5, 4]\nkd = 5",
+        None,
+    ),
+    (
+        "type = 'relative_pose'\nframe = 'tool'\nrelative_to = 'upper'\nkp = [9, 8, 7, 6, 5, 4]\nkd = 5",
+        None,
+    ),
+    (
+        "type = 'relative_pose'\nframe = 'base'\nrelative_to = 'tool'\nkp = 9\nkd = 5\nerror = 'matrix'",
+        None,
+    ),
+    ("type = 'com'\nkp = 9\nkd = 5", None),
+    ("type = 'com'\nkp = [9, 8]\nkd = 5\naxes = ['x', 'y']", None),
+    (
+        "type = 'centroidal_angular_momentum'\nk = [3, 4, 5]",
+        Some(Meaning::Velocity),
+    ),
+    ("type = 'joint_torque_regularisation'", None),
+    (
+        "type = 'joint_torque_regularisation'\njoints = ['wrist', 'elbow']\nreference = { type = 'hold', value = [1, 2] }",
+        None,
+    ),
+    ("type = 'thrust_regularisation'", None),
+    (
+        "type = 'thrust_regularisation'\nrotors = ['rotor_3', 'rotor_0']\nreference = { type = 'hold', value = [5, 6] }",
+        None,
+    ),
+    (
+        "type = 'constant_force'\ncontact = 'full'\nnormal = 5\ntangential = [1, 2]\nmoment = [0.1, 0.2, 0.3]",
+        None,
+    ),
+    (
+        "type = 'constant_force'\ncontact = 'normal'\nnormal = 5",
+        None,
+    ),
+];
+
+/// Constraints, likewise.
+const CONSTRAINTS: &[(&str, Option<Meaning>)] = &[
+    ("type = 'actuator_limits'", None),
+    ("type = 'contact_motion'\ncontact = 'point'", None),
+    (
+        "type = 'contact_motion'\ncontact = 'full'\ndamping = 0",
+        None,
+    ),
+    ("type = 'friction_pyramid'\ncontact = 'point'", None),
+    (
+        "type = 'friction_pyramid'\ncontact = 'normal'\nsides = 6\napproximation = 'outer'",
+        None,
+    ),
+    ("type = 'joint_limits'", None),
+    (
+        "type = 'joint_limits'\nacceleration = [10, 30]\nmargin = 0.05\njoints = ['wrist', 'elbow']",
+        None,
+    ),
+    ("type = 'thrust_rate_limits'", None),
+    (
+        "type = 'thrust_rate_limits'\nrise = 100\nfall = 50\nrotors = ['rotor_1']",
+        None,
+    ),
+    (
+        "type = 'plane_distance'\nframe = 'tool'\noffset = [0.1, 0.2, -0.1]\npoint = [0, 0, -1]\nnormal = [1, 2, 3]\nmargin = 0.1\na1 = 3\na2 = 4",
+        Some(Meaning::Barrier),
+    ),
+    (
+        "type = 'tilt_limit'\nmax_tilt = 0.4\na1 = 3",
+        Some(Meaning::Barrier),
+    ),
+    (
+        "type = 'contact_wrench'\ncontact = 'full'\nhalf_length_x = 0.1\nhalf_length_y = 0.05",
+        None,
+    ),
+    (
+        "type = 'contact_wrench'\ncontact = 'normal_tilt'\nhalf_length_x = 0.1\nhalf_length_y = 0.05\ntorsional_friction = 0.02\nsides = 6",
+        None,
+    ),
+];
+
+fn main() -> ExitCode {
+    let tasks = run(TASKS, "task", PluginTest::task);
+    let constraints = run(CONSTRAINTS, "constraint", PluginTest::constraint);
+    let complete = none_is_missing();
+    if tasks && constraints && complete {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::FAILURE
+    }
+}
+
+fn run(list: &[(&str, Option<Meaning>)], kind: &str, test: fn(String) -> PluginTest) -> bool {
+    let mut passed = true;
+    for (text, meaning) in list {
+        let mut test = test((*text).to_owned()).counting(|| {
+            let stats = ALLOCATOR.stats();
+            stats.allocations + stats.reallocations
+        });
+        if let Some(meaning) = meaning {
+            test = test.meaning(*meaning);
+        }
+        let line = text.replace('\n', ", ");
+        match test.run() {
+            Ok(on) => println!("{kind} {line} ... ok on {}", on.robots.join(", ")),
+            Err(failures) => {
+                passed = false;
+                println!("{kind} {line} ... FAILED\n{failures}");
+            }
+        }
+    }
+    passed
+}
+
+/// A plug-in that is added is added here too.
+fn none_is_missing() -> bool {
+    let named = |list: &[(&str, Option<Meaning>)], tag: &str| {
+        let start = format!("type = '{tag}'");
+        list.iter()
+            .any(|(text, _)| text.lines().next() == Some(start.as_str()))
+    };
+    let ours = |origin: &str| origin.starts_with("wbqp-tasks ");
+    let tasks = registry::tasks()
+        .into_iter()
+        .map(|p| (p.tag, p.origin, TASKS));
+    let constraints = registry::constraints()
+        .into_iter()
+        .map(|p| (p.tag, p.origin, CONSTRAINTS));
+    let mut complete = true;
+    for (tag, origin, list) in tasks.chain(constraints) {
+        if ours(origin) && !named(list, tag) {
+            complete = false;
+            println!("`{tag}` is not tested");
+        }
+    }
+    complete
+}
