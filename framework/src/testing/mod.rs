@@ -22,7 +22,7 @@
 //!     bound: Option<(JointId, usize)>,
 //! }
 //!
-//! #[wbqp::task("example.hold_joint")]
+//! #[wbqp::task("example.kit.hold_joint")]
 //! impl Task for HoldJoint {
 //!     // …
 //! #     fn bind(&mut self, setup: &mut Setup<'_>) -> Result<Layout, BindError> {
@@ -40,7 +40,7 @@
 //! }
 //!
 //! let toml = r#"
-//!     type = "example.hold_joint"
+//!     type = "example.kit.hold_joint"
 //!     joint = "elbow"
 //!     target = 0.3
 //!     kp = 25.0
