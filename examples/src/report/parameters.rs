@@ -204,13 +204,21 @@ fn parts(file: &Table) -> Vec<Part> {
     parts
 }
 
+/// As in a file, but small numbers without their zeros.
+fn in_words(value: &Value) -> String {
+    match value {
+        Value::Float(x) if *x != 0.0 && x.abs() < 1e-3 => format!("{x:e}"),
+        value => value.to_string(),
+    }
+}
+
 /// The weight first, as in Table I.
 fn part(title: String, table: &Table, without: &[&str]) -> Part {
     let shown = table
         .iter()
         .filter(|(key, _)| !without.contains(&key.as_str()));
     let mut keys: Vec<(String, String)> = shown
-        .map(|(key, value)| (key.clone(), value.to_string()))
+        .map(|(key, value)| (key.clone(), in_words(value)))
         .collect();
     keys.sort_by_key(|(key, _)| key != "weight");
     Part { title, keys }
