@@ -140,6 +140,21 @@ fn every_fault_of_a_task_is_found() {
 }
 
 #[test]
+fn coefficients_say_what_they_must_not_depend_on() {
+    let message = |fault: &str| {
+        let test = PluginTest::task(format!("type = \"test.move_tool\"\nfault = \"{fault}\""));
+        let failures = test.run().expect_err(fault);
+        let first = failures
+            .list
+            .into_iter()
+            .find(|f| f.check == Check::Coefficients);
+        first.expect("its coefficients change").message
+    };
+    assert!(message("old_coefficients").contains("the state of the tick before"));
+    assert!(message("velocity_in_coefficients").contains("with the velocity"));
+}
+
+#[test]
 fn the_report_is_readable() {
     let test = PluginTest::task("type = \"test.move_tool\"\nfault = \"no_bias\"");
     let text = test.run().expect_err("no bias").to_string();

@@ -82,15 +82,15 @@ pub(super) fn check_rows<P: Subject + ?Sized>(
             report.fail(Check::Coefficients, robot, format!("{message} {what}"));
         }
     };
-    if let Some(written) = bench.write::<P>(&here.state, &other, &other) {
-        compare(
-            "with the velocity, the measured forces or the last solution",
-            &written,
-        );
-    }
     if let Some(written) = bench.write::<P>(&here.state, there, here) {
         compare(
             "with the state of the tick before: is an old entry left in place?",
+            &written,
+        );
+    }
+    if let Some(written) = bench.write::<P>(&here.state, &other, &other) {
+        compare(
+            "with the velocity, the measured forces or the last solution",
             &written,
         );
     }
