@@ -124,7 +124,7 @@ fn settings() {
             "x.toml:2:8: controller: rate: invalid type: string \"fast\", expected f64",
             "x.toml:3:15: controller: formulation: unknown variant `dense`, expected `condensed` or `explicit`",
             "x.toml:4:1: controller: unknown key `regularization`; did you mean `regularisation`? \
-             (known: formulation, rate, regularisation, velocity_leak)",
+             (known: formulation, hover, rate, regularisation, velocity_leak)",
         ]
     );
     assert_eq!(
@@ -314,11 +314,11 @@ fn contacts() {
     let head = "[[contact]]\nname = \"wall\"\nframe = \"tip\"\nkind = \"point\"\n";
     check(
         &format!("{head}{rest}"),
-        &["x.toml:13:10: contact[0] `wall`: `surface.x_axis` must not be parallel to the normal"],
+        &["x.toml:13:10: contact[0] `wall`: surface.x_axis: must not be parallel to the normal"],
     );
     check(
         &format!("{head}force_min = 2\nforce_max = 1\n{rest}"),
-        &["x.toml:12:13: contact[0] `wall`: `force_max` is 1, must be above force_min = 2"],
+        &["x.toml:12:13: contact[0] `wall`: force_max: is 1, must be above force_min = 2"],
     );
     check(
         &format!("{head}[contact.surface]\nnormal = 1\n"),

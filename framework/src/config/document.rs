@@ -9,8 +9,9 @@ use super::{
     ConfigErrorKind as Kind,
     overrides::Target,
     report::{At, Report, Span},
-    table::{Section, suggestion},
+    table::Section,
 };
+use crate::suggestion::suggestion;
 
 const TABLES: [&str; 3] = ["controller", "robot", "solver"];
 const REQUIRED: [&str; 2] = ["controller", "robot"];

@@ -10,7 +10,7 @@ use toml::{
 };
 
 use super::{
-    ConfigErrorKind as Kind, did_you_mean,
+    ConfigErrorKind as Kind,
     report::{At, Report, Span, Step},
     schema::Node,
 };
@@ -20,6 +20,7 @@ use crate::{
     reference::Reference,
     registry::{self, PluginKind},
     robot::Robot,
+    suggestion::suggestion,
     task::Task,
 };
 
@@ -39,19 +40,6 @@ impl<'t> Section<'t> {
     fn to_deserializer(&self) -> ValueDeserializer<'t> {
         Spanned::new(self.span.clone(), DeValue::Table(self.keys.clone())).into()
     }
-}
-
-/// `; did you mean …?` and the list of what there is.
-pub(super) fn suggestion(name: &str, known: &[&str]) -> String {
-    let hint = did_you_mean(name, known)
-        .map(|near| format!("; did you mean `{near}`?"))
-        .unwrap_or_default();
-    let known = if known.is_empty() {
-        "none".to_owned()
-    } else {
-        known.join(", ")
-    };
-    format!("{hint} (known: {known})")
 }
 
 /// Reads `type` and the keys of the plug-in it names. `entry_keys` are known as well: the caller took them.
