@@ -41,9 +41,10 @@ pub fn markdown(listing: &Listing) -> String {
 
 /// One row per plug-in.
 fn overview(listing: &Listing, kind: &str, has_equations: bool) -> String {
-    let (head, line) = match has_equations {
-        true => ("| `type` | | equations |", "|---|---|---|"),
-        false => ("| `type` | |", "|---|---|"),
+    let (head, line) = if has_equations {
+        ("| `type` | | equations |", "|---|---|---|")
+    } else {
+        ("| `type` | |", "|---|---|")
     };
     let mut table = format!("{head}\n{line}\n");
     for plugin in listing.of_kind(kind) {

@@ -137,16 +137,14 @@ fn joint<'a>(
     name: &str,
 ) -> Result<&'a wbqp::model::Joint, RobotError> {
     let joints = model.joints();
-    match joints.iter().find(|j| j.name == name) {
-        Some(joint) => Ok(joint),
-        None => {
-            let known: Vec<&str> = joints.iter().map(|j| j.name.as_str()).collect();
-            let hint = suggestion(name, &known);
-            let what = format!(
-                "robot `{}` has no moving joint `{name}`{hint}",
-                model.name()
-            );
-            refuse(option, what)
-        }
+    if let Some(joint) = joints.iter().find(|j| j.name == name) {
+        return Ok(joint);
     }
+    let known: Vec<&str> = joints.iter().map(|j| j.name.as_str()).collect();
+    let hint = suggestion(name, &known);
+    let robot = model.name();
+    refuse(
+        option,
+        format!("robot `{robot}` has no moving joint `{name}`{hint}"),
+    )
 }

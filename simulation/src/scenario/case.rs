@@ -96,10 +96,6 @@ impl Case {
         &self.file
     }
 
-    pub(super) fn controller_file(&self) -> &Path {
-        &self.controller
-    }
-
     /// Simulated time, s.
     pub fn duration(&self) -> f64 {
         self.duration

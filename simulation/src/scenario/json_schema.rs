@@ -14,9 +14,10 @@ pub fn json_schema() -> Value {
     // Beside its own keys, an entry of any list may say in which cases it is.
     for list in &LISTS {
         let table = list.path.iter().try_fold(&mut schema, |table, key| {
-            let table = match table.get("items").is_some() {
-                true => table.get_mut("items")?,
-                false => table,
+            let table = if table.get("items").is_some() {
+                table.get_mut("items")?
+            } else {
+                table
             };
             table.get_mut("properties")?.get_mut(*key)
         });
