@@ -200,10 +200,14 @@ pub(crate) fn unknown<'a>(
     known: impl Iterator<Item = &'a str>,
 ) -> BindError {
     let known: Vec<&str> = known.collect();
+    let hint = match kind {
+        "contact" if known.is_empty() => "; add a `[[contact]]` with this name".to_owned(),
+        _ => suggestion::hint(name, &known),
+    };
     BindError::Unknown {
         kind,
         name: name.to_owned(),
-        hint: suggestion::hint(name, &known),
+        hint,
         known: suggestion::list(&known),
     }
 }

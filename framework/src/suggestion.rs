@@ -37,13 +37,22 @@ fn did_you_mean<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
     if name.len() > COMPARED {
         return None;
     }
-    known
+    let (distance, nearest) = known
         .iter()
         .map(|k| (strsim::damerau_levenshtein(name, k), *k))
-        .min()
-        .filter(|(distance, _)| *distance <= 1 + name.len() / 4)
-        .map(|(_, k)| k)
+        .min()?;
+    if distance <= 1 + name.len() / 4 {
+        return Some(nearest);
+    }
+    // A part of a name, or too much of it.
+    let mut related = known.iter().filter(|k| {
+        name.len() >= PART && k.len() >= PART && (k.contains(name) || name.contains(**k))
+    });
+    related.next().copied()
 }
+
+/// Bytes from which on a part of a name says which is meant.
+const PART: usize = 4;
 
 /// Names that a message lists.
 const LISTED: usize = 50;
@@ -59,6 +68,11 @@ mod tests {
     fn what_is_far_was_not_meant() {
         assert_eq!(suggestion("wrist", &["elbow"]), " (known: elbow)");
         assert_eq!(suggestion("x", &[]), " (known: none)");
+        assert_eq!(
+            hint("force", &["arm", "contact_force"]),
+            "; did you mean `contact_force`?"
+        );
+        assert_eq!(hint("arm", &["arm_roll"]), "");
         assert_eq!(hint(&"a".repeat(1000), &["a"]), "");
     }
 

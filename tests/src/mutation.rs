@@ -3,9 +3,8 @@
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 
-/// What may stand where a file has something else.
-const PIECES: &[&str] = &[
-    "",
+/// Values that may stand where a file has another.
+const VALUES: &[&str] = &[
     "0",
     "-1",
     "1",
@@ -46,6 +45,11 @@ const PIECES: &[&str] = &[
     "{ exact = 1e300 }",
     "\"hard\"",
     "\"soft\"",
+];
+
+/// Pieces of text that break a file.
+const PIECES: &[&str] = &[
+    "",
     "\n",
     "\r",
     "\"",
@@ -113,7 +117,8 @@ const KEYS: &[&str] = &[
 /// A text changed in one to four places; `other` is a text to take lines from.
 pub fn mutated(text: &str, other: &str, rng: &mut ChaCha8Rng) -> String {
     let mut text = text.to_owned();
-    for _ in 0..rng.random_range(1..=4) {
+    // Mostly one: deeper checks are reached.
+    for _ in 0..[1, 1, 1, 1, 2, 2, 3, 4][rng.random_range(0..8)] {
         text = changed(&text, other, rng);
     }
     text
@@ -128,13 +133,17 @@ fn changed(text: &str, other: &str, rng: &mut ChaCha8Rng) -> String {
     let i = rng.random_range(0..lines.len());
     let line = lines[i].clone();
     match rng.random_range(0..16) {
-        // Values: the file stays well-formed, and deeper checks are reached.
-        0..=4 => {
+        // The file stays well-formed.
+        0..=3 => {
             if let Some((key, _)) = line.split_once('=') {
-                lines[i] = format!("{key}= {piece}");
+                lines[i] = format!("{key}= {}", pick(VALUES, rng));
             }
         }
-        5..=7 => {
+        4..=6 => {
+            let word = word(&line, rng);
+            lines[i].replace_range(word, pick(VALUES, rng));
+        }
+        7 => {
             let word = word(&line, rng);
             lines[i].replace_range(word, piece);
         }

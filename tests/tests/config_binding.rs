@@ -86,7 +86,7 @@ weight = 1
             "x.toml:43:11: constraint[0] `cone` (friction_pyramid): contact: contact `tap` does not exist; did you \
              mean `tip`? (known: tip)",
             "x.toml:48:12: constraint[1] `limits` (actuator_limits): hardness: bounds are always hard, and the entry \
-             has no rows that could be softened",
+             has nothing else; leave `hardness` out",
         ],
     );
 }
@@ -99,7 +99,7 @@ fn a_value_that_was_overridden_is_called_by_the_override() {
         .with(Target::Robot, "thrust_max", 9.0);
     assert_eq!(
         refusal(task, &overrides),
-        "x.toml: override task `arm`.`kp`: contains -1, must be finite and not negative"
+        "x.toml: override task `arm`.`kp`: is -1, must be finite and not negative"
     );
     let overrides = Overrides::new().with(Target::Robot, "thrust_max", 0.0);
     assert_eq!(

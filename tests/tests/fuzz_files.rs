@@ -153,10 +153,12 @@ fn ticks(mut controller: Controller) -> Outcome {
 #[test]
 fn controllers() {
     let folder = root().join("fixtures/broken/controller");
-    let mut texts = corpus("../examples/scenarios", ".controller.toml");
-    texts.push(QUADRUPED.to_owned());
-    // Mistakes on top of mistakes.
-    texts.extend(corpus("fixtures/broken/controller", ".toml"));
+    let mut good = corpus("../examples/scenarios", ".controller.toml");
+    good.push(QUADRUPED.to_owned());
+    // Mistakes on top of mistakes are a third.
+    let mut texts = corpus("fixtures/broken/controller", ".toml");
+    let times = 2 * texts.len() / good.len();
+    texts.extend(std::iter::repeat_n(good, times).flatten());
     fuzz("controller", cases(700_000, 3000), &texts, |text| {
         controller(text, &folder)
     });

@@ -328,13 +328,13 @@ fn check_entry<P: ?Sized>(
     if matches!(entry.hardness, Hardness::Exact(_)) && equality {
         return Err(BindError::value(
             "hardness",
-            "an exact penalty is for inequality rows; use `soft` with a weight",
+            "an exact penalty is for inequality rows; use `hardness = \"soft\"` with a weight",
         ));
     }
     if soft && !is_task && rows == 0 {
         return Err(BindError::value(
             "hardness",
-            "bounds are always hard, and the entry has no rows that could be softened",
+            "bounds are always hard, and the entry has nothing else; leave `hardness` out",
         ));
     }
     if soft && !equality && entry.weight.values().iter().all(|w| *w == 0.0) {
@@ -346,7 +346,7 @@ fn check_entry<P: ?Sized>(
     if entry.transition > 0.0 && !equality && !soft {
         return Err(BindError::value(
             "transition",
-            "hard inequalities and bounds cannot ramp; use `soft`, or no transition",
+            "hard inequalities and bounds cannot ramp; leave it out, or use `hardness = \"soft\"` with a weight",
         ));
     }
     if let Hardness::Exact(linear) = entry.hardness

@@ -22,8 +22,10 @@ const DIRECTIONS: [(&str, &str); 6] = [
 
 /// With two significant digits or more.
 fn rounded(x: f64) -> String {
-    if x < 0.1 {
+    if x < 0.01 {
         format!("{x:.1e}")
+    } else if x < 0.1 {
+        format!("{x:.3}")
     } else if x < 1.0 {
         format!("{x:.2}")
     } else {
