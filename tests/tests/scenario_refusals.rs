@@ -268,20 +268,20 @@ fn overrides() {
     refused(
         over,
         "force.feedback = \"off\"",
-        "{controller}: override task `force`.`feedback`: no task has this name (known: base_position, \
+        "{controller}: override task `force`.`feedback`: no task has this name; did you mean `contact_force`? (known: base_position, \
          base_orientation, posture, contact_force, propeller_regularisation)\n\
          in case `two` of s.toml",
     );
     refused(
         over,
         "contact_force.feedback = \"of\"",
-        "{controller}: override task `contact_force`.`feedback`: unknown variant `of`, expected `off` \
+        "{controller}: override task `contact_force`.`feedback`: unknown value `of`, expected `off` \
          or `pi`\nin case `two` of s.toml",
     );
     refused(
         over,
         "contact_force.feed = \"off\"",
-        "{controller}: override task `contact_force`.`feed`: unknown key `feed` (known: active, \
+        "{controller}: override task `contact_force`.`feed`: unknown key `feed`; did you mean `feedback`? (known: active, \
          anti_windup, clamp, contact, feedback, hardness, ki, kp, name, reference, tangential, \
          transition, type, weight)\nin case `two` of s.toml",
     );
