@@ -11,6 +11,7 @@ pub mod jumps;
 pub mod log_reader;
 pub mod markdown;
 pub mod plots;
+pub mod plugin_table;
 pub mod promises;
 pub mod push_and_slide;
 pub mod push_away;

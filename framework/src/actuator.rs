@@ -4,7 +4,7 @@
 //! revolute joint, N for a prismatic one. Rotor speed in rad/s appears only in [`Rotor::speed`] and
 //! [`Rotor::thrust`].
 
-use crate::model::{FrameId, JointId};
+use crate::model::{FrameId, JointId, Model};
 
 /// One column of `S(q)` with its limits.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,6 +19,30 @@ pub struct Actuator {
     pub upper: f64,
     /// Largest rate of change of the effort, N/s or N·m/s; ∞ where there is no limit.
     pub slew: f64,
+}
+
+impl Actuator {
+    /// What makes it unusable.
+    pub(crate) fn problem(&self, model: &Model) -> Option<String> {
+        let Self {
+            lower, upper, slew, ..
+        } = *self;
+        if lower.is_nan() || upper.is_nan() || lower > upper {
+            return Some(format!("lower limit {lower} is above upper limit {upper}"));
+        }
+        if slew.is_nan() || slew <= 0.0 {
+            return Some(format!("largest rate `slew` is {slew}, must be above zero"));
+        }
+        match &self.kind {
+            ActuatorKind::Joint(motor) if motor.joint.index() >= model.joints().len() => {
+                Some("drives a joint of another model".to_owned())
+            }
+            ActuatorKind::Rotor(rotor) if rotor.frame.index() >= model.frames().len() => {
+                Some("is on a frame of another model".to_owned())
+            }
+            _ => None,
+        }
+    }
 }
 
 /// The kinds of actuator.

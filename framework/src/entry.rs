@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, de};
 
 /// A task or constraint with what the framework needs to know about it.
@@ -37,7 +38,7 @@ impl<P: ?Sized> Entry<P> {
 }
 
 /// One weight for all rows, or one per row.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Weight {
     /// The same for every row.
@@ -112,7 +113,7 @@ impl<'de> Deserialize<'de> for Weight {
 }
 
 /// Whether rows must hold or are paid for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Hardness {
     /// Rows hold wherever the problem is feasible. A hard task is a strict priority.

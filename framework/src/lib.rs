@@ -163,7 +163,7 @@
 //! | bring a solver | [`qp::QpSolver`], [`qp::Qp`], [`qp::Solution`] |
 //! | test a plug-in | [`testing::PluginTest`] |
 //! | keep a log | [`log::ControllerLog`], [`log::LogSink`] |
-//! | list what a file can name | [`registry`] |
+//! | list what a file can name | [`registry()`], [`mod@registry`] |
 //!
 //! # Conventions
 //! SI units and radians; world z up. Velocities are world-aligned, `v = [v_WR; w_WR; q̇]`, linear first, of the
@@ -203,6 +203,7 @@ pub mod setup;
 pub mod spatial;
 pub mod state;
 pub mod statics;
+pub mod suggestion;
 pub mod task;
 pub mod testing;
 pub mod tick;
@@ -211,6 +212,7 @@ pub use assembly::{RowInfo, VarInfo};
 pub use config::ControllerConfig;
 pub use controller::{Command, Controller, Measurement, Report};
 pub use layout::Layout;
+pub use registry::list as registry;
 pub use wbqp_macros::{constraint, reference, robot, solver, task};
 pub use {inventory, nalgebra, schemars, serde, serde_json, toml, typetag};
 

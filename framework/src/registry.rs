@@ -48,11 +48,16 @@
 //! struct Drift;
 //! ```
 
+pub mod json_schema;
+mod listing;
+
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::DeserializeOwned;
 use toml::de::ValueDeserializer;
 
 use crate::{constraint::Constraint, qp::QpSolver, reference::Reference, robot::Robot, task::Task};
+
+pub use listing::{Listing, Parameter, PluginInfo, list};
 
 /// A registered plug-in of one kind.
 #[derive(Debug)]

@@ -60,6 +60,51 @@ impl RobotModel {
                 ActuatorKind::Joint(_) => None,
             })
     }
+
+    /// What no controller can work with, whoever made the robot: sizes, names and limits that contradict one another.
+    pub(crate) fn problems(&self) -> Vec<String> {
+        let mut problems = Vec::new();
+        if !self.home.fits(&self.model) {
+            problems.push(format!(
+                "its home posture has {} joint positions and {} velocities, its model {} and {}",
+                self.home.q.len(),
+                self.home.v.len(),
+                self.model.joints().len(),
+                self.model.nv()
+            ));
+        } else if !self.home.is_finite() {
+            problems.push("its home posture has a number that is not finite".to_owned());
+        } else {
+            for (joint, &q) in self.model.joints().iter().zip(&self.home.q) {
+                let (lower, upper) = (joint.limits.lower, joint.limits.upper);
+                if q < lower || q > upper {
+                    problems.push(format!(
+                        "joint `{}` is at {q} in the home posture, outside its range {lower} to {upper}",
+                        joint.name
+                    ));
+                }
+            }
+        }
+        for (index, actuator) in self.actuators.iter().enumerate() {
+            let name = &actuator.name;
+            if self
+                .actuators
+                .iter()
+                .take(index)
+                .any(|other| other.name == *name)
+            {
+                problems.push(format!(
+                    "actuator `{name}` is there twice; give each a name of its own"
+                ));
+            }
+            problems.extend(
+                actuator
+                    .problem(&self.model)
+                    .map(|what| format!("actuator `{name}`: {what}")),
+            );
+        }
+        problems
+    }
 }
 
 /// A place in a file, written `file:line:column`.

@@ -5,6 +5,7 @@ use crate::{
     contact::{ContactId, ContactSpec},
     model::{FrameId, JointId, Model},
     robot::RobotModel,
+    suggestion,
     tick::FrameHandle,
 };
 
@@ -13,7 +14,7 @@ use crate::{
 #[non_exhaustive]
 pub enum BindError {
     /// A name that the robot or the configuration does not have.
-    #[error("{kind} `{name}` does not exist{hint}; known: {known}")]
+    #[error("{kind} `{name}` does not exist{hint} (known: {known})")]
     Unknown {
         /// `frame`, `joint`, `contact`, `actuator`.
         kind: &'static str,
@@ -199,17 +200,14 @@ pub(crate) fn unknown<'a>(
     known: impl Iterator<Item = &'a str>,
 ) -> BindError {
     let known: Vec<&str> = known.collect();
-    let hint = crate::config::did_you_mean(name, &known)
-        .map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
-    let known = if known.is_empty() {
-        "none".to_owned()
-    } else {
-        known.join(", ")
+    let hint = match kind {
+        "contact" if known.is_empty() => "; add a `[[contact]]` with this name".to_owned(),
+        _ => suggestion::hint(name, &known),
     };
     BindError::Unknown {
         kind,
         name: name.to_owned(),
         hint,
-        known,
+        known: suggestion::list(&known),
     }
 }

@@ -178,7 +178,7 @@ impl<'a> Problem<'a> {
             rows: model.nv() + 4 * supports.len(),
         };
         let mut solver = ActiveSet::default();
-        solver.bind(capacity).map_err(BindError::Other)?;
+        solver.bind(capacity)?;
         Ok(Self {
             robot,
             supports,

@@ -7,9 +7,8 @@ use serde::{Deserialize, Serialize};
 use wbqp::{
     model::{Base, Model},
     robot::RobotError,
+    suggestion::suggestion,
 };
-
-use crate::source::did_you_mean;
 
 /// How a robot's files are to be understood. The default is a floating base with every joint driven by
 /// torque and every number as in the files.
@@ -25,13 +24,17 @@ pub struct Options {
     /// Joints without a motor: no actuator.
     pub passive: Vec<String>,
     /// Home position per joint, rad or m. A joint that is not listed is at 0, or at the limit nearest to 0.
+    #[schemars(extend("x-unit" = "rad or m"))]
     pub home: BTreeMap<String, f64>,
     /// Effort limit per joint, N·m or N, instead of the URDF's.
+    #[schemars(extend("x-unit" = "N·m or N"))]
     pub effort: BTreeMap<String, f64>,
     /// Rotor inertia seen at the joint (J_motor × gear²), kg·m² or kg. URDF has no place for it.
+    #[schemars(extend("x-unit" = "kg·m² or kg"))]
     pub armature: BTreeMap<String, f64>,
     /// Largest thrust of every rotor, N, instead of the side-car's.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-unit" = "N"))]
     pub thrust_max: Option<f64>,
     /// Drop the URDF's joint damping and friction, which are often dummies that keep a simulator stable.
     pub ignore_joint_friction: bool,
@@ -134,15 +137,14 @@ fn joint<'a>(
     name: &str,
 ) -> Result<&'a wbqp::model::Joint, RobotError> {
     let joints = model.joints();
-    match joints.iter().find(|j| j.name == name) {
-        Some(joint) => Ok(joint),
-        None => refuse(
-            option,
-            format!(
-                "robot `{}` has no moving joint `{name}`{}",
-                model.name(),
-                did_you_mean(name, joints.iter().map(|j| j.name.as_str()))
-            ),
-        ),
+    if let Some(joint) = joints.iter().find(|j| j.name == name) {
+        return Ok(joint);
     }
+    let known: Vec<&str> = joints.iter().map(|j| j.name.as_str()).collect();
+    let hint = suggestion(name, &known);
+    let robot = model.name();
+    refuse(
+        option,
+        format!("robot `{robot}` has no moving joint `{name}`{hint}"),
+    )
 }

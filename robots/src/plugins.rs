@@ -8,12 +8,13 @@ use wbqp::robot::{Robot, RobotError, RobotModel};
 
 use crate::{Options, from_files, library};
 
-/// `type = "othex"`: the fully actuated OTHex with its 3-DoF arm, from files inside this crate.
+/// The fully actuated OTHex with its 3-DoF arm, from files inside this crate.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Othex {
     /// Largest thrust of every rotor, N, instead of the side-car's.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-unit" = "N"))]
     pub thrust_max: Option<f64>,
 }
 
@@ -24,12 +25,13 @@ impl Robot for Othex {
     }
 }
 
-/// `type = "othex_vertical"`: the under-actuated twin, all rotors thrusting along the base's +z.
+/// The under-actuated twin of `othex`, all rotors thrusting along the base's +z.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct OthexVertical {
     /// Largest thrust of every rotor, N, instead of the side-car's.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-unit" = "N"))]
     pub thrust_max: Option<f64>,
 }
 
@@ -40,7 +42,7 @@ impl Robot for OthexVertical {
     }
 }
 
-/// `type = "urdf"`: any URDF, with a rotor side-car if it flies.
+/// Any URDF, with a rotor side-car if it flies.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Urdf {

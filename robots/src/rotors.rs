@@ -24,9 +24,10 @@ use wbqp::{
     actuator::{Actuator, ActuatorKind, Reaction, Rotor},
     model::Model,
     robot::{Place, RobotError},
+    suggestion::suggestion,
 };
 
-use crate::source::{Source, did_you_mean};
+use crate::source::Source;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -134,13 +135,13 @@ impl Checker<'_> {
         }
         let frame_name = entry.frame.get_ref();
         let Some(frame) = model.frame(frame_name) else {
-            let known = model.frames().iter().map(|f| f.name.as_str());
+            let known: Vec<&str> = model.frames().iter().map(|f| f.name.as_str()).collect();
             return self.refuse(
                 &entry.frame,
                 format!(
                     "robot `{}` has no frame `{frame_name}`{}",
                     model.name(),
-                    did_you_mean(frame_name, known)
+                    suggestion(frame_name, &known)
                 ),
             );
         };

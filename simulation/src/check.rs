@@ -1,6 +1,6 @@
 //! Collects everything that is wrong with a configuration, by key.
 
-use wbqp::model::Model;
+use wbqp::{model::Model, suggestion::suggestion};
 
 /// What is wrong, one line per key.
 #[derive(Debug, Default)]
@@ -54,9 +54,6 @@ impl Problems {
 /// What is said of a frame that the robot does not have.
 pub(crate) fn unknown_frame(model: &Model, name: &str) -> String {
     let known: Vec<&str> = model.frames().iter().map(|f| f.name.as_str()).collect();
-    format!(
-        "robot `{}` has no frame `{name}` (known: {})",
-        model.name(),
-        known.join(", ")
-    )
+    let hint = suggestion(name, &known);
+    format!("robot `{}` has no frame `{name}`{hint}", model.name())
 }

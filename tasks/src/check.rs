@@ -24,10 +24,10 @@ pub(crate) fn positive(key: &str, value: f64) -> Result<(), BindError> {
 
 /// All finite.
 pub(crate) fn finite(key: &str, values: &[f64]) -> Result<(), BindError> {
-    match values.iter().find(|x| !x.is_finite()) {
-        Some(x) => Err(BindError::value(key, format!("contains {x}"))),
-        None => Ok(()),
+    for (index, x) in values.iter().enumerate() {
+        require(&format!("{key}[{index}]"), *x, x.is_finite(), "finite")?;
     }
+    Ok(())
 }
 
 fn require(key: &str, value: f64, holds: bool, what: &str) -> Result<(), BindError> {

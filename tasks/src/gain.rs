@@ -9,6 +9,8 @@ use wbqp::{
     setup::BindError,
 };
 
+use crate::check;
+
 /// A diagonal gain matrix: one number for all axes, or a list with one per axis.
 ///
 /// ```
@@ -61,13 +63,14 @@ impl Gain {
             let expected = format!("{axes}, one per axis, or one number for all");
             return Err(BindError::length(key, k.len(), expected));
         }
-        match self.values().iter().find(|k| !k.is_finite() || **k < 0.0) {
-            Some(k) => Err(BindError::value(
-                key,
-                format!("contains {k}, must be finite and not negative"),
-            )),
-            None => Ok(()),
+        for (axis, k) in self.values().iter().enumerate() {
+            let key = match self {
+                Self::Uniform(_) => key.to_owned(),
+                Self::PerAxis(_) => format!("{key}[{axis}]"),
+            };
+            check::not_negative(&key, *k)?;
         }
+        Ok(())
     }
 }
 
@@ -171,7 +174,7 @@ mod tests {
             Gain::from(f64::INFINITY),
         ] {
             let error = bad.validate("kp", 2).unwrap_err().to_string();
-            assert!(error.starts_with("`kp`"), "{error}");
+            assert!(error.starts_with("`kp"), "{error}");
         }
     }
 

@@ -17,6 +17,7 @@ use wbqp::{
     schemars,
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
+    setup::BindError,
 };
 use wbqp_tasks::ThrustAttitude;
 use wbqp_tests::scenes::{KINDS, Kind, Scene};
@@ -37,7 +38,7 @@ struct Bracketed {
 
 #[wbqp::solver("test.bracketed")]
 impl QpSolver for Bracketed {
-    fn bind(&mut self, capacity: Capacity) -> Result<(), String> {
+    fn bind(&mut self, capacity: Capacity) -> Result<(), BindError> {
         self.inner.bind(capacity)
     }
 

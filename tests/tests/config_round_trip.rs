@@ -231,7 +231,11 @@ fn mutated_files_do_not_panic() {
                 assert!(errors.iter().count() > 0);
                 let lines = text.matches('\n').count() + 1;
                 for error in &errors {
-                    let (line, column) = error.place.position.unwrap_or((1, 1));
+                    let (line, column) = error
+                        .place
+                        .as_ref()
+                        .and_then(|place| place.position)
+                        .unwrap_or((1, 1));
                     assert!(
                         (1..=lines).contains(&line) && column >= 1,
                         "{error}\n{text}"

@@ -233,7 +233,7 @@ fn cases() {
             .controller_config("three")
             .expect_err("is none")
             .to_string(),
-        "s.toml: there is no case `three`; known: one, two"
+        "s.toml: there is no case `three` (known: one, two)"
     );
 }
 
@@ -268,20 +268,20 @@ fn overrides() {
     refused(
         over,
         "force.feedback = \"off\"",
-        "{controller}: override task `force`.`feedback`: no task has this name (known: base_position, \
+        "{controller}: override task `force`.`feedback`: no task has this name; did you mean `contact_force`? (known: base_position, \
          base_orientation, posture, contact_force, propeller_regularisation)\n\
          in case `two` of s.toml",
     );
     refused(
         over,
         "contact_force.feedback = \"of\"",
-        "{controller}: override task `contact_force`.`feedback`: unknown variant `of`, expected `off` \
+        "{controller}: override task `contact_force`.`feedback`: unknown value `of`, expected `off` \
          or `pi`\nin case `two` of s.toml",
     );
     refused(
         over,
         "contact_force.feed = \"off\"",
-        "{controller}: override task `contact_force`.`feed`: unknown key `feed` (known: active, \
+        "{controller}: override task `contact_force`.`feed`: unknown key `feed`; did you mean `feedback`? (known: active, \
          anti_windup, clamp, contact, feedback, hardness, ki, kp, name, reference, tangential, \
          transition, type, weight)\nin case `two` of s.toml",
     );
@@ -289,7 +289,7 @@ fn overrides() {
     refused(
         over,
         "contact_force.weight = [1, 2]",
-        "{controller}: task `contact_force` (contact_force): `weight` has 2 entries, expected one \
+        "{controller}: override task `contact_force`.`weight`: has 2 entries, expected one \
          number, or 3: one per row\nin case `two` of s.toml",
     );
 }
@@ -299,8 +299,8 @@ fn initial_state() {
     refused(
         "arm_pitch1",
         "arm_pitch9",
-        "s.toml: initial.joints: the robot has no joint `arm_pitch9`; known: arm_roll, arm_pitch1, \
-         arm_pitch2",
+        "s.toml: initial.joints: the robot has no joint `arm_pitch9`; did you mean `arm_pitch1`? \
+         (known: arm_roll, arm_pitch1, arm_pitch2)",
     );
     for (piece, other) in [
         ("arm_pitch1 = 0.3", "arm_pitch1 = nan"),
@@ -414,7 +414,7 @@ fn detectors() {
     refused(
         "contact = \"tip\"",
         "contact = \"top\"",
-        "s.toml:36:1: detector: there is no contact `top`; did you mean `tip`?; known: tip",
+        "s.toml:36:1: detector: there is no contact `top`; did you mean `tip`? (known: tip)",
     );
     refused(
         "\non = 1.0",
@@ -456,14 +456,14 @@ fn events() {
         event(
             "at = 1.0",
             &format!("at = 1.0\n{action}_contact = [\"top\"]"),
-            "there is no contact `top`; did you mean `tip`?; known: tip",
+            "there is no contact `top`; did you mean `tip`? (known: tip)",
         );
         event(
             "at = 1.0",
             &format!("at = 1.0\n{action} = [\"cones\"]"),
             &format!(
-                "there is no entry `cones`; did you mean `cone`?; known: {entries}, limits, cone, \
-                 no_slip"
+                "there is no entry `cones`; did you mean `cone`? (known: {entries}, limits, cone, \
+                 no_slip)"
             ),
         );
     }
@@ -474,7 +474,7 @@ fn events() {
     event(
         follow,
         "follow.base_pose",
-        &format!("there is no task `base_pose`; known: {entries}"),
+        &format!("there is no task `base_pose` (known: {entries})"),
     );
     event(
         follow,
@@ -518,8 +518,8 @@ fn events() {
         weight,
         "weight.contactforce = 1.0",
         &format!(
-            "there is no entry `contactforce`; did you mean `contact_force`?; known: {entries}, \
-             limits, cone, no_slip"
+            "there is no entry `contactforce`; did you mean `contact_force`? (known: {entries}, \
+             limits, cone, no_slip)"
         ),
     );
 }

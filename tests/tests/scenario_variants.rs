@@ -173,7 +173,7 @@ fn changes_of_what_is_not_there() {
     wrong(
         "change.plant.wall.wal.friction = 0.3",
         19,
-        "[[plant.wall]] with name `wal` is not there; known: wall",
+        "[[plant.wall]] with name `wal` is not there; did you mean `wall`? (known: wall)",
     );
     wrong(
         "change.plant.wall.wall.frction = 0.3",
@@ -184,12 +184,12 @@ fn changes_of_what_is_not_there() {
     wrong(
         "change.detector.tip.on = 2.0",
         17,
-        "[[detector]] with contact `tip` is not there; known: none",
+        "[[detector]] with contact `tip` is not there (known: none)",
     );
     wrong(
         "change.event.gone.at = 2.0",
         14,
-        "[[event]] with mark `gone` is not there; known: go, late",
+        "[[event]] with mark `gone` is not there (known: go, late)",
     );
     wrong("change.name = 'x'", 8, "`name` is the same in every case");
     wrong(
@@ -222,7 +222,7 @@ fn cases_of_an_entry() {
     refused(
         cases,
         "cases = [\"othr\"]",
-        "s.toml:37:10: there is no case `othr`; known: plain, other, calm",
+        "s.toml:37:10: there is no case `othr`; did you mean `other`? (known: plain, other, calm)",
     );
     refused(
         cases,
@@ -325,7 +325,7 @@ fn variations_that_are_refused() {
     );
     wrong(
         Variation::new().change("plant.wall.door.friction", 0.4),
-        "s.toml: variation `plant.wall.door.friction = 0.4`: [[plant.wall]] with name `door` is not there; known: wall",
+        "s.toml: variation `plant.wall.door.friction = 0.4`: [[plant.wall]] with name `door` is not there (known: wall)",
     );
     wrong(
         Variation::new().change("duration", "long"),

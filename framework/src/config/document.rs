@@ -9,8 +9,9 @@ use super::{
     ConfigErrorKind as Kind,
     overrides::Target,
     report::{At, Report, Span},
-    table::{Section, suggestion},
+    table::Section,
 };
+use crate::suggestion::suggestion;
 
 const TABLES: [&str; 3] = ["controller", "robot", "solver"];
 const REQUIRED: [&str; 2] = ["controller", "robot"];
@@ -32,8 +33,8 @@ impl<'t> Document<'t> {
     pub(super) fn parse(source: &'t str, report: &mut Report<'_>) -> Self {
         let (root, errors) = DeTable::parse_recoverable(source);
         for error in errors {
-            let message = format!("syntax: {}", error.message());
             let span = error.span().unwrap_or(source.len()..source.len());
+            let message = format!("syntax: {}{}", error.message(), excerpt(source, span.start));
             report.add(Kind::Syntax, Some(span), &At::default(), message);
         }
         let at = At::subject("top level");
@@ -91,6 +92,20 @@ impl<'t> Document<'t> {
             Target::Task(name) => named(&mut self.tasks, name),
             Target::Constraint(name) => named(&mut self.constraints, name),
         }
+    }
+}
+
+/// The line of an offset, to be seen beside what is wrong with it.
+fn excerpt(source: &str, offset: usize) -> String {
+    const LONGEST: usize = 60;
+    let before = source.get(..offset).unwrap_or(source);
+    let start = before.rfind('\n').map_or(0, |newline| newline + 1);
+    let line = source.get(start..).unwrap_or_default();
+    let line = line.lines().next().unwrap_or_default().trim();
+    match line.char_indices().nth(LONGEST) {
+        _ if line.is_empty() => String::new(),
+        Some((end, _)) => format!(", in `{}…`", line.get(..end).unwrap_or_default()),
+        None => format!(", in `{line}`"),
     }
 }
 

@@ -6,13 +6,14 @@ use crate::robot::Place;
 
 /// One thing that is wrong, written `file:line:column: whose: what`.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{place}: {}{message}", Prefix(subject))]
+#[error("{}{}{message}", Prefix(place.as_ref()), Prefix((!subject.is_empty()).then_some(subject)))]
 #[non_exhaustive]
 pub struct ConfigError {
     /// What sort of mistake it is.
     pub kind: ConfigErrorKind,
-    /// Where; without a position if it is about the file as a whole or about an override.
-    pub place: Place,
+    /// Where; without a position if it is about the file as a whole or about an override, nowhere if the configuration
+    /// was made in code.
+    pub place: Option<Place>,
     /// Whose it is, such as ``task[0] `arm` (posture)`` or ``override task `force`.`ki` ``; may be empty.
     pub subject: String,
     /// What is wrong, and what to do.
@@ -33,7 +34,9 @@ pub enum ConfigErrorKind {
     MissingKey,
     /// No plug-in of that name is linked.
     UnknownType,
-    /// A value of the wrong type or outside what makes sense.
+    /// A frame, joint, contact or other name that the robot or the configuration does not have.
+    UnknownName,
+    /// A value of the wrong type or outside what makes sense, or a list of the wrong length.
     Value,
     /// A name that is given twice.
     Duplicate,
@@ -41,18 +44,19 @@ pub enum ConfigErrorKind {
     Reserved,
     /// An override that cannot be applied.
     Override,
+    /// What does not fit the robot in another way.
+    Misfit,
+    /// The robot cannot hover.
+    Hover,
     /// The linked plug-ins contradict one another or the framework: a mistake in code, not in the file.
     Internal,
 }
 
-struct Prefix<'a>(&'a str);
+struct Prefix<'a, T>(Option<&'a T>);
 
-impl fmt::Display for Prefix<'_> {
+impl<T: fmt::Display> fmt::Display for Prefix<'_, T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.0.is_empty() {
-            return Ok(());
-        }
-        write!(f, "{}: ", self.0)
+        self.0.map_or(Ok(()), |whose| write!(f, "{whose}: "))
     }
 }
 

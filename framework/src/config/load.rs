@@ -14,9 +14,9 @@ use super::{
     ConfigError, ConfigErrorKind as Kind, ConfigErrors, ControllerConfig, ENTRY_KEYS, Overrides,
     Settings,
     document::Document,
-    entry,
+    entry, fault,
     overrides::Appendix,
-    report::{At, Report, Span},
+    report::{At, Report},
     schema::Node,
     table::{self, Section},
 };
@@ -53,7 +53,7 @@ impl ControllerConfig {
         let source = fs::read_to_string(path).map_err(|error| {
             ConfigErrors::new(vec![ConfigError {
                 kind: Kind::Read,
-                place: Place::file(&name),
+                place: Some(Place::file(&name)),
                 subject: String::new(),
                 message: format!("cannot be read: {error}"),
             }])
@@ -104,6 +104,7 @@ impl ControllerConfig {
                 tasks: parts.tasks,
                 constraints: parts.constraints,
                 directory: directory.into(),
+                overrides: overrides.clone(),
                 source: Some(SourceFile {
                     name: file_name.to_owned(),
                     media_type: "application/toml",
@@ -113,7 +114,7 @@ impl ControllerConfig {
             // Whatever is not there was reported; this is for a reader that forgot to.
             None => Err(ConfigErrors::new(vec![ConfigError {
                 kind: Kind::Internal,
-                place: Place::file(file_name),
+                place: Some(Place::file(file_name)),
                 subject: String::new(),
                 message: "internal error: something is wrong that has no message".to_owned(),
             }])),
@@ -231,8 +232,7 @@ fn settings(section: Option<Section<'_>>, report: &mut Report<'_>) -> Option<Set
     let settings = table::read(section, &schema, &[], load, &at, report)?;
     let mut valid = true;
     for (key, problem) in settings.problems() {
-        let span = span_of(&keys, key);
-        report.add(Kind::Value, Some(span), &at.key(key), problem);
+        fault::report(&BindError::value(key, problem), Some(&keys), &at, report);
         valid = false;
     }
     valid.then_some(settings)
@@ -259,31 +259,8 @@ fn contact(
     let load = ContactSpec::deserialize::<toml::de::ValueDeserializer<'_>>;
     let spec: ContactSpec = table::read(section, &schema, &[], load, &at, report)?;
     if let Err(error) = spec.validate() {
-        let key = match &error {
-            BindError::Value { key, .. } | BindError::Length { key, .. } => key.as_str(),
-            _ => "",
-        };
-        report.add(
-            Kind::Value,
-            Some(span_of(&keys, key)),
-            &at,
-            error.to_string(),
-        );
+        fault::report(&error, Some(&keys), &at, report);
         return None;
     }
     Some(spec)
-}
-
-/// Where the value of a dotted key is; the table if it is not written out.
-fn span_of(section: &Section<'_>, path: &str) -> Span {
-    let mut span = section.span.clone();
-    let mut keys = Some(&section.keys);
-    for key in path.split('.') {
-        let Some(value) = keys.and_then(|keys| keys.get(key)) else {
-            break;
-        };
-        span = value.span();
-        keys = value.get_ref().as_table();
-    }
-    span
 }

@@ -25,11 +25,12 @@
 mod document;
 mod entry;
 mod error;
+mod fault;
 mod load;
 mod overrides;
 mod report;
 mod save;
-mod schema;
+pub(crate) mod schema;
 mod table;
 
 use std::path::PathBuf;
@@ -48,6 +49,7 @@ use crate::{
 };
 
 pub use error::{ConfigError, ConfigErrorKind, ConfigErrors};
+pub(crate) use fault::{Fault, Origin};
 pub use overrides::{Override, Overrides, Target};
 pub use save::SaveError;
 
@@ -78,8 +80,10 @@ pub struct ControllerConfig {
     pub constraints: Vec<Entry<dyn Constraint>>,
     /// Where relative paths count from.
     pub directory: PathBuf,
-    /// The file it was loaded from, for logs.
+    /// The file it was loaded from, for logs, and for errors that only the robot shows.
     pub source: Option<SourceFile>,
+    /// What replaced the file's values.
+    pub(crate) overrides: Overrides,
 }
 
 /// The `[controller]` table.
@@ -87,16 +91,34 @@ pub struct ControllerConfig {
 #[serde(deny_unknown_fields)]
 pub struct Settings {
     /// Ticks per second, Hz.
+    #[schemars(extend("x-unit" = "Hz"))]
     pub rate: f64,
     /// Which variables the problem has.
     #[serde(default)]
     pub formulation: Formulation,
     /// Weight of `‖(u, f)‖²` relative to the largest weight that is on; owned by the row `regularisation`.
     #[serde(default = "default_regularisation")]
+    #[schemars(extend("x-unit" = "1"))]
     pub regularisation: f64,
     /// Time constant with which a joint's velocity reference leaks to the measured velocity, s.
     #[serde(default = "default_velocity_leak")]
+    #[schemars(extend("x-unit" = "s"))]
     pub velocity_leak: f64,
+    /// Whether a robot with a floating base and rotors is refused if it cannot hold its home posture in the air.
+    #[serde(default)]
+    pub hover: Hover,
+}
+
+/// Whether a robot must be able to hover.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Hover {
+    /// With a floating base, rotors and no contact that is on at the start: in the home posture, within the limits of
+    /// its actuators.
+    #[default]
+    Required,
+    /// Not checked: a robot that stands on something, or that hovers in another posture.
+    Unchecked,
 }
 
 fn default_regularisation() -> f64 {
@@ -114,6 +136,7 @@ impl Settings {
             formulation: Formulation::default(),
             regularisation: default_regularisation(),
             velocity_leak: default_velocity_leak(),
+            hover: Hover::default(),
         }
     }
 
@@ -129,7 +152,7 @@ impl Settings {
     }
 
     /// Keys with what is wrong with them.
-    fn problems(&self) -> impl Iterator<Item = (&'static str, String)> {
+    pub(crate) fn problems(&self) -> impl Iterator<Item = (&'static str, String)> {
         let rate_is_good = self.rate.is_finite() && self.rate > 0.0;
         [
             ("rate", self.rate, rate_is_good, "positive"),
@@ -175,16 +198,7 @@ impl ControllerConfig {
             constraints: Vec::new(),
             directory: PathBuf::new(),
             source: None,
+            overrides: Overrides::new(),
         }
     }
-}
-
-/// The nearest of the known names, if it is near enough to have been meant.
-pub(crate) fn did_you_mean<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
-    known
-        .iter()
-        .map(|k| (strsim::damerau_levenshtein(name, k), *k))
-        .min()
-        .filter(|(distance, _)| *distance <= 1 + name.len() / 4)
-        .map(|(_, k)| k)
 }

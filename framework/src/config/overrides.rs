@@ -1,7 +1,8 @@
 //! Values that replace those of a file, one by one: what a scenario's case changes.
 
-use std::{collections::BTreeMap, fmt};
+use std::{borrow::Cow, collections::BTreeMap, fmt};
 
+use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::{Deserialize, Serialize};
 use toml::{
     Spanned, Table, Value,
@@ -12,8 +13,9 @@ use super::{
     ConfigErrorKind as Kind,
     document::Document,
     report::{At, Report, Span},
-    table::{Section, suggestion},
+    table::Section,
 };
+use crate::suggestion::suggestion;
 
 /// The table that an override goes to.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -137,24 +139,43 @@ impl<'a> IntoIterator for &'a Overrides {
     }
 }
 
-/// How overrides are written.
-#[derive(Clone, Serialize, Deserialize)]
+impl JsonSchema for Overrides {
+    fn schema_name() -> Cow<'static, str> {
+        "Overrides".into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        Tables::json_schema(generator)
+    }
+}
+
+/// Keys with values of any type.
+type AnyTable = BTreeMap<String, serde_json::Value>;
+
+/// Values put into the controller's file, in its shape, with names as keys.
+#[derive(Clone, Serialize, Deserialize, JsonSchema)]
 #[serde(
     deny_unknown_fields,
     expecting = "tables of values, like task.<name>.<key> = …"
 )]
 struct Tables {
     #[serde(default, skip_serializing_if = "Table::is_empty")]
+    #[schemars(with = "AnyTable")]
     controller: Table,
     #[serde(default, skip_serializing_if = "Table::is_empty")]
+    #[schemars(with = "AnyTable")]
     robot: Table,
     #[serde(default, skip_serializing_if = "Table::is_empty")]
+    #[schemars(with = "AnyTable")]
     solver: Table,
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    #[schemars(with = "BTreeMap<String, AnyTable>")]
     contact: BTreeMap<String, Table>,
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    #[schemars(with = "BTreeMap<String, AnyTable>")]
     task: BTreeMap<String, Table>,
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    #[schemars(with = "BTreeMap<String, AnyTable>")]
     constraint: BTreeMap<String, Table>,
 }
 

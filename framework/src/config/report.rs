@@ -213,7 +213,7 @@ impl<'a> Report<'a> {
         };
         ConfigError {
             kind: problem.kind,
-            place,
+            place: Some(place),
             subject,
             message,
         }

@@ -7,19 +7,19 @@ const MAX_REFS: usize = 16;
 
 /// A place in a JSON Schema.
 #[derive(Clone, Copy)]
-pub(super) struct Node<'s> {
+pub(crate) struct Node<'s> {
     root: &'s Value,
     here: &'s Value,
 }
 
 /// Keys of a table that takes no others, sorted.
-pub(super) struct Keys<'s> {
-    pub(super) known: Vec<&'s str>,
-    pub(super) required: Vec<&'s str>,
+pub(crate) struct Keys<'s> {
+    pub(crate) known: Vec<&'s str>,
+    pub(crate) required: Vec<&'s str>,
 }
 
 impl<'s> Node<'s> {
-    pub(super) fn root(schema: &'s Value) -> Self {
+    pub(crate) fn root(schema: &'s Value) -> Self {
         Self {
             root: schema,
             here: schema,
@@ -60,28 +60,34 @@ impl<'s> Node<'s> {
         }
     }
 
-    fn at(self, here: &'s Value) -> Self {
+    /// The schema's text at this place.
+    pub(crate) fn value(self) -> &'s Value {
+        self.here
+    }
+
+    /// Another place of the same schema, with references followed.
+    pub(crate) fn at(self, here: &'s Value) -> Self {
         Self { here, ..self }.resolved()
     }
 
-    fn properties(self) -> Option<&'s Map<String, Value>> {
+    pub(crate) fn properties(self) -> Option<&'s Map<String, Value>> {
         self.here.get("properties").and_then(Value::as_object)
     }
 
     /// The kind of plug-in that belongs here, if one does.
-    pub(super) fn plugin(self) -> Option<&'s str> {
+    pub(crate) fn plugin(self) -> Option<&'s str> {
         self.here.get("x-plugin").and_then(Value::as_str)
     }
 
     /// All property names, also of a table that takes others as well.
-    pub(super) fn property_names(self) -> impl Iterator<Item = &'s str> {
+    pub(crate) fn property_names(self) -> impl Iterator<Item = &'s str> {
         self.properties()
             .into_iter()
             .flat_map(|properties| properties.keys().map(String::as_str))
     }
 
     /// The keys, if this is a table that takes no others.
-    pub(super) fn keys(self) -> Option<Keys<'s>> {
+    pub(crate) fn keys(self) -> Option<Keys<'s>> {
         let is_object = match self.here.get("type") {
             Some(Value::String(name)) => name == "object",
             Some(Value::Array(names)) => names.iter().any(|name| name == "object"),
@@ -109,7 +115,7 @@ impl<'s> Node<'s> {
     }
 
     /// What the value of a key must be.
-    pub(super) fn property(self, key: &str) -> Option<Self> {
+    pub(crate) fn property(self, key: &str) -> Option<Self> {
         let here = self
             .properties()
             .and_then(|properties| properties.get(key))
@@ -118,7 +124,7 @@ impl<'s> Node<'s> {
     }
 
     /// What the elements of a list must be.
-    pub(super) fn element(self) -> Option<Self> {
+    pub(crate) fn element(self) -> Option<Self> {
         self.here.get("items").map(|here| self.at(here))
     }
 }

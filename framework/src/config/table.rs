@@ -10,7 +10,7 @@ use toml::{
 };
 
 use super::{
-    ConfigErrorKind as Kind, did_you_mean,
+    ConfigErrorKind as Kind,
     report::{At, Report, Span, Step},
     schema::Node,
 };
@@ -20,6 +20,7 @@ use crate::{
     reference::Reference,
     registry::{self, PluginKind},
     robot::Robot,
+    suggestion::suggestion,
     task::Task,
 };
 
@@ -39,19 +40,6 @@ impl<'t> Section<'t> {
     fn to_deserializer(&self) -> ValueDeserializer<'t> {
         Spanned::new(self.span.clone(), DeValue::Table(self.keys.clone())).into()
     }
-}
-
-/// `; did you mean …?` and the list of what there is.
-pub(super) fn suggestion(name: &str, known: &[&str]) -> String {
-    let hint = did_you_mean(name, known)
-        .map(|near| format!("; did you mean `{near}`?"))
-        .unwrap_or_default();
-    let known = if known.is_empty() {
-        "none".to_owned()
-    } else {
-        known.join(", ")
-    };
-    format!("{hint} (known: {known})")
 }
 
 /// Reads `type` and the keys of the plug-in it names. `entry_keys` are known as well: the caller took them.
@@ -78,7 +66,9 @@ pub(super) fn plugin<P: PluginKind + ?Sized>(
     let Some(plugin) = registry::find::<P>(&tag) else {
         let known: Vec<_> = P::plugins().iter().map(|plugin| plugin.tag).collect();
         let kind = P::NAME;
-        let hint = if known.is_empty() {
+        let hint = if let Some(other) = kind_of(&tag) {
+            format!("; it is a {other}{}", home_of(other))
+        } else if known.is_empty() {
             format!("; no {kind} is linked: add `use my_plugin_crate as _;`")
         } else {
             suggestion(&tag, &known)
@@ -101,6 +91,57 @@ pub(super) fn plugin<P: PluginKind + ?Sized>(
         at,
         report,
     )
+}
+
+/// The kind of plug-in that has a tag, if there is one.
+fn kind_of(tag: &str) -> Option<&'static str> {
+    let mut kinds = [
+        registry::find::<dyn Task>(tag).map(|_| "task"),
+        registry::find::<dyn Constraint>(tag).map(|_| "constraint"),
+        registry::find::<dyn Reference>(tag).map(|_| "reference"),
+        registry::find::<dyn Robot>(tag).map(|_| "robot"),
+        registry::find::<dyn QpSolver>(tag).map(|_| "solver"),
+    ]
+    .into_iter()
+    .flatten();
+    kinds.next()
+}
+
+/// Where a kind of plug-in is named.
+fn home_of(kind: &str) -> String {
+    match kind {
+        "task" | "constraint" => format!(": list it as `[[{kind}]]`"),
+        "reference" => ": name it in a task, `reference = { type = \"…\", … }`".to_owned(),
+        other => format!(": name it in `[{other}]`"),
+    }
+}
+
+/// What serde says, in the words of the format.
+pub(super) fn in_words(message: &str) -> String {
+    let mut text = message.trim_end().to_owned();
+    for (rust, words) in [
+        ("unknown variant `", "unknown value `"),
+        ("invalid type: floating point `", "invalid type: number `"),
+        ("invalid type: sequence", "invalid type: list"),
+        ("invalid type: map", "invalid type: table"),
+        ("an array of length ", "a list of length "),
+        ("expected a sequence", "expected a list"),
+        ("expected a map", "expected a table"),
+        ("expected f64", "expected a number"),
+        ("expected struct ", "expected a table: "),
+    ] {
+        text = text.replace(rust, words);
+    }
+    for integer in ["u8", "u16", "u32", "u64", "usize"] {
+        text = text.replace(
+            &format!("expected {integer}"),
+            "expected an integer, 0 or more",
+        );
+    }
+    for integer in ["i8", "i16", "i32", "i64", "isize"] {
+        text = text.replace(&format!("expected {integer}"), "expected an integer");
+    }
+    text
 }
 
 /// Reads a table whose keys a schema describes; nothing if anything is wrong with it.
@@ -133,7 +174,8 @@ pub(super) fn read<'t, T>(
         // A table that lost a key complains about that: said already.
         if !damaged.contains(&path) {
             let span = error.span().unwrap_or_else(|| section.span.clone());
-            report.add(Kind::Value, Some(span), &at.then(&path), error.message());
+            let message = in_words(error.message());
+            report.add(Kind::Value, Some(span), &at.then(&path), message);
         }
         damaged.push(remove(&mut section.keys, &path)?);
     }
@@ -150,7 +192,7 @@ pub(super) fn value<T: serde::de::DeserializeOwned>(
         Ok(value) => Some(value),
         Err(error) => {
             let span = error.span().unwrap_or(span);
-            report.add(Kind::Value, Some(span), at, error.message());
+            report.add(Kind::Value, Some(span), at, in_words(error.message()));
             None
         }
     }

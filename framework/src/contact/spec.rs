@@ -86,6 +86,7 @@ pub struct Surface {
     pub x_axis: [f64; 3],
     /// A point of the surface, m, world: the origin of surface coordinates.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "m"))]
     pub origin: [f64; 3],
 }
 
@@ -133,6 +134,7 @@ pub struct ContactSpec {
     pub frame: String,
     /// Contact point in E, m.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "m"))]
     pub offset: [f64; 3],
     /// Which motions are constrained.
     pub kind: ContactKind,
@@ -140,27 +142,33 @@ pub struct ContactSpec {
     pub surface: Surface,
     /// Coulomb friction coefficient that the controller assumes.
     #[serde(default = "default_friction")]
+    #[schemars(extend("x-unit" = "1"))]
     pub friction: f64,
     /// Smallest normal force while on, N.
     #[serde(default = "default_force_min")]
+    #[schemars(extend("x-unit" = "N"))]
     pub force_min: f64,
     /// Largest normal force, N.
     #[serde(default = "default_force_max")]
+    #[schemars(extend("x-unit" = "N"))]
     pub force_max: f64,
     /// What is assumed of the force in the free directions.
     #[serde(default)]
     pub free_force: FreeForce,
     /// Clip of the measured free force, N, per axis.
     #[serde(default = "default_free_force_limit")]
+    #[schemars(extend("x-unit" = "N"))]
     pub free_force_limit: f64,
     /// Cut-off of the first-order low-pass on the measured free force, Hz; `inf` for no filter.
     #[serde(default = "default_free_force_cutoff")]
+    #[schemars(extend("x-unit" = "Hz"))]
     pub free_force_cutoff: f64,
     /// Whether the contact is on at the start.
     #[serde(default)]
     pub active: bool,
     /// Duration of the ramp when it is switched on or off, s.
     #[serde(default)]
+    #[schemars(extend("x-unit" = "s"))]
     pub transition: f64,
 }
 

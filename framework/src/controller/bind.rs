@@ -4,6 +4,7 @@ use super::{
     Controller,
     command::Command,
     error::ControllerError,
+    faults::Faults,
     report::{ContactReport, Report, Rung, TaskReport},
     stopwatch::{NoStopwatch, StageTimes},
     switch::Switch,
@@ -14,56 +15,83 @@ use crate::{
     assembly::{
         Actuation, Assembly, DynamicsTerms, Group, GroupSpec, ProblemRows, Table, VariableNames,
     },
-    config::ControllerConfig,
+    config::{ControllerConfig, Origin},
+    contact::ContactSpec,
     dynamics::{Data, FrameKinematics},
     entry::{Entry, Hardness},
     layout::{BoundTarget, Layout, Relation, VdotBlock},
     model::{Base, FrameId, JointKind, Model},
-    qp::{Capacity, Qp, Solution, VarId},
+    qp::{Capacity, Qp, Solution},
     robot::RobotModel,
     rows::RowStore,
     setup::{BindError, Setup},
     tick::{FrameHandle, Prediction},
 };
 
+impl ControllerConfig {
+    /// Loads the robot.
+    ///
+    /// # Errors
+    /// [`ControllerError::Robot`] with the place in the configuration's file, if there is one.
+    pub fn load_robot(&self) -> Result<RobotModel, ControllerError> {
+        self.robot.load(&self.directory).map_err(|error| {
+            let origin = Origin::new(self.source.clone(), self.overrides.clone());
+            ControllerError::Robot {
+                tag: self.robot.typetag_name().to_owned(),
+                place: origin.robot_place(&error),
+                source: Box::new(error),
+            }
+        })
+    }
+}
+
 impl Controller {
     /// Makes a controller. This is where everything is allocated.
     ///
     /// # Errors
-    /// [`ControllerError`] naming the entry and what does not fit.
+    /// [`ControllerError`]: the robot, or everything that does not fit it.
     pub fn new(config: ControllerConfig) -> Result<Self, ControllerError> {
-        let robot = config.robot.load(&config.directory)?;
+        let robot = config.load_robot()?;
         Self::with_robot(config, robot)
     }
 
     /// Makes a controller for a robot that is there already; the configuration's own is not loaded.
     ///
     /// # Errors
-    /// [`ControllerError`] naming the entry and what does not fit.
+    /// [`ControllerError::Config`]: everything that does not fit the robot.
     pub fn with_robot(
         config: ControllerConfig,
         robot: RobotModel,
     ) -> Result<Self, ControllerError> {
         let ControllerConfig {
             settings,
+            robot: robot_plugin,
             mut solver,
             contacts,
             mut tasks,
             mut constraints,
-            ..
+            source,
+            overrides,
+            directory: _,
         } = config;
-        settings.validate().map_err(ControllerError::Settings)?;
-        check_names(&tasks, &constraints, &contacts)?;
+        let mut faults = Faults::new(Origin::new(source, overrides));
+        faults.settings(&settings);
+        faults.robot(robot_plugin.typetag_name(), robot.problems());
+        // Plug-ins rely on a sound robot and a sound rate.
+        faults.stop_if_any()?;
         let period = 1.0 / settings.rate;
         let model = robot.model.clone();
 
         let mut bindings = Vec::new();
         let mut contact_states = Vec::new();
-        for spec in &contacts {
-            let named = |source| bind_error("contact", &spec.name, "contact", source);
-            let binding = ContactBinding::new(spec, &model, period).map_err(named)?;
-            contact_states.push(binding.initial_state(&model));
-            bindings.push(binding);
+        for (index, spec) in contacts.iter().enumerate() {
+            match ContactBinding::new(spec, &model, period) {
+                Ok(binding) => {
+                    contact_states.push(binding.initial_state(&model));
+                    bindings.push(binding);
+                }
+                Err(error) => faults.contact(index, &spec.name, error),
+            }
         }
         let nf: Vec<usize> = contacts
             .iter()
@@ -93,37 +121,43 @@ impl Controller {
         let mut table = Table::default();
         let problem_rows = ProblemRows::new(settings.formulation, &names, &mut table);
         let mut groups = Vec::new();
-        for entry in &mut tasks {
+        for (index, entry) in tasks.iter_mut().enumerate() {
             let mut setup = Setup::new(&robot, &contacts, period, &mut frame_ids);
             let layout = entry.plugin.bind(&mut setup);
-            let tag = entry.plugin.typetag_name();
-            groups.push(make_group(
-                "task",
-                entry,
-                tag,
-                layout,
-                &sizes,
-                frame_ids.len(),
-                &mut table,
-            )?);
+            let group = layout.and_then(|layout| {
+                make_group(true, entry, layout, &sizes, frame_ids.len(), &mut table)
+            });
+            match group {
+                Ok(group) => groups.push(group),
+                Err(error) => faults.task(index, entry, error),
+            }
         }
-        for entry in &mut constraints {
+        for (index, entry) in constraints.iter_mut().enumerate() {
             let mut setup = Setup::new(&robot, &contacts, period, &mut frame_ids);
             let layout = entry.plugin.bind(&mut setup);
-            let tag = entry.plugin.typetag_name();
-            groups.push(make_group(
-                "constraint",
-                entry,
-                tag,
-                layout,
-                &sizes,
-                frame_ids.len(),
-                &mut table,
-            )?);
+            let group = layout.and_then(|layout| {
+                make_group(false, entry, layout, &sizes, frame_ids.len(), &mut table)
+            });
+            match group {
+                Ok(group) => groups.push(group),
+                Err(error) => faults.constraint(index, entry, error),
+            }
+        }
+        faults.names(&contacts, &tasks, &constraints);
+        let solver_tag = solver.typetag_name();
+        if !faults.is_empty() {
+            // The problem has no size, but the solver's settings can be looked at.
+            let capacity = Capacity {
+                vars: robot.nu(),
+                rows: 0,
+            };
+            faults.solver(solver_tag, solver.bind(capacity));
+            faults.stop_if_any()?;
         }
 
-        check_moment_limits(&contacts, &groups[tasks.len()..])?;
-
+        for (index, error) in unlimited_moments(&contacts, &groups[tasks.len()..]) {
+            faults.contact(index, &contacts[index].name, error);
+        }
         let assembly = Assembly::new(
             settings.formulation,
             settings.regularisation,
@@ -138,7 +172,8 @@ impl Controller {
             vars: capacity.vars.max(robot.nu()),
             ..capacity
         };
-        solver.bind(capacity).map_err(ControllerError::Solver)?;
+        faults.solver(solver_tag, solver.bind(capacity));
+        faults.stop_if_any()?;
 
         let frames = frame_ids
             .iter()
@@ -181,49 +216,15 @@ impl Controller {
             stopwatch: Box::new(NoStopwatch),
             robot,
         };
-        controller.hover();
+        let is_solved = controller.hover();
+        if is_solved
+            && controller.must_hover()
+            && let Some(missing) = controller.missing_wrench()
+        {
+            faults.hover(robot_plugin.typetag_name(), missing);
+        }
+        faults.stop_if_any()?;
         Ok(controller)
-    }
-
-    /// The command before the first tick: the efforts within limits that come nearest to holding the home
-    /// posture, `min ‖S u − g(q_home)‖²`.
-    fn hover(&mut self) {
-        let at_home = super::Measurement::home(&self.robot, self.world.contacts.len());
-        self.world.measure(&at_home);
-        let (nv, nu) = (self.robot.model.nv(), self.robot.nu());
-        let mut s = vec![0.0; nv * nu];
-        self.actuation.write(&self.world.frames, &mut s, nu);
-        let gravity = self.world.data.gravity();
-        self.qp.reset((0..nu).map(|i| VarId(i as u32)));
-        let (h, g) = self.qp.cost_mut();
-        for i in 0..nu {
-            for j in 0..nu {
-                h[i * nu + j] = (0..nv).map(|k| 2.0 * s[k * nu + i] * s[k * nu + j]).sum();
-            }
-            g[i] = (0..nv).map(|k| -2.0 * s[k * nu + i] * gravity[k]).sum();
-            h[i * nu + i] += 1e-9;
-        }
-        let (lower, upper) = self.qp.bounds_mut();
-        for (i, actuator) in self.robot.actuators.iter().enumerate() {
-            lower[i] = actuator.lower;
-            upper[i] = actuator.upper;
-        }
-        self.solver.solve(&self.qp, &mut self.solution);
-        if !self.solution.status.is_usable() {
-            // As near to no effort as the limits allow.
-            self.solution.x[..nu].fill(0.0);
-        }
-        self.command.take_efforts(&self.robot, &self.solution.x);
-        for k in 0..nv {
-            let su: f64 = (0..nu)
-                .map(|j| s[k * nu + j] * self.command.effort[j])
-                .sum();
-            self.hover_residual[k] = gravity[k] - su;
-        }
-        self.world.last.effort.copy_from_slice(&self.command.effort);
-        self.solver.reset();
-        self.qp.reset([]);
-        self.world.origin = None;
     }
 
     /// The terms of the dynamics, borrowed for the assembly.
@@ -253,83 +254,45 @@ fn request(frames: &mut Vec<FrameId>, id: FrameId) -> FrameHandle {
     FrameHandle(slot)
 }
 
-fn check_names(
-    tasks: &[Entry<dyn crate::task::Task>],
-    constraints: &[Entry<dyn crate::constraint::Constraint>],
-    contacts: &[crate::contact::ContactSpec],
-) -> Result<(), ControllerError> {
-    let entries = tasks
+/// Contacts with moments that no constraint limits: the solver would pull with moments.
+fn unlimited_moments(contacts: &[ContactSpec], constraints: &[Group]) -> Vec<(usize, BindError)> {
+    let is_limited = |index: usize| {
+        let mut limited = constraints.iter().flat_map(|g| &g.layout.moment_limits);
+        limited.any(|contact| contact.index() == index)
+    };
+    let problem = |spec: &ContactSpec| {
+        format!(
+            "constrains rotations, and no constraint limits this contact's moments: add one of type \
+             `contact_wrench` with `contact = \"{}\"` (crate wbqp-tasks), or one of your own whose layout says \
+             `limits_moments`",
+            spec.name
+        )
+    };
+    contacts
         .iter()
-        .map(|e| e.name.as_str())
-        .chain(constraints.iter().map(|e| e.name.as_str()));
-    check_unique("entry", entries.collect())?;
-    check_unique(
-        "contact",
-        contacts.iter().map(|c| c.name.as_str()).collect(),
-    )
-}
-
-fn check_unique(kind: &'static str, mut names: Vec<&str>) -> Result<(), ControllerError> {
-    names.sort_unstable();
-    match names.windows(2).find(|w| w[0] == w[1]) {
-        Some(w) => Err(ControllerError::Duplicate {
-            kind,
-            name: w[0].to_owned(),
-        }),
-        None => Ok(()),
-    }
-}
-
-fn bind_error(kind: &'static str, name: &str, tag: &str, source: BindError) -> ControllerError {
-    ControllerError::Bind {
-        kind,
-        name: name.to_owned(),
-        tag: tag.to_owned(),
-        source: Box::new(source),
-    }
-}
-
-/// A contact with moments needs a constraint that limits them: without, the solver would pull with moments.
-fn check_moment_limits(
-    contacts: &[crate::contact::ContactSpec],
-    constraints: &[Group],
-) -> Result<(), ControllerError> {
-    for (i, spec) in contacts.iter().enumerate() {
-        let limits = |g: &Group| g.layout.moment_limits.iter().any(|c| c.index() == i);
-        if spec.kind.has_moments() && !constraints.iter().any(limits) {
-            let problem = format!(
-                "constrains rotations, and no constraint limits this contact's moments: add one of type \
-                 `contact_wrench` with `contact = \"{}\"` (crate wbqp-tasks), or one of your own whose layout says \
-                 `limits_moments`",
-                spec.name
-            );
-            let source = BindError::value("kind", problem);
-            return Err(bind_error("contact", &spec.name, "contact", source));
-        }
-    }
-    Ok(())
+        .enumerate()
+        .filter(|(index, spec)| spec.kind.has_moments() && !is_limited(*index))
+        .map(|(index, spec)| (index, BindError::value("kind", problem(spec))))
+        .collect()
 }
 
 /// Checks the entry and its layout and registers its rows.
 fn make_group<P: ?Sized>(
-    kind: &'static str,
+    is_task: bool,
     entry: &Entry<P>,
-    tag: &str,
-    layout: Result<Layout, BindError>,
+    layout: Layout,
     sizes: &Sizes<'_>,
     frames: usize,
     table: &mut Table,
-) -> Result<Group, ControllerError> {
-    let refuse = |source| bind_error(kind, &entry.name, tag, source);
-    let layout = layout.map_err(refuse)?;
-    check_layout(&layout, sizes, frames, kind == "task").map_err(refuse)?;
-    check_entry(entry, &layout, kind == "task").map_err(refuse)?;
+) -> Result<Group, BindError> {
+    check_layout(&layout, sizes, frames, is_task)?;
+    check_entry(entry, &layout, is_task)?;
     let spec = GroupSpec {
         name: &entry.name,
         weight: &entry.weight,
         hardness: entry.hardness,
         switch: Switch::new(entry.active, entry.transition),
-        is_task: kind == "task",
+        is_task,
     };
     let store = RowStore::new(&layout, sizes.nv, sizes.nu, sizes.nf);
     Ok(Group::new(&spec, layout, store, table))
@@ -365,13 +328,13 @@ fn check_entry<P: ?Sized>(
     if matches!(entry.hardness, Hardness::Exact(_)) && equality {
         return Err(BindError::value(
             "hardness",
-            "an exact penalty is for inequality rows; use `soft` with a weight",
+            "an exact penalty is for inequality rows; use `hardness = \"soft\"` with a weight",
         ));
     }
     if soft && !is_task && rows == 0 {
         return Err(BindError::value(
             "hardness",
-            "bounds are always hard, and the entry has no rows that could be softened",
+            "bounds are always hard, and the entry has nothing else; leave `hardness` out",
         ));
     }
     if soft && !equality && entry.weight.values().iter().all(|w| *w == 0.0) {
@@ -383,7 +346,7 @@ fn check_entry<P: ?Sized>(
     if entry.transition > 0.0 && !equality && !soft {
         return Err(BindError::value(
             "transition",
-            "hard inequalities and bounds cannot ramp; use `soft`, or no transition",
+            "hard inequalities and bounds cannot ramp; leave it out, or use `hardness = \"soft\"` with a weight",
         ));
     }
     if let Hardness::Exact(linear) = entry.hardness

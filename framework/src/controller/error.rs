@@ -1,46 +1,29 @@
 //! What can be wrong when a controller is made or asked for something by name.
 
-use crate::{robot::RobotError, setup::BindError};
+use crate::{
+    config::ConfigErrors,
+    robot::{Place, RobotError},
+    setup::BindError,
+};
 
 /// Why a controller could not be made.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ControllerError {
-    /// The robot was refused.
-    #[error("robot: {0}")]
-    Robot(#[source] Box<RobotError>),
-    /// An entry does not fit the robot.
-    #[error("{kind} `{name}` ({tag}): {source}")]
-    Bind {
-        /// `task`, `constraint` or `contact`.
-        kind: &'static str,
-        /// The entry's name.
-        name: String,
-        /// Its plug-in's tag.
+    /// The robot was refused. What is wrong may be in the configuration or in a file that it names.
+    #[error("{}robot ({tag}): {source}", place.as_ref().map_or_else(String::new, |place| format!("{place}: ")))]
+    Robot {
+        /// The key in the configuration's file, or its table `[robot]`; nothing if there is no file.
+        place: Option<Place>,
+        /// The robot's tag.
         tag: String,
         /// What is wrong.
-        source: Box<BindError>,
+        source: Box<RobotError>,
     },
-    /// Two entries share a name.
-    #[error("{kind} `{name}` is defined twice; give each entry a name of its own")]
-    Duplicate {
-        /// `entry` or `contact`.
-        kind: &'static str,
-        /// The name.
-        name: String,
-    },
-    /// A setting of the loop makes no sense.
-    #[error("controller: {0}")]
-    Settings(#[source] BindError),
-    /// The solver refused its settings.
-    #[error("solver: {0}")]
-    Solver(String),
-}
-
-impl From<RobotError> for ControllerError {
-    fn from(error: RobotError) -> Self {
-        Self::Robot(Box::new(error))
-    }
+    /// Entries or settings do not fit the robot or one another: everything that is wrong, each with its place in the
+    /// file if there is one.
+    #[error(transparent)]
+    Config(#[from] ConfigErrors),
 }
 
 /// Why a running controller could not do what was asked.
@@ -48,7 +31,7 @@ impl From<RobotError> for ControllerError {
 #[non_exhaustive]
 pub enum RequestError {
     /// Nothing has that name.
-    #[error("there is no {kind} `{name}`{hint}; known: {known}")]
+    #[error("there is no {kind} `{name}`{hint} (known: {known})")]
     Absent {
         /// `task`, `entry` or `contact`.
         kind: &'static str,

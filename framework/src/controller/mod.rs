@@ -7,6 +7,8 @@
 pub(crate) mod bind;
 mod command;
 mod error;
+mod faults;
+mod hover;
 mod measurement;
 mod rehearsal;
 mod report;

@@ -23,13 +23,17 @@ use serde::{Deserialize, Serialize};
 use super::{
     Capacity, Optimality, Qp, QpSolver, Solution, Status, polish::Polish, scaling::Jacobi,
 };
+use crate::setup::BindError;
 
-/// Settings of the Clarabel backend.
+/// The interior-point solver Clarabel, made exact by a polish; allocates in every solve.
+///
+/// `min ½xᵀHx + gᵀx` subject to `l ≤ A x ≤ u`.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Clarabel {
     /// Tolerance on the duality gap, feasibility and infeasibility certificates.
     #[serde(default = "default_tolerance")]
+    #[schemars(extend("x-unit" = "1"))]
     pub tolerance: f64,
     /// Iteration cap.
     #[serde(default = "default_max_iterations")]
@@ -102,15 +106,16 @@ impl std::fmt::Debug for Workspace {
 
 #[crate::solver("clarabel")]
 impl QpSolver for Clarabel {
-    fn bind(&mut self, capacity: Capacity) -> Result<(), String> {
+    fn bind(&mut self, capacity: Capacity) -> Result<(), BindError> {
         if !(self.tolerance > 0.0 && self.tolerance < 1.0) {
-            return Err(format!(
-                "`tolerance` is {}, must be between 0 and 1",
-                self.tolerance
-            ));
+            let problem = format!("is {}, must be between 0 and 1", self.tolerance);
+            return Err(BindError::value("tolerance", problem));
         }
         if self.max_iterations == 0 {
-            return Err("`max_iterations` must be at least 1".into());
+            return Err(BindError::value(
+                "max_iterations",
+                "is 0, must be at least 1",
+            ));
         }
         let Capacity { vars, rows } = capacity;
         let sides = 2 * (vars + rows);

@@ -3,6 +3,7 @@
 use std::{any::Any, fmt::Debug};
 
 use super::{Capacity, Qp};
+use crate::setup::BindError;
 
 /// How a solve ended. An outcome, never an error: every one of them happens on a robot.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -88,8 +89,8 @@ pub trait QpSolver: Any + Send + Debug {
     /// Makes the workspace.
     ///
     /// # Errors
-    /// A setting that makes no sense, in words.
-    fn bind(&mut self, capacity: Capacity) -> Result<(), String>;
+    /// [`BindError::Value`] naming a setting that makes no sense.
+    fn bind(&mut self, capacity: Capacity) -> Result<(), BindError>;
 
     /// Solves in place. The problem comes in physical units; scaling is the solver's. On [`Status::Infeasible`], `y` and
     /// `z` may hold the proof (`Aᵀ y + z = 0` while the limits that they weight have a negative sum); otherwise, on a

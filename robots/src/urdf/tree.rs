@@ -2,10 +2,10 @@
 
 use std::collections::HashMap;
 
-use wbqp::robot::RobotError;
+use wbqp::{robot::RobotError, suggestion::suggestion};
 
 use super::syntax::{Joint, Outline};
-use crate::source::{Source, did_you_mean};
+use crate::source::Source;
 
 /// The tree by index into the outline.
 pub(super) struct Tree {
@@ -47,14 +47,10 @@ pub(super) fn check(source: &Source<'_>, outline: &Outline) -> Result<Tree, Robo
     let mut child = Vec::with_capacity(joints.len());
     let find = |joint: &Joint, role: &str, name: &str| {
         by_name.get(name).copied().ok_or_else(|| {
-            source.error(
-                joint.offset,
-                &joint.label(),
-                format!(
-                    "{role} link `{name}` does not exist{}",
-                    did_you_mean(name, links.iter().map(|l| l.name.as_str()))
-                ),
-            )
+            let known: Vec<&str> = links.iter().map(|l| l.name.as_str()).collect();
+            let hint = suggestion(name, &known);
+            let what = format!("{role} link `{name}` does not exist{hint}");
+            source.error(joint.offset, &joint.label(), what)
         })
     };
     for (j, joint) in joints.iter().enumerate() {

@@ -14,9 +14,9 @@ use wbqp::{
     config::{ControllerConfig, Overrides},
     contact::Detector,
     controller::Controller,
-    model::Model,
     robot::RobotModel,
     state::State,
+    suggestion::suggestion,
 };
 
 use super::{
@@ -94,10 +94,6 @@ impl Case {
     /// The scenario's file, as errors call it.
     pub(super) fn file(&self) -> &str {
         &self.file
-    }
-
-    pub(super) fn controller_file(&self) -> &Path {
-        &self.controller
     }
 
     /// Simulated time, s.
@@ -184,9 +180,15 @@ impl Case {
         state.R_WR = UnitQuaternion::from_euler_angles(rpy[0], rpy[1], rpy[2]);
         for (name, position) in joints {
             let joint = robot.model.joint(name).ok_or_else(|| {
+                let known: Vec<&str> = robot
+                    .model
+                    .joints()
+                    .iter()
+                    .map(|j| j.name.as_str())
+                    .collect();
+                let hint = suggestion(name, &known);
                 self.refuse(&format!(
-                    "initial.joints: the robot has no joint `{name}`; known: {}",
-                    joint_names(&robot.model)
+                    "initial.joints: the robot has no joint `{name}`{hint}"
                 ))
             })?;
             state.q[joint.index()] = *position;
@@ -271,9 +273,4 @@ impl Case {
             source: Box::new(source),
         }
     }
-}
-
-fn joint_names(model: &Model) -> String {
-    let names: Vec<&str> = model.joints().iter().map(|j| j.name.as_str()).collect();
-    names.join(", ")
 }

@@ -8,15 +8,16 @@ use toml::{
     Spanned,
     de::{DeArray, DeTable, DeValue},
 };
+use wbqp::suggestion::suggestion;
 
 /// A list of the file, the key by which changes name its entries, and the name of one without that key.
-struct List {
-    path: &'static [&'static str],
+pub(super) struct List {
+    pub(super) path: &'static [&'static str],
     key: &'static str,
     default: Option<&'static str>,
 }
 
-const LISTS: [List; 6] = [
+pub(super) const LISTS: [List; 6] = [
     list(&["event"], "mark"),
     list(&["detector"], "contact"),
     list(&["plant", "wall"], "name"),
@@ -113,8 +114,7 @@ fn belongs(entry: &mut Spanned<DeValue<'_>>, case: &str, known: &[&str]) -> Resu
         match name.get_ref().as_str() {
             Some(name) if known.contains(&name) => found |= name == case,
             Some(other) => {
-                let known = known.join(", ");
-                let message = format!("there is no case `{other}`; known: {known}");
+                let message = format!("there is no case `{other}`{}", suggestion(other, known));
                 return refuse(name.span(), message);
             }
             None => {
@@ -234,16 +234,9 @@ fn merge_entries<'t>(
             {
                 continue;
             }
-            let known = if known.is_empty() {
-                "none".to_owned()
-            } else {
-                known.join(", ")
-            };
-            let what = format!(
-                "with {} `{}` is not there; known: {known}",
-                list.key,
-                name.get_ref()
-            );
+            let known: Vec<&str> = known.iter().map(String::as_str).collect();
+            let hint = suggestion(name.get_ref(), &known);
+            let what = format!("with {} `{}` is not there{hint}", list.key, name.get_ref());
             return Err(refuse(what));
         };
         let (DeValue::Table(keys), DeValue::Table(changes)) = (entry.get_mut(), change.get_ref())

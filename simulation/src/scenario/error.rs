@@ -43,14 +43,12 @@ pub enum ScenarioError {
         source: Box<ConfigErrors>,
     },
     /// The controller does not fit the robot.
-    #[error("{controller}: {source}\nin case `{case}` of {file}")]
+    #[error("{source}\nin case `{case}` of {file}")]
     Controller {
         /// The scenario's file.
         file: String,
         /// The case, whose own values count.
         case: String,
-        /// The controller's file.
-        controller: String,
         /// What is wrong.
         source: Box<ControllerError>,
     },

@@ -2,11 +2,12 @@
 
 use std::collections::BTreeMap;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use wbqp::{controller::Controller, entry::Weight, reference::Reference};
 
 /// Everything that happens at one time. Actions are applied in the order of the fields.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Event {
     /// When, s: before the first tick at or after this time, which must not be after the run's end.
@@ -31,6 +32,7 @@ pub struct Event {
     pub weight: BTreeMap<String, Weight>,
     /// New references by task; their times count from the event.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    #[schemars(with = "BTreeMap<String, Box<dyn Reference>>")]
     pub follow: BTreeMap<String, toml::Value>,
 }
 

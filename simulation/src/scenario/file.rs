@@ -1,7 +1,8 @@
 //! From the text of a scenario's file to what each of its cases has.
 
-use std::path::PathBuf;
+use std::{collections::BTreeMap, path::PathBuf};
 
+use schemars::JsonSchema;
 use serde::{Deserialize, de::IgnoredAny};
 use toml::{
     Spanned,
@@ -25,37 +26,54 @@ pub(super) struct CaseFile {
     pub(super) keys: Keys,
 }
 
-/// The keys of a scenario.
-#[derive(Clone, Debug, Deserialize)]
+/// A scenario: a controller, a plant, sensors, and what happens when.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Keys {
+    /// The scenario's name.
     pub(super) name: String,
+    /// The controller's file; relative paths count from this file's folder.
     pub(super) controller: PathBuf,
+    /// Simulated time, s, above 0.
+    #[schemars(extend("x-unit" = "s"))]
     pub(super) duration: f64,
+    /// Where the robot starts, at rest.
     #[serde(default)]
     pub(super) initial: Initial,
+    /// The simulated world.
     #[serde(default)]
     pub(super) plant: PlantConfig,
+    /// What the controller measures.
     #[serde(default)]
     pub(super) sensors: SensorsConfig,
+    /// Contacts switched by measured force.
     #[serde(default, rename = "detector")]
+    #[schemars(with = "Vec<Detector>")]
     pub(super) detectors: Vec<Spanned<Detector>>,
+    /// What changes at a given time.
     #[serde(default, rename = "event")]
+    #[schemars(with = "Vec<Event>")]
     pub(super) events: Vec<Spanned<Event>>,
-    /// Read before.
+    /// Variants, at least one.
+    // Read before.
     #[serde(default, rename = "case")]
+    #[schemars(with = "Vec<CaseKeys>")]
     _cases: IgnoredAny,
 }
 
-/// A `[[case]]`.
-#[derive(Deserialize)]
+/// A variant of the scenario.
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct CaseKeys {
+    /// Unique, of letters, digits, `_` and `-`: it names the log.
     name: String,
+    /// Values put into the controller's file before it is read.
     #[serde(default)]
     set: Overrides,
-    /// Put into the tables of the file, where it is read.
+    /// Values put into this file before it is read.
+    // Read where the tables of the file are.
     #[serde(default, rename = "change")]
+    #[schemars(with = "BTreeMap<String, wbqp::serde_json::Value>")]
     _change: IgnoredAny,
 }
 

@@ -48,12 +48,14 @@ mod change;
 mod error;
 mod event;
 mod file;
+mod json_schema;
 mod push;
 mod variation;
 
 pub use case::{Case, Initial};
 pub use error::{RunError, ScenarioError};
 pub use event::Event;
+pub use json_schema::json_schema;
 pub use variation::Variation;
 
 use std::{
@@ -61,7 +63,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use wbqp::{config::ControllerConfig, robot::SourceFile};
+use wbqp::{config::ControllerConfig, robot::SourceFile, suggestion::suggestion};
 
 use file::{CaseFile, Text};
 
@@ -170,7 +172,7 @@ impl Scenario {
             let known: Vec<&str> = self.cases().collect();
             ScenarioError::Value {
                 place: self.source.name.clone(),
-                what: format!("there is no case `{name}`; known: {}", known.join(", ")),
+                what: format!("there is no case `{name}`{}", suggestion(name, &known)),
             }
         })
     }

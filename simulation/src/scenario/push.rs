@@ -7,6 +7,7 @@ use wbqp::{
     controller::{Controller, ControllerError},
     robot::RobotModel,
     statics::{Load, Push, largest_push},
+    suggestion::suggestion,
 };
 
 use super::{Case, Event, ScenarioError};
@@ -40,10 +41,7 @@ impl Case {
         disturbances: &[Disturbance],
     ) -> Result<Option<Push>, ScenarioError> {
         let config = self.controller_config()?;
-        let robot = config
-            .robot
-            .load(&config.directory)
-            .map_err(|e| self.controller_error(e.into()))?;
+        let robot = config.load_robot().map_err(|e| self.controller_error(e))?;
         if !config.contacts.iter().any(|c| c.name == contact) {
             return Err(self.refuse(&unknown_contact(&config, contact)));
         }
@@ -164,7 +162,6 @@ impl Case {
         ScenarioError::Controller {
             file: self.file().to_owned(),
             case: self.name().to_owned(),
-            controller: self.controller_file().display().to_string(),
             source: Box::new(source),
         }
     }
@@ -172,8 +169,6 @@ impl Case {
 
 fn unknown_contact(config: &ControllerConfig, name: &str) -> String {
     let known: Vec<&str> = config.contacts.iter().map(|c| c.name.as_str()).collect();
-    format!(
-        "the controller has no contact `{name}`; known: {}",
-        known.join(", ")
-    )
+    let hint = suggestion(name, &known);
+    format!("the controller has no contact `{name}`{hint}")
 }

@@ -12,8 +12,9 @@ use wbqp::{
     tick::Tick,
 };
 
-/// Keeps every effort within its actuator's limits, the paper's (10b): `u_l ≤ u ≤ u_u`, N for rotors and prismatic
-/// joints, N·m for revolute ones.
+/// Keeps every effort within its actuator's limits, the paper's (10b).
+///
+/// `u_l ≤ u ≤ u_u`, N for rotors and prismatic joints, N·m for revolute ones.
 ///
 /// The limits are the robot's (`lower` and `upper` of each actuator). The paper prints bounds on ω that act on its
 /// input ω²; here the variable is the thrust itself, and so are its bounds. Where an actuator has a `slew`, the effort

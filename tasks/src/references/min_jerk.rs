@@ -11,9 +11,12 @@ use wbqp::{
 use super::leg::{self, Leg};
 use crate::check;
 
-/// Moves once, from rest to rest, with the least jerk: `value = from + s(t/T) (to − from)` with
-/// `s(τ) = 10τ³ − 15τ⁴ + 6τ⁵`; rates and accelerations are its exact derivatives. Rotations turn about one fixed
-/// axis, the short way (`R = exp(s log(R_to R_fromᵀ)) R_from`). It holds before and after.
+/// Moves once, from rest to rest, with the least jerk. It holds before and after.
+///
+/// `value = from + s(t/T) (to − from)` with `s(τ) = 10τ³ − 15τ⁴ + 6τ⁵`, and for rotations about one fixed axis, the
+/// short way, `R = exp(s log(R_to R_fromᵀ)) R_from`.
+///
+/// Rates and accelerations are the exact derivatives.
 ///
 /// It begins at rest also where it replaces a reference that moves.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]

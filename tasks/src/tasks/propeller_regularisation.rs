@@ -12,8 +12,11 @@ use wbqp::{
 
 /// Balances the rotors' thrusts, the paper's r_a.
 ///
-/// Sixth row of (11), one row less than there are rotors, N: `D f = 0` with 1 on the diagonal of D and −1 right above,
-/// that is `f_i − f_{i+1} = 0` for neighbours in the order of the actuators. The paper writes `D ω²`; here the rows are
+/// Sixth row of (11), one row less than there are rotors, N:
+///
+/// `f_i − f_{i+1} = 0` for neighbours in the order of the actuators.
+///
+/// That is `D f = 0` with 1 on the diagonal of D and −1 right above. The paper writes `D ω²`; here the rows are
 /// in newtons, as its text says ("a function of the propeller forces"). Its weight of 1e-5 makes sense only so: in
 /// (rad/s)² the term would drown the others.
 ///

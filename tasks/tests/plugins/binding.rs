@@ -163,12 +163,9 @@ fn refusals_name_the_key() {
             "`kp` has 2 entries",
             task(BasePosition::new([1.0, 2.0], 1.0)),
         ),
-        ("`kd` contains -1", task(BasePosition::new(1.0, -1.0))),
+        ("`kd` is -1", task(BasePosition::new(1.0, -1.0))),
         ("`integral_limit` is 0", task(limit)),
-        (
-            "`kd` contains NaN",
-            task(BaseOrientation::new(1.0, f64::NAN)),
-        ),
+        ("`kd` is NaN", task(BaseOrientation::new(1.0, f64::NAN))),
         (
             "`reference.to` has 2 entries",
             task(BaseOrientation::new(1.0, 1.0).following(MinJerk::new([0.0, 0.0], 1.0))),
@@ -178,7 +175,7 @@ fn refusals_name_the_key() {
             task(Posture::new(1.0, 1.0).following(MinJerk::new([0.0], 0.0))),
         ),
         (
-            "`reference.value` contains NaN",
+            "`reference.value[0]` is NaN",
             task(Posture::new(1.0, 1.0).following(Hold::at([f64::NAN]))),
         ),
         (

@@ -45,9 +45,12 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{Capacity, Qp, QpSolver, Solution};
+use crate::setup::BindError;
 use solve::Workspace;
 
-/// Settings of the active-set solver.
+/// A dense dual active-set method, warm-started from the tick before; allocates nothing.
+///
+/// `min ½xᵀHx + gᵀx` subject to `l ≤ A x ≤ u`.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ActiveSet {
@@ -56,6 +59,7 @@ pub struct ActiveSet {
     pub max_iterations: u32,
     /// Violation of a row or bound that is accepted, relative to the numbers it is computed from.
     #[serde(default = "default_tolerance")]
+    #[schemars(extend("x-unit" = "1"))]
     pub tolerance: f64,
     #[serde(skip)]
     workspace: Workspace,
@@ -81,15 +85,16 @@ impl Default for ActiveSet {
 
 #[crate::solver("active_set")]
 impl QpSolver for ActiveSet {
-    fn bind(&mut self, capacity: Capacity) -> Result<(), String> {
+    fn bind(&mut self, capacity: Capacity) -> Result<(), BindError> {
         if self.max_iterations == 0 {
-            return Err("`max_iterations` must be at least 1".into());
+            return Err(BindError::value(
+                "max_iterations",
+                "is 0, must be at least 1",
+            ));
         }
         if !(1e-15..=1e-6).contains(&self.tolerance) {
-            return Err(format!(
-                "`tolerance` is {}, must be between 1e-15 and 1e-6",
-                self.tolerance
-            ));
+            let problem = format!("is {}, must be between 1e-15 and 1e-6", self.tolerance);
+            return Err(BindError::value("tolerance", problem));
         }
         self.workspace = Workspace::new(capacity);
         Ok(())

@@ -1,0 +1,256 @@
+//! Where in the file something is that only the robot showed to be wrong.
+//!
+//! Plug-ins are bound long after the text was read. If one is refused, the text is read once more, and the entry and
+//! its key are looked up in it: nothing has to be kept for the case that all is well.
+
+use toml::{
+    Spanned,
+    de::{DeTable, DeValue},
+};
+
+use super::{
+    ConfigError, ConfigErrorKind as Kind, ConfigErrors, Overrides, Target,
+    document::Document,
+    overrides::Appendix,
+    report::{At, Path, Report, Span, Step},
+    table::Section,
+};
+use crate::{
+    robot::{Place, RobotError, SourceFile},
+    setup::BindError,
+};
+
+/// One thing that does not fit the robot.
+#[derive(Debug)]
+pub(crate) struct Fault {
+    pub(crate) target: Target,
+    /// Whose it is in messages, such as ``task[0] `arm` (posture)``.
+    pub(crate) subject: String,
+    pub(crate) kind: Kind,
+    pub(crate) error: BindError,
+}
+
+impl Fault {
+    pub(crate) fn new(target: Target, subject: String, error: BindError) -> Self {
+        let kind = kind(&error);
+        Self {
+            target,
+            subject,
+            kind,
+            error,
+        }
+    }
+}
+
+/// Where a configuration comes from.
+#[derive(Debug)]
+pub(crate) struct Origin {
+    source: Option<SourceFile>,
+    overrides: Overrides,
+}
+
+impl Origin {
+    pub(crate) fn new(source: Option<SourceFile>, overrides: Overrides) -> Self {
+        Self { source, overrides }
+    }
+
+    /// The errors of some faults, in the order of the file if there is one.
+    pub(crate) fn errors(&self, faults: Vec<Fault>) -> ConfigErrors {
+        let Some(source) = &self.source else {
+            return ConfigErrors::new(faults.into_iter().map(without_place).collect());
+        };
+        self.with_document(source, |document, report| {
+            for fault in &faults {
+                let section = document.target(&fault.target).ok();
+                let at = At::subject(&fault.subject);
+                report_as(fault.kind, &fault.error, section.as_deref(), &at, report);
+            }
+        })
+    }
+
+    /// Where in `[robot]` the cause of an error is: the option, or the name of the file.
+    pub(crate) fn robot_place(&self, error: &RobotError) -> Option<Place> {
+        let source = self.source.as_ref()?;
+        let errors = self.with_document(source, |document, report| {
+            let Ok(section) = document.target(&Target::Robot) else {
+                return;
+            };
+            let path = match error {
+                RobotError::Option { option, .. } => find(&section.keys, &|key, _| key == option),
+                RobotError::Read { file, .. } | RobotError::Model { file, .. } => {
+                    find(&section.keys, &|_, value| is_end_of(file, value))
+                }
+                RobotError::Syntax { place, .. } | RobotError::Element { place, .. } => {
+                    find(&section.keys, &|_, value| is_end_of(&place.file, value))
+                }
+                RobotError::Other { .. } => None,
+            };
+            let span = span_of(section, &path.unwrap_or_default());
+            report.add(Kind::Misfit, Some(span), &At::default(), "");
+        });
+        errors.iter().next()?.place.clone()
+    }
+
+    fn with_document(
+        &self,
+        source: &SourceFile,
+        add: impl FnOnce(&mut Document<'_>, &mut Report<'_>),
+    ) -> ConfigErrors {
+        let text = &source.contents;
+        let appendix = Appendix::new(&self.overrides, text.len());
+        let applied = || appendix.applied(&self.overrides);
+        // The text was accepted before.
+        let mut ignored = Report::new(&source.name, text, applied());
+        let mut document = Document::parse(text, &mut ignored);
+        appendix.apply(&self.overrides, &mut document, &mut ignored);
+        let mut report = Report::new(&source.name, text, applied());
+        add(&mut document, &mut report);
+        report
+            .finish()
+            .err()
+            .unwrap_or_else(|| ConfigErrors::new(Vec::new()))
+    }
+}
+
+fn without_place(fault: Fault) -> ConfigError {
+    let (path, what) = in_words(&fault.error);
+    let message = if path.is_empty() {
+        what
+    } else {
+        format!("{}: {what}", Path(&path))
+    };
+    ConfigError {
+        kind: fault.kind,
+        place: None,
+        subject: fault.subject,
+        message,
+    }
+}
+
+/// Reports an error of an entry whose table is known, at the key that it names.
+pub(super) fn report(
+    error: &BindError,
+    section: Option<&Section<'_>>,
+    at: &At,
+    report: &mut Report<'_>,
+) {
+    report_as(kind(error), error, section, at, report);
+}
+
+fn report_as(
+    kind: Kind,
+    error: &BindError,
+    section: Option<&Section<'_>>,
+    at: &At,
+    report: &mut Report<'_>,
+) {
+    let (mut path, message) = in_words(error);
+    let mut span = None;
+    if let Some(section) = section {
+        if let BindError::Unknown { name, .. } = error
+            && let Some(found) = find(&section.keys, &|_, value| value == Some(name))
+        {
+            path = found;
+        }
+        span = Some(span_of(section, &path));
+    }
+    // An empty span is a table that the file does not have.
+    let span = span.filter(|span| !span.is_empty());
+    report.add(kind, span, &at.then(&path), message);
+}
+
+fn kind(error: &BindError) -> Kind {
+    match error {
+        BindError::Unknown { .. } => Kind::UnknownName,
+        BindError::Length { .. } | BindError::Value { .. } => Kind::Value,
+        BindError::Other(_) => Kind::Misfit,
+    }
+}
+
+/// The key that an error is about, and what it says of it.
+fn in_words(error: &BindError) -> (Vec<Step>, String) {
+    match error {
+        BindError::Length { key, got, expected } => {
+            let entries = if *got == 1 { "entry" } else { "entries" };
+            (
+                steps(key),
+                format!("has {got} {entries}, expected {expected}"),
+            )
+        }
+        BindError::Value { key, problem } => (steps(key), problem.clone()),
+        other => (Vec::new(), other.to_string()),
+    }
+}
+
+/// `points[1].at` as steps.
+fn steps(path: &str) -> Vec<Step> {
+    let mut steps = Vec::new();
+    for part in path.split('.') {
+        let mut pieces = part.split('[');
+        steps.extend(pieces.next().map(|key| Step::Key(key.to_owned())));
+        for piece in pieces {
+            let index = piece.strip_suffix(']').and_then(|index| index.parse().ok());
+            steps.extend(index.map(Step::Index));
+        }
+    }
+    steps
+}
+
+/// Where the value of a path is; the nearest thing around it that is written out.
+fn span_of(section: &Section<'_>, path: &[Step]) -> Span {
+    let mut span = section.span.clone();
+    let mut steps = path.iter();
+    let Some(Step::Key(first)) = steps.next() else {
+        return span;
+    };
+    let mut value = section.keys.get(first.as_str());
+    while let Some(here) = value {
+        span = here.span();
+        value = match (steps.next(), here.get_ref()) {
+            (Some(Step::Key(key)), DeValue::Table(table)) => table.get(key.as_str()),
+            (Some(Step::Index(index)), DeValue::Array(elements)) => elements.get(*index),
+            _ => None,
+        };
+    }
+    span
+}
+
+/// Whether a value is a path that ends a file's name.
+fn is_end_of(file: &str, value: Option<&str>) -> bool {
+    value.is_some_and(|value| !value.is_empty() && file.ends_with(value))
+}
+
+/// Whether a key with its value, if that is a string, is what is looked for.
+type IsIt<'a> = &'a dyn Fn(&str, Option<&str>) -> bool;
+
+/// The first key or element of a list that is looked for, beside the table's own name and type.
+fn find(keys: &DeTable<'_>, is_it: IsIt<'_>) -> Option<Vec<Step>> {
+    keys.iter()
+        .filter(|(key, _)| !["name", "type"].contains(&&**key.get_ref()))
+        .find_map(|(key, value)| {
+            let key: &str = key.get_ref();
+            find_in(Step::Key(key.to_owned()), key, value, is_it)
+        })
+}
+
+fn find_in(
+    step: Step,
+    key: &str,
+    value: &Spanned<DeValue<'_>>,
+    is_it: IsIt<'_>,
+) -> Option<Vec<Step>> {
+    let value = value.get_ref();
+    if is_it(key, value.as_str()) {
+        return Some(vec![step]);
+    }
+    let mut path = match value {
+        DeValue::Array(elements) => elements
+            .iter()
+            .enumerate()
+            .find_map(|(index, element)| find_in(Step::Index(index), "", element, is_it)),
+        DeValue::Table(keys) => find(keys, is_it),
+        _ => None,
+    }?;
+    path.insert(0, step);
+    Some(path)
+}

@@ -1,0 +1,121 @@
+//! Collects what does not fit the robot, so that all of it is reported at once.
+
+use super::ControllerError;
+use crate::{
+    config::{ConfigErrorKind, Fault, Origin, Settings, Target},
+    constraint::Constraint,
+    contact::ContactSpec,
+    entry::Entry,
+    setup::BindError,
+    task::Task,
+};
+
+/// What is wrong so far, and where the configuration comes from.
+#[derive(Debug)]
+pub(super) struct Faults {
+    origin: Origin,
+    list: Vec<Fault>,
+}
+
+impl Faults {
+    pub(super) fn new(origin: Origin) -> Self {
+        Self {
+            origin,
+            list: Vec::new(),
+        }
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.list.is_empty()
+    }
+
+    /// Everything that was collected, as an error.
+    pub(super) fn stop_if_any(&mut self) -> Result<(), ControllerError> {
+        if self.list.is_empty() {
+            return Ok(());
+        }
+        Err(self.origin.errors(std::mem::take(&mut self.list)).into())
+    }
+
+    fn add(&mut self, target: Target, subject: String, error: BindError) {
+        self.list.push(Fault::new(target, subject, error));
+    }
+
+    pub(super) fn settings(&mut self, settings: &Settings) {
+        for (key, problem) in settings.problems() {
+            let error = BindError::value(key, problem);
+            self.add(Target::Controller, "controller".to_owned(), error);
+        }
+    }
+
+    pub(super) fn robot(&mut self, tag: &str, problems: Vec<String>) {
+        for problem in problems {
+            let subject = format!("robot ({tag})");
+            self.add(Target::Robot, subject, BindError::Other(problem));
+        }
+    }
+
+    pub(super) fn hover(&mut self, tag: &str, missing: String) {
+        let error = BindError::Other(missing);
+        self.list.push(Fault {
+            kind: ConfigErrorKind::Hover,
+            ..Fault::new(Target::Robot, format!("robot ({tag})"), error)
+        });
+    }
+
+    pub(super) fn solver(&mut self, tag: &str, bound: Result<(), BindError>) {
+        if let Err(error) = bound {
+            self.add(Target::Solver, format!("solver ({tag})"), error);
+        }
+    }
+
+    pub(super) fn contact(&mut self, index: usize, name: &str, error: BindError) {
+        let subject = format!("contact[{index}] `{name}`");
+        self.add(Target::Contact(name.to_owned()), subject, error);
+    }
+
+    pub(super) fn task(&mut self, index: usize, entry: &Entry<dyn Task>, error: BindError) {
+        let (name, tag) = (&entry.name, entry.plugin.typetag_name());
+        let subject = format!("task[{index}] `{name}` ({tag})");
+        self.add(Target::Task(name.clone()), subject, error);
+    }
+
+    pub(super) fn constraint(
+        &mut self,
+        index: usize,
+        entry: &Entry<dyn Constraint>,
+        error: BindError,
+    ) {
+        let (name, tag) = (&entry.name, entry.plugin.typetag_name());
+        let subject = format!("constraint[{index}] `{name}` ({tag})");
+        self.add(Target::Constraint(name.clone()), subject, error);
+    }
+
+    /// Names that are given twice: possible only in code, files are checked when they are read.
+    pub(super) fn names(
+        &mut self,
+        contacts: &[ContactSpec],
+        tasks: &[Entry<dyn Task>],
+        constraints: &[Entry<dyn Constraint>],
+    ) {
+        let taken = |by: &str| BindError::value("name", format!("is taken by another {by}"));
+        for (index, contact) in contacts.iter().enumerate() {
+            if contacts.iter().take(index).any(|c| c.name == contact.name) {
+                self.contact(index, &contact.name, taken("contact"));
+            }
+        }
+        let mut names: Vec<&str> = Vec::new();
+        for (index, entry) in tasks.iter().enumerate() {
+            if names.contains(&entry.name.as_str()) {
+                self.task(index, entry, taken("task"));
+            }
+            names.push(&entry.name);
+        }
+        for (index, entry) in constraints.iter().enumerate() {
+            if names.contains(&entry.name.as_str()) {
+                self.constraint(index, entry, taken("task or constraint"));
+            }
+            names.push(&entry.name);
+        }
+    }
+}

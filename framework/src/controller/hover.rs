@@ -1,0 +1,141 @@
+//! Holding the home posture: the command before the first tick, and whether it holds the robot up.
+//!
+//! # Mathematics
+//! `min ‖S u − g(q_home)‖²` subject to the limits of the efforts `u`. What is left, `g − S u`, is the generalised force
+//! that is missing; its first six components are the force and the moment on the base, in world axes.
+
+use super::Controller;
+use crate::{config::Hover, model::Base, qp::VarId, robot::RobotModel};
+
+/// Forces below this share of the weight, and moments below this share of the weight at 1 m, count as none.
+const NEGLIGIBLE: f64 = 1e-4;
+
+/// The directions of a wrench on the base, with their unit.
+const DIRECTIONS: [(&str, &str); 6] = [
+    ("along {}x_W", "N"),
+    ("along {}y_W", "N"),
+    ("along {}z_W", "N"),
+    ("about {}x_W", "N·m"),
+    ("about {}y_W", "N·m"),
+    ("about {}z_W", "N·m"),
+];
+
+/// With two significant digits or more.
+fn rounded(x: f64) -> String {
+    if x < 0.01 {
+        format!("{x:.1e}")
+    } else if x < 0.1 {
+        format!("{x:.3}")
+    } else if x < 1.0 {
+        format!("{x:.2}")
+    } else {
+        format!("{x:.1}")
+    }
+}
+
+impl Controller {
+    /// The command before the first tick: the efforts within limits that come nearest to holding the home
+    /// posture, `min ‖S u − g(q_home)‖²`. False if the solver could not find them.
+    pub(super) fn hover(&mut self) -> bool {
+        let at_home = super::Measurement::home(&self.robot, self.world.contacts.len());
+        self.world.measure(&at_home);
+        let (nv, nu) = (self.robot.model.nv(), self.robot.nu());
+        let mut s = vec![0.0; nv * nu];
+        self.actuation.write(&self.world.frames, &mut s, nu);
+        let gravity = self.world.data.gravity();
+        self.qp.reset((0..nu).map(|i| VarId(i as u32)));
+        let (h, g) = self.qp.cost_mut();
+        for i in 0..nu {
+            for j in 0..nu {
+                h[i * nu + j] = (0..nv).map(|k| 2.0 * s[k * nu + i] * s[k * nu + j]).sum();
+            }
+            g[i] = (0..nv).map(|k| -2.0 * s[k * nu + i] * gravity[k]).sum();
+            h[i * nu + i] += 1e-9;
+        }
+        let (lower, upper) = self.qp.bounds_mut();
+        for (i, actuator) in self.robot.actuators.iter().enumerate() {
+            lower[i] = actuator.lower;
+            upper[i] = actuator.upper;
+        }
+        self.solver.solve(&self.qp, &mut self.solution);
+        let is_solved = self.solution.status.is_usable();
+        if !is_solved {
+            // As near to no effort as the limits allow.
+            self.solution.x[..nu].fill(0.0);
+        }
+        self.command.take_efforts(&self.robot, &self.solution.x);
+        for k in 0..nv {
+            let su: f64 = (0..nu)
+                .map(|j| s[k * nu + j] * self.command.effort[j])
+                .sum();
+            self.hover_residual[k] = gravity[k] - su;
+        }
+        self.world.last.effort.copy_from_slice(&self.command.effort);
+        self.solver.reset();
+        self.qp.reset([]);
+        self.world.origin = None;
+        is_solved
+    }
+
+    /// Whether nothing but its actuators holds the robot up.
+    pub(super) fn must_hover(&self) -> bool {
+        self.settings.hover == Hover::Required
+            && self.robot.model.base() == Base::Floating
+            && self.robot.rotors().next().is_some()
+            && !self
+                .world
+                .bindings
+                .iter()
+                .any(|contact| contact.switch.is_on())
+    }
+
+    /// What is missing for hovering, in words, and what to do; nothing if the robot hovers.
+    pub(super) fn missing_wrench(&self) -> Option<String> {
+        let model = &self.robot.model;
+        let weight = model.mass() * model.gravity().norm();
+        let parts: Vec<String> = self
+            .hover_residual
+            .iter()
+            .zip(DIRECTIONS)
+            .filter(|(short, _)| short.abs() > NEGLIGIBLE * weight)
+            .map(|(short, (direction, unit))| {
+                let sign = if *short > 0.0 { "+" } else { "-" };
+                let direction = direction.replace("{}", sign);
+                format!("{} {unit} short {direction}", rounded(short.abs()))
+            })
+            .collect();
+        if parts.is_empty() {
+            return None;
+        }
+        Some(format!(
+            "cannot hover in its home posture: {} (weight {} N; {}); mend the masses, the rotors or their limits, or set \
+             `hover = \"unchecked\"` in [controller] if something else carries the robot",
+            parts.join(", "),
+            rounded(weight),
+            saturation(&self.robot, self.command.effort.as_slice()),
+        ))
+    }
+}
+
+/// How many rotors are at a limit.
+fn saturation(robot: &RobotModel, effort: &[f64]) -> String {
+    let all = robot.rotors().count();
+    let at = |is_at: &dyn Fn(f64, f64, f64) -> bool| {
+        robot
+            .rotors()
+            .filter(|(index, actuator, _)| {
+                let thrust = effort.get(*index).copied().unwrap_or_default();
+                is_at(thrust, actuator.lower, actuator.upper)
+            })
+            .count()
+    };
+    let near = |a: f64, b: f64| (a - b).abs() <= 1e-6 * (1.0 + b.abs());
+    let largest = at(&|thrust, _, upper| near(thrust, upper));
+    let least = at(&|thrust, lower, _| near(thrust, lower));
+    match (least, largest) {
+        (0, 0) => "no rotor is at a limit: none of them acts in that direction".to_owned(),
+        (0, n) => format!("{n} of {all} rotors at their largest thrust"),
+        (n, 0) => format!("{n} of {all} rotors at their least thrust"),
+        (n, m) => format!("{m} of {all} rotors at their largest thrust, {n} at their least"),
+    }
+}
