@@ -5,6 +5,7 @@ use super::{
     command::Command,
     error::ControllerError,
     faults::Faults,
+    handle::Stamp,
     report::{ContactReport, Report, Rung, TaskReport},
     stopwatch::{NoStopwatch, StageTimes},
     switch::Switch,
@@ -214,6 +215,7 @@ impl Controller {
             engaged: false,
             hover_residual: nalgebra::DVector::zeros(sizes.nv),
             stopwatch: Box::new(NoStopwatch),
+            stamp: Stamp::next(),
             robot,
         };
         let is_solved = controller.hover();
