@@ -189,7 +189,7 @@ fn run(sink: &mut dyn LogSink) -> Controller {
     measurement.time = f64::NAN;
     measurement.state.p_WR.y = f64::INFINITY;
     controller.tick(&measurement);
-    assert_eq!(controller.report().rung, Rung::Held);
+    assert_eq!(controller.report().rung, Rung::Extrapolated);
     log.record(&controller, &measurement, &truth, sink).unwrap();
     controller
 }
