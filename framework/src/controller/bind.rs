@@ -8,6 +8,7 @@ use super::{
     faults::Faults,
     handle::Stamp,
     ladder::{Age, Ladder},
+    recording::MadeFrom,
     report::{ContactReport, OnRung, Report, Rung, TaskReport},
     safe::SafeLaw,
     stopwatch::{NoStopwatch, StageTimes},
@@ -68,6 +69,7 @@ impl Controller {
         config: ControllerConfig,
         robot: RobotModel,
     ) -> Result<Self, ControllerError> {
+        let made_from = MadeFrom::new(&config);
         let ControllerConfig {
             settings,
             robot: robot_plugin,
@@ -241,6 +243,8 @@ impl Controller {
             world,
             report,
             ladder,
+            made_from,
+            recorder: None,
             hover_residual: nalgebra::DVector::zeros(sizes.nv),
             stopwatch: Box::new(NoStopwatch),
             stamp: Stamp::next(),

@@ -53,7 +53,7 @@ pub(super) struct Ladder {
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Age {
     /// Time stamp and ticks since; nothing if it never was.
-    last: Option<(f64, u64)>,
+    pub(super) last: Option<(f64, u64)>,
 }
 
 impl Age {

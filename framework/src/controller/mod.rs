@@ -13,6 +13,7 @@ mod handle;
 mod hover;
 mod ladder;
 mod measurement;
+mod recording;
 mod rehearsal;
 mod report;
 mod requests;
@@ -39,6 +40,7 @@ use crate::{
     config::Settings,
     constraint::Constraint,
     qp::{Qp, QpSolver, RowId, Solution, Status, VarId},
+    replay::{Record, Recorder},
     robot::RobotModel,
     rows::{ConstraintRows, Rows},
     task::Task,
@@ -46,6 +48,7 @@ use crate::{
 };
 use handle::Stamp;
 use ladder::Ladder;
+use recording::MadeFrom;
 use world::World;
 
 /// A whole-body controller bound to a robot.
@@ -70,6 +73,9 @@ pub struct Controller {
     command: Command,
     report: Report,
     ladder: Ladder,
+    /// Where dumps find what the controller was made from.
+    made_from: MadeFrom,
+    recorder: Option<Recorder>,
     hover_residual: DVector<f64>,
     stopwatch: Box<dyn Stopwatch>,
     /// What ids of tasks must have.
@@ -82,6 +88,13 @@ impl Controller {
     /// Always returns a finite command within the actuators' limits: the optimum, or what the [`Rung`] of the report says, with
     /// the reason beside it. Does not allocate (unless the solver does), lock, block or read a clock.
     pub fn tick(&mut self, measurement: &Measurement) -> (&Command, &Report) {
+        self.run(measurement, None);
+        (&self.command, &self.report)
+    }
+
+    /// A tick, with the plug-ins' rows or recorded ones.
+    fn run(&mut self, measurement: &Measurement, recorded: Option<&Record>) {
+        self.record_inputs(measurement);
         self.report.time = measurement.time;
         self.report.active.clear();
         self.report.conflict.clear();
@@ -97,7 +110,7 @@ impl Controller {
         let fault = measurement.fault(&self.robot, self.world.contacts.len(), last);
         let outcome = match fault {
             Some(fault) => Err(fault),
-            None => self.solve(measurement),
+            None => self.solve(measurement, recorded),
         };
         self.report.fault = match outcome {
             Ok(None) => None,
@@ -109,18 +122,27 @@ impl Controller {
             Err(_) => self.fall_back(measurement.time),
         };
         let changed = rung != self.report.rung;
+        let is_first = self.report.on_rung.ticks == 0;
         self.report.on_rung.step(changed, measurement, last);
         self.report.rung = rung;
-        (&self.command, &self.report)
+        self.record_outcome(changed && !is_first);
     }
 
     /// From a usable measurement to command and report; with a fault if limits were given up.
-    fn solve(&mut self, measurement: &Measurement) -> Result<Option<Fault>, Fault> {
+    fn solve(
+        &mut self,
+        measurement: &Measurement,
+        recorded: Option<&Record>,
+    ) -> Result<Option<Fault>, Fault> {
         let start = self.stopwatch.now();
         self.world.measure(measurement);
         self.ladder.without_state.renew(measurement.time);
         let measured = self.stopwatch.now();
-        self.update_rows();
+        match recorded {
+            None => self.update_rows(),
+            Some(record) => self.recall_rows(&record.entries),
+        }
+        self.record_rows();
         let written = self.stopwatch.now();
         let terms = Self::terms(&self.world, &self.actuation);
         let assembled = self

@@ -83,7 +83,7 @@ pub(super) struct SafeLaw {
     /// Hovers at home.
     hover: Vec<f64>,
     /// Where the joints are held.
-    posture: DVector<f64>,
+    pub(super) posture: DVector<f64>,
     vdot: DVector<f64>,
     force: DVector<f64>,
     /// `S(q)`, row-major.
