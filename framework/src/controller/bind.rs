@@ -6,7 +6,7 @@ use super::{
     error::ControllerError,
     explanation::owners,
     faults::Faults,
-    ladder::{Age, Ladder},
+    ladder::{Age, Clock, Ladder},
     report::{ContactReport, OnRung, Report, Rung, TaskReport},
     safe::SafeLaw,
     stopwatch::{NoStopwatch, StageTimes},
@@ -217,6 +217,7 @@ impl Controller {
             owners: owners(&table, &groups, &tags, &contact_names),
             without_solution: Age::default(),
             without_state: Age::default(),
+            clock: Clock::default(),
             elastic,
         };
         let report = empty_report(
