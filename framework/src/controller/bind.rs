@@ -7,7 +7,7 @@ use super::{
     explanation::owners,
     faults::Faults,
     handle::Stamp,
-    ladder::{Age, Ladder},
+    ladder::{Age, Clock, Ladder},
     recording::MadeFrom,
     report::{ContactReport, OnRung, Report, Rung, TaskReport},
     safe::SafeLaw,
@@ -220,6 +220,7 @@ impl Controller {
             owners: owners(&table, &groups, &tags, &contact_names),
             without_solution: Age::default(),
             without_state: Age::default(),
+            clock: Clock::default(),
             elastic,
         };
         let report = empty_report(
