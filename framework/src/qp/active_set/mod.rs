@@ -38,6 +38,7 @@ mod constraint;
 mod hessian;
 mod kernels;
 mod orthogonal;
+mod point;
 mod solve;
 mod working_set;
 
