@@ -37,8 +37,9 @@ pub(super) struct Hessian {
     columns: Vec<(usize, usize)>,
     /// Per block of rows, where the entries of U end, in whole lanes.
     ends: Vec<usize>,
-    /// `1/u_ii`, zero in the padding.
-    reciprocal: Vec<f64>,
+    /// Inverses of the blocks on the diagonal of U, zero in the padding: with them the entries of a block do not wait for
+    /// one another.
+    inverses: Vec<[[f64; LANES]; LANES]>,
     /// Diagonal of what is factorised.
     diagonal: Vec<f64>,
     is_raised: bool,
@@ -56,7 +57,7 @@ impl Hessian {
             u: vec![0.0; stride * stride],
             columns: vec![(0, 0); stride / LANES],
             ends: vec![0; stride / LANES],
-            reciprocal: vec![0.0; stride],
+            inverses: vec![[[0.0; LANES]; LANES]; stride / LANES],
             diagonal: vec![0.0; n],
             shift: vec![0.0; n],
             ..Self::default()
@@ -112,7 +113,6 @@ impl Hessian {
 
     fn load(&mut self, qp: &Qp) {
         let (n, stride) = (self.n, self.stride);
-        self.reciprocal[..stride].fill(0.0);
         let blocks = self.columns.iter_mut().zip(&mut self.ends);
         let rows = self.u.chunks_exact_mut(LANES * stride);
         let sources = qp.h().chunks(LANES * n);
@@ -204,7 +204,7 @@ impl Hessian {
                 *fill = (*fill).max(end);
             }
         }
-        self.reciprocal[..n].iter().all(|r| r.is_finite())
+        true
     }
 
     /// The rows of U of one block.
@@ -243,7 +243,18 @@ impl Hessian {
                 }
             }
         }
-        self.reciprocal[first..first + LANES].copy_from_slice(&reciprocal);
+        if !reciprocal.iter().all(|r| r.is_finite()) {
+            return false;
+        }
+        let mut inverse = [[0.0; LANES]; LANES];
+        for q in 0..LANES {
+            inverse[q][q] = reciprocal[q];
+            for p in 0..q {
+                let sum: f64 = (p..q).map(|l| inverse[p][l] * u[l][q]).sum();
+                inverse[p][q] = -sum * reciprocal[q];
+            }
+        }
+        self.inverses[first / LANES] = inverse;
         let end = self.ends[first / LANES];
         let (r0, rest) = rows.split_at_mut(stride);
         let (r1, rest) = rest.split_at_mut(stride);
@@ -257,10 +268,10 @@ impl Hessian {
             right_of(r3, u[3], first, end),
         );
         for (((a, b), c), d) in a.iter_mut().zip(b).zip(c).zip(d) {
-            *a *= reciprocal[0];
-            *b = (*b - u[0][1] * *a) * reciprocal[1];
-            *c = (*c - (u[0][2] * *a + u[1][2] * *b)) * reciprocal[2];
-            *d = (*d - ((u[0][3] * *a + u[1][3] * *b) + u[2][3] * *c)) * reciprocal[3];
+            for l in 0..LANES {
+                let w = transposed_product(&inverse, [a[l], b[l], c[l], d[l]]);
+                [a[l], b[l], c[l], d[l]] = w;
+            }
         }
         true
     }
@@ -276,19 +287,10 @@ impl Hessian {
             if w.iter().all(|w| *w == 0.0) {
                 continue;
             }
-            let at = first * stride;
-            let rows = &self.u[at..];
-            let u = [
-                block(rows, first),
-                block(rows, stride + first),
-                block(rows, 2 * stride + first),
-            ];
-            let reciprocal = block(&self.reciprocal, first);
-            w[0] *= reciprocal[0];
-            w[1] = (w[1] - u[0][1] * w[0]) * reciprocal[1];
-            w[2] = (w[2] - (u[0][2] * w[0] + u[1][2] * w[1])) * reciprocal[2];
-            w[3] = (w[3] - ((u[0][3] * w[0] + u[1][3] * w[1]) + u[2][3] * w[2])) * reciprocal[3];
-            let alpha = [-w[0], -w[1], -w[2], -w[3]];
+            let block = transposed_product(&self.inverses[b], [w[0], w[1], w[2], w[3]]);
+            w.copy_from_slice(&block);
+            let rows = &self.u[first * stride..];
+            let alpha = [-block[0], -block[1], -block[2], -block[3]];
             add_rows(&mut tail[..end - next], alpha, &rows[next..], stride);
         }
     }
@@ -300,21 +302,20 @@ impl Hessian {
             let first = b * LANES;
             let next = first + LANES;
             let (head, tail) = z.split_at_mut(next);
-            let at = first * stride;
-            let rows = &self.u[at..];
-            let u = [
-                block(rows, first),
-                block(rows, stride + first),
-                block(rows, 2 * stride + first),
-            ];
-            let reciprocal = block(&self.reciprocal, first);
+            let rows = &self.u[first * stride..];
             let known = dots(&rows[next..], stride, &tail[..end - next]);
             let x = &mut head[first..];
-            x[3] = (x[3] - known[3]) * reciprocal[3];
-            x[2] = (x[2] - (known[2] + u[2][3] * x[3])) * reciprocal[2];
-            x[1] = (x[1] - (known[1] + (u[1][2] * x[2] + u[1][3] * x[3]))) * reciprocal[1];
-            x[0] = (x[0] - (known[0] + (u[0][1] * x[1] + (u[0][2] * x[2] + u[0][3] * x[3]))))
-                * reciprocal[0];
+            let [b0, b1, b2, b3] = [
+                x[0] - known[0],
+                x[1] - known[1],
+                x[2] - known[2],
+                x[3] - known[3],
+            ];
+            let [i0, i1, i2, i3] = &self.inverses[b];
+            x[0] = (i0[0] * b0 + i0[1] * b1) + (i0[2] * b2 + i0[3] * b3);
+            x[1] = i1[1] * b1 + (i1[2] * b2 + i1[3] * b3);
+            x[2] = i2[2] * b2 + i2[3] * b3;
+            x[3] = i3[3] * b3;
         }
     }
 
@@ -356,11 +357,23 @@ fn used(row: &[f64]) -> usize {
     lanes.iter().rposition(any).map_or(0, |i| (i + 1) * LANES)
 }
 
+/// `B⁻ᵀ a`, given `B⁻¹`, an upper triangle.
+#[inline(always)]
+fn transposed_product(inverse: &[[f64; LANES]; LANES], a: [f64; LANES]) -> [f64; LANES] {
+    let [i0, i1, i2, i3] = inverse;
+    [
+        i0[0] * a[0],
+        i0[1] * a[0] + i1[1] * a[1],
+        (i0[2] * a[0] + i1[2] * a[1]) + i2[2] * a[2],
+        (i0[3] * a[0] + i1[3] * a[1]) + (i2[3] * a[2] + i3[3] * a[3]),
+    ]
+}
+
 /// Puts the diagonal block of a row of U in place, and hands out what is right of it.
-fn right_of(row: &mut [f64], u: [f64; LANES], first: usize, end: usize) -> &mut [f64] {
+fn right_of(row: &mut [f64], u: [f64; LANES], first: usize, end: usize) -> &mut [[f64; LANES]] {
     let (diagonal, right) = row[first..end].split_at_mut(LANES);
     diagonal.copy_from_slice(&u);
-    right
+    right.as_chunks_mut().0
 }
 
 /// Four numbers that follow one another.

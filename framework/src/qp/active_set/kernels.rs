@@ -103,7 +103,9 @@ pub(super) fn axpy(y: &mut [f64], alpha: f64, x: &[f64]) {
     }
 }
 
-/// `y += Σ α_i r_i` over four rows that are `stride` apart, each as long as `y`; the first begins with `rows`.
+/// `y += Σ α_i r_i` over four rows that are `stride` apart, each as long as `y`, a whole number of lanes; the first begins
+/// with `rows`.
+// Inlined, so that α stays in registers.
 #[inline(always)]
 pub(super) fn add_rows(y: &mut [f64], alpha: [f64; 4], rows: &[f64], stride: usize) {
     let n = y.len();
@@ -112,9 +114,39 @@ pub(super) fn add_rows(y: &mut [f64], alpha: [f64; 4], rows: &[f64], stride: usi
         &rows[2 * stride..2 * stride + n],
         &rows[3 * stride..3 * stride + n],
     );
+    // Sixteen at a time, a stride so long that the compiler vectorises along the rows and not across them.
+    let (y16, y) = y.as_chunks_mut::<16>();
+    let ((a16, a), (b16, b)) = (a.as_chunks(), b.as_chunks());
+    let ((c16, c), (d16, d)) = (c.as_chunks(), d.as_chunks());
+    for ((((y, a), b), c), d) in y16.iter_mut().zip(a16).zip(b16).zip(c16).zip(d16) {
+        add_lanes::<16>(y, alpha, a, b, c, d);
+    }
+    let (y8, y) = y.as_chunks_mut::<8>();
+    let ((a8, a), (b8, b)) = (a.as_chunks(), b.as_chunks());
+    let ((c8, c), (d8, d)) = (c.as_chunks(), d.as_chunks());
+    if let ([y], [a], [b], [c], [d]) = (y8, a8, b8, c8, d8) {
+        add_lanes::<8>(y, alpha, a, b, c, d);
+    }
+    let (y4, _) = y.as_chunks_mut::<LANES>();
+    let ((a4, _), (b4, _)) = (a.as_chunks(), b.as_chunks());
+    let ((c4, _), (d4, _)) = (c.as_chunks(), d.as_chunks());
+    if let ([y], [a], [b], [c], [d]) = (y4, a4, b4, c4, d4) {
+        add_lanes::<LANES>(y, alpha, a, b, c, d);
+    }
+}
+
+#[inline(always)]
+fn add_lanes<const L: usize>(
+    y: &mut [f64; L],
+    alpha: [f64; 4],
+    a: &[f64; L],
+    b: &[f64; L],
+    c: &[f64; L],
+    d: &[f64; L],
+) {
     let [f0, f1, f2, f3] = alpha;
-    for ((((y, a), b), c), d) in y.iter_mut().zip(a).zip(b).zip(c).zip(d) {
-        *y += (f0 * a + f1 * b) + (f2 * c + f3 * d);
+    for l in 0..L {
+        y[l] += (f0 * a[l] + f1 * b[l]) + (f2 * c[l] + f3 * d[l]);
     }
 }
 
