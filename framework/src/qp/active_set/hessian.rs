@@ -10,6 +10,8 @@
 //!    proximal iteration `x⁺ = argmin f(x) + ½ (x − x_k)ᵀ E (x − x_k)`, whose fixed points are the solutions of the
 //!    problem itself (Rockafellar 1976).
 
+use std::ops::Range;
+
 use super::kernels::{LANES, add_rows, axpy, dot, dots, padded};
 use crate::qp::Qp;
 
@@ -123,13 +125,13 @@ impl Hessian {
             *columns = (first, used);
             *end = padded(used).max(first + LANES);
             for row in rows.chunks_exact_mut(stride) {
-                row[used..stride].fill(0.0);
+                row[used..*end].fill(0.0);
             }
             for (row, h) in rows.chunks_exact_mut(stride).zip(source.chunks_exact(n)) {
                 row[first..used].copy_from_slice(&h[first..used]);
             }
             for row in rows.chunks_exact_mut(stride).skip(source.len() / n) {
-                row[first..stride].fill(0.0);
+                row[first..*end].fill(0.0);
             }
         }
         // H is symmetric.
@@ -157,11 +159,21 @@ impl Hessian {
             }
             let sigma = 1.0 / size;
             axpy(&mut self.shift[..n], -sigma * b, a);
-            for (k, u) in self.u.chunks_exact_mut(self.stride).take(n).enumerate() {
-                if a[k] != 0.0 {
-                    axpy(&mut u[k..], sigma * a[k], &a[k..]);
-                    self.ends[k / LANES] = self.stride;
+            for (b, rows) in self.u.chunks_exact_mut(LANES * self.stride).enumerate() {
+                let first = b * LANES;
+                let Some(a) = a.get(first..).filter(|a| !a.is_empty()) else {
+                    break;
+                };
+                if a.iter().take(LANES).all(|a| *a == 0.0) {
+                    continue;
                 }
+                for (q, row) in rows.chunks_exact_mut(self.stride).enumerate() {
+                    row[self.ends[b]..].fill(0.0);
+                    if let Some(a_q) = a.get(q) {
+                        axpy(&mut row[first..], sigma * a_q, a);
+                    }
+                }
+                self.ends[b] = self.stride;
             }
         }
     }
@@ -195,13 +207,16 @@ impl Hessian {
                 if factors.as_flattened().iter().all(|f| *f == 0.0) {
                     continue;
                 }
+                let filled = &mut self.ends[at / LANES];
                 for (q, target) in targets.chunks_exact_mut(stride).enumerate() {
+                    if *filled < end {
+                        target[*filled..end].fill(0.0);
+                    }
                     let [f0, f1, f2, f3] = factors;
                     let alpha = [-f0[q], -f1[q], -f2[q], -f3[q]];
                     add_rows(&mut target[at..end], alpha, &rows[at..], stride);
                 }
-                let fill = &mut self.ends[at / LANES];
-                *fill = (*fill).max(end);
+                *filled = (*filled).max(end);
             }
         }
         true
@@ -276,9 +291,10 @@ impl Hessian {
         true
     }
 
-    /// Replaces `a` by `w = U⁻ᵀ a`.
-    pub(super) fn solve_transposed(&self, a: &mut [f64]) {
+    /// Replaces `a` by `w = U⁻ᵀ a`; returns which components of w may differ from zero, in whole lanes.
+    pub(super) fn solve_transposed(&self, a: &mut [f64]) -> Range<usize> {
         let stride = self.stride;
+        let mut range = stride..0;
         for (b, &end) in self.ends[..stride / LANES].iter().enumerate() {
             let first = b * LANES;
             let next = first + LANES;
@@ -287,12 +303,14 @@ impl Hessian {
             if w.iter().all(|w| *w == 0.0) {
                 continue;
             }
+            range = range.start.min(first)..range.end.max(end);
             let block = transposed_product(&self.inverses[b], [w[0], w[1], w[2], w[3]]);
             w.copy_from_slice(&block);
             let rows = &self.u[first * stride..];
             let alpha = [-block[0], -block[1], -block[2], -block[3]];
             add_rows(&mut tail[..end - next], alpha, &rows[next..], stride);
         }
+        range
     }
 
     /// Replaces `z` by `x = U⁻¹ z`.

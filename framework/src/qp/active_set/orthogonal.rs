@@ -10,6 +10,8 @@
 //! S (the compact form of R. Schreiber, C. Van Loan, *A storage-efficient WY representation for products of Householder
 //! transformations*, SIAM J. Sci. Stat. Comput. 10 (1989)): a vector is read twice for the four instead of eight times.
 
+use std::ops::Range;
+
 use super::kernels::{LANES, add_rows, axpy, dot, dots, padded};
 
 /// Which part of the components a reflection touches, in whole lanes, and where its vectors begin in the store.
@@ -18,6 +20,17 @@ struct Span {
     from: usize,
     to: usize,
     at: usize,
+}
+
+impl Span {
+    /// Whether it has components in common with a range, which then grows to hold it.
+    fn grow(&self, range: &mut Range<usize>) -> bool {
+        let meets = range.start < self.to && self.from < range.end;
+        if meets {
+            *range = range.start.min(self.from)..range.end.max(self.to);
+        }
+        meets
+    }
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -163,12 +176,19 @@ impl Orthogonal {
         (c, s, r)
     }
 
-    /// `w ← Qᵀ w`.
-    pub(super) fn transposed(&self, w: &mut [f64]) {
+    /// `w ← Qᵀ w`, for a w that is zero outside of a range of whole lanes. Where it is zero, nothing is reflected.
+    pub(super) fn transposed(&self, mut range: Range<usize>, w: &mut [f64]) {
         for factor in &self.factors {
             match *factor {
-                Factor::Reflect { span, tau } => mirror(&self.vectors, span, tau, w),
+                Factor::Reflect { span, tau } => {
+                    if span.grow(&mut range) {
+                        mirror(&self.vectors, span, tau, w);
+                    }
+                }
                 Factor::Panel { span, triangle } => {
+                    if !span.grow(&mut range) {
+                        continue;
+                    }
                     let v = self.panel(span);
                     let w = &mut w[span.from..span.to];
                     let y = dots(v, self.stride, w);
@@ -182,6 +202,7 @@ impl Orthogonal {
                     add_rows(w, alpha, v, self.stride);
                 }
                 Factor::Rotate { i, c, s } => {
+                    range = range.start.min(i)..range.end.max(i + 2);
                     (w[i], w[i + 1]) = (c * w[i] + s * w[i + 1], c * w[i + 1] - s * w[i]);
                 }
             }
@@ -241,7 +262,7 @@ mod tests {
             assert!(w[start + 1..].iter().all(|w| *w == 0.0));
         }
         // Drawn together they do what each did.
-        q.transposed(&mut sum);
+        q.transposed(0..n, &mut sum);
         for (a, b) in sum.iter().zip(&reflected) {
             assert!((a - b).abs() < 1e-14, "{sum:?} {reflected:?}");
         }
@@ -252,7 +273,7 @@ mod tests {
         assert!(!q.has_room(100));
         let original: Vec<f64> = vector(9);
         let mut w = original.clone();
-        q.transposed(&mut w);
+        q.transposed(0..n, &mut w);
         assert!((norm(&w) - norm(&original)).abs() < 1e-14);
         q.apply(&mut w);
         for (w, o) in w.iter().zip(&original) {

@@ -250,8 +250,8 @@ impl Workspace {
         }
         let w = &mut self.w[..self.stride];
         copy_normal(qp, constraint.index, w);
-        self.hessian.solve_transposed(w);
-        self.set.push(constraint, multiplier, w)
+        let range = self.hessian.solve_transposed(w);
+        self.set.push(constraint, multiplier, range, w)
     }
 
     /// Factorises the held constraints anew, when the product of reflections and rotations has become too long.
@@ -268,8 +268,8 @@ impl Workspace {
             let (multiplier, held) = self.violated[i];
             let w = &mut self.w[..self.stride];
             copy_normal(qp, held.index, w);
-            self.hessian.solve_transposed(w);
-            if !self.set.push(held, multiplier, w) {
+            let range = self.hessian.solve_transposed(w);
+            if !self.set.push(held, multiplier, range, w) {
                 self.settled[held.index] = held.side == 0.0;
             }
         }

@@ -11,6 +11,8 @@
 //! `Wᵀ W` is never formed: it would square the condition number, and a weakly weighted direction makes all
 //! constraints look alike then.
 
+use std::ops::Range;
+
 use super::{
     constraint::Active,
     hessian::Hessian,
@@ -89,11 +91,17 @@ impl WorkingSet {
         self.q.has_room(self.n * (self.n + 1) / 2)
     }
 
-    /// Holds a constraint whose `w` is given, with the multiplier it has so far. False if it depends on those held:
+    /// Holds a constraint whose `w` is given, zero outside of a range, with the multiplier it has so far. False if it depends on those held:
     /// then `w` is left as `Qᵀ w`, whose first entries give the combination.
-    pub(super) fn push(&mut self, constraint: Active, multiplier: f64, w: &mut [f64]) -> bool {
+    pub(super) fn push(
+        &mut self,
+        constraint: Active,
+        multiplier: f64,
+        range: Range<usize>,
+        w: &mut [f64],
+    ) -> bool {
         let k = self.len();
-        self.q.transposed(w);
+        self.q.transposed(range, w);
         if k == self.n {
             return false;
         }
@@ -199,8 +207,8 @@ impl WorkingSet {
 
     /// Replaces `a` by `Qᵀ U⁻ᵀ a` and computes how the part of it along the held constraints combines from them.
     pub(super) fn project(&mut self, hessian: &Hessian, a: &mut [f64]) {
-        hessian.solve_transposed(a);
-        self.q.transposed(a);
+        let range = hessian.solve_transposed(a);
+        self.q.transposed(range, a);
         self.combine(a);
     }
 
@@ -243,8 +251,8 @@ impl WorkingSet {
     /// Solves `[H̃ A_aᵀ; A_a 0] [dx; dλ] = [−d; p]`: replaces `d` by `dx` and `p` (one entry per held constraint) by `dλ`.
     pub(super) fn correct(&mut self, hessian: &Hessian, d: &mut [f64], p: &mut [f64]) {
         let k = self.len();
-        hessian.solve_transposed(d);
-        self.q.transposed(d);
+        let range = hessian.solve_transposed(d);
+        self.q.transposed(range, d);
         solve_rows(0, &self.r, self.stride, &self.reciprocal[..k], p);
         for (t, (p, d)) in self.targets.iter_mut().zip(p.iter().zip(&*d)) {
             *t = -(p + d);
@@ -264,7 +272,7 @@ impl WorkingSet {
     pub(super) fn centre(&mut self, hessian: &Hessian, x: &[f64], scratch: &mut [f64]) {
         let (stride, k) = (self.stride, self.len());
         hessian.multiply(x, scratch);
-        self.q.transposed(scratch);
+        self.q.transposed(0..stride, scratch);
         for (v, z) in self.v[..stride].iter_mut().zip(scratch) {
             *v = -*z;
         }
