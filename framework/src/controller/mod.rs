@@ -30,7 +30,7 @@ use crate::{
     assembly::{Actuation, Assembly, Group, RowInfo, Table, VarInfo},
     config::Settings,
     constraint::Constraint,
-    qp::{Qp, QpSolver, RowId, Solution, Status, VarId},
+    qp::{Budget, Qp, QpSolver, RowId, Solution, Status, VarId},
     robot::RobotModel,
     rows::{ConstraintRows, Rows},
     task::Task,
@@ -104,7 +104,9 @@ impl Controller {
             .assemble(&terms, &mut self.groups, &mut self.qp);
         let built = self.stopwatch.now();
         assembled?;
-        self.solver.solve(&self.qp, &mut self.solution);
+        let budget = Budget::Clock(&mut *self.stopwatch);
+        self.solver
+            .solve_within(&self.qp, budget, &mut self.solution);
         let solved = self.stopwatch.now();
         self.report.status = self.solution.status;
         self.report.iterations = self.solution.iterations;

@@ -2,7 +2,7 @@
 
 use std::{any::Any, fmt::Debug};
 
-use super::{Capacity, Qp};
+use super::{Budget, Capacity, Held, Qp};
 use crate::setup::BindError;
 
 /// How a solve ended. An outcome, never an error: every one of them happens on a robot.
@@ -48,7 +48,7 @@ impl Status {
 pub struct Solution {
     /// How it ended.
     pub status: Status,
-    /// Iterations used.
+    /// Iterations used, of all attempts together.
     pub iterations: u32,
     /// The variables, first `qp.n()` entries valid.
     pub x: Vec<f64>,
@@ -97,6 +97,23 @@ pub trait QpSolver: Any + Send + Debug {
     /// status that is not usable, `x`, `y` and `z` are unspecified but finite.
     fn solve(&mut self, qp: &Qp, out: &mut Solution);
 
+    /// Solves, and ends with [`Status::Budget`] once a budget is used up. A solver that cannot be interrupted ignores it.
+    fn solve_within(&mut self, qp: &Qp, budget: Budget<'_>, out: &mut Solution) {
+        let _ = budget;
+        self.solve(qp, out);
+    }
+
     /// Forgets the warm start.
     fn reset(&mut self) {}
+
+    /// What the next solve begins with, in the order in which it is taken. Empty for a solver without a warm start.
+    fn warm_start(&self) -> &[Held] {
+        &[]
+    }
+
+    /// Replaces what the next solve begins with: together with the problem and a [`Budget::Iterations`], what it takes to
+    /// repeat a solve to the last bit. What exceeds the capacity is dropped.
+    fn set_warm_start(&mut self, held: &[Held]) {
+        let _ = held;
+    }
 }

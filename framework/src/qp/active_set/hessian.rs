@@ -249,8 +249,8 @@ impl Hessian {
             }
             self.has_small_pivot |= u[p][p] < SUSPECT * diagonal;
             reciprocal[p] = 1.0 / u[p][p].sqrt();
-            for q in p..LANES {
-                u[p][q] *= reciprocal[p];
+            for u in &mut u[p][p..] {
+                *u *= reciprocal[p];
             }
             for i in p + 1..LANES {
                 for q in i..LANES {
@@ -261,14 +261,7 @@ impl Hessian {
         if !reciprocal.iter().all(|r| r.is_finite()) {
             return false;
         }
-        let mut inverse = [[0.0; LANES]; LANES];
-        for q in 0..LANES {
-            inverse[q][q] = reciprocal[q];
-            for p in 0..q {
-                let sum: f64 = (p..q).map(|l| inverse[p][l] * u[l][q]).sum();
-                inverse[p][q] = -sum * reciprocal[q];
-            }
-        }
+        let inverse = inverse_of_triangle(&u, reciprocal);
         self.inverses[first / LANES] = inverse;
         let end = self.ends[first / LANES];
         let (r0, rest) = rows.split_at_mut(stride);
@@ -371,12 +364,30 @@ fn used(row: &[f64]) -> usize {
     if let Some(last) = rest.iter().rposition(|h| *h != 0.0) {
         return row.len() - rest.len() + last + 1;
     }
-    let any = |h: &[f64; LANES]| (h[0] != 0.0) | (h[1] != 0.0) | (h[2] != 0.0) | (h[3] != 0.0);
-    lanes.iter().rposition(any).map_or(0, |i| (i + 1) * LANES)
+    let last = lanes.iter().rposition(|lane| *lane != [0.0; LANES]);
+    last.map_or(0, |i| (i + 1) * LANES)
+}
+
+/// `B⁻¹` of an upper triangle B, given what its diagonal's inverse is.
+fn inverse_of_triangle(
+    u: &[[f64; LANES]; LANES],
+    [r0, r1, r2, r3]: [f64; LANES],
+) -> [[f64; LANES]; LANES] {
+    let [[_, u01, u02, u03], [_, _, u12, u13], [_, _, _, u23], _] = *u;
+    let (i01, i12, i23) = (-r0 * u01 * r1, -r1 * u12 * r2, -r2 * u23 * r3);
+    let i02 = -(r0 * u02 + i01 * u12) * r2;
+    let i13 = -(r1 * u13 + i12 * u23) * r3;
+    let i03 = -((r0 * u03 + i01 * u13) + i02 * u23) * r3;
+    [
+        [r0, i01, i02, i03],
+        [0.0, r1, i12, i13],
+        [0.0, 0.0, r2, i23],
+        [0.0, 0.0, 0.0, r3],
+    ]
 }
 
 /// `B⁻ᵀ a`, given `B⁻¹`, an upper triangle.
-#[inline(always)]
+#[inline]
 fn transposed_product(inverse: &[[f64; LANES]; LANES], a: [f64; LANES]) -> [f64; LANES] {
     let [i0, i1, i2, i3] = inverse;
     [

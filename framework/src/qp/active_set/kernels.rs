@@ -117,7 +117,7 @@ pub(super) fn axpy(y: &mut [f64], alpha: f64, x: &[f64]) {
     }
 }
 
-#[inline(always)]
+#[inline]
 fn scale_and_add<const L: usize>(y: &mut [f64; L], alpha: f64, x: &[f64; L]) {
     for l in 0..L {
         y[l] += alpha * x[l];
@@ -126,7 +126,10 @@ fn scale_and_add<const L: usize>(y: &mut [f64; L], alpha: f64, x: &[f64; L]) {
 
 /// `y += Σ α_i r_i` over four rows that are `stride` apart, each as long as `y`, a whole number of lanes; the first begins
 /// with `rows`.
-// Inlined, so that α stays in registers.
+#[expect(
+    clippy::inline_always,
+    reason = "as a call, α goes through memory, and its loads stall"
+)]
 #[inline(always)]
 pub(super) fn add_rows(y: &mut [f64], alpha: [f64; 4], rows: &[f64], stride: usize) {
     let n = y.len();
@@ -156,6 +159,7 @@ pub(super) fn add_rows(y: &mut [f64], alpha: [f64; 4], rows: &[f64], stride: usi
     }
 }
 
+#[expect(clippy::inline_always, reason = "as for `add_rows`")]
 #[inline(always)]
 fn add_lanes<const L: usize>(
     y: &mut [f64; L],

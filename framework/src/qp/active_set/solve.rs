@@ -7,10 +7,11 @@ use super::{
     },
     hessian::Hessian,
     kernels::{axpy, dot, largest, padded},
+    limits::Limits,
     point::Point,
     working_set::WorkingSet,
 };
-use crate::qp::{Capacity, Qp, RowId, Solution, Status, VarId};
+use crate::qp::{Capacity, ConstraintId, Held, Qp, Side, Solution, Status};
 
 /// Rounds in which all violated constraints are held together.
 const JOINT_ROUNDS: u32 = 4;
@@ -30,14 +31,7 @@ const ROUNDING: f64 = 1e-8;
 const CORRECTIONS: u32 = 50;
 
 /// Relative violation, or multiplier of the wrong sign, that a refined point may have: the more, the longer it takes.
-const FORGIVEN: [f64; 4] = [1e-11, 1e-10, 1e-9, 1e-8];
-
-/// Who is held, by identity.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Id {
-    Row(RowId),
-    Bound(VarId),
-}
+const FORGIVEN: [f64; 2] = [1e-11, 1e-10];
 
 /// Why the dual iteration stopped.
 enum End {
@@ -65,14 +59,12 @@ pub(super) struct Workspace {
     w: Vec<f64>,
     gradient: Vec<f64>,
     p: Vec<f64>,
-    previous: Vec<(Id, f64)>,
-    tolerance: f64,
+    previous: Vec<Held>,
     /// Size of the terms of the gradient at the last residuals, in units of the variables.
     size: f64,
     /// The last residuals, relative to it.
     residual: f64,
     iterations: u32,
-    max_iterations: u32,
 }
 
 impl Workspace {
@@ -94,23 +86,22 @@ impl Workspace {
         }
     }
 
-    /// The next solve begins without any constraint held.
-    pub(super) fn forget(&mut self) {
+    /// The constraints that the next solve begins with.
+    pub(super) fn begin_with(&mut self, held: &[Held]) {
         self.previous.clear();
+        let room = self.previous.capacity();
+        self.previous.extend(held.iter().take(room));
     }
 
-    pub(super) fn solve(
-        &mut self,
-        qp: &Qp,
-        tolerance: f64,
-        max_iterations: u32,
-        out: &mut Solution,
-    ) {
+    /// The constraints that the next solve begins with.
+    pub(super) fn previous(&self) -> &[Held] {
+        &self.previous
+    }
+
+    pub(super) fn solve(&mut self, qp: &Qp, mut limits: Limits<'_>, out: &mut Solution) {
         clear(qp, out);
-        self.tolerance = tolerance;
         self.iterations = 0;
-        self.max_iterations = max_iterations;
-        out.status = self.run(qp, out);
+        out.status = self.run(qp, &mut limits, out);
         out.iterations = self.iterations;
         let (n, m) = (qp.n(), qp.m());
         let mut numbers = out.x[..n].iter().chain(&out.y[..m]).chain(&out.z[..n]);
@@ -118,12 +109,15 @@ impl Workspace {
             clear(qp, out);
             out.status = Status::Failed;
         }
-        if !out.status.is_usable() {
+        if !(out.status.is_usable() || out.status == Status::Budget) {
             self.previous.clear();
         }
     }
 
-    fn run(&mut self, qp: &Qp, out: &mut Solution) -> Status {
+    fn run(&mut self, qp: &Qp, limits: &mut Limits<'_>, out: &mut Solution) -> Status {
+        if qp.n() == 0 {
+            return without_variables(qp, out);
+        }
         if let Some(index) = crossed(qp) {
             // Not a combination of constraints but one alone: its multiplier names it.
             add_multiplier(qp, index, 1.0, out);
@@ -132,8 +126,9 @@ impl Workspace {
         if !self.hessian.factorise(qp) {
             return Status::Failed;
         }
-        let status = self.run_factorised(qp, out);
-        if status == Status::Optimal || !self.hessian.is_suspect() {
+        let status = self.run_factorised(qp, limits, out);
+        let is_final = status == Status::Optimal || limits.were_used_up();
+        if is_final || !self.hessian.is_suspect() {
             return status;
         }
         // What was taken for curvature may have been rounding.
@@ -142,12 +137,11 @@ impl Workspace {
             return Status::Failed;
         }
         self.previous.clear();
-        self.run_factorised(qp, out)
+        self.run_factorised(qp, limits, out)
     }
 
-    fn run_factorised(&mut self, qp: &Qp, out: &mut Solution) -> Status {
+    fn run_factorised(&mut self, qp: &Qp, limits: &mut Limits<'_>, out: &mut Solution) -> Status {
         let n = qp.n();
-        self.iterations = 0;
         self.stride = padded(n);
         self.point.reset(qp);
         let v = &mut self.v[..self.stride];
@@ -163,11 +157,11 @@ impl Workspace {
         self.hold_previous(qp);
         self.last[..n].fill(0.0);
         for correction in 0..CORRECTIONS {
-            match self.ascend(qp, correction == 0, out) {
+            match self.ascend(qp, limits, correction == 0, out) {
                 End::Optimal => {}
                 End::Infeasible => return Status::Infeasible,
                 End::Budget => {
-                    self.write(qp, out);
+                    self.stop(qp, out);
                     return Status::Budget;
                 }
             }
@@ -182,7 +176,7 @@ impl Workspace {
             // What goes to and fro is on the edge.
             let forgiven = FORGIVEN[(correction as usize / 4).min(FORGIVEN.len() - 1)];
             let far = raised && self.residual > CONVERGED && correction + 1 < CORRECTIONS;
-            if self.is_settled(qp, forgiven) && !far {
+            if self.is_settled(qp, limits.tolerance, forgiven) && !far {
                 self.remember(qp);
                 self.write(qp, out);
                 return if self.residual < CONVERGED {
@@ -195,8 +189,16 @@ impl Workspace {
             }
             self.move_on(qp, forgiven);
         }
-        self.write(qp, out);
+        self.stop(qp, out);
         Status::Budget
+    }
+
+    /// Ends before the optimum: with the minimiser on what is held, from where the next solve goes on.
+    fn stop(&mut self, qp: &Qp, out: &mut Solution) {
+        self.set.find_targets();
+        self.set.primal(&self.hessian, self.point.x_mut());
+        self.remember(qp);
+        self.write(qp, out);
     }
 
     /// Holds all equality rows and fixed variables; false if they contradict one another.
@@ -226,16 +228,19 @@ impl Workspace {
     /// Holds what was held at the end of the last solve and still exists.
     fn hold_previous(&mut self, qp: &Qp) {
         for i in 0..self.previous.len() {
-            let (id, side) = self.previous[i];
-            let found = match id {
-                Id::Row(id) => qp.rows().binary_search(&id).ok(),
-                Id::Bound(id) => qp.vars().binary_search(&id).ok().map(|j| qp.m() + j),
+            let Held { constraint, side } = self.previous[i];
+            let found = match constraint {
+                ConstraintId::Row(id) => qp.rows().binary_search(&id).ok(),
+                ConstraintId::Bound(id) => qp.vars().binary_search(&id).ok().map(|j| qp.m() + j),
             };
             let Some(index) = found.filter(|&i| !self.settled[i]) else {
                 continue;
             };
             let (lower, upper) = limits(qp, index);
-            let limit = if side > 0.0 { upper } else { lower };
+            let (side, limit) = match side {
+                Side::Lower => (-1.0, lower),
+                Side::Upper => (1.0, upper),
+            };
             let constraint = Active { index, side, limit };
             if limit.is_finite() && self.push(qp, constraint, 0.0) {
                 self.settled[index] = true;
@@ -276,18 +281,24 @@ impl Workspace {
     }
 
     /// The dual iteration.
-    fn ascend(&mut self, qp: &Qp, is_first: bool, out: &mut Solution) -> End {
+    fn ascend(
+        &mut self,
+        qp: &Qp,
+        limits: &mut Limits<'_>,
+        is_first: bool,
+        out: &mut Solution,
+    ) -> End {
         let (mut guess_rounds, mut joint_rounds) = if is_first {
             (GUESS_ROUNDS, JOINT_ROUNDS)
         } else {
             (0, 0)
         };
-        let mut tolerance = self.tolerance;
+        let mut tolerance = limits.tolerance;
         loop {
-            self.iterations += 1;
-            if self.iterations > self.max_iterations {
+            if limits.are_used_up(self.iterations) {
                 return End::Budget;
             }
+            self.iterations += 1;
             self.set.find_targets();
             if guess_rounds > 0 {
                 // All multipliers are zero as yet, so that any of these constraints may go.
@@ -536,8 +547,8 @@ impl Workspace {
 
     /// Whether the refined point violates nothing and holds nothing with a multiplier of the wrong sign, beyond what is
     /// forgiven.
-    fn is_settled(&mut self, qp: &Qp, forgiven: f64) -> bool {
-        self.find_violated(qp, self.tolerance.max(forgiven));
+    fn is_settled(&mut self, qp: &Qp, tolerance: f64, forgiven: f64) -> bool {
+        self.find_violated(qp, tolerance.max(forgiven));
         self.violated.is_empty() && (0..self.set.len()).all(|j| !self.is_wrong(qp, j, forgiven))
     }
 
@@ -590,11 +601,16 @@ impl Workspace {
     fn remember(&mut self, qp: &Qp) {
         self.previous.clear();
         for held in self.set.active().iter().filter(|h| h.side != 0.0) {
-            let id = match held.index.checked_sub(qp.m()) {
-                None => Id::Row(qp.rows()[held.index]),
-                Some(j) => Id::Bound(qp.vars()[j]),
+            let constraint = match held.index.checked_sub(qp.m()) {
+                None => ConstraintId::Row(qp.rows()[held.index]),
+                Some(j) => ConstraintId::Bound(qp.vars()[j]),
             };
-            self.previous.push((id, held.side));
+            let side = if held.side > 0.0 {
+                Side::Upper
+            } else {
+                Side::Lower
+            };
+            self.previous.push(Held { constraint, side });
         }
     }
 
@@ -623,6 +639,17 @@ fn blocking(set: &WorkingSet) -> Option<(f64, usize)> {
         }
     }
     first
+}
+
+/// Nothing to choose: each row is zero, which its limits allow or not.
+fn without_variables(qp: &Qp, out: &mut Solution) -> Status {
+    for (i, (&lower, &upper)) in qp.row_lower().iter().zip(qp.row_upper()).enumerate() {
+        if lower > 0.0 || upper < 0.0 {
+            add_multiplier(qp, i, if lower > 0.0 { -1.0 } else { 1.0 }, out);
+            return Status::Infeasible;
+        }
+    }
+    Status::Optimal
 }
 
 /// A constraint whose lower limit is above its upper one.

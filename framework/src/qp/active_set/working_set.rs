@@ -297,7 +297,7 @@ fn solve_rows(known: usize, rows: &[f64], stride: usize, reciprocal: &[f64], z: 
     while i < k {
         let at = i * stride;
         let (head, tail) = z.split_at_mut(i);
-        if i % LANES == 0 && i + LANES <= k {
+        if i.is_multiple_of(LANES) && i + LANES <= k {
             let sums = dots(&rows[at..], stride, head);
             for p in 0..LANES {
                 let row = &rows[at + p * stride + i..];
