@@ -27,7 +27,7 @@ pub(crate) struct Assembly {
     variables: Variables,
     dynamics_rows: Vec<RowId>,
     /// The bound on each contact's normal force, which every contact brings.
-    normal_rows: Vec<RowId>,
+    pub(super) normal_rows: Vec<RowId>,
     pub(crate) live: Live,
     condensed: Condensed,
     /// Cost rows, row-major over the packed variables; their right-hand sides and weights.
@@ -38,6 +38,8 @@ pub(crate) struct Assembly {
     row: Vec<f64>,
     /// Who set the lower and the upper bound of each packed variable.
     pub(crate) bound_owner: Vec<[Option<RowId>; 2]>,
+    /// Largest weight that is on this tick, 1 without any.
+    pub(super) largest_weight: f64,
     /// Weight of `‖(u, f)‖²` this tick.
     pub(crate) regularisation_weight: f64,
 }
@@ -155,8 +157,14 @@ impl Assembly {
             stack_rows: 0,
             row: vec![0.0; capacity],
             bound_owner: vec![[None; 2]; capacity],
+            largest_weight: 1.0,
             regularisation_weight: 0.0,
         }
+    }
+
+    /// Whether a row is one of the equations of motion.
+    pub(crate) fn is_dynamics(&self, id: RowId) -> bool {
+        self.dynamics_rows.contains(&id)
     }
 
     /// The largest problem that can come up.
@@ -388,8 +396,8 @@ impl Assembly {
     fn regularise(&mut self, groups: &[Group], qp: &mut Qp) {
         let on = groups.iter().filter(|g| g.stack_start.is_some());
         let largest = on.map(Group::largest_weight).fold(0.0, f64::max);
-        let scale = if largest > 0.0 { largest } else { 1.0 };
-        self.regularisation_weight = self.regularisation * scale;
+        self.largest_weight = if largest > 0.0 { largest } else { 1.0 };
+        self.regularisation_weight = self.regularisation * self.largest_weight;
         let n = qp.n();
         let h = qp.h_mut();
         for i in self.live.effort..self.live.n_physical {
@@ -419,13 +427,7 @@ impl Assembly {
         }
         for (index, group) in groups.iter().enumerate().filter(|(_, g)| g.live) {
             for (b, (_, target)) in group.layout.bounds.iter().enumerate() {
-                let position = match *target {
-                    BoundTarget::Effort(i) => Some(self.live.effort + i),
-                    BoundTarget::Force(contact, i) => {
-                        self.live.forces[contact.index()].map(|start| start + i)
-                    }
-                };
-                let Some(p) = position.filter(|&p| p < n) else {
+                let Some(p) = self.position(*target).filter(|&p| p < n) else {
                     continue;
                 };
                 let (l, u) = (group.store.bound_lower[b], group.store.bound_upper[b]);
@@ -443,6 +445,16 @@ impl Assembly {
             }
         }
         Ok(())
+    }
+
+    /// Where a bounded variable stands, if it is live.
+    pub(super) fn position(&self, target: BoundTarget) -> Option<usize> {
+        match target {
+            BoundTarget::Effort(i) => Some(self.live.effort + i),
+            BoundTarget::Force(contact, i) => {
+                self.live.forces[contact.index()].map(|start| start + i)
+            }
+        }
     }
 
     /// `v̇` of a solution.
@@ -504,6 +516,6 @@ impl Assembly {
 }
 
 /// Whether the rows have one right-hand side.
-fn is_equality(group: &Group) -> bool {
+pub(crate) fn is_equality(group: &Group) -> bool {
     group.is_task || group.layout.relation == Relation::Equality
 }

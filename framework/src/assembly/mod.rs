@@ -12,13 +12,15 @@ mod actuation;
 mod assemble;
 mod cholesky;
 mod condensed;
+mod elastic;
 mod group;
 mod live;
 mod table;
 mod weight;
 
 pub(crate) use actuation::Actuation;
-pub(crate) use assemble::{Assembly, DynamicsTerms, ProblemRows, VariableNames};
+pub(crate) use assemble::{Assembly, DynamicsTerms, ProblemRows, VariableNames, is_equality};
+pub(crate) use elastic::Elastic;
 pub(crate) use group::{Group, GroupSpec, Treatment};
 pub(crate) use live::Live;
 pub(crate) use table::Table;

@@ -22,6 +22,7 @@
 //! ([`ConfigErrors`]). [`Overrides`] replace single values. Saving what was loaded, loading and saving again
 //! gives the same text.
 
+mod compose;
 mod document;
 mod entry;
 mod error;
@@ -104,6 +105,12 @@ pub struct Settings {
     #[serde(default = "default_velocity_leak")]
     #[schemars(extend("x-unit" = "s"))]
     pub velocity_leak: f64,
+    /// How long the last solution is carried on when a tick has none, s; after it the safe law takes over. The default is a few
+    /// periods, and no longer than a rotor or a servo takes to follow a command: the robot hardly leaves the path that
+    /// was planned.
+    #[serde(default = "default_extrapolation")]
+    #[schemars(extend("x-unit" = "s"))]
+    pub extrapolation: f64,
     /// Whether a robot with a floating base and rotors is refused if it cannot hold its home posture in the air.
     #[serde(default)]
     pub hover: Hover,
@@ -124,6 +131,9 @@ pub enum Hover {
 fn default_regularisation() -> f64 {
     1e-9
 }
+fn default_extrapolation() -> f64 {
+    0.02
+}
 fn default_velocity_leak() -> f64 {
     0.5
 }
@@ -136,6 +146,7 @@ impl Settings {
             formulation: Formulation::default(),
             regularisation: default_regularisation(),
             velocity_leak: default_velocity_leak(),
+            extrapolation: default_extrapolation(),
             hover: Hover::default(),
         }
     }
@@ -167,6 +178,12 @@ impl Settings {
                 self.velocity_leak,
                 !rate_is_good || self.velocity_leak * self.rate >= 1.0,
                 "at least one period",
+            ),
+            (
+                "extrapolation",
+                self.extrapolation,
+                self.extrapolation >= 0.0,
+                "not negative",
             ),
         ]
         .into_iter()

@@ -25,4 +25,4 @@ pub use clarabel::Clarabel;
 pub use optimality::Optimality;
 pub use problem::{Capacity, Qp, RowId, VarId};
 pub use solver::{QpSolver, Solution, Status};
-pub use warm_start::{ConstraintId, Held, Side};
+pub use warm_start::{ConstraintId, Held, WarmStart};

@@ -2,11 +2,14 @@
 
 use std::{any::Any, fmt::Debug};
 
-use super::{Budget, Capacity, Held, Qp};
+use serde::{Deserialize, Serialize};
+
+use super::{Budget, Capacity, Qp, WarmStart};
 use crate::setup::BindError;
 
 /// How a solve ended. An outcome, never an error: every one of them happens on a robot.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Status {
     /// Optimal within the solver's tolerances.
@@ -106,14 +109,14 @@ pub trait QpSolver: Any + Send + Debug {
     /// Forgets the warm start.
     fn reset(&mut self) {}
 
-    /// What the next solve begins with, in the order in which it is taken. Empty for a solver without a warm start.
-    fn warm_start(&self) -> &[Held] {
-        &[]
+    /// Copies the warm start of the next solve out, without allocating: for records of ticks. A solver without one leaves
+    /// it empty.
+    fn warm_start(&self, out: &mut WarmStart) {
+        out.clear();
     }
 
-    /// Replaces what the next solve begins with: together with the problem and a [`Budget::Iterations`], what it takes to
-    /// repeat a solve to the last bit. What exceeds the capacity is dropped.
-    fn set_warm_start(&mut self, held: &[Held]) {
-        let _ = held;
+    /// Takes a recorded warm start over: the next solve is to the bit what it was after the recorded one.
+    fn start_from(&mut self, _warm_start: &WarmStart) {
+        self.reset();
     }
 }

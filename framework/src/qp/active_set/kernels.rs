@@ -175,6 +175,22 @@ fn add_lanes<const L: usize>(
     }
 }
 
+/// Largest magnitude of the products `a_i b_i`, over the shorter length.
+pub(super) fn largest_product(a: &[f64], b: &[f64]) -> f64 {
+    let n = a.len().min(b.len());
+    let (a4, a_rest) = a[..n].as_chunks::<LANES>();
+    let (b4, b_rest) = b[..n].as_chunks::<LANES>();
+    let larger = |x: f64, y: f64| if y > x { y } else { x };
+    let mut lanes = [0.0; LANES];
+    for (a, b) in a4.iter().zip(b4) {
+        for l in 0..LANES {
+            lanes[l] = larger(lanes[l], (a[l] * b[l]).abs());
+        }
+    }
+    let rest = a_rest.iter().zip(b_rest).map(|(a, b)| (a * b).abs());
+    rest.chain(lanes).fold(0.0, larger)
+}
+
 /// Largest magnitude.
 pub(super) fn largest(a: &[f64]) -> f64 {
     a.iter().fold(0.0, |largest: f64, a| largest.max(a.abs()))

@@ -46,7 +46,7 @@ mod working_set;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Budget, Capacity, Held, Qp, QpSolver, Solution};
+use super::{Budget, Capacity, Qp, QpSolver, Solution, WarmStart};
 use crate::setup::BindError;
 use limits::Limits;
 use solve::Workspace;
@@ -129,14 +129,14 @@ impl QpSolver for ActiveSet {
     }
 
     fn reset(&mut self) {
-        self.workspace.begin_with(&[]);
+        self.workspace.forget();
     }
 
-    fn warm_start(&self) -> &[Held] {
-        self.workspace.previous()
+    fn warm_start(&self, out: &mut WarmStart) {
+        self.workspace.warm_start(out);
     }
 
-    fn set_warm_start(&mut self, held: &[Held]) {
-        self.workspace.begin_with(held);
+    fn start_from(&mut self, warm_start: &WarmStart) {
+        self.workspace.start_from(warm_start);
     }
 }

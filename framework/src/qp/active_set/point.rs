@@ -1,6 +1,6 @@
 //! The point that is looked at: its variables, and what the constraints' values there are made of.
 
-use super::kernels::{LANES, dot, dot_magnitudes, dots, padded};
+use super::kernels::{LANES, dot, dot_magnitudes, dots, largest_product, padded};
 use crate::qp::{Capacity, Qp};
 
 /// Variables and the values of all constraints.
@@ -83,11 +83,7 @@ impl Point {
                 }
             }
         }
-        let in_units = x
-            .iter()
-            .zip(&self.per_unit)
-            .map(|(x, per_unit)| (x * per_unit).abs());
-        self.largest = in_units.fold(0.0, f64::max);
+        self.largest = largest_product(x, &self.per_unit);
         // A thousandth of the largest is what is left where large numbers cancel.
         let left = 1e-3 * self.largest;
         for (size, (x, unit)) in self.sizes.iter_mut().zip(x.iter().zip(&self.unit)) {

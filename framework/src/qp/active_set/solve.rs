@@ -6,12 +6,12 @@ use super::{
         value,
     },
     hessian::Hessian,
-    kernels::{axpy, dot, largest, padded},
+    kernels::{axpy, dot, largest, largest_product, padded},
     limits::Limits,
     point::Point,
     working_set::WorkingSet,
 };
-use crate::qp::{Capacity, ConstraintId, Held, Qp, Side, Solution, Status};
+use crate::qp::{Capacity, ConstraintId, Held, Qp, Solution, Status, WarmStart};
 
 /// Rounds in which all violated constraints are held together.
 const JOINT_ROUNDS: u32 = 4;
@@ -86,16 +86,23 @@ impl Workspace {
         }
     }
 
-    /// The constraints that the next solve begins with.
-    pub(super) fn begin_with(&mut self, held: &[Held]) {
-        self.previous.clear();
-        let room = self.previous.capacity();
-        self.previous.extend(held.iter().take(room));
+    pub(super) fn warm_start(&self, out: &mut WarmStart) {
+        out.clear();
+        for held in &self.previous {
+            out.push(held.constraint, held.side);
+        }
     }
 
-    /// The constraints that the next solve begins with.
-    pub(super) fn previous(&self) -> &[Held] {
-        &self.previous
+    /// The next solve begins with these; those beyond the capacity are forgotten.
+    pub(super) fn start_from(&mut self, warm_start: &WarmStart) {
+        self.previous.clear();
+        let room = self.previous.capacity();
+        self.previous.extend(warm_start.iter().take(room));
+    }
+
+    /// The next solve begins without any constraint held.
+    pub(super) fn forget(&mut self) {
+        self.previous.clear();
     }
 
     pub(super) fn solve(&mut self, qp: &Qp, mut limits: Limits<'_>, out: &mut Solution) {
@@ -237,9 +244,10 @@ impl Workspace {
                 continue;
             };
             let (lower, upper) = limits(qp, index);
-            let (side, limit) = match side {
-                Side::Lower => (-1.0, lower),
-                Side::Upper => (1.0, upper),
+            let (side, limit) = if side > 0.0 {
+                (1.0, upper)
+            } else {
+                (-1.0, lower)
             };
             let constraint = Active { index, side, limit };
             if limit.is_finite() && self.push(qp, constraint, 0.0) {
@@ -515,11 +523,9 @@ impl Workspace {
         let gradient = &mut self.gradient[..self.stride];
         self.hessian.product(qp, point.x(), gradient);
         gradient[qp.n()..].fill(0.0);
-        let mut size = 0.0_f64;
-        for ((d, g), unit) in gradient.iter_mut().zip(qp.g()).zip(point.unit()) {
-            size = size.max(unit * d.abs()).max(unit * g.abs());
-            *d += g;
-        }
+        let unit = point.unit();
+        let mut size = largest_product(gradient, unit).max(largest_product(qp.g(), unit));
+        axpy(gradient, 1.0, qp.g());
         if self.hessian.is_raised() {
             // The size of a proximal term.
             size = size.max(1e-6 * point.largest());
@@ -534,11 +540,7 @@ impl Workspace {
                 primal = primal.max(p.abs() / (held.limit.abs() + point.magnitude(qp, held.index)));
             }
         }
-        let in_units = gradient
-            .iter()
-            .zip(point.unit())
-            .map(|(d, unit)| (d * unit).abs());
-        let stationarity = in_units.fold(0.0, f64::max);
+        let stationarity = largest_product(gradient, unit);
         // The entries of H x may be small differences of large terms, none of which exceeds the largest variable.
         self.size = size.max(point.largest()).max(f64::MIN_POSITIVE);
         self.residual = primal.max(stationarity / self.size);
@@ -605,11 +607,7 @@ impl Workspace {
                 None => ConstraintId::Row(qp.rows()[held.index]),
                 Some(j) => ConstraintId::Bound(qp.vars()[j]),
             };
-            let side = if held.side > 0.0 {
-                Side::Upper
-            } else {
-                Side::Lower
-            };
+            let side = held.side;
             self.previous.push(Held { constraint, side });
         }
     }
