@@ -39,7 +39,7 @@ use crate::{
     assembly::{Actuation, Assembly, Group, RowInfo, Table, VarInfo},
     config::Settings,
     constraint::Constraint,
-    qp::{Qp, QpSolver, RowId, Solution, Status, VarId},
+    qp::{Budget, Qp, QpSolver, RowId, Solution, Status, VarId},
     replay::{Record, Recorder},
     robot::RobotModel,
     rows::{ConstraintRows, Rows},
@@ -159,7 +159,9 @@ impl Controller {
             // What was active some time ago is no good guess.
             self.solver.reset();
         }
-        self.solver.solve(&self.qp, &mut self.solution);
+        let budget = Budget::Clock(&mut *self.stopwatch);
+        self.solver
+            .solve_within(&self.qp, budget, &mut self.solution);
         self.report.status = self.solution.status;
         self.report.iterations = self.solution.iterations;
         self.report.regularisation = self.assembly.regularisation_weight;

@@ -10,6 +10,7 @@
 //! `H x + g + Aᵀ y + z = 0`.
 
 mod active_set;
+mod budget;
 mod clarabel;
 mod optimality;
 mod polish;
@@ -19,6 +20,7 @@ mod solver;
 mod warm_start;
 
 pub use active_set::ActiveSet;
+pub use budget::Budget;
 pub use clarabel::Clarabel;
 pub use optimality::Optimality;
 pub use problem::{Capacity, Qp, RowId, VarId};

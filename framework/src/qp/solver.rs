@@ -4,7 +4,7 @@ use std::{any::Any, fmt::Debug};
 
 use serde::{Deserialize, Serialize};
 
-use super::{Capacity, Qp, WarmStart};
+use super::{Budget, Capacity, Qp, WarmStart};
 use crate::setup::BindError;
 
 /// How a solve ended. An outcome, never an error: every one of them happens on a robot.
@@ -51,7 +51,7 @@ impl Status {
 pub struct Solution {
     /// How it ended.
     pub status: Status,
-    /// Iterations used.
+    /// Iterations used, of all attempts together.
     pub iterations: u32,
     /// The variables, first `qp.n()` entries valid.
     pub x: Vec<f64>,
@@ -99,6 +99,12 @@ pub trait QpSolver: Any + Send + Debug {
     /// `z` may hold the proof (`Aᵀ y + z = 0` while the limits that they weight have a negative sum); otherwise, on a
     /// status that is not usable, `x`, `y` and `z` are unspecified but finite.
     fn solve(&mut self, qp: &Qp, out: &mut Solution);
+
+    /// Solves, and ends with [`Status::Budget`] once a budget is used up. A solver that cannot be interrupted ignores it.
+    fn solve_within(&mut self, qp: &Qp, budget: Budget<'_>, out: &mut Solution) {
+        let _ = budget;
+        self.solve(qp, out);
+    }
 
     /// Forgets the warm start.
     fn reset(&mut self) {}
