@@ -6,7 +6,7 @@ use anyhow::Result;
 use clap::ValueEnum;
 use serde::Serialize;
 use wbqp::{Controller, Measurement, config::Target, controller::Stopwatch};
-use wbqp_sim::{ClosedLoop, Requests, Scenario, Variation, scenario::Case};
+use wbqp_sim::{ClosedLoop, Plant, Requests, Scenario, Variation, scenario::Case};
 
 use crate::cli::scenario_file;
 
@@ -211,6 +211,11 @@ impl Run {
         }
         self.left = self.left.saturating_sub(1);
         Ok(())
+    }
+
+    /// The truth.
+    pub fn plant(&self) -> &Plant {
+        self.closed_loop.plant()
     }
 
     /// What the last tick measured.
