@@ -22,6 +22,7 @@
 //! ([`ConfigErrors`]). [`Overrides`] replace single values. Saving what was loaded, loading and saving again
 //! gives the same text.
 
+mod compose;
 mod document;
 mod entry;
 mod error;

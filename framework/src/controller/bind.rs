@@ -5,6 +5,7 @@ use super::{
     command::Command,
     error::ControllerError,
     faults::Faults,
+    handle::Stamp,
     report::{ContactReport, Report, Rung, TaskReport},
     stopwatch::{NoStopwatch, StageTimes},
     switch::Switch,
@@ -79,6 +80,7 @@ impl Controller {
         faults.robot(robot_plugin.typetag_name(), robot.problems());
         // Plug-ins rely on a sound robot and a sound rate.
         faults.stop_if_any()?;
+        faults.names(&contacts, &tasks, &constraints);
         let period = 1.0 / settings.rate;
         let model = robot.model.clone();
 
@@ -143,7 +145,6 @@ impl Controller {
                 Err(error) => faults.constraint(index, entry, error),
             }
         }
-        faults.names(&contacts, &tasks, &constraints);
         let solver_tag = solver.typetag_name();
         if !faults.is_empty() {
             // The problem has no size, but the solver's settings can be looked at.
@@ -214,6 +215,7 @@ impl Controller {
             engaged: false,
             hover_residual: nalgebra::DVector::zeros(sizes.nv),
             stopwatch: Box::new(NoStopwatch),
+            stamp: Stamp::next(),
             robot,
         };
         let is_solved = controller.hover();

@@ -98,24 +98,29 @@ impl Faults {
         tasks: &[Entry<dyn Task>],
         constraints: &[Entry<dyn Constraint>],
     ) {
-        let taken = |by: &str| BindError::value("name", format!("is taken by another {by}"));
+        let taken = |by: &str| BindError::value("name", format!("is taken by {by}"));
         for (index, contact) in contacts.iter().enumerate() {
-            if contacts.iter().take(index).any(|c| c.name == contact.name) {
-                self.contact(index, &contact.name, taken("contact"));
+            if let Some(first) = contacts[..index]
+                .iter()
+                .position(|c| c.name == contact.name)
+            {
+                let by = format!("contact[{first}]");
+                self.contact(index, &contact.name, taken(&by));
             }
         }
-        let mut names: Vec<&str> = Vec::new();
+        let first_task = |name: &str| tasks.iter().position(|task| task.name == name);
         for (index, entry) in tasks.iter().enumerate() {
-            if names.contains(&entry.name.as_str()) {
-                self.task(index, entry, taken("task"));
+            if let Some(first) = first_task(&entry.name).filter(|&first| first < index) {
+                self.task(index, entry, taken(&format!("task[{first}]")));
             }
-            names.push(&entry.name);
         }
         for (index, entry) in constraints.iter().enumerate() {
-            if names.contains(&entry.name.as_str()) {
-                self.constraint(index, entry, taken("task or constraint"));
+            let mut before = constraints[..index].iter();
+            if let Some(first) = first_task(&entry.name) {
+                self.constraint(index, entry, taken(&format!("task[{first}]")));
+            } else if let Some(first) = before.position(|c| c.name == entry.name) {
+                self.constraint(index, entry, taken(&format!("constraint[{first}]")));
             }
-            names.push(&entry.name);
         }
     }
 }

@@ -8,6 +8,7 @@ pub(crate) mod bind;
 mod command;
 mod error;
 mod faults;
+mod handle;
 mod hover;
 mod measurement;
 mod rehearsal;
@@ -19,6 +20,7 @@ pub(crate) mod world;
 
 pub use command::Command;
 pub use error::{ControllerError, RequestError};
+pub use handle::{TaskId, TaskKey, TaskMut};
 pub use measurement::{Fault, Measurement, Quantity};
 pub use rehearsal::PlannedForce;
 pub use report::{ActiveRow, ContactReport, Report, Rung, Side, TaskReport};
@@ -36,6 +38,7 @@ use crate::{
     task::Task,
     tick::EntryState,
 };
+use handle::Stamp;
 use world::World;
 
 /// A whole-body controller bound to a robot.
@@ -63,6 +66,8 @@ pub struct Controller {
     engaged: bool,
     hover_residual: DVector<f64>,
     stopwatch: Box<dyn Stopwatch>,
+    /// What ids of tasks must have.
+    stamp: Stamp,
 }
 
 impl Controller {
