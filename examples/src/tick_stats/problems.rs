@@ -20,7 +20,7 @@ use anyhow::{Context, Result, ensure};
 use serde::{Deserialize, Serialize};
 use wbqp::{
     Controller,
-    qp::{ActiveSet, Capacity, Clarabel, Qp, QpSolver, RowId, Solution, VarId},
+    qp::{ActiveSet, Capacity, Clarabel, Optimality, Qp, QpSolver, RowId, Solution, VarId},
 };
 
 use super::{Quantiles, workload::Workload};
@@ -187,6 +187,10 @@ pub struct SolverTimes {
     pub cold: Quantiles,
     /// Largest difference of the objective from the file's, relative to `1 + |objective|`.
     pub objective_error: f64,
+    /// Largest violation of a row or bound, in its unit.
+    pub primal: f64,
+    /// Largest `‖H x + g + Aᵀ y + z‖∞ / (1 + ‖g‖∞)`.
+    pub kkt: f64,
     /// Problems without a usable solution.
     pub failed: usize,
 }
@@ -242,6 +246,7 @@ struct Timing {
     warm: Vec<u32>,
     cold: Vec<u32>,
     objective_error: f64,
+    worst: Optimality,
     failed: usize,
 }
 
@@ -255,6 +260,7 @@ impl Timing {
             warm: Vec::new(),
             cold: Vec::new(),
             objective_error: 0.0,
+            worst: Optimality::default(),
             failed: 0,
         })
     }
@@ -268,6 +274,9 @@ impl Timing {
             let objective = qp.objective(&self.solution.x[..qp.n()]);
             let error = (objective - problem.objective).abs() / (1.0 + problem.objective.abs());
             self.objective_error = self.objective_error.max(error);
+            let errors = Optimality::of(qp, &self.solution);
+            self.worst.primal = self.worst.primal.max(errors.primal);
+            self.worst.stationarity = self.worst.stationarity.max(errors.stationarity);
         } else {
             self.failed += 1;
         }
@@ -280,6 +289,8 @@ impl Timing {
             warm: (!self.warm.is_empty()).then(|| Quantiles::of(&self.warm)),
             cold: Quantiles::of(&self.cold),
             objective_error: self.objective_error,
+            primal: self.worst.primal,
+            kkt: self.worst.stationarity,
             failed: self.failed,
         }
     }
