@@ -11,9 +11,14 @@
 mod actuation;
 mod assemble;
 mod cholesky;
-mod condensed;
+mod expand;
 mod group;
+mod kernels;
 mod live;
+mod partition;
+mod quadratic;
+mod recover;
+mod relations;
 mod table;
 mod weight;
 
@@ -21,5 +26,9 @@ pub(crate) use actuation::Actuation;
 pub(crate) use assemble::{Assembly, DynamicsTerms, ProblemRows, VariableNames};
 pub(crate) use group::{Group, GroupSpec, Treatment};
 pub(crate) use live::Live;
+pub(crate) use partition::Partition;
+use quadratic::Quadratic;
+use recover::Recovered;
+use relations::Relations;
 pub(crate) use table::Table;
 pub use table::{RowInfo, VarInfo};
