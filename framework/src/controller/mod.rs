@@ -159,9 +159,13 @@ impl Controller {
             // What was active some time ago is no good guess.
             self.solver.reset();
         }
-        let budget = Budget::Clock(&mut *self.stopwatch);
+        let budget = match recorded {
+            None => Budget::Clock(&mut *self.stopwatch),
+            Some(record) => Budget::Iterations(record.outcome.solved_in),
+        };
         self.solver
             .solve_within(&self.qp, budget, &mut self.solution);
+        self.record_solve();
         self.report.status = self.solution.status;
         self.report.iterations = self.solution.iterations;
         self.report.regularisation = self.assembly.regularisation_weight;
