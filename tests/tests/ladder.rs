@@ -417,9 +417,7 @@ fn the_proof_of_the_active_set_solver_is_irreducible() {
                 members.push(Member { a, lower, upper });
             }
         }
-        let all: Vec<&Member> = members.iter().collect();
-        let without: Vec<bool> = (0..members.len()).map(|k| { let mut r = all.clone(); r.remove(k); is_feasible(n, &r) }).collect();
-        if !is_irreducible(n, &members) { println!("seed {seed} n {n} all {} {without:?} y {:?} z {:?}", is_feasible(n, &all), solution.y, solution.z); }
+        if !is_irreducible(n, &members) { for m in &members {println!("seed {seed} {:?} {} {}", m.a, m.lower, m.upper);} for i in 0..m { println!("  {:?} {} {}", qp.row(i), qp.row_lower()[i], qp.row_upper()[i]); } }
         largest = largest.max(members.len());
         count += 1;
     }

@@ -150,6 +150,13 @@ impl Controller {
                 &mut self.report,
             )?)
         };
+        let x = &self.solution.x[..n];
+        self.assembly.vdot(x, &mut self.report.vdot);
+        if !self.report.vdot.iter().all(|v| v.is_finite()) {
+            self.report.vdot.copy_from(&self.world.last.vdot);
+            self.report.relaxed.clear();
+            return Err(Fault::Dynamics);
+        }
         let solved = self.stopwatch.now();
         let rung = match fault {
             None => Rung::Optimal,
@@ -248,8 +255,7 @@ impl Controller {
     /// Turns the solution into command and report.
     fn output(&mut self, rung: Rung) {
         let x = &self.solution.x[..self.qp.n()];
-        self.assembly.vdot(x, &mut self.world.last.vdot);
-        self.report.vdot.copy_from(&self.world.last.vdot);
+        self.world.last.vdot.copy_from(&self.report.vdot);
         let tasks = &self.groups[..self.tasks.len()];
         for (column, asked) in self.world.last.virtual_input.iter_mut().enumerate() {
             *asked = Group::virtual_input(tasks, column);
