@@ -143,6 +143,9 @@ pub fn is_within_bounds(robot: &RobotModel, command: &Command) -> bool {
     let velocities = robot.model.joints().iter().zip(&command.joint_velocity);
     let mut velocities =
         velocities.map(|(joint, v)| v.is_finite() && v.abs() <= joint.limits.velocity);
-    let mut rest = command.rotor_speed.iter().chain(&command.joint_acceleration);
+    let mut rest = command
+        .rotor_speed
+        .iter()
+        .chain(&command.joint_acceleration);
     efforts.all(|inside| inside) && velocities.all(|inside| inside) && rest.all(|x| x.is_finite())
 }

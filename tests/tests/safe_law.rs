@@ -22,13 +22,13 @@ use wbqp_robots::OthexVertical;
 use wbqp_sim::{
     Plant, PlantCommand, PlantConfig, SensorsConfig, plant, sensors::ForceTorqueConfig,
 };
+use wbqp_tasks::MinJerk;
 use wbqp_tests::{
     adversary::is_within_bounds,
-    approach::{BEYOND, BEFORE},
+    approach::{BEFORE, BEYOND},
     closed_loop::ClosedLoop,
     scenes::{Kind, Scene},
 };
-use wbqp_tasks::MinJerk;
 
 /// Makes the problem one that has no numbers while it is on: no solution of any kind.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -79,7 +79,11 @@ fn at_the_wall(controller: Controller, initial: State) -> ClosedLoop {
 }
 
 fn tilt(state: &State) -> f64 {
-    (state.R_WR * Vector3::z()).z.clamp(-1.0, 1.0).acos().to_degrees()
+    (state.R_WR * Vector3::z())
+        .z
+        .clamp(-1.0, 1.0)
+        .acos()
+        .to_degrees()
 }
 
 fn base_speed(state: &State) -> (f64, f64) {
@@ -103,8 +107,14 @@ fn a_tumbling_robot_comes_to_rest() {
         let controller = with_breaker(config, true);
         let mut initial = controller.robot().home.clone();
         initial.p_WR = Vector3::new(-5.0, 0.0, 5.0);
-        initial.v.rows_mut(0, 3).copy_from(&Vector3::new(0.8, -0.6, -0.4));
-        initial.v.rows_mut(3, 3).copy_from(&Vector3::new(4.0, -3.0, 2.0));
+        initial
+            .v
+            .rows_mut(0, 3)
+            .copy_from(&Vector3::new(0.8, -0.6, -0.4));
+        initial
+            .v
+            .rows_mut(3, 3)
+            .copy_from(&Vector3::new(4.0, -3.0, 2.0));
         let mut running = at_the_wall(controller, initial.clone());
         let mut most = 0.0_f64;
         while running.time() < 8.0 {
@@ -154,7 +164,10 @@ fn it_lets_go_of_a_wall() {
     let mut largest = 0.0_f64;
     while running.time() < 10.0 {
         step(&mut running);
-        let truth = running.plant.contacts().map(|(_, _, truth)| truth.force_W.norm());
+        let truth = running
+            .plant
+            .contacts()
+            .map(|(_, _, truth)| truth.force_W.norm());
         largest = largest.max(truth.fold(0.0, f64::max));
     }
     let (v, w) = base_speed(running.plant.state());
@@ -163,7 +176,10 @@ fn it_lets_go_of_a_wall() {
 }
 
 /// How a failure of 0.2 s ends: rungs in their order, largest distance from the set point, distance after 3 s.
-fn bridge(running: &mut ClosedLoop, fail: impl Fn(&mut ClosedLoop, bool)) -> (Vec<(Rung, u32)>, f64, f64) {
+fn bridge(
+    running: &mut ClosedLoop,
+    fail: impl Fn(&mut ClosedLoop, bool),
+) -> (Vec<(Rung, u32)>, f64, f64) {
     let before = running.plant.state().p_WR;
     let start = running.time();
     let mut rungs: Vec<(Rung, u32)> = Vec::new();
@@ -208,7 +224,11 @@ fn a_failure_in_flight_is_bridged() {
     }
     let (rungs, farthest, left) = bridge(&mut running, breaking);
     println!("{rungs:?}: {farthest:.4} m away, {left:.5} m after 3 s");
-    let expected = [(Rung::Extrapolated, 5), (Rung::Safe, 45), (Rung::Optimal, 700)];
+    let expected = [
+        (Rung::Extrapolated, 5),
+        (Rung::Safe, 45),
+        (Rung::Optimal, 700),
+    ];
     assert_eq!(rungs, expected);
     assert!(farthest < 0.02 && left < 0.005);
 }
@@ -297,12 +317,18 @@ fn an_arm_is_held() {
     assert_eq!(arm.controller.report().rung, Rung::Safe);
     let state = arm.plant.state();
     let moved = (&state.q - &initial.q).amax();
-    println!("arm: {:.4} rad/s, {moved:.4} rad away after 3 s", state.v.amax());
+    println!(
+        "arm: {:.4} rad/s, {moved:.4} rad away after 3 s",
+        state.v.amax()
+    );
     assert!(state.v.amax() < 0.02 && moved < 0.05);
     // Blind, it gets what balances gravity where it was seen last.
     arm.blind = true;
     arm.run(0.3);
-    println!("arm: {:.4} rad/s after 0.3 s without measurement", arm.plant.state().v.amax());
+    println!(
+        "arm: {:.4} rad/s after 0.3 s without measurement",
+        arm.plant.state().v.amax()
+    );
     assert!(arm.plant.state().v.amax() < 0.2);
 }
 
@@ -339,7 +365,11 @@ fn a_standing_robot_stays_up() {
     let lowest = feet.map(height).into_iter().fold(f64::INFINITY, f64::min);
     initial.p_WR.z = -lowest - 0.002;
     let plant = PlantConfig {
-        walls: vec![plant::WallConfig::new("floor", Vector3::zeros(), Vector3::z())],
+        walls: vec![plant::WallConfig::new(
+            "floor",
+            Vector3::zeros(),
+            Vector3::z(),
+        )],
         contact_points: feet
             .map(|frame| plant::ContactPointConfig {
                 frame: frame.into(),

@@ -54,7 +54,8 @@ pub(super) fn is_proof(qp: &Qp, proof: &Solution) -> bool {
         error = error.max(unit * sum.abs());
         size = size.max(unit * terms);
     }
-    size > 0.0 && error <= EXACT * size && gap(qp, proof) > 0.0
+    // A row without coefficients proves it alone; its gap says whether.
+    error <= EXACT * size && gap(qp, proof) > 0.0
 }
 
 /// A row or bound (counted behind the rows) whose lower limit is above its upper one, named by the proof.
@@ -132,7 +133,7 @@ pub(super) fn write_conflict(
     let largest = terms().fold(0.0, f64::max);
     for (index, _) in terms()
         .enumerate()
-        .filter(|(_, term)| *term > ROUNDING * largest)
+        .filter(|(_, term)| *term > ROUNDING * largest || largest == 0.0)
     {
         let (multiplier, owners, lower, upper) = match index.checked_sub(qp.m()) {
             None => (
@@ -148,6 +149,9 @@ pub(super) fn write_conflict(
                 qp.upper()[j],
             ),
         };
+        if multiplier == 0.0 {
+            continue;
+        }
         let (side, limit, owner) = if multiplier > 0.0 {
             (Side::Upper, upper, owners[1])
         } else {

@@ -71,7 +71,11 @@ impl Clock {
         });
         self.previous = Some(stamp);
         let is_early = last.is_some_and(|last| stamp <= last);
-        self.steady = if goes_on && is_early { self.steady + 1 } else { 0 };
+        self.steady = if goes_on && is_early {
+            self.steady + 1
+        } else {
+            0
+        };
         if self.steady < Self::STEADY {
             return false;
         }

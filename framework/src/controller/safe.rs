@@ -449,7 +449,9 @@ impl Allocation {
         }
         for (r, &column) in self.free.iter().enumerate() {
             let a = |i: usize, j: usize| self.a[i * p + j];
-            self.right[r] = (0..6).map(|i| self.weight[i] * a(i, column) * rest[i]).sum();
+            self.right[r] = (0..6)
+                .map(|i| self.weight[i] * a(i, column) * rest[i])
+                .sum();
             for (c, &other) in self.free.iter().enumerate().take(r + 1) {
                 let product: f64 = (0..6)
                     .map(|i| self.weight[i] * a(i, column) * a(i, other))
