@@ -395,41 +395,54 @@ fn nothing_jumps_at_the_edge_of_feasibility() {
     assert!(largest < 1e-2, "{largest}");
 }
 
-/// Wall-clock times: run it alone, in a release build.
-#[test]
-#[ignore = "measures time"]
-fn what_a_relaxed_tick_costs() {
-    for kind in KINDS {
+/// Runs the same ticks several times: the rung of each, and the least time that it took, µs.
+fn timed(kind: Kind, ticks: u32) -> (Vec<(Rung, f64)>, u32) {
+    let mut best: Vec<(Rung, f64)> = Vec::new();
+    let mut most = 0;
+    for round in 0..9 {
         let mut scene = Scene::new(kind, 5, u32::MAX, u32::MAX);
         scene.hard_contacts = kind != Kind::Quadruped;
         let mut config = scene.config();
         Adversary::new(1, 500).join(&mut config, "adversary");
         let mut controller = Controller::new(config).expect("is valid");
         let mut measurement = scene.measurement();
-        let mut times: [Vec<f64>; 2] = [Vec::new(), Vec::new()];
-        let mut most = 0;
-        for tick in 0..20_000 {
+        for tick in 0..ticks {
             measurement.time = 0.004 * f64::from(tick);
             measurement.state.v[0] = (f64::from(tick) * 0.1).sin();
             let start = std::time::Instant::now();
             let report = controller.tick(&measurement).1;
             let time = 1e6 * start.elapsed().as_secs_f64();
-            match report.rung {
-                Rung::Optimal => times[0].push(time),
-                Rung::Relaxed => times[1].push(time),
-                _ => {}
-            }
             most = most.max(report.resolves);
+            if round == 0 {
+                best.push((report.rung, time));
+            } else {
+                let best = &mut best[tick as usize];
+                assert_eq!(best.0, report.rung, "the same ticks");
+                best.1 = best.1.min(time);
+            }
         }
-        let quantiles = times.map(|mut t| {
-            t.sort_by(f64::total_cmp);
-            [0.5, 0.99, 0.999].map(|q| t[(q * (t.len() - 1) as f64) as usize])
+    }
+    (best, most)
+}
+
+/// Wall-clock times: run it alone.
+#[test]
+#[ignore = "measures time"]
+fn what_a_relaxed_tick_costs() {
+    for kind in KINDS {
+        let (ticks, most) = timed(kind, 4000);
+        let quantiles = [Rung::Optimal, Rung::Relaxed].map(|rung| {
+            let of_rung = ticks.iter().filter(|t| t.0 == rung);
+            let mut times: Vec<f64> = of_rung.map(|t| t.1).collect();
+            times.sort_by(f64::total_cmp);
+            [0.5, 0.99, 1.0].map(|q| times[(q * (times.len() - 1) as f64) as usize])
         });
         let [optimal, relaxed] = quantiles;
         println!(
-            "{kind:?}: optimal {optimal:.1?} µs, relaxed {relaxed:.1?} µs (p50, p99, p99.9), ratio of medians {:.2}, of the \
-             worst to the optimal median {:.1}; up to {most} relaxed problems",
+            "{kind:?}: optimal {optimal:.1?} µs, relaxed {relaxed:.1?} µs (p50, p99, worst); relaxed to optimal: medians \
+             {:.2}, worst {:.2}, worst to the median {:.2}; up to {most} relaxed problems",
             relaxed[0] / optimal[0],
+            relaxed[2] / optimal[2],
             relaxed[2] / optimal[0]
         );
     }
@@ -553,14 +566,13 @@ fn the_conflict_of_a_tick_is_irreducible_and_each_shortfall_is_the_least() {
                 continue;
             }
             let member = |row: RowId, side: Side, limit: f64| {
-                let a = match qp.rows().binary_search(&row) {
-                    Ok(i) => qp.row(i).to_vec(),
-                    // A bound: the variable with that limit.
-                    Err(_) => {
-                        let limits = if side == Side::Lower {
-                            qp.lower()
-                        } else {
-                            qp.upper()
+                let row_of = qp.rows().binary_search(&row);
+                let a = row_of.map_or_else(
+                    |_| {
+                        // A bound: the variable with that limit.
+                        let limits = match side {
+                            Side::Lower => qp.lower(),
+                            Side::Upper => qp.upper(),
                         };
                         let name = controller.row(row).expect("exists");
                         let variable = |j: &usize| {
@@ -574,8 +586,9 @@ fn the_conflict_of_a_tick_is_irreducible_and_each_shortfall_is_the_least() {
                         let mut unit = vec![0.0; n];
                         unit[j] = 1.0;
                         unit
-                    }
-                };
+                    },
+                    |i| qp.row(i).to_vec(),
+                );
                 match side {
                     Side::Lower => Member {
                         a,
