@@ -253,7 +253,7 @@ fn a_held_tick_says_why_and_is_filed_at_the_last_time() {
     run(&mut log);
     let (time, qp) = log.messages("/qp").nth(1).unwrap();
     assert_eq!(time, 0.004);
-    assert_eq!(qp["rung"], "held");
+    assert_eq!(qp["rung"], "extrapolated");
     assert_eq!(qp["fault"], "measurement not finite: time");
     let (_, state) = log.messages("/state").nth(1).unwrap();
     assert!(state["base"]["position"].get("y").is_none());

@@ -229,7 +229,7 @@ impl fmt::Display for Rounded {
         }
         let decimals = (0..6).find(|&d| {
             let scale = 10_f64.powi(d);
-            ((self.0 * scale).round() / scale - self.0).abs() <= 1e-3 * size
+            ((self.0 * scale).round() / scale - self.0).abs() <= 5e-4 * size
         });
         write!(f, "{:.*}", decimals.unwrap_or(6).max(1) as usize, self.0)
     }
@@ -362,7 +362,7 @@ mod tests {
             (1.3, "1.3"),
             (0.0, "0.0"),
             (-9.80665, "-9.81"),
-            (0.034567, "0.0346"),
+            (0.034567, "0.03457"),
             (1.2345e-7, "1.23e-7"),
             (f64::INFINITY, "inf"),
         ] {
