@@ -28,10 +28,8 @@ use crate::{
 
 /// Share of what the tasks ask for by which a limit gives more than it must, inverted.
 const PRICE: f64 = 1e4;
-/// Factor from one level to the next, which is to be kept longer.
-const STEP: f64 = 10.0;
-/// Levels that are told apart by their price.
-const STEPS: usize = 4;
+/// Factors of the levels, the first to go first; those of the rest are the last.
+const STEPS: [f64; 5] = [1.0, 1e1, 1e2, 1e3, 1e4];
 
 /// What is given up together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -359,8 +357,7 @@ impl Elastic {
             } else {
                 1.0
             };
-            let steps = given.level.min(STEPS) as i32;
-            h[(n + k) * wide + n + k] = curvature * PRICE * STEP.powi(steps);
+            h[(n + k) * wide + n + k] = curvature * PRICE * STEPS[given.level.min(STEPS.len() - 1)];
         }
     }
 

@@ -185,6 +185,14 @@ impl Controller {
                 &mut self.report,
             )?)
         };
+        let x = &self.solution.x[..n];
+        self.assembly.recover(&self.groups, &terms, x);
+        self.report.vdot.copy_from_slice(self.assembly.vdot());
+        if !self.report.vdot.iter().all(|v| v.is_finite()) {
+            self.report.vdot.copy_from(&self.world.last.vdot);
+            self.report.relaxed.clear();
+            return Err(Fault::Dynamics);
+        }
         let solved = self.stopwatch.now();
         let rung = match fault {
             None => Rung::Optimal,
@@ -282,11 +290,7 @@ impl Controller {
 
     /// Turns the solution into command and report.
     fn output(&mut self, rung: Rung) {
-        let x = &self.solution.x[..self.qp.n()];
-        let terms = Self::terms(&self.world);
-        self.assembly.recover(&self.groups, &terms, x);
-        self.world.last.vdot.copy_from_slice(self.assembly.vdot());
-        self.report.vdot.copy_from(&self.world.last.vdot);
+        self.world.last.vdot.copy_from(&self.report.vdot);
         let tasks = &self.groups[..self.tasks.len()];
         for (column, asked) in self.world.last.virtual_input.iter_mut().enumerate() {
             *asked = Group::virtual_input(tasks, column);
