@@ -30,8 +30,8 @@ const ROUNDING: f64 = 1e-8;
 /// Times that a refined point may turn out to violate a constraint, or to hold one too many.
 const CORRECTIONS: u32 = 50;
 
-/// Relative violation, or multiplier of the wrong sign, that a refined point may have: the second after a few corrections.
-/// With more than that, 100 000 random problems of each family end no sooner.
+/// Relative violation, or multiplier of the wrong sign, that a refined point may have: the second after a few corrections,
+/// which only degenerate problems need.
 const FORGIVEN: [f64; 2] = [1e-11, 1e-10];
 
 /// Why the dual iteration stopped.
