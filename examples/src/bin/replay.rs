@@ -43,7 +43,10 @@ fn main() -> Result<ExitCode> {
         controller.settings().rate,
         dump.wbqp,
     );
-    println!("{}\n", controller.explain());
+    match controller.explain() {
+        Some(explanation) => println!("{}: {explanation}\n", report.rung.as_str()),
+        None => println!("{}\n", report.rung.as_str()),
+    }
     let matrices = if arguments.matrices {
         Matrices::Shown
     } else {

@@ -28,7 +28,7 @@ use crate::{
 
 /// Share of the largest term below which a term of a proof is rounding.
 const ROUNDING: f64 = 1e-9;
-/// Relative error of `Aᵀ y + z = 0` that a proof may have.
+/// Error of `Aᵀ y + z = 0` that a proof may have, relative to the largest term.
 const EXACT: f64 = 1e-6;
 
 /// Whether the multipliers of a solution prove that its problem is infeasible.
@@ -40,20 +40,21 @@ pub(super) fn is_proof(qp: &Qp, proof: &Solution) -> bool {
         return true;
     }
     let (n, m) = (qp.n(), qp.m());
-    let used = proof.y[..m].iter().chain(&proof.z[..n]).any(|v| *v != 0.0);
+    // In units of the variables, in which their columns can be compared.
+    let (mut error, mut size) = (0.0_f64, 0.0_f64);
     for j in 0..n {
-        let (mut sum, mut size) = (proof.z[j], proof.z[j].abs());
+        let h = qp.h()[j * n + j];
+        let unit = if h > 0.0 { 1.0 / h.sqrt() } else { 1.0 };
+        let (mut sum, mut terms) = (proof.z[j], proof.z[j].abs());
         for i in 0..m {
             let term = proof.y[i] * qp.row(i)[j];
             sum += term;
-            size += term.abs();
+            terms += term.abs();
         }
-        let holds = sum.abs() <= EXACT * size;
-        if !holds {
-            return false;
-        }
+        error = error.max(unit * sum.abs());
+        size = size.max(unit * terms);
     }
-    used && gap(qp, proof) > 0.0
+    size > 0.0 && error <= EXACT * size && gap(qp, proof) > 0.0
 }
 
 /// A row or bound (counted behind the rows) whose lower limit is above its upper one, named by the proof.

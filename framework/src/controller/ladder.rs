@@ -47,6 +47,41 @@ pub(super) struct Ladder {
     /// Since the last solution and the last usable measurement.
     pub(super) without_solution: Age,
     pub(super) without_state: Age,
+    pub(super) clock: Clock,
+}
+
+/// Tells a stamp that is out of order from a clock that was set.
+///
+/// A stamp that is not later than the last usable one is a fault. A clock that goes on regularly from an earlier time, for
+/// [`Clock::STEADY`] ticks, was set: it is used again from there, and the controller's own time goes on without a jump.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Clock {
+    pub(super) previous: Option<f64>,
+    pub(super) steady: u32,
+}
+
+impl Clock {
+    const STEADY: u32 = 10;
+
+    /// Takes a stamp; true if the clock was set. `last` is the last usable stamp.
+    pub(super) fn was_set(&mut self, stamp: f64, last: Option<f64>, period: f64) -> bool {
+        let goes_on = self.previous.is_some_and(|previous| {
+            let step = stamp - previous;
+            step > 0.0 && step < 10.0 * period
+        });
+        self.previous = Some(stamp);
+        let is_early = last.is_some_and(|last| stamp <= last);
+        self.steady = if goes_on && is_early {
+            self.steady + 1
+        } else {
+            0
+        };
+        if self.steady < Self::STEADY {
+            return false;
+        }
+        self.steady = 0;
+        true
+    }
 }
 
 /// How long ago something was.
@@ -76,8 +111,13 @@ impl Age {
     /// Seconds: by the clock or by the number of ticks, whichever is longer; infinite if it never was.
     pub(super) fn seconds(&self, now: f64, period: f64) -> f64 {
         self.last.map_or(f64::INFINITY, |(time, ticks)| {
-            // A clock that is not a number does not count.
-            (now - time).max(ticks as f64 * period)
+            let passed = ticks as f64 * period;
+            // A stamp that is not a number says nothing.
+            if now.is_finite() {
+                passed.max(now - time)
+            } else {
+                passed
+            }
         })
     }
 }

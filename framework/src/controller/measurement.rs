@@ -8,7 +8,7 @@ use crate::{contact::ContactId, robot::RobotModel, state::State};
 #[derive(Clone, Debug)]
 pub struct Measurement {
     /// Time, s, on any clock that goes forwards from tick to tick: a stamp that is not later than the last usable one is
-    /// a fault. References and ramps count from the first tick.
+    /// a fault (a clock that was set back is used again once it has gone on regularly for ten ticks). References and ramps count from the first tick.
     pub time: f64,
     /// Estimated state, velocities world-aligned.
     pub state: State,

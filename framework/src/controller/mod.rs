@@ -106,7 +106,12 @@ impl Controller {
         self.report.times = StageTimes::default();
         self.ladder.without_solution.pass();
         self.ladder.without_state.pass();
-        let last = self.ladder.without_state.time();
+        let mut last = self.ladder.without_state.time();
+        let period = self.world.period;
+        if self.ladder.clock.was_set(measurement.time, last, period) {
+            self.world.rebase(measurement.time);
+            last = None;
+        }
         let fault = measurement.fault(&self.robot, self.world.contacts.len(), last);
         let outcome = match fault {
             Some(fault) => Err(fault),
@@ -144,7 +149,7 @@ impl Controller {
         }
         self.record_rows();
         let written = self.stopwatch.now();
-        let terms = Self::terms(&self.world, &self.actuation);
+        let terms = Self::terms(&self.world);
         let assembled = self
             .assembly
             .assemble(&terms, &mut self.groups, &mut self.qp);
@@ -154,9 +159,13 @@ impl Controller {
             // What was active some time ago is no good guess.
             self.solver.reset();
         }
-        let budget = Budget::Clock(&mut *self.stopwatch);
+        let budget = match recorded {
+            None => Budget::Clock(&mut *self.stopwatch),
+            Some(record) => Budget::Iterations(record.outcome.solved_in),
+        };
         self.solver
             .solve_within(&self.qp, budget, &mut self.solution);
+        self.record_solve();
         self.report.status = self.solution.status;
         self.report.iterations = self.solution.iterations;
         self.report.regularisation = self.assembly.regularisation_weight;
@@ -272,14 +281,16 @@ impl Controller {
     /// Turns the solution into command and report.
     fn output(&mut self, rung: Rung) {
         let x = &self.solution.x[..self.qp.n()];
-        self.assembly.vdot(x, &mut self.world.last.vdot);
+        let terms = Self::terms(&self.world);
+        self.assembly.recover(&self.groups, &terms, x);
+        self.world.last.vdot.copy_from_slice(self.assembly.vdot());
         self.report.vdot.copy_from(&self.world.last.vdot);
         let tasks = &self.groups[..self.tasks.len()];
         for (column, asked) in self.world.last.virtual_input.iter_mut().enumerate() {
             *asked = Group::virtual_input(tasks, column);
         }
-        let effort = self.assembly.effort(x);
-        self.command.take_efforts(&self.robot, effort);
+        self.command
+            .take_efforts(&self.robot, self.assembly.effort());
         self.world.last.effort.copy_from_slice(&self.command.effort);
         if self.report.rung != rung || self.report.on_rung.ticks == 0 {
             // Velocity references start anew from the measured velocities.
@@ -295,7 +306,7 @@ impl Controller {
         for (i, contact) in self.world.contacts.iter_mut().enumerate() {
             contact.solution.fill(0.0);
             contact.set_point.fill(0.0);
-            if let Some(force) = self.assembly.force(x, i) {
+            if let Some(force) = self.assembly.force(i) {
                 for (&direction, f) in contact.kind.constrained().iter().zip(force) {
                     contact.solution[direction] = *f;
                 }
@@ -309,13 +320,12 @@ impl Controller {
                 position: contact.p_SC,
             };
         }
-        self.report.objective = self.assembly.objective(&self.groups, &self.solution.x);
+        self.report.objective = self.assembly.objective();
         self.report_tasks();
         self.report_active();
     }
 
     fn report_tasks(&mut self) {
-        let x = &self.solution.x[..self.qp.n()];
         for ((group, task), report) in self
             .groups
             .iter()
@@ -323,13 +333,13 @@ impl Controller {
             .zip(&mut self.report.tasks)
         {
             report.alpha = if group.live { group.alpha } else { 0.0 };
+            let residuals = if group.live {
+                self.assembly.residuals(group)
+            } else {
+                None
+            };
             for k in 0..group.layout.len() {
-                let residual = if group.live {
-                    self.assembly.residual(group, k, x)
-                } else {
-                    None
-                };
-                let (r, w) = residual.unwrap_or((0.0, 0.0));
+                let [r, w] = residuals.map_or([0.0; 2], |residuals| residuals[k]);
                 report.error[k] = if group.live {
                     group.store.error[k]
                 } else {

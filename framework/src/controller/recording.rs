@@ -6,7 +6,7 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector6};
 
 use super::{
     Command, Controller, Measurement,
-    ladder::{Age, Ladder},
+    ladder::{Age, Clock, Ladder},
 };
 use crate::{
     config::ControllerConfig,
@@ -178,6 +178,13 @@ impl Controller {
         }
     }
 
+    /// After the solve of the tick's own problem.
+    pub(super) fn record_solve(&mut self) {
+        if let Some(record) = self.recorder.as_mut().and_then(Recorder::current) {
+            record.outcome.solved_in = self.solution.iterations;
+        }
+    }
+
     /// After the tick.
     pub(super) fn record_outcome(&mut self, changed: bool) {
         let Some(recorder) = &mut self.recorder else {
@@ -309,6 +316,8 @@ impl Ladder {
     fn remember(&self, out: &mut Memory) {
         out.solved = self.without_solution.last;
         out.measured = self.without_state.last;
+        out.stamp = self.clock.previous;
+        out.steady = self.clock.steady;
         copy(&mut out.held, self.safe.posture.as_slice());
         self.solver.warm_start(&mut out.relaxed_warm);
     }
@@ -319,6 +328,10 @@ impl Ladder {
         };
         self.without_state = Age {
             last: memory.measured,
+        };
+        self.clock = Clock {
+            previous: memory.stamp,
+            steady: memory.steady,
         };
         copy(self.safe.posture.as_mut_slice(), &memory.held);
         self.solver.start_from(&memory.relaxed_warm);

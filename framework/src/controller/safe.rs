@@ -268,7 +268,7 @@ impl SafeLaw {
     fn load(&mut self, robot: &RobotModel, world: &World, actuation: &Actuation) {
         let nu = robot.nu();
         self.s.fill(0.0);
-        actuation.write(&world.frames, &mut self.s, nu);
+        actuation.write(&world.data, &mut self.s, nu);
         self.columns.clear();
         let problem = &mut self.allocation;
         problem.lower.clear();

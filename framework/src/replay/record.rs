@@ -59,6 +59,9 @@ pub(crate) struct Memory {
     pub(crate) solved: Option<(f64, u64)>,
     /// The same for the last usable measurement.
     pub(crate) measured: Option<(f64, u64)>,
+    /// The stamp of the tick before, and for how many ticks stamps have gone on regularly from an earlier time.
+    pub(crate) stamp: Option<f64>,
+    pub(crate) steady: u32,
     /// Where the safe law holds the joints.
     pub(crate) held: Vec<f64>,
     pub(crate) warm: WarmStart,
@@ -118,7 +121,10 @@ pub(crate) struct EntryRecord {
 pub(crate) struct Outcome {
     pub(crate) rung: Rung,
     pub(crate) status: Status,
+    /// Iterations of all solves of the tick.
     pub(crate) iterations: u32,
+    /// Iterations of the tick's own problem: where a budget stopped it, if one did.
+    pub(crate) solved_in: u32,
     pub(crate) command: CommandRecord,
     /// Valid variables of the solution; none if no problem was solved.
     pub(crate) n: usize,
