@@ -39,6 +39,6 @@ pub mod sensors;
 
 pub use closed_loop::{ClosedLoop, Requests};
 pub use plant::{CommandDelay, Plant, PlantCommand, PlantConfig, PlantError};
-pub use run::{Summary, run};
+pub use run::{Summary, run, run_with_dumps};
 pub use scenario::{RunError, Scenario, ScenarioError, Variation};
 pub use sensors::{SensorReading, Sensors, SensorsConfig};

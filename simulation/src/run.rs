@@ -17,6 +17,7 @@ use wbqp::{
         ControllerLog, LogSink, Timeline, TrueContact, state_message, state_schema, write_rotors,
         write_run,
     },
+    replay::DumpFolder,
 };
 
 use crate::{
@@ -35,6 +36,9 @@ pub struct Summary {
     pub diverged: Option<f64>,
 }
 
+/// Ticks that a dump holds.
+const RECORDED_TICKS: usize = 8;
+
 /// Runs a case and logs it. `progress` hears the finished fraction, 0 to 1, about a hundred times.
 ///
 /// # Errors
@@ -46,11 +50,40 @@ pub fn run(
     sink: &mut dyn LogSink,
     progress: &mut dyn FnMut(f64),
 ) -> Result<Summary, RunError> {
+    run_case(scenario, case, seed, sink, progress, None)
+}
+
+/// Like [`run()`]; the ticks before a change of the rung are written into files, for `replay`.
+///
+/// # Errors
+/// Those of [`run()`], and [`RunError::Dump`].
+pub fn run_with_dumps(
+    scenario: &Scenario,
+    case: &str,
+    seed: u64,
+    sink: &mut dyn LogSink,
+    progress: &mut dyn FnMut(f64),
+    dumps: &mut DumpFolder,
+) -> Result<Summary, RunError> {
+    run_case(scenario, case, seed, sink, progress, Some(dumps))
+}
+
+fn run_case(
+    scenario: &Scenario,
+    case: &str,
+    seed: u64,
+    sink: &mut dyn LogSink,
+    progress: &mut dyn FnMut(f64),
+    mut dumps: Option<&mut DumpFolder>,
+) -> Result<Summary, RunError> {
     let case = scenario.case(case)?;
     let config = case.controller_config()?;
     let source = config.source.clone();
     let controller = case.make_controller(config)?;
     let mut controller = controller.with_stopwatch(Box::new(WallClock(Instant::now())));
+    if dumps.is_some() {
+        controller = controller.with_recorder(RECORDED_TICKS)?;
+    }
     let robot = controller.robot().clone();
     let mut closed_loop = ClosedLoop::new(case, &controller, seed)?;
     let mut requests = Requests::new(case, controller.settings().rate);
@@ -93,6 +126,9 @@ pub fn run(
         summary.ticks += 1;
         summary.held += usize::from(report.rung != Rung::Optimal);
         requests.detect(&mut controller, measurement);
+        if let Some(dumps) = &mut dumps {
+            dumps.write_if_changed(&mut controller)?;
+        }
 
         let time = measurement.time;
         contacts.truth(closed_loop.plant(), &controller, &mut truth);

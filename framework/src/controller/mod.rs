@@ -165,7 +165,9 @@ impl Controller {
         };
         self.solver
             .solve_within(&self.qp, budget, &mut self.solution);
-        self.record_solve();
+        if let Some(recorder) = &mut self.recorder {
+            recorder.solved_in(self.solution.iterations);
+        }
         self.report.status = self.solution.status;
         self.report.iterations = self.solution.iterations;
         self.report.regularisation = self.assembly.regularisation_weight;

@@ -178,13 +178,6 @@ impl Controller {
         }
     }
 
-    /// After the solve of the tick's own problem.
-    pub(super) fn record_solve(&mut self) {
-        if let Some(record) = self.recorder.as_mut().and_then(Recorder::current) {
-            record.outcome.solved_in = self.solution.iterations;
-        }
-    }
-
     /// After the tick.
     pub(super) fn record_outcome(&mut self, changed: bool) {
         let Some(recorder) = &mut self.recorder else {

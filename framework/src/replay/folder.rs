@@ -23,6 +23,23 @@ impl DumpFolder {
         }
     }
 
+    /// Removes the files that an earlier run with the same stem has left.
+    ///
+    /// # Errors
+    /// [`DumpError::Write`] if one is there and cannot be removed.
+    pub fn remove_old(&self) -> Result<(), DumpError> {
+        for number in 1..=self.most {
+            let file = self.file(number);
+            match fs::remove_file(&file) {
+                Err(source) if source.kind() != io::ErrorKind::NotFound => {
+                    return Err(unwritable(&file, source));
+                }
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
     /// Writes a dump if the rung has changed in a tick since the last call, and returns its file.
     ///
     /// # Errors
@@ -37,7 +54,7 @@ impl DumpFolder {
         if self.written.len() >= self.most {
             return Ok(None);
         }
-        let file = self.next_file();
+        let file = self.file(self.written.len() + 1);
         if let Some(folder) = file.parent() {
             fs::create_dir_all(folder).map_err(|source| unwritable(&file, source))?;
         }
@@ -51,9 +68,9 @@ impl DumpFolder {
         &self.written
     }
 
-    fn next_file(&self) -> PathBuf {
+    fn file(&self, number: usize) -> PathBuf {
         let mut name = self.stem.clone().into_os_string();
-        name.push(format!(".{}.tick.toml", self.written.len() + 1));
+        name.push(format!(".{number}.tick.toml"));
         name.into()
     }
 }

@@ -29,6 +29,13 @@ impl Recorder {
         self.ring.get_mut(self.next)
     }
 
+    /// The tick's own problem was solved, or given up, in so many iterations.
+    pub(crate) fn solved_in(&mut self, iterations: u32) {
+        if let Some(record) = self.current() {
+            record.outcome.solved_in = iterations;
+        }
+    }
+
     /// The tick is over.
     pub(crate) fn advance(&mut self) {
         self.next = (self.next + 1) % self.ring.len();
