@@ -110,7 +110,7 @@ fn judge(known: &Known, s: &Solution) -> Result<(), String> {
     }
     let errors = relative_errors(&known.qp, s);
     let [stationarity, primal, complementarity] = errors;
-    if !(stationarity < 1e-8 && primal < 1e-10 && complementarity < 1e-8) {
+    if !(stationarity < 1e-8 && primal < 1e-9 && complementarity < 1e-8) {
         return Err(format!("errors {errors:?}"));
     }
     let (cost, best) = (known.qp.objective(&s.x), known.qp.objective(x));

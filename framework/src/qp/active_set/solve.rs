@@ -32,7 +32,7 @@ const CORRECTIONS: u32 = 50;
 
 /// Relative violation, or multiplier of the wrong sign, that a refined point may have: the second after a few corrections,
 /// which only degenerate problems need.
-const FORGIVEN: [f64; 2] = [1e-11, 1e-10];
+const FORGIVEN: [f64; 2] = [1e-11, 3e-11];
 
 /// Why the dual iteration stopped.
 enum End {
