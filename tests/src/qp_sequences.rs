@@ -18,6 +18,7 @@ const PERIOD: f64 = 1e-3;
 const INF: f64 = f64::INFINITY;
 
 /// A smooth signal: a sum of sines.
+#[derive(Clone, Debug, PartialEq)]
 struct Wave([(f64, f64, f64); 3]);
 
 impl Wave {
