@@ -1,6 +1,7 @@
 //! Properties, oracles and acceptance tests of wbqp: what the test files share.
 
 pub mod acceptance;
+pub mod adversary;
 pub mod approach;
 pub mod closed_loop;
 pub mod mutation;

@@ -8,6 +8,8 @@ use std::{
     sync::atomic::{AtomicUsize, Ordering},
 };
 
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 use wbqp::{
     config::Formulation,
@@ -20,7 +22,10 @@ use wbqp::{
     setup::BindError,
 };
 use wbqp_tasks::ThrustAttitude;
-use wbqp_tests::scenes::{KINDS, Kind, Scene};
+use wbqp_tests::{
+    adversary::{Adversary, spoil},
+    scenes::{KINDS, Kind, Scene},
+};
 
 #[global_allocator]
 static ALLOCATOR: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
@@ -69,12 +74,18 @@ fn main() {
         "the bracket counts nothing: the test would not notice"
     );
     println!("a_tick_allocates_nothing_outside_clarabel ... ok");
+    no_rung_allocates();
+    println!("no_rung_allocates ... ok");
 }
 
 /// With the default solver, or another.
 fn a_tick_allocates_nothing(solver: Option<fn() -> Box<dyn QpSolver>>) {
     for kind in KINDS {
-        for formulation in [Formulation::Condensed, Formulation::Explicit] {
+        for formulation in [
+            Formulation::Condensed,
+            Formulation::TorqueEliminated,
+            Formulation::Explicit,
+        ] {
             let mut scene = Scene::new(kind, 11, u32::MAX, 0b1111);
             scene.formulation = formulation;
             scene.soft_cones = true;
@@ -122,5 +133,70 @@ fn a_tick_allocates_nothing(solver: Option<fn() -> Box<dyn QpSolver>>) {
             );
             assert_eq!(outside, 0, "{kind:?}, {formulation:?}");
         }
+    }
+}
+
+/// Contacts, tasks and weights switch at random, limits contradict one another, measurements are nonsense: all rungs.
+/// `WBQP_TICKS` says how many ticks are run, 100 000 if it is not set.
+fn no_rung_allocates() {
+    let given = std::env::var("WBQP_TICKS").ok();
+    let total: u32 = given.map_or(100_000, |n| n.parse().expect("a number of ticks"));
+    // Most on the robot that ticks fastest.
+    for (kind, share) in [
+        (Kind::Othex, 0.6),
+        (Kind::FixedArm, 0.3),
+        (Kind::Quadruped, 0.1),
+    ] {
+        let mut rng = ChaCha8Rng::seed_from_u64(3);
+        let mut scene = Scene::new(kind, 11, u32::MAX, u32::MAX);
+        scene.hard_contacts = true;
+        let mut config = scene.config();
+        for contact in &mut config.contacts {
+            contact.transition = 0.02;
+        }
+        for entry in &mut config.tasks {
+            entry.transition = 0.03;
+        }
+        Adversary::new(5, 100).join(&mut config, "adversary");
+        let tasks: Vec<String> = config.tasks.iter().map(|t| t.name.clone()).collect();
+        let contacts: Vec<String> = config.contacts.iter().map(|c| c.name.clone()).collect();
+        let mut controller = wbqp::Controller::new(config).expect("the scene is valid");
+        let good = scene.measurement();
+        let mut measurement = good.clone();
+        let (mut inside, mut outage) = (0, 0_u32);
+        let mut rungs = [0_u32; 4];
+        let ticks = (f64::from(total) * share) as u32;
+        for tick in 0..ticks {
+            measurement.state.copy_from(&good.state);
+            measurement.wrenches.copy_from_slice(&good.wrenches);
+            measurement.time = f64::from(tick) * 0.004;
+            measurement.state.v[0] = (f64::from(tick) * 0.1).sin();
+            outage = outage.saturating_sub(1);
+            if rng.random_bool(0.01) {
+                outage = rng.random_range(1..20);
+            }
+            if outage > 0 {
+                spoil(&mut measurement, &mut rng);
+            }
+            let name = &tasks[rng.random_range(0..tasks.len())];
+            let contact = &contacts[rng.random_range(0..contacts.len())];
+            match rng.random_range(0..20) {
+                0 => controller.activate(name),
+                1 => controller.deactivate(name),
+                2 => controller.activate_contact(contact),
+                3 => controller.deactivate_contact(contact),
+                4 => controller.reweight(name, &Weight::Uniform(rng.random_range(0.1..10.0))),
+                _ => Ok(()),
+            }
+            .expect("the names exist");
+            let before = allocations();
+            let rung = controller.tick(&measurement).1.rung;
+            inside += allocations() - before;
+            let position = Rung::ALL.iter().position(|r| *r == rung);
+            rungs[position.expect("is one of all")] += 1;
+        }
+        println!("{kind:?}: {ticks} ticks, {inside} allocations, optimal to safe {rungs:?}");
+        assert_eq!(inside, 0, "{kind:?}");
+        assert!(rungs.iter().all(|count| *count > 0), "{kind:?}: {rungs:?}");
     }
 }

@@ -40,11 +40,12 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{
+    actuator::ActuatorKind,
     constraint::Constraint,
     contact::ContactSpec,
     entry::Entry,
     qp::{ActiveSet, QpSolver},
-    robot::{Robot, SourceFile},
+    robot::{Robot, RobotModel, SourceFile},
     setup::BindError,
     task::Task,
 };
@@ -105,6 +106,12 @@ pub struct Settings {
     #[serde(default = "default_velocity_leak")]
     #[schemars(extend("x-unit" = "s"))]
     pub velocity_leak: f64,
+    /// How long the last solution is carried on when a tick has none, s; after it the safe law takes over. The default is a few
+    /// periods, and no longer than a rotor or a servo takes to follow a command: the robot hardly leaves the path that
+    /// was planned.
+    #[serde(default = "default_extrapolation")]
+    #[schemars(extend("x-unit" = "s"))]
+    pub extrapolation: f64,
     /// Whether a robot with a floating base and rotors is refused if it cannot hold its home posture in the air.
     #[serde(default)]
     pub hover: Hover,
@@ -125,6 +132,9 @@ pub enum Hover {
 fn default_regularisation() -> f64 {
     1e-9
 }
+fn default_extrapolation() -> f64 {
+    0.02
+}
 fn default_velocity_leak() -> f64 {
     0.5
 }
@@ -137,6 +147,7 @@ impl Settings {
             formulation: Formulation::default(),
             regularisation: default_regularisation(),
             velocity_leak: default_velocity_leak(),
+            extrapolation: default_extrapolation(),
             hover: Hover::default(),
         }
     }
@@ -169,6 +180,12 @@ impl Settings {
                 !rate_is_good || self.velocity_leak * self.rate >= 1.0,
                 "at least one period",
             ),
+            (
+                "extrapolation",
+                self.extrapolation,
+                self.extrapolation >= 0.0,
+                "not negative",
+            ),
         ]
         .into_iter()
         .filter(|(_, value, allowed, _)| !value.is_finite() || !allowed)
@@ -176,15 +193,38 @@ impl Settings {
     }
 }
 
-/// Two formulations of the same optimum.
+/// Formulations of the same optimum.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Formulation {
-    /// Variables (u, f): `v̇` is substituted from the dynamics, the paper's (8).
+    /// The faster one of the condensed and the torque-eliminated, by the robot's sizes.
     #[default]
+    Auto,
+    /// Variables (u, f): `v̇` is substituted from the dynamics, the paper's (8).
     Condensed,
+    /// Variables (q̈, u, f): the torques of driven joints are substituted from their own rows of the dynamics, the other
+    /// accelerations from the rest. `u` is then the thrusts.
+    TorqueEliminated,
     /// Variables (v̇, u, f): the dynamics are equality rows, (10d).
     Explicit,
+}
+
+impl Formulation {
+    /// What `Auto` means for a robot; the formulation itself otherwise.
+    pub fn resolve(self, robot: &RobotModel) -> Self {
+        match self {
+            Self::Auto
+                if robot
+                    .actuators
+                    .iter()
+                    .any(|a| matches!(a.kind, ActuatorKind::Joint(_))) =>
+            {
+                Self::TorqueEliminated
+            }
+            Self::Auto => Self::Condensed,
+            other => other,
+        }
+    }
 }
 
 impl ControllerConfig {

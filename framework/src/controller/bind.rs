@@ -4,9 +4,13 @@ use super::{
     Controller,
     command::Command,
     error::ControllerError,
+    explanation::owners,
     faults::Faults,
     handle::Stamp,
-    report::{ContactReport, Report, Rung, TaskReport},
+    ladder::{Age, Clock, Ladder},
+    recording::MadeFrom,
+    report::{ContactReport, OnRung, Report, Rung, TaskReport},
+    safe::SafeLaw,
     stopwatch::{NoStopwatch, StageTimes},
     switch::Switch,
     world::{ContactBinding, World},
@@ -14,19 +18,20 @@ use super::{
 use crate::{
     actuator::ActuatorKind,
     assembly::{
-        Actuation, Assembly, DynamicsTerms, Group, GroupSpec, ProblemRows, Table, VariableNames,
+        Actuation, Assembly, DynamicsTerms, Elastic, Group, GroupSpec, Partition, ProblemRows,
+        Table, VariableNames,
     },
     config::{ControllerConfig, Origin},
     contact::ContactSpec,
     dynamics::{Data, FrameKinematics},
     entry::{Entry, Hardness},
     layout::{BoundTarget, Layout, Relation, VdotBlock},
-    model::{Base, FrameId, JointKind, Model},
-    qp::{Capacity, Qp, Solution},
+    model::{Base, JointKind, Model},
+    qp::{ActiveSet, Capacity, Qp, QpSolver as _, Solution},
     robot::RobotModel,
     rows::RowStore,
     setup::{BindError, Setup},
-    tick::{FrameHandle, Prediction},
+    tick::Prediction,
 };
 
 impl ControllerConfig {
@@ -64,6 +69,7 @@ impl Controller {
         config: ControllerConfig,
         robot: RobotModel,
     ) -> Result<Self, ControllerError> {
+        let made_from = MadeFrom::new(&config);
         let ControllerConfig {
             settings,
             robot: robot_plugin,
@@ -107,7 +113,8 @@ impl Controller {
 
         // Frame 0 is always the base's, so that a handle never dangles.
         let mut frame_ids = vec![model.base_frame()];
-        let actuation = Actuation::new(&model, &robot.actuators, |id| request(&mut frame_ids, id));
+        let actuation = Actuation::new(&model, &robot.actuators);
+        let formulation = settings.formulation.resolve(&robot);
         let names = VariableNames {
             accelerations: acceleration_names(&model),
             efforts: robot
@@ -121,7 +128,7 @@ impl Controller {
                 .collect(),
         };
         let mut table = Table::default();
-        let problem_rows = ProblemRows::new(settings.formulation, &names, &mut table);
+        let problem_rows = ProblemRows::new(formulation, &names, &mut table);
         let mut groups = Vec::new();
         for (index, entry) in tasks.iter_mut().enumerate() {
             let mut setup = Setup::new(&robot, &contacts, period, &mut frame_ids);
@@ -159,15 +166,19 @@ impl Controller {
         for (index, error) in unlimited_moments(&contacts, &groups[tasks.len()..]) {
             faults.contact(index, &contacts[index].name, error);
         }
+        let partition = Partition::new(formulation, &robot, &contacts, &frame_ids);
+        let kept = partition.kept.iter().map(|&i| &robot.actuators[i]);
+        let kept = Actuation::new(&model, kept);
         let assembly = Assembly::new(
-            settings.formulation,
+            partition,
+            kept,
             settings.regularisation,
             &names,
             problem_rows,
             &mut groups,
             &mut table,
         );
-        let capacity = assembly.capacity(&groups, &table);
+        let capacity = assembly.capacity(&groups);
         // The hover problem below has only the efforts.
         let capacity = Capacity {
             vars: capacity.vars.max(robot.nu()),
@@ -197,7 +208,32 @@ impl Controller {
             bindings,
             model,
         };
-        let report = empty_report(&groups[..tasks.len()], &world, capacity);
+        let elastic = Elastic::new(&assembly, &groups, &table, &robot.actuators, capacity);
+        let relaxed = elastic.qp.capacity();
+        let mut native = ActiveSet::default();
+        faults.solver("active_set", native.bind(relaxed));
+        let tags: Vec<&'static str> = (tasks.iter().map(|e| e.plugin.typetag_name()))
+            .chain(constraints.iter().map(|e| e.plugin.typetag_name()))
+            .collect();
+        let contact_names: Vec<&str> = contacts.iter().map(|c| c.name.as_str()).collect();
+        let is_native = (&*solver as &dyn std::any::Any).is::<ActiveSet>();
+        let ladder = Ladder {
+            safe: SafeLaw::new(&robot, &world, &actuation, &vec![0.0; sizes.nu]),
+            solution: Solution::new(relaxed),
+            solver: native,
+            is_native,
+            owners: owners(&table, &groups, &tags, &contact_names),
+            without_solution: Age::default(),
+            without_state: Age::default(),
+            clock: Clock::default(),
+            elastic,
+        };
+        let report = empty_report(
+            &groups[..tasks.len()],
+            &world,
+            capacity,
+            ladder.elastic.limits(),
+        );
         let mut controller = Self {
             settings,
             tasks: tasks.into_iter().map(|e| e.plugin).collect(),
@@ -212,13 +248,21 @@ impl Controller {
             solver,
             world,
             report,
-            engaged: false,
+            ladder,
+            made_from,
+            recorder: None,
             hover_residual: nalgebra::DVector::zeros(sizes.nv),
             stopwatch: Box::new(NoStopwatch),
             stamp: Stamp::next(),
             robot,
         };
         let is_solved = controller.hover();
+        controller.ladder.safe = SafeLaw::new(
+            &controller.robot,
+            &controller.world,
+            &controller.actuation,
+            &controller.command.effort,
+        );
         if is_solved
             && controller.must_hover()
             && let Some(missing) = controller.missing_wrench()
@@ -230,12 +274,11 @@ impl Controller {
     }
 
     /// The terms of the dynamics, borrowed for the assembly.
-    pub(super) fn terms<'a>(world: &'a World, actuation: &'a Actuation) -> DynamicsTerms<'a> {
+    pub(super) fn terms(world: &World) -> DynamicsTerms<'_> {
         DynamicsTerms {
             data: &world.data,
             frames: &world.frames,
             contacts: &world.contacts,
-            actuation,
         }
     }
 }
@@ -246,14 +289,6 @@ pub(crate) struct Sizes<'a> {
     pub(crate) nu: usize,
     /// Constrained components of each contact.
     pub(crate) nf: &'a [usize],
-}
-
-fn request(frames: &mut Vec<FrameId>, id: FrameId) -> FrameHandle {
-    let slot = frames.iter().position(|&f| f == id).unwrap_or_else(|| {
-        frames.push(id);
-        frames.len() - 1
-    });
-    FrameHandle(slot)
 }
 
 /// Contacts with moments that no constraint limits: the solver would pull with moments.
@@ -467,12 +502,16 @@ fn effort_unit(model: &Model, kind: &ActuatorKind) -> &'static str {
     }
 }
 
-fn empty_report(tasks: &[Group], world: &World, capacity: Capacity) -> Report {
+fn empty_report(tasks: &[Group], world: &World, capacity: Capacity, limits: usize) -> Report {
     let zeros = |g: &Group| vec![0.0; g.layout.len()];
     Report {
         time: 0.0,
-        rung: Rung::Held,
+        rung: Rung::Safe,
+        on_rung: OnRung::default(),
         fault: None,
+        conflict: Vec::with_capacity(capacity.vars + capacity.rows + 1),
+        relaxed: Vec::with_capacity(limits),
+        resolves: 0,
         status: crate::qp::Status::Failed,
         iterations: 0,
         objective: 0.0,

@@ -134,7 +134,8 @@ impl Constraint for ContactWrench {
             .force_dense(contact)
             .bound_force(contact, kind.normal(), "normal", "N")
             .limits_moments(contact)
-            .while_contact(contact))
+            .while_contact(contact)
+            .of_the_world())
     }
 
     fn update(&mut self, tick: &Tick<'_>, rows: &mut ConstraintRows<'_>) {
