@@ -178,7 +178,7 @@ impl Controller {
         } else {
             Some(self.ladder.relax(
                 &self.assembly,
-                &terms,
+                &Self::terms(&self.world),
                 &self.groups,
                 &self.qp,
                 &mut self.solution,
