@@ -41,15 +41,15 @@ fn solves(c: &mut Criterion) {
         };
         bench(
             "active set, warm",
-            Box::new(ActiveSet::default()),
+            Box::<ActiveSet>::default(),
             Start::Warm,
         );
         bench(
             "active set, cold",
-            Box::new(ActiveSet::default()),
+            Box::<ActiveSet>::default(),
             Start::Cold,
         );
-        bench("Clarabel", Box::new(Clarabel::default()), Start::Cold);
+        bench("Clarabel", Box::<Clarabel>::default(), Start::Cold);
         group.finish();
     }
 }
