@@ -53,6 +53,14 @@ impl ProgressBars {
         }
     }
 
+    /// A line that stays, above the bars.
+    pub fn say(&self, line: &str) {
+        let shown = self.bars.as_ref().map(|bars| bars.println(line));
+        if !matches!(shown, Some(Ok(()))) {
+            eprintln!("{line}");
+        }
+    }
+
     /// A bar at zero.
     pub fn start(&self, name: &str) -> Progress {
         let bar = self.bars.as_ref().map(|bars| {

@@ -23,6 +23,7 @@ pub mod series;
 pub mod sweep;
 pub mod switching;
 pub mod table_i;
+pub mod tick_stats;
 pub mod tick_time;
 pub mod under_actuated;
 

@@ -4,7 +4,10 @@ use std::{path::Path, process::ExitCode};
 
 use anyhow::{Context, Result};
 use rayon::prelude::*;
-use wbqp::log::{LogSink, McapLog};
+use wbqp::{
+    log::{LogSink, McapLog},
+    replay::DumpFolder,
+};
 use wbqp_sim::Scenario;
 
 use crate::{
@@ -80,7 +83,10 @@ fn finish(
     Ok(outcome)
 }
 
-/// Runs a case into `<directory>/<case>.mcap`.
+/// The most dumps of ticks that a case writes.
+const MOST_DUMPS: usize = 4;
+
+/// Runs a case into `<directory>/<case>.mcap`, and dumps of ticks in which the rung changed beside it.
 fn run_case(
     experiment: &Experiment,
     scenario: &Scenario,
@@ -92,9 +98,17 @@ fn run_case(
     let path = directory.join(format!("{case}.mcap"));
     let mut log = McapLog::create(&path)?;
     let progress = bars.start(&format!("{}/{case}", experiment.name));
-    let summary = wbqp_sim::run(scenario, case, seed, &mut log, &mut |fraction| {
-        progress.update(fraction);
-    })?;
+    let mut dumps = DumpFolder::new(directory.join(case), MOST_DUMPS);
+    let mut update = |fraction| progress.update(fraction);
+    dumps.remove_old()?;
+    let summary =
+        wbqp_sim::run_with_dumps(scenario, case, seed, &mut log, &mut update, &mut dumps)?;
+    for file in dumps.written() {
+        bars.say(&format!(
+            "the controller changed its rung: {}",
+            file.display()
+        ));
+    }
     log.finish()?;
     progress.finish();
     Ok(Case {

@@ -198,6 +198,7 @@ pub mod model;
 pub mod qp;
 pub mod reference;
 pub mod registry;
+pub mod replay;
 pub mod robot;
 pub mod rows;
 pub mod setup;

@@ -37,7 +37,6 @@ use crate::{
     robot::RobotModel,
     setup::{BindError, unknown},
     state::State,
-    tick::FrameHandle,
 };
 
 /// Cost of `‖(u, f)‖²` beside a unit price of f_n. It makes a quadratic program of the linear one and picks the
@@ -193,16 +192,10 @@ impl<'a> Problem<'a> {
     /// `S(q)`, nv × nu, row-major. `self.data` is that of the posture.
     fn actuation(&self) -> Vec<f64> {
         let model = &self.robot.model;
-        let mut frames = Vec::new();
-        let actuation = Actuation::new(model, &self.robot.actuators, |id| {
-            let mut frame = FrameKinematics::new(model);
-            frame.update(model, &self.data, id);
-            frames.push(frame);
-            FrameHandle(frames.len() - 1)
-        });
+        let actuation = Actuation::new(model, &self.robot.actuators);
         let nu = self.robot.nu();
         let mut S = vec![0.0; model.nv() * nu];
-        actuation.write(&frames, &mut S, nu);
+        actuation.write(&self.data, &mut S, nu);
         S
     }
 

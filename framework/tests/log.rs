@@ -248,7 +248,7 @@ fn a_tick_is_written_channel_by_channel() {
 }
 
 #[test]
-fn a_held_tick_says_why_and_is_filed_at_the_last_time() {
+fn a_tick_without_solution_says_why_and_is_filed_at_the_last_time() {
     let mut log = MemoryLog::default();
     run(&mut log);
     let (time, qp) = log.messages("/qp").nth(1).unwrap();

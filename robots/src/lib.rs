@@ -2,7 +2,8 @@
 //!
 //! A robot is a URDF file, which any vendor's tool can write, and, if it flies, a side-car file that says
 //! which of its frames carry rotors. [`from_files`] reads both into a
-//! [`RobotModel`](wbqp::robot::RobotModel); [`othex`] and [`othex_vertical`] need no files.
+//! [`RobotModel`](wbqp::robot::RobotModel); [`othex`], [`othex_vertical`], [`quadruped`] and [`humanoid`]
+//! need no files.
 //!
 //! ```
 //! let robot = wbqp_robots::othex()?;
@@ -25,6 +26,6 @@ pub mod rotors;
 mod source;
 pub mod urdf;
 
-pub use library::{from_files, from_sources, othex, othex_vertical};
+pub use library::{from_files, from_sources, humanoid, othex, othex_vertical, quadruped};
 pub use options::{BaseKind, Options};
-pub use plugins::{Othex, OthexVertical, Urdf};
+pub use plugins::{Humanoid, Othex, OthexVertical, Quadruped, Urdf};

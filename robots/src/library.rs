@@ -4,6 +4,7 @@ use std::{collections::BTreeMap, fs, path::Path, sync::Arc};
 
 use wbqp::{
     actuator::{Actuator, ActuatorKind, Drive, JointMotor},
+    dynamics::{Data, frame_motion},
     model::Model,
     robot::{RobotError, RobotModel, SourceFile},
     state::State,
@@ -122,6 +123,81 @@ pub(crate) fn othex_vertical_with(thrust_max: Option<f64>) -> Result<RobotModel,
         )),
         &othex_options(thrust_max),
     )
+}
+
+/// A quadruped with the published figures of Solo12: twelve torque-driven joints, four point feet (frames `fl_foot`,
+/// `fr_foot`, `hl_foot`, `hr_foot`).
+///
+/// Actuators: torques (N·m) of `hip_roll`, `hip_pitch` and `knee` of each leg, in that order of legs. Home stands on
+/// z = 0 with bent knees.
+///
+/// # Errors
+/// None, unless the file compiled into the crate has been changed.
+pub fn quadruped() -> Result<RobotModel, RobotError> {
+    let legs = [("fl", 1.0), ("fr", 1.0), ("hl", -1.0), ("hr", -1.0)];
+    let home = legs.into_iter().flat_map(|(leg, front)| {
+        [
+            (format!("{leg}_hip_pitch"), 0.8 * front),
+            (format!("{leg}_knee"), -1.6 * front),
+        ]
+    });
+    standing(
+        embedded(
+            "quadruped.urdf",
+            URDF,
+            include_str!("../files/quadruped/quadruped.urdf"),
+        ),
+        home.collect(),
+        "fl_foot",
+    )
+}
+
+/// A robot with the proportions of an adult, 1.75 m and 75 kg: 31 torque-driven joints, two flat feet (frames
+/// `left_sole` and `right_sole`, in the middle of soles of 0.266 m by 0.096 m).
+///
+/// Actuators: torques (N·m) of all joints in the model's order. Home stands on z = 0 with bent knees.
+///
+/// # Errors
+/// None, unless the file compiled into the crate has been changed.
+pub fn humanoid() -> Result<RobotModel, RobotError> {
+    let sides = [("left", 1.0), ("right", -1.0)];
+    let home = sides.into_iter().flat_map(|(side, left)| {
+        [
+            (format!("{side}_hip_pitch"), -0.35),
+            (format!("{side}_knee"), 0.8),
+            (format!("{side}_ankle_pitch"), -0.45),
+            (format!("{side}_shoulder_roll"), 0.15 * left),
+            (format!("{side}_elbow"), -0.5),
+        ]
+    });
+    standing(
+        embedded(
+            "humanoid.urdf",
+            URDF,
+            include_str!("../files/humanoid/humanoid.urdf"),
+        ),
+        home.collect(),
+        "left_sole",
+    )
+}
+
+/// A robot driven by torques whose home posture has the frame `foot` at z = 0.
+fn standing(
+    urdf: SourceFile,
+    home: BTreeMap<String, f64>,
+    foot: &str,
+) -> Result<RobotModel, RobotError> {
+    let options = Options {
+        home,
+        ..Options::default()
+    };
+    let mut robot = from_sources(urdf, None, &options)?;
+    if let Some(foot) = robot.model.frame(foot) {
+        let mut data = Data::new(&robot.model);
+        data.update(&robot.model, &robot.home);
+        robot.home.p_WR.z -= frame_motion(&robot.model, &data, foot).p_WF.z;
+    }
+    Ok(robot)
 }
 
 fn othex_options(thrust_max: Option<f64>) -> Options {

@@ -42,6 +42,32 @@ impl Robot for OthexVertical {
     }
 }
 
+/// A quadruped with the published figures of Solo12: twelve torque-driven joints, four point feet; the file is inside this
+/// crate. Home stands on z = 0.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Quadruped {}
+
+#[wbqp::robot("quadruped")]
+impl Robot for Quadruped {
+    fn load(&self, _: &Path) -> Result<RobotModel, RobotError> {
+        library::quadruped()
+    }
+}
+
+/// A robot with the proportions of an adult (1.75 m, 75 kg): 31 torque-driven joints, two flat feet; the file is inside
+/// this crate. Home stands on z = 0.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Humanoid {}
+
+#[wbqp::robot("humanoid")]
+impl Robot for Humanoid {
+    fn load(&self, _: &Path) -> Result<RobotModel, RobotError> {
+        library::humanoid()
+    }
+}
+
 /// Any URDF, with a rotor side-car if it flies.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

@@ -12,7 +12,9 @@ use wbqp::{
     nalgebra::{DVector, Isometry3, Translation3, UnitQuaternion, Vector3},
     robot::{Robot, RobotModel},
 };
-use wbqp_robots::{BaseKind, Options, from_files, othex, othex_vertical, urdf};
+use wbqp_robots::{
+    BaseKind, Options, from_files, humanoid, othex, othex_vertical, quadruped, urdf,
+};
 
 /// Pose of a frame in the base, straight from the definitions.
 fn X_RF(model: &Model, q: &DVector<f64>, frame: &str) -> Isometry3<f64> {
@@ -184,6 +186,64 @@ fn the_vertical_twin_differs_in_its_rotors_alone() {
         let other = X_RF(&tilted.model, q, &name);
         assert_eq!(X.translation, other.translation);
     }
+}
+
+/// Every foot is on the ground, under the robot, and no joint is at its limit.
+fn stands(robot: &RobotModel, feet: &[&str]) {
+    let model = &robot.model;
+    let base = robot.home.p_WR;
+    let com = com(model, &robot.home.q) + base;
+    let mut middle = Vector3::zeros();
+    for foot in feet {
+        let p = X_RF(model, &robot.home.q, foot).translation.vector + base;
+        assert!(p.z.abs() < 1e-12, "{foot} at {p:?}");
+        middle += p / feet.len() as f64;
+    }
+    assert!(
+        (com - middle).xy().norm() < 0.02,
+        "{com:?} is not above {middle:?}"
+    );
+    for (joint, q) in model.joints().iter().zip(&robot.home.q) {
+        assert!(joint.limits.lower < *q || *q == 0.0, "{}", joint.name);
+        assert!(*q < joint.limits.upper || *q == 0.0, "{}", joint.name);
+    }
+    for actuator in &robot.actuators {
+        assert!(matches!(&actuator.kind, ActuatorKind::Joint(m) if m.drive == Drive::Torque));
+    }
+}
+
+/// The published figures of Solo12.
+#[test]
+fn quadruped_is_of_solo12s_size() {
+    let robot = quadruped().unwrap();
+    assert_eq!((robot.model.nv(), robot.nu()), (18, 12));
+    assert!((robot.model.mass() - 2.5).abs() < 1e-2);
+    assert!(
+        robot
+            .actuators
+            .iter()
+            .all(|a| (a.lower, a.upper) == (-2.7, 2.7))
+    );
+    let straight = DVector::zeros(12);
+    let foot = X_RF(&robot.model, &straight, "fl_foot");
+    close(&foot.translation.vector, [0.1946, 0.147, -0.32], 1e-12);
+    stands(&robot, &["fl_foot", "fr_foot", "hl_foot", "hr_foot"]);
+}
+
+/// The proportions of the anthropometric tables.
+#[test]
+fn humanoid_is_of_an_adults_size() {
+    let robot = humanoid().unwrap();
+    let model = &robot.model;
+    assert_eq!((model.nv(), robot.nu()), (37, 31));
+    assert!((model.mass() - 75.0).abs() < 1e-3);
+    let straight = DVector::zeros(31);
+    let height = |frame: &str| X_RF(model, &straight, frame).translation.vector.z;
+    assert!((height("left_shoulder_1") - height("left_sole") - 0.818 * 1.75).abs() < 1e-6);
+    // An adult's is at 0.55 to 0.58 of the height.
+    let com = com(model, &straight).z - height("left_sole");
+    assert!((0.55..0.58).contains(&(com / 1.75)), "{com}");
+    stands(&robot, &["left_sole", "right_sole"]);
 }
 
 fn files() -> PathBuf {

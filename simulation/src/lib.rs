@@ -31,12 +31,14 @@
 //! ```
 
 mod check;
+mod closed_loop;
 pub mod plant;
 mod run;
 pub mod scenario;
 pub mod sensors;
 
+pub use closed_loop::{ClosedLoop, Requests};
 pub use plant::{CommandDelay, Plant, PlantCommand, PlantConfig, PlantError};
-pub use run::{Summary, run};
+pub use run::{Summary, run, run_with_dumps};
 pub use scenario::{RunError, Scenario, ScenarioError, Variation};
 pub use sensors::{SensorReading, Sensors, SensorsConfig};

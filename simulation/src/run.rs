@@ -10,20 +10,18 @@
 
 use std::time::Instant;
 
-use nalgebra::{Vector3, Vector6};
+use nalgebra::Vector3;
 use wbqp::{
-    actuator::{ActuatorKind, Drive},
-    contact::{Detector, Touch},
-    controller::{Command, Controller, Measurement, Rung, Stopwatch},
+    controller::{Controller, Rung, Stopwatch},
     log::{
         ControllerLog, LogSink, Timeline, TrueContact, state_message, state_schema, write_rotors,
         write_run,
     },
-    robot::RobotModel,
+    replay::DumpFolder,
 };
 
 use crate::{
-    CommandDelay, Plant, PlantCommand,
+    ClosedLoop, Plant, Requests,
     scenario::{Case, RunError, Scenario},
 };
 
@@ -38,6 +36,9 @@ pub struct Summary {
     pub diverged: Option<f64>,
 }
 
+/// Ticks that a dump holds.
+const RECORDED_TICKS: usize = 8;
+
 /// Runs a case and logs it. `progress` hears the finished fraction, 0 to 1, about a hundred times.
 ///
 /// # Errors
@@ -49,15 +50,44 @@ pub fn run(
     sink: &mut dyn LogSink,
     progress: &mut dyn FnMut(f64),
 ) -> Result<Summary, RunError> {
+    run_case(scenario, case, seed, sink, progress, None)
+}
+
+/// Like [`run()`]; the ticks before a change of the rung are written into files, for `replay`.
+///
+/// # Errors
+/// Those of [`run()`], and [`RunError::Dump`].
+pub fn run_with_dumps(
+    scenario: &Scenario,
+    case: &str,
+    seed: u64,
+    sink: &mut dyn LogSink,
+    progress: &mut dyn FnMut(f64),
+    dumps: &mut DumpFolder,
+) -> Result<Summary, RunError> {
+    run_case(scenario, case, seed, sink, progress, Some(dumps))
+}
+
+fn run_case(
+    scenario: &Scenario,
+    case: &str,
+    seed: u64,
+    sink: &mut dyn LogSink,
+    progress: &mut dyn FnMut(f64),
+    mut dumps: Option<&mut DumpFolder>,
+) -> Result<Summary, RunError> {
     let case = scenario.case(case)?;
     let config = case.controller_config()?;
     let source = config.source.clone();
     let controller = case.make_controller(config)?;
     let mut controller = controller.with_stopwatch(Box::new(WallClock(Instant::now())));
+    if dumps.is_some() {
+        controller = controller.with_recorder(RECORDED_TICKS)?;
+    }
     let robot = controller.robot().clone();
-    let mut plant = case.make_plant(&robot)?;
-    let mut sensors = case.make_sensors(&plant, seed)?;
-    let contacts = Contacts::new(case, &controller);
+    let mut closed_loop = ClosedLoop::new(case, &controller, seed)?;
+    let mut requests = Requests::new(case, controller.settings().rate);
+    let contacts = Contacts::new(&controller);
 
     write_run(
         sink,
@@ -74,32 +104,17 @@ pub fn run(
     let mut log = ControllerLog::new(&controller, sink)?;
     let truth_channel = sink.channel("/plant", "PlantState", &state_schema(&robot.model))?;
     let mut message = Vec::new();
-    let mut truth = vec![None; contacts.sensors.len()];
+    let mut truth = vec![None; contacts.points.len()];
     let mut timeline = disturbance_marks(case);
 
-    let mut measurement = Measurement::home(&robot, contacts.sensors.len());
-    let mut computed = PlantCommand::rest(&robot);
-    write_command(&robot, controller.command(), &mut computed);
-    plant.settle_rotors(&computed)?;
-    let mut delay = CommandDelay::new(case.plant().command_delay, computed.clone());
-    let mut detectors: Vec<Detector> = case.detectors().to_vec();
-    let mut events: Vec<_> = case.events().iter().collect();
-    events.sort_by(|a, b| a.at.total_cmp(&b.at));
-    let mut events = events.into_iter().peekable();
-
-    let period = 1.0 / controller.settings().rate;
     let ticks = case.ticks(controller.settings().rate);
     let mut summary = Summary::default();
     for k in 0..ticks {
         if k % (ticks / 100).max(1) == 0 {
             progress(k as f64 / ticks as f64);
         }
-        let reading = sensors.sample(&plant);
-        measurement.time = k as f64 * period;
-        measurement.state.copy_from(&reading.state);
-        contacts.copy_wrenches(&reading.wrenches, &mut measurement.wrenches);
-        // A little slack: k × period is not exact.
-        while let Some(event) = events.next_if(|e| e.at <= measurement.time + 1e-6 * period) {
+        let measurement = closed_loop.measure();
+        while let Some(event) = requests.due(measurement.time) {
             event
                 .apply(&mut controller)
                 .map_err(|what| RunError::Event { at: event.at, what })?;
@@ -107,19 +122,22 @@ pub fn run(
                 timeline = timeline.mark(mark, measurement.time);
             }
         }
-        let (command, report) = controller.tick(&measurement);
-        write_command(&robot, command, &mut computed);
+        let (_, report) = controller.tick(measurement);
         summary.ticks += 1;
         summary.held += usize::from(report.rung != Rung::Optimal);
-        detect(&mut detectors, &mut controller, &measurement);
+        requests.detect(&mut controller, measurement);
+        if let Some(dumps) = &mut dumps {
+            dumps.write_if_changed(&mut controller)?;
+        }
 
-        contacts.truth(&plant, &controller, &mut truth);
-        log.record(&controller, &measurement, &truth, sink)?;
-        state_message(&robot.model, plant.state(), &mut message);
-        sink.write(truth_channel, measurement.time, &message)?;
+        let time = measurement.time;
+        contacts.truth(closed_loop.plant(), &controller, &mut truth);
+        log.record(&controller, closed_loop.measurement(), &truth, sink)?;
+        state_message(&robot.model, closed_loop.plant().state(), &mut message);
+        sink.write(truth_channel, time, &message)?;
 
-        let applied = delay.exchange(&computed);
-        plant.advance_with(applied, period, |plant| sensors.observe(plant))?;
+        closed_loop.advance(controller.command())?;
+        let plant = closed_loop.plant();
         if plant.is_diverged() {
             summary.diverged = Some(plant.time());
             break;
@@ -130,48 +148,19 @@ pub fn run(
     Ok(summary)
 }
 
-/// Switches contacts by the force measured in this tick; it counts from the next tick on.
-fn detect(detectors: &mut [Detector], controller: &mut Controller, measurement: &Measurement) {
-    for detector in detectors {
-        // Names were checked when the scenario was loaded.
-        let Ok(contact) = controller.contact(&detector.contact) else {
-            continue;
-        };
-        let normal = controller.report().contacts[contact.index()].measured[2];
-        let _ = match detector.update(measurement.time, normal) {
-            Some(Touch::Made) => controller.activate_contact(&detector.contact),
-            Some(Touch::Lost) => controller.deactivate_contact(&detector.contact),
-            None => Ok(()),
-        };
-    }
-}
-
-/// Which sensor and which point of the plant belong to each of the controller's contacts.
+/// Which point of the plant belongs to each of the controller's contacts.
 struct Contacts {
-    sensors: Vec<Option<usize>>,
     points: Vec<String>,
 }
 
 impl Contacts {
-    fn new(case: &Case, controller: &Controller) -> Self {
-        let frames: Vec<String> = controller
-            .contact_names()
-            .filter_map(|name| controller.contact(name).ok())
-            .map(|id| controller.contact_spec(id).frame.clone())
-            .collect();
-        let sensor_of = |frame: &String| {
-            let sensors = &case.sensors().force_torque;
-            sensors.iter().position(|s| &s.frame == frame)
-        };
+    fn new(controller: &Controller) -> Self {
+        let names = controller.contact_names();
+        let contacts = names.filter_map(|name| controller.contact(name).ok());
         Self {
-            sensors: frames.iter().map(sensor_of).collect(),
-            points: frames,
-        }
-    }
-
-    fn copy_wrenches(&self, readings: &[Vector6<f64>], out: &mut [Vector6<f64>]) {
-        for (sensor, out) in self.sensors.iter().zip(out) {
-            *out = sensor.map_or_else(Vector6::zeros, |s| readings[s]);
+            points: contacts
+                .map(|id| controller.contact_spec(id).frame.clone())
+                .collect(),
         }
     }
 
@@ -194,18 +183,6 @@ impl Contacts {
                 }
             });
         }
-    }
-}
-
-/// Thrusts, torques, or velocity references, by what each actuator takes.
-fn write_command(robot: &RobotModel, command: &Command, out: &mut PlantCommand) {
-    for (i, (actuator, out)) in robot.actuators.iter().zip(out.values_mut()).enumerate() {
-        *out = match &actuator.kind {
-            ActuatorKind::Joint(motor) if motor.drive == Drive::Velocity => {
-                command.joint_velocity[motor.joint.index()]
-            }
-            _ => command.effort[i],
-        };
     }
 }
 

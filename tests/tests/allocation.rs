@@ -81,7 +81,11 @@ fn main() {
 /// With the default solver, or another.
 fn a_tick_allocates_nothing(solver: Option<fn() -> Box<dyn QpSolver>>) {
     for kind in KINDS {
-        for formulation in [Formulation::Condensed, Formulation::Explicit] {
+        for formulation in [
+            Formulation::Condensed,
+            Formulation::TorqueEliminated,
+            Formulation::Explicit,
+        ] {
             let mut scene = Scene::new(kind, 11, u32::MAX, 0b1111);
             scene.formulation = formulation;
             scene.soft_cones = true;

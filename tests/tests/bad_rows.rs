@@ -75,7 +75,11 @@ fn fault(scene: &Scene, spoil: impl FnOnce(&mut wbqp::ControllerConfig)) -> Opti
 #[test]
 fn what_is_not_a_number_is_a_fault_of_its_entry() {
     for kind in [Kind::FixedArm, Kind::Othex] {
-        for formulation in [Formulation::Condensed, Formulation::Explicit] {
+        for formulation in [
+            Formulation::Condensed,
+            Formulation::TorqueEliminated,
+            Formulation::Explicit,
+        ] {
             let mut scene = Scene::new(kind, 7, 1, 0);
             scene.formulation = formulation;
             let tasks = scene.config().tasks.len();

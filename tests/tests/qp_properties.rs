@@ -36,6 +36,14 @@ fn solved(scene: &Scene) -> Controller {
     controller
 }
 
+fn formulations() -> impl Strategy<Value = Formulation> {
+    prop_oneof![
+        Just(Formulation::Condensed),
+        Just(Formulation::TorqueEliminated),
+        Just(Formulation::Explicit),
+    ]
+}
+
 /// Jacobi scale of every variable.
 fn scales(qp: &Qp) -> Vec<f64> {
     let n = qp.n();
@@ -102,6 +110,38 @@ fn same_solution(a: &Controller, b: &Controller) -> Result<(), TestCaseError> {
     Ok(())
 }
 
+/// The same limits are reached, under the same names, at the same price, where one is noticeable.
+fn same_limits(a: &Controller, b: &Controller) -> Result<(), TestCaseError> {
+    let condition = condition(a.problem());
+    if condition > 1e8 {
+        return Ok(());
+    }
+    let name = |c: &Controller, row| c.row(row).map(ToString::to_string);
+    // A price is noticeable beside the terms of the gradient, which differ between formulations.
+    let largest = a.problem().g().iter().chain(b.problem().g());
+    let largest = largest.fold(0.0, |largest: f64, g| largest.max(g.abs()));
+    for (one, other) in [(a, b), (b, a)] {
+        for row in &one.report().active {
+            if row.multiplier.abs() < 1e-8 * largest {
+                continue;
+            }
+            let twin =
+                other.report().active.iter().find(|twin| {
+                    name(other, twin.row) == name(one, row.row) && twin.side == row.side
+                });
+            let price = twin.map_or(0.0, |twin| twin.multiplier);
+            prop_assert!(
+                (price - row.multiplier).abs() < 100.0 * tolerance(condition) * (1.0 + largest),
+                "{:?} costs {} and {}",
+                name(one, row.row),
+                row.multiplier,
+                price
+            );
+        }
+    }
+    Ok(())
+}
+
 /// Largest violations of the optimality conditions.
 #[derive(Debug, Default)]
 struct Kkt {
@@ -159,10 +199,16 @@ proptest! {
     })]
 
     #[test]
-    fn condensed_and_explicit_have_the_same_optimum(scene in scenes()) {
-        let explicit = Scene { formulation: Formulation::Explicit, ..scene.clone() };
-        let (a, b) = (solved(&scene), solved(&explicit));
+    fn all_formulations_have_the_same_optimum(scene in scenes(), eliminated: bool) {
+        let formulation = if eliminated {
+            Formulation::TorqueEliminated
+        } else {
+            Formulation::Explicit
+        };
+        let other = Scene { formulation, ..scene.clone() };
+        let (a, b) = (solved(&scene), solved(&other));
         same_solution(&a, &b)?;
+        same_limits(&a, &b)?;
         // Two points whose costs differ by ε lie within ε of one another in the cost's own norm: Σ w Δr² ≤ ε.
         let own = a.problem().objective(&a.solution().x);
         let epsilon = 1e-9 * (1.0 + a.report().objective.abs() + own.abs());
@@ -179,11 +225,11 @@ proptest! {
     }
 
     #[test]
-    fn the_solution_satisfies_the_optimality_conditions(scene in scenes(), explicit: bool) {
-        let mut scene = scene;
-        if explicit {
-            scene.formulation = Formulation::Explicit;
-        }
+    fn the_solution_satisfies_the_optimality_conditions(
+        scene in scenes(),
+        formulation in formulations(),
+    ) {
+        let scene = Scene { formulation, ..scene };
         let controller = solved(&scene);
         prop_assert_eq!(controller.report().rung, Rung::Optimal);
         let rows = controller.problem().rows();

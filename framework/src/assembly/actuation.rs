@@ -1,26 +1,36 @@
 //! The actuation matrix `S(q)`: one column per actuator.
 //!
 //! # Notation
-//! `i` is a rotor's frame, `z_i` its axis in the world; `J_i` the frame's world-aligned Jacobian.
+//! `i` is a rotor's frame, `z_i` its axis in the world, `p_i` its origin from that of the body it is on; `J_i` the
+//! world-aligned Jacobian of the body's origin.
 //!
 //! # Mathematics
 //! A joint motor is a unit column. A rotor, on whichever link, pushes along `z_i` at its frame's origin and
-//! twists with `σ k_m` per newton: `S_i = J_iᵀ [z_i; σ k_m z_i]`.
+//! twists with `σ k_m` per newton: `S_i = J_iᵀ [z_i; σ k_m z_i + p_i × z_i]`. The wrench is constant in body axes, and the
+//! product goes up the tree from the body to the base: no Jacobian is needed.
+#![allow(non_snake_case)]
 
-use nalgebra::Vector6;
+use nalgebra::Vector3;
 
 use crate::{
     actuator::{Actuator, ActuatorKind},
-    dynamics::FrameKinematics,
-    model::Model,
-    tick::FrameHandle,
+    dynamics::Data,
+    model::{BodyId, Model},
 };
 
 /// One column's rule, resolved at bind.
 #[derive(Clone, Debug)]
 enum Column {
-    Joint { velocity: usize },
-    Rotor { frame: FrameHandle, moment: f64 },
+    Joint {
+        velocity: usize,
+    },
+    Rotor {
+        body: BodyId,
+        /// Force per newton of thrust, body axes.
+        force_B: Vector3<f64>,
+        /// Moment about the body's origin per newton of thrust, m, body axes.
+        moment_B: Vector3<f64>,
+    },
 }
 
 /// The rules of all columns.
@@ -30,47 +40,43 @@ pub(crate) struct Actuation {
 }
 
 impl Actuation {
-    /// `request` asks for a frame's kinematics and gives its handle.
-    pub(crate) fn new(
+    /// One column for each of these actuators.
+    pub(crate) fn new<'a>(
         model: &Model,
-        actuators: &[Actuator],
-        mut request: impl FnMut(crate::model::FrameId) -> FrameHandle,
+        actuators: impl IntoIterator<Item = &'a Actuator>,
     ) -> Self {
-        let columns = actuators
-            .iter()
-            .map(|actuator| match &actuator.kind {
-                ActuatorKind::Joint(motor) => Column::Joint {
-                    velocity: model.velocity_index(motor.joint),
-                },
-                ActuatorKind::Rotor(rotor) => Column::Rotor {
-                    frame: request(rotor.frame),
-                    moment: rotor.reaction.sign() * rotor.moment_coefficient,
-                },
-            })
-            .collect();
-        Self { columns }
+        let column = |actuator: &Actuator| match &actuator.kind {
+            ActuatorKind::Joint(motor) => Column::Joint {
+                velocity: model.velocity_index(motor.joint),
+            },
+            ActuatorKind::Rotor(rotor) => {
+                let frame = &model.frames()[rotor.frame.index()];
+                let force_B = frame.X_BF.rotation * Vector3::z();
+                let twist = rotor.reaction.sign() * rotor.moment_coefficient;
+                Column::Rotor {
+                    body: frame.body,
+                    force_B,
+                    moment_B: force_B * twist + frame.X_BF.translation.vector.cross(&force_B),
+                }
+            }
+        };
+        Self {
+            columns: actuators.into_iter().map(column).collect(),
+        }
     }
 
     /// Writes `S` into the first columns of the row-major matrix `out` (row stride `stride`, rows zeroed).
-    pub(crate) fn write(&self, frames: &[FrameKinematics], out: &mut [f64], stride: usize) {
+    pub(crate) fn write(&self, data: &Data, out: &mut [f64], stride: usize) {
         for (j, column) in self.columns.iter().enumerate() {
-            match *column {
+            match column {
                 Column::Joint { velocity } => out[velocity * stride + j] = 1.0,
-                Column::Rotor { frame, moment } => {
-                    let frame = &frames[frame.0];
-                    let z = frame.R_WF.matrix().column(2);
-                    let w = Vector6::new(
-                        z[0],
-                        z[1],
-                        z[2],
-                        moment * z[0],
-                        moment * z[1],
-                        moment * z[2],
-                    );
-                    for (row, jacobian) in frame.J.column_iter().enumerate() {
-                        out[row * stride + j] = jacobian.dot(&w);
-                    }
-                }
+                Column::Rotor {
+                    body,
+                    force_B,
+                    moment_B,
+                } => data.generalised_force(*body, force_B, moment_B, |row, s| {
+                    out[row * stride + j] = s;
+                }),
             }
         }
     }

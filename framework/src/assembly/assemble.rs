@@ -1,6 +1,11 @@
-//! Expands the rows of all live groups over the packed variables and fills the [`Qp`].
+//! Puts the problem of a tick together: rows, cost, bounds.
 
-use super::{Actuation, Group, Live, Table, Treatment, condensed::Condensed, live::Variables};
+use super::{
+    Actuation, Group, Live, Partition, Quadratic, Recovered, Relations, Table, Treatment,
+    expand::{Context, is_finite},
+    live::FirstIds,
+    partition::EffortPlace,
+};
 use crate::{
     config::Formulation,
     contact::ContactState,
@@ -16,27 +21,30 @@ pub(crate) struct DynamicsTerms<'a> {
     pub(crate) data: &'a Data,
     pub(crate) frames: &'a [FrameKinematics],
     pub(crate) contacts: &'a [ContactState],
-    pub(crate) actuation: &'a Actuation,
 }
 
 /// Workspace of the assembly.
 #[derive(Clone, Debug)]
 pub(crate) struct Assembly {
-    formulation: Formulation,
     regularisation: f64,
-    variables: Variables,
+    pub(super) partition: Partition,
+    first_ids: FirstIds,
     dynamics_rows: Vec<RowId>,
     /// The bound on each contact's normal force, which every contact brings.
     pub(super) normal_rows: Vec<RowId>,
     pub(crate) live: Live,
-    condensed: Condensed,
-    /// Cost rows, row-major over the packed variables; their right-hand sides and weights.
-    stack: Vec<f64>,
-    stack_b: Vec<f64>,
-    stack_w: Vec<f64>,
-    stack_rows: usize,
+    relations: Relations,
+    quadratic: Quadratic,
+    recovered: Recovered,
+    /// A row over y.
     row: Vec<f64>,
-    /// Who set the lower and the upper bound of each packed variable.
+    /// The rows over y of a group that is a cost.
+    block: Vec<f64>,
+    /// Their constant parts.
+    constants: Vec<f64>,
+    /// Columns in which they are not all zero.
+    columns: Vec<usize>,
+    /// Who set the lower and the upper bound of each variable of the problem.
     pub(crate) bound_owner: Vec<[Option<RowId>; 2]>,
     /// Largest weight that is on this tick, 1 without any.
     pub(super) largest_weight: f64,
@@ -93,9 +101,11 @@ const FORCE_LABELS: [(&str, &str); 6] = [
 ];
 
 impl Assembly {
-    /// Gives the physical variables, the dynamics rows and the slacks their ids.
+    /// Gives the physical variables, the dynamics rows and the slacks their ids. `actuation` has the efforts that the
+    /// partition keeps.
     pub(crate) fn new(
-        formulation: Formulation,
+        partition: Partition,
+        actuation: Actuation,
         regularisation: f64,
         names: &VariableNames<'_>,
         rows: ProblemRows,
@@ -106,21 +116,13 @@ impl Assembly {
             dynamics: dynamics_rows,
             normals: normal_rows,
         } = rows;
-        let nv = names.accelerations.len();
-        let nu = names.efforts.len();
-        let mut first_vdot = 0;
-        for (i, (label, unit)) in names.accelerations.iter().enumerate() {
-            let id = table.add_var("acceleration", label, unit);
-            if i == 0 {
-                first_vdot = id.0;
-            }
+        let first_vdot = table.vars.len() as u32;
+        for (label, unit) in &names.accelerations {
+            table.add_var("acceleration", label, unit);
         }
-        let mut first_effort = table.vars.len() as u32;
-        for (i, (name, unit)) in names.efforts.iter().enumerate() {
-            let id = table.add_var(name, "effort", unit);
-            if i == 0 {
-                first_effort = id.0;
-            }
+        let first_effort = table.vars.len() as u32;
+        for (name, unit) in &names.efforts {
+            table.add_var(name, "effort", unit);
         }
         let mut first_force = Vec::new();
         for (name, directions) in &names.contacts {
@@ -133,32 +135,30 @@ impl Assembly {
         for group in groups.iter_mut() {
             group.add_slack(table);
         }
-        let nf: Vec<usize> = names.contacts.iter().map(|(_, d)| d.len()).collect();
-        let capacity = table.vars.len();
-        let stack_capacity: usize = groups.iter().map(|g| g.layout.len()).sum();
+        let capacity = table.vars.len() - partition.torques.len();
+        let rows: usize = groups.iter().map(|g| g.layout.len()).sum();
+        let longest = groups.iter().map(|g| g.layout.len()).max().unwrap_or(0);
         Self {
-            formulation,
             regularisation,
             dynamics_rows,
             normal_rows,
-            live: Live::new(nf.len(), groups.len(), capacity),
-            condensed: Condensed::new(nv, nu + nf.iter().sum::<usize>()),
-            variables: Variables {
-                nv,
-                nu,
-                nf,
-                first_vdot,
-                first_effort,
-                first_force,
-            },
-            stack: vec![0.0; stack_capacity * capacity],
-            stack_b: vec![0.0; stack_capacity],
-            stack_w: vec![0.0; stack_capacity],
-            stack_rows: 0,
+            live: Live::new(partition.nf.len(), groups.len(), capacity),
+            relations: Relations::new(&partition, actuation, partition.nf.iter().sum()),
+            quadratic: Quadratic::new(&partition, capacity),
+            recovered: Recovered::new(&partition, rows, capacity),
             row: vec![0.0; capacity],
+            block: vec![0.0; longest * capacity],
+            constants: vec![0.0; longest],
+            columns: Vec::with_capacity(capacity),
             bound_owner: vec![[None; 2]; capacity],
             largest_weight: 1.0,
             regularisation_weight: 0.0,
+            first_ids: FirstIds {
+                vdot: first_vdot,
+                effort: first_effort,
+                force: first_force,
+            },
+            partition,
         }
     }
 
@@ -168,14 +168,17 @@ impl Assembly {
     }
 
     /// The largest problem that can come up.
-    pub(crate) fn capacity(&self, groups: &[Group], table: &Table) -> Capacity {
-        let rows: usize = groups.iter().map(Group::row_capacity).sum();
-        let vdot = match self.formulation {
-            Formulation::Condensed => self.variables.nv,
-            Formulation::Explicit => 0,
+    pub(crate) fn capacity(&self, groups: &[Group]) -> Capacity {
+        let is_row = |target: &BoundTarget| match *target {
+            BoundTarget::Effort(i) => {
+                matches!(self.partition.efforts[i], EffortPlace::Eliminated(_))
+            }
+            BoundTarget::Force(..) => false,
         };
+        let bounds = |g: &Group| g.layout.bounds.iter().filter(|(_, t)| is_row(t)).count();
+        let rows: usize = groups.iter().map(|g| g.row_capacity() + bounds(g)).sum();
         Capacity {
-            vars: table.vars.len() - vdot,
+            vars: self.row.len() - self.partition.substituted,
             rows: rows + self.dynamics_rows.len(),
         }
     }
@@ -187,44 +190,69 @@ impl Assembly {
         groups: &mut [Group],
         qp: &mut Qp,
     ) -> Result<(), Fault> {
-        let explicit = self.formulation == Formulation::Explicit;
         let live_slack = |g: usize| groups[g].live.then_some(groups[g].slack).flatten();
         self.live.refresh(
-            &self.variables,
-            explicit,
+            &self.partition,
+            &self.first_ids,
             |c| terms.contacts[c].live,
             live_slack,
         );
         qp.reset(self.live.vars.iter().copied());
-        self.condensed.load(terms, &self.live);
-        if explicit {
-            self.push_dynamics(terms, qp);
-        } else if !self.condensed.solve(terms) {
+        if !self.relations.update(&self.partition, &self.live, terms) {
             return Err(Fault::MassMatrix);
         }
-        self.stack_rows = 0;
+        self.push_dynamics(terms, qp);
+        self.quadratic.reset(self.live.n);
+        let mut cost_rows = 0;
         for (index, group) in groups.iter_mut().enumerate() {
-            group.stack_start = None;
-            if group.live && !self.add_group(index, group, terms, qp) {
+            group.cost_start = None;
+            if !group.live {
+                continue;
+            }
+            let treatment = group.treatment_now(is_equality(group));
+            if treatment == Treatment::Cost {
+                group.cost_start = Some(cost_rows);
+                cost_rows += group.layout.len();
+                self.add_cost(group, terms);
+            } else if !self.push_rows(index, group, treatment, terms, qp) {
+                return Err(Fault::Rows(index));
+            }
+            if !self.push_torque_bounds(group, qp) {
                 return Err(Fault::Rows(index));
             }
         }
-        self.add_cost(qp);
-        self.regularise(groups, qp);
+        if !self.quadratic.is_finite()
+            && let Some(index) = groups.iter().position(|g| !self.is_cost_finite(g))
+        {
+            return Err(Fault::Rows(index));
+        }
+        self.regularise(groups);
+        self.quadratic
+            .add_torques(&self.partition, &self.relations, &self.live);
+        self.quadratic.write(&self.relations, &self.live, qp);
         self.add_bounds(terms, groups, qp)
+    }
+
+    fn context<'a>(&'a self, terms: &DynamicsTerms<'a>) -> Context<'a> {
+        Context {
+            partition: &self.partition,
+            relations: &self.relations,
+            live: &self.live,
+            terms: *terms,
+        }
     }
 
     /// `M v̇ − [S J_cᵀ] (u, f) = Σ J_fᵀ f_f − h`.
     fn push_dynamics(&self, terms: &DynamicsTerms<'_>, qp: &mut Qp) {
-        let (nv, n) = (self.variables.nv, self.live.n_physical);
+        let (nv, n) = (self.partition.nv, self.live.n_physical);
         let mass = terms.data.mass_matrix();
         for (i, &id) in self.dynamics_rows.iter().enumerate() {
-            let (forcing, known) = self.condensed.forcing(i);
+            let (forcing, known) = self.relations.forcing(i);
             let Some(row) = qp.push_row(id, known, known) else {
                 return;
             };
-            for (j, a) in row[..nv].iter_mut().enumerate() {
-                *a = mass[(i, j)];
+            for (a, m) in row[..nv].iter_mut().zip(mass.column(i).iter()) {
+                *a = *m;
             }
             for (a, s) in row[nv..n].iter_mut().zip(forcing) {
                 *a = -s;
@@ -232,176 +260,201 @@ impl Assembly {
         }
     }
 
-    fn add_group(
+    /// Adds a group's rows to the cost, by what their blocks leave zero.
+    fn add_cost(&mut self, group: &Group, terms: &DynamicsTerms<'_>) {
+        let (weights, alpha) = (group.weight.now(), group.alpha);
+        let weight = |k: usize| weights[k] * alpha;
+        let b = |k: usize| group.store.lower[k];
+        let layout = &group.layout;
+        let (rows, partition) = (layout.len(), &self.partition);
+        let quadratic = &mut self.quadratic;
+        match (&layout.vdot, &layout.effort, layout.forces.as_slice()) {
+            (VdotBlock::Unit(velocities), None, []) => {
+                for (k, &velocity) in velocities.iter().enumerate() {
+                    quadratic.add_unit(partition.columns[velocity], weight(k), b(k));
+                }
+            }
+            (VdotBlock::Frame(frame, directions), None, []) => {
+                let (jacobian, carriers) = (&terms.frames[frame.0].J, &partition.frames[frame.0]);
+                let a = |k: usize, i: usize| jacobian[(directions[k], carriers[i].velocity)];
+                let columns = carriers.iter().map(|at| at.column);
+                quadratic.add_rows(rows, columns, a, weight, b);
+            }
+            (VdotBlock::Contact(contact, directions), None, []) => {
+                let contact = contact.index();
+                let (jacobian, carriers) =
+                    (&terms.contacts[contact].J, &partition.contacts[contact]);
+                let a = |k: usize, i: usize| jacobian[(directions[k], carriers[i].velocity)];
+                let columns = carriers.iter().map(|at| at.column);
+                quadratic.add_rows(rows, columns, a, weight, b);
+            }
+            (VdotBlock::Dense, None, []) => {
+                let (nv, velocities) = (partition.nv, &partition.velocities);
+                let a = |k: usize, i: usize| group.store.vdot[k * nv + velocities[i]];
+                quadratic.add_rows(rows, 0..nv, a, weight, b);
+            }
+            (VdotBlock::Absent, Some(Block::Unit(actuators)), []) => {
+                for (k, &actuator) in actuators.iter().enumerate() {
+                    match partition.efforts[actuator] {
+                        EffortPlace::Kept(column) => quadratic.add_unit(column, weight(k), b(k)),
+                        EffortPlace::Eliminated(t) => quadratic.add_torque(t, weight(k), b(k)),
+                    }
+                }
+            }
+            (VdotBlock::Absent, None, [(contact, Block::Unit(components))]) => {
+                if let Some(start) = self.live.forces[contact.index()] {
+                    for (k, &component) in components.iter().enumerate() {
+                        quadratic.add_unit(start + component, weight(k), b(k));
+                    }
+                }
+            }
+            _ => self.add_mixed_cost(group, terms),
+        }
+    }
+
+    /// Adds rows with several blocks, or dense ones on efforts and forces, to the cost.
+    fn add_mixed_cost(&mut self, group: &Group, terms: &DynamicsTerms<'_>) {
+        let (rows, n) = (group.layout.len(), self.live.n_physical);
+        let mut block = std::mem::take(&mut self.block);
+        let mut constants = std::mem::take(&mut self.constants);
+        block[..rows * n].fill(0.0);
+        let context = self.context(terms);
+        for (k, row) in block.chunks_exact_mut(n).take(rows).enumerate() {
+            constants[k] = context.natural_row(group, k, row);
+        }
+        if !matches!(group.layout.vdot, VdotBlock::Absent) {
+            self.quadratic.couple();
+        }
+        let (weights, alpha) = (group.weight.now(), group.alpha);
+        let is_there = |column: usize| (0..rows).any(|k| block[k * n + column] != 0.0);
+        self.columns.clear();
+        self.columns
+            .extend((0..n).filter(|&column| is_there(column)));
+        let columns = &self.columns;
+        self.quadratic.add_rows(
+            rows,
+            columns.iter().copied(),
+            |k, i| block[k * n + columns[i]],
+            |k| weights[k] * alpha,
+            |k| group.store.lower[k] - constants[k],
+        );
+        self.block = block;
+        self.constants = constants;
+    }
+
+    /// Pushes a group's rows; false if they have numbers that cannot be.
+    fn push_rows(
         &mut self,
         index: usize,
-        group: &mut Group,
+        group: &Group,
+        treatment: Treatment,
         terms: &DynamicsTerms<'_>,
         qp: &mut Qp,
     ) -> bool {
-        let n = qp.n();
-        let treatment = group.treatment_now(is_equality(group));
-        if treatment == Treatment::Cost {
-            group.stack_start = Some(self.stack_rows);
-        }
+        let (n, p) = (self.live.n, self.partition.substituted);
+        let equality = is_equality(group);
+        let mut row = std::mem::take(&mut self.row);
+        let context = self.context(terms);
+        let mut good = true;
         for k in 0..group.layout.len() {
-            let shift = self.expand(group, k, terms, n);
-            let (lower, upper) = (group.store.lower[k] - shift, group.store.upper[k] - shift);
+            let y = &mut row[..n];
+            y.fill(0.0);
+            let constant = context.natural_row(group, k, y);
+            let constant = constant + context.substitute(y);
+            let (lower, upper) = (
+                group.store.lower[k] - constant,
+                group.store.upper[k] - constant,
+            );
             // Infinite limits are legal, infinite right-hand sides are not; a NaN never is.
-            let one_sided = treatment != Treatment::Cost && !is_equality(group);
-            let usable = |limit: f64| limit.is_finite() || (one_sided && !limit.is_nan());
-            let coefficients = self.row[..n].iter().all(|a| a.is_finite());
-            if !(coefficients && usable(lower) && (is_equality(group) || usable(upper))) {
-                return false;
+            let usable = |limit: f64| limit.is_finite() || (!equality && !limit.is_nan());
+            if !(is_finite(group, &self.partition, k)
+                && usable(lower)
+                && (equality || usable(upper)))
+            {
+                good = false;
+                break;
             }
-            match treatment {
-                Treatment::Cost => {
-                    let s = self.stack_rows;
-                    self.stack[s * n..(s + 1) * n].copy_from_slice(&self.row[..n]);
-                    self.stack_b[s] = lower;
-                    self.stack_w[s] = group.weight.now()[k] * group.alpha;
-                    self.stack_rows += 1;
-                }
-                Treatment::Hard => {
-                    // Tasks and equalities write one right-hand side, into the lower limit.
-                    let upper = if is_equality(group) { lower } else { upper };
-                    if let Some(row) = qp.push_row(group.rows[k], lower, upper) {
-                        row.copy_from_slice(&self.row[..n]);
-                    }
-                }
-                Treatment::Slack => {
-                    let slack = self.live.slacks[index];
-                    for (side, id) in [(-1.0, group.rows[2 * k]), (1.0, group.rows[2 * k + 1])] {
-                        let limits = if side < 0.0 {
-                            (f64::NEG_INFINITY, upper)
-                        } else {
-                            (lower, f64::INFINITY)
-                        };
-                        if let Some(row) = qp.push_row(id, limits.0, limits.1) {
-                            row.copy_from_slice(&self.row[..n]);
-                            if let Some(slack) = slack {
-                                row[slack] = side;
-                            }
+            let x = &y[p..];
+            if treatment == Treatment::Slack {
+                let slack = self.live.slacks[index];
+                for (side, id) in [(-1.0, group.rows[2 * k]), (1.0, group.rows[2 * k + 1])] {
+                    let limits = if side < 0.0 {
+                        (f64::NEG_INFINITY, upper)
+                    } else {
+                        (lower, f64::INFINITY)
+                    };
+                    if let Some(out) = qp.push_row(id, limits.0, limits.1) {
+                        out.copy_from_slice(x);
+                        if let Some(slack) = slack {
+                            out[slack - p] = side;
                         }
                     }
                 }
+            } else {
+                // Tasks and equalities write one right-hand side, into the lower limit.
+                let upper = if equality { lower } else { upper };
+                if let Some(out) = qp.push_row(group.rows[k], lower, upper) {
+                    out.copy_from_slice(x);
+                }
             }
         }
-        if let (Treatment::Slack, Some(s)) = (treatment, self.live.slacks[index]) {
-            let (h, g) = qp.cost_mut();
-            h[s * n + s] += 2.0 * group.slack_weight();
-            g[s] += group.slack_penalty();
+        self.row = row;
+        if let (Treatment::Slack, Some(slack)) = (treatment, self.live.slacks[index]) {
+            self.quadratic
+                .add_slack(slack, group.slack_weight(), group.slack_penalty());
+        }
+        good
+    }
+
+    /// Pushes a group's bounds on eliminated efforts, which are rows; false if a limit is not a number.
+    fn push_torque_bounds(&mut self, group: &Group, qp: &mut Qp) -> bool {
+        let p = self.partition.substituted;
+        for (b, (_, target)) in group.layout.bounds.iter().enumerate() {
+            let BoundTarget::Effort(actuator) = *target else {
+                continue;
+            };
+            let EffortPlace::Eliminated(index) = self.partition.efforts[actuator] else {
+                continue;
+            };
+            let (lower, upper) = (group.store.bound_lower[b], group.store.bound_upper[b]);
+            if lower.is_nan() || upper.is_nan() {
+                return false;
+            }
+            if lower == f64::NEG_INFINITY && upper == f64::INFINITY {
+                continue;
+            }
+            let (torque, known) = self.relations.torque(index);
+            let (head, tail) = torque.split_at(p);
+            let row = &mut self.row[..tail.len()];
+            row.copy_from_slice(tail);
+            let constant = known + self.relations.substitute(head, row);
+            let limits = (lower - constant, upper - constant);
+            if let Some(out) = qp.push_row(group.bounds[b], limits.0, limits.1) {
+                out[..row.len()].copy_from_slice(row);
+            }
         }
         true
     }
 
-    /// Row `k` of a group over the packed variables, into `self.row`; returns `A_v c`.
-    fn expand(&mut self, group: &Group, k: usize, terms: &DynamicsTerms<'_>, n: usize) -> f64 {
-        let row = &mut self.row[..n];
-        row.fill(0.0);
-        let mut shift = 0.0;
-        let nv = self.variables.nv;
-        let explicit = self.live.vdot.is_some();
-        let condensed = &self.condensed;
-        let mut add_vdot = |row: &mut [f64], column: usize, a: f64| {
-            if a == 0.0 {
-                return;
-            }
-            if explicit {
-                row[column] += a;
-            } else {
-                let (b, c) = condensed.response(column);
-                for (r, b) in row.iter_mut().zip(b) {
-                    *r += a * b;
-                }
-                shift += a * c;
-            }
-        };
-        match &group.layout.vdot {
-            VdotBlock::Absent => {}
-            VdotBlock::Dense => {
-                for (j, &a) in group.store.vdot[k * nv..(k + 1) * nv].iter().enumerate() {
-                    add_vdot(row, j, a);
-                }
-            }
-            VdotBlock::Unit(columns) => add_vdot(row, columns[k], 1.0),
-            VdotBlock::Frame(frame, rows) => {
-                for (j, column) in terms.frames[frame.0].J.column_iter().enumerate() {
-                    add_vdot(row, j, column[rows[k]]);
-                }
-            }
-            VdotBlock::Contact(contact, rows) => {
-                let jacobian = &terms.contacts[contact.index()].J;
-                for (j, column) in jacobian.column_iter().enumerate() {
-                    add_vdot(row, j, column[rows[k]]);
-                }
-            }
-        }
-        let effort = self.live.effort;
-        match &group.layout.effort {
-            None => {}
-            Some(Block::Dense) => {
-                let nu = self.variables.nu;
-                let source = &group.store.effort[k * nu..(k + 1) * nu];
-                for (r, a) in row[effort..effort + nu].iter_mut().zip(source) {
-                    *r += a;
-                }
-            }
-            Some(Block::Unit(columns)) => row[effort + columns[k]] += 1.0,
-        }
-        for ((contact, block), source) in group.layout.forces.iter().zip(&group.store.forces) {
-            let Some(start) = self.live.forces[contact.index()] else {
-                continue;
-            };
-            let nf = self.variables.nf[contact.index()];
-            match block {
-                Block::Dense => {
-                    let source = &source[k * nf..(k + 1) * nf];
-                    for (r, a) in row[start..start + nf].iter_mut().zip(source) {
-                        *r += a;
-                    }
-                }
-                Block::Unit(columns) => row[start + columns[k]] += 1.0,
-            }
-        }
-        shift
-    }
-
-    /// `H += 2 Σ w aᵀa` (upper triangle, then mirrored), `g −= 2 Σ w b aᵀ`.
-    fn add_cost(&self, qp: &mut Qp) {
-        let n = qp.n();
-        let (h, g) = qp.cost_mut();
-        for s in 0..self.stack_rows {
-            let a = &self.stack[s * n..(s + 1) * n];
-            let (w, b) = (2.0 * self.stack_w[s], self.stack_b[s]);
-            for i in 0..n {
-                let wa = w * a[i];
-                if wa == 0.0 {
-                    continue;
-                }
-                g[i] -= wa * b;
-                for (h, a) in h[i * n + i..(i + 1) * n].iter_mut().zip(&a[i..]) {
-                    *h += wa * a;
-                }
-            }
-        }
-        for i in 1..n {
-            for j in 0..i {
-                h[i * n + j] = h[j * n + i];
-            }
-        }
+    /// Whether what a group wrote for the cost is finite.
+    fn is_cost_finite(&self, group: &Group) -> bool {
+        group.cost_start.is_none()
+            || (0..group.layout.len())
+                .all(|k| group.store.lower[k].is_finite() && is_finite(group, &self.partition, k))
     }
 
     /// `w_ε ‖(u, f)‖²` with `w_ε` relative to the largest weight that is on.
-    fn regularise(&mut self, groups: &[Group], qp: &mut Qp) {
-        let on = groups.iter().filter(|g| g.stack_start.is_some());
+    fn regularise(&mut self, groups: &[Group]) {
+        let on = groups.iter().filter(|g| g.cost_start.is_some());
         let largest = on.map(Group::largest_weight).fold(0.0, f64::max);
         self.largest_weight = if largest > 0.0 { largest } else { 1.0 };
-        self.regularisation_weight = self.regularisation * self.largest_weight;
-        let n = qp.n();
-        let h = qp.h_mut();
-        for i in self.live.effort..self.live.n_physical {
-            h[i * n + i] += 2.0 * self.regularisation_weight;
+        let weight = self.regularisation * self.largest_weight;
+        self.regularisation_weight = weight;
+        for column in self.partition.nv..self.live.n_physical {
+            self.quadratic.add_unit(column, weight, 0.0);
+        }
+        for torque in 0..self.partition.torques.len() {
+            self.quadratic.add_torque(torque, weight, 0.0);
         }
     }
 
@@ -412,106 +465,94 @@ impl Assembly {
         groups: &[Group],
         qp: &mut Qp,
     ) -> Result<(), Fault> {
-        let n = qp.n();
+        let (n, p) = (qp.n(), self.partition.substituted);
         self.bound_owner[..n].fill([None; 2]);
         let (lower, upper) = qp.bounds_mut();
         for slack in self.live.slacks.iter().flatten() {
-            lower[*slack] = 0.0;
+            lower[slack - p] = 0.0;
         }
         for (c, contact) in terms.contacts.iter().enumerate() {
             if let Some(start) = self.live.forces[c] {
-                let p = start + contact.kind.normal();
-                [lower[p], upper[p]] = contact.force_limits;
-                self.bound_owner[p] = [Some(self.normal_rows[c]); 2];
+                let at = start - p + contact.kind.normal();
+                [lower[at], upper[at]] = contact.force_limits;
+                self.bound_owner[at] = [Some(self.normal_rows[c]); 2];
             }
         }
         for (index, group) in groups.iter().enumerate().filter(|(_, g)| g.live) {
             for (b, (_, target)) in group.layout.bounds.iter().enumerate() {
-                let Some(p) = self.position(*target).filter(|&p| p < n) else {
+                let Some(at) = self.position(*target).filter(|&at| at < n) else {
                     continue;
                 };
                 let (l, u) = (group.store.bound_lower[b], group.store.bound_upper[b]);
                 if l.is_nan() || u.is_nan() {
                     return Err(Fault::Rows(index));
                 }
-                if l > lower[p] {
-                    lower[p] = l;
-                    self.bound_owner[p][0] = Some(group.bounds[b]);
+                if l > lower[at] {
+                    lower[at] = l;
+                    self.bound_owner[at][0] = Some(group.bounds[b]);
                 }
-                if u < upper[p] {
-                    upper[p] = u;
-                    self.bound_owner[p][1] = Some(group.bounds[b]);
+                if u < upper[at] {
+                    upper[at] = u;
+                    self.bound_owner[at][1] = Some(group.bounds[b]);
                 }
             }
         }
         Ok(())
     }
 
-    /// Where a bounded variable stands, if it is live.
+    /// Where a bounded variable stands in the problem, if it is one and live.
     pub(super) fn position(&self, target: BoundTarget) -> Option<usize> {
-        match target {
-            BoundTarget::Effort(i) => Some(self.live.effort + i),
+        let column = match target {
+            BoundTarget::Effort(i) => match self.partition.efforts[i] {
+                EffortPlace::Kept(column) => Some(column),
+                EffortPlace::Eliminated(_) => None,
+            },
             BoundTarget::Force(contact, i) => {
                 self.live.forces[contact.index()].map(|start| start + i)
             }
-        }
+        };
+        column.map(|column| column - self.partition.substituted)
     }
 
-    /// `v̇` of a solution.
-    pub(crate) fn vdot(&self, x: &[f64], out: &mut nalgebra::DVector<f64>) {
-        for i in 0..self.variables.nv {
-            out[i] = if let Some(start) = self.live.vdot {
-                x[start + i]
-            } else {
-                let (b, c) = self.condensed.response(i);
-                let mut sum = c;
-                for (b, x) in b.iter().zip(x) {
-                    sum += b * x;
-                }
-                sum
-            };
-        }
+    /// Takes a solution of the problem.
+    pub(crate) fn recover(&mut self, groups: &[Group], terms: &DynamicsTerms<'_>, x: &[f64]) {
+        let Self {
+            recovered,
+            partition,
+            relations,
+            live,
+            ..
+        } = self;
+        recovered.take(partition, relations, live, x);
+        recovered.assess(groups, live, terms, partition, self.regularisation_weight);
     }
 
-    /// The efforts of a solution.
-    pub(crate) fn effort<'x>(&self, x: &'x [f64]) -> &'x [f64] {
-        &x[self.live.effort..self.live.effort + self.variables.nu]
+    /// `v̇` of the solution taken last.
+    pub(crate) fn vdot(&self) -> &[f64] {
+        &self.recovered.vdot
     }
 
-    /// The force components of a live contact.
-    pub(crate) fn force<'x>(&self, x: &'x [f64], contact: usize) -> Option<&'x [f64]> {
-        let start = self.live.forces[contact]?;
-        Some(&x[start..start + self.variables.nf[contact]])
+    /// Its efforts.
+    pub(crate) fn effort(&self) -> &[f64] {
+        &self.recovered.effort
     }
 
-    /// `Σ w r²` over the cost rows, plus slacks and regularisation.
-    pub(crate) fn objective(&self, groups: &[Group], x: &[f64]) -> f64 {
-        let n = self.live.vars.len();
-        let mut sum = 0.0;
-        for s in 0..self.stack_rows {
-            let a = &self.stack[s * n..(s + 1) * n];
-            let ax: f64 = a.iter().zip(x).map(|(a, x)| a * x).sum();
-            sum += self.stack_w[s] * (ax - self.stack_b[s]).powi(2);
-        }
-        for x in &x[self.live.effort..self.live.n_physical] {
-            sum += self.regularisation_weight * x * x;
-        }
-        for (group, slack) in groups.iter().zip(&self.live.slacks) {
-            if let Some(slack) = slack {
-                let s = x[*slack];
-                sum += group.slack_weight() * s * s + group.slack_penalty() * s;
-            }
-        }
-        sum
+    /// Its force components of a contact that is live.
+    pub(crate) fn force(&self, contact: usize) -> Option<&[f64]> {
+        self.recovered.force(&self.live, &self.partition, contact)
     }
 
-    /// Residual `a x − b` and weight of a group's row `k`, if the group is a cost this tick.
-    pub(crate) fn residual(&self, group: &Group, k: usize, x: &[f64]) -> Option<(f64, f64)> {
-        let s = group.stack_start? + k;
-        let n = self.live.vars.len();
-        let a = &self.stack[s * n..(s + 1) * n];
-        let ax: f64 = a.iter().zip(x).map(|(a, x)| a * x).sum();
-        Some((ax - self.stack_b[s], self.stack_w[s]))
+    /// Its cost: `Σ w r²` over the cost rows, plus slacks and regularisation.
+    pub(crate) fn objective(&self) -> f64 {
+        self.recovered.objective
+    }
+
+    /// Its residuals `a x − b` and weights of a group's rows, if the group is a cost this tick.
+    pub(crate) fn residuals(&self, group: &Group) -> Option<&[[f64; 2]]> {
+        let start = group.cost_start?;
+        self.recovered
+            .residuals
+            .get(start..start + group.layout.len())
     }
 }
 

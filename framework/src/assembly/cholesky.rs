@@ -1,90 +1,104 @@
 //! Cholesky factorisation of the mass matrix, in place and without allocation.
+//!
+//! # Mathematics
+//! `M = Lᵀ L` with L lower triangular, from the last row to the first: the leaves of the tree go first, so that L is zero
+//! where M is (R. Featherstone, *Rigid Body Dynamics Algorithms*, section 6.5, table 6.3). Row `i` of L has entries
+//! in the columns of `i` and of its ancestors only, and nothing else is ever touched.
 
-/// `M = L Lᵀ` in storage that is reused every tick. Row-major, lower triangle valid.
+use super::kernels::add_rows;
+
+/// `Lᵀ L` of a matrix with a tree's sparsity, in storage that is reused every tick. Row-major, lower triangle valid.
 #[derive(Clone, Debug)]
 pub(crate) struct Cholesky {
     n: usize,
     l: Vec<f64>,
+    reciprocal: Vec<f64>,
+    /// Nearest first.
+    ancestors: Vec<Vec<usize>>,
 }
 
 impl Cholesky {
-    pub(crate) fn new(n: usize) -> Self {
+    /// For a matrix whose entry `(i, j)`, `j < i`, is zero unless `j` is an ancestor of `i`.
+    pub(crate) fn new(ancestors: Vec<Vec<usize>>) -> Self {
+        let n = ancestors.len();
         Self {
             n,
             l: vec![0.0; n * n],
+            reciprocal: vec![0.0; n],
+            ancestors,
         }
     }
 
-    /// Factorises a symmetric matrix; false if it is not positive definite (or has a NaN).
-    pub(crate) fn factorise(&mut self, m: &nalgebra::DMatrix<f64>) -> bool {
+    /// Factorises a symmetric matrix given by its entries `(i, j)`, `j ≤ i`; false if it is not positive definite (or has
+    /// a NaN).
+    pub(crate) fn factorise(&mut self, m: impl Fn(usize, usize) -> f64) -> bool {
         let n = self.n;
-        for i in 0..n {
-            for j in 0..=i {
-                let mut sum = m[(i, j)];
-                for k in 0..j {
-                    sum -= self.l[i * n + k] * self.l[j * n + k];
-                }
-                if i == j {
-                    // `!(sum > 0)` and not `sum <= 0`: a NaN must fail too.
-                    let positive = sum > 0.0;
-                    if !positive {
-                        return false;
-                    }
-                    self.l[i * n + i] = sum.sqrt();
-                } else {
-                    self.l[i * n + j] = sum / self.l[j * n + j];
+        for (i, ancestors) in self.ancestors.iter().enumerate() {
+            self.l[i * n + i] = m(i, i);
+            for &j in ancestors {
+                self.l[i * n + j] = m(i, j);
+            }
+        }
+        for (k, ancestors) in self.ancestors.iter().enumerate().rev() {
+            let (above, row) = self.l.split_at_mut(k * n);
+            let pivot = row[k];
+            // `!(pivot > 0)` and not `pivot <= 0`: a NaN must fail too.
+            let positive = pivot > 0.0;
+            if !positive {
+                return false;
+            }
+            let root = pivot.sqrt();
+            row[k] = root;
+            let reciprocal = 1.0 / root;
+            self.reciprocal[k] = reciprocal;
+            for &i in ancestors {
+                row[i] *= reciprocal;
+            }
+            for (depth, &i) in ancestors.iter().enumerate() {
+                let factor = row[i];
+                let target = &mut above[i * n..(i + 1) * n];
+                for &j in &ancestors[depth..] {
+                    target[j] -= factor * row[j];
                 }
             }
         }
         true
     }
 
-    /// Replaces the row-major `n × columns` matrix `x` (row stride `stride`) by `M⁻¹ x`.
+    /// Replaces the row-major matrix `x` of row stride `stride` by `M⁻¹ x`.
     ///
     /// Works on whole rows, so that the inner loops run along contiguous memory.
-    pub(crate) fn solve_rows(&self, x: &mut [f64], columns: usize, stride: usize) {
+    pub(crate) fn solve_rows(&self, x: &mut [f64], stride: usize) {
         let n = self.n;
-        for i in 0..n {
-            for k in 0..i {
-                subtract_row(x, i, k, self.l[i * n + k], columns, stride);
+        for (i, ancestors) in self.ancestors.iter().enumerate().rev() {
+            let (above, row) = x.split_at_mut(i * stride);
+            let row = &mut row[..stride];
+            scale(row, self.reciprocal[i]);
+            for &j in ancestors {
+                let target = &mut above[j * stride..(j + 1) * stride];
+                add_rows(target, [-self.l[i * n + j]], [row]);
             }
-            scale_row(x, i, 1.0 / self.l[i * n + i], columns, stride);
         }
-        for i in (0..n).rev() {
-            for k in i + 1..n {
-                subtract_row(x, i, k, self.l[k * n + i], columns, stride);
+        for (i, ancestors) in self.ancestors.iter().enumerate() {
+            let (above, row) = x.split_at_mut(i * stride);
+            let row = &mut row[..stride];
+            let source = |j: usize| &above[j * stride..(j + 1) * stride];
+            let l = &self.l[i * n..(i + 1) * n];
+            let (fours, rest) = ancestors.as_chunks::<4>();
+            for j in fours {
+                add_rows(row, j.map(|j| -l[j]), j.map(source));
             }
-            scale_row(x, i, 1.0 / self.l[i * n + i], columns, stride);
+            for &j in rest {
+                add_rows(row, [-l[j]], [source(j)]);
+            }
+            scale(row, self.reciprocal[i]);
         }
     }
 }
 
-/// `x[i] −= factor · x[k]`.
-fn subtract_row(x: &mut [f64], i: usize, k: usize, factor: f64, columns: usize, stride: usize) {
-    if factor == 0.0 {
-        return;
-    }
-    let (target, source) = if i < k {
-        let (head, tail) = x.split_at_mut(k * stride);
-        (
-            &mut head[i * stride..i * stride + columns],
-            &tail[..columns],
-        )
-    } else {
-        let (head, tail) = x.split_at_mut(i * stride);
-        (
-            &mut tail[..columns],
-            &head[k * stride..k * stride + columns],
-        )
-    };
-    for (t, s) in target.iter_mut().zip(source) {
-        *t -= factor * s;
-    }
-}
-
-fn scale_row(x: &mut [f64], i: usize, factor: f64, columns: usize, stride: usize) {
-    for t in &mut x[i * stride..i * stride + columns] {
-        *t *= factor;
+fn scale(row: &mut [f64], factor: f64) {
+    for x in row {
+        *x *= factor;
     }
 }
 
@@ -93,33 +107,50 @@ mod tests {
     use super::Cholesky;
     use nalgebra::DMatrix;
 
-    #[test]
-    fn solves_several_right_hand_sides_in_rows() {
-        let a = DMatrix::from_fn(5, 5, |i, j| ((3 * i + 7 * j) as f64).sin());
-        let m = &a * a.transpose() + DMatrix::identity(5, 5);
-        let mut cholesky = Cholesky::new(5);
-        assert!(cholesky.factorise(&m));
-        let (columns, stride) = (3, 4);
-        let mut x: Vec<f64> = (0..5 * stride).map(|i| (i as f64).cos()).collect();
+    fn chain(n: usize) -> Vec<Vec<usize>> {
+        (0..n).map(|i| (0..i).rev().collect()).collect()
+    }
+
+    fn check(ancestors: Vec<Vec<usize>>, m: &DMatrix<f64>) {
+        let n = m.nrows();
+        let mut cholesky = Cholesky::new(ancestors);
+        assert!(cholesky.factorise(|i, j| m[(i, j)]));
+        let stride = 4;
+        let mut x: Vec<f64> = (0..n * stride).map(|i| (i as f64).cos()).collect();
         let original = x.clone();
-        cholesky.solve_rows(&mut x, columns, stride);
-        for i in 0..5 {
-            for c in 0..columns {
-                let back: f64 = (0..5).map(|k| m[(i, k)] * x[k * stride + c]).sum();
+        cholesky.solve_rows(&mut x, stride);
+        for i in 0..n {
+            for c in 0..stride {
+                let back: f64 = (0..n).map(|k| m[(i, k)] * x[k * stride + c]).sum();
                 assert!((back - original[i * stride + c]).abs() < 1e-12);
             }
-            assert_eq!(
-                x[i * stride + 3],
-                original[i * stride + 3],
-                "beyond the columns"
-            );
         }
     }
 
     #[test]
+    fn solves_several_right_hand_sides_in_rows() {
+        let a = DMatrix::from_fn(5, 5, |i, j| ((3 * i + 7 * j) as f64).sin());
+        check(chain(5), &(&a * a.transpose() + DMatrix::identity(5, 5)));
+    }
+
+    #[test]
+    fn solves_with_the_sparsity_of_a_tree() {
+        // 0 carries 1 and 2, 1 carries 3, 2 carries 4.
+        let ancestors = vec![vec![], vec![0], vec![0], vec![1, 0], vec![2, 0]];
+        let mut m = DMatrix::identity(5, 5) * 4.0;
+        for (i, list) in ancestors.iter().enumerate() {
+            for &j in list {
+                m[(i, j)] = ((i + 3 * j) as f64).sin();
+                m[(j, i)] = m[(i, j)];
+            }
+        }
+        check(ancestors, &m);
+    }
+
+    #[test]
     fn refuses_indefinite_and_nan() {
-        let mut cholesky = Cholesky::new(2);
-        assert!(!cholesky.factorise(&DMatrix::from_row_slice(2, 2, &[1.0, 2.0, 2.0, 1.0])));
-        assert!(!cholesky.factorise(&DMatrix::from_element(2, 2, f64::NAN)));
+        let mut cholesky = Cholesky::new(chain(2));
+        assert!(!cholesky.factorise(|i, j| if i == j { 1.0 } else { 2.0 }));
+        assert!(!cholesky.factorise(|_, _| f64::NAN));
     }
 }

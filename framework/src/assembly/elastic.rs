@@ -18,7 +18,7 @@
 //! stay within the actuators' limits, and no contact force at all, satisfies them: with everything else given up
 //! the problem is feasible unless a plug-in contradicts that.
 
-use super::{Assembly, DynamicsTerms, Group, Table, Treatment};
+use super::{Assembly, DynamicsTerms, Group, Table, Treatment, partition::EffortPlace};
 use crate::{
     actuator::Actuator,
     contact::ContactState,
@@ -73,6 +73,8 @@ pub(crate) struct Elastic {
     first_row: u32,
     /// Own limits of the actuators.
     efforts: Vec<[f64; 2]>,
+    /// The actuator whose torque a row limits that is a bound on an eliminated effort, by id.
+    torque_of: Vec<Option<usize>>,
     given: Vec<Given>,
     /// Who set the lower and the upper bound of each variable.
     bound_owner: Vec<[Option<RowId>; 2]>,
@@ -91,6 +93,7 @@ impl Elastic {
     ) -> Self {
         let mut levels = Vec::new();
         let mut level_of = vec![None; table.rows.len()];
+        let mut torque_of = vec![None; table.rows.len()];
         let mut limits = 0;
         for of_tasks in [true, false] {
             for (index, group) in groups.iter().enumerate().rev() {
@@ -108,6 +111,13 @@ impl Elastic {
                     level_of[id.index()] = Some(levels.len());
                     limits += 1;
                 }
+                for (id, (_, target)) in group.bounds.iter().zip(&group.layout.bounds) {
+                    if let BoundTarget::Effort(actuator) = *target
+                        && let EffortPlace::Eliminated(_) = assembly.partition.efforts[actuator]
+                    {
+                        torque_of[id.index()] = Some(actuator);
+                    }
+                }
                 levels.push(Level::Entry(index));
             }
         }
@@ -124,6 +134,7 @@ impl Elastic {
             given_up: vec![false; levels.len()],
             levels,
             level_of,
+            torque_of,
             first_slack: table.vars.len() as u32,
             first_row: table.rows.len() as u32,
             efforts: actuators.iter().map(|a| [a.lower, a.upper]).collect(),
@@ -155,10 +166,20 @@ impl Elastic {
     ) -> bool {
         let level_of = |id: RowId| self.level_of.get(id.index()).copied().flatten();
         let mut first = self.levels.len();
-        for (y, id) in proof.y.iter().zip(qp.rows()) {
-            if *y != 0.0 {
-                first = first.min(level_of(*id).unwrap_or(first));
+        for (i, (&y, &id)) in proof.y.iter().zip(qp.rows()).enumerate() {
+            if y == 0.0 {
+                continue;
             }
+            if let Some([least, most]) = self.torque_limits(id) {
+                let (lower, upper) = (qp.row_lower()[i], qp.row_upper()[i]);
+                let crossed = lower > upper;
+                let below = (y < 0.0 || crossed) && lower > least;
+                let above = (y > 0.0 || crossed) && upper < most;
+                if !(below || above) {
+                    continue;
+                }
+            }
+            first = first.min(level_of(id).unwrap_or(first));
         }
         for (j, &z) in proof.z.iter().enumerate().take(qp.n()) {
             if z == 0.0 {
@@ -209,6 +230,12 @@ impl Elastic {
         more
     }
 
+    /// The limits that always hold for the torque that a row limits, if it is a bound on an eliminated one.
+    fn torque_limits(&self, id: RowId) -> Option<[f64; 2]> {
+        let actuator = self.torque_of.get(id.index()).copied().flatten()?;
+        self.efforts.get(actuator).copied()
+    }
+
     /// Bounds on a variable that always hold.
     fn of_the_world(
         &self,
@@ -216,16 +243,18 @@ impl Elastic {
         contacts: &[ContactState],
         position: usize,
     ) -> [f64; 2] {
-        let live = &assembly.live;
-        let effort = position.checked_sub(live.effort);
-        if let Some(limits) = effort.and_then(|i| self.efforts.get(i)) {
+        let (live, partition) = (&assembly.live, &assembly.partition);
+        let column = position + partition.substituted;
+        let kept = column.checked_sub(partition.nv);
+        let actuator = kept.and_then(|i| partition.kept.get(i));
+        if let Some(limits) = actuator.and_then(|&i| self.efforts.get(i)) {
             return *limits;
         }
-        let is_slack = live.slacks.iter().flatten().any(|s| *s == position);
+        let is_slack = live.slacks.iter().flatten().any(|s| *s == column);
         let normals = contacts.iter().zip(&live.forces);
         let is_normal = normals
             .map(|(contact, start)| start.map(|start| start + contact.kind.normal()))
-            .any(|normal| normal == Some(position));
+            .any(|normal| normal == Some(column));
         if is_slack || is_normal {
             [0.0, f64::INFINITY]
         } else {
@@ -281,6 +310,16 @@ impl Elastic {
             row[position] = 1.0;
             row[n + k] = 1.0;
         }
+        for given in &self.given {
+            let (At::Row(i), Some([least, most])) = (given.at, self.torque_limits(given.id)) else {
+                continue;
+            };
+            let id = RowId(first_row + given.id.0);
+            let Some(row) = self.qp.push_row(id, least, most) else {
+                return;
+            };
+            row[..n].copy_from_slice(base.row(i));
+        }
         self.write_bounds(assembly, terms, groups, n);
     }
 
@@ -293,7 +332,7 @@ impl Elastic {
             to[..n].copy_from_slice(from);
         }
         g[..n].copy_from_slice(base.g());
-        let floor = if assembly.live.vdot.is_some() {
+        let floor = if assembly.partition.substituted < assembly.partition.nv {
             assembly.largest_weight
         } else {
             0.0
@@ -333,12 +372,17 @@ impl Elastic {
         self.given.clear();
         for (i, &id) in base.rows().iter().enumerate() {
             let limits = [base.row_lower()[i], base.row_upper()[i]];
-            self.give(id, limits, At::Row(i));
+            let world = self.torque_limits(id);
+            // What the world forbids anyway stays as it is.
+            if world.is_none_or(|[least, most]| limits[0] > least || limits[1] < most) {
+                self.give(id, limits, At::Row(i));
+            }
         }
         for (c, &id) in assembly.normal_rows.iter().enumerate() {
             if let Some(start) = assembly.live.forces[c] {
                 let contact = &terms.contacts[c];
-                let at = At::Variable(start + contact.kind.normal());
+                let column = start + contact.kind.normal();
+                let at = At::Variable(column - assembly.partition.substituted);
                 self.give(id, contact.force_limits, at);
             }
         }
@@ -410,7 +454,7 @@ impl Elastic {
         }
         for (c, contact) in terms.contacts.iter().enumerate() {
             if let Some(start) = assembly.live.forces[c] {
-                let p = start + contact.kind.normal();
+                let p = start + contact.kind.normal() - assembly.partition.substituted;
                 self.tighten(p, contact.force_limits, assembly.normal_rows[c]);
             }
         }

@@ -40,8 +40,8 @@ pub(crate) struct Group {
     pub(crate) live: bool,
     /// This tick: ramp of the entry times ramp of its contact.
     pub(crate) alpha: f64,
-    /// This tick: where its cost rows begin in the stack.
-    pub(crate) stack_start: Option<usize>,
+    /// This tick: where its rows begin among all cost rows.
+    pub(crate) cost_start: Option<usize>,
 }
 
 /// What an entry says about its rows.
@@ -104,7 +104,7 @@ impl Group {
             slack: None,
             live: false,
             alpha: 0.0,
-            stack_start: None,
+            cost_start: None,
         }
     }
 

@@ -11,10 +11,15 @@
 mod actuation;
 mod assemble;
 mod cholesky;
-mod condensed;
 mod elastic;
+mod expand;
 mod group;
+mod kernels;
 mod live;
+mod partition;
+mod quadratic;
+mod recover;
+mod relations;
 mod table;
 mod weight;
 
@@ -23,5 +28,9 @@ pub(crate) use assemble::{Assembly, DynamicsTerms, ProblemRows, VariableNames, i
 pub(crate) use elastic::Elastic;
 pub(crate) use group::{Group, GroupSpec, Treatment};
 pub(crate) use live::Live;
+pub(crate) use partition::Partition;
+use quadratic::Quadratic;
+use recover::Recovered;
+use relations::Relations;
 pub(crate) use table::Table;
 pub use table::{RowInfo, VarInfo};

@@ -22,6 +22,7 @@
 //! ([`ConfigErrors`]). [`Overrides`] replace single values. Saving what was loaded, loading and saving again
 //! gives the same text.
 
+mod compose;
 mod document;
 mod entry;
 mod error;
@@ -39,11 +40,12 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{
+    actuator::ActuatorKind,
     constraint::Constraint,
     contact::ContactSpec,
     entry::Entry,
     qp::{ActiveSet, QpSolver},
-    robot::{Robot, SourceFile},
+    robot::{Robot, RobotModel, SourceFile},
     setup::BindError,
     task::Task,
 };
@@ -191,15 +193,38 @@ impl Settings {
     }
 }
 
-/// Two formulations of the same optimum.
+/// Formulations of the same optimum.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Formulation {
-    /// Variables (u, f): `v̇` is substituted from the dynamics, the paper's (8).
+    /// The faster one of the condensed and the torque-eliminated, by the robot's sizes.
     #[default]
+    Auto,
+    /// Variables (u, f): `v̇` is substituted from the dynamics, the paper's (8).
     Condensed,
+    /// Variables (q̈, u, f): the torques of driven joints are substituted from their own rows of the dynamics, the other
+    /// accelerations from the rest. `u` is then the thrusts.
+    TorqueEliminated,
     /// Variables (v̇, u, f): the dynamics are equality rows, (10d).
     Explicit,
+}
+
+impl Formulation {
+    /// What `Auto` means for a robot; the formulation itself otherwise.
+    pub fn resolve(self, robot: &RobotModel) -> Self {
+        match self {
+            Self::Auto
+                if robot
+                    .actuators
+                    .iter()
+                    .any(|a| matches!(a.kind, ActuatorKind::Joint(_))) =>
+            {
+                Self::TorqueEliminated
+            }
+            Self::Auto => Self::Condensed,
+            other => other,
+        }
+    }
 }
 
 impl ControllerConfig {

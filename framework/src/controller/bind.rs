@@ -6,7 +6,9 @@ use super::{
     error::ControllerError,
     explanation::owners,
     faults::Faults,
+    handle::Stamp,
     ladder::{Age, Clock, Ladder},
+    recording::MadeFrom,
     report::{ContactReport, OnRung, Report, Rung, TaskReport},
     safe::SafeLaw,
     stopwatch::{NoStopwatch, StageTimes},
@@ -16,20 +18,20 @@ use super::{
 use crate::{
     actuator::ActuatorKind,
     assembly::{
-        Actuation, Assembly, DynamicsTerms, Elastic, Group, GroupSpec, ProblemRows, Table,
-        VariableNames,
+        Actuation, Assembly, DynamicsTerms, Elastic, Group, GroupSpec, Partition, ProblemRows,
+        Table, VariableNames,
     },
     config::{ControllerConfig, Origin},
     contact::ContactSpec,
     dynamics::{Data, FrameKinematics},
     entry::{Entry, Hardness},
     layout::{BoundTarget, Layout, Relation, VdotBlock},
-    model::{Base, FrameId, JointKind, Model},
+    model::{Base, JointKind, Model},
     qp::{ActiveSet, Capacity, Qp, QpSolver as _, Solution},
     robot::RobotModel,
     rows::RowStore,
     setup::{BindError, Setup},
-    tick::{FrameHandle, Prediction},
+    tick::Prediction,
 };
 
 impl ControllerConfig {
@@ -67,6 +69,7 @@ impl Controller {
         config: ControllerConfig,
         robot: RobotModel,
     ) -> Result<Self, ControllerError> {
+        let made_from = MadeFrom::new(&config);
         let ControllerConfig {
             settings,
             robot: robot_plugin,
@@ -83,6 +86,7 @@ impl Controller {
         faults.robot(robot_plugin.typetag_name(), robot.problems());
         // Plug-ins rely on a sound robot and a sound rate.
         faults.stop_if_any()?;
+        faults.names(&contacts, &tasks, &constraints);
         let period = 1.0 / settings.rate;
         let model = robot.model.clone();
 
@@ -109,7 +113,8 @@ impl Controller {
 
         // Frame 0 is always the base's, so that a handle never dangles.
         let mut frame_ids = vec![model.base_frame()];
-        let actuation = Actuation::new(&model, &robot.actuators, |id| request(&mut frame_ids, id));
+        let actuation = Actuation::new(&model, &robot.actuators);
+        let formulation = settings.formulation.resolve(&robot);
         let names = VariableNames {
             accelerations: acceleration_names(&model),
             efforts: robot
@@ -123,7 +128,7 @@ impl Controller {
                 .collect(),
         };
         let mut table = Table::default();
-        let problem_rows = ProblemRows::new(settings.formulation, &names, &mut table);
+        let problem_rows = ProblemRows::new(formulation, &names, &mut table);
         let mut groups = Vec::new();
         for (index, entry) in tasks.iter_mut().enumerate() {
             let mut setup = Setup::new(&robot, &contacts, period, &mut frame_ids);
@@ -147,7 +152,6 @@ impl Controller {
                 Err(error) => faults.constraint(index, entry, error),
             }
         }
-        faults.names(&contacts, &tasks, &constraints);
         let solver_tag = solver.typetag_name();
         if !faults.is_empty() {
             // The problem has no size, but the solver's settings can be looked at.
@@ -162,15 +166,19 @@ impl Controller {
         for (index, error) in unlimited_moments(&contacts, &groups[tasks.len()..]) {
             faults.contact(index, &contacts[index].name, error);
         }
+        let partition = Partition::new(formulation, &robot, &contacts, &frame_ids);
+        let kept = partition.kept.iter().map(|&i| &robot.actuators[i]);
+        let kept = Actuation::new(&model, kept);
         let assembly = Assembly::new(
-            settings.formulation,
+            partition,
+            kept,
             settings.regularisation,
             &names,
             problem_rows,
             &mut groups,
             &mut table,
         );
-        let capacity = assembly.capacity(&groups, &table);
+        let capacity = assembly.capacity(&groups);
         // The hover problem below has only the efforts.
         let capacity = Capacity {
             vars: capacity.vars.max(robot.nu()),
@@ -241,8 +249,11 @@ impl Controller {
             world,
             report,
             ladder,
+            made_from,
+            recorder: None,
             hover_residual: nalgebra::DVector::zeros(sizes.nv),
             stopwatch: Box::new(NoStopwatch),
+            stamp: Stamp::next(),
             robot,
         };
         let is_solved = controller.hover();
@@ -263,12 +274,11 @@ impl Controller {
     }
 
     /// The terms of the dynamics, borrowed for the assembly.
-    pub(super) fn terms<'a>(world: &'a World, actuation: &'a Actuation) -> DynamicsTerms<'a> {
+    pub(super) fn terms(world: &World) -> DynamicsTerms<'_> {
         DynamicsTerms {
             data: &world.data,
             frames: &world.frames,
             contacts: &world.contacts,
-            actuation,
         }
     }
 }
@@ -279,14 +289,6 @@ pub(crate) struct Sizes<'a> {
     pub(crate) nu: usize,
     /// Constrained components of each contact.
     pub(crate) nf: &'a [usize],
-}
-
-fn request(frames: &mut Vec<FrameId>, id: FrameId) -> FrameHandle {
-    let slot = frames.iter().position(|&f| f == id).unwrap_or_else(|| {
-        frames.push(id);
-        frames.len() - 1
-    });
-    FrameHandle(slot)
 }
 
 /// Contacts with moments that no constraint limits: the solver would pull with moments.

@@ -41,7 +41,7 @@ impl Controller {
         self.world.measure(&at_home);
         let (nv, nu) = (self.robot.model.nv(), self.robot.nu());
         let mut s = vec![0.0; nv * nu];
-        self.actuation.write(&self.world.frames, &mut s, nu);
+        self.actuation.write(&self.world.data, &mut s, nu);
         let gravity = self.world.data.gravity();
         self.qp.reset((0..nu).map(|i| VarId(i as u32)));
         let (h, g) = self.qp.cost_mut();

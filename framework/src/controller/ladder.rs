@@ -56,8 +56,8 @@ pub(super) struct Ladder {
 /// [`Clock::STEADY`] ticks, was set: it is used again from there, and the controller's own time goes on without a jump.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Clock {
-    previous: Option<f64>,
-    steady: u32,
+    pub(super) previous: Option<f64>,
+    pub(super) steady: u32,
 }
 
 impl Clock {
@@ -88,7 +88,7 @@ impl Clock {
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Age {
     /// Time stamp and ticks since; nothing if it never was.
-    last: Option<(f64, u64)>,
+    pub(super) last: Option<(f64, u64)>,
 }
 
 impl Age {

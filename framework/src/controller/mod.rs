@@ -9,9 +9,11 @@ mod command;
 mod error;
 mod explanation;
 mod faults;
+mod handle;
 mod hover;
 mod ladder;
 mod measurement;
+mod recording;
 mod rehearsal;
 mod report;
 mod requests;
@@ -23,6 +25,7 @@ pub(crate) mod world;
 pub use command::Command;
 pub use error::{ControllerError, RequestError};
 pub use explanation::{Explanation, Limit};
+pub use handle::{TaskId, TaskKey, TaskMut};
 pub use measurement::{Fault, Measurement, Quantity};
 pub use rehearsal::PlannedForce;
 pub use report::{
@@ -36,13 +39,16 @@ use crate::{
     assembly::{Actuation, Assembly, Group, RowInfo, Table, VarInfo},
     config::Settings,
     constraint::Constraint,
-    qp::{Qp, QpSolver, RowId, Solution, Status, VarId},
+    qp::{Budget, Qp, QpSolver, RowId, Solution, Status, VarId},
+    replay::{Record, Recorder},
     robot::RobotModel,
     rows::{ConstraintRows, Rows},
     task::Task,
     tick::EntryState,
 };
+use handle::Stamp;
 use ladder::Ladder;
+use recording::MadeFrom;
 use world::World;
 
 /// A whole-body controller bound to a robot.
@@ -67,8 +73,13 @@ pub struct Controller {
     command: Command,
     report: Report,
     ladder: Ladder,
+    /// Where dumps find what the controller was made from.
+    made_from: MadeFrom,
+    recorder: Option<Recorder>,
     hover_residual: DVector<f64>,
     stopwatch: Box<dyn Stopwatch>,
+    /// What ids of tasks must have.
+    stamp: Stamp,
 }
 
 impl Controller {
@@ -77,6 +88,13 @@ impl Controller {
     /// Always returns a finite command within the actuators' limits: the optimum, or what the [`Rung`] of the report says, with
     /// the reason beside it. Does not allocate (unless the solver does), lock, block or read a clock.
     pub fn tick(&mut self, measurement: &Measurement) -> (&Command, &Report) {
+        self.run(measurement, None);
+        (&self.command, &self.report)
+    }
+
+    /// A tick, with the plug-ins' rows or recorded ones.
+    fn run(&mut self, measurement: &Measurement, recorded: Option<&Record>) {
+        self.record_inputs(measurement);
         self.report.time = measurement.time;
         self.report.active.clear();
         self.report.conflict.clear();
@@ -97,7 +115,7 @@ impl Controller {
         let fault = measurement.fault(&self.robot, self.world.contacts.len(), last);
         let outcome = match fault {
             Some(fault) => Err(fault),
-            None => self.solve(measurement),
+            None => self.solve(measurement, recorded),
         };
         self.report.fault = match outcome {
             Ok(None) => None,
@@ -109,20 +127,29 @@ impl Controller {
             Err(_) => self.fall_back(measurement.time),
         };
         let changed = rung != self.report.rung;
+        let is_first = self.report.on_rung.ticks == 0;
         self.report.on_rung.step(changed, measurement, last);
         self.report.rung = rung;
-        (&self.command, &self.report)
+        self.record_outcome(changed && !is_first);
     }
 
     /// From a usable measurement to command and report; with a fault if limits were given up.
-    fn solve(&mut self, measurement: &Measurement) -> Result<Option<Fault>, Fault> {
+    fn solve(
+        &mut self,
+        measurement: &Measurement,
+        recorded: Option<&Record>,
+    ) -> Result<Option<Fault>, Fault> {
         let start = self.stopwatch.now();
         self.world.measure(measurement);
         self.ladder.without_state.renew(measurement.time);
         let measured = self.stopwatch.now();
-        self.update_rows();
+        match recorded {
+            None => self.update_rows(),
+            Some(record) => self.recall_rows(&record.entries),
+        }
+        self.record_rows();
         let written = self.stopwatch.now();
-        let terms = Self::terms(&self.world, &self.actuation);
+        let terms = Self::terms(&self.world);
         let assembled = self
             .assembly
             .assemble(&terms, &mut self.groups, &mut self.qp);
@@ -132,7 +159,15 @@ impl Controller {
             // What was active some time ago is no good guess.
             self.solver.reset();
         }
-        self.solver.solve(&self.qp, &mut self.solution);
+        let budget = match recorded {
+            None => Budget::Clock(&mut *self.stopwatch),
+            Some(record) => Budget::Iterations(record.outcome.solved_in),
+        };
+        self.solver
+            .solve_within(&self.qp, budget, &mut self.solution);
+        if let Some(recorder) = &mut self.recorder {
+            recorder.solved_in(self.solution.iterations);
+        }
         self.report.status = self.solution.status;
         self.report.iterations = self.solution.iterations;
         self.report.regularisation = self.assembly.regularisation_weight;
@@ -150,14 +185,15 @@ impl Controller {
                 &mut self.report,
             )?)
         };
+        let solved = self.stopwatch.now();
         let x = &self.solution.x[..n];
-        self.assembly.vdot(x, &mut self.report.vdot);
-        if !self.report.vdot.iter().all(|v| v.is_finite()) {
-            self.report.vdot.copy_from(&self.world.last.vdot);
+        self.assembly.recover(&self.groups, &terms, x);
+        let (vdot, effort) = (self.assembly.vdot(), self.assembly.effort());
+        if !vdot.iter().chain(effort).all(|x| x.is_finite()) {
             self.report.relaxed.clear();
             return Err(Fault::Dynamics);
         }
-        let solved = self.stopwatch.now();
+        self.report.vdot.copy_from_slice(vdot);
         let rung = match fault {
             None => Rung::Optimal,
             Some(_) => Rung::Relaxed,
@@ -254,14 +290,13 @@ impl Controller {
 
     /// Turns the solution into command and report.
     fn output(&mut self, rung: Rung) {
-        let x = &self.solution.x[..self.qp.n()];
         self.world.last.vdot.copy_from(&self.report.vdot);
         let tasks = &self.groups[..self.tasks.len()];
         for (column, asked) in self.world.last.virtual_input.iter_mut().enumerate() {
             *asked = Group::virtual_input(tasks, column);
         }
-        let effort = self.assembly.effort(x);
-        self.command.take_efforts(&self.robot, effort);
+        self.command
+            .take_efforts(&self.robot, self.assembly.effort());
         self.world.last.effort.copy_from_slice(&self.command.effort);
         if self.report.rung != rung || self.report.on_rung.ticks == 0 {
             // Velocity references start anew from the measured velocities.
@@ -277,7 +312,7 @@ impl Controller {
         for (i, contact) in self.world.contacts.iter_mut().enumerate() {
             contact.solution.fill(0.0);
             contact.set_point.fill(0.0);
-            if let Some(force) = self.assembly.force(x, i) {
+            if let Some(force) = self.assembly.force(i) {
                 for (&direction, f) in contact.kind.constrained().iter().zip(force) {
                     contact.solution[direction] = *f;
                 }
@@ -291,13 +326,12 @@ impl Controller {
                 position: contact.p_SC,
             };
         }
-        self.report.objective = self.assembly.objective(&self.groups, &self.solution.x);
+        self.report.objective = self.assembly.objective();
         self.report_tasks();
         self.report_active();
     }
 
     fn report_tasks(&mut self) {
-        let x = &self.solution.x[..self.qp.n()];
         for ((group, task), report) in self
             .groups
             .iter()
@@ -305,13 +339,13 @@ impl Controller {
             .zip(&mut self.report.tasks)
         {
             report.alpha = if group.live { group.alpha } else { 0.0 };
+            let residuals = if group.live {
+                self.assembly.residuals(group)
+            } else {
+                None
+            };
             for k in 0..group.layout.len() {
-                let residual = if group.live {
-                    self.assembly.residual(group, k, x)
-                } else {
-                    None
-                };
-                let (r, w) = residual.unwrap_or((0.0, 0.0));
+                let [r, w] = residuals.map_or([0.0; 2], |residuals| residuals[k]);
                 report.error[k] = if group.live {
                     group.store.error[k]
                 } else {

@@ -1,6 +1,7 @@
 //! What a tick says about itself: status, residuals, forces, active rows, times.
 
 use nalgebra::{DVector, Vector3, Vector6};
+use serde::{Deserialize, Serialize};
 
 use super::{measurement::Fault, stopwatch::StageTimes};
 use crate::{
@@ -10,7 +11,8 @@ use crate::{
 
 /// Where the command of a tick comes from: the highest rung of a ladder that was possible. All commands are finite and
 /// within the actuators' limits.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Rung {
     /// The optimum of this tick's problem.

@@ -89,7 +89,7 @@ pub(super) struct SafeLaw {
     /// Hovers at home.
     hover: Vec<f64>,
     /// Where the joints are held.
-    posture: DVector<f64>,
+    pub(super) posture: DVector<f64>,
     vdot: DVector<f64>,
     force: DVector<f64>,
     /// `S(q)`, row-major.
@@ -283,7 +283,7 @@ impl SafeLaw {
     fn load(&mut self, robot: &RobotModel, world: &World, actuation: &Actuation) {
         let nu = robot.nu();
         self.s.fill(0.0);
-        actuation.write(&world.frames, &mut self.s, nu);
+        actuation.write(&world.data, &mut self.s, nu);
         self.columns.clear();
         let problem = &mut self.allocation;
         problem.lower.clear();

@@ -156,4 +156,34 @@ impl Data {
         let link = &self.links[body.index()];
         Isometry3::from_parts(Translation3::from(link.p_WB), link.q_WB)
     }
+
+    /// `Jᵀ w` of a wrench on a body about its origin, N and N·m, **body** axes: hands out each velocity's index and the
+    /// generalised force on it, for the velocities that move the body.
+    pub(crate) fn generalised_force(
+        &self,
+        body: BodyId,
+        force_B: &Vector3<f64>,
+        moment_B: &Vector3<f64>,
+        mut write: impl FnMut(usize, f64),
+    ) {
+        let R_WB = &self.links[body.index()].R_WB;
+        let mut force = Force {
+            linear: R_WB * force_B,
+            angular: R_WB * moment_B,
+        };
+        let offset = self.bias.len() + 1 - self.links.len();
+        let mut i = body.index();
+        while i != 0 {
+            let link = &self.links[i];
+            write(offset + i - 1, link.S.dot(&force));
+            force = force.at_parent(&link.r);
+            i = link.parent;
+        }
+        if offset == 6 {
+            for k in 0..3 {
+                write(k, force.linear[k]);
+                write(3 + k, force.angular[k]);
+            }
+        }
+    }
 }

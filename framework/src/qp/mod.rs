@@ -10,15 +10,19 @@
 //! `H x + g + Aᵀ y + z = 0`.
 
 mod active_set;
+mod budget;
 mod clarabel;
 mod optimality;
 mod polish;
 mod problem;
 mod scaling;
 mod solver;
+mod warm_start;
 
 pub use active_set::ActiveSet;
+pub use budget::Budget;
 pub use clarabel::Clarabel;
 pub use optimality::Optimality;
 pub use problem::{Capacity, Qp, RowId, VarId};
 pub use solver::{QpSolver, Solution, Status};
+pub use warm_start::{ConstraintId, Held, WarmStart};

@@ -2,11 +2,14 @@
 
 use std::{any::Any, fmt::Debug};
 
-use super::{Capacity, Qp};
+use serde::{Deserialize, Serialize};
+
+use super::{Budget, Capacity, Qp, WarmStart};
 use crate::setup::BindError;
 
 /// How a solve ended. An outcome, never an error: every one of them happens on a robot.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Status {
     /// Optimal within the solver's tolerances.
@@ -48,7 +51,7 @@ impl Status {
 pub struct Solution {
     /// How it ended.
     pub status: Status,
-    /// Iterations used.
+    /// Iterations used, of all attempts together.
     pub iterations: u32,
     /// The variables, first `qp.n()` entries valid.
     pub x: Vec<f64>,
@@ -97,6 +100,23 @@ pub trait QpSolver: Any + Send + Debug {
     /// status that is not usable, `x`, `y` and `z` are unspecified but finite.
     fn solve(&mut self, qp: &Qp, out: &mut Solution);
 
+    /// Solves, and ends with [`Status::Budget`] once a budget is used up. A solver that cannot be interrupted ignores it.
+    fn solve_within(&mut self, qp: &Qp, budget: Budget<'_>, out: &mut Solution) {
+        let _ = budget;
+        self.solve(qp, out);
+    }
+
     /// Forgets the warm start.
     fn reset(&mut self) {}
+
+    /// Copies the warm start of the next solve out, without allocating: for records of ticks. A solver without one leaves
+    /// it empty.
+    fn warm_start(&self, out: &mut WarmStart) {
+        out.clear();
+    }
+
+    /// Takes a recorded warm start over: the next solve is to the bit what it was after the recorded one.
+    fn start_from(&mut self, _warm_start: &WarmStart) {
+        self.reset();
+    }
 }

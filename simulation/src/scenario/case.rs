@@ -145,10 +145,11 @@ impl Case {
         })
     }
 
-    pub(crate) fn make_controller(
-        &self,
-        config: ControllerConfig,
-    ) -> Result<Controller, ScenarioError> {
+    /// The controller of a configuration, its own or one like it.
+    ///
+    /// # Errors
+    /// [`ScenarioError::Controller`] if it does not fit the robot.
+    pub fn make_controller(&self, config: ControllerConfig) -> Result<Controller, ScenarioError> {
         Controller::new(config).map_err(|source| self.controller_error(source))
     }
 
@@ -196,8 +197,8 @@ impl Case {
         Ok(state)
     }
 
-    /// Number of control periods.
-    pub(crate) fn ticks(&self, rate: f64) -> usize {
+    /// Number of control periods, at a rate in Hz.
+    pub fn ticks(&self, rate: f64) -> usize {
         (self.duration * rate).round() as usize
     }
 
@@ -266,7 +267,7 @@ impl Case {
     }
 
     /// Keys in the error count from `table`.
-    pub(super) fn plant_error(&self, table: &'static str, source: PlantError) -> ScenarioError {
+    pub(crate) fn plant_error(&self, table: &'static str, source: PlantError) -> ScenarioError {
         ScenarioError::Plant {
             file: self.file.clone(),
             table,

@@ -1,6 +1,6 @@
 //! What can be wrong with a scenario or stop a run.
 
-use wbqp::{config::ConfigErrors, controller::ControllerError, log::LogError};
+use wbqp::{config::ConfigErrors, controller::ControllerError, log::LogError, replay::DumpError};
 
 use crate::PlantError;
 
@@ -137,4 +137,7 @@ pub enum RunError {
     /// The plant refused a command.
     #[error("plant: {0}")]
     Plant(#[from] PlantError),
+    /// Ticks cannot be recorded or dumped.
+    #[error(transparent)]
+    Dump(#[from] DumpError),
 }

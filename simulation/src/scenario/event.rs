@@ -41,7 +41,7 @@ impl Event {
     ///
     /// # Errors
     /// What is wrong, in words.
-    pub(crate) fn apply(&self, controller: &mut Controller) -> Result<(), String> {
+    pub fn apply(&self, controller: &mut Controller) -> Result<(), String> {
         if !(self.at.is_finite() && self.at >= 0.0) {
             return Err("`at` must be finite and not negative".into());
         }

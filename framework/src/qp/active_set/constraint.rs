@@ -19,6 +19,17 @@ pub(super) fn count(qp: &Qp) -> usize {
     qp.m() + qp.n()
 }
 
+/// Equality rows and fixed variables with their values.
+pub(super) fn equalities(qp: &Qp) -> impl Iterator<Item = (usize, f64)> {
+    let rows = qp.row_lower().iter().zip(qp.row_upper());
+    let limits = rows.chain(qp.lower().iter().zip(qp.upper()));
+    let equal = |(_, (lower, upper)): &(usize, (&f64, &f64))| lower == upper;
+    limits
+        .enumerate()
+        .filter(equal)
+        .map(|(index, (&limit, _))| (index, limit))
+}
+
 /// Lower and upper limit.
 pub(super) fn limits(qp: &Qp, index: usize) -> (f64, f64) {
     match index.checked_sub(qp.m()) {
@@ -60,12 +71,15 @@ pub(super) fn largest_normal(qp: &Qp, index: usize, unit: &[f64]) -> f64 {
     }
 }
 
-/// Copies `a`.
+/// Copies `a`, with zeros in the padding.
 pub(super) fn copy_normal(qp: &Qp, index: usize, out: &mut [f64]) {
     match index.checked_sub(qp.m()) {
-        None => out[..qp.n()].copy_from_slice(qp.row(index)),
+        None => {
+            out[..qp.n()].copy_from_slice(qp.row(index));
+            out[qp.n()..].fill(0.0);
+        }
         Some(j) => {
-            out[..qp.n()].fill(0.0);
+            out.fill(0.0);
             out[j] = 1.0;
         }
     }

@@ -1,20 +1,32 @@
-//! Inner loops. Eight sums side by side: results do not depend on how wide the machine's vectors are.
+//! Inner loops over lanes: four or eight sums side by side, in an order that the code fixes, so that results do not
+//! depend on how wide the machine's vectors are.
+//!
+//! Four rows at a time go through one pass over a vector: it is read once for the four, and the long chains of dependent
+//! additions and stores, which a row alone would wait for, overlap.
+
+/// Vectors and strides of the workspaces are whole multiples of this, padded with zeros: the loops have no remainder.
+pub(super) const LANES: usize = 4;
+
+/// Length with the padding.
+pub(super) fn padded(n: usize) -> usize {
+    n.next_multiple_of(LANES)
+}
 
 /// `aᵀb` over the shorter length.
+#[inline]
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     let n = a.len().min(b.len());
-    let (a, b) = (&a[..n], &b[..n]);
+    let (a8, a_rest) = a[..n].as_chunks::<8>();
+    let (b8, b_rest) = b[..n].as_chunks::<8>();
     let mut sums = [0.0; 8];
-    let (a8, b8) = (a.chunks_exact(8), b.chunks_exact(8));
-    let (a_rest, b_rest) = (a8.remainder(), b8.remainder());
-    for (a, b) in a8.zip(b8) {
+    for (a, b) in a8.iter().zip(b8) {
         for l in 0..8 {
             sums[l] += a[l] * b[l];
         }
     }
-    let (a4, b4) = (a_rest.chunks_exact(4), b_rest.chunks_exact(4));
-    let (a_rest, b_rest) = (a4.remainder(), b4.remainder());
-    for (a, b) in a4.zip(b4) {
+    let (a4, a_rest) = a_rest.as_chunks::<4>();
+    let (b4, b_rest) = b_rest.as_chunks::<4>();
+    for (a, b) in a4.iter().zip(b4) {
         for l in 0..4 {
             sums[l] += a[l] * b[l];
         }
@@ -27,11 +39,156 @@ pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     sum
 }
 
+/// `|a|ᵀb` over the shorter length.
+#[inline]
+pub(super) fn dot_magnitudes(a: &[f64], b: &[f64]) -> f64 {
+    let n = a.len().min(b.len());
+    let (a8, a_rest) = a[..n].as_chunks::<8>();
+    let (b8, b_rest) = b[..n].as_chunks::<8>();
+    let mut sums = [0.0; 8];
+    for (a, b) in a8.iter().zip(b8) {
+        for l in 0..8 {
+            sums[l] += a[l].abs() * b[l];
+        }
+    }
+    let mut sum =
+        ((sums[0] + sums[4]) + (sums[2] + sums[6])) + ((sums[1] + sums[5]) + (sums[3] + sums[7]));
+    for (a, b) in a_rest.iter().zip(b_rest) {
+        sum += a.abs() * b;
+    }
+    sum
+}
+
+/// `rᵀ x` of four rows that are `stride` apart, each as long as `x`; the first begins with `rows`.
+#[inline]
+pub(super) fn dots(rows: &[f64], stride: usize, x: &[f64]) -> [f64; 4] {
+    let n = x.len();
+    let (a, a_rest) = rows[..n].as_chunks::<LANES>();
+    let (b, b_rest) = rows[stride..stride + n].as_chunks::<LANES>();
+    let (c, c_rest) = rows[2 * stride..2 * stride + n].as_chunks::<LANES>();
+    let (d, d_rest) = rows[3 * stride..3 * stride + n].as_chunks::<LANES>();
+    let (x, x_rest) = x.as_chunks::<LANES>();
+    let (mut s0, mut s1, mut s2, mut s3) = ([0.0; 4], [0.0; 4], [0.0; 4], [0.0; 4]);
+    for ((((x, a), b), c), d) in x.iter().zip(a).zip(b).zip(c).zip(d) {
+        for l in 0..LANES {
+            s0[l] += a[l] * x[l];
+            s1[l] += b[l] * x[l];
+            s2[l] += c[l] * x[l];
+            s3[l] += d[l] * x[l];
+        }
+    }
+    let mut out = sums(&s0, &s1, &s2, &s3);
+    for (i, x) in x_rest.iter().enumerate() {
+        out[0] += a_rest[i] * x;
+        out[1] += b_rest[i] * x;
+        out[2] += c_rest[i] * x;
+        out[3] += d_rest[i] * x;
+    }
+    out
+}
+
+/// A call of its own: if the sums are added up where they are made, the compiler vectorises across the rows, which
+/// takes as many shuffles as products.
+#[inline(never)]
+fn sums(a: &[f64; LANES], b: &[f64; LANES], c: &[f64; LANES], d: &[f64; LANES]) -> [f64; 4] {
+    let sum = |s: &[f64; LANES]| (s[0] + s[2]) + (s[1] + s[3]);
+    [sum(a), sum(b), sum(c), sum(d)]
+}
+
 /// `y += α x` over the shorter length.
+#[inline]
 pub(super) fn axpy(y: &mut [f64], alpha: f64, x: &[f64]) {
+    let n = y.len().min(x.len());
+    // Sixteen at a time, as in `add_rows`.
+    let ((y16, y), (x16, x)) = (y[..n].as_chunks_mut::<16>(), x[..n].as_chunks::<16>());
+    for (y, x) in y16.iter_mut().zip(x16) {
+        scale_and_add(y, alpha, x);
+    }
+    let ((y8, y), (x8, x)) = (y.as_chunks_mut::<8>(), x.as_chunks::<8>());
+    if let ([y], [x]) = (y8, x8) {
+        scale_and_add(y, alpha, x);
+    }
+    let ((y4, y), (x4, x)) = (y.as_chunks_mut::<LANES>(), x.as_chunks::<LANES>());
+    if let ([y], [x]) = (y4, x4) {
+        scale_and_add(y, alpha, x);
+    }
     for (y, x) in y.iter_mut().zip(x) {
         *y += alpha * x;
     }
+}
+
+#[inline]
+fn scale_and_add<const L: usize>(y: &mut [f64; L], alpha: f64, x: &[f64; L]) {
+    for l in 0..L {
+        y[l] += alpha * x[l];
+    }
+}
+
+/// `y += Σ α_i r_i` over four rows that are `stride` apart, each as long as `y`, a whole number of lanes; the first begins
+/// with `rows`.
+#[expect(
+    clippy::inline_always,
+    reason = "as a call, α goes through memory, and its loads stall"
+)]
+#[inline(always)]
+pub(super) fn add_rows(y: &mut [f64], alpha: [f64; 4], rows: &[f64], stride: usize) {
+    let n = y.len();
+    let (a, b) = (&rows[..n], &rows[stride..stride + n]);
+    let (c, d) = (
+        &rows[2 * stride..2 * stride + n],
+        &rows[3 * stride..3 * stride + n],
+    );
+    // Sixteen at a time, a stride so long that the compiler vectorises along the rows and not across them.
+    let (y16, y) = y.as_chunks_mut::<16>();
+    let ((a16, a), (b16, b)) = (a.as_chunks(), b.as_chunks());
+    let ((c16, c), (d16, d)) = (c.as_chunks(), d.as_chunks());
+    for ((((y, a), b), c), d) in y16.iter_mut().zip(a16).zip(b16).zip(c16).zip(d16) {
+        add_lanes::<16>(y, alpha, a, b, c, d);
+    }
+    let (y8, y) = y.as_chunks_mut::<8>();
+    let ((a8, a), (b8, b)) = (a.as_chunks(), b.as_chunks());
+    let ((c8, c), (d8, d)) = (c.as_chunks(), d.as_chunks());
+    if let ([y], [a], [b], [c], [d]) = (y8, a8, b8, c8, d8) {
+        add_lanes::<8>(y, alpha, a, b, c, d);
+    }
+    let (y4, _) = y.as_chunks_mut::<LANES>();
+    let ((a4, _), (b4, _)) = (a.as_chunks(), b.as_chunks());
+    let ((c4, _), (d4, _)) = (c.as_chunks(), d.as_chunks());
+    if let ([y], [a], [b], [c], [d]) = (y4, a4, b4, c4, d4) {
+        add_lanes::<LANES>(y, alpha, a, b, c, d);
+    }
+}
+
+#[expect(clippy::inline_always, reason = "as for `add_rows`")]
+#[inline(always)]
+fn add_lanes<const L: usize>(
+    y: &mut [f64; L],
+    alpha: [f64; 4],
+    a: &[f64; L],
+    b: &[f64; L],
+    c: &[f64; L],
+    d: &[f64; L],
+) {
+    let [f0, f1, f2, f3] = alpha;
+    for l in 0..L {
+        y[l] += (f0 * a[l] + f1 * b[l]) + (f2 * c[l] + f3 * d[l]);
+    }
+}
+
+/// Largest magnitude of the products `a_i b_i`, over the shorter length.
+pub(super) fn largest_product(a: &[f64], b: &[f64]) -> f64 {
+    let n = a.len().min(b.len());
+    let (a4, a_rest) = a[..n].as_chunks::<LANES>();
+    let (b4, b_rest) = b[..n].as_chunks::<LANES>();
+    let larger = |x: f64, y: f64| if y > x { y } else { x };
+    let mut lanes = [0.0; LANES];
+    for (a, b) in a4.iter().zip(b4) {
+        for l in 0..LANES {
+            lanes[l] = larger(lanes[l], (a[l] * b[l]).abs());
+        }
+    }
+    let rest = a_rest.iter().zip(b_rest).map(|(a, b)| (a * b).abs());
+    rest.chain(lanes).fold(0.0, larger)
 }
 
 /// Largest magnitude.
@@ -41,7 +198,7 @@ pub(super) fn largest(a: &[f64]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{axpy, dot};
+    use super::{add_rows, axpy, dot, dots};
 
     #[test]
     fn every_length_sums_every_product() {
@@ -55,6 +212,25 @@ mod tests {
             for i in 0..n + 3 {
                 let added = a.get(i).map_or(0.0, |a| 2.0 * a);
                 assert_eq!(y[i], b[i] + added);
+            }
+        }
+    }
+
+    #[test]
+    fn four_rows_at_once_are_four_rows() {
+        for n in 0..20 {
+            let row = |p: usize| (0..n).map(move |i| ((7 * i + 3 * p) as f64).sin());
+            let rows: Vec<f64> = (0..4).flat_map(|p| row(p).chain([9.0])).collect();
+            let x: Vec<f64> = row(5).collect();
+            let alpha = [1.0, -2.0, 0.5, 3.0];
+            let (mut y, mut expected) = (x.clone(), x.clone());
+            add_rows(&mut y, alpha, &rows, n + 1);
+            for (p, sum) in dots(&rows, n + 1, &x).into_iter().enumerate() {
+                assert!((sum - dot(&rows[p * (n + 1)..], &x)).abs() < 1e-14 * (1.0 + n as f64));
+                axpy(&mut expected, alpha[p], &rows[p * (n + 1)..]);
+            }
+            for (y, expected) in y.iter().zip(&expected) {
+                assert!((y - expected).abs() < 1e-14);
             }
         }
     }

@@ -37,15 +37,18 @@
 mod constraint;
 mod hessian;
 mod kernels;
+mod limits;
 mod orthogonal;
+mod point;
 mod solve;
 mod working_set;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Capacity, Qp, QpSolver, Solution};
+use super::{Budget, Capacity, Qp, QpSolver, Solution, WarmStart};
 use crate::setup::BindError;
+use limits::Limits;
 use solve::Workspace;
 
 /// A dense dual active-set method, warm-started from the tick before; allocates nothing.
@@ -61,6 +64,11 @@ pub struct ActiveSet {
     #[serde(default = "default_tolerance")]
     #[schemars(extend("x-unit" = "1"))]
     pub tolerance: f64,
+    /// Time that a solve may take before it ends without a solution, s; unlimited if absent. Needs a clock: without
+    /// the caller's stopwatch it has no effect.
+    #[serde(default)]
+    #[schemars(extend("x-unit" = "s"))]
+    pub budget: Option<f64>,
     #[serde(skip)]
     workspace: Workspace,
 }
@@ -78,6 +86,7 @@ impl Default for ActiveSet {
         Self {
             max_iterations: default_max_iterations(),
             tolerance: default_tolerance(),
+            budget: None,
             workspace: Workspace::default(),
         }
     }
@@ -96,16 +105,38 @@ impl QpSolver for ActiveSet {
             let problem = format!("is {}, must be between 1e-15 and 1e-6", self.tolerance);
             return Err(BindError::value("tolerance", problem));
         }
+        if let Some(budget) = self.budget.filter(|b| !(*b > 0.0 && b.is_finite())) {
+            let problem = format!("is {budget}, must be positive and finite");
+            return Err(BindError::value("budget", problem));
+        }
         self.workspace = Workspace::new(capacity);
         Ok(())
     }
 
     fn solve(&mut self, qp: &Qp, out: &mut Solution) {
-        self.workspace
-            .solve(qp, self.tolerance, self.max_iterations, out);
+        let limits = Limits::new(self.tolerance, self.max_iterations);
+        self.workspace.solve(qp, limits, out);
+    }
+
+    fn solve_within(&mut self, qp: &Qp, budget: Budget<'_>, out: &mut Solution) {
+        let limits = match budget {
+            Budget::Iterations(cap) => Limits::new(self.tolerance, cap),
+            Budget::Clock(stopwatch) => {
+                Limits::new(self.tolerance, self.max_iterations).with_clock(stopwatch, self.budget)
+            }
+        };
+        self.workspace.solve(qp, limits, out);
     }
 
     fn reset(&mut self) {
         self.workspace.forget();
+    }
+
+    fn warm_start(&self, out: &mut WarmStart) {
+        self.workspace.warm_start(out);
+    }
+
+    fn start_from(&mut self, warm_start: &WarmStart) {
+        self.workspace.start_from(warm_start);
     }
 }

@@ -2,13 +2,16 @@
 
 use super::{
     constraint::{
-        Active, add_normal, copy_normal, count, largest_normal, limits, magnitude, value,
+        Active, add_normal, copy_normal, count, equalities, largest_normal, limits, magnitude,
+        value,
     },
     hessian::Hessian,
-    kernels::{axpy, dot, largest},
+    kernels::{axpy, dot, largest, largest_product, padded},
+    limits::Limits,
+    point::Point,
     working_set::WorkingSet,
 };
-use crate::qp::{Capacity, Qp, RowId, Solution, Status, VarId};
+use crate::qp::{Capacity, ConstraintId, Held, Qp, Solution, Status, WarmStart};
 
 /// Rounds in which all violated constraints are held together.
 const JOINT_ROUNDS: u32 = 4;
@@ -28,14 +31,7 @@ const ROUNDING: f64 = 1e-8;
 const CORRECTIONS: u32 = 50;
 
 /// Relative violation, or multiplier of the wrong sign, that a refined point may have: the more, the longer it takes.
-const FORGIVEN: [f64; 4] = [1e-11, 1e-10, 1e-9, 1e-8];
-
-/// Who is held, by identity.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Id {
-    Row(RowId),
-    Bound(VarId),
-}
+const FORGIVEN: [f64; 2] = [1e-11, 1e-10];
 
 /// Why the dual iteration stopped.
 enum End {
@@ -51,26 +47,24 @@ enum End {
 pub(super) struct Workspace {
     hessian: Hessian,
     set: WorkingSet,
+    /// n with padding: the length of vectors of variables.
+    stride: usize,
     v: Vec<f64>,
-    x: Vec<f64>,
+    point: Point,
     /// Where the last proximal steps began.
     last: Vec<f64>,
-    /// `1/√h_jj`, the unit of each variable.
-    unit: Vec<f64>,
     /// Which constraints are not to be checked: held, equalities, or without a remedy.
     settled: Vec<bool>,
     violated: Vec<(f64, Active)>,
     w: Vec<f64>,
     gradient: Vec<f64>,
     p: Vec<f64>,
-    previous: Vec<(Id, f64)>,
-    tolerance: f64,
+    previous: Vec<Held>,
     /// Size of the terms of the gradient at the last residuals, in units of the variables.
     size: f64,
     /// The last residuals, relative to it.
     residual: f64,
     iterations: u32,
-    max_iterations: u32,
 }
 
 impl Workspace {
@@ -79,18 +73,31 @@ impl Workspace {
         Self {
             hessian: Hessian::new(n),
             set: WorkingSet::new(n),
-            v: vec![0.0; n],
-            x: vec![0.0; n],
+            v: vec![0.0; padded(n)],
+            point: Point::new(capacity),
             last: vec![0.0; n],
-            unit: vec![0.0; n],
             settled: vec![false; m + n],
             violated: Vec::with_capacity(m + n),
-            w: vec![0.0; n],
-            gradient: vec![0.0; n],
+            w: vec![0.0; padded(n)],
+            gradient: vec![0.0; padded(n)],
             p: vec![0.0; n],
             previous: Vec::with_capacity(n),
             ..Self::default()
         }
+    }
+
+    pub(super) fn warm_start(&self, out: &mut WarmStart) {
+        out.clear();
+        for held in &self.previous {
+            out.push(held.constraint, held.side);
+        }
+    }
+
+    /// The next solve begins with these; those beyond the capacity are forgotten.
+    pub(super) fn start_from(&mut self, warm_start: &WarmStart) {
+        self.previous.clear();
+        let room = self.previous.capacity();
+        self.previous.extend(warm_start.iter().take(room));
     }
 
     /// The next solve begins without any constraint held.
@@ -98,18 +105,10 @@ impl Workspace {
         self.previous.clear();
     }
 
-    pub(super) fn solve(
-        &mut self,
-        qp: &Qp,
-        tolerance: f64,
-        max_iterations: u32,
-        out: &mut Solution,
-    ) {
+    pub(super) fn solve(&mut self, qp: &Qp, mut limits: Limits<'_>, out: &mut Solution) {
         clear(qp, out);
-        self.tolerance = tolerance;
         self.iterations = 0;
-        self.max_iterations = max_iterations;
-        out.status = self.run(qp, out);
+        out.status = self.run(qp, &mut limits, out);
         out.iterations = self.iterations;
         let (n, m) = (qp.n(), qp.m());
         let mut numbers = out.x[..n].iter().chain(&out.y[..m]).chain(&out.z[..n]);
@@ -117,12 +116,15 @@ impl Workspace {
             clear(qp, out);
             out.status = Status::Failed;
         }
-        if !out.status.is_usable() {
+        if !(out.status.is_usable() || out.status == Status::Budget) {
             self.previous.clear();
         }
     }
 
-    fn run(&mut self, qp: &Qp, out: &mut Solution) -> Status {
+    fn run(&mut self, qp: &Qp, limits: &mut Limits<'_>, out: &mut Solution) -> Status {
+        if qp.n() == 0 {
+            return without_variables(qp, out);
+        }
         if let Some(index) = crossed(qp) {
             // Not a combination of constraints but one alone: its multiplier names it.
             add_multiplier(qp, index, 1.0, out);
@@ -131,8 +133,9 @@ impl Workspace {
         if !self.hessian.factorise(qp) {
             return Status::Failed;
         }
-        let status = self.run_factorised(qp, out);
-        if status == Status::Optimal || !self.hessian.is_suspect() {
+        let status = self.run_factorised(qp, limits, out);
+        let is_final = status == Status::Optimal || limits.were_used_up();
+        if is_final || !self.hessian.is_suspect() {
             return status;
         }
         // What was taken for curvature may have been rounding.
@@ -141,21 +144,19 @@ impl Workspace {
             return Status::Failed;
         }
         self.previous.clear();
-        self.run_factorised(qp, out)
+        self.run_factorised(qp, limits, out)
     }
 
-    fn run_factorised(&mut self, qp: &Qp, out: &mut Solution) -> Status {
+    fn run_factorised(&mut self, qp: &Qp, limits: &mut Limits<'_>, out: &mut Solution) -> Status {
         let n = qp.n();
-        self.iterations = 0;
-        for (j, unit) in self.unit[..n].iter_mut().enumerate() {
-            let h = qp.h()[j * n + j];
-            *unit = if h > 0.0 { 1.0 / h.sqrt() } else { 1.0 };
-        }
-        let v = &mut self.v[..n];
-        v.copy_from_slice(qp.g());
+        self.stride = padded(n);
+        self.point.reset(qp);
+        let v = &mut self.v[..self.stride];
+        v[..n].copy_from_slice(qp.g());
+        v[n..].fill(0.0);
         self.hessian.shift(v);
         self.hessian.solve_transposed(v);
-        self.set.reset(v);
+        self.set.reset(n, v);
         self.settled[..count(qp)].fill(false);
         if !self.hold_equalities(qp, out) {
             return Status::Infeasible;
@@ -163,11 +164,11 @@ impl Workspace {
         self.hold_previous(qp);
         self.last[..n].fill(0.0);
         for correction in 0..CORRECTIONS {
-            match self.ascend(qp, correction == 0, out) {
+            match self.ascend(qp, limits, correction == 0, out) {
                 End::Optimal => {}
                 End::Infeasible => return Status::Infeasible,
                 End::Budget => {
-                    self.write(qp, out);
+                    self.stop(qp, out);
                     return Status::Budget;
                 }
             }
@@ -177,12 +178,12 @@ impl Workspace {
                 if self.is_unbounded(qp) {
                     return Status::Unbounded;
                 }
-                self.last[..n].copy_from_slice(&self.x[..n]);
+                self.last[..n].copy_from_slice(&self.point.x()[..n]);
             }
             // What goes to and fro is on the edge.
             let forgiven = FORGIVEN[(correction as usize / 4).min(FORGIVEN.len() - 1)];
             let far = raised && self.residual > CONVERGED && correction + 1 < CORRECTIONS;
-            if self.is_settled(qp, forgiven) && !far {
+            if self.is_settled(qp, limits.tolerance, forgiven) && !far {
                 self.remember(qp);
                 self.write(qp, out);
                 return if self.residual < CONVERGED {
@@ -195,22 +196,26 @@ impl Workspace {
             }
             self.move_on(qp, forgiven);
         }
-        self.write(qp, out);
+        self.stop(qp, out);
         Status::Budget
+    }
+
+    /// Ends before the optimum: with the minimiser on what is held, from where the next solve goes on.
+    fn stop(&mut self, qp: &Qp, out: &mut Solution) {
+        self.set.find_targets();
+        self.set.primal(&self.hessian, self.point.x_mut());
+        self.remember(qp);
+        self.write(qp, out);
     }
 
     /// Holds all equality rows and fixed variables; false if they contradict one another.
     fn hold_equalities(&mut self, qp: &Qp, out: &mut Solution) -> bool {
-        for index in 0..count(qp) {
-            let (lower, upper) = limits(qp, index);
-            if lower != upper {
-                continue;
-            }
+        for (index, limit) in equalities(qp) {
             self.settled[index] = true;
             let constraint = Active {
                 index,
                 side: 0.0,
-                limit: upper,
+                limit,
             };
             if self.push(qp, constraint, 0.0) {
                 continue;
@@ -230,16 +235,20 @@ impl Workspace {
     /// Holds what was held at the end of the last solve and still exists.
     fn hold_previous(&mut self, qp: &Qp) {
         for i in 0..self.previous.len() {
-            let (id, side) = self.previous[i];
-            let found = match id {
-                Id::Row(id) => qp.rows().binary_search(&id).ok(),
-                Id::Bound(id) => qp.vars().binary_search(&id).ok().map(|j| qp.m() + j),
+            let Held { constraint, side } = self.previous[i];
+            let found = match constraint {
+                ConstraintId::Row(id) => qp.rows().binary_search(&id).ok(),
+                ConstraintId::Bound(id) => qp.vars().binary_search(&id).ok().map(|j| qp.m() + j),
             };
             let Some(index) = found.filter(|&i| !self.settled[i]) else {
                 continue;
             };
             let (lower, upper) = limits(qp, index);
-            let limit = if side > 0.0 { upper } else { lower };
+            let (side, limit) = if side > 0.0 {
+                (1.0, upper)
+            } else {
+                (-1.0, lower)
+            };
             let constraint = Active { index, side, limit };
             if limit.is_finite() && self.push(qp, constraint, 0.0) {
                 self.settled[index] = true;
@@ -249,14 +258,13 @@ impl Workspace {
 
     /// Holds a constraint, with `w` in `self.w`.
     fn push(&mut self, qp: &Qp, constraint: Active, multiplier: f64) -> bool {
-        let n = qp.n();
         if !self.set.has_room() {
             self.rebuild(qp);
         }
-        let w = &mut self.w[..n];
+        let w = &mut self.w[..self.stride];
         copy_normal(qp, constraint.index, w);
-        self.hessian.solve_transposed(w);
-        self.set.push(constraint, multiplier, w)
+        let range = self.hessian.solve_transposed(w);
+        self.set.push(constraint, multiplier, range, w)
     }
 
     /// Factorises the held constraints anew, when the product of reflections and rotations has become too long.
@@ -267,33 +275,38 @@ impl Workspace {
         for (&held, &multiplier) in self.set.active().iter().zip(&self.set.multipliers) {
             self.violated.push((multiplier, held));
         }
-        self.set.linear_term(&mut self.v[..n]);
-        self.set.reset(&self.v[..n]);
+        self.set.linear_term(&mut self.v[..self.stride]);
+        self.set.reset(n, &self.v[..self.stride]);
         for i in 0..count {
             let (multiplier, held) = self.violated[i];
-            let w = &mut self.w[..n];
+            let w = &mut self.w[..self.stride];
             copy_normal(qp, held.index, w);
-            self.hessian.solve_transposed(w);
-            if !self.set.push(held, multiplier, w) {
+            let range = self.hessian.solve_transposed(w);
+            if !self.set.push(held, multiplier, range, w) {
                 self.settled[held.index] = held.side == 0.0;
             }
         }
     }
 
     /// The dual iteration.
-    fn ascend(&mut self, qp: &Qp, is_first: bool, out: &mut Solution) -> End {
-        let n = qp.n();
+    fn ascend(
+        &mut self,
+        qp: &Qp,
+        limits: &mut Limits<'_>,
+        is_first: bool,
+        out: &mut Solution,
+    ) -> End {
         let (mut guess_rounds, mut joint_rounds) = if is_first {
             (GUESS_ROUNDS, JOINT_ROUNDS)
         } else {
             (0, 0)
         };
-        let mut tolerance = self.tolerance;
+        let mut tolerance = limits.tolerance;
         loop {
-            self.iterations += 1;
-            if self.iterations > self.max_iterations {
+            if limits.are_used_up(self.iterations) {
                 return End::Budget;
             }
+            self.iterations += 1;
             self.set.find_targets();
             if guess_rounds > 0 {
                 // All multipliers are zero as yet, so that any of these constraints may go.
@@ -308,7 +321,8 @@ impl Workspace {
                 continue;
             }
             self.set.accept_targets();
-            self.set.primal(&self.hessian, &mut self.x[..n]);
+            self.set.primal(&self.hessian, self.point.x_mut());
+            self.point.evaluate(qp);
             let worst = self.find_violated(qp, tolerance);
             if self.violated.is_empty() {
                 return End::Optimal;
@@ -360,27 +374,24 @@ impl Workspace {
         self.settled[released.index] = false;
     }
 
-    /// Collects what `self.x` violates by more than a tolerance, relative to the numbers that are added up; returns the
+    /// Collects what the point violates by more than a tolerance, relative to the numbers that are added up; returns the
     /// largest relative violation.
     fn find_violated(&mut self, qp: &Qp, tolerance: f64) -> f64 {
         self.violated.clear();
         let mut worst = 0.0_f64;
-        let (x, unit) = (&self.x[..qp.n()], &self.unit[..qp.n()]);
-        let scale = largest_in(unit, x);
-        for (index, &settled) in self.settled[..count(qp)].iter().enumerate() {
-            if settled {
+        let rows = qp.row_lower().iter().zip(qp.row_upper());
+        let limits = rows.chain(qp.lower().iter().zip(qp.upper()));
+        let constraints = self.point.values().zip(limits).zip(&self.settled);
+        for (index, ((value, (&lower, &upper)), &settled)) in constraints.enumerate() {
+            if settled || (lower <= value && value <= upper) {
                 continue;
             }
-            let (lower, upper) = limits(qp, index);
-            let value = value(qp, index, x);
             let (excess, side, limit) = if value > upper {
                 (value - upper, 1.0, upper)
-            } else if value < lower {
-                (lower - value, -1.0, lower)
             } else {
-                continue;
+                (lower - value, -1.0, lower)
             };
-            let relative = excess / (limit.abs() + magnitude(qp, index, x, unit, scale));
+            let relative = excess / (limit.abs() + self.point.magnitude(qp, index));
             if relative > tolerance {
                 worst = worst.max(relative);
                 self.violated.push((excess, Active { index, side, limit }));
@@ -391,13 +402,12 @@ impl Workspace {
 
     /// Holds the violated constraint that is farthest away; false if that is impossible.
     fn hold_worst(&mut self, qp: &Qp, out: &mut Solution) -> bool {
-        let n = qp.n();
         let mut worst: Option<(f64, Active)> = None;
         for &(excess, constraint) in &self.violated {
             let distance = if self.violated.len() == 1 {
                 excess
             } else {
-                let w = &mut self.w[..n];
+                let w = &mut self.w[..self.stride];
                 copy_normal(qp, constraint.index, w);
                 self.hessian.solve_transposed(w);
                 excess / dot(w, w).sqrt()
@@ -458,9 +468,9 @@ impl Workspace {
 
     /// Corrects the combination of held normals that a dependent one was found to be, by what is left of it.
     fn refine_combination(&mut self, qp: &Qp, index: usize) {
-        let (n, k) = (qp.n(), self.set.len());
+        let k = self.set.len();
         self.p[..k].copy_from_slice(self.set.computed());
-        let rest = &mut self.gradient[..n];
+        let rest = &mut self.gradient[..self.stride];
         for _ in 0..2 {
             copy_normal(qp, index, rest);
             for (held, &r) in self.set.active().iter().zip(&self.p) {
@@ -487,7 +497,6 @@ impl Workspace {
     /// Corrects `x` and the multipliers by the residuals of the optimality conditions on the held constraints, until
     /// rounding is left.
     fn refine(&mut self, qp: &Qp) {
-        let n = qp.n();
         let k = self.set.len();
         // A proximal step may gain slowly, a refinement gains at once or not at all.
         let stalled = if self.hessian.is_raised() { 0.95 } else { 0.3 };
@@ -498,10 +507,11 @@ impl Workspace {
                 return;
             }
             before = residual;
-            let (d, p) = (&mut self.gradient[..n], &mut self.p[..k]);
+            let (d, p) = (&mut self.gradient[..self.stride], &mut self.p[..k]);
             self.set.correct(&self.hessian, d, p);
-            axpy(&mut self.x[..n], 1.0, d);
+            axpy(self.point.x_mut(), 1.0, d);
             axpy(&mut self.set.multipliers, 1.0, p);
+            self.point.evaluate(qp);
         }
         self.residuals(qp);
     }
@@ -509,43 +519,38 @@ impl Workspace {
     /// `H x + g + N λ` into `self.gradient`, `b − Nᵀ x` into `self.p`; returns the larger of the two relative to what it
     /// is the difference of.
     fn residuals(&mut self, qp: &Qp) -> f64 {
-        let n = qp.n();
-        let (x, unit) = (&self.x[..n], &self.unit[..n]);
-        let scale = largest_in(unit, x);
-        let gradient = &mut self.gradient[..n];
-        let mut size = 0.0_f64;
-        let rows = qp.h().chunks_exact(n).zip(qp.g());
-        for ((d, (h, g)), unit) in gradient.iter_mut().zip(rows).zip(unit) {
-            let hx = dot(h, x);
-            size = size.max(unit * hx.abs()).max(unit * g.abs());
-            *d = hx + g;
-        }
+        let point = &self.point;
+        let gradient = &mut self.gradient[..self.stride];
+        self.hessian.product(qp, point.x(), gradient);
+        gradient[qp.n()..].fill(0.0);
+        let unit = point.unit();
+        let mut size = largest_product(gradient, unit).max(largest_product(qp.g(), unit));
+        axpy(gradient, 1.0, qp.g());
         if self.hessian.is_raised() {
             // The size of a proximal term.
-            size = size.max(1e-6 * scale);
+            size = size.max(1e-6 * point.largest());
         }
         let mut primal = 0.0_f64;
         let held = self.set.active().iter().zip(&self.set.multipliers);
         for ((held, &m), p) in held.zip(&mut self.p) {
             add_normal(qp, held.index, m, gradient);
-            *p = held.limit - value(qp, held.index, x);
-            if *p != 0.0 {
-                let magnitude = magnitude(qp, held.index, x, unit, scale);
-                primal = primal.max(p.abs() / (held.limit.abs() + magnitude));
+            *p = held.limit - point.value(held.index);
+            // Else exact whatever the magnitude.
+            if p.abs() > EXACT * held.limit.abs() {
+                primal = primal.max(p.abs() / (held.limit.abs() + point.magnitude(qp, held.index)));
             }
         }
-        let in_units = gradient.iter().zip(unit).map(|(d, unit)| (d * unit).abs());
-        let stationarity = in_units.fold(0.0, f64::max);
+        let stationarity = largest_product(gradient, unit);
         // The entries of H x may be small differences of large terms, none of which exceeds the largest variable.
-        self.size = size.max(scale).max(f64::MIN_POSITIVE);
+        self.size = size.max(point.largest()).max(f64::MIN_POSITIVE);
         self.residual = primal.max(stationarity / self.size);
         primal.max(stationarity / size.max(f64::MIN_POSITIVE))
     }
 
     /// Whether the refined point violates nothing and holds nothing with a multiplier of the wrong sign, beyond what is
     /// forgiven.
-    fn is_settled(&mut self, qp: &Qp, forgiven: f64) -> bool {
-        self.find_violated(qp, self.tolerance.max(forgiven));
+    fn is_settled(&mut self, qp: &Qp, tolerance: f64, forgiven: f64) -> bool {
+        self.find_violated(qp, tolerance.max(forgiven));
         self.violated.is_empty() && (0..self.set.len()).all(|j| !self.is_wrong(qp, j, forgiven))
     }
 
@@ -553,14 +558,14 @@ impl Workspace {
     fn is_wrong(&self, qp: &Qp, j: usize, forgiven: f64) -> bool {
         let held = self.set.active()[j];
         let wrong = -self.set.multipliers[j] * held.side;
-        wrong > 0.0 && wrong * largest_normal(qp, held.index, &self.unit) > forgiven * self.size
+        wrong > 0.0
+            && wrong * largest_normal(qp, held.index, self.point.unit()) > forgiven * self.size
     }
 
     /// The next proximal step, or another look at a point that was refined: what is wrongly held is let go.
     fn move_on(&mut self, qp: &Qp, forgiven: f64) {
-        let n = qp.n();
-        let (x, w) = (&self.x[..n], &mut self.w[..n]);
-        self.set.centre(&self.hessian, x, w);
+        let w = &mut self.w[..self.stride];
+        self.set.centre(&self.hessian, self.point.x(), w);
         for j in (0..self.set.len()).rev() {
             if self.is_wrong(qp, j, forgiven) {
                 self.release(j);
@@ -577,7 +582,7 @@ impl Workspace {
     fn is_unbounded(&mut self, qp: &Qp) -> bool {
         let n = qp.n();
         let d = &mut self.w[..n];
-        for ((d, x), last) in d.iter_mut().zip(&self.x).zip(&self.last) {
+        for ((d, x), last) in d.iter_mut().zip(self.point.x()).zip(&self.last) {
             *d = x - last;
         }
         let d = &self.w[..n];
@@ -589,7 +594,7 @@ impl Workspace {
         let free = (0..count(qp)).all(|index| {
             let (lower, upper) = limits(qp, index);
             let rate = value(qp, index, d);
-            let rounding = 1e-9 * magnitude(qp, index, d, &self.unit, size);
+            let rounding = 1e-9 * magnitude(qp, index, d, self.point.unit(), size);
             (upper.is_infinite() || rate <= rounding) && (lower.is_infinite() || rate >= -rounding)
         });
         flat && free && dot(qp.g(), d) < 0.0
@@ -598,16 +603,17 @@ impl Workspace {
     fn remember(&mut self, qp: &Qp) {
         self.previous.clear();
         for held in self.set.active().iter().filter(|h| h.side != 0.0) {
-            let id = match held.index.checked_sub(qp.m()) {
-                None => Id::Row(qp.rows()[held.index]),
-                Some(j) => Id::Bound(qp.vars()[j]),
+            let constraint = match held.index.checked_sub(qp.m()) {
+                None => ConstraintId::Row(qp.rows()[held.index]),
+                Some(j) => ConstraintId::Bound(qp.vars()[j]),
             };
-            self.previous.push((id, held.side));
+            let side = held.side;
+            self.previous.push(Held { constraint, side });
         }
     }
 
     fn write(&self, qp: &Qp, out: &mut Solution) {
-        out.x[..qp.n()].copy_from_slice(&self.x[..qp.n()]);
+        out.x[..qp.n()].copy_from_slice(&self.point.x()[..qp.n()]);
         for (held, &m) in self.set.active().iter().zip(&self.set.multipliers) {
             // One of the wrong sign is rounding.
             if m * held.side >= 0.0 {
@@ -633,18 +639,24 @@ fn blocking(set: &WorkingSet) -> Option<(f64, usize)> {
     first
 }
 
-/// The largest variable, each in its unit.
-fn largest_in(unit: &[f64], x: &[f64]) -> f64 {
-    let in_units = x.iter().zip(unit).map(|(x, unit)| (x / unit).abs());
-    in_units.fold(0.0, f64::max)
+/// Nothing to choose: each row is zero, which its limits allow or not.
+fn without_variables(qp: &Qp, out: &mut Solution) -> Status {
+    for (i, (&lower, &upper)) in qp.row_lower().iter().zip(qp.row_upper()).enumerate() {
+        if lower > 0.0 || upper < 0.0 {
+            add_multiplier(qp, i, if lower > 0.0 { -1.0 } else { 1.0 }, out);
+            return Status::Infeasible;
+        }
+    }
+    Status::Optimal
 }
 
 /// A constraint whose lower limit is above its upper one.
 fn crossed(qp: &Qp) -> Option<usize> {
-    (0..count(qp)).find(|&index| {
-        let (lower, upper) = limits(qp, index);
-        lower > upper
-    })
+    let crossed = |(lower, upper): (&f64, &f64)| lower > upper;
+    let mut rows = qp.row_lower().iter().zip(qp.row_upper());
+    let mut bounds = qp.lower().iter().zip(qp.upper());
+    let bound = bounds.position(crossed).map(|j| qp.m() + j);
+    rows.position(crossed).or(bound)
 }
 
 fn clear(qp: &Qp, out: &mut Solution) {

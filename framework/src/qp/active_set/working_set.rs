@@ -11,10 +11,12 @@
 //! `Wᵀ W` is never formed: it would square the condition number, and a weakly weighted direction makes all
 //! constraints look alike then.
 
+use std::ops::Range;
+
 use super::{
     constraint::Active,
     hessian::Hessian,
-    kernels::{axpy, dot},
+    kernels::{LANES, add_rows, axpy, dot, dots, padded},
     orthogonal::Orthogonal,
 };
 
@@ -24,9 +26,11 @@ const DEPENDENT: f64 = 1e-10;
 #[derive(Clone, Debug, Default)]
 pub(super) struct WorkingSet {
     n: usize,
+    /// n with padding.
+    stride: usize,
     active: Vec<Active>,
     q: Orthogonal,
-    /// Row k holds column k of R: k + 1 entries, with a stride of n.
+    /// Row k holds column k of R: k + 1 entries.
     r: Vec<f64>,
     /// `1/R_kk`.
     reciprocal: Vec<f64>,
@@ -45,11 +49,12 @@ impl WorkingSet {
     pub(super) fn new(n: usize) -> Self {
         Self {
             n: 0,
+            stride: 0,
             active: Vec::with_capacity(n + 1),
             q: Orthogonal::new(n, 3 * n + 4, 8 * n * n + 16),
-            r: vec![0.0; n * n],
+            r: vec![0.0; padded(n) * n],
             reciprocal: vec![0.0; n],
-            v: vec![0.0; n],
+            v: vec![0.0; padded(n)],
             z1: vec![0.0; n],
             known: 0,
             multipliers: Vec::with_capacity(n + 1),
@@ -57,13 +62,14 @@ impl WorkingSet {
         }
     }
 
-    /// Nothing held; `v = U⁻ᵀ g`.
-    pub(super) fn reset(&mut self, v: &[f64]) {
-        self.n = v.len();
+    /// Nothing held; `v = U⁻ᵀ g`, padded, of n components.
+    pub(super) fn reset(&mut self, n: usize, v: &[f64]) {
+        self.n = n;
+        self.stride = v.len();
         self.active.clear();
         self.multipliers.clear();
         self.q.reset(self.n);
-        self.v[..self.n].copy_from_slice(v);
+        self.v[..v.len()].copy_from_slice(v);
         self.known = 0;
     }
 
@@ -85,21 +91,31 @@ impl WorkingSet {
         self.q.has_room(self.n * (self.n + 1) / 2)
     }
 
-    /// Holds a constraint whose `w` is given, with the multiplier it has so far. False if it depends on those held:
+    /// Holds a constraint whose `w` is given, zero outside of a range, with the multiplier it has so far. False if it depends on those held:
     /// then `w` is left as `Qᵀ w`, whose first entries give the combination.
-    pub(super) fn push(&mut self, constraint: Active, multiplier: f64, w: &mut [f64]) -> bool {
+    pub(super) fn push(
+        &mut self,
+        constraint: Active,
+        multiplier: f64,
+        range: Range<usize>,
+        w: &mut [f64],
+    ) -> bool {
         let k = self.len();
-        let size = dot(w, w);
-        self.q.transposed(w);
-        let tail = &w[k.min(self.n)..];
-        let independent = dot(tail, tail) > DEPENDENT * DEPENDENT * size;
+        self.q.transposed(range, w);
+        if k == self.n {
+            return false;
+        }
+        let rest = dot(&w[k + 1..], &w[k + 1..]);
+        let beyond = w[k] * w[k] + rest;
+        let size = dot(&w[..k], &w[..k]) + beyond;
+        // `!(beyond > …)`: a NaN depends, too.
+        let independent = beyond > DEPENDENT * DEPENDENT * size;
         if !independent {
             return false;
         }
-        let before = self.q.len();
-        self.q.reflect(k, w);
-        self.q.transposed_from(before, &mut self.v[..self.n]);
-        self.r[k * self.n..=k * self.n + k].copy_from_slice(&w[..=k]);
+        self.q.reflect(k, rest, w, &mut self.v[..self.stride]);
+        let at = k * self.stride;
+        self.r[at..=at + k].copy_from_slice(&w[..=k]);
         self.reciprocal[k] = 1.0 / w[k];
         self.active.push(constraint);
         self.multipliers.push(multiplier);
@@ -108,7 +124,7 @@ impl WorkingSet {
 
     /// Lets the j-th constraint go.
     pub(super) fn remove(&mut self, j: usize) -> Active {
-        let n = self.n;
+        let n = self.stride;
         let removed = self.active.remove(j);
         self.multipliers.remove(j);
         let k = self.len();
@@ -133,11 +149,20 @@ impl WorkingSet {
 
     /// Computes the multipliers of the least-distance solution on the held constraints: [`WorkingSet::computed`].
     pub(super) fn find_targets(&mut self) {
-        let (n, k) = (self.n, self.len());
-        for i in self.known..k {
-            let r = &self.r[i * n..i * n + i];
-            self.z1[i] = (self.active[i].limit - dot(r, &self.z1)) * self.reciprocal[i];
+        let k = self.len();
+        for (z, held) in self.z1[self.known..]
+            .iter_mut()
+            .zip(&self.active[self.known..])
+        {
+            *z = held.limit;
         }
+        solve_rows(
+            self.known,
+            &self.r,
+            self.stride,
+            &self.reciprocal[..k],
+            &mut self.z1,
+        );
         self.known = k;
         let (targets, z1) = (&mut self.targets[..k], &self.z1[..k]);
         for (t, (z, v)) in targets.iter_mut().zip(z1.iter().zip(&self.v)) {
@@ -153,14 +178,23 @@ impl WorkingSet {
 
     /// `targets ← R⁻¹ targets`.
     fn solve_r(&mut self, k: usize) {
-        let n = self.n;
-        for i in (0..k).rev() {
+        let (r, stride) = (&self.r, self.stride);
+        let whole = k - k % LANES;
+        for i in (whole..k).rev() {
             let (head, tail) = self.targets.split_at_mut(i);
-            let t = tail[0] * self.reciprocal[i];
-            tail[0] = t;
-            if t != 0.0 {
-                axpy(head, -t, &self.r[i * n..i * n + i]);
+            tail[0] *= self.reciprocal[i];
+            axpy(head, -tail[0], &r[i * stride..i * stride + i]);
+        }
+        for first in (0..whole).step_by(LANES).rev() {
+            let (head, t) = self.targets.split_at_mut(first);
+            let at = first * stride;
+            for i in (0..LANES).rev() {
+                let (before, t) = t.split_at_mut(i);
+                t[0] *= self.reciprocal[first + i];
+                axpy(before, -t[0], &r[at + i * stride + first..]);
             }
+            let alpha = [-t[0], -t[1], -t[2], -t[3]];
+            add_rows(head, alpha, &r[at..], stride);
         }
     }
 
@@ -173,8 +207,8 @@ impl WorkingSet {
 
     /// Replaces `a` by `Qᵀ U⁻ᵀ a` and computes how the part of it along the held constraints combines from them.
     pub(super) fn project(&mut self, hessian: &Hessian, a: &mut [f64]) {
-        hessian.solve_transposed(a);
-        self.q.transposed(a);
+        let range = hessian.solve_transposed(a);
+        self.q.transposed(range, a);
         self.combine(a);
     }
 
@@ -216,13 +250,12 @@ impl WorkingSet {
 
     /// Solves `[H̃ A_aᵀ; A_a 0] [dx; dλ] = [−d; p]`: replaces `d` by `dx` and `p` (one entry per held constraint) by `dλ`.
     pub(super) fn correct(&mut self, hessian: &Hessian, d: &mut [f64], p: &mut [f64]) {
-        let (n, k) = (self.n, self.len());
-        hessian.solve_transposed(d);
-        self.q.transposed(d);
-        for i in 0..k {
-            let r = &self.r[i * n..i * n + i];
-            p[i] = (p[i] - dot(r, p)) * self.reciprocal[i];
-            self.targets[i] = -(p[i] + d[i]);
+        let k = self.len();
+        let range = hessian.solve_transposed(d);
+        self.q.transposed(range, d);
+        solve_rows(0, &self.r, self.stride, &self.reciprocal[..k], p);
+        for (t, (p, d)) in self.targets.iter_mut().zip(p.iter().zip(&*d)) {
+            *t = -(p + d);
         }
         self.solve_r(k);
         d[..k].copy_from_slice(&p[..k]);
@@ -237,21 +270,44 @@ impl WorkingSet {
     /// Moves the linear term so that `x` with the present multipliers is the solution on the held constraints:
     /// the next proximal step.
     pub(super) fn centre(&mut self, hessian: &Hessian, x: &[f64], scratch: &mut [f64]) {
-        let (n, k) = (self.n, self.len());
+        let (stride, k) = (self.stride, self.len());
         hessian.multiply(x, scratch);
-        self.q.transposed(scratch);
-        for (v, z) in self.v[..n].iter_mut().zip(scratch) {
+        self.q.transposed(0..stride, scratch);
+        for (v, z) in self.v[..stride].iter_mut().zip(scratch) {
             *v = -*z;
         }
         for (i, &m) in self.multipliers.iter().enumerate().take(k) {
-            axpy(&mut self.v[..=i], -m, &self.r[i * n..=i * n + i]);
+            axpy(&mut self.v[..=i], -m, &self.r[i * stride..=i * stride + i]);
         }
         self.known = 0;
     }
 
     /// `v` in its original axes, to begin anew with [`WorkingSet::reset`].
     pub(super) fn linear_term(&self, v: &mut [f64]) {
-        v.copy_from_slice(&self.v[..self.n]);
+        v.copy_from_slice(&self.v[..self.stride]);
         self.q.apply(v);
+    }
+}
+
+/// Solves `L z = b` for a lower triangle given by its rows, which are `stride` apart: replaces `z`, which holds b from
+/// `known` on and the solution before that.
+fn solve_rows(known: usize, rows: &[f64], stride: usize, reciprocal: &[f64], z: &mut [f64]) {
+    let k = reciprocal.len();
+    let mut i = known;
+    while i < k {
+        let at = i * stride;
+        let (head, tail) = z.split_at_mut(i);
+        if i.is_multiple_of(LANES) && i + LANES <= k {
+            let sums = dots(&rows[at..], stride, head);
+            for p in 0..LANES {
+                let row = &rows[at + p * stride + i..];
+                let sum = sums[p] + row.iter().zip(&tail[..p]).map(|(r, z)| r * z).sum::<f64>();
+                tail[p] = (tail[p] - sum) * reciprocal[i + p];
+            }
+            i += LANES;
+        } else {
+            tail[0] = (tail[0] - dot(&rows[at..at + i], head)) * reciprocal[i];
+            i += 1;
+        }
     }
 }

@@ -1,0 +1,263 @@
+//! Which accelerations and efforts a formulation substitutes, which it keeps as variables, and what can be zero.
+//!
+//! # Notation
+//! `λ(i)`: the velocity that carries velocity `i` in the robot's tree; the six of a floating base form a chain.
+//!
+//! # Mathematics
+//! The rows of the dynamics are split into those of the **substituted** accelerations `P` and of the **kept** ones `A`,
+//! the efforts into those that are **eliminated** and those that are kept:
+//!
+//! | formulation | P | eliminated efforts | rows of the dynamics in the problem |
+//! |---|---|---|---|
+//! | condensed | all | none | none |
+//! | torque-eliminated | those that no joint motor drives | joint motors', one per joint | none |
+//! | explicit | none | none | all |
+//!
+//! *Natural* variables are `y = (v̇_P, v̇_A, kept u, live f, live slacks)`; those of the problem are `x`, the same
+//! without `v̇_P`.
+//!
+//! `M_ij` is zero unless one of `i`, `j` carries the other, and a column of a frame's Jacobian is zero unless it carries
+//! the frame. Both are properties of the tree alone, known here once and for all (branch-induced sparsity:
+//! R. Featherstone, *Efficient factorization of the joint-space inertia matrix for branched kinematic trees*, IJRR 2005).
+
+use crate::{
+    actuator::ActuatorKind,
+    config::Formulation,
+    contact::ContactSpec,
+    model::{BodyId, FrameId, Model},
+    robot::RobotModel,
+};
+
+/// Where an actuator's effort is found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum EffortPlace {
+    /// A variable, at this column of y.
+    Kept(usize),
+    /// Eliminated: this one of [`Partition::torques`].
+    Eliminated(usize),
+}
+
+/// An effort that is given by the dynamics' row of its joint.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Torque {
+    /// The joint's velocity.
+    pub(crate) velocity: usize,
+    /// The motor, in the order of u.
+    pub(crate) actuator: usize,
+}
+
+/// Velocity and its column of y.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Coordinate {
+    pub(crate) velocity: usize,
+    pub(crate) column: usize,
+}
+
+/// Eliminated efforts whose rows have their nonzero coefficients in the same columns.
+#[derive(Clone, Debug)]
+pub(crate) struct Branch {
+    /// Indices into [`Partition::torques`].
+    pub(crate) torques: Vec<usize>,
+    /// The accelerations, by column.
+    pub(crate) coordinates: Vec<Coordinate>,
+    /// Columns of the kept efforts.
+    pub(crate) efforts: Vec<usize>,
+    /// The contacts.
+    pub(crate) contacts: Vec<usize>,
+}
+
+/// The split, made once.
+#[derive(Clone, Debug)]
+pub(crate) struct Partition {
+    pub(crate) nv: usize,
+    /// Size of `P`: the first columns of y.
+    pub(crate) substituted: usize,
+    /// By column of y.
+    pub(crate) velocities: Vec<usize>,
+    /// By velocity.
+    pub(crate) columns: Vec<usize>,
+    /// By actuator.
+    pub(crate) efforts: Vec<EffortPlace>,
+    /// The actuators that are variables, in the order of their columns.
+    pub(crate) kept: Vec<usize>,
+    pub(crate) torques: Vec<Torque>,
+    pub(crate) branches: Vec<Branch>,
+    /// For each column of `P`, the columns of `P` that carry it, nearest first.
+    pub(crate) ancestors: Vec<Vec<usize>>,
+    /// Number of force components of each contact.
+    pub(crate) nf: Vec<usize>,
+    /// What carries each contact, by column.
+    pub(crate) contacts: Vec<Vec<Coordinate>>,
+    /// What carries each requested frame, by column.
+    pub(crate) frames: Vec<Vec<Coordinate>>,
+}
+
+impl Partition {
+    /// The formulation must not be `Auto`.
+    pub(crate) fn new(
+        formulation: Formulation,
+        robot: &RobotModel,
+        contacts: &[ContactSpec],
+        frames: &[FrameId],
+    ) -> Self {
+        let model = &robot.model;
+        let nv = model.nv();
+        let torques = match formulation {
+            Formulation::TorqueEliminated => eliminable(robot),
+            _ => Vec::new(),
+        };
+        let is_substituted = |velocity: usize| match formulation {
+            Formulation::Explicit => false,
+            _ => torques.iter().all(|t| t.velocity != velocity),
+        };
+        let (mut velocities, kept): (Vec<_>, Vec<_>) = (0..nv).partition(|&v| is_substituted(v));
+        let substituted = velocities.len();
+        velocities.extend(kept);
+        let mut columns = vec![0; nv];
+        for (column, &velocity) in velocities.iter().enumerate() {
+            columns[velocity] = column;
+        }
+        let mut kept = Vec::new();
+        let place = |actuator| match torques.iter().position(|t| t.actuator == actuator) {
+            Some(torque) => EffortPlace::Eliminated(torque),
+            None => {
+                kept.push(actuator);
+                EffortPlace::Kept(nv + kept.len() - 1)
+            }
+        };
+        let efforts = (0..robot.nu()).map(place).collect();
+        let coordinates = |carriers: Vec<usize>| {
+            let coordinate = |velocity| Coordinate {
+                velocity,
+                column: columns[velocity],
+            };
+            let mut list: Vec<_> = carriers.into_iter().map(coordinate).collect();
+            list.sort_by_key(|c| c.column);
+            list
+        };
+        let body_of = |frame: FrameId| model.frames()[frame.index()].body;
+        let contact_body = |spec: &ContactSpec| model.frame(&spec.frame).map(body_of);
+        let contact_carriers = contacts.iter().map(|spec| match contact_body(spec) {
+            Some(body) => coordinates(carriers(model, body)),
+            None => Vec::new(),
+        });
+        let ancestors = velocities[..substituted].iter().map(|&velocity| {
+            let above = carriers_of_velocity(model, velocity).into_iter().skip(1);
+            let columns = above.map(|v| columns[v]);
+            columns.filter(|&c| c < substituted).collect()
+        });
+        let mut partition = Self {
+            nv,
+            substituted,
+            efforts,
+            kept,
+            branches: Vec::new(),
+            ancestors: ancestors.collect(),
+            nf: contacts
+                .iter()
+                .map(|c| c.kind.constrained().len())
+                .collect(),
+            contacts: contact_carriers.collect(),
+            frames: frames
+                .iter()
+                .map(|&frame| coordinates(carriers(model, body_of(frame))))
+                .collect(),
+            torques,
+            velocities,
+            columns,
+        };
+        partition.branches = partition.find_branches(robot);
+        partition
+    }
+
+    fn find_branches(&self, robot: &RobotModel) -> Vec<Branch> {
+        let model = &robot.model;
+        let mut branches: Vec<Branch> = Vec::new();
+        for (index, torque) in self.torques.iter().enumerate() {
+            let above = carriers_of_velocity(model, torque.velocity);
+            let is_related = |velocity: usize| {
+                above.contains(&velocity)
+                    || carriers_of_velocity(model, velocity).contains(&torque.velocity)
+            };
+            let carries = |list: &[Coordinate]| list.iter().any(|c| c.velocity == torque.velocity);
+            let coordinates: Vec<_> = (0..self.nv)
+                .map(|column| Coordinate {
+                    velocity: self.velocities[column],
+                    column,
+                })
+                .filter(|c| is_related(c.velocity))
+                .collect();
+            let efforts: Vec<_> = (0..self.kept.len())
+                .filter(|&k| match &robot.actuators[self.kept[k]].kind {
+                    // A second motor at the same joint.
+                    ActuatorKind::Joint(motor) => {
+                        model.velocity_index(motor.joint) == torque.velocity
+                    }
+                    ActuatorKind::Rotor(rotor) => {
+                        let body = model.frames()[rotor.frame.index()].body;
+                        carriers(model, body).contains(&torque.velocity)
+                    }
+                })
+                .map(|k| self.nv + k)
+                .collect();
+            let contacts: Vec<_> = (0..self.contacts.len())
+                .filter(|&c| carries(&self.contacts[c]))
+                .collect();
+            let same = branches.iter_mut().find(|b| {
+                b.coordinates == coordinates && b.efforts == efforts && b.contacts == contacts
+            });
+            match same {
+                Some(branch) => branch.torques.push(index),
+                None => branches.push(Branch {
+                    torques: vec![index],
+                    coordinates,
+                    efforts,
+                    contacts,
+                }),
+            }
+        }
+        branches
+    }
+
+    /// Columns of y before the forces.
+    pub(crate) fn first_force(&self) -> usize {
+        self.nv + self.kept.len()
+    }
+}
+
+/// The first motor of every joint that has one.
+fn eliminable(robot: &RobotModel) -> Vec<Torque> {
+    let mut torques: Vec<Torque> = Vec::new();
+    for (actuator, kind) in robot.actuators.iter().map(|a| &a.kind).enumerate() {
+        if let ActuatorKind::Joint(motor) = kind {
+            let velocity = robot.model.velocity_index(motor.joint);
+            if torques.iter().all(|t| t.velocity != velocity) {
+                torques.push(Torque { velocity, actuator });
+            }
+        }
+    }
+    torques
+}
+
+/// The velocities that move a body, nearest first.
+fn carriers(model: &Model, body: BodyId) -> Vec<usize> {
+    let offset = model.joint_offset();
+    let mut list = Vec::new();
+    let mut body = body.index();
+    while body != 0 {
+        list.push(offset + body - 1);
+        body = model.bodies()[body].parent.index();
+    }
+    list.extend((0..offset).rev());
+    list
+}
+
+/// A velocity and those that carry it, nearest first.
+fn carriers_of_velocity(model: &Model, velocity: usize) -> Vec<usize> {
+    match velocity.checked_sub(model.joint_offset()) {
+        Some(joint) => model
+            .body_id(joint + 1)
+            .map_or_else(Vec::new, |b| carriers(model, b)),
+        None => (0..=velocity).rev().collect(),
+    }
+}

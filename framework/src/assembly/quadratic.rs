@@ -1,0 +1,282 @@
+//! The cost, summed up over the natural variables and then taken to those of the problem.
+//!
+//! # Mathematics
+//! Over the natural variables `y = (z, x)`, `z = v̇_P`, a cost row is sparse: a posture touches a diagonal entry, a frame the
+//! accelerations that carry it. So `½ yᵀ H y + gᵀ y` is summed up there, block by block: rows with nonzero
+//! coefficients in the same columns together, `H_ij += Σ_k 2 w_k a_ki a_kj`, upper triangle only. Costs on an eliminated
+//! effort come to `½ d τ² + e τ`, and with `τ = T y + t` are a sparse row like the others.
+//!
+//! With `z = B x + c` the same cost over x is
+//! ```text
+//! H_x = H_xx + Bᵀ W + Wᵀ B          W = H_zx + ½ H_zz B
+//! g_x = g_x + Bᵀ (g_z + H_zz c) + H_zxᵀ c
+//! ```
+//! (where no row has coefficients on both, `H_zx = 0`, half of the products are enough: `H_xx + Bᵀ (H_zz B)`).
+
+use super::{
+    Live, Partition, Relations,
+    kernels::{add_matrix_rows, add_rows},
+};
+use crate::qp::Qp;
+
+/// Rows that are summed up together.
+const BLOCK: usize = 8;
+
+/// `H`, upper triangle, and `g` over y, in storage made once.
+#[derive(Clone, Debug)]
+pub(crate) struct Quadratic {
+    n: usize,
+    h: Vec<f64>,
+    g: Vec<f64>,
+    /// `d` and `e` of every eliminated effort.
+    torque: Vec<[f64; 2]>,
+    /// Whether a row has coefficients on `v̇_P` and on others.
+    is_coupled: bool,
+    /// `W`.
+    carried: Vec<f64>,
+    /// A row of `H_zz`.
+    row: Vec<f64>,
+    block: Block,
+}
+
+/// Rows with nonzero coefficients in the same columns.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Block {
+    columns: Vec<usize>,
+    /// One row's coefficient after the other, column by column.
+    values: Vec<f64>,
+}
+
+impl Quadratic {
+    /// For at most `capacity` natural variables.
+    pub(crate) fn new(partition: &Partition, capacity: usize) -> Self {
+        Self {
+            n: 0,
+            h: vec![0.0; capacity * capacity],
+            g: vec![0.0; capacity],
+            torque: vec![[0.0; 2]; partition.torques.len()],
+            is_coupled: false,
+            carried: vec![0.0; partition.substituted * capacity],
+            row: vec![0.0; partition.substituted],
+            block: Block {
+                columns: Vec::with_capacity(capacity),
+                values: Vec::with_capacity(capacity * BLOCK),
+            },
+        }
+    }
+
+    /// No cost, over `n` natural variables.
+    pub(crate) fn reset(&mut self, n: usize) {
+        self.n = n;
+        self.h[..n * n].fill(0.0);
+        self.g[..n].fill(0.0);
+        self.torque.fill([0.0; 2]);
+        self.is_coupled = !self.torque.is_empty();
+    }
+
+    /// There are rows with coefficients on `v̇_P` and on others.
+    pub(crate) fn couple(&mut self) {
+        self.is_coupled = true;
+    }
+
+    /// Adds `w y_i² − 2 w b y_i`.
+    pub(crate) fn add_unit(&mut self, column: usize, w: f64, b: f64) {
+        self.h[column * self.n + column] += 2.0 * w;
+        self.g[column] -= 2.0 * w * b;
+    }
+
+    /// Adds the cost `w s² + λ s` of a slack.
+    pub(crate) fn add_slack(&mut self, column: usize, weight: f64, penalty: f64) {
+        self.h[column * self.n + column] += 2.0 * weight;
+        self.g[column] += penalty;
+    }
+
+    /// Adds `w τ² − 2 w b τ` for an eliminated effort.
+    pub(crate) fn add_torque(&mut self, index: usize, w: f64, b: f64) {
+        let [d, e] = &mut self.torque[index];
+        *d += 2.0 * w;
+        *e -= 2.0 * w * b;
+    }
+
+    /// Adds `Σ w_k ((a_k y)² − 2 b_k a_k y)`: `a(k, i)` is the coefficient of row `k` in column `columns[i]`; columns
+    /// ascend. Row `k` has the weight `w(k)` and the right-hand side `b(k)`.
+    pub(crate) fn add_rows(
+        &mut self,
+        rows: usize,
+        columns: impl Iterator<Item = usize>,
+        a: impl Fn(usize, usize) -> f64,
+        w: impl Fn(usize) -> f64,
+        b: impl Fn(usize) -> f64,
+    ) {
+        self.block.columns.clear();
+        self.block.columns.extend(columns);
+        for first in (0..rows).step_by(BLOCK) {
+            let count = (rows - first).min(BLOCK);
+            let Block { columns, values } = &mut self.block;
+            values.clear();
+            for i in 0..columns.len() {
+                values.extend((first..first + count).map(|k| a(k, i)));
+            }
+            let (mut quadratic, mut linear) = ([0.0; BLOCK], [0.0; BLOCK]);
+            for k in 0..count {
+                quadratic[k] = 2.0 * w(first + k);
+                linear[k] = -quadratic[k] * b(first + k);
+            }
+            self.h_and_g(count, &quadratic, &linear);
+        }
+    }
+
+    /// Adds what the costs on eliminated efforts come to.
+    pub(crate) fn add_torques(
+        &mut self,
+        partition: &Partition,
+        relations: &Relations,
+        live: &Live,
+    ) {
+        for branch in &partition.branches {
+            for torques in branch.torques.chunks(BLOCK) {
+                let (mut quadratic, mut linear) = ([0.0; BLOCK], [0.0; BLOCK]);
+                for (k, &index) in torques.iter().enumerate() {
+                    let [d, e] = self.torque[index];
+                    quadratic[k] = d;
+                    linear[k] = d * relations.torque(index).1 + e;
+                }
+                let Block { columns, values } = &mut self.block;
+                columns.clear();
+                columns.extend(branch.coordinates.iter().map(|at| at.column));
+                columns.extend(&branch.efforts);
+                for &contact in &branch.contacts {
+                    if let Some(start) = live.forces[contact] {
+                        columns.extend(start..start + partition.nf[contact]);
+                    }
+                }
+                values.clear();
+                for &column in columns.iter() {
+                    values.extend(torques.iter().map(|&i| relations.torque(i).0[column]));
+                }
+                self.h_and_g(torques.len(), &quadratic, &linear);
+            }
+        }
+    }
+
+    /// Adds `Σ_k ½ q_k (a_k y)² + l_k a_k y` for the rows of the block.
+    fn h_and_g(&mut self, rows: usize, quadratic: &[f64; BLOCK], linear: &[f64; BLOCK]) {
+        match rows {
+            1 => self.add_block::<1>(quadratic, linear),
+            2 => self.add_block::<2>(quadratic, linear),
+            3 => self.add_block::<3>(quadratic, linear),
+            4 => self.add_block::<4>(quadratic, linear),
+            5 => self.add_block::<5>(quadratic, linear),
+            6 => self.add_block::<6>(quadratic, linear),
+            7 => self.add_block::<7>(quadratic, linear),
+            _ => self.add_block::<BLOCK>(quadratic, linear),
+        }
+    }
+
+    fn add_block<const K: usize>(&mut self, quadratic: &[f64; BLOCK], linear: &[f64; BLOCK]) {
+        let Block { columns, values } = &self.block;
+        let values = values.as_chunks::<K>().0;
+        for (position, (&i, a)) in columns.iter().zip(values).enumerate() {
+            let mut weighted = [0.0; K];
+            let mut g = 0.0;
+            for k in 0..K {
+                weighted[k] = quadratic[k] * a[k];
+                g += linear[k] * a[k];
+            }
+            self.g[i] += g;
+            let row = &mut self.h[i * self.n..(i + 1) * self.n];
+            for (&j, a) in columns[position..].iter().zip(&values[position..]) {
+                let mut sum = weighted[0] * a[0];
+                for k in 1..K {
+                    sum += weighted[k] * a[k];
+                }
+                row[j] += sum;
+            }
+        }
+    }
+
+    /// Whether all that was added is finite.
+    pub(crate) fn is_finite(&self) -> bool {
+        let diagonal = (0..self.n).map(|i| self.h[i * self.n + i]);
+        let torques = self.torque.iter().flatten().copied();
+        let g = self.g[..self.n].iter().copied();
+        diagonal.chain(torques).chain(g).all(f64::is_finite)
+    }
+
+    /// Writes H and g of the problem.
+    pub(crate) fn write(&mut self, relations: &Relations, live: &Live, qp: &mut Qp) {
+        let (n, p) = (self.n, self.n - qp.n());
+        let (h, g) = qp.cost_mut();
+        let nx = n - p;
+        for i in 0..nx {
+            let from = (p + i) * n + p;
+            h[i * nx + i..(i + 1) * nx].copy_from_slice(&self.h[from + i..from + nx]);
+        }
+        g.copy_from_slice(&self.g[p..n]);
+        if p > 0 {
+            self.substitute(relations, live.n_physical - p, h, g);
+        }
+        for i in 1..nx {
+            for j in 0..i {
+                h[i * nx + j] = h[j * nx + i];
+            }
+        }
+    }
+
+    /// Adds what comes from `z = B x + c`; B has `width` columns.
+    fn substitute(&mut self, relations: &Relations, width: usize, h: &mut [f64], g: &mut [f64]) {
+        let (n, nx) = (self.n, g.len());
+        let p = n - nx;
+        let (response, stride) = relations.response();
+        let part = if self.is_coupled { 0.5 } else { 1.0 };
+        for i in 0..p {
+            // Row i of H_zz, of which the upper triangle is there.
+            let mut linear = self.g[i];
+            for k in 0..p {
+                let (a, b) = (i.min(k), i.max(k));
+                let h = self.h[a * n + b];
+                linear += h * response[k * stride + width];
+                self.row[k] = part * h;
+            }
+            let carried = &mut self.carried[i * width..(i + 1) * width];
+            if self.is_coupled {
+                let cross = &self.h[i * n + p..i * n + p + width];
+                carried.copy_from_slice(cross);
+                add_rows(&mut g[..width], [response[i * stride + width]], [cross]);
+            } else {
+                carried.fill(0.0);
+            }
+            add_matrix_rows(carried, &self.row, response, stride);
+            let row = &response[i * stride..i * stride + width];
+            add_rows(&mut g[..width], [linear], [row]);
+        }
+        for i in 0..width {
+            let out = &mut h[i * nx + i..i * nx + width];
+            let b = |k: usize| (response[k * stride + i], &response[k * stride + i..]);
+            let w = |k: usize| (self.carried[k * width + i], &self.carried[k * width + i..]);
+            let mut k = 0;
+            if self.is_coupled {
+                while k + 2 <= p {
+                    let ((b0, b_0), (w0, w_0)) = (b(k), w(k));
+                    let ((b1, b_1), (w1, w_1)) = (b(k + 1), w(k + 1));
+                    add_rows(out, [b0, w0, b1, w1], [w_0, b_0, w_1, b_1]);
+                    k += 2;
+                }
+                if k < p {
+                    let ((b0, b_0), (w0, w_0)) = (b(k), w(k));
+                    add_rows(out, [b0, w0], [w_0, b_0]);
+                }
+            } else {
+                while k + 4 <= p {
+                    let at = [k, k + 1, k + 2, k + 3];
+                    add_rows(out, at.map(|k| b(k).0), at.map(|k| w(k).1));
+                    k += 4;
+                }
+                while k < p {
+                    add_rows(out, [b(k).0], [w(k).1]);
+                    k += 1;
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,58 @@
+//! What ends a solve.
+
+use crate::controller::Stopwatch;
+
+/// Accuracy asked for, and what may be used up for it.
+#[derive(Debug)]
+pub(super) struct Limits<'a> {
+    /// Accepted violation, relative to the numbers that are added up.
+    pub(super) tolerance: f64,
+    max_iterations: u32,
+    clock: Option<Clock<'a>>,
+    is_used_up: bool,
+}
+
+#[derive(Debug)]
+struct Clock<'a> {
+    stopwatch: &'a mut dyn Stopwatch,
+    end: f64,
+}
+
+impl<'a> Limits<'a> {
+    pub(super) fn new(tolerance: f64, max_iterations: u32) -> Self {
+        Self {
+            tolerance,
+            max_iterations,
+            clock: None,
+            is_used_up: false,
+        }
+    }
+
+    /// Ends after some seconds from now, if any are given.
+    pub(super) fn with_clock(
+        mut self,
+        stopwatch: &'a mut dyn Stopwatch,
+        budget: Option<f64>,
+    ) -> Self {
+        self.clock = budget.map(|budget| Clock {
+            end: stopwatch.now() + budget,
+            stopwatch,
+        });
+        self
+    }
+
+    /// Whether no further iteration may begin.
+    ///
+    /// The count that is passed grows from call to call, so that a cap on it ends a solve exactly where the clock did.
+    pub(super) fn are_used_up(&mut self, iterations: u32) -> bool {
+        let is_late = |clock: &mut Clock<'_>| clock.stopwatch.now() > clock.end;
+        self.is_used_up =
+            iterations >= self.max_iterations || self.clock.as_mut().is_some_and(is_late);
+        self.is_used_up
+    }
+
+    /// Whether the last answer was that they are.
+    pub(super) fn were_used_up(&self) -> bool {
+        self.is_used_up
+    }
+}
