@@ -178,22 +178,22 @@ impl Controller {
         } else {
             Some(self.ladder.relax(
                 &self.assembly,
-                &Self::terms(&self.world),
+                &terms,
                 &self.groups,
                 &self.qp,
                 &mut self.solution,
                 &mut self.report,
             )?)
         };
+        let solved = self.stopwatch.now();
         let x = &self.solution.x[..n];
         self.assembly.recover(&self.groups, &terms, x);
-        self.report.vdot.copy_from_slice(self.assembly.vdot());
-        if !self.report.vdot.iter().all(|v| v.is_finite()) {
-            self.report.vdot.copy_from(&self.world.last.vdot);
+        let (vdot, effort) = (self.assembly.vdot(), self.assembly.effort());
+        if !vdot.iter().chain(effort).all(|x| x.is_finite()) {
             self.report.relaxed.clear();
             return Err(Fault::Dynamics);
         }
-        let solved = self.stopwatch.now();
+        self.report.vdot.copy_from_slice(vdot);
         let rung = match fault {
             None => Rung::Optimal,
             Some(_) => Rung::Relaxed,
