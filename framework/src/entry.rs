@@ -5,6 +5,8 @@ use std::fmt;
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, de};
 
+use crate::{constraint::Constraint, task::Task};
+
 /// A task or constraint with what the framework needs to know about it.
 #[derive(Debug)]
 pub struct Entry<P: ?Sized> {
@@ -34,6 +36,54 @@ impl<P: ?Sized> Entry<P> {
             hardness,
             plugin,
         }
+    }
+}
+
+impl Entry<dyn Task> {
+    /// A task whose rows cost `w r²`.
+    pub fn task(name: &str, weight: impl Into<Weight>, task: impl Task) -> Self {
+        Self::new(name, weight, Hardness::Soft, Box::new(task))
+    }
+
+    /// A task that must be fulfilled: strict priority over all soft ones.
+    pub fn hard_task(name: &str, task: impl Task) -> Self {
+        Self::new(name, 1.0, Hardness::Hard, Box::new(task))
+    }
+}
+
+impl Entry<dyn Constraint> {
+    /// A constraint that must hold.
+    pub fn constraint(name: &str, constraint: impl Constraint) -> Self {
+        Self::new(name, 1.0, Hardness::Hard, Box::new(constraint))
+    }
+
+    /// A constraint that may be violated at a price: equalities cost `w r²`, inequalities `w s²` with their slack `s`.
+    pub fn soft_constraint(
+        name: &str,
+        weight: impl Into<Weight>,
+        constraint: impl Constraint,
+    ) -> Self {
+        Self::new(name, weight, Hardness::Soft, Box::new(constraint))
+    }
+}
+
+impl<P: ?Sized> Entry<P> {
+    /// Off at the start.
+    pub fn inactive(self) -> Self {
+        Self {
+            active: false,
+            ..self
+        }
+    }
+
+    /// With a ramp of this duration, s, when it is switched or given another weight.
+    pub fn with_transition(self, transition: f64) -> Self {
+        Self { transition, ..self }
+    }
+
+    /// With this hardness.
+    pub fn with_hardness(self, hardness: Hardness) -> Self {
+        Self { hardness, ..self }
     }
 }
 

@@ -73,6 +73,7 @@ pub struct Layout {
     pub(crate) relation: Relation,
     pub(crate) contact: Option<ContactId>,
     pub(crate) moment_limits: Vec<ContactId>,
+    pub(crate) of_the_world: bool,
 }
 
 impl Layout {
@@ -94,6 +95,7 @@ impl Layout {
             relation: Relation::Inequality,
             contact: None,
             moment_limits: Vec::new(),
+            of_the_world: false,
         }
     }
 
@@ -205,6 +207,14 @@ impl Layout {
     /// is refused unless some constraint says so: without limits, a solver would pull with moments.
     pub fn limits_moments(mut self, contact: ContactId) -> Self {
         self.moment_limits.push(contact);
+        self
+    }
+
+    /// The rows (not the bounds) say what the world can bear, such as friction, and not what is wanted (constraints only).
+    /// They are kept where other limits are given up because all together cannot hold: a plan that
+    /// exceeds them would not come true.
+    pub fn of_the_world(mut self) -> Self {
+        self.of_the_world = true;
         self
     }
 

@@ -129,7 +129,8 @@
 //! measurement.time = 0.002;
 //! measurement.state.q[0] = f64::NAN;
 //! let (command, report) = controller.tick(&measurement);
-//! assert_eq!(report.rung, Rung::Held);
+//! // No state to compute with: for a short time the last efforts are kept.
+//! assert_eq!(report.rung, Rung::Extrapolated);
 //! assert!((command.effort[0] + 9.81 * 0.5).abs() < 1e-6);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -147,8 +148,8 @@
 //!
 //! The first sum runs over the rows of tasks and of softened equality constraints. `f_f` is the force in a
 //! contact's free directions, zero or measured, and known before the solve. A slack `s` belongs to a soft group
-//! of inequality rows; hard rows have none. The default formulation is condensed: `v̇` is substituted, and the
-//! solver sees `(u, f, s)`. The explicit one keeps `v̇` and has the dynamics as rows ([`config::Formulation`]).
+//! of inequality rows; hard rows have none. The solver sees fewer variables: by default the torques of driven joints and
+//! the accelerations of everything else are substituted from the dynamics ([`config::Formulation`]).
 //!
 //! # Where to begin
 //! | to | see |
@@ -197,6 +198,7 @@ pub mod model;
 pub mod qp;
 pub mod reference;
 pub mod registry;
+pub mod replay;
 pub mod robot;
 pub mod rows;
 pub mod setup;

@@ -189,7 +189,7 @@ fn run(sink: &mut dyn LogSink) -> Controller {
     measurement.time = f64::NAN;
     measurement.state.p_WR.y = f64::INFINITY;
     controller.tick(&measurement);
-    assert_eq!(controller.report().rung, Rung::Held);
+    assert_eq!(controller.report().rung, Rung::Extrapolated);
     log.record(&controller, &measurement, &truth, sink).unwrap();
     controller
 }
@@ -248,12 +248,12 @@ fn a_tick_is_written_channel_by_channel() {
 }
 
 #[test]
-fn a_held_tick_says_why_and_is_filed_at_the_last_time() {
+fn a_tick_without_solution_says_why_and_is_filed_at_the_last_time() {
     let mut log = MemoryLog::default();
     run(&mut log);
     let (time, qp) = log.messages("/qp").nth(1).unwrap();
     assert_eq!(time, 0.004);
-    assert_eq!(qp["rung"], "held");
+    assert_eq!(qp["rung"], "extrapolated");
     assert_eq!(qp["fault"], "measurement not finite: time");
     let (_, state) = log.messages("/state").nth(1).unwrap();
     assert!(state["base"]["position"].get("y").is_none());

@@ -7,3 +7,8 @@ pub mod mutation;
 pub mod random_model;
 pub mod random_qp;
 pub mod scenes;
+
+/// The page's code is compiled and run with the tests.
+#[cfg(doctest)]
+#[doc = include_str!("../../docs/in-code.md")]
+struct InCode;

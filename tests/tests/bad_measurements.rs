@@ -1,4 +1,4 @@
-//! A measurement that cannot be used is reported, by name, and the last command stays as it is.
+//! A measurement that cannot be used is reported, by name, and the last efforts stay as they are.
 
 use nalgebra::Quaternion;
 use wbqp::{
@@ -38,7 +38,7 @@ fn spoil(what: usize, m: &mut Measurement, bad: f64) -> &'static str {
 }
 
 #[test]
-fn not_finite_is_reported_by_name_and_the_command_stays() {
+fn not_finite_is_reported_by_name_and_the_efforts_stay() {
     let scene = Scene::new(Kind::Othex, 5, u32::MAX, 1);
     let good = scene.measurement();
     for what in 0..6 {
@@ -48,13 +48,16 @@ fn not_finite_is_reported_by_name_and_the_command_stays() {
             assert_eq!(report.rung, Rung::Optimal);
             let last = command.clone();
             let mut measurement = good.clone();
+            measurement.time = 0.004;
             let message = spoil(what, &mut measurement, bad);
             let (command, report) = controller.tick(&measurement);
-            assert_eq!(*command, last);
-            assert_eq!(report.rung, Rung::Held);
+            assert_eq!(command.effort, last.effort);
+            assert_eq!(report.rung, Rung::Extrapolated);
             assert_eq!(report.fault.expect("a fault").to_string(), message);
             // And the next good one is used again.
-            let (_, report) = controller.tick(&good);
+            let mut next = good.clone();
+            next.time = 0.008;
+            let (_, report) = controller.tick(&next);
             assert_eq!((report.rung, report.fault), (Rung::Optimal, None));
         }
     }
@@ -107,4 +110,26 @@ fn a_quaternion_that_is_none_is_reported() {
         message,
         "measurement: the base orientation is not a unit quaternion"
     );
+}
+
+#[test]
+fn a_clock_that_does_not_go_on_is_reported() {
+    let scene = Scene::new(Kind::Othex, 5, u32::MAX, 1);
+    let mut controller = scene.controller();
+    let mut measurement = scene.measurement();
+    for (time, rung) in [
+        (1.0, Rung::Optimal),
+        (1.0, Rung::Extrapolated),
+        (0.9, Rung::Extrapolated),
+        (1.004, Rung::Optimal),
+    ] {
+        measurement.time = time;
+        let report = controller.tick(&measurement).1;
+        assert_eq!(report.rung, rung, "{time}");
+        if rung != Rung::Optimal {
+            let message = report.fault.expect("a fault").to_string();
+            let expected = "measurement: the time stamp is not later than the last";
+            assert_eq!(message, expected);
+        }
+    }
 }

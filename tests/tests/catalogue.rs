@@ -300,8 +300,7 @@ fn a_contact_with_moments_needs_limits_on_them() {
         .expect_err("moments have no limits")
         .to_string();
     for part in [
-        "contact `left`",
-        "`kind` constrains rotations",
+        "contact[0] `left`: kind: constrains rotations",
         "`contact_wrench` with `contact = \"left\"`",
     ] {
         assert!(error.contains(part), "{error}");
@@ -312,7 +311,7 @@ fn a_contact_with_moments_needs_limits_on_them() {
         ContactWrench::new("left", 0.11, 0.06),
     );
     let error = Controller::new(half).expect_err("one has none").to_string();
-    assert!(error.contains("contact `right`"), "{error}");
+    assert!(error.contains("contact[1] `right`"), "{error}");
 }
 
 #[test]

@@ -361,14 +361,14 @@ fn plant() {
         "frame = \"tool\"",
         "frame = \"toll\"",
         &format!(
-            "s.toml: plant.contact_point[0].frame: robot `othex` has no frame `toll` {FRAMES}"
+            "s.toml: plant.contact_point[0].frame: robot `othex` has no frame `toll`; did you mean `tool`? {FRAMES}"
         ),
     );
     refused(
         "frame = \"base_link\"",
         "frame = \"base_lnik\"",
         &format!(
-            "s.toml: plant.disturbance[0].frame: robot `othex` has no frame `base_lnik` {FRAMES}"
+            "s.toml: plant.disturbance[0].frame: robot `othex` has no frame `base_lnik`; did you mean `base_link`? {FRAMES}"
         ),
     );
     refused(
@@ -404,7 +404,7 @@ fn sensors() {
         "frame = \"tool\"\nforce_sd",
         "frame = \"toll\"\nforce_sd",
         &format!(
-            "s.toml: sensors.force_torque[0].frame: robot `othex` has no frame `toll` {FRAMES}"
+            "s.toml: sensors.force_torque[0].frame: robot `othex` has no frame `toll`; did you mean `tool`? {FRAMES}"
         ),
     );
 }

@@ -189,7 +189,7 @@ fn changes_of_what_is_not_there() {
     wrong(
         "change.event.gone.at = 2.0",
         14,
-        "[[event]] with mark `gone` is not there (known: go, late)",
+        "[[event]] with mark `gone` is not there; did you mean `go`? (known: go, late)",
     );
     wrong("change.name = 'x'", 8, "`name` is the same in every case");
     wrong(

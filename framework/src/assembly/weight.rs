@@ -54,6 +54,14 @@ impl WeightRamp {
         self.phase = Phase::Pending;
     }
 
+    /// Makes the weights what they were in a recorded tick.
+    pub(crate) fn hold(&mut self, recorded: &[f64]) {
+        for (now, recorded) in self.now.iter_mut().zip(recorded) {
+            *now = *recorded;
+        }
+        self.phase = Phase::Constant;
+    }
+
     /// Makes the weights those of a time, s.
     pub(crate) fn update(&mut self, time: f64) {
         let since = match self.phase {

@@ -189,6 +189,25 @@ fn default_free_force_limit() -> f64 {
 }
 
 impl ContactSpec {
+    /// A contact that is off at the start, with the default friction and limits.
+    pub fn new(name: &str, frame: &str, kind: ContactKind, surface: Surface) -> Self {
+        Self {
+            name: name.to_owned(),
+            frame: frame.to_owned(),
+            offset: [0.0; 3],
+            kind,
+            surface,
+            friction: default_friction(),
+            force_min: default_force_min(),
+            force_max: default_force_max(),
+            free_force: FreeForce::default(),
+            free_force_limit: default_free_force_limit(),
+            free_force_cutoff: default_free_force_cutoff(),
+            active: false,
+            transition: 0.0,
+        }
+    }
+
     /// Checks the numbers.
     ///
     /// # Errors

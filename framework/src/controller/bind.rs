@@ -4,8 +4,13 @@ use super::{
     Controller,
     command::Command,
     error::ControllerError,
+    explanation::owners,
     faults::Faults,
-    report::{ContactReport, Report, Rung, TaskReport},
+    handle::Stamp,
+    ladder::{Age, Ladder},
+    recording::MadeFrom,
+    report::{ContactReport, OnRung, Report, Rung, TaskReport},
+    safe::SafeLaw,
     stopwatch::{NoStopwatch, StageTimes},
     switch::Switch,
     world::{ContactBinding, World},
@@ -13,8 +18,8 @@ use super::{
 use crate::{
     actuator::ActuatorKind,
     assembly::{
-        Actuation, Assembly, DynamicsTerms, Group, GroupSpec, Partition, ProblemRows, Table,
-        VariableNames,
+        Actuation, Assembly, DynamicsTerms, Elastic, Group, GroupSpec, Partition, ProblemRows,
+        Table, VariableNames,
     },
     config::{ControllerConfig, Origin},
     contact::ContactSpec,
@@ -22,7 +27,7 @@ use crate::{
     entry::{Entry, Hardness},
     layout::{BoundTarget, Layout, Relation, VdotBlock},
     model::{Base, JointKind, Model},
-    qp::{Capacity, Qp, Solution},
+    qp::{ActiveSet, Capacity, Qp, QpSolver as _, Solution},
     robot::RobotModel,
     rows::RowStore,
     setup::{BindError, Setup},
@@ -64,6 +69,7 @@ impl Controller {
         config: ControllerConfig,
         robot: RobotModel,
     ) -> Result<Self, ControllerError> {
+        let made_from = MadeFrom::new(&config);
         let ControllerConfig {
             settings,
             robot: robot_plugin,
@@ -80,6 +86,7 @@ impl Controller {
         faults.robot(robot_plugin.typetag_name(), robot.problems());
         // Plug-ins rely on a sound robot and a sound rate.
         faults.stop_if_any()?;
+        faults.names(&contacts, &tasks, &constraints);
         let period = 1.0 / settings.rate;
         let model = robot.model.clone();
 
@@ -145,7 +152,6 @@ impl Controller {
                 Err(error) => faults.constraint(index, entry, error),
             }
         }
-        faults.names(&contacts, &tasks, &constraints);
         let solver_tag = solver.typetag_name();
         if !faults.is_empty() {
             // The problem has no size, but the solver's settings can be looked at.
@@ -202,7 +208,31 @@ impl Controller {
             bindings,
             model,
         };
-        let report = empty_report(&groups[..tasks.len()], &world, capacity);
+        let elastic = Elastic::new(&assembly, &groups, &table, &robot.actuators, capacity);
+        let relaxed = elastic.qp.capacity();
+        let mut native = ActiveSet::default();
+        faults.solver("active_set", native.bind(relaxed));
+        let tags: Vec<&'static str> = (tasks.iter().map(|e| e.plugin.typetag_name()))
+            .chain(constraints.iter().map(|e| e.plugin.typetag_name()))
+            .collect();
+        let contact_names: Vec<&str> = contacts.iter().map(|c| c.name.as_str()).collect();
+        let is_native = (&*solver as &dyn std::any::Any).is::<ActiveSet>();
+        let ladder = Ladder {
+            safe: SafeLaw::new(&robot, &world, &actuation, &vec![0.0; sizes.nu]),
+            solution: Solution::new(relaxed),
+            solver: native,
+            is_native,
+            owners: owners(&table, &groups, &tags, &contact_names),
+            without_solution: Age::default(),
+            without_state: Age::default(),
+            elastic,
+        };
+        let report = empty_report(
+            &groups[..tasks.len()],
+            &world,
+            capacity,
+            ladder.elastic.limits(),
+        );
         let mut controller = Self {
             settings,
             tasks: tasks.into_iter().map(|e| e.plugin).collect(),
@@ -217,12 +247,21 @@ impl Controller {
             solver,
             world,
             report,
-            engaged: false,
+            ladder,
+            made_from,
+            recorder: None,
             hover_residual: nalgebra::DVector::zeros(sizes.nv),
             stopwatch: Box::new(NoStopwatch),
+            stamp: Stamp::next(),
             robot,
         };
         let is_solved = controller.hover();
+        controller.ladder.safe = SafeLaw::new(
+            &controller.robot,
+            &controller.world,
+            &controller.actuation,
+            &controller.command.effort,
+        );
         if is_solved
             && controller.must_hover()
             && let Some(missing) = controller.missing_wrench()
@@ -462,12 +501,16 @@ fn effort_unit(model: &Model, kind: &ActuatorKind) -> &'static str {
     }
 }
 
-fn empty_report(tasks: &[Group], world: &World, capacity: Capacity) -> Report {
+fn empty_report(tasks: &[Group], world: &World, capacity: Capacity, limits: usize) -> Report {
     let zeros = |g: &Group| vec![0.0; g.layout.len()];
     Report {
         time: 0.0,
-        rung: Rung::Held,
+        rung: Rung::Safe,
+        on_rung: OnRung::default(),
         fault: None,
+        conflict: Vec::with_capacity(capacity.vars + capacity.rows + 1),
+        relaxed: Vec::with_capacity(limits),
+        resolves: 0,
         status: crate::qp::Status::Failed,
         iterations: 0,
         objective: 0.0,

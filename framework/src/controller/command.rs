@@ -64,6 +64,24 @@ impl Command {
         }
     }
 
+    /// Integrates the velocity references without acceleration: they leak to the measured velocities.
+    pub(crate) fn coast(&mut self, model: &Model, state: &State, period: f64, leak: f64) {
+        let offset = model.joint_offset();
+        for (i, joint) in model.joints().iter().enumerate() {
+            let (reference, measured) = (self.joint_velocity[i], state.v[offset + i]);
+            let limit = joint.limits.velocity;
+            let next = reference - period / leak * (reference - measured);
+            self.joint_acceleration[i] = 0.0;
+            self.joint_velocity[i] = next.clamp(-limit, limit);
+        }
+    }
+
+    /// The joints are to stand still.
+    pub(crate) fn stop_joints(&mut self) {
+        self.joint_acceleration.fill(0.0);
+        self.joint_velocity.fill(0.0);
+    }
+
     /// Starts the velocity references at the measured velocities.
     pub(crate) fn engage(&mut self, model: &Model, state: &State) {
         let offset = model.joint_offset();

@@ -52,6 +52,12 @@ pub enum RequestError {
         /// The type asked for.
         asked: &'static str,
     },
+    /// The id was made by another controller.
+    #[error("this id of a task of type `{asked}` is another controller's")]
+    OtherController {
+        /// The type asked for.
+        asked: &'static str,
+    },
     /// The task follows no reference.
     #[error("task `{name}` follows no reference")]
     NoReference {

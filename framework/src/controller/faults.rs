@@ -14,7 +14,8 @@ use crate::{
 #[derive(Debug)]
 pub(super) struct Faults {
     origin: Origin,
-    list: Vec<Fault>,
+    /// With the place of what is wrong among its kind.
+    list: Vec<(usize, Fault)>,
 }
 
 impl Faults {
@@ -34,50 +35,63 @@ impl Faults {
         if self.list.is_empty() {
             return Ok(());
         }
-        Err(self.origin.errors(std::mem::take(&mut self.list)).into())
+        // In the order of a file, whatever was looked at first.
+        let rank = |target: &Target| match target {
+            Target::Controller => 0,
+            Target::Robot => 1,
+            Target::Solver => 2,
+            Target::Contact(_) => 3,
+            Target::Task(_) => 4,
+            Target::Constraint(_) => 5,
+        };
+        let mut list = std::mem::take(&mut self.list);
+        list.sort_by_key(|(index, fault)| (rank(&fault.target), *index));
+        let faults = list.into_iter().map(|(_, fault)| fault).collect();
+        Err(self.origin.errors(faults).into())
     }
 
-    fn add(&mut self, target: Target, subject: String, error: BindError) {
-        self.list.push(Fault::new(target, subject, error));
+    fn add(&mut self, target: Target, index: usize, subject: String, error: BindError) {
+        self.list.push((index, Fault::new(target, subject, error)));
     }
 
     pub(super) fn settings(&mut self, settings: &Settings) {
         for (key, problem) in settings.problems() {
             let error = BindError::value(key, problem);
-            self.add(Target::Controller, "controller".to_owned(), error);
+            self.add(Target::Controller, 0, "controller".to_owned(), error);
         }
     }
 
     pub(super) fn robot(&mut self, tag: &str, problems: Vec<String>) {
         for problem in problems {
             let subject = format!("robot ({tag})");
-            self.add(Target::Robot, subject, BindError::Other(problem));
+            self.add(Target::Robot, 0, subject, BindError::Other(problem));
         }
     }
 
     pub(super) fn hover(&mut self, tag: &str, missing: String) {
         let error = BindError::Other(missing);
-        self.list.push(Fault {
+        let fault = Fault {
             kind: ConfigErrorKind::Hover,
             ..Fault::new(Target::Robot, format!("robot ({tag})"), error)
-        });
+        };
+        self.list.push((0, fault));
     }
 
     pub(super) fn solver(&mut self, tag: &str, bound: Result<(), BindError>) {
         if let Err(error) = bound {
-            self.add(Target::Solver, format!("solver ({tag})"), error);
+            self.add(Target::Solver, 0, format!("solver ({tag})"), error);
         }
     }
 
     pub(super) fn contact(&mut self, index: usize, name: &str, error: BindError) {
         let subject = format!("contact[{index}] `{name}`");
-        self.add(Target::Contact(name.to_owned()), subject, error);
+        self.add(Target::Contact(name.to_owned()), index, subject, error);
     }
 
     pub(super) fn task(&mut self, index: usize, entry: &Entry<dyn Task>, error: BindError) {
         let (name, tag) = (&entry.name, entry.plugin.typetag_name());
         let subject = format!("task[{index}] `{name}` ({tag})");
-        self.add(Target::Task(name.clone()), subject, error);
+        self.add(Target::Task(name.clone()), index, subject, error);
     }
 
     pub(super) fn constraint(
@@ -88,7 +102,7 @@ impl Faults {
     ) {
         let (name, tag) = (&entry.name, entry.plugin.typetag_name());
         let subject = format!("constraint[{index}] `{name}` ({tag})");
-        self.add(Target::Constraint(name.clone()), subject, error);
+        self.add(Target::Constraint(name.clone()), index, subject, error);
     }
 
     /// Names that are given twice: possible only in code, files are checked when they are read.
@@ -98,24 +112,29 @@ impl Faults {
         tasks: &[Entry<dyn Task>],
         constraints: &[Entry<dyn Constraint>],
     ) {
-        let taken = |by: &str| BindError::value("name", format!("is taken by another {by}"));
+        let taken = |by: &str| BindError::value("name", format!("is taken by {by}"));
         for (index, contact) in contacts.iter().enumerate() {
-            if contacts.iter().take(index).any(|c| c.name == contact.name) {
-                self.contact(index, &contact.name, taken("contact"));
+            if let Some(first) = contacts[..index]
+                .iter()
+                .position(|c| c.name == contact.name)
+            {
+                let by = format!("contact[{first}]");
+                self.contact(index, &contact.name, taken(&by));
             }
         }
-        let mut names: Vec<&str> = Vec::new();
+        let first_task = |name: &str| tasks.iter().position(|task| task.name == name);
         for (index, entry) in tasks.iter().enumerate() {
-            if names.contains(&entry.name.as_str()) {
-                self.task(index, entry, taken("task"));
+            if let Some(first) = first_task(&entry.name).filter(|&first| first < index) {
+                self.task(index, entry, taken(&format!("task[{first}]")));
             }
-            names.push(&entry.name);
         }
         for (index, entry) in constraints.iter().enumerate() {
-            if names.contains(&entry.name.as_str()) {
-                self.constraint(index, entry, taken("task or constraint"));
+            let mut before = constraints[..index].iter();
+            if let Some(first) = first_task(&entry.name) {
+                self.constraint(index, entry, taken(&format!("task[{first}]")));
+            } else if let Some(first) = before.position(|c| c.name == entry.name) {
+                self.constraint(index, entry, taken(&format!("constraint[{first}]")));
             }
-            names.push(&entry.name);
         }
     }
 }

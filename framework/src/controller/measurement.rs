@@ -7,7 +7,8 @@ use crate::{contact::ContactId, robot::RobotModel, state::State};
 /// The inputs of a tick.
 #[derive(Clone, Debug)]
 pub struct Measurement {
-    /// Time, s, on any clock that does not go backwards. References and ramps count from the first tick.
+    /// Time, s, on any clock that goes forwards from tick to tick: a stamp that is not later than the last usable one is
+    /// a fault. References and ramps count from the first tick.
     pub time: f64,
     /// Estimated state, velocities world-aligned.
     pub state: State,
@@ -28,9 +29,17 @@ impl Measurement {
     }
 
     /// What makes the measurement unusable, if anything does.
-    pub(crate) fn fault(&self, robot: &RobotModel, contacts: usize) -> Option<Fault> {
+    pub(crate) fn fault(
+        &self,
+        robot: &RobotModel,
+        contacts: usize,
+        last: Option<f64>,
+    ) -> Option<Fault> {
         if !self.time.is_finite() {
             return Some(Fault::NotFinite(Quantity::Time));
+        }
+        if last.is_some_and(|last| self.time <= last) {
+            return Some(Fault::NotLater);
         }
         if !self.state.fits(&robot.model) {
             return Some(Fault::WrongSize(Quantity::State));
@@ -91,7 +100,7 @@ pub enum Quantity {
     Wrench(ContactId),
 }
 
-/// Why a tick did not compute a new command.
+/// Why a tick's command is not the optimum of its problem.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Fault {
@@ -99,12 +108,16 @@ pub enum Fault {
     NotFinite(Quantity),
     /// A measured list has the wrong size.
     WrongSize(Quantity),
+    /// The time stamp is not later than that of the last usable measurement.
+    NotLater,
     /// The base's quaternion is not of unit length, nor near it.
     NotARotation,
     /// A plug-in wrote a coefficient or a limit that is not a number; the index counts tasks, then constraints.
     Rows(usize),
     /// The mass matrix is not positive definite at this state.
     MassMatrix,
+    /// Limits contradict one another; which is in the report.
+    Infeasible,
     /// The solver gave no usable solution; its status is in the report.
     Solver,
 }
@@ -114,11 +127,13 @@ impl std::fmt::Display for Fault {
         match self {
             Self::NotFinite(q) => write!(f, "measurement not finite: {q}"),
             Self::WrongSize(q) => write!(f, "measurement of the wrong size: {q}"),
+            Self::NotLater => f.write_str("measurement: the time stamp is not later than the last"),
             Self::NotARotation => {
                 f.write_str("measurement: the base orientation is not a unit quaternion")
             }
             Self::Rows(entry) => write!(f, "entry {entry} wrote a number that is not finite"),
             Self::MassMatrix => f.write_str("the mass matrix is not positive definite"),
+            Self::Infeasible => f.write_str("limits contradict one another"),
             Self::Solver => f.write_str("the solver gave no usable solution"),
         }
     }

@@ -7,21 +7,30 @@
 pub(crate) mod bind;
 mod command;
 mod error;
+mod explanation;
 mod faults;
+mod handle;
 mod hover;
+mod ladder;
 mod measurement;
+mod recording;
 mod rehearsal;
 mod report;
 mod requests;
+mod safe;
 mod stopwatch;
 pub(crate) mod switch;
 pub(crate) mod world;
 
 pub use command::Command;
 pub use error::{ControllerError, RequestError};
+pub use explanation::{Explanation, Limit};
+pub use handle::{TaskId, TaskKey, TaskMut};
 pub use measurement::{Fault, Measurement, Quantity};
 pub use rehearsal::PlannedForce;
-pub use report::{ActiveRow, ContactReport, Report, Rung, Side, TaskReport};
+pub use report::{
+    ActiveRow, ConflictRow, ContactReport, OnRung, RelaxedRow, Report, Rung, Side, TaskReport,
+};
 pub use stopwatch::{NoStopwatch, StageTimes, Stopwatch};
 
 use nalgebra::DVector;
@@ -31,11 +40,15 @@ use crate::{
     config::Settings,
     constraint::Constraint,
     qp::{Qp, QpSolver, RowId, Solution, Status, VarId},
+    replay::{Record, Recorder},
     robot::RobotModel,
     rows::{ConstraintRows, Rows},
     task::Task,
     tick::EntryState,
 };
+use handle::Stamp;
+use ladder::Ladder;
+use recording::MadeFrom;
 use world::World;
 
 /// A whole-body controller bound to a robot.
@@ -59,44 +72,77 @@ pub struct Controller {
     world: World,
     command: Command,
     report: Report,
-    /// Whether a tick has produced a command yet.
-    engaged: bool,
+    ladder: Ladder,
+    /// Where dumps find what the controller was made from.
+    made_from: MadeFrom,
+    recorder: Option<Recorder>,
     hover_residual: DVector<f64>,
     stopwatch: Box<dyn Stopwatch>,
+    /// What ids of tasks must have.
+    stamp: Stamp,
 }
 
 impl Controller {
     /// One control period: from a measurement to a command.
     ///
-    /// Always returns a command. If the measurement is unusable or the solver fails, it is the last one, and
-    /// the report says so. Does not allocate (unless the solver does), lock, block or read a clock.
+    /// Always returns a finite command within the actuators' limits: the optimum, or what the [`Rung`] of the report says, with
+    /// the reason beside it. Does not allocate (unless the solver does), lock, block or read a clock.
     pub fn tick(&mut self, measurement: &Measurement) -> (&Command, &Report) {
+        self.run(measurement, None);
+        (&self.command, &self.report)
+    }
+
+    /// A tick, with the plug-ins' rows or recorded ones.
+    fn run(&mut self, measurement: &Measurement, recorded: Option<&Record>) {
+        self.record_inputs(measurement);
         self.report.time = measurement.time;
         self.report.active.clear();
+        self.report.conflict.clear();
+        self.report.relaxed.clear();
+        self.report.resolves = 0;
         self.report.status = Status::Failed;
         self.report.iterations = 0;
         self.report.objective = 0.0;
         self.report.times = StageTimes::default();
-        let fault = measurement.fault(&self.robot, self.world.contacts.len());
-        let fault = fault.or_else(|| self.solve(measurement).err());
-        self.report.fault = fault;
-        if fault.is_some() {
-            // Velocity references start anew from the measured velocities once there is a solution again.
-            self.engaged = false;
-        }
-        self.report.rung = if fault.is_none() {
-            Rung::Optimal
-        } else {
-            Rung::Held
+        self.ladder.without_solution.pass();
+        self.ladder.without_state.pass();
+        let last = self.ladder.without_state.time();
+        let fault = measurement.fault(&self.robot, self.world.contacts.len(), last);
+        let outcome = match fault {
+            Some(fault) => Err(fault),
+            None => self.solve(measurement, recorded),
         };
-        (&self.command, &self.report)
+        self.report.fault = match outcome {
+            Ok(None) => None,
+            Ok(Some(fault)) | Err(fault) => Some(fault),
+        };
+        let rung = match outcome {
+            Ok(None) => Rung::Optimal,
+            Ok(Some(_)) => Rung::Relaxed,
+            Err(_) => self.fall_back(measurement.time),
+        };
+        let changed = rung != self.report.rung;
+        let is_first = self.report.on_rung.ticks == 0;
+        self.report.on_rung.step(changed, measurement, last);
+        self.report.rung = rung;
+        self.record_outcome(changed && !is_first);
     }
 
-    fn solve(&mut self, measurement: &Measurement) -> Result<(), Fault> {
+    /// From a usable measurement to command and report; with a fault if limits were given up.
+    fn solve(
+        &mut self,
+        measurement: &Measurement,
+        recorded: Option<&Record>,
+    ) -> Result<Option<Fault>, Fault> {
         let start = self.stopwatch.now();
         self.world.measure(measurement);
+        self.ladder.without_state.renew(measurement.time);
         let measured = self.stopwatch.now();
-        self.update_rows();
+        match recorded {
+            None => self.update_rows(),
+            Some(record) => self.recall_rows(&record.entries),
+        }
+        self.record_rows();
         let written = self.stopwatch.now();
         let terms = Self::terms(&self.world);
         let assembled = self
@@ -104,17 +150,35 @@ impl Controller {
             .assemble(&terms, &mut self.groups, &mut self.qp);
         let built = self.stopwatch.now();
         assembled?;
+        if self.report.rung != Rung::Optimal {
+            // What was active some time ago is no good guess.
+            self.solver.reset();
+        }
         self.solver.solve(&self.qp, &mut self.solution);
-        let solved = self.stopwatch.now();
         self.report.status = self.solution.status;
         self.report.iterations = self.solution.iterations;
         self.report.regularisation = self.assembly.regularisation_weight;
         let n = self.qp.n();
         let finite = self.solution.x[..n].iter().all(|x| x.is_finite());
-        if !(self.solution.status.is_usable() && finite) {
-            return Err(Fault::Solver);
-        }
-        self.output();
+        let fault = if self.solution.status.is_usable() && finite {
+            None
+        } else {
+            Some(self.ladder.relax(
+                &self.assembly,
+                &terms,
+                &self.groups,
+                &self.qp,
+                &mut self.solution,
+                &mut self.report,
+            )?)
+        };
+        let solved = self.stopwatch.now();
+        let rung = match fault {
+            None => Rung::Optimal,
+            Some(_) => Rung::Relaxed,
+        };
+        self.output(rung);
+        self.ladder.without_solution.renew(measurement.time);
         let done = self.stopwatch.now();
         self.report.times = StageTimes {
             dynamics: measured - start,
@@ -123,7 +187,43 @@ impl Controller {
             solve: solved - built,
             output: done - solved,
         };
-        Ok(())
+        Ok(fault)
+    }
+
+    /// A command without a solution.
+    fn fall_back(&mut self, time: f64) -> Rung {
+        let period = self.world.period;
+        let age = self.ladder.without_solution.seconds(time, period);
+        // Periods do not add up exactly.
+        let rung = if age <= self.settings.extrapolation + 1e-6 * period {
+            Rung::Extrapolated
+        } else {
+            Rung::Safe
+        };
+        let changed = self.report.rung != rung || self.report.on_rung.ticks == 0;
+        let model = &self.robot.model;
+        if rung == Rung::Extrapolated {
+            if changed {
+                self.command.engage(model, &self.world.state);
+            }
+            self.command.coast(
+                model,
+                &self.world.state,
+                period,
+                self.settings.velocity_leak,
+            );
+            return rung;
+        }
+        let safe = &mut self.ladder.safe;
+        if changed {
+            safe.engage(&self.world);
+        }
+        let age = self.ladder.without_state.seconds(time, period);
+        safe.update(&self.robot, &self.world, &self.actuation, age);
+        self.command.take_efforts(&self.robot, &safe.effort);
+        self.command.stop_joints();
+        self.world.last.effort.copy_from_slice(&self.command.effort);
+        rung
     }
 
     /// Lets every live plug-in write its rows.
@@ -168,7 +268,7 @@ impl Controller {
     }
 
     /// Turns the solution into command and report.
-    fn output(&mut self) {
+    fn output(&mut self, rung: Rung) {
         let x = &self.solution.x[..self.qp.n()];
         let terms = Self::terms(&self.world);
         self.assembly.recover(&self.groups, &terms, x);
@@ -181,9 +281,9 @@ impl Controller {
         self.command
             .take_efforts(&self.robot, self.assembly.effort());
         self.world.last.effort.copy_from_slice(&self.command.effort);
-        if !self.engaged {
+        if self.report.rung != rung || self.report.on_rung.ticks == 0 {
+            // Velocity references start anew from the measured velocities.
             self.command.engage(&self.robot.model, &self.world.state);
-            self.engaged = true;
         }
         self.command.integrate(
             &self.robot.model,
@@ -252,17 +352,16 @@ impl Controller {
         let qp = &self.qp;
         let Solution { x, y, z, .. } = &self.solution;
         let scale = qp.g().iter().fold(1.0_f64, |a, g| a.max(g.abs()));
-        let is_active = |distance: f64, limit: f64, multiplier: f64| {
-            distance <= 1e-6 * (1.0 + limit.abs()) && multiplier.abs() > 1e-9 * scale
-        };
+        let has_price = |multiplier: f64| multiplier.abs() > 1e-9 * scale;
+        let is_at = |distance: f64, limit: f64| distance <= 1e-6 * (1.0 + limit.abs());
         for (i, &row) in qp.rows().iter().enumerate() {
             let (lower, upper) = (qp.row_lower()[i], qp.row_upper()[i]);
-            if lower == upper {
+            if lower == upper || !has_price(y[i]) {
                 continue;
             }
             let ax: f64 = qp.row(i).iter().zip(x).map(|(a, x)| a * x).sum();
             let (side, limit) = near(ax, lower, upper);
-            if is_active((ax - limit).abs(), limit, y[i]) {
+            if is_at((ax - limit).abs(), limit) {
                 self.report.active.push(ActiveRow {
                     row,
                     side,
@@ -270,11 +369,11 @@ impl Controller {
                 });
             }
         }
-        for j in 0..qp.n() {
+        for j in (0..qp.n()).filter(|&j| has_price(z[j])) {
             let (side, limit) = near(x[j], qp.lower()[j], qp.upper()[j]);
             let owner = self.assembly.bound_owner[j][usize::from(side == Side::Upper)];
             if let Some(row) = owner
-                && is_active((x[j] - limit).abs(), limit, z[j])
+                && is_at((x[j] - limit).abs(), limit)
             {
                 self.report.active.push(ActiveRow {
                     row,
@@ -316,7 +415,8 @@ impl Controller {
         &self.qp
     }
 
-    /// Its solution, in physical units.
+    /// Its solution, in physical units; on the rung [`Rung::Relaxed`] that of the relaxed problem, as far as it is about the same
+    /// variables and rows.
     pub fn solution(&self) -> &Solution {
         &self.solution
     }

@@ -1,6 +1,7 @@
 //! What a tick says about itself: status, residuals, forces, active rows, times.
 
 use nalgebra::{DVector, Vector3, Vector6};
+use serde::{Deserialize, Serialize};
 
 use super::{measurement::Fault, stopwatch::StageTimes};
 use crate::{
@@ -8,25 +9,74 @@ use crate::{
     task::ForceReport,
 };
 
-/// Where the command of a tick comes from.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+/// Where the command of a tick comes from: the highest rung of a ladder that was possible. All commands are finite and
+/// within the actuators' limits.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Rung {
     /// The optimum of this tick's problem.
     Optimal,
-    /// The last command is kept; [`Report::fault`] says why.
+    /// The optimum with limits given up in the declared order ([`Report::relaxed`]), because they contradict one another;
+    /// or by another solver, because the configured one failed.
+    Relaxed,
+    /// The last solution is carried on, for a short time (`extrapolation` of the settings).
+    Extrapolated,
+    /// A law that needs no solver: damped hover, joints held.
     #[default]
-    Held,
+    Safe,
 }
 
 impl Rung {
+    /// All of them, from the top.
+    pub const ALL: [Self; 4] = [Self::Optimal, Self::Relaxed, Self::Extrapolated, Self::Safe];
+
     /// Its name, for logs.
     pub fn as_str(self) -> &'static str {
         match self {
             Self::Optimal => "optimal",
-            Self::Held => "held",
+            Self::Relaxed => "relaxed",
+            Self::Extrapolated => "extrapolated",
+            Self::Safe => "safe",
         }
     }
+}
+
+/// Since when the controller stands on a rung.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct OnRung {
+    /// Time stamp of the first tick on it, s (of the last usable one where that tick's was not a number).
+    pub since: f64,
+    /// Ticks on it, this one included.
+    pub ticks: u64,
+}
+
+/// A limit among those that contradict one another; none of them can be left out of the contradiction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ConflictRow {
+    /// Whose; [`Controller::row`](super::Controller::row) gives the name.
+    pub row: RowId,
+    /// Which side.
+    pub side: Side,
+    /// The limit, in the row's unit.
+    pub limit: f64,
+    /// Its multiplier in the proof, up to a common factor.
+    pub multiplier: f64,
+    /// By how much this limit alone would have to give for this contradiction to end, in the row's unit.
+    pub short: f64,
+}
+
+/// A limit that the command does not keep.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RelaxedRow {
+    /// Whose; [`Controller::row`](super::Controller::row) gives the name.
+    pub row: RowId,
+    /// Which side.
+    pub side: Side,
+    /// The limit, in the row's unit.
+    pub limit: f64,
+    /// How far beyond it the solution is, in the row's unit.
+    pub by: f64,
 }
 
 /// The report of a tick, in storage made once.
@@ -36,11 +86,19 @@ pub struct Report {
     pub time: f64,
     /// Where the command comes from.
     pub rung: Rung,
-    /// Why the command is not this tick's optimum.
+    /// Since when.
+    pub on_rung: OnRung,
+    /// Why the command is not this tick's optimum; [`Controller::explain`](super::Controller::explain) says it by name.
     pub fault: Option<Fault>,
-    /// How the solver ended.
+    /// The smallest set of limits that contradict one another, if that is why.
+    pub conflict: Vec<ConflictRow>,
+    /// The limits that were given up and that the command is beyond.
+    pub relaxed: Vec<RelaxedRow>,
+    /// Relaxed problems that were solved.
+    pub resolves: u32,
+    /// How the solver ended on the tick's own problem.
     pub status: Status,
-    /// The solver's iterations.
+    /// The solver's iterations, those of relaxed problems included.
     pub iterations: u32,
     /// The optimum's cost: `Σ w r²` over all soft rows, plus slacks and regularisation.
     pub objective: f64,
@@ -97,6 +155,16 @@ pub enum Side {
     Lower,
     /// At the upper limit; the multiplier is positive.
     Upper,
+}
+
+impl Side {
+    /// Its name, for logs.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Lower => "lower",
+            Self::Upper => "upper",
+        }
+    }
 }
 
 /// A row or bound at its limit.

@@ -4,7 +4,7 @@
 
 use super::{Controller, error::RequestError};
 use crate::{
-    assembly::Treatment,
+    assembly::{Group, Treatment},
     contact::{ContactId, ContactSpec, ContactState, SurfaceMotion},
     entry::Weight,
     layout::Layout,
@@ -64,23 +64,11 @@ impl Controller {
     pub fn follow(
         &mut self,
         task: &str,
-        mut reference: Box<dyn Reference>,
+        reference: Box<dyn Reference>,
     ) -> Result<(), RequestError> {
         let index = self.task_index(task)?;
         let begin = self.world.next_time();
-        let follow = self.tasks[index]
-            .follow()
-            .ok_or_else(|| RequestError::NoReference {
-                name: task.to_owned(),
-            })?;
-        reference
-            .bind(&follow.start(begin))
-            .map_err(|source| RequestError::Value {
-                name: task.to_owned(),
-                source,
-            })?;
-        *follow.reference = reference;
-        Ok(())
+        redirect(&mut *self.tasks[index], task, reference, begin)
     }
 
     /// Moves a contact's surface; its pose, twist and acceleration hold from the next tick on.
@@ -105,47 +93,7 @@ impl Controller {
     /// [`RequestError`] if the entry does not exist or the weight does not fit its rows.
     pub fn reweight(&mut self, name: &str, weight: &Weight) -> Result<(), RequestError> {
         let index = self.entry(name)?;
-        let group = &mut self.groups[index];
-        let rows = group.weight.now().len();
-        let usable = weight.values().iter().all(|w| w.is_finite() && *w >= 0.0)
-            && (matches!(weight, Weight::Uniform(_)) || weight.values().len() == rows);
-        if !usable {
-            return Err(RequestError::Value {
-                name: name.to_owned(),
-                source: BindError::value(
-                    "weight",
-                    format!("must be one number, or {rows}, finite and not negative"),
-                ),
-            });
-        }
-        if group.treatment == Treatment::Slack && weight.values().iter().all(|w| *w == 0.0) {
-            return Err(RequestError::Value {
-                name: name.to_owned(),
-                source: BindError::value(
-                    "weight",
-                    "is zero: a soft inequality without price limits nothing",
-                ),
-            });
-        }
-        group.weight.turn(weight);
-        Ok(())
-    }
-
-    /// A task as its own type, to read or to change its parameters. Values written here are not validated
-    /// again.
-    ///
-    /// # Errors
-    /// [`RequestError`] if there is no such task or it is of another type.
-    pub fn task_mut<T: Task>(&mut self, name: &str) -> Result<&mut T, RequestError> {
-        let index = self.task_index(name)?;
-        let is = self.tasks[index].typetag_name();
-        self.tasks[index]
-            .downcast_mut()
-            .ok_or_else(|| RequestError::OtherType {
-                name: name.to_owned(),
-                is,
-                asked: std::any::type_name::<T>(),
-            })
+        reweight(&mut self.groups[index], weight)
     }
 
     /// The contact of that name.
@@ -193,10 +141,53 @@ impl Controller {
         found.ok_or_else(|| absent("entry", name, names()))
     }
 
-    fn task_index(&self, name: &str) -> Result<usize, RequestError> {
+    pub(super) fn task_index(&self, name: &str) -> Result<usize, RequestError> {
         let found = self.task_names().position(|n| n == name);
         found.ok_or_else(|| absent("task", name, self.task_names()))
     }
+}
+
+/// Gives a task another trajectory that begins at a time.
+pub(super) fn redirect(
+    task: &mut dyn Task,
+    name: &str,
+    mut reference: Box<dyn Reference>,
+    begin: f64,
+) -> Result<(), RequestError> {
+    let name = || name.to_owned();
+    let follow = task
+        .follow()
+        .ok_or_else(|| RequestError::NoReference { name: name() })?;
+    reference
+        .bind(&follow.start(begin))
+        .map_err(|source| RequestError::Value {
+            name: name(),
+            source,
+        })?;
+    *follow.reference = reference;
+    Ok(())
+}
+
+/// Lets the rows of a group go to another weight.
+pub(super) fn reweight(group: &mut Group, weight: &Weight) -> Result<(), RequestError> {
+    let rows = group.weight.now().len();
+    let refused = |problem: String| RequestError::Value {
+        name: group.name.clone(),
+        source: BindError::value("weight", problem),
+    };
+    let usable = weight.values().iter().all(|w| w.is_finite() && *w >= 0.0)
+        && (matches!(weight, Weight::Uniform(_)) || weight.values().len() == rows);
+    if !usable {
+        return Err(refused(format!(
+            "must be one number, or {rows}, finite and not negative"
+        )));
+    }
+    if group.treatment == Treatment::Slack && weight.values().iter().all(|w| *w == 0.0) {
+        let problem = "is zero: a soft inequality without price limits nothing";
+        return Err(refused(problem.to_owned()));
+    }
+    group.weight.turn(weight);
+    Ok(())
 }
 
 fn absent<'a>(

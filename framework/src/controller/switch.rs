@@ -6,8 +6,10 @@
 //! After a switch at `t₀` the activation goes from where it was, `α₀`, to its target (0 or 1) by
 //! `α = α₀ + (target − α₀) s((t − t₀)/τ)` with the smoothstep `s(x) = 3x² − 2x³`.
 
+use serde::{Deserialize, Serialize};
+
 /// The switch of an entry or a contact.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Switch {
     on: bool,
     /// What it is to be from the next tick on.
@@ -15,6 +17,13 @@ pub(crate) struct Switch {
     transition: f64,
     since: f64,
     from: f64,
+}
+
+impl Default for Switch {
+    /// Off, without a ramp.
+    fn default() -> Self {
+        Self::new(false, 0.0)
+    }
 }
 
 impl Switch {

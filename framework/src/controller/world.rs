@@ -6,13 +6,16 @@
 
 use std::sync::Arc;
 
-use nalgebra::{Isometry3, Matrix6xX, Rotation3, Translation3, UnitQuaternion, Vector3, Vector6};
+use nalgebra::{
+    Isometry3, Matrix3, Matrix6xX, Rotation3, Translation3, UnitQuaternion, Vector3, Vector6,
+};
 
 use super::{measurement::Measurement, switch::Switch};
 use crate::{
     contact::{ContactSpec, ContactState, FreeForce, SurfaceMotion},
     dynamics::{Data, FrameKinematics},
     model::{BodyId, FrameId, Model},
+    replay::ContactMemory,
     setup::{BindError, unknown},
     state::State,
     tick::{EntryState, Prediction, Tick},
@@ -159,8 +162,15 @@ impl ContactBinding {
         c.V = rotate(&(velocity - self.motion.velocity_at(&k.p_WF)));
         c.surface_acceleration = rotate(&self.motion.acceleration_at(&k.p_WF));
         c.Jdot_v = rotate(&k.Jdot_v);
-        for (mut out, column) in c.J.column_iter_mut().zip(k.J.column_iter()) {
-            out.copy_from(&rotate(&column.into_owned()));
+        let (columns, _) = k.J.as_slice().as_chunks::<6>();
+        let (rotated, _) = c.J.as_mut_slice().as_chunks_mut::<6>();
+        for (out, column) in rotated.iter_mut().zip(columns) {
+            // Joints that do not carry the contact.
+            *out = if *column == [0.0; 6] {
+                [0.0; 6]
+            } else {
+                rotate(&Vector6::from(*column)).into()
+            };
         }
         // The sensor speaks in E about E's origin; the contact point is the offset away.
         let force = Vector3::new(wrench[0], wrench[1], wrench[2]);
@@ -195,17 +205,71 @@ impl ContactBinding {
     }
 }
 
+/// For records of ticks.
+impl ContactBinding {
+    /// Writes what is remembered from one tick to the next.
+    pub(crate) fn remember(&self, out: &mut ContactMemory) {
+        out.switch = self.switch;
+        out.exit_force = self.exit_force;
+        out.exit_alpha = self.exit_alpha;
+        out.filtered = self.filtered.into();
+        for (out, r) in out.rotation.iter_mut().zip(self.motion.R_WC.matrix()) {
+            *out = *r;
+        }
+        let m = &self.motion;
+        out.motion = [m.p_WS, m.v_WS, m.w_WC, m.a_WS, m.alpha_WC].map(Into::into);
+    }
+
+    /// Takes it over again.
+    pub(crate) fn recall(&mut self, memory: &ContactMemory) {
+        self.switch = memory.switch;
+        self.exit_force = memory.exit_force;
+        self.exit_alpha = memory.exit_alpha;
+        self.filtered = memory.filtered.into();
+        let [p_WS, v_WS, w_WC, a_WS, alpha_WC] = memory.motion.map(Vector3::from);
+        let rotation = Matrix3::from_column_slice(&memory.rotation);
+        self.motion = SurfaceMotion {
+            R_WC: Rotation3::from_matrix_unchecked(rotation),
+            p_WS,
+            v_WS,
+            w_WC,
+            a_WS,
+            alpha_WC,
+        };
+    }
+}
+
 impl World {
+    /// Computes everything that depends on the state alone, for a state that was recorded; what contacts remember is
+    /// void afterwards.
+    pub(crate) fn refresh(&mut self) {
+        self.update_bodies();
+        let contacts = self.contacts.iter_mut().zip(&mut self.bindings);
+        for (contact, binding) in contacts {
+            binding.update(
+                self.time,
+                &self.model,
+                &self.data,
+                &Vector6::zeros(),
+                contact,
+            );
+        }
+    }
+
+    fn update_bodies(&mut self) {
+        self.data.update(&self.model, &self.state);
+        for (frame, id) in self.frames.iter_mut().zip(&self.frame_ids) {
+            frame.update(&self.model, &self.data, *id);
+        }
+    }
+
     /// Takes a measurement over and computes everything that depends on it.
     pub(crate) fn measure(&mut self, m: &Measurement) {
         self.time = m.time - *self.origin.get_or_insert(m.time);
         self.state.copy_from(&m.state);
         // Sensors deliver quaternions that are almost of unit length: everything after needs exactly that.
         self.state.R_WR = UnitQuaternion::new_normalize(*m.state.R_WR.quaternion());
-        self.data.update(&self.model, &self.state);
-        for (frame, id) in self.frames.iter_mut().zip(&self.frame_ids) {
-            frame.update(&self.model, &self.data, *id);
-        }
+        self.update_bodies();
         for ((binding, contact), wrench) in self
             .bindings
             .iter_mut()

@@ -9,7 +9,7 @@ use super::{
 };
 use crate::{
     actuator::ActuatorKind,
-    controller::{Controller, Measurement, Report, Rung, Side},
+    controller::{Controller, Measurement, Report, Side},
     layout::Layout,
     robot::RobotModel,
 };
@@ -24,8 +24,8 @@ use crate::{
 /// | `/task/<name>` | ramp, and per row error, residual and cost |
 /// | `/qp` | status, fault, iterations, times of the stages, active limits |
 ///
-/// A tick that kept the last command ([`Rung::Held`]) has no new contact and task reports: it writes `/state`,
-/// `/command` and `/qp` only.
+/// A tick without a solution ([`Rung::is_solved`](crate::controller::Rung::is_solved)) has no new contact and task reports: it
+/// writes `/state`, `/command` and `/qp` only.
 #[derive(Debug)]
 pub struct ControllerLog {
     state: ChannelId,
@@ -114,7 +114,7 @@ impl ControllerLog {
         sink.write(self.command, time, message)?;
         qp_message(controller, message);
         sink.write(self.qp, time, message)?;
-        if report.rung == Rung::Held {
+        if !report.rung.is_solved() {
             return Ok(());
         }
         for (i, channel) in self.contacts.iter().enumerate() {
@@ -350,6 +350,18 @@ fn qp_schema() -> Value {
             ),
         ],
     );
+    let short = schema::object(
+        "A limit that cannot be kept",
+        [
+            ("row", schema::text("Owner and label, `owner.label`")),
+            ("side", schema::text("`lower` or `upper`")),
+            ("limit", schema::ratio("The limit, in the row's unit")),
+            (
+                "short",
+                schema::ratio("By how much it has to give, or gave"),
+            ),
+        ],
+    );
     titled(
         "wbqp.Qp",
         schema::object(
@@ -358,12 +370,24 @@ fn qp_schema() -> Value {
                 ("status", schema::text("Status of the solver")),
                 (
                     "rung",
-                    schema::text("`optimal`, or `held`: the last command was kept"),
+                    schema::text(
+                        "Where the command comes from: `optimal`, `relaxed`, `extrapolated` or `safe`",
+                    ),
                 ),
                 (
-                    "fault",
-                    schema::text("Why the command was kept; absent if it was not"),
+                    "rung_since",
+                    schema::number("s", "Time of the first tick on the rung"),
                 ),
+                ("rung_ticks", schema::integer("Ticks on the rung")),
+                (
+                    "fault",
+                    schema::text("Why the command is not the optimum; absent if it is"),
+                ),
+                (
+                    "conflict",
+                    schema::list("Limits that contradict one another", &short),
+                ),
+                ("relaxed", schema::list("Limits that were given up", &short)),
                 ("iterations", schema::integer("Iterations of the solver")),
                 ("times", times),
                 ("active", schema::list("Active limits", &active)),
@@ -377,9 +401,25 @@ fn qp_message(controller: &Controller, out: &mut Vec<u8>) {
     Object::write(out, |o| {
         o.text("status", report.status.as_str());
         o.text("rung", report.rung.as_str());
+        o.number("rung_since", report.on_rung.since);
+        o.integer("rung_ticks", report.on_rung.ticks);
         if let Some(fault) = &report.fault {
-            o.display("fault", fault);
+            o.display("fault", &controller.fault_text(fault));
         }
+        let short = |o: &mut Object<'_>, row, side: Side, limit: f64, short: f64| {
+            if let Some(row) = controller.row(row) {
+                o.display("row", row);
+            }
+            o.text("side", side.as_str());
+            o.number("limit", limit);
+            o.number("short", short);
+        };
+        o.list("conflict", &report.conflict, |o, c| {
+            short(o, c.row, c.side, c.limit, c.short)
+        });
+        o.list("relaxed", &report.relaxed, |o, r| {
+            short(o, r.row, r.side, r.limit, r.by)
+        });
         o.integer("iterations", u64::from(report.iterations));
         o.object("times", |o| {
             let t = &report.times;
@@ -398,11 +438,7 @@ fn qp_message(controller: &Controller, out: &mut Vec<u8>) {
             if let Some(row) = controller.row(active.row) {
                 o.display("row", row);
             }
-            let side = match active.side {
-                Side::Lower => "lower",
-                Side::Upper => "upper",
-            };
-            o.text("side", side);
+            o.text("side", active.side.as_str());
             o.number("multiplier", active.multiplier);
         });
     });

@@ -16,9 +16,11 @@ mod polish;
 mod problem;
 mod scaling;
 mod solver;
+mod warm_start;
 
 pub use active_set::ActiveSet;
 pub use clarabel::Clarabel;
 pub use optimality::Optimality;
 pub use problem::{Capacity, Qp, RowId, VarId};
 pub use solver::{QpSolver, Solution, Status};
+pub use warm_start::{ConstraintId, Held, WarmStart};

@@ -1,11 +1,15 @@
 //! A dense quadratic program in storage of fixed capacity.
 
+use serde::{Deserialize, Serialize};
+
 /// Permanent identity of a row: an index into the controller's table of owners, labels and units.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(transparent)]
 pub struct RowId(pub(crate) u32);
 
 /// Permanent identity of a variable.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(transparent)]
 pub struct VarId(pub(crate) u32);
 
 impl RowId {

@@ -2,11 +2,14 @@
 
 use std::{any::Any, fmt::Debug};
 
-use super::{Capacity, Qp};
+use serde::{Deserialize, Serialize};
+
+use super::{Capacity, Qp, WarmStart};
 use crate::setup::BindError;
 
 /// How a solve ended. An outcome, never an error: every one of them happens on a robot.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Status {
     /// Optimal within the solver's tolerances.
@@ -99,4 +102,15 @@ pub trait QpSolver: Any + Send + Debug {
 
     /// Forgets the warm start.
     fn reset(&mut self) {}
+
+    /// Copies the warm start of the next solve out, without allocating: for records of ticks. A solver without one leaves
+    /// it empty.
+    fn warm_start(&self, out: &mut WarmStart) {
+        out.clear();
+    }
+
+    /// Takes a recorded warm start over: the next solve is to the bit what it was after the recorded one.
+    fn start_from(&mut self, _warm_start: &WarmStart) {
+        self.reset();
+    }
 }

@@ -21,10 +21,13 @@ use crate::check;
 /// Keeps the wrench of a contact with moments (kinds `full` and `normal_tilt`) within what a flat rectangular sole can
 /// bear:
 ///
-/// * friction: `n_kᵀ f_t ≤ μ' f_n` for `k = 0 … N − 1`, as in [`FrictionPyramid`](crate::FrictionPyramid), N,
-/// * centre of pressure inside the sole: `|m_x| ≤ l_y f_n`, `|m_y| ≤ l_x f_n`, N·m,
-/// * torsion: `|m_z| ≤ μ_t f_n`, N·m,
-/// * normal force: `f_min ≤ f_n ≤ f_max`, N, a bound on one variable, hard whatever the entry says.
+/// `n_kᵀ f_t ≤ μ' f_n` for `k = 0 … N − 1`, N: friction, as in [`FrictionPyramid`](crate::FrictionPyramid),
+///
+/// `|m_x| ≤ l_y f_n`, `|m_y| ≤ l_x f_n`, N·m: the centre of pressure stays inside the sole,
+///
+/// `|m_z| ≤ μ_t f_n`, N·m: torsion,
+///
+/// `f_min ≤ f_n ≤ f_max`, N: normal force, a bound on one variable, hard whatever the entry says.
 ///
 /// Friction coefficient and limits are the contact's; its ramp scales the limits. `normal_tilt` has no tangential force
 /// and no torsion, hence not those rows. Such a contact is refused without this constraint (or one like it): the solver
@@ -131,7 +134,8 @@ impl Constraint for ContactWrench {
             .force_dense(contact)
             .bound_force(contact, kind.normal(), "normal", "N")
             .limits_moments(contact)
-            .while_contact(contact))
+            .while_contact(contact)
+            .of_the_world())
     }
 
     fn update(&mut self, tick: &Tick<'_>, rows: &mut ConstraintRows<'_>) {

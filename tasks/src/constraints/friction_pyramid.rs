@@ -134,7 +134,7 @@ impl Constraint for FrictionPyramid {
             Layout::rows(rows).force_dense(contact)
         };
         layout = layout.bound_force(contact, kind.normal(), "normal", "N");
-        Ok(layout.while_contact(contact))
+        Ok(layout.while_contact(contact).of_the_world())
     }
 
     fn update(&mut self, tick: &Tick<'_>, rows: &mut ConstraintRows<'_>) {

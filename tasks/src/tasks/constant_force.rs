@@ -22,8 +22,11 @@ use crate::check;
 /// Asks a contact for a constant wrench: no trajectory, no feedback, no integrator. For what carries the robot, as the
 /// feet of a legged one, or as a regularisation of contact forces.
 ///
-/// One row per constrained component of the contact, C axes, N or N·m: `f = α f_d`, where the contact's ramp α takes the
-/// set point from zero and back to it.
+/// One row per constrained component of the contact, C axes, N or N·m:
+///
+/// `f = α f_d`,
+///
+/// where the contact's ramp α takes the set point from zero and back to it.
 ///
 /// To push with a force that is measured, see [`ContactForce`](crate::ContactForce). Exists while the contact is on.
 ///

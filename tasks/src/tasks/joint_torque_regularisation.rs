@@ -20,7 +20,9 @@ use crate::{
 /// Keeps joint torques near a value, by default near zero: the effort that other tasks leave open is then the
 /// smallest, and a redundant robot has one solution.
 ///
-/// One row per joint motor, N·m for a revolute joint, N for a prismatic one: `τ = τ_d`.
+/// One row per joint motor, N·m for a revolute joint, N for a prismatic one:
+///
+/// `τ = τ_d`.
 ///
 /// Written as a task of small weight it is Tikhonov's regularisation of the torques; with `1/τ_max²` as the weight of
 /// each row, shares of what the motors can bear are balanced.

@@ -18,8 +18,11 @@ use crate::{
 
 /// Keeps the thrusts of rotors near a value, by default near zero.
 ///
-/// One row per rotor, N: `f_i = f_d`. In contrast to
-/// [`PropellerRegularisation`](crate::PropellerRegularisation) each thrust is weighed by itself, so the solution
+/// One row per rotor, N:
+///
+/// `f_i = f_d`.
+///
+/// In contrast to [`PropellerRegularisation`](crate::PropellerRegularisation) each thrust is weighed by itself, so the solution
 /// does not depend on the order of the rotors; the minimum of `Σ f_i²` is the allocation of the pseudo-inverse.
 ///
 /// Error: thrust of the last solution minus `f_d`, N.

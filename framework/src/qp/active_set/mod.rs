@@ -44,7 +44,7 @@ mod working_set;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Capacity, Qp, QpSolver, Solution};
+use super::{Capacity, Qp, QpSolver, Solution, WarmStart};
 use crate::setup::BindError;
 use solve::Workspace;
 
@@ -107,5 +107,13 @@ impl QpSolver for ActiveSet {
 
     fn reset(&mut self) {
         self.workspace.forget();
+    }
+
+    fn warm_start(&self, out: &mut WarmStart) {
+        self.workspace.warm_start(out);
+    }
+
+    fn start_from(&mut self, warm_start: &WarmStart) {
+        self.workspace.start_from(warm_start);
     }
 }

@@ -8,7 +8,7 @@ use super::{
     kernels::{axpy, dot, largest},
     working_set::WorkingSet,
 };
-use crate::qp::{Capacity, Qp, RowId, Solution, Status, VarId};
+use crate::qp::{Capacity, ConstraintId as Id, Qp, Solution, Status, WarmStart};
 
 /// Rounds in which all violated constraints are held together.
 const JOINT_ROUNDS: u32 = 4;
@@ -29,13 +29,6 @@ const CORRECTIONS: u32 = 50;
 
 /// Relative violation, or multiplier of the wrong sign, that a refined point may have: the more, the longer it takes.
 const FORGIVEN: [f64; 4] = [1e-11, 1e-10, 1e-9, 1e-8];
-
-/// Who is held, by identity.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Id {
-    Row(RowId),
-    Bound(VarId),
-}
 
 /// Why the dual iteration stopped.
 enum End {
@@ -91,6 +84,21 @@ impl Workspace {
             previous: Vec::with_capacity(n),
             ..Self::default()
         }
+    }
+
+    pub(super) fn warm_start(&self, out: &mut WarmStart) {
+        out.clear();
+        for &(constraint, side) in &self.previous {
+            out.push(constraint, side);
+        }
+    }
+
+    /// The next solve begins with these; those beyond the capacity are forgotten.
+    pub(super) fn start_from(&mut self, warm_start: &WarmStart) {
+        self.previous.clear();
+        let room = self.previous.capacity();
+        let held = warm_start.iter().map(|held| (held.constraint, held.side));
+        self.previous.extend(held.take(room));
     }
 
     /// The next solve begins without any constraint held.

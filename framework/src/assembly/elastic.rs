@@ -1,0 +1,543 @@
+//! The problem of a tick with some of its limits given up.
+//!
+//! # Mathematics
+//! A limit `l ≤ a x ≤ u` that is given up becomes `l ≤ a x + e ≤ u` with a free variable `e` of its own that costs `w e²`;
+//! `e` is what the solution takes beyond the limit. An equality is the case `l = u`, a bound on a variable the case of a
+//! unit row, and so is a bound on an eliminated effort, whose row stays with the actuator's own limits. So the problem
+//! keeps its rows and gets one variable per limit given up, and it says by how much each had to give.
+//!
+//! The price is heavy and scale-free: with the cost `½ xᵀHx`, moving `a x` by one costs at least
+//! `½ κ, κ = 1/(a H⁻¹ aᵀ) ≤ n / Σ a_j²/h_jj` (Jacobi scaling, and the largest eigenvalue of a matrix with a unit
+//! diagonal is at most n). `w` is a large multiple of that bound, so that the tasks pull a limit beyond what is needed
+//! by a small share of what they ask for. Variables with no cost of their own, or next to none (accelerations, where a
+//! formulation keeps them), have no such bound; there the largest weight that is on takes its place if it is larger.
+//!
+//! What is never given up are the limits of the world: the dynamics; each actuator's own limits; a normal force that does
+//! not pull; and the rows of constraints that say so
+//! ([`Layout::of_the_world`](crate::layout::Layout::of_the_world)), such as friction. No effort beyond what is needed to
+//! stay within the actuators' limits, and no contact force at all, satisfies them: with everything else given up
+//! the problem is feasible unless a plug-in contradicts that.
+
+use super::{Assembly, DynamicsTerms, Group, Table, Treatment, bounds::BoundPlace};
+use crate::{
+    actuator::Actuator,
+    contact::ContactState,
+    layout::BoundTarget,
+    qp::{Capacity, Qp, RowId, Solution, VarId},
+};
+
+/// Share of what the tasks ask for by which a limit gives more than it must, inverted.
+const PRICE: f64 = 1e4;
+/// Factor from one level to the next, which is to be kept longer.
+const STEP: f64 = 10.0;
+/// Levels that are told apart by their price.
+const STEPS: usize = 4;
+
+/// What is given up together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Level {
+    /// The hard rows and the bounds of an entry.
+    Entry(usize),
+    /// The limits of a contact's normal force, except that it does not pull.
+    Contact(usize),
+}
+
+/// A limit that is given up, in the problem that is built.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Given {
+    /// Whose.
+    pub(crate) id: RowId,
+    level: usize,
+    /// What is asked still, approximately.
+    lower: f64,
+    upper: f64,
+    /// What was asked.
+    asked: [f64; 2],
+    /// A row of the tick's problem, or a bound.
+    at: At,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum At {
+    Row(usize),
+    Variable(usize),
+    /// A bound on an eliminated effort: a row that stays, for the actuator's own limits.
+    Torque(usize),
+}
+
+/// The order of giving up, and storage for the problem.
+#[derive(Debug)]
+pub(crate) struct Elastic {
+    levels: Vec<Level>,
+    /// By level.
+    given_up: Vec<bool>,
+    /// The level of each row and bound, by id.
+    level_of: Vec<Option<usize>>,
+    first_slack: u32,
+    first_row: u32,
+    /// Own limits of the actuators.
+    efforts: Vec<[f64; 2]>,
+    given: Vec<Given>,
+    /// Who set the lower and the upper bound of each variable.
+    bound_owner: Vec<[Option<RowId>; 2]>,
+    pub(crate) qp: Qp,
+}
+
+impl Elastic {
+    /// The order of giving up: hard tasks, then constraints, then the limits of contacts' forces; of each, the last
+    /// declared goes first.
+    pub(crate) fn new(
+        assembly: &Assembly,
+        groups: &[Group],
+        table: &Table,
+        actuators: &[Actuator],
+        capacity: Capacity,
+    ) -> Self {
+        let mut levels = Vec::new();
+        let mut level_of = vec![None; table.rows.len()];
+        let mut limits = 0;
+        for of_tasks in [true, false] {
+            for (index, group) in groups.iter().enumerate().rev() {
+                if group.is_task != of_tasks {
+                    continue;
+                }
+                let rows = match group.treatment {
+                    Treatment::Hard if !group.layout.of_the_world => group.rows.as_slice(),
+                    _ => &[],
+                };
+                if rows.is_empty() && group.bounds.is_empty() {
+                    continue;
+                }
+                for id in rows.iter().chain(&group.bounds) {
+                    level_of[id.index()] = Some(levels.len());
+                    limits += 1;
+                }
+                levels.push(Level::Entry(index));
+            }
+        }
+        for (contact, id) in assembly.normal_rows.iter().enumerate().rev() {
+            level_of[id.index()] = Some(levels.len());
+            levels.push(Level::Contact(contact));
+            limits += 1;
+        }
+        let capacity = Capacity {
+            vars: capacity.vars + limits,
+            rows: capacity.rows + limits,
+        };
+        Self {
+            given_up: vec![false; levels.len()],
+            levels,
+            level_of,
+            first_slack: table.vars.len() as u32,
+            first_row: table.rows.len() as u32,
+            efforts: actuators.iter().map(|a| [a.lower, a.upper]).collect(),
+            given: Vec::with_capacity(limits),
+            bound_owner: vec![[None; 2]; capacity.vars],
+            qp: Qp::new(capacity),
+        }
+    }
+
+    /// Nothing is given up.
+    pub(crate) fn restore(&mut self) {
+        self.given_up.fill(false);
+    }
+
+    /// Everything that can be given up is.
+    pub(crate) fn give_up_all(&mut self) {
+        self.given_up.fill(true);
+    }
+
+    /// Gives up the level of a contradiction that is the first to go, from the multipliers that prove it. False if nothing
+    /// in it can be given up, or was given up before. `owners` are those of the bounds of `qp`.
+    fn give_up_first(
+        &mut self,
+        assembly: &Assembly,
+        contacts: &[ContactState],
+        qp: &Qp,
+        owners: impl Fn(usize) -> [Option<RowId>; 2],
+        proof: &Solution,
+    ) -> bool {
+        let level_of = |id: RowId| self.level_of.get(id.index()).copied().flatten();
+        let mut first = self.levels.len();
+        for (i, (y, id)) in proof.y.iter().zip(qp.rows()).enumerate() {
+            let is_asked = *y != 0.0
+                && assembly.torque_row(*id).is_none_or(|(_, actuator)| {
+                    let [least, most] = self.efforts[actuator];
+                    let constant = assembly.constant(i);
+                    let (lower, upper) = (qp.row_lower()[i], qp.row_upper()[i]);
+                    let crossed = lower > upper;
+                    let below = (*y < 0.0 || crossed) && is_above(lower + constant, least);
+                    let above = (*y > 0.0 || crossed) && is_above(most, upper + constant);
+                    below || above
+                });
+            if is_asked {
+                first = first.min(level_of(*id).unwrap_or(first));
+            }
+        }
+        for (j, &z) in proof.z.iter().enumerate().take(qp.n()) {
+            if z == 0.0 {
+                continue;
+            }
+            let (lower, upper) = (qp.lower()[j], qp.upper()[j]);
+            let crossed = lower > upper;
+            let [least, most] = self.of_the_world(assembly, contacts, j);
+            let [below, above] = owners(j);
+            let lower = below.filter(|_| (z < 0.0 || crossed) && lower > least);
+            let upper = above.filter(|_| (z > 0.0 || crossed) && upper < most);
+            for owner in [lower, upper].into_iter().flatten() {
+                first = first.min(level_of(owner).unwrap_or(first));
+            }
+        }
+        match self.given_up.get_mut(first) {
+            Some(given_up) => !std::mem::replace(given_up, true),
+            None => false,
+        }
+    }
+
+    /// Like [`Elastic::give_up_first`] for the tick's problem.
+    pub(crate) fn give_up_in(
+        &mut self,
+        assembly: &Assembly,
+        contacts: &[ContactState],
+        qp: &Qp,
+        proof: &Solution,
+    ) -> bool {
+        let owners = |j: usize| assembly.bound_owner[j];
+        self.give_up_first(assembly, contacts, qp, owners, proof)
+    }
+
+    /// Gives up more, from the proof that the problem built last has no solution.
+    pub(crate) fn give_up_more(
+        &mut self,
+        assembly: &Assembly,
+        contacts: &[ContactState],
+        proof: &Solution,
+    ) -> bool {
+        // Both are lent out for the call.
+        let qp = std::mem::replace(&mut self.qp, Qp::new(Capacity { vars: 0, rows: 0 }));
+        let owners = std::mem::take(&mut self.bound_owner);
+        let owner = |j: usize| owners.get(j).copied().unwrap_or_default();
+        let more = self.give_up_first(assembly, contacts, &qp, owner, proof);
+        self.qp = qp;
+        self.bound_owner = owners;
+        more
+    }
+
+    /// Bounds on a variable that always hold.
+    fn of_the_world(
+        &self,
+        assembly: &Assembly,
+        contacts: &[ContactState],
+        position: usize,
+    ) -> [f64; 2] {
+        let live = &assembly.live;
+        if let Some(limits) = assembly
+            .effort_at(position)
+            .and_then(|i| self.efforts.get(i))
+        {
+            return *limits;
+        }
+        let column = position + assembly.partition.substituted;
+        let is_slack = live.slacks.iter().flatten().any(|s| *s == column);
+        let normals = contacts.iter().zip(&live.forces);
+        let is_normal = normals
+            .map(|(contact, start)| start.map(|start| start + contact.kind.normal()))
+            .any(|normal| normal == Some(column));
+        if is_slack || is_normal {
+            [0.0, f64::INFINITY]
+        } else {
+            [f64::NEG_INFINITY, f64::INFINITY]
+        }
+    }
+
+    /// Builds the problem from the tick's. Its first variables are those of the tick's problem.
+    pub(crate) fn build(
+        &mut self,
+        assembly: &Assembly,
+        terms: &DynamicsTerms<'_>,
+        groups: &[Group],
+        base: &Qp,
+    ) {
+        let n = base.n();
+        self.collect(assembly, terms, groups, base);
+        let (first_slack, first_row) = (self.first_slack, self.first_row);
+        let slacks = self.given.iter().map(|given| {
+            let id = match given.at {
+                At::Row(_) => given.id.0,
+                At::Variable(_) | At::Torque(_) => first_row + given.id.0,
+            };
+            VarId(first_slack + id)
+        });
+        self.qp.reset(base.vars().iter().copied().chain(slacks));
+        self.write_cost(assembly, base);
+        let mut next = 0;
+        for i in 0..base.m() {
+            let given = self.given.get(next);
+            let given = given.filter(|given| matches!(given.at, At::Row(at) if at == i));
+            let (lower, upper) = match given {
+                Some(given) => (given.lower, given.upper),
+                None if self.is_given_up_torque(assembly, base.rows()[i]) => {
+                    let constant = assembly.constant(i);
+                    let [least, most] = self.own_limits(assembly, base.rows()[i]);
+                    (least - constant, most - constant)
+                }
+                None => (base.row_lower()[i], base.row_upper()[i]),
+            };
+            let Some(row) = self.qp.push_row(base.rows()[i], lower, upper) else {
+                return;
+            };
+            row[..n].copy_from_slice(base.row(i));
+            if given.is_some() {
+                row[n + next] = 1.0;
+                next += 1;
+            }
+        }
+        for (k, given) in self.given.iter().enumerate().skip(next) {
+            let id = RowId(first_row + given.id.0);
+            let Some(row) = self.qp.push_row(id, given.lower, given.upper) else {
+                return;
+            };
+            match given.at {
+                At::Row(_) => {}
+                At::Variable(position) => row[position] = 1.0,
+                At::Torque(i) => row[..n].copy_from_slice(base.row(i)),
+            }
+            row[n + k] = 1.0;
+        }
+        self.write_bounds(assembly, terms, groups, n);
+    }
+
+    /// The cost of the tick, and the prices.
+    fn write_cost(&mut self, assembly: &Assembly, base: &Qp) {
+        let n = base.n();
+        let wide = self.qp.n();
+        let (h, g) = self.qp.cost_mut();
+        for (to, from) in h.chunks_exact_mut(wide).zip(base.h().chunks_exact(n)) {
+            to[..n].copy_from_slice(from);
+        }
+        g[..n].copy_from_slice(base.g());
+        let floor = if assembly.partition.substituted < assembly.partition.nv {
+            assembly.largest_weight
+        } else {
+            0.0
+        };
+        for (k, given) in self.given.iter().enumerate() {
+            let reach = |j: usize, a: f64| {
+                let h = base.h()[j * n + j];
+                if h > 0.0 { a * a / h } else { 0.0 }
+            };
+            let reach: f64 = match given.at {
+                At::Row(i) | At::Torque(i) => base
+                    .row(i)
+                    .iter()
+                    .enumerate()
+                    .map(|(j, a)| reach(j, *a))
+                    .sum(),
+                At::Variable(j) => reach(j, 1.0),
+            };
+            let bound = n as f64 / reach;
+            let curvature = if bound.is_finite() {
+                bound.max(floor)
+            } else {
+                1.0
+            };
+            let steps = given.level.min(STEPS) as i32;
+            h[(n + k) * wide + n + k] = curvature * PRICE * STEP.powi(steps);
+        }
+    }
+
+    /// Lists what is given up and in the problem: rows, then bounds, each in the order of their ids.
+    fn collect(
+        &mut self,
+        assembly: &Assembly,
+        terms: &DynamicsTerms<'_>,
+        groups: &[Group],
+        base: &Qp,
+    ) {
+        self.given.clear();
+        for (i, &id) in base.rows().iter().enumerate() {
+            if assembly.torque_row(id).is_none() {
+                let limits = [base.row_lower()[i], base.row_upper()[i]];
+                self.give(id, limits, At::Row(i));
+            }
+        }
+        for (c, &id) in assembly.normal_rows.iter().enumerate() {
+            if let Some(start) = assembly.live.forces[c] {
+                let contact = &terms.contacts[c];
+                let column = start + contact.kind.normal();
+                let at = At::Variable(column - assembly.partition.substituted);
+                self.give(id, contact.force_limits, at);
+            }
+        }
+        for group in groups.iter().filter(|g| g.live) {
+            for (b, (_, target)) in group.layout.bounds.iter().enumerate() {
+                let limits = [group.store.bound_lower[b], group.store.bound_upper[b]];
+                if repeats(*target, limits, terms.contacts) {
+                    continue;
+                }
+                let ([least, most], shift, at) = match assembly.place(*target) {
+                    None => continue,
+                    Some(BoundPlace::Variable(p)) => {
+                        let limits = self.of_the_world(assembly, terms.contacts, p);
+                        (limits, 0.0, At::Variable(p))
+                    }
+                    Some(BoundPlace::Torque(actuator)) => {
+                        let Some((row, _)) = assembly.torque_row(group.bounds[b]) else {
+                            continue;
+                        };
+                        let constant = assembly.constant(row);
+                        (self.efforts[actuator], constant, At::Torque(row))
+                    }
+                };
+                // What the world forbids anyway needs no row.
+                if limits[0] > least || limits[1] < most {
+                    self.give(group.bounds[b], limits.map(|limit| limit - shift), at);
+                }
+            }
+        }
+    }
+
+    /// Whether a row of the tick's problem is a bound on an eliminated effort that is given up.
+    fn is_given_up_torque(&self, assembly: &Assembly, id: RowId) -> bool {
+        let level = self.level_of.get(id.index()).copied().flatten();
+        assembly.torque_row(id).is_some() && level.is_some_and(|level| self.given_up[level])
+    }
+
+    /// The actuator's own limits, for such a row.
+    fn own_limits(&self, assembly: &Assembly, id: RowId) -> [f64; 2] {
+        let actuator = assembly.torque_row(id).map(|(_, actuator)| actuator);
+        let limits = actuator.and_then(|i| self.efforts.get(i));
+        limits
+            .copied()
+            .unwrap_or([f64::NEG_INFINITY, f64::INFINITY])
+    }
+
+    fn give(&mut self, id: RowId, [lower, upper]: [f64; 2], at: At) {
+        let level = self.level_of.get(id.index()).copied().flatten();
+        let Some(level) = level.filter(|&level| self.given_up[level]) else {
+            return;
+        };
+        // A limit at infinity on its wrong side cannot be approached, only left out.
+        let mut limits = [
+            if lower < f64::INFINITY {
+                lower
+            } else {
+                f64::NEG_INFINITY
+            },
+            if upper > f64::NEG_INFINITY {
+                upper
+            } else {
+                f64::INFINITY
+            },
+        ];
+        if limits[0] > limits[1] {
+            // Contradicts itself: in the middle, both sides give the same.
+            limits = [0.5 * (limits[0] + limits[1]); 2];
+        }
+        if self.given.len() < self.given.capacity() {
+            self.given.push(Given {
+                id,
+                level,
+                lower: limits[0],
+                upper: limits[1],
+                asked: [lower, upper],
+                at,
+            });
+        }
+    }
+
+    /// The tightest of the bounds that still hold, and whose they are.
+    fn write_bounds(
+        &mut self,
+        assembly: &Assembly,
+        terms: &DynamicsTerms<'_>,
+        groups: &[Group],
+        n: usize,
+    ) {
+        self.bound_owner[..n].fill([None; 2]);
+        for p in 0..n {
+            let [least, most] = self.of_the_world(assembly, terms.contacts, p);
+            let (lower, upper) = self.qp.bounds_mut();
+            (lower[p], upper[p]) = (least, most);
+        }
+        for (c, contact) in terms.contacts.iter().enumerate() {
+            if let Some(start) = assembly.live.forces[c] {
+                let p = start + contact.kind.normal();
+                let p = p - assembly.partition.substituted;
+                self.tighten(p, contact.force_limits, assembly.normal_rows[c]);
+            }
+        }
+        for group in groups.iter().filter(|g| g.live) {
+            for (b, (_, target)) in group.layout.bounds.iter().enumerate() {
+                let limits = [group.store.bound_lower[b], group.store.bound_upper[b]];
+                if let Some(BoundPlace::Variable(p)) = assembly.place(*target)
+                    && !repeats(*target, limits, terms.contacts)
+                {
+                    self.tighten(p, limits, group.bounds[b]);
+                }
+            }
+        }
+    }
+
+    fn tighten(&mut self, position: usize, [l, u]: [f64; 2], owner: RowId) {
+        let level = self.level_of.get(owner.index()).copied().flatten();
+        if level.is_some_and(|level| self.given_up[level]) {
+            return;
+        }
+        let (lower, upper) = self.qp.bounds_mut();
+        if l > lower[position] {
+            lower[position] = l;
+            self.bound_owner[position][0] = Some(owner);
+        }
+        if u < upper[position] {
+            upper[position] = u;
+            self.bound_owner[position][1] = Some(owner);
+        }
+    }
+
+    /// Every limit given up that a solution of the tick's problem's variables is beyond: the limit, its side as −1 or 1,
+    /// what it was, and by how much.
+    pub(crate) fn exceeded<'a>(
+        &'a self,
+        assembly: &'a Assembly,
+        base: &'a Qp,
+        x: &'a [f64],
+    ) -> impl Iterator<Item = (RowId, f64, f64, f64)> + 'a {
+        self.given.iter().flat_map(move |given| {
+            let (value, constant) = match given.at {
+                At::Row(i) | At::Torque(i) => {
+                    let value: f64 = base.row(i).iter().zip(x).map(|(a, x)| a * x).sum();
+                    (value, assembly.constant(i))
+                }
+                At::Variable(j) => (x[j], 0.0),
+            };
+            let [lower, upper] = given.asked.map(|limit| limit + constant);
+            let value = value + constant;
+            let below = (given.id, -1.0, lower, lower - value);
+            let above = (given.id, 1.0, upper, value - upper);
+            [below, above]
+                .into_iter()
+                .filter(|(_, _, limit, by)| by.is_finite() && *by > 1e-9 * (1.0 + limit.abs()))
+        })
+    }
+
+    /// The most entries that [`Elastic::exceeded`] may give.
+    pub(crate) fn limits(&self) -> usize {
+        2 * self.given.capacity()
+    }
+}
+
+/// Whether one limit is above another by more than what taking a constant from it and adding it again rounds.
+fn is_above(limit: f64, other: f64) -> bool {
+    limit > other + 1e-12 * (1.0 + limit.abs())
+}
+
+/// Whether a bound is the contact's own on its normal force, over again.
+fn repeats(target: BoundTarget, limits: [f64; 2], contacts: &[ContactState]) -> bool {
+    let BoundTarget::Force(contact, component) = target else {
+        return false;
+    };
+    contacts
+        .get(contact.index())
+        .is_some_and(|c| component == c.kind.normal() && limits == c.force_limits)
+}

@@ -1,0 +1,195 @@
+//! What a tick falls back on when its problem has no solution that may be sent.
+//!
+//! | rung | when | command |
+//! |---|---|---|
+//! | optimal | | the optimum |
+//! | relaxed | limits contradict one another, or the solver failed | the optimum with limits given up in the declared order |
+//! | extrapolated | no solution, for as long as `extrapolation` says | the last efforts, kept |
+//! | safe | no solution for longer, or never one | a law that needs no solver ([`SafeLaw`]) |
+//!
+//! # Giving up
+//! The order is the configuration's: hard tasks, then constraints, then the limits of the contacts' normal forces, of each the
+//! last declared first; `assembly::elastic` says what is never given up. A contradiction is made void by giving
+//! up the first in this order among the limits that contradict one another; if others are left, again. So a limit goes
+//! only if it contradicts limits that are to be kept longer. After [`RESOLVES`] − 1 of them everything goes at once,
+//! which ends it: a tick solves at most [`RESOLVES`] + 2 problems (its own, its own again by the active-set method if another
+//! solver gave no proof, and those).
+//!
+//! The relaxed problems have a solver of their own, the active-set method, so that a solver that is configured and fails
+//! does not fail twice, and the warm start of each is its own. A solver that ran out of its budget is not given more
+//! time: the tick goes to the next rung.
+
+use super::{
+    explanation::{Owner, is_proof, write_conflict},
+    measurement::{Fault, Measurement},
+    report::{OnRung, RelaxedRow, Report, Rung, Side},
+    safe::SafeLaw,
+};
+use crate::{
+    assembly::{Assembly, DynamicsTerms, Elastic, Group},
+    qp::{ActiveSet, Qp, QpSolver, Solution, Status},
+};
+
+/// The most relaxed problems in a tick.
+const RESOLVES: u32 = 4;
+
+/// Rungs, and what they need, in storage made once.
+#[derive(Debug)]
+pub(super) struct Ladder {
+    pub(super) elastic: Elastic,
+    pub(super) solver: ActiveSet,
+    pub(super) solution: Solution,
+    /// Whether the configured solver is the active-set method, whose proofs are irreducible.
+    pub(super) is_native: bool,
+    pub(super) safe: SafeLaw,
+    /// Whose each row is, in words, for explanations.
+    pub(super) owners: Vec<Owner>,
+    /// Since the last solution and the last usable measurement.
+    pub(super) without_solution: Age,
+    pub(super) without_state: Age,
+}
+
+/// How long ago something was.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Age {
+    /// Time stamp and ticks since; nothing if it never was.
+    pub(super) last: Option<(f64, u64)>,
+}
+
+impl Age {
+    /// It is in this tick.
+    pub(super) fn renew(&mut self, time: f64) {
+        self.last = Some((time, 0));
+    }
+
+    /// A tick has begun.
+    pub(super) fn pass(&mut self) {
+        if let Some((_, ticks)) = &mut self.last {
+            *ticks = ticks.saturating_add(1);
+        }
+    }
+
+    pub(super) fn time(&self) -> Option<f64> {
+        self.last.map(|(time, _)| time)
+    }
+
+    /// Seconds: by the clock or by the number of ticks, whichever is longer; infinite if it never was.
+    pub(super) fn seconds(&self, now: f64, period: f64) -> f64 {
+        self.last.map_or(f64::INFINITY, |(time, ticks)| {
+            // A clock that is not a number does not count.
+            (now - time).max(ticks as f64 * period)
+        })
+    }
+}
+
+impl Ladder {
+    /// Looks for the optimum with limits given up. On success the solution's first variables are the tick's; the error
+    /// says why there is none.
+    pub(super) fn relax(
+        &mut self,
+        assembly: &Assembly,
+        terms: &DynamicsTerms<'_>,
+        groups: &[Group],
+        qp: &Qp,
+        solution: &mut Solution,
+        report: &mut Report,
+    ) -> Result<Fault, Fault> {
+        let (n, m) = (qp.n(), qp.m());
+        if solution.status == Status::Budget {
+            return Err(Fault::Solver);
+        }
+        if !(self.is_native && is_proof(qp, solution)) {
+            self.solver.reset();
+            self.solver.solve(qp, &mut self.solution);
+            if self.is_good(n) {
+                self.hand_over(n, m, solution);
+                return Ok(Fault::Solver);
+            }
+            if !is_proof(qp, &self.solution) {
+                return Err(Fault::Solver);
+            }
+            report.status = Status::Infeasible;
+            self.hand_over(n, m, solution);
+        }
+        write_conflict(assembly, qp, solution, &mut report.conflict);
+        self.elastic.restore();
+        if !self
+            .elastic
+            .give_up_in(assembly, terms.contacts, qp, solution)
+        {
+            return Err(Fault::Infeasible);
+        }
+        let mut is_last = false;
+        for resolve in 1..=RESOLVES {
+            is_last |= resolve == RESOLVES;
+            if is_last {
+                self.elastic.give_up_all();
+            }
+            self.elastic.build(assembly, terms, groups, qp);
+            self.solver.solve(&self.elastic.qp, &mut self.solution);
+            report.resolves = resolve;
+            report.iterations = report.iterations.saturating_add(self.solution.iterations);
+            if self.is_good(self.elastic.qp.n()) {
+                self.report_exceeded(assembly, qp, report);
+                self.hand_over(n, m, solution);
+                return Ok(Fault::Infeasible);
+            }
+            if is_last {
+                break;
+            }
+            let proof = &self.solution;
+            is_last = !(is_proof(&self.elastic.qp, proof)
+                && self.elastic.give_up_more(assembly, terms.contacts, proof));
+        }
+        Err(Fault::Infeasible)
+    }
+
+    fn is_good(&self, n: usize) -> bool {
+        let finite = self.solution.x[..n].iter().all(|x| x.is_finite());
+        self.solution.status.is_usable() && finite
+    }
+
+    /// Copies what belongs to the tick's own variables and rows.
+    fn hand_over(&self, n: usize, m: usize, solution: &mut Solution) {
+        solution.status = self.solution.status;
+        solution.x[..n].copy_from_slice(&self.solution.x[..n]);
+        solution.y[..m].copy_from_slice(&self.solution.y[..m]);
+        solution.z[..n].copy_from_slice(&self.solution.z[..n]);
+    }
+
+    fn report_exceeded(&self, assembly: &Assembly, qp: &Qp, report: &mut Report) {
+        for (row, side, limit, by) in self.elastic.exceeded(assembly, qp, &self.solution.x) {
+            if report.relaxed.len() < report.relaxed.capacity() {
+                report.relaxed.push(RelaxedRow {
+                    row,
+                    side: if side < 0.0 { Side::Lower } else { Side::Upper },
+                    limit,
+                    by,
+                });
+            }
+        }
+    }
+}
+
+impl OnRung {
+    /// One more tick on a rung.
+    pub(super) fn step(&mut self, changed: bool, measurement: &Measurement, last: Option<f64>) {
+        if changed || self.ticks == 0 {
+            let stamp = measurement.time;
+            self.since = if stamp.is_finite() {
+                stamp
+            } else {
+                last.unwrap_or(0.0)
+            };
+            self.ticks = 0;
+        }
+        self.ticks = self.ticks.saturating_add(1);
+    }
+}
+
+impl Rung {
+    /// Whether the command is the solution of a problem of this tick.
+    pub fn is_solved(self) -> bool {
+        matches!(self, Self::Optimal | Self::Relaxed)
+    }
+}

@@ -1,0 +1,398 @@
+//! Copies what a tick depends on into a record, and back.
+
+use std::path::PathBuf;
+
+use nalgebra::{Quaternion, UnitQuaternion, Vector6};
+
+use super::{
+    Command, Controller, Measurement,
+    ladder::{Age, Ladder},
+};
+use crate::{
+    config::ControllerConfig,
+    qp::{QpSolver, WarmStart},
+    replay::{
+        CommandRecord, ContactMemory, Dump, DumpError, EntryRecord, Memory, Outcome, Record,
+        Recorder, StateRecord,
+    },
+    state::State,
+};
+
+/// What a controller was made from.
+#[derive(Debug)]
+pub(super) struct MadeFrom {
+    directory: PathBuf,
+    /// As TOML, or why it cannot be written so.
+    configuration: Result<String, String>,
+}
+
+impl MadeFrom {
+    pub(super) fn new(config: &ControllerConfig) -> Self {
+        Self {
+            directory: config.directory.clone(),
+            configuration: config.to_toml().map_err(|error| error.to_string()),
+        }
+    }
+}
+
+impl Controller {
+    /// Records the last `ticks` ticks, at least one. Costs a copy of the rows per tick.
+    ///
+    /// # Errors
+    /// [`DumpError::Configuration`] if a plug-in cannot be written to a file.
+    pub fn with_recorder(mut self, ticks: usize) -> Result<Self, DumpError> {
+        if let Err(problem) = &self.made_from.configuration {
+            return Err(DumpError::Configuration(problem.clone()));
+        }
+        let blank = self.blank_record();
+        self.recorder = Some(Recorder::new(&blank, ticks));
+        Ok(self)
+    }
+
+    /// The recorded ticks if the rung has changed in one of them since this was last asked. Allocates: call it outside
+    /// the real-time part.
+    pub fn take_dump(&mut self) -> Option<Dump> {
+        let recorder = self.recorder.as_mut()?;
+        if !std::mem::take(&mut recorder.pending) {
+            return None;
+        }
+        self.dump()
+    }
+
+    /// The recorded ticks; nothing without a recorder or before the first tick. Allocates.
+    pub fn dump(&self) -> Option<Dump> {
+        let records: Vec<Record> = self.recorder.as_ref()?.records().cloned().collect();
+        let configuration = self.made_from.configuration.clone().ok()?;
+        let directory = &self.made_from.directory;
+        (!records.is_empty())
+            .then(|| Dump::new(directory, configuration, &self.robot.sources, records))
+    }
+
+    fn blank_record(&self) -> Record {
+        let entries = self.groups.iter().map(|group| EntryRecord {
+            name: group.name.clone(),
+            weight: group.weight.now().to_vec(),
+            vdot: group.store.vdot.clone(),
+            effort: group.store.effort.clone(),
+            forces: group.store.forces.clone(),
+            lower: group.store.lower.clone(),
+            upper: group.store.upper.clone(),
+            bound_lower: group.store.bound_lower.clone(),
+            bound_upper: group.store.bound_upper.clone(),
+            error: group.store.error.clone(),
+            ..EntryRecord::default()
+        });
+        let capacity = self.qp.capacity();
+        let state = blank_state(&self.world.state);
+        let command = blank_command(&self.command);
+        let nv = self.world.last.vdot.len();
+        Record {
+            measured: state.clone(),
+            wrenches: vec![[0.0; 6]; self.world.contacts.len()],
+            before: Memory {
+                state,
+                contacts: vec![ContactMemory::default(); self.world.contacts.len()],
+                asked: vec![0.0; nv],
+                vdot: vec![0.0; nv],
+                sent: vec![0.0; self.command.effort.len()],
+                command: command.clone(),
+                held: vec![0.0; self.world.state.q.len()],
+                warm: WarmStart::with_capacity(capacity.vars),
+                relaxed_warm: WarmStart::with_capacity(capacity.vars + capacity.rows),
+                ..Memory::default()
+            },
+            entries: entries.collect(),
+            outcome: Outcome {
+                command,
+                x: vec![0.0; capacity.vars],
+                ..Outcome::default()
+            },
+            ..Record::default()
+        }
+    }
+}
+
+/// During a tick: nothing is allocated.
+impl Controller {
+    /// Before anything is computed.
+    pub(super) fn record_inputs(&mut self, measurement: &Measurement) {
+        let Some(record) = self.recorder.as_mut().and_then(Recorder::current) else {
+            return;
+        };
+        record.time = measurement.time;
+        record.written = false;
+        let state = &measurement.state;
+        record.sizes = [state.q.len(), state.v.len(), measurement.wrenches.len()];
+        write_state(state, &mut record.measured);
+        for (out, wrench) in record.wrenches.iter_mut().zip(&measurement.wrenches) {
+            *out = (*wrench).into();
+        }
+        let before = &mut record.before;
+        before.time = self.world.time;
+        before.origin = self.world.origin;
+        write_state(&self.world.state, &mut before.state);
+        let contacts = self.world.contacts.iter().zip(&self.world.bindings);
+        for (out, (contact, binding)) in before.contacts.iter_mut().zip(contacts) {
+            binding.remember(out);
+            out.measured = contact.measured.into();
+            out.measured_at_switch = contact.measured_at_switch.into();
+            out.set_point = contact.set_point.into();
+            out.solution = contact.solution.into();
+        }
+        let last = &self.world.last;
+        copy(&mut before.asked, last.virtual_input.as_slice());
+        copy(&mut before.vdot, last.vdot.as_slice());
+        copy(&mut before.sent, last.effort.as_slice());
+        write_command(&self.command, &mut before.command);
+        before.rung = self.report.rung;
+        before.on_rung_since = self.report.on_rung.since;
+        before.on_rung_ticks = self.report.on_rung.ticks;
+        self.ladder.remember(before);
+        self.solver.warm_start(&mut before.warm);
+    }
+
+    /// After the plug-ins have written their rows.
+    pub(super) fn record_rows(&mut self) {
+        let Some(record) = self.recorder.as_mut().and_then(Recorder::current) else {
+            return;
+        };
+        record.written = true;
+        for (entry, group) in record.entries.iter_mut().zip(&self.groups) {
+            entry.live = group.live;
+            entry.alpha = group.alpha;
+            copy(&mut entry.weight, group.weight.now());
+            if !group.live {
+                continue;
+            }
+            let store = &group.store;
+            copy(&mut entry.vdot, &store.vdot);
+            copy(&mut entry.effort, &store.effort);
+            for (out, block) in entry.forces.iter_mut().zip(&store.forces) {
+                copy(out, block);
+            }
+            copy(&mut entry.lower, &store.lower);
+            copy(&mut entry.upper, &store.upper);
+            copy(&mut entry.bound_lower, &store.bound_lower);
+            copy(&mut entry.bound_upper, &store.bound_upper);
+            copy(&mut entry.error, &store.error);
+        }
+    }
+
+    /// After the tick.
+    pub(super) fn record_outcome(&mut self, changed: bool) {
+        let Some(recorder) = &mut self.recorder else {
+            return;
+        };
+        if let Some(record) = recorder.current() {
+            let outcome = &mut record.outcome;
+            outcome.rung = self.report.rung;
+            outcome.status = self.report.status;
+            outcome.iterations = self.report.iterations;
+            write_command(&self.command, &mut outcome.command);
+            outcome.n = if self.report.rung.is_solved() {
+                self.qp.n()
+            } else {
+                0
+            };
+            copy(&mut outcome.x[..outcome.n], &self.solution.x[..outcome.n]);
+        }
+        recorder.pending |= changed;
+        recorder.advance();
+    }
+
+    /// Runs a recorded tick again. For a controller of the record's configuration; the sizes are checked by the caller.
+    pub(crate) fn rerun(&mut self, record: &Record) {
+        self.restore(record);
+        let measurement = measurement(record, &self.world.state);
+        self.run(&measurement, Some(record));
+    }
+
+    /// Remembers what was remembered before the recorded tick.
+    fn restore(&mut self, record: &Record) {
+        let before = &record.before;
+        let world = &mut self.world;
+        world.time = before.time;
+        world.origin = before.origin;
+        read_state(&before.state, &mut world.state);
+        world.refresh();
+        let contacts = world.contacts.iter_mut().zip(&mut world.bindings);
+        for (memory, (contact, binding)) in before.contacts.iter().zip(contacts) {
+            binding.recall(memory);
+            contact.measured = memory.measured.into();
+            contact.measured_at_switch = memory.measured_at_switch.into();
+            contact.set_point = memory.set_point.into();
+            contact.solution = memory.solution.into();
+        }
+        copy(world.last.virtual_input.as_mut_slice(), &before.asked);
+        copy(world.last.vdot.as_mut_slice(), &before.vdot);
+        copy(world.last.effort.as_mut_slice(), &before.sent);
+        read_command(&before.command, &mut self.command);
+        self.report.rung = before.rung;
+        self.report.on_rung.since = before.on_rung_since;
+        self.report.on_rung.ticks = before.on_rung_ticks;
+        self.ladder.recall(before);
+        self.solver.start_from(&before.warm);
+    }
+
+    /// Takes the recorded rows instead of asking the plug-ins.
+    pub(super) fn recall_rows(&mut self, entries: &[EntryRecord]) {
+        for (entry, group) in entries.iter().zip(&mut self.groups) {
+            group.live = entry.live;
+            group.alpha = entry.alpha;
+            group.weight.hold(&entry.weight);
+            let store = &mut group.store;
+            copy(&mut store.vdot, &entry.vdot);
+            copy(&mut store.effort, &entry.effort);
+            for (block, recorded) in store.forces.iter_mut().zip(&entry.forces) {
+                copy(block, recorded);
+            }
+            copy(&mut store.lower, &entry.lower);
+            copy(&mut store.upper, &entry.upper);
+            copy(&mut store.bound_lower, &entry.bound_lower);
+            copy(&mut store.bound_upper, &entry.bound_upper);
+            copy(&mut store.error, &entry.error);
+        }
+    }
+
+    /// What of a record does not have this controller's sizes, if anything.
+    pub(crate) fn misfit(&self, record: &Record) -> Option<&'static str> {
+        let blank = self.blank_record();
+        let sizes = |r: &Record| {
+            let s = |s: &StateRecord| [s.q.len(), s.v.len()];
+            let c = |c: &CommandRecord| {
+                [
+                    c.effort.len(),
+                    c.rotor_speed.len(),
+                    c.joint_acceleration.len(),
+                    c.joint_velocity.len(),
+                ]
+            };
+            let b = &r.before;
+            (
+                s(&r.measured),
+                s(&b.state),
+                c(&b.command),
+                c(&r.outcome.command),
+                [
+                    r.wrenches.len(),
+                    b.contacts.len(),
+                    b.asked.len(),
+                    b.vdot.len(),
+                    b.sent.len(),
+                    b.held.len(),
+                ],
+            )
+        };
+        if sizes(&blank) != sizes(record) {
+            return Some("the robot's size");
+        }
+        let entry = |e: &EntryRecord| {
+            let forces: Vec<usize> = e.forces.iter().map(Vec::len).collect();
+            let rest = [
+                &e.weight,
+                &e.vdot,
+                &e.effort,
+                &e.lower,
+                &e.upper,
+                &e.bound_lower,
+                &e.bound_upper,
+                &e.error,
+            ];
+            (e.name.clone(), forces, rest.map(Vec::len))
+        };
+        let entries = |r: &Record| r.entries.iter().map(entry).collect::<Vec<_>>();
+        (entries(&blank) != entries(record)).then_some("an entry")
+    }
+}
+
+impl Ladder {
+    fn remember(&self, out: &mut Memory) {
+        out.solved = self.without_solution.last;
+        out.measured = self.without_state.last;
+        copy(&mut out.held, self.safe.posture.as_slice());
+        self.solver.warm_start(&mut out.relaxed_warm);
+    }
+
+    fn recall(&mut self, memory: &Memory) {
+        self.without_solution = Age {
+            last: memory.solved,
+        };
+        self.without_state = Age {
+            last: memory.measured,
+        };
+        copy(self.safe.posture.as_mut_slice(), &memory.held);
+        self.solver.start_from(&memory.relaxed_warm);
+    }
+}
+
+/// The measurement of a record.
+fn measurement(record: &Record, like: &State) -> Measurement {
+    let mut state = like.clone();
+    read_state(&record.measured, &mut state);
+    let mut wrenches: Vec<_> = record.wrenches.iter().map(|w| Vector6::from(*w)).collect();
+    let [q, v, contacts] = record.sizes;
+    state.q = state.q.resize_vertically(q, 0.0);
+    state.v = state.v.resize_vertically(v, 0.0);
+    wrenches.resize(contacts, Vector6::zeros());
+    Measurement {
+        time: record.time,
+        state,
+        wrenches,
+    }
+}
+
+/// As many numbers as both have.
+fn copy(to: &mut [f64], from: &[f64]) {
+    for (to, from) in to.iter_mut().zip(from) {
+        *to = *from;
+    }
+}
+
+fn blank_state(like: &State) -> StateRecord {
+    let mut state = StateRecord {
+        q: vec![0.0; like.q.len()],
+        v: vec![0.0; like.v.len()],
+        ..StateRecord::default()
+    };
+    write_state(like, &mut state);
+    state
+}
+
+fn write_state(state: &State, out: &mut StateRecord) {
+    out.position = state.p_WR.into();
+    let r = &state.R_WR;
+    out.orientation = [r.w, r.i, r.j, r.k];
+    copy(&mut out.q, state.q.as_slice());
+    copy(&mut out.v, state.v.as_slice());
+}
+
+fn read_state(record: &StateRecord, out: &mut State) {
+    out.p_WR = record.position.into();
+    let [w, x, y, z] = record.orientation;
+    out.R_WR = UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z));
+    copy(out.q.as_mut_slice(), &record.q);
+    copy(out.v.as_mut_slice(), &record.v);
+}
+
+fn blank_command(like: &Command) -> CommandRecord {
+    CommandRecord {
+        effort: like.effort.clone(),
+        rotor_speed: like.rotor_speed.clone(),
+        joint_acceleration: like.joint_acceleration.clone(),
+        joint_velocity: like.joint_velocity.clone(),
+    }
+}
+
+fn write_command(command: &Command, out: &mut CommandRecord) {
+    copy(&mut out.effort, &command.effort);
+    copy(&mut out.rotor_speed, &command.rotor_speed);
+    copy(&mut out.joint_acceleration, &command.joint_acceleration);
+    copy(&mut out.joint_velocity, &command.joint_velocity);
+}
+
+fn read_command(record: &CommandRecord, out: &mut Command) {
+    copy(&mut out.effort, &record.effort);
+    copy(&mut out.rotor_speed, &record.rotor_speed);
+    copy(&mut out.joint_acceleration, &record.joint_acceleration);
+    copy(&mut out.joint_velocity, &record.joint_velocity);
+}

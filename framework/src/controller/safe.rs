@@ -1,0 +1,467 @@
+//! The law of last resort: damped hover with the joints held, without any optimisation that can fail.
+//!
+//! # Notation
+//! W world, R base, all vectors in world axes unless said. `up` is the axis of the base that points up in the home
+//! posture. `M`, `g` mass matrix and gravity forces at the last usable state.
+//!
+//! # Mathematics
+//! The generalised acceleration that is asked for damps the base, levels it, and holds every joint where it was when the law took
+//! over:
+//! ```text
+//! v̇_R = −k_v v_R,   ω̇_R = k_R (up × z_d) − k_ω ω_R,   q̈ = −k_q² (q − q_0) − 2 k_q q̇
+//! ```
+//! and the generalised force for it is `τ = M v̇ + g`. There is no position to go to: an estimate that has just failed
+//! is not trusted that far. `z_d` is vertical; a base whose rotors cannot push sideways leans against its velocity
+//! instead, by 15° at most.
+//!
+//! **Rotors** get the efforts that come nearest to the base's part of τ, in base axes and with moments about the centre of mass:
+//! ```text
+//! min Σ w_k (A u − τ_R)_k²  within the limits of u
+//! ```
+//! with roll and pitch far before thrust along the base's z, and that before yaw and sideways forces. The
+//! least-squares solution is computed, efforts beyond a limit are fixed there, and the rest is computed again: at most once per
+//! rotor (Bordignon's redistributed pseudo-inverse). **Torque-driven joints** get their part of τ. **Servoed
+//! joints** get a velocity reference of zero.
+//!
+//! A floating base **without rotors** stands on its contacts: the same allocation distributes the base's part of τ
+//! over the forces of the contacts that are on, normals not below zero and tangential forces dear, and joints get `τ − Σ J_cᵀ f`.
+//! There the joints are held with the inertia that they feel through the contact, a share of the robot's.
+//!
+//! The state may be old: the feedback fades linearly within 0.1 s of the last usable measurement, over which no damping here
+//! overshoots (half its rate times that time is less than one), and what is left is plain gravity compensation.
+//! A number that is not finite is replaced by the effort that hovers in the home posture.
+#![allow(non_snake_case)]
+
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+
+use super::world::World;
+use crate::{
+    actuator::{ActuatorKind, Drive},
+    assembly::Actuation,
+    model::Base,
+    robot::RobotModel,
+};
+
+/// Damping of the base's velocity, 1/s.
+const DAMPING: f64 = 2.0;
+/// Damping of the base's rotation, 1/s, and stiffness of its levelling, 1/s²: critically damped.
+const ROTATION_DAMPING: f64 = 10.0;
+const LEVELLING: f64 = 25.0;
+/// Bandwidth of the joints' posture, rad/s.
+const POSTURE: f64 = 8.0;
+/// Largest accelerations that are asked for, m/s² and rad/s².
+const LARGEST_LINEAR: f64 = 4.0;
+const LARGEST_ANGULAR: f64 = 40.0;
+/// Largest lean of a base that cannot push sideways: tan 15°.
+const LEAN: f64 = 0.268;
+/// Time within which feedback on an old state fades, s.
+const FADING: f64 = 0.1;
+/// Weights of the wrench in base axes: forces x, y, z, moments x, y, z (about the centre of mass, per 1 m).
+const PRIORITY: [f64; 6] = [1.0, 1.0, 1e2, 1e5, 1e5, 1e1];
+/// Price of an effort beside a miss of the same size, and of a tangential force.
+const RIDGE: f64 = 1e-6;
+const TANGENTIAL: f64 = 1e-2;
+/// Singular value below which a direction of the rotors' wrench is missing, relative to the largest.
+const RANK: f64 = 1e-6;
+
+/// What a column of the allocation pushes with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Column {
+    /// The effort of a rotor.
+    Rotor(usize),
+    /// A component of a contact's force, in C axes.
+    Force { contact: usize, direction: usize },
+}
+
+/// The law, in storage made once.
+#[derive(Clone, Debug)]
+pub(super) struct SafeLaw {
+    rotors: Vec<usize>,
+    /// The axis of the base that is up at home, base axes.
+    up: Vector3<f64>,
+    leans: bool,
+    /// Hovers at home.
+    hover: Vec<f64>,
+    /// Where the joints are held.
+    pub(super) posture: DVector<f64>,
+    vdot: DVector<f64>,
+    force: DVector<f64>,
+    /// `S(q)`, row-major.
+    s: Vec<f64>,
+    columns: Vec<Column>,
+    allocation: Allocation,
+    pub(super) effort: Vec<f64>,
+}
+
+impl SafeLaw {
+    /// For a robot whose world is at home; `hover` are the efforts that hold it there.
+    pub(super) fn new(
+        robot: &RobotModel,
+        world: &World,
+        actuation: &Actuation,
+        hover: &[f64],
+    ) -> Self {
+        let (nv, nu) = (robot.model.nv(), robot.nu());
+        let rotors: Vec<usize> = robot.rotors().map(|(i, _, _)| i).collect();
+        let forces: usize = world
+            .contacts
+            .iter()
+            .map(|c| c.kind.constrained().len())
+            .sum();
+        let most = if rotors.is_empty() {
+            forces
+        } else {
+            rotors.len()
+        };
+        let mut law = Self {
+            up: robot.home.R_WR.inverse() * Vector3::z(),
+            leans: false,
+            hover: hover.to_vec(),
+            posture: robot.home.q.clone(),
+            vdot: DVector::zeros(nv),
+            force: DVector::zeros(nv),
+            s: vec![0.0; nv * nu],
+            columns: Vec::with_capacity(most),
+            allocation: Allocation::new(most),
+            effort: hover.to_vec(),
+            rotors,
+        };
+        if !law.rotors.is_empty() && robot.model.base() == Base::Floating {
+            law.load(robot, world, actuation);
+            let p = law.columns.len();
+            let a = DMatrix::from_fn(6, p, |i, j| law.allocation.a[i * p + j]);
+            let singular = a.svd(false, false).singular_values;
+            let largest = singular.max();
+            law.leans = p < 6 || singular.iter().any(|s| *s < RANK * largest);
+        }
+        law
+    }
+
+    /// Takes over: the joints are held where they are.
+    pub(super) fn engage(&mut self, world: &World) {
+        self.posture.copy_from(&world.state.q);
+    }
+
+    /// Computes efforts for the last usable state, which is `age` seconds old. They are within the actuators' limits and, by
+    /// their slew, near those sent last.
+    pub(super) fn update(
+        &mut self,
+        robot: &RobotModel,
+        world: &World,
+        actuation: &Actuation,
+        age: f64,
+    ) {
+        let feedback = (1.0 - age / FADING).clamp(0.0, 1.0);
+        self.accelerate(robot, world, feedback);
+        let model = &robot.model;
+        self.force.copy_from(world.data.gravity());
+        self.force
+            .gemv(1.0, world.data.mass_matrix(), &self.vdot, 1.0);
+        let offset = model.joint_offset();
+        let floating = model.base() == Base::Floating;
+        if floating {
+            self.load(robot, world, actuation);
+            self.allocation.solve();
+        } else {
+            self.columns.clear();
+        }
+        let nu = robot.nu();
+        if self.rotors.is_empty() {
+            self.stiffen(model.mass(), world, offset);
+        }
+        for (column, &x) in self.columns.iter().zip(&self.allocation.x) {
+            match *column {
+                Column::Rotor(index) => {
+                    self.effort[index] = x;
+                    let column = self.s.chunks_exact(nu).map(|row| row[index]);
+                    for (force, s) in self.force.iter_mut().zip(column).skip(offset) {
+                        *force -= s * x;
+                    }
+                }
+                Column::Force { contact, direction } => {
+                    let jacobian = world.contacts[contact].J.row(direction);
+                    for (force, j) in self.force.iter_mut().zip(jacobian.iter()).skip(offset) {
+                        *force -= j * x;
+                    }
+                }
+            }
+        }
+        for (i, actuator) in robot.actuators.iter().enumerate() {
+            if let ActuatorKind::Joint(motor) = &actuator.kind {
+                self.effort[i] = self.force[model.velocity_index(motor.joint)];
+            }
+        }
+        for (i, (effort, actuator)) in self.effort.iter_mut().zip(&robot.actuators).enumerate() {
+            if !effort.is_finite() {
+                *effort = self.hover[i];
+            }
+            let (sent, most) = (world.last.effort[i], actuator.slew * world.period);
+            let near = effort.max(sent - most).min(sent + most);
+            *effort = near.max(actuator.lower).min(actuator.upper);
+        }
+    }
+
+    /// What is asked of `v̇`.
+    fn accelerate(&mut self, robot: &RobotModel, world: &World, feedback: f64) {
+        let model = &robot.model;
+        let offset = model.joint_offset();
+        let state = &world.state;
+        self.vdot.fill(0.0);
+        let stands = offset == 6 && self.rotors.is_empty();
+        let live = world.contacts.iter().filter(|c| c.live).count();
+        if offset == 6 && !(stands && live == 0) {
+            let v = Vector3::new(state.v[0], state.v[1], state.v[2]);
+            let w = Vector3::new(state.v[3], state.v[4], state.v[5]);
+            let mut linear = (-DAMPING * v).cap_magnitude(LARGEST_LINEAR);
+            let mut vertical = Vector3::z();
+            if self.leans {
+                let gravity = model.gravity().norm();
+                let lean = Vector3::new(linear.x, linear.y, 0.0) / gravity * feedback;
+                vertical += lean.cap_magnitude(LEAN);
+                vertical.normalize_mut();
+                linear.x = 0.0;
+                linear.y = 0.0;
+            }
+            let up = state.R_WR * self.up;
+            let mut turn = up.cross(&vertical);
+            if up.dot(&vertical) < 0.0 {
+                // Beyond a right angle the product shrinks; upside down any axis is as good.
+                let away = turn.norm();
+                turn = if away > 1e-6 {
+                    turn / away
+                } else {
+                    state.R_WR * self.up.yzx()
+                };
+            }
+            let angular = LEVELLING * turn - ROTATION_DAMPING * w;
+            let linear = feedback * linear;
+            let angular = feedback * angular.cap_magnitude(LARGEST_ANGULAR);
+            self.vdot.fixed_rows_mut::<3>(0).copy_from(&linear);
+            self.vdot.fixed_rows_mut::<3>(3).copy_from(&angular);
+        }
+        for i in 0..model.joints().len() {
+            let driven = robot.actuators.iter().any(|a| {
+                matches!(&a.kind, ActuatorKind::Joint(motor) if motor.joint.index() == i && motor.drive == Drive::Torque)
+            });
+            if !driven {
+                continue;
+            }
+            let error = state.q[i] - self.posture[i];
+            let asked = -POSTURE * POSTURE * error - 2.0 * POSTURE * state.v[offset + i];
+            self.vdot[offset + i] = feedback * asked;
+        }
+    }
+
+    /// The inertia that joints feel through the contacts they stand on: a share of the robot's mass at the end of each.
+    fn stiffen(&mut self, mass: f64, world: &World, offset: usize) {
+        let live = world.contacts.iter().filter(|c| c.live).count();
+        let share = mass / live.max(1) as f64;
+        for contact in world.contacts.iter().filter(|c| c.live) {
+            for j in offset..self.vdot.len() {
+                let reach = contact.J.fixed_view::<3, 1>(0, j).norm_squared();
+                self.force[j] += share * reach * self.vdot[j];
+            }
+        }
+    }
+
+    /// Sets up the allocation of the base's part of the force, in base axes and about the centre of mass.
+    fn load(&mut self, robot: &RobotModel, world: &World, actuation: &Actuation) {
+        let nu = robot.nu();
+        self.s.fill(0.0);
+        actuation.write(&world.data, &mut self.s, nu);
+        self.columns.clear();
+        let problem = &mut self.allocation;
+        problem.lower.clear();
+        problem.upper.clear();
+        problem.ridge.clear();
+        for &index in &self.rotors {
+            let actuator = &robot.actuators[index];
+            self.columns.push(Column::Rotor(index));
+            problem.lower.push(actuator.lower);
+            problem.upper.push(actuator.upper);
+            problem.ridge.push(RIDGE);
+        }
+        let supports = world.contacts.iter().enumerate();
+        for (contact, c) in supports.filter(|(_, c)| self.rotors.is_empty() && c.live) {
+            for (component, &direction) in c.kind.constrained().iter().enumerate() {
+                self.columns.push(Column::Force { contact, direction });
+                let is_normal = component == c.kind.normal();
+                problem
+                    .lower
+                    .push(if is_normal { 0.0 } else { f64::NEG_INFINITY });
+                problem.upper.push(f64::INFINITY);
+                problem
+                    .ridge
+                    .push(if is_normal { RIDGE } else { TANGENTIAL });
+            }
+        }
+        let R_RW = world
+            .state
+            .R_WR
+            .to_rotation_matrix()
+            .into_inner()
+            .transpose();
+        let p_RC = world.data.center_of_mass() - world.state.p_WR;
+        let p = self.columns.len();
+        let turned = |wrench: [f64; 6]| in_base(&R_RW, &p_RC, wrench);
+        for (j, column) in self.columns.iter().enumerate() {
+            let wrench = match *column {
+                Column::Rotor(index) => std::array::from_fn(|i| self.s[i * nu + index]),
+                Column::Force { contact, direction } => {
+                    let jacobian = &world.contacts[contact].J;
+                    std::array::from_fn(|i| jacobian[(direction, i)])
+                }
+            };
+            for (i, a) in turned(wrench).into_iter().enumerate() {
+                problem.a[i * p + j] = a;
+            }
+        }
+        problem.b = turned(std::array::from_fn(|i| self.force[i]));
+    }
+}
+
+/// A wrench about the base's origin, world axes, as one about the centre of mass, base axes.
+fn in_base(R_RW: &Matrix3<f64>, p_RC: &Vector3<f64>, wrench: [f64; 6]) -> [f64; 6] {
+    let [fx, fy, fz, mx, my, mz] = wrench;
+    let force = Vector3::new(fx, fy, fz);
+    let moment = Vector3::new(mx, my, mz) - p_RC.cross(&force);
+    let (force, moment) = (R_RW * force, R_RW * moment);
+    [force.x, force.y, force.z, moment.x, moment.y, moment.z]
+}
+
+/// `min Σ w_k (A x − b)_k² + Σ ρ_j x_j²` within bounds, by fixing what goes beyond them.
+#[derive(Clone, Debug)]
+struct Allocation {
+    /// 6 × columns, row-major.
+    a: Vec<f64>,
+    b: [f64; 6],
+    lower: Vec<f64>,
+    upper: Vec<f64>,
+    ridge: Vec<f64>,
+    x: Vec<f64>,
+    /// Columns that are not fixed.
+    free: Vec<usize>,
+    l: Vec<f64>,
+    right: Vec<f64>,
+}
+
+impl Allocation {
+    fn new(columns: usize) -> Self {
+        Self {
+            a: vec![0.0; 6 * columns],
+            b: [0.0; 6],
+            lower: Vec::with_capacity(columns),
+            upper: Vec::with_capacity(columns),
+            ridge: Vec::with_capacity(columns),
+            x: vec![0.0; columns],
+            free: Vec::with_capacity(columns),
+            l: vec![0.0; columns * columns],
+            right: vec![0.0; columns],
+        }
+    }
+
+    /// At most one solve per column. What is not finite comes out as such.
+    fn solve(&mut self) {
+        let p = self.lower.len();
+        self.free.clear();
+        self.free.extend(0..p);
+        self.x[..p].fill(0.0);
+        for _ in 0..=p {
+            if !self.solve_free(p) {
+                return;
+            }
+            let before = self.free.len();
+            let (x, lower, upper) = (&mut self.x, &self.lower, &self.upper);
+            self.free.retain(|&j| {
+                let inside = x[j] >= lower[j] && x[j] <= upper[j];
+                x[j] = x[j].max(lower[j]).min(upper[j]);
+                inside
+            });
+            if self.free.len() == before || self.free.is_empty() {
+                return;
+            }
+        }
+    }
+
+    /// The least-squares solution of the free columns, the others as they are. False if the numbers do not allow it.
+    fn solve_free(&mut self, p: usize) -> bool {
+        let k = self.free.len();
+        let mut rest = self.b;
+        for j in 0..p {
+            // What is free is computed anew.
+            if !self.free.contains(&j) {
+                for (i, rest) in rest.iter_mut().enumerate() {
+                    *rest -= self.a[i * p + j] * self.x[j];
+                }
+            }
+        }
+        for (r, &column) in self.free.iter().enumerate() {
+            let a = |i: usize, j: usize| self.a[i * p + j];
+            self.right[r] = (0..6).map(|i| PRIORITY[i] * a(i, column) * rest[i]).sum();
+            for (c, &other) in self.free.iter().enumerate().take(r + 1) {
+                let product: f64 = (0..6)
+                    .map(|i| PRIORITY[i] * a(i, column) * a(i, other))
+                    .sum();
+                let ridge = if c == r { self.ridge[column] } else { 0.0 };
+                let mut sum = product + ridge;
+                for t in 0..c {
+                    sum -= self.l[r * k + t] * self.l[c * k + t];
+                }
+                if c < r {
+                    self.l[r * k + c] = sum / self.l[c * k + c];
+                } else {
+                    let positive = sum > 0.0;
+                    if !positive {
+                        return false;
+                    }
+                    self.l[r * k + r] = sum.sqrt();
+                }
+            }
+        }
+        for r in 0..k {
+            for t in 0..r {
+                self.right[r] -= self.l[r * k + t] * self.right[t];
+            }
+            self.right[r] /= self.l[r * k + r];
+        }
+        for r in (0..k).rev() {
+            for t in r + 1..k {
+                self.right[r] -= self.l[t * k + r] * self.right[t];
+            }
+            self.right[r] /= self.l[r * k + r];
+        }
+        for (&column, x) in self.free.iter().zip(&self.right) {
+            self.x[column] = *x;
+        }
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Allocation;
+
+    #[test]
+    fn roll_is_kept_where_thrust_is_short() {
+        // Two rotors on a beam along y: force z, and moment x.
+        let mut two = Allocation::new(2);
+        two.a[4..6].copy_from_slice(&[1.0, 1.0]);
+        two.a[6..8].copy_from_slice(&[1.0, -1.0]);
+        two.lower.extend([0.0; 2]);
+        two.upper.extend([10.0; 2]);
+        two.ridge.extend([1e-9; 2]);
+        two.b = [0.0, 0.0, 12.0, 2.0, 0.0, 0.0];
+        two.solve();
+        assert!((two.x[0] - 7.0).abs() < 1e-6 && (two.x[1] - 5.0).abs() < 1e-6);
+        two.b = [0.0, 0.0, 19.0, 4.0, 0.0, 0.0];
+        two.solve();
+        assert!(
+            (two.x[0] - 10.0).abs() < 1e-6 && (two.x[1] - 6.0).abs() < 0.02,
+            "{:?}",
+            two.x
+        );
+        two.b[2] = f64::NAN;
+        two.solve();
+        assert_eq!(two.x.len(), 2);
+    }
+}

@@ -1,0 +1,73 @@
+//! Dumps of a run, in files of a folder.
+
+use std::{fs, io, path::PathBuf};
+
+use super::dump::{Dump, DumpError};
+use crate::Controller;
+
+/// Writes what a recorder holds when the rung has changed; called after ticks, outside the real-time part.
+#[derive(Clone, Debug)]
+pub struct DumpFolder {
+    stem: PathBuf,
+    most: usize,
+    written: Vec<PathBuf>,
+}
+
+impl DumpFolder {
+    /// Files are named `{stem}.1.tick.toml`, `{stem}.2.tick.toml` …; at most `most` of them are written.
+    pub fn new(stem: impl Into<PathBuf>, most: usize) -> Self {
+        Self {
+            stem: stem.into(),
+            most,
+            written: Vec::new(),
+        }
+    }
+
+    /// Writes a dump if the rung has changed in a tick since the last call, and returns its file.
+    ///
+    /// # Errors
+    /// [`DumpError`] if the file cannot be written.
+    pub fn write_if_changed(
+        &mut self,
+        controller: &mut Controller,
+    ) -> Result<Option<&PathBuf>, DumpError> {
+        let Some(dump) = controller.take_dump() else {
+            return Ok(None);
+        };
+        if self.written.len() >= self.most {
+            return Ok(None);
+        }
+        let file = self.next_file();
+        if let Some(folder) = file.parent() {
+            fs::create_dir_all(folder).map_err(|source| unwritable(&file, source))?;
+        }
+        dump.save(&file)?;
+        self.written.push(file);
+        Ok(self.written.last())
+    }
+
+    /// The files written so far.
+    pub fn written(&self) -> &[PathBuf] {
+        &self.written
+    }
+
+    fn next_file(&self) -> PathBuf {
+        let mut name = self.stem.clone().into_os_string();
+        name.push(format!(".{}.tick.toml", self.written.len() + 1));
+        name.into()
+    }
+}
+
+fn unwritable(file: &std::path::Path, source: io::Error) -> DumpError {
+    DumpError::Write {
+        file: file.display().to_string(),
+        source,
+    }
+}
+
+impl Dump {
+    /// Whether there is nothing in it.
+    pub fn is_empty(&self) -> bool {
+        self.records.is_empty()
+    }
+}

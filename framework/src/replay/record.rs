@@ -1,0 +1,126 @@
+//! One tick in numbers: what it depended on and what came out.
+
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    controller::Rung,
+    qp::{Status, WarmStart},
+};
+
+/// One tick: its inputs, what the controller remembered before it, the rows that plug-ins wrote, and its outcome.
+/// SI units, frames as in the types that each part comes from.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Record {
+    /// The measurement's time stamp, s.
+    pub time: f64,
+    pub(crate) measured: StateRecord,
+    /// Numbers of joint positions, velocities and wrenches that the measurement had.
+    pub(crate) sizes: [usize; 3],
+    /// Per contact, `[force; moment]` in the axes of E, N and N·m.
+    pub(crate) wrenches: Vec<[f64; 6]>,
+    pub(crate) before: Memory,
+    /// One per entry: tasks, then constraints.
+    pub(crate) entries: Vec<EntryRecord>,
+    /// Whether the plug-ins got as far as writing rows.
+    pub(crate) written: bool,
+    pub(crate) outcome: Outcome,
+}
+
+/// A [`State`](crate::state::State).
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct StateRecord {
+    pub(crate) position: [f64; 3],
+    /// w, x, y, z.
+    pub(crate) orientation: [f64; 4],
+    pub(crate) q: Vec<f64>,
+    pub(crate) v: Vec<f64>,
+}
+
+/// What the controller remembers from one tick to the next.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Memory {
+    /// Since the first tick, s.
+    pub(crate) time: f64,
+    pub(crate) origin: Option<f64>,
+    /// The last usable state.
+    pub(crate) state: StateRecord,
+    pub(crate) contacts: Vec<ContactMemory>,
+    pub(crate) asked: Vec<f64>,
+    pub(crate) vdot: Vec<f64>,
+    pub(crate) sent: Vec<f64>,
+    pub(crate) command: CommandRecord,
+    pub(crate) rung: Rung,
+    pub(crate) on_rung_since: f64,
+    pub(crate) on_rung_ticks: u64,
+    /// Time stamp and ticks since the last solution; nothing if there was none.
+    pub(crate) solved: Option<(f64, u64)>,
+    /// The same for the last usable measurement.
+    pub(crate) measured: Option<(f64, u64)>,
+    /// Where the safe law holds the joints.
+    pub(crate) held: Vec<f64>,
+    pub(crate) warm: WarmStart,
+    pub(crate) relaxed_warm: WarmStart,
+}
+
+/// A contact's switch, filter and last forces, and its surface.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct ContactMemory {
+    pub(crate) switch: crate::controller::switch::Switch,
+    pub(crate) exit_force: f64,
+    pub(crate) exit_alpha: f64,
+    pub(crate) filtered: [f64; 3],
+    /// `R_WC`, column by column.
+    pub(crate) rotation: [f64; 9],
+    /// Position, velocity, angular velocity, acceleration, angular acceleration of the surface.
+    pub(crate) motion: [[f64; 3]; 5],
+    pub(crate) measured: [f64; 6],
+    pub(crate) measured_at_switch: [f64; 6],
+    pub(crate) set_point: [f64; 3],
+    pub(crate) solution: [f64; 6],
+}
+
+/// A [`Command`](crate::controller::Command).
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct CommandRecord {
+    pub(crate) effort: Vec<f64>,
+    pub(crate) rotor_speed: Vec<f64>,
+    pub(crate) joint_acceleration: Vec<f64>,
+    pub(crate) joint_velocity: Vec<f64>,
+}
+
+/// What an entry wrote.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct EntryRecord {
+    pub(crate) name: String,
+    pub(crate) live: bool,
+    pub(crate) alpha: f64,
+    pub(crate) weight: Vec<f64>,
+    /// Row-major; empty where the block is not dense.
+    pub(crate) vdot: Vec<f64>,
+    pub(crate) effort: Vec<f64>,
+    pub(crate) forces: Vec<Vec<f64>>,
+    pub(crate) lower: Vec<f64>,
+    pub(crate) upper: Vec<f64>,
+    pub(crate) bound_lower: Vec<f64>,
+    pub(crate) bound_upper: Vec<f64>,
+    pub(crate) error: Vec<f64>,
+}
+
+/// What came out.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Outcome {
+    pub(crate) rung: Rung,
+    pub(crate) status: Status,
+    pub(crate) iterations: u32,
+    pub(crate) command: CommandRecord,
+    /// Valid variables of the solution; none if no problem was solved.
+    pub(crate) n: usize,
+    pub(crate) x: Vec<f64>,
+}

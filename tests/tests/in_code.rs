@@ -1,0 +1,286 @@
+//! A controller put together in code is the one that a file describes, is checked in the same way, and its tasks can
+//! be changed while it runs.
+
+use wbqp::{
+    Controller, ControllerConfig, Measurement,
+    contact::{ContactKind, ContactSpec, Surface},
+    controller::RequestError,
+    entry::{Entry, Hardness, Weight},
+};
+use wbqp_robots::Othex;
+use wbqp_tasks::{
+    ActuatorLimits, BaseOrientation, BasePosition, ContactForce, ContactMotion, FrictionPyramid,
+    Hold, MinJerk, Posture, PropellerRegularisation,
+};
+
+fn wall() -> ContactSpec {
+    let surface = Surface {
+        normal: [-1.0, 0.0, 0.0],
+        x_axis: [0.0, 0.0, 1.0],
+        origin: [0.8, 0.0, 0.0],
+    };
+    ContactSpec {
+        active: true,
+        ..ContactSpec::new("tip", "tool", ContactKind::Point, surface)
+    }
+}
+
+fn config() -> ControllerConfig {
+    ControllerConfig::at_rate(250.0, Othex::default())
+        .with_contact(wall())
+        .with_task(Entry::task("arm", 0.1, Posture::new(25.0, 10.0)))
+        .with_task(Entry::task("base", 1.0, BasePosition::new(9.0, 6.0)))
+        .with_task(Entry::task(
+            "attitude",
+            vec![1.0, 2.0, 3.0],
+            BaseOrientation::new(40.0, 12.0),
+        ))
+        .with_task(Entry::task("push", 1.0, ContactForce::new("tip", 2.0)).with_transition(0.5))
+        .with_task(Entry::task("thrusts", 1e-5, PropellerRegularisation::new()))
+        .with_task(Entry::task("spare", 1.0, Posture::new(1.0, 1.0)).inactive())
+        .with_constraint(Entry::constraint("limits", ActuatorLimits::new()))
+        .with_constraint(
+            Entry::soft_constraint("cone", 10.0, FrictionPyramid::new("tip"))
+                .with_hardness(Hardness::Exact(100.0)),
+        )
+        .with_constraint(Entry::soft_constraint(
+            "touch",
+            50.0,
+            ContactMotion::new("tip"),
+        ))
+}
+
+const FILE: &str = r#"
+[controller]
+rate = 250.0
+
+[robot]
+type = "othex"
+
+[[contact]]
+name = "tip"
+frame = "tool"
+kind = "point"
+surface = { normal = [-1.0, 0.0, 0.0], x_axis = [0.0, 0.0, 1.0], origin = [0.8, 0.0, 0.0] }
+active = true
+
+[[task]]
+name = "arm"
+type = "posture"
+weight = 0.1
+kp = 25.0
+kd = 10.0
+
+[[task]]
+name = "base"
+type = "base_position"
+weight = 1.0
+kp = 9.0
+kd = 6.0
+
+[[task]]
+name = "attitude"
+type = "base_orientation"
+weight = [1.0, 2.0, 3.0]
+kp = 40.0
+kd = 12.0
+
+[[task]]
+name = "push"
+type = "contact_force"
+weight = 1.0
+transition = 0.5
+contact = "tip"
+reference = { type = "hold", value = [2.0] }
+
+[[task]]
+name = "thrusts"
+type = "propeller_regularisation"
+weight = 1e-5
+
+[[task]]
+name = "spare"
+type = "posture"
+weight = 1.0
+active = false
+kp = 1.0
+kd = 1.0
+
+[[constraint]]
+name = "limits"
+type = "actuator_limits"
+
+[[constraint]]
+name = "cone"
+type = "friction_pyramid"
+weight = 10.0
+hardness = { exact = 100.0 }
+contact = "tip"
+
+[[constraint]]
+name = "touch"
+type = "contact_motion"
+weight = 50.0
+hardness = "soft"
+contact = "tip"
+"#;
+
+/// Ticks with a base and a joint that drift away from home, and returns the bits of all commands.
+fn run(controller: &mut Controller, ticks: usize) -> Vec<u64> {
+    let mut measurement = Measurement::home(controller.robot(), 1);
+    let start = controller.report().time;
+    let mut bits = Vec::new();
+    for k in 1..=ticks {
+        measurement.time = start + 0.004 * k as f64;
+        measurement.state.p_WR.x += 1e-3;
+        measurement.state.q[0] += 1e-3;
+        let (command, report) = controller.tick(&measurement);
+        assert_eq!(report.fault, None);
+        bits.extend(command.effort.iter().map(|u| u.to_bits()));
+    }
+    bits
+}
+
+#[test]
+fn code_and_file_are_the_same_controller() {
+    let mut in_code = config().build().expect("fits the robot");
+    let from_file = ControllerConfig::from_str(FILE, "same.toml", "").expect("a good file");
+    let mut from_file = from_file.build().expect("fits the robot");
+    assert_eq!(run(&mut in_code, 50), run(&mut from_file, 50));
+
+    let saved = config().to_toml().expect("everything can be saved");
+    let loaded = ControllerConfig::from_str(&saved, "saved.toml", "").expect("what was saved");
+    let mut loaded = loaded.build().expect("fits the robot");
+    assert_eq!(
+        run(&mut config().build().unwrap(), 50),
+        run(&mut loaded, 50)
+    );
+}
+
+#[test]
+fn mistakes_in_code_come_at_once_and_by_name() {
+    let twice = config()
+        .with_task(Entry::task("arm", 0.1, Posture::new(25.0, 10.0)))
+        .with_task(Entry::task("grip", 0.1, Posture::new([1.0, 2.0], -1.0)))
+        .with_constraint(Entry::constraint("cone2", FrictionPyramid::new("tap")));
+    let message = twice.build().expect_err("three mistakes").to_string();
+    let lines: Vec<&str> = message.lines().collect();
+    assert_eq!(
+        lines,
+        [
+            "task[6] `arm` (posture): name: is taken by task[0]",
+            "task[7] `grip` (posture): kp: has 2 entries, expected 3, one per axis, or one number for all",
+            "constraint[3] `cone2` (friction_pyramid): contact `tap` does not exist; did you mean `tip`? (known: tip)",
+        ]
+    );
+}
+
+#[test]
+fn a_task_is_changed_while_running() {
+    let mut controller = config().build().expect("fits the robot");
+    run(&mut controller, 5);
+    let asked = |c: &Controller| c.report().tasks[0].residual[0];
+
+    let arm = controller.task_id::<Posture>("arm").expect("it is there");
+    let before = controller.report().tasks[0].error[0];
+    assert!(before > 0.0, "the joint was moved away: {before}");
+
+    // A reference where the joints will be: the error is gone in the next tick.
+    let q = [0.001, 0.0, 0.0];
+    let home = controller.robot().home.q.clone();
+    let here: Vec<f64> = home.iter().zip(q).map(|(home, q)| home + q).collect();
+    let mut task = controller.task_mut(arm).expect("its own id");
+    assert_eq!(task.name(), "arm");
+    task.follow(Hold::at(here)).expect("three joints");
+    run(&mut controller, 1);
+    let error = controller.report().tasks[0].error[0];
+    assert!(error.abs() < 1e-12, "{error}");
+
+    // Gains and weights: what the solution leaves of the task changes.
+    run(&mut controller, 1);
+    let soft = asked(&controller);
+    let mut task = controller.task_mut::<Posture>("arm").expect("it is there");
+    task.kp = 250.0.into();
+    assert_eq!(task.kp, 250.0.into());
+    task.reweight(10.0).expect("one number");
+    run(&mut controller, 1);
+    assert_ne!(asked(&controller), soft);
+
+    let mut task = controller.task_mut::<Posture>("arm").expect("it is there");
+    task.deactivate();
+    run(&mut controller, 1);
+    assert_eq!(controller.report().tasks[0].alpha, 0.0);
+    controller
+        .task_mut::<Posture>("arm")
+        .expect("it is there")
+        .activate();
+    run(&mut controller, 1);
+    assert_eq!(controller.report().tasks[0].alpha, 1.0);
+}
+
+#[test]
+fn what_does_not_fit_is_refused_by_name() {
+    let mut controller = config().build().expect("fits the robot");
+    let error = controller.task_mut::<Posture>("amr").expect_err("no task");
+    assert_eq!(
+        error.to_string(),
+        "there is no task `amr`; did you mean `arm`? (known: arm, base, attitude, push, thrusts, spare)"
+    );
+    let error = controller
+        .task_id::<Posture>("base")
+        .expect_err("another type");
+    assert!(
+        matches!(&error, RequestError::OtherType { name, is: "base_position", .. } if name == "base"),
+        "{error}"
+    );
+    assert!(error.to_string().ends_with("Posture`"), "{error}");
+
+    let mut arm = controller.task_mut::<Posture>("arm").expect("it is there");
+    let error = arm.reweight(vec![1.0, 2.0]).expect_err("three rows");
+    assert_eq!(
+        error.to_string(),
+        "`arm`: `weight` must be one number, or 3, finite and not negative"
+    );
+    let error = arm
+        .follow(MinJerk::new([1.0], 1.0))
+        .expect_err("three joints");
+    assert!(matches!(error, RequestError::Value { .. }), "{error}");
+    let mut thrusts = controller
+        .task_mut::<PropellerRegularisation>("thrusts")
+        .expect("it is there");
+    let error = thrusts.follow(Hold::at([1.0])).expect_err("no trajectory");
+    assert_eq!(error.to_string(), "task `thrusts` follows no reference");
+
+    let foreign = config().build().expect("fits the robot");
+    let foreign = foreign.task_id::<Posture>("arm").expect("it is there");
+    let error = controller
+        .task_mut(foreign)
+        .expect_err("another controller's");
+    assert!(
+        matches!(error, RequestError::OtherController { .. }),
+        "{error}"
+    );
+}
+
+#[test]
+fn nonsense_written_into_a_task_is_survived() {
+    let mut controller = config().build().expect("fits the robot");
+    run(&mut controller, 2);
+    let before = controller.command().effort.clone();
+    controller
+        .task_mut::<Posture>("arm")
+        .expect("it is there")
+        .kp = f64::NAN.into();
+    let mut measurement = Measurement::home(controller.robot(), 1);
+    measurement.time = 1.0;
+    let (command, report) = controller.tick(&measurement);
+    assert!(report.fault.is_some());
+    assert!(command.effort.iter().all(|u| u.is_finite()), "{before:?}");
+
+    let mut arm = controller.task_mut::<Posture>("arm").expect("it is there");
+    arm.kp = vec![25.0].into(); // too short: the other joints have no stiffness
+    arm.reweight(Weight::Uniform(1.0)).expect("one number");
+    measurement.time = 1.004;
+    let (_, report) = controller.tick(&measurement);
+    assert_eq!(report.fault, None);
+}
