@@ -39,16 +39,8 @@ fn solves(c: &mut Criterion) {
                 });
             });
         };
-        bench(
-            "active set, warm",
-            Box::<ActiveSet>::default(),
-            Start::Warm,
-        );
-        bench(
-            "active set, cold",
-            Box::<ActiveSet>::default(),
-            Start::Cold,
-        );
+        bench("active set, warm", Box::<ActiveSet>::default(), Start::Warm);
+        bench("active set, cold", Box::<ActiveSet>::default(), Start::Cold);
         bench("Clarabel", Box::<Clarabel>::default(), Start::Cold);
         group.finish();
     }

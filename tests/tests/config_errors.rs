@@ -122,7 +122,7 @@ fn settings() {
         ),
         [
             "x.toml:2:8: controller: rate: invalid type: string \"fast\", expected a number",
-            "x.toml:3:15: controller: formulation: unknown value `dense`, expected `condensed` or `explicit`",
+            "x.toml:3:15: controller: formulation: unknown value `dense`, expected one of `auto`, `condensed`, `torque_eliminated`, `explicit`",
             "x.toml:4:1: controller: unknown key `regularization`; did you mean `regularisation`? \
              (known: extrapolation, formulation, hover, rate, regularisation, velocity_leak)",
         ]

@@ -111,8 +111,8 @@ pub(super) fn write_conflict(
         let (owners, lower, upper) = match index.checked_sub(qp.m()) {
             None => (
                 [Some(qp.rows()[index]); 2],
-                qp.row_lower()[index],
-                qp.row_upper()[index],
+                qp.row_lower()[index] + assembly.constant(index),
+                qp.row_upper()[index] + assembly.constant(index),
             ),
             Some(j) => (assembly.bound_owner[j], qp.lower()[j], qp.upper()[j]),
         };
@@ -139,8 +139,8 @@ pub(super) fn write_conflict(
             None => (
                 proof.y[index],
                 [Some(qp.rows()[index]); 2],
-                qp.row_lower()[index],
-                qp.row_upper()[index],
+                qp.row_lower()[index] + assembly.constant(index),
+                qp.row_upper()[index] + assembly.constant(index),
             ),
             Some(j) => (
                 proof.z[j],

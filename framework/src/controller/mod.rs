@@ -369,17 +369,16 @@ impl Controller {
         let qp = &self.qp;
         let Solution { x, y, z, .. } = &self.solution;
         let scale = qp.g().iter().fold(1.0_f64, |a, g| a.max(g.abs()));
-        let is_active = |distance: f64, limit: f64, multiplier: f64| {
-            distance <= 1e-6 * (1.0 + limit.abs()) && multiplier.abs() > 1e-9 * scale
-        };
+        let has_price = |multiplier: f64| multiplier.abs() > 1e-9 * scale;
+        let is_at = |distance: f64, limit: f64| distance <= 1e-6 * (1.0 + limit.abs());
         for (i, &row) in qp.rows().iter().enumerate() {
             let (lower, upper) = (qp.row_lower()[i], qp.row_upper()[i]);
-            if lower == upper {
+            if lower == upper || !has_price(y[i]) {
                 continue;
             }
             let ax: f64 = qp.row(i).iter().zip(x).map(|(a, x)| a * x).sum();
             let (side, limit) = near(ax, lower, upper);
-            if is_active((ax - limit).abs(), limit, y[i]) {
+            if is_at((ax - limit).abs(), limit) {
                 self.report.active.push(ActiveRow {
                     row,
                     side,
@@ -387,11 +386,11 @@ impl Controller {
                 });
             }
         }
-        for j in 0..qp.n() {
+        for j in (0..qp.n()).filter(|&j| has_price(z[j])) {
             let (side, limit) = near(x[j], qp.lower()[j], qp.upper()[j]);
             let owner = self.assembly.bound_owner[j][usize::from(side == Side::Upper)];
             if let Some(row) = owner
-                && is_active((x[j] - limit).abs(), limit, z[j])
+                && is_at((x[j] - limit).abs(), limit)
             {
                 self.report.active.push(ActiveRow {
                     row,
