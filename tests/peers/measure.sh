@@ -37,7 +37,7 @@ for robot in quadruped humanoid; do
         stats "$robot" "$build" --robot "$robot" --ticks "$ticks"
     done
 done
-for formulation in ${FORMULATIONS:-condensed explicit}; do
+for formulation in ${FORMULATIONS:-condensed torque_eliminated explicit}; do
     for robot in othex quadruped humanoid; do
         stats "${robot}_$formulation" portable --robot "$robot" --ticks 20000 --formulation "$formulation"
     done

@@ -45,8 +45,8 @@ pub struct Statistics {
     pub batches: Vec<Quantiles>,
     /// The whole tick in the loop, the plant's simulation between two ticks.
     pub in_loop: Quantiles,
-    /// Kinematics, mass matrix, bias, and one frame's Jacobian and J̇v at the states of the run: the mean of every
-    /// thousand, quantiles of these.
+    /// Kinematics, mass matrix, bias, and one frame's Jacobian and J̇v at the states of the run: quantiles of the means of
+    /// twenty.
     pub dynamics_set: Quantiles,
     /// Kinematics, mass matrix, bias, frames and contacts.
     pub dynamics: Quantiles,
@@ -275,7 +275,7 @@ pub fn measure(
                 twin == in_loop && other == in_loop,
                 "the same measurements led to other commands: a tick depends on something else"
             );
-            samples.dynamics_set.push(dynamics_set(&timed, &chunk));
+            dynamics_set(&timed, &chunk, &mut samples.dynamics_set);
             let counted = chunk.ticks.iter().filter(|(counts, _)| *counts);
             samples.in_loop.extend(counted.map(|(_, spent)| *spent));
             progress(samples.tick.len() as f64 / ticks as f64);
@@ -327,8 +327,9 @@ impl Statistics {
     }
 }
 
-/// Mean time of the dynamics at the states of a chunk, ns, with the frame of the controller's first contact.
-fn dynamics_set(player: &Player, chunk: &Chunk) -> u32 {
+/// Mean times of the dynamics at every twenty states of a chunk, ns, with the frame of the controller's first contact.
+fn dynamics_set(player: &Player, chunk: &Chunk, out: &mut Vec<u32>) {
+    const BLOCK: usize = 20;
     let controller = &player.controller;
     let model = &controller.robot().model;
     let first = controller.contact_names().next();
@@ -336,17 +337,19 @@ fn dynamics_set(player: &Player, chunk: &Chunk) -> u32 {
     let frame = contact.and_then(|id| model.frame(&controller.contact_spec(id).frame));
     let mut data = Data::new(model);
     let mut kinematics = FrameKinematics::new(model);
-    let measurements = chunk.measurements.iter().take(chunk.ticks.len());
-    let start = Instant::now();
-    for measurement in measurements {
-        data.update(model, &measurement.state);
-        if let Some(frame) = frame {
-            kinematics.update(model, &data, frame);
+    let measurements = chunk.measurements.get(..chunk.ticks.len());
+    for block in measurements.unwrap_or_default().chunks_exact(BLOCK) {
+        let start = Instant::now();
+        for measurement in block {
+            data.update(model, &measurement.state);
+            if let Some(frame) = frame {
+                kinematics.update(model, &data, frame);
+            }
+            black_box((&data, &kinematics));
         }
-        black_box((&data, &kinematics));
+        let spent = start.elapsed().as_nanos() / BLOCK as u128;
+        out.push(u32::try_from(spent).unwrap_or(u32::MAX));
     }
-    let spent = start.elapsed().as_nanos() / chunk.ticks.len().max(1) as u128;
-    u32::try_from(spent).unwrap_or(u32::MAX)
 }
 
 fn note(controller: &Controller, statistics: &mut Statistics, samples: &mut Samples) {
