@@ -131,6 +131,9 @@ fn push_friction(qp: &mut Qp, at: usize, friction: f64, least: f64) {
 
 /// An aerial manipulator with a point contact in condensed form: 12 variables (six thrusts, three torques, a force) with
 /// bounds on the inputs, five friction rows.
+///
+/// # Panics
+/// Never: mass matrices are definite.
 pub fn aerial(ticks: usize) -> Vec<Qp> {
     let rng = &mut ChaCha8Rng::seed_from_u64(1);
     let (nv, nu) = (9, 9);
@@ -226,15 +229,13 @@ pub fn humanoid(ticks: usize) -> Vec<Qp> {
     let rng = &mut ChaCha8Rng::seed_from_u64(1);
     let (nv, points) = (36, 8);
     let nf = 3 * points;
-    /// Base, left leg, right leg, upper body.
-    fn part(i: usize) -> usize {
-        match i {
-            0..6 => 0,
-            6..12 => 1,
-            12..18 => 2,
-            _ => 3,
-        }
-    }
+    // Base, left leg, right leg, upper body.
+    let part = |i: usize| match i {
+        0..6 => 0,
+        6..12 => 1,
+        12..18 => 2,
+        _ => 3,
+    };
     let mass = Mass {
         diagonal: DVector::from_fn(nv, |i, _| match i {
             0..3 => 60.0,
