@@ -223,19 +223,22 @@ pub fn aerial(ticks: usize) -> Vec<Qp> {
     (0..ticks).map(tick).collect()
 }
 
+/// The humanoid's base, left leg, right leg or upper body.
+fn part(i: usize) -> usize {
+    match i {
+        0..6 => 0,
+        6..12 => 1,
+        12..18 => 2,
+        _ => 3,
+    }
+}
+
 /// A humanoid on two feet without its torques: 60 variables (36 accelerations, 24 components of eight point forces), 18
 /// equalities (the base's dynamics, both feet at rest), 70 rows (friction, torque limits).
 pub fn humanoid(ticks: usize) -> Vec<Qp> {
     let rng = &mut ChaCha8Rng::seed_from_u64(1);
     let (nv, points) = (36, 8);
     let nf = 3 * points;
-    // Base, left leg, right leg, upper body.
-    let part = |i: usize| match i {
-        0..6 => 0,
-        6..12 => 1,
-        12..18 => 2,
-        _ => 3,
-    };
     let mass = Mass {
         diagonal: DVector::from_fn(nv, |i, _| match i {
             0..3 => 60.0,
