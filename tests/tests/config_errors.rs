@@ -122,9 +122,9 @@ fn settings() {
         ),
         [
             "x.toml:2:8: controller: rate: invalid type: string \"fast\", expected a number",
-            "x.toml:3:15: controller: formulation: unknown value `dense`, expected `condensed` or `explicit`",
+            "x.toml:3:15: controller: formulation: unknown value `dense`, expected one of `auto`, `condensed`, `torque_eliminated`, `explicit`",
             "x.toml:4:1: controller: unknown key `regularization`; did you mean `regularisation`? \
-             (known: formulation, hover, rate, regularisation, velocity_leak)",
+             (known: extrapolation, formulation, hover, rate, regularisation, velocity_leak)",
         ]
     );
     assert_eq!(
@@ -175,7 +175,7 @@ fn unknown_type() {
     check_task(
         "type = \"posture\"\nweight = 1",
         &[
-            "x.toml:9:8: task[0] `arm` (posture): unknown task type `posture` \
+            "x.toml:9:8: task[0] `arm` (posture): unknown task type `posture`; is its crate linked? `use my_plugins as _;` \
            (known: test.follow, test.hold, test.many)",
         ],
     );

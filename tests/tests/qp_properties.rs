@@ -3,7 +3,8 @@
 use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
 use wbqp::{
-    config::Formulation,
+    actuator::ActuatorKind,
+    config::{Formulation, Hover},
     contact::ContactKind,
     controller::{Controller, Rung},
     nalgebra,
@@ -222,6 +223,37 @@ proptest! {
                 prop_assert!(near || condition > 1e8, "residuals {} and {}", x, y);
             }
         }
+    }
+
+    #[test]
+    fn passive_joints_and_second_motors_are_the_same_in_all_formulations(
+        scene in scenes(),
+        picks in any::<[u16; 2]>(),
+        eliminated: bool,
+    ) {
+        let mut robot = scene.robot();
+        let is_motor = |i: &usize| matches!(robot.actuators[*i].kind, ActuatorKind::Joint(_));
+        let motors: Vec<usize> = (0..robot.nu()).filter(is_motor).collect();
+        let [passive, twin] = picks.map(|pick| motors[usize::from(pick) % motors.len()]);
+        let mut second = robot.actuators[twin].clone();
+        second.name += "_second";
+        robot.actuators.push(second);
+        robot.actuators.remove(passive);
+        let tick = |formulation| {
+            let scene = Scene { formulation, ..scene.clone() };
+            let mut config = scene.config();
+            config.settings.hover = Hover::Unchecked;
+            let mut controller =
+                Controller::with_robot(config, robot.clone()).expect("the robot is sound");
+            controller.tick(&scene.measurement());
+            controller
+        };
+        let other = if eliminated {
+            Formulation::TorqueEliminated
+        } else {
+            Formulation::Explicit
+        };
+        same_solution(&tick(Formulation::Condensed), &tick(other))?;
     }
 
     #[test]

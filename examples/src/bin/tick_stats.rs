@@ -176,6 +176,11 @@ fn print(name: &str, statistics: &Statistics) -> Result<()> {
         hash,
         ..
     } = statistics;
+    add(
+        &mut times,
+        "M, h, one J, J̇v alone",
+        &statistics.dynamics_set,
+    );
     writeln!(
         stdout(),
         "{name}: {ticks} ticks of {runs} runs\n{times}\n\

@@ -14,13 +14,14 @@ pub mod problems;
 mod quantiles;
 pub mod workload;
 
-use std::time::Instant;
+use std::{hint::black_box, time::Instant};
 
 use anyhow::{Result, ensure};
 use serde::Serialize;
 use wbqp::{
     Controller, Measurement,
     controller::{Command, Rung, Stopwatch},
+    dynamics::{Data, FrameKinematics},
 };
 
 pub use quantiles::Quantiles;
@@ -44,6 +45,9 @@ pub struct Statistics {
     pub batches: Vec<Quantiles>,
     /// The whole tick in the loop, the plant's simulation between two ticks.
     pub in_loop: Quantiles,
+    /// Kinematics, mass matrix, bias, and one frame's Jacobian and J̇v at the states of the run: quantiles of the means of
+    /// twenty.
+    pub dynamics_set: Quantiles,
     /// Kinematics, mass matrix, bias, frames and contacts.
     pub dynamics: Quantiles,
     /// The plug-ins' rows.
@@ -178,6 +182,7 @@ struct Samples {
     tick: Vec<u32>,
     in_loop: Vec<u32>,
     stages: [Vec<u32>; 5],
+    dynamics_set: Vec<u32>,
     iterations: Vec<u32>,
 }
 
@@ -188,6 +193,7 @@ impl Samples {
             tick: new(),
             in_loop: new(),
             stages: std::array::from_fn(|_| new()),
+            dynamics_set: Vec::new(),
             iterations: new(),
         }
     }
@@ -269,6 +275,7 @@ pub fn measure(
                 twin == in_loop && other == in_loop,
                 "the same measurements led to other commands: a tick depends on something else"
             );
+            dynamics_set(&timed, &chunk, &mut samples.dynamics_set);
             let counted = chunk.ticks.iter().filter(|(counts, _)| *counts);
             samples.in_loop.extend(counted.map(|(_, spent)| *spent));
             progress(samples.tick.len() as f64 / ticks as f64);
@@ -289,8 +296,10 @@ impl Statistics {
             tick,
             in_loop,
             stages,
+            dynamics_set,
             mut iterations,
         } = samples;
+        self.dynamics_set = Quantiles::of(&dynamics_set);
         self.ticks = tick.len();
         self.tick = Quantiles::of(&tick);
         let batch = tick.len().div_ceil(BATCHES).max(1);
@@ -315,6 +324,31 @@ impl Statistics {
             p99: at(0.99),
             max: at(1.0),
         };
+    }
+}
+
+/// Mean times of the dynamics at every twenty states of a chunk, ns, with the frame of the controller's first contact.
+fn dynamics_set(player: &Player, chunk: &Chunk, out: &mut Vec<u32>) {
+    const BLOCK: usize = 20;
+    let controller = &player.controller;
+    let model = &controller.robot().model;
+    let first = controller.contact_names().next();
+    let contact = first.and_then(|name| controller.contact(name).ok());
+    let frame = contact.and_then(|id| model.frame(&controller.contact_spec(id).frame));
+    let mut data = Data::new(model);
+    let mut kinematics = FrameKinematics::new(model);
+    let measurements = chunk.measurements.get(..chunk.ticks.len());
+    for block in measurements.unwrap_or_default().chunks_exact(BLOCK) {
+        let start = Instant::now();
+        for measurement in block {
+            data.update(model, &measurement.state);
+            if let Some(frame) = frame {
+                kinematics.update(model, &data, frame);
+            }
+            black_box((&data, &kinematics));
+        }
+        let spent = start.elapsed().as_nanos() / BLOCK as u128;
+        out.push(u32::try_from(spent).unwrap_or(u32::MAX));
     }
 }
 

@@ -5,7 +5,7 @@
 //! where M is (R. Featherstone, *Rigid Body Dynamics Algorithms*, section 6.5, table 6.3). Row `i` of L has entries
 //! in the columns of `i` and of its ancestors only, and nothing else is ever touched.
 
-use super::kernels::add_rows;
+use super::kernels::{add_four_rows, add_row};
 
 /// `Lᵀ L` of a matrix with a tree's sparsity, in storage that is reused every tick. Row-major, lower triangle valid.
 #[derive(Clone, Debug)]
@@ -76,7 +76,7 @@ impl Cholesky {
             scale(row, self.reciprocal[i]);
             for &j in ancestors {
                 let target = &mut above[j * stride..(j + 1) * stride];
-                add_rows(target, [-self.l[i * n + j]], [row]);
+                add_row(target, -self.l[i * n + j], row);
             }
         }
         for (i, ancestors) in self.ancestors.iter().enumerate() {
@@ -86,10 +86,10 @@ impl Cholesky {
             let l = &self.l[i * n..(i + 1) * n];
             let (fours, rest) = ancestors.as_chunks::<4>();
             for j in fours {
-                add_rows(row, j.map(|j| -l[j]), j.map(source));
+                add_four_rows(row, j.map(|j| -l[j]), j.map(source));
             }
             for &j in rest {
-                add_rows(row, [-l[j]], [source(j)]);
+                add_row(row, -l[j], source(j));
             }
             scale(row, self.reciprocal[i]);
         }

@@ -3,14 +3,14 @@
 //! # Mathematics
 //! A limit `l ≤ a x ≤ u` that is given up becomes `l ≤ a x + e ≤ u` with a free variable `e` of its own that costs `w e²`;
 //! `e` is what the solution takes beyond the limit. An equality is the case `l = u`, a bound on a variable the case of a
-//! unit row. So the problem keeps its rows and gets one variable per limit given up, and it says by how much each had to
-//! give.
+//! unit row, and so is a bound on an eliminated effort, whose row stays with the actuator's own limits. So the problem
+//! keeps its rows and gets one variable per limit given up, and it says by how much each had to give.
 //!
 //! The price is heavy and scale-free: with the cost `½ xᵀHx`, moving `a x` by one costs at least
 //! `½ κ, κ = 1/(a H⁻¹ aᵀ) ≤ n / Σ a_j²/h_jj` (Jacobi scaling, and the largest eigenvalue of a matrix with a unit
 //! diagonal is at most n). `w` is a large multiple of that bound, so that the tasks pull a limit beyond what is needed
-//! by a small share of what they ask for. Variables without cost of their own (accelerations, in the explicit
-//! formulation) have no such bound; there the largest weight that is on takes its place if it is larger.
+//! by a small share of what they ask for. Variables with no cost of their own, or next to none (accelerations, where a
+//! formulation keeps them), have no such bound; there the largest weight that is on takes its place if it is larger.
 //!
 //! What is never given up are the limits of the world: the dynamics; each actuator's own limits; a normal force that does
 //! not pull; and the rows of constraints that say so
@@ -18,7 +18,7 @@
 //! stay within the actuators' limits, and no contact force at all, satisfies them: with everything else given up
 //! the problem is feasible unless a plug-in contradicts that.
 
-use super::{Assembly, DynamicsTerms, Group, Table, Treatment, partition::EffortPlace};
+use super::{Assembly, DynamicsTerms, Group, Table, Treatment, bounds::BoundPlace};
 use crate::{
     actuator::Actuator,
     contact::ContactState,
@@ -28,10 +28,8 @@ use crate::{
 
 /// Share of what the tasks ask for by which a limit gives more than it must, inverted.
 const PRICE: f64 = 1e4;
-/// Factor from one level to the next, which is to be kept longer.
-const STEP: f64 = 10.0;
-/// Levels that are told apart by their price.
-const STEPS: usize = 4;
+/// Factors of the levels, the first to go first; those of the rest are the last.
+const STEPS: [f64; 5] = [1.0, 1e1, 1e2, 1e3, 1e4];
 
 /// What is given up together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,7 +51,7 @@ pub(crate) struct Given {
     upper: f64,
     /// What was asked.
     asked: [f64; 2],
-    /// A row of the tick's problem, or a bound on one of its variables.
+    /// A row of the tick's problem, or a bound.
     at: At,
 }
 
@@ -61,6 +59,8 @@ pub(crate) struct Given {
 enum At {
     Row(usize),
     Variable(usize),
+    /// A bound on an eliminated effort: a row that stays, for the actuator's own limits.
+    Torque(usize),
 }
 
 /// The order of giving up, and storage for the problem.
@@ -75,8 +75,6 @@ pub(crate) struct Elastic {
     first_row: u32,
     /// Own limits of the actuators.
     efforts: Vec<[f64; 2]>,
-    /// The actuator whose torque a row limits that is a bound on an eliminated effort, by id.
-    torque_of: Vec<Option<usize>>,
     given: Vec<Given>,
     /// Who set the lower and the upper bound of each variable.
     bound_owner: Vec<[Option<RowId>; 2]>,
@@ -95,7 +93,6 @@ impl Elastic {
     ) -> Self {
         let mut levels = Vec::new();
         let mut level_of = vec![None; table.rows.len()];
-        let mut torque_of = vec![None; table.rows.len()];
         let mut limits = 0;
         for of_tasks in [true, false] {
             for (index, group) in groups.iter().enumerate().rev() {
@@ -113,13 +110,6 @@ impl Elastic {
                     level_of[id.index()] = Some(levels.len());
                     limits += 1;
                 }
-                for (id, (_, target)) in group.bounds.iter().zip(&group.layout.bounds) {
-                    if let BoundTarget::Effort(actuator) = *target
-                        && let EffortPlace::Eliminated(_) = assembly.partition.efforts[actuator]
-                    {
-                        torque_of[id.index()] = Some(actuator);
-                    }
-                }
                 levels.push(Level::Entry(index));
             }
         }
@@ -136,7 +126,6 @@ impl Elastic {
             given_up: vec![false; levels.len()],
             levels,
             level_of,
-            torque_of,
             first_slack: table.vars.len() as u32,
             first_row: table.rows.len() as u32,
             efforts: actuators.iter().map(|a| [a.lower, a.upper]).collect(),
@@ -168,20 +157,20 @@ impl Elastic {
     ) -> bool {
         let level_of = |id: RowId| self.level_of.get(id.index()).copied().flatten();
         let mut first = self.levels.len();
-        for (i, (&y, &id)) in proof.y.iter().zip(qp.rows()).enumerate() {
-            if y == 0.0 {
-                continue;
+        for (i, (y, id)) in proof.y.iter().zip(qp.rows()).enumerate() {
+            let is_asked = *y != 0.0
+                && assembly.torque_row(*id).is_none_or(|(_, actuator)| {
+                    let [least, most] = self.efforts[actuator];
+                    let constant = assembly.constant(i);
+                    let (lower, upper) = (qp.row_lower()[i], qp.row_upper()[i]);
+                    let crossed = lower > upper;
+                    let below = (*y < 0.0 || crossed) && is_above(lower + constant, least);
+                    let above = (*y > 0.0 || crossed) && is_above(most, upper + constant);
+                    below || above
+                });
+            if is_asked {
+                first = first.min(level_of(*id).unwrap_or(first));
             }
-            if let Some([least, most]) = self.torque_limits(id) {
-                let (lower, upper) = (qp.row_lower()[i], qp.row_upper()[i]);
-                let crossed = lower > upper;
-                let below = (y < 0.0 || crossed) && lower > least;
-                let above = (y > 0.0 || crossed) && upper < most;
-                if !(below || above) {
-                    continue;
-                }
-            }
-            first = first.min(level_of(id).unwrap_or(first));
         }
         for (j, &z) in proof.z.iter().enumerate().take(qp.n()) {
             if z == 0.0 {
@@ -232,12 +221,6 @@ impl Elastic {
         more
     }
 
-    /// The limits that always hold for the torque that a row limits, if it is a bound on an eliminated one.
-    fn torque_limits(&self, id: RowId) -> Option<[f64; 2]> {
-        let actuator = self.torque_of.get(id.index()).copied().flatten()?;
-        self.efforts.get(actuator).copied()
-    }
-
     /// Bounds on a variable that always hold.
     fn of_the_world(
         &self,
@@ -245,13 +228,14 @@ impl Elastic {
         contacts: &[ContactState],
         position: usize,
     ) -> [f64; 2] {
-        let (live, partition) = (&assembly.live, &assembly.partition);
-        let column = position + partition.substituted;
-        let kept = column.checked_sub(partition.nv);
-        let actuator = kept.and_then(|i| partition.kept.get(i));
-        if let Some(limits) = actuator.and_then(|&i| self.efforts.get(i)) {
+        let live = &assembly.live;
+        if let Some(limits) = assembly
+            .effort_at(position)
+            .and_then(|i| self.efforts.get(i))
+        {
             return *limits;
         }
+        let column = position + assembly.partition.substituted;
         let is_slack = live.slacks.iter().flatten().any(|s| *s == column);
         let normals = contacts.iter().zip(&live.forces);
         let is_normal = normals
@@ -278,7 +262,7 @@ impl Elastic {
         let slacks = self.given.iter().map(|given| {
             let id = match given.at {
                 At::Row(_) => given.id.0,
-                At::Variable(_) => first_row + given.id.0,
+                At::Variable(_) | At::Torque(_) => first_row + given.id.0,
             };
             VarId(first_slack + id)
         });
@@ -290,6 +274,11 @@ impl Elastic {
             let given = given.filter(|given| matches!(given.at, At::Row(at) if at == i));
             let (lower, upper) = match given {
                 Some(given) => (given.lower, given.upper),
+                None if self.is_given_up_torque(assembly, base.rows()[i]) => {
+                    let constant = assembly.constant(i);
+                    let [least, most] = self.own_limits(assembly, base.rows()[i]);
+                    (least - constant, most - constant)
+                }
                 None => (base.row_lower()[i], base.row_upper()[i]),
             };
             let Some(row) = self.qp.push_row(base.rows()[i], lower, upper) else {
@@ -302,25 +291,16 @@ impl Elastic {
             }
         }
         for (k, given) in self.given.iter().enumerate().skip(next) {
-            let At::Variable(position) = given.at else {
-                continue;
-            };
             let id = RowId(first_row + given.id.0);
             let Some(row) = self.qp.push_row(id, given.lower, given.upper) else {
                 return;
             };
-            row[position] = 1.0;
+            match given.at {
+                At::Row(_) => {}
+                At::Variable(position) => row[position] = 1.0,
+                At::Torque(i) => row[..n].copy_from_slice(base.row(i)),
+            }
             row[n + k] = 1.0;
-        }
-        for given in &self.given {
-            let (At::Row(i), Some([least, most])) = (given.at, self.torque_limits(given.id)) else {
-                continue;
-            };
-            let id = RowId(first_row + given.id.0);
-            let Some(row) = self.qp.push_row(id, least, most) else {
-                return;
-            };
-            row[..n].copy_from_slice(base.row(i));
         }
         self.write_bounds(assembly, terms, groups, n);
     }
@@ -345,7 +325,7 @@ impl Elastic {
                 if h > 0.0 { a * a / h } else { 0.0 }
             };
             let reach: f64 = match given.at {
-                At::Row(i) => base
+                At::Row(i) | At::Torque(i) => base
                     .row(i)
                     .iter()
                     .enumerate()
@@ -359,8 +339,7 @@ impl Elastic {
             } else {
                 1.0
             };
-            let steps = given.level.min(STEPS) as i32;
-            h[(n + k) * wide + n + k] = curvature * PRICE * STEP.powi(steps);
+            h[(n + k) * wide + n + k] = curvature * PRICE * STEPS[given.level.min(STEPS.len() - 1)];
         }
     }
 
@@ -374,10 +353,8 @@ impl Elastic {
     ) {
         self.given.clear();
         for (i, &id) in base.rows().iter().enumerate() {
-            let limits = [base.row_lower()[i], base.row_upper()[i]];
-            let world = self.torque_limits(id);
-            // What the world forbids anyway stays as it is.
-            if world.is_none_or(|[least, most]| limits[0] > least || limits[1] < most) {
+            if assembly.torque_row(id).is_none() {
+                let limits = [base.row_lower()[i], base.row_upper()[i]];
                 self.give(id, limits, At::Row(i));
             }
         }
@@ -391,20 +368,45 @@ impl Elastic {
         }
         for group in groups.iter().filter(|g| g.live) {
             for (b, (_, target)) in group.layout.bounds.iter().enumerate() {
-                let Some(p) = assembly.position(*target) else {
-                    continue;
-                };
                 let limits = [group.store.bound_lower[b], group.store.bound_upper[b]];
                 if repeats(*target, limits, terms.contacts) {
                     continue;
                 }
-                let [least, most] = self.of_the_world(assembly, terms.contacts, p);
+                let ([least, most], shift, at) = match assembly.place(*target) {
+                    None => continue,
+                    Some(BoundPlace::Variable(p)) => {
+                        let limits = self.of_the_world(assembly, terms.contacts, p);
+                        (limits, 0.0, At::Variable(p))
+                    }
+                    Some(BoundPlace::Torque(actuator)) => {
+                        let Some((row, _)) = assembly.torque_row(group.bounds[b]) else {
+                            continue;
+                        };
+                        let constant = assembly.constant(row);
+                        (self.efforts[actuator], constant, At::Torque(row))
+                    }
+                };
                 // What the world forbids anyway needs no row.
                 if limits[0] > least || limits[1] < most {
-                    self.give(group.bounds[b], limits, At::Variable(p));
+                    self.give(group.bounds[b], limits.map(|limit| limit - shift), at);
                 }
             }
         }
+    }
+
+    /// Whether a row of the tick's problem is a bound on an eliminated effort that is given up.
+    fn is_given_up_torque(&self, assembly: &Assembly, id: RowId) -> bool {
+        let level = self.level_of.get(id.index()).copied().flatten();
+        assembly.torque_row(id).is_some() && level.is_some_and(|level| self.given_up[level])
+    }
+
+    /// The actuator's own limits, for such a row.
+    fn own_limits(&self, assembly: &Assembly, id: RowId) -> [f64; 2] {
+        let actuator = assembly.torque_row(id).map(|(_, actuator)| actuator);
+        let limits = actuator.and_then(|i| self.efforts.get(i));
+        limits
+            .copied()
+            .unwrap_or([f64::NEG_INFINITY, f64::INFINITY])
     }
 
     fn give(&mut self, id: RowId, [lower, upper]: [f64; 2], at: At) {
@@ -457,15 +459,17 @@ impl Elastic {
         }
         for (c, contact) in terms.contacts.iter().enumerate() {
             if let Some(start) = assembly.live.forces[c] {
-                let p = start + contact.kind.normal() - assembly.partition.substituted;
+                let p = start + contact.kind.normal();
+                let p = p - assembly.partition.substituted;
                 self.tighten(p, contact.force_limits, assembly.normal_rows[c]);
             }
         }
         for group in groups.iter().filter(|g| g.live) {
             for (b, (_, target)) in group.layout.bounds.iter().enumerate() {
                 let limits = [group.store.bound_lower[b], group.store.bound_upper[b]];
-                let position = assembly.position(*target);
-                if let Some(p) = position.filter(|_| !repeats(*target, limits, terms.contacts)) {
+                if let Some(BoundPlace::Variable(p)) = assembly.place(*target)
+                    && !repeats(*target, limits, terms.contacts)
+                {
                     self.tighten(p, limits, group.bounds[b]);
                 }
             }
@@ -492,15 +496,20 @@ impl Elastic {
     /// what it was, and by how much.
     pub(crate) fn exceeded<'a>(
         &'a self,
+        assembly: &'a Assembly,
         base: &'a Qp,
         x: &'a [f64],
     ) -> impl Iterator<Item = (RowId, f64, f64, f64)> + 'a {
         self.given.iter().flat_map(move |given| {
-            let value = match given.at {
-                At::Row(i) => base.row(i).iter().zip(x).map(|(a, x)| a * x).sum(),
-                At::Variable(j) => x[j],
+            let (value, constant) = match given.at {
+                At::Row(i) | At::Torque(i) => {
+                    let value: f64 = base.row(i).iter().zip(x).map(|(a, x)| a * x).sum();
+                    (value, assembly.constant(i))
+                }
+                At::Variable(j) => (x[j], 0.0),
             };
-            let [lower, upper] = given.asked;
+            let [lower, upper] = given.asked.map(|limit| limit + constant);
+            let value = value + constant;
             let below = (given.id, -1.0, lower, lower - value);
             let above = (given.id, 1.0, upper, value - upper);
             [below, above]
@@ -513,6 +522,11 @@ impl Elastic {
     pub(crate) fn limits(&self) -> usize {
         2 * self.given.capacity()
     }
+}
+
+/// Whether one limit is above another by more than what taking a constant from it and adding it again rounds.
+fn is_above(limit: f64, other: f64) -> bool {
+    limit > other + 1e-12 * (1.0 + limit.abs())
 }
 
 /// Whether a bound is the contact's own on its normal force, over again.

@@ -170,6 +170,11 @@ impl Group {
         if total > 0.0 { sum / total } else { 0.0 }
     }
 
+    /// Whether no row has coefficients on accelerations or efforts.
+    pub(crate) fn touches_forces_alone(&self) -> bool {
+        self.layout.vdot == VdotBlock::Absent && self.layout.effort.is_none()
+    }
+
     /// Number of rows this group may put into the problem.
     pub(crate) fn row_capacity(&self) -> usize {
         self.rows.len()

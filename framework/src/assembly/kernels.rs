@@ -1,38 +1,43 @@
 //! Inner loops over rows that lie in one piece. The order of all sums is fixed by the code: results do not depend on how
 //! wide the machine's vectors are.
 
+/// `y += a x` over the length of y.
+pub(super) fn add_row(y: &mut [f64], a: f64, x: &[f64]) {
+    for (y, x) in y.iter_mut().zip(x) {
+        *y += a * x;
+    }
+}
+
 /// `y += Σ a_k x_k` over the length of y; the rows `x_k` must not be shorter.
-pub(super) fn add_rows<const K: usize>(y: &mut [f64], a: [f64; K], x: [&[f64]; K]) {
+#[allow(
+    clippy::inline_always,
+    reason = "rows are short: coefficients that go through memory take longer than the sum"
+)]
+#[inline(always)]
+pub(super) fn add_four_rows(y: &mut [f64], a: [f64; 4], x: [&[f64]; 4]) {
     let n = y.len();
-    let x = x.map(|x| &x[..n]);
-    for (j, y) in y.iter_mut().enumerate() {
-        let mut sum = *y;
-        for k in 0..K {
-            sum += a[k] * x[k][j];
-        }
-        *y = sum;
+    let [p, q, r, s] = x.map(|x| &x[..n]);
+    for ((((y, p), q), r), s) in y.iter_mut().zip(p).zip(q).zip(r).zip(s) {
+        *y = *y + a[0] * p + a[1] * q + a[2] * r + a[3] * s;
     }
 }
 
 /// `y += Σ_k a_k x_k` over the length of y for the rows `x_k` of a matrix with a row stride.
 pub(super) fn add_matrix_rows(y: &mut [f64], coefficients: &[f64], matrix: &[f64], stride: usize) {
+    let row = |k: usize| &matrix[k * stride..(k + 1) * stride];
     let (fours, rest) = coefficients.as_chunks::<4>();
-    let mut rows = matrix.chunks_exact(stride);
-    let mut next = || rows.next().unwrap_or_default();
+    let mut k = 0;
     for &a in fours {
         if a != [0.0; 4] {
-            add_rows(y, a, [next(), next(), next(), next()]);
-        } else {
-            for _ in 0..4 {
-                next();
-            }
+            add_four_rows(y, a, [row(k), row(k + 1), row(k + 2), row(k + 3)]);
         }
+        k += 4;
     }
     for &a in rest {
-        let row = next();
         if a != 0.0 {
-            add_rows(y, [a], [row]);
+            add_row(y, a, row(k));
         }
+        k += 1;
     }
 }
 

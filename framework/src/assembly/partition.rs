@@ -118,12 +118,12 @@ impl Partition {
             columns[velocity] = column;
         }
         let mut kept = Vec::new();
-        let place = |actuator| match torques.iter().position(|t| t.actuator == actuator) {
-            Some(torque) => EffortPlace::Eliminated(torque),
-            None => {
-                kept.push(actuator);
-                EffortPlace::Kept(nv + kept.len() - 1)
+        let place = |actuator| {
+            if let Some(torque) = torques.iter().position(|t| t.actuator == actuator) {
+                return EffortPlace::Eliminated(torque);
             }
+            kept.push(actuator);
+            EffortPlace::Kept(nv + kept.len() - 1)
         };
         let efforts = (0..robot.nu()).map(place).collect();
         let coordinates = |carriers: Vec<usize>| {

@@ -15,7 +15,7 @@
 
 use super::{
     Live, Partition, Relations,
-    kernels::{add_matrix_rows, add_rows},
+    kernels::{add_four_rows, add_matrix_rows, add_row},
 };
 use crate::qp::Qp;
 
@@ -242,13 +242,13 @@ impl Quadratic {
             if self.is_coupled {
                 let cross = &self.h[i * n + p..i * n + p + width];
                 carried.copy_from_slice(cross);
-                add_rows(&mut g[..width], [response[i * stride + width]], [cross]);
+                add_row(&mut g[..width], response[i * stride + width], cross);
             } else {
                 carried.fill(0.0);
             }
             add_matrix_rows(carried, &self.row, response, stride);
             let row = &response[i * stride..i * stride + width];
-            add_rows(&mut g[..width], [linear], [row]);
+            add_row(&mut g[..width], linear, row);
         }
         for i in 0..width {
             let out = &mut h[i * nx + i..i * nx + width];
@@ -259,21 +259,22 @@ impl Quadratic {
                 while k + 2 <= p {
                     let ((b0, b_0), (w0, w_0)) = (b(k), w(k));
                     let ((b1, b_1), (w1, w_1)) = (b(k + 1), w(k + 1));
-                    add_rows(out, [b0, w0, b1, w1], [w_0, b_0, w_1, b_1]);
+                    add_four_rows(out, [b0, w0, b1, w1], [w_0, b_0, w_1, b_1]);
                     k += 2;
                 }
                 if k < p {
-                    let ((b0, b_0), (w0, w_0)) = (b(k), w(k));
-                    add_rows(out, [b0, w0], [w_0, b_0]);
+                    let ((b, b_row), (w, w_row)) = (b(k), w(k));
+                    add_row(out, b, w_row);
+                    add_row(out, w, b_row);
                 }
             } else {
                 while k + 4 <= p {
                     let at = [k, k + 1, k + 2, k + 3];
-                    add_rows(out, at.map(|k| b(k).0), at.map(|k| w(k).1));
+                    add_four_rows(out, at.map(|k| b(k).0), at.map(|k| w(k).1));
                     k += 4;
                 }
                 while k < p {
-                    add_rows(out, [b(k).0], [w(k).1]);
+                    add_row(out, b(k).0, w(k).1);
                     k += 1;
                 }
             }

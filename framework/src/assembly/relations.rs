@@ -136,7 +136,7 @@ impl Relations {
                 *out = -mass[velocity];
             }
             let forcing = velocities[i] * (self.inputs + 1);
-            tail.copy_from_slice(&self.forcing[forcing..forcing + self.inputs + 1]);
+            tail.copy_from_slice(&self.forcing[forcing..=forcing + self.inputs]);
         }
         self.cholesky
             .solve_rows(&mut self.response[..p * stride], stride);

@@ -60,7 +60,9 @@ impl Command {
             let limit = joint.limits.velocity;
             let next = reference + period * acceleration - period / leak * (reference - measured);
             self.joint_acceleration[i] = acceleration;
-            self.joint_velocity[i] = next.clamp(-limit, limit);
+            if next.is_finite() {
+                self.joint_velocity[i] = next.clamp(-limit, limit);
+            }
         }
     }
 

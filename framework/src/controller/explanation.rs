@@ -54,7 +54,8 @@ pub(super) fn is_proof(qp: &Qp, proof: &Solution) -> bool {
         error = error.max(unit * sum.abs());
         size = size.max(unit * terms);
     }
-    size > 0.0 && error <= EXACT * size && gap(qp, proof) > 0.0
+    // A row without coefficients proves it alone; its gap says whether.
+    error <= EXACT * size && gap(qp, proof) > 0.0
 }
 
 /// A row or bound (counted behind the rows) whose lower limit is above its upper one, named by the proof.
@@ -110,8 +111,8 @@ pub(super) fn write_conflict(
         let (owners, lower, upper) = match index.checked_sub(qp.m()) {
             None => (
                 [Some(qp.rows()[index]); 2],
-                qp.row_lower()[index],
-                qp.row_upper()[index],
+                qp.row_lower()[index] + assembly.constant(index),
+                qp.row_upper()[index] + assembly.constant(index),
             ),
             Some(j) => (assembly.bound_owner[j], qp.lower()[j], qp.upper()[j]),
         };
@@ -132,14 +133,14 @@ pub(super) fn write_conflict(
     let largest = terms().fold(0.0, f64::max);
     for (index, _) in terms()
         .enumerate()
-        .filter(|(_, term)| *term > ROUNDING * largest)
+        .filter(|(_, term)| *term > ROUNDING * largest || largest == 0.0)
     {
         let (multiplier, owners, lower, upper) = match index.checked_sub(qp.m()) {
             None => (
                 proof.y[index],
                 [Some(qp.rows()[index]); 2],
-                qp.row_lower()[index],
-                qp.row_upper()[index],
+                qp.row_lower()[index] + assembly.constant(index),
+                qp.row_upper()[index] + assembly.constant(index),
             ),
             Some(j) => (
                 proof.z[j],
@@ -148,6 +149,9 @@ pub(super) fn write_conflict(
                 qp.upper()[j],
             ),
         };
+        if multiplier == 0.0 {
+            continue;
+        }
         let (side, limit, owner) = if multiplier > 0.0 {
             (Side::Upper, upper, owners[1])
         } else {
@@ -225,7 +229,7 @@ impl fmt::Display for Rounded {
         }
         let decimals = (0..6).find(|&d| {
             let scale = 10_f64.powi(d);
-            ((self.0 * scale).round() / scale - self.0).abs() <= 1e-3 * size
+            ((self.0 * scale).round() / scale - self.0).abs() <= 5e-4 * size
         });
         write!(f, "{:.*}", decimals.unwrap_or(6).max(1) as usize, self.0)
     }
@@ -358,7 +362,7 @@ mod tests {
             (1.3, "1.3"),
             (0.0, "0.0"),
             (-9.80665, "-9.81"),
-            (0.034567, "0.0346"),
+            (0.034567, "0.03457"),
             (1.2345e-7, "1.23e-7"),
             (f64::INFINITY, "inf"),
         ] {

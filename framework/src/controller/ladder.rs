@@ -170,7 +170,7 @@ impl Ladder {
             report.resolves = resolve;
             report.iterations = report.iterations.saturating_add(self.solution.iterations);
             if self.is_good(self.elastic.qp.n()) {
-                self.report_exceeded(qp, report);
+                self.report_exceeded(assembly, qp, report);
                 self.hand_over(n, m, solution);
                 return Ok(Fault::Infeasible);
             }
@@ -197,8 +197,8 @@ impl Ladder {
         solution.z[..n].copy_from_slice(&self.solution.z[..n]);
     }
 
-    fn report_exceeded(&self, qp: &Qp, report: &mut Report) {
-        for (row, side, limit, by) in self.elastic.exceeded(qp, &self.solution.x) {
+    fn report_exceeded(&self, assembly: &Assembly, qp: &Qp, report: &mut Report) {
+        for (row, side, limit, by) in self.elastic.exceeded(assembly, qp, &self.solution.x) {
             if report.relaxed.len() < report.relaxed.capacity() {
                 report.relaxed.push(RelaxedRow {
                     row,

@@ -116,6 +116,8 @@ pub enum Fault {
     Rows(usize),
     /// The mass matrix is not positive definite at this state.
     MassMatrix,
+    /// The equations of motion have no finite numbers at this state.
+    Dynamics,
     /// Limits contradict one another; which is in the report.
     Infeasible,
     /// The solver gave no usable solution; its status is in the report.
@@ -133,6 +135,7 @@ impl std::fmt::Display for Fault {
             }
             Self::Rows(entry) => write!(f, "entry {entry} wrote a number that is not finite"),
             Self::MassMatrix => f.write_str("the mass matrix is not positive definite"),
+            Self::Dynamics => f.write_str("the equations of motion are not finite at this state"),
             Self::Infeasible => f.write_str("limits contradict one another"),
             Self::Solver => f.write_str("the solver gave no usable solution"),
         }

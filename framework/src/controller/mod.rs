@@ -186,6 +186,14 @@ impl Controller {
             )?)
         };
         let solved = self.stopwatch.now();
+        let x = &self.solution.x[..n];
+        self.assembly.recover(&self.groups, &terms, x);
+        let (vdot, effort) = (self.assembly.vdot(), self.assembly.effort());
+        if !vdot.iter().chain(effort).all(|x| x.is_finite()) {
+            self.report.relaxed.clear();
+            return Err(Fault::Dynamics);
+        }
+        self.report.vdot.copy_from_slice(vdot);
         let rung = match fault {
             None => Rung::Optimal,
             Some(_) => Rung::Relaxed,
@@ -282,11 +290,7 @@ impl Controller {
 
     /// Turns the solution into command and report.
     fn output(&mut self, rung: Rung) {
-        let x = &self.solution.x[..self.qp.n()];
-        let terms = Self::terms(&self.world);
-        self.assembly.recover(&self.groups, &terms, x);
-        self.world.last.vdot.copy_from_slice(self.assembly.vdot());
-        self.report.vdot.copy_from(&self.world.last.vdot);
+        self.world.last.vdot.copy_from(&self.report.vdot);
         let tasks = &self.groups[..self.tasks.len()];
         for (column, asked) in self.world.last.virtual_input.iter_mut().enumerate() {
             *asked = Group::virtual_input(tasks, column);
@@ -365,17 +369,16 @@ impl Controller {
         let qp = &self.qp;
         let Solution { x, y, z, .. } = &self.solution;
         let scale = qp.g().iter().fold(1.0_f64, |a, g| a.max(g.abs()));
-        let is_active = |distance: f64, limit: f64, multiplier: f64| {
-            distance <= 1e-6 * (1.0 + limit.abs()) && multiplier.abs() > 1e-9 * scale
-        };
+        let has_price = |multiplier: f64| multiplier.abs() > 1e-9 * scale;
+        let is_at = |distance: f64, limit: f64| distance <= 1e-6 * (1.0 + limit.abs());
         for (i, &row) in qp.rows().iter().enumerate() {
             let (lower, upper) = (qp.row_lower()[i], qp.row_upper()[i]);
-            if lower == upper {
+            if lower == upper || !has_price(y[i]) {
                 continue;
             }
             let ax: f64 = qp.row(i).iter().zip(x).map(|(a, x)| a * x).sum();
             let (side, limit) = near(ax, lower, upper);
-            if is_active((ax - limit).abs(), limit, y[i]) {
+            if is_at((ax - limit).abs(), limit) {
                 self.report.active.push(ActiveRow {
                     row,
                     side,
@@ -383,11 +386,11 @@ impl Controller {
                 });
             }
         }
-        for j in 0..qp.n() {
+        for j in (0..qp.n()).filter(|&j| has_price(z[j])) {
             let (side, limit) = near(x[j], qp.lower()[j], qp.upper()[j]);
             let owner = self.assembly.bound_owner[j][usize::from(side == Side::Upper)];
             if let Some(row) = owner
-                && is_active((x[j] - limit).abs(), limit, z[j])
+                && is_at((x[j] - limit).abs(), limit)
             {
                 self.report.active.push(ActiveRow {
                     row,

@@ -18,14 +18,16 @@
 //! ```text
 //! min Σ w_k (A u − τ_R)_k²  within the limits of u
 //! ```
-//! with roll and pitch far before thrust along the base's z, and that before yaw and sideways forces. The
-//! least-squares solution is computed, efforts beyond a limit are fixed there, and the rest is computed again: at most once per
-//! rotor (Bordignon's redistributed pseudo-inverse). **Torque-driven joints** get their part of τ. **Servoed
+//! in two steps. First thrust along the base's z, roll and pitch, these two far before thrust: the least-squares
+//! solution is computed, efforts beyond a limit are fixed there, and the rest is computed again, at most once per rotor
+//! (Bordignon's redistributed pseudo-inverse). Then sideways forces and yaw, by a change of the efforts that leaves the
+//! first step's result as it is, scaled down to stay within the limits: what is asked of yaw never costs roll and pitch. **Torque-driven joints** get their part of τ. **Servoed
 //! joints** get a velocity reference of zero.
 //!
 //! A floating base **without rotors** stands on its contacts: the same allocation distributes the base's part of τ
 //! over the forces of the contacts that are on, normals not below zero and tangential forces dear, and joints get `τ − Σ J_cᵀ f`.
-//! There the joints are held with the inertia that they feel through the contact, a share of the robot's.
+//! There the joints are held with the inertia that they feel through the contact, a share of the robot's; damping by as
+//! much as a joint whose contact lets go can bear at this rate.
 //!
 //! The state may be old: the feedback fades linearly within 0.1 s of the last usable measurement, over which no damping here
 //! overshoots (half its rate times that time is less than one), and what is left is plain gravity compensation.
@@ -56,8 +58,12 @@ const LARGEST_ANGULAR: f64 = 40.0;
 const LEAN: f64 = 0.268;
 /// Time within which feedback on an old state fades, s.
 const FADING: f64 = 0.1;
-/// Weights of the wrench in base axes: forces x, y, z, moments x, y, z (about the centre of mass, per 1 m).
-const PRIORITY: [f64; 6] = [1.0, 1.0, 1e2, 1e5, 1e5, 1e1];
+/// Weights of the wrench in base axes: forces x, y, z, moments x, y, z (about the centre of mass, per 1 m). In the first step,
+/// and in the second, where the result of the first is to be kept.
+const FIRST: [f64; 6] = [0.0, 0.0, 1e2, 1e5, 1e5, 0.0];
+const SECOND: [f64; 6] = [1.0, 1.0, 1e6, 1e6, 1e6, 1e1];
+/// Share of a joint's velocity that damping may take in a period.
+const BEARABLE: f64 = 0.5;
 /// Price of an effort beside a miss of the same size, and of a tangential force.
 const RIDGE: f64 = 1e-6;
 const TANGENTIAL: f64 = 1e-2;
@@ -166,8 +172,8 @@ impl SafeLaw {
             self.columns.clear();
         }
         let nu = robot.nu();
-        if self.rotors.is_empty() {
-            self.stiffen(model.mass(), world, offset);
+        if floating && self.rotors.is_empty() {
+            self.stiffen(world, offset, age);
         }
         for (column, &x) in self.columns.iter().zip(&self.allocation.x) {
             match *column {
@@ -253,13 +259,22 @@ impl SafeLaw {
     }
 
     /// The inertia that joints feel through the contacts they stand on: a share of the robot's mass at the end of each.
-    fn stiffen(&mut self, mass: f64, world: &World, offset: usize) {
+    fn stiffen(&mut self, world: &World, offset: usize, age: f64) {
+        let feedback = (1.0 - age / FADING).clamp(0.0, 1.0);
         let live = world.contacts.iter().filter(|c| c.live).count();
-        let share = mass / live.max(1) as f64;
-        for contact in world.contacts.iter().filter(|c| c.live) {
-            for j in offset..self.vdot.len() {
-                let reach = contact.J.fixed_view::<3, 1>(0, j).norm_squared();
-                self.force[j] += share * reach * self.vdot[j];
+        let share = world.model.mass() / live.max(1) as f64;
+        for j in offset..self.vdot.len() {
+            let own = world.data.mass_matrix()[(j, j)];
+            let on_contacts = world.contacts.iter().filter(|c| c.live);
+            let reach = on_contacts.map(|c| c.J.fixed_view::<3, 1>(0, j).norm_squared());
+            let added = share * reach.sum::<f64>();
+            let joint = j - offset;
+            let error = world.state.q[joint] - self.posture[joint];
+            let damping = 2.0 * POSTURE * added;
+            let bearable = (BEARABLE / world.period - 2.0 * POSTURE).max(0.0) * own;
+            let velocity = damping.min(bearable) * world.state.v[j];
+            if self.vdot[j] != 0.0 {
+                self.force[j] -= feedback * (POSTURE * POSTURE * added * error + velocity);
             }
         }
     }
@@ -343,6 +358,9 @@ struct Allocation {
     free: Vec<usize>,
     l: Vec<f64>,
     right: Vec<f64>,
+    weight: [f64; 6],
+    /// Result of the first step.
+    first: Vec<f64>,
 }
 
 impl Allocation {
@@ -357,12 +375,46 @@ impl Allocation {
             free: Vec::with_capacity(columns),
             l: vec![0.0; columns * columns],
             right: vec![0.0; columns],
+            weight: FIRST,
+            first: vec![0.0; columns],
         }
     }
 
-    /// At most one solve per column. What is not finite comes out as such.
+    /// At most one solve per column and one more. What is not finite comes out as such.
     fn solve(&mut self) {
         let p = self.lower.len();
+        self.weight = FIRST;
+        self.redistribute(p);
+        self.first[..p].copy_from_slice(&self.x[..p]);
+        for i in [2, 3, 4] {
+            let row = self.a[i * p..(i + 1) * p].iter();
+            self.b[i] = row.zip(&self.first).map(|(a, x)| a * x).sum();
+        }
+        self.weight = SECOND;
+        self.free.clear();
+        self.free.extend(0..p);
+        if !self.solve_free(p) {
+            self.x[..p].copy_from_slice(&self.first[..p]);
+            return;
+        }
+        let mut step = 1.0_f64;
+        for j in 0..p {
+            let change = self.x[j] - self.first[j];
+            let room = if change > 0.0 {
+                self.upper[j] - self.first[j]
+            } else {
+                self.lower[j] - self.first[j]
+            };
+            if change != 0.0 {
+                step = step.min((room / change).max(0.0));
+            }
+        }
+        for (x, first) in self.x[..p].iter_mut().zip(&self.first) {
+            *x = first + step * (*x - first);
+        }
+    }
+
+    fn redistribute(&mut self, p: usize) {
         self.free.clear();
         self.free.extend(0..p);
         self.x[..p].fill(0.0);
@@ -397,10 +449,12 @@ impl Allocation {
         }
         for (r, &column) in self.free.iter().enumerate() {
             let a = |i: usize, j: usize| self.a[i * p + j];
-            self.right[r] = (0..6).map(|i| PRIORITY[i] * a(i, column) * rest[i]).sum();
+            self.right[r] = (0..6)
+                .map(|i| self.weight[i] * a(i, column) * rest[i])
+                .sum();
             for (c, &other) in self.free.iter().enumerate().take(r + 1) {
                 let product: f64 = (0..6)
-                    .map(|i| PRIORITY[i] * a(i, column) * a(i, other))
+                    .map(|i| self.weight[i] * a(i, column) * a(i, other))
                     .sum();
                 let ridge = if c == r { self.ridge[column] } else { 0.0 };
                 let mut sum = product + ridge;

@@ -162,8 +162,15 @@ impl ContactBinding {
         c.V = rotate(&(velocity - self.motion.velocity_at(&k.p_WF)));
         c.surface_acceleration = rotate(&self.motion.acceleration_at(&k.p_WF));
         c.Jdot_v = rotate(&k.Jdot_v);
-        for (mut out, column) in c.J.column_iter_mut().zip(k.J.column_iter()) {
-            out.copy_from(&rotate(&column.into_owned()));
+        let (columns, _) = k.J.as_slice().as_chunks::<6>();
+        let (rotated, _) = c.J.as_mut_slice().as_chunks_mut::<6>();
+        for (out, column) in rotated.iter_mut().zip(columns) {
+            // Joints that do not carry the contact.
+            *out = if *column == [0.0; 6] {
+                [0.0; 6]
+            } else {
+                rotate(&Vector6::from(*column)).into()
+            };
         }
         // The sensor speaks in E about E's origin; the contact point is the offset away.
         let force = Vector3::new(wrench[0], wrench[1], wrench[2]);

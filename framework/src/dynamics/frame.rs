@@ -99,27 +99,25 @@ impl FrameKinematics {
     /// Writes the columns of the joints that carry `body`, and of the base; all others are zero.
     fn fill_jacobian(&mut self, model: &Model, data: &Data, body: BodyId) {
         let offset = model.joint_offset();
-        let J = &mut self.J;
-        J.fill(0.0);
+        let (J, _) = self.J.as_mut_slice().as_chunks_mut::<6>();
+        J.fill([0.0; 6]);
         let mut i = body.index();
         while i != 0 {
             let link = &data.links[i];
             let column = link.S.at_child(&(self.p_WF - link.p_WB));
-            for k in 0..3 {
-                J[(k, offset + i - 1)] = column.linear[k];
-                J[(3 + k, offset + i - 1)] = column.angular[k];
-            }
+            let (v, w) = (column.linear, column.angular);
+            J[offset + i - 1] = [v.x, v.y, v.z, w.x, w.y, w.z];
             i = link.parent;
         }
         if offset == 6 {
-            let S_r = crate::spatial::skew(&(self.p_WF - data.links[0].p_WB));
-            for a in 0..3 {
-                J[(a, a)] = 1.0;
-                J[(3 + a, 3 + a)] = 1.0;
-                for b in 0..3 {
-                    J[(a, 3 + b)] = -S_r[(a, b)];
-                }
-            }
+            // Unit velocities of the base; a turn about an axis e moves the origin by e × r.
+            let r = self.p_WF - data.links[0].p_WB;
+            J[0] = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+            J[1] = [0.0, 1.0, 0.0, 0.0, 0.0, 0.0];
+            J[2] = [0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
+            J[3] = [0.0, -r.z, r.y, 1.0, 0.0, 0.0];
+            J[4] = [r.z, 0.0, -r.x, 0.0, 1.0, 0.0];
+            J[5] = [-r.y, r.x, 0.0, 0.0, 0.0, 1.0];
         }
     }
 }

@@ -415,10 +415,10 @@ fn qp_message(controller: &Controller, out: &mut Vec<u8>) {
             o.number("short", short);
         };
         o.list("conflict", &report.conflict, |o, c| {
-            short(o, c.row, c.side, c.limit, c.short)
+            short(o, c.row, c.side, c.limit, c.short);
         });
         o.list("relaxed", &report.relaxed, |o, r| {
-            short(o, r.row, r.side, r.limit, r.by)
+            short(o, r.row, r.side, r.limit, r.by);
         });
         o.integer("iterations", u64::from(report.iterations));
         o.object("times", |o| {

@@ -1,18 +1,13 @@
 //! Ticks of a closed loop, recorded, to be run again as often as a benchmark wants.
 
-use std::time::{Duration, Instant};
-
-use wbqp::{
-    Controller, Measurement,
-    controller::{StageTimes, Stopwatch},
-};
+use wbqp::{Controller, Measurement, controller::StageTimes};
 use wbqp_examples::tick_stats::workload::{Contact, Robot, Workload};
 
 /// Consecutive ticks that are recorded.
 const LENGTH: usize = 400;
 
 /// The robots and contacts that are benchmarked.
-pub const WORKLOADS: [(&str, Robot, Contact); 7] = [
+pub(crate) const WORKLOADS: [(&str, Robot, Contact); 7] = [
     ("othex, n_c = 0", Robot::Othex, Contact::None),
     ("othex, n_c = 1, normal", Robot::Othex, Contact::Normal),
     (
@@ -28,8 +23,8 @@ pub const WORKLOADS: [(&str, Robot, Contact); 7] = [
 
 /// A controller in the middle of its scenario, and what it measures next. Ticked again and again through the same
 /// measurements, its clock goes on.
-pub struct Recording {
-    controller: Controller,
+pub(crate) struct Recording {
+    pub(crate) controller: Controller,
     measurements: Vec<Measurement>,
     next: usize,
     time: f64,
@@ -37,7 +32,7 @@ pub struct Recording {
 
 impl Recording {
     /// From the closed loop with a solver, `active_set` or `clarabel`.
-    pub fn new(robot: Robot, contact: Contact, solver: &str) -> Self {
+    pub(crate) fn new(robot: Robot, contact: Contact, solver: &str) -> Self {
         let workload = Workload::new(robot, contact, Some(solver), None).expect("ships");
         let mut run = workload.start(1).expect("ships");
         let tick = |controller: &mut Controller, measurement: &Measurement| {
@@ -60,34 +55,12 @@ impl Recording {
         }
     }
 
-    /// Lets the stages be timed.
-    pub fn with_stopwatch(mut self) -> Self {
-        self.controller = self
-            .controller
-            .with_stopwatch(Box::new(Clock(Instant::now())));
-        self
-    }
-
     /// The next tick.
-    pub fn tick(&mut self) -> &StageTimes {
+    pub(crate) fn tick(&mut self) -> &StageTimes {
         let measurement = &mut self.measurements[self.next];
         self.next = (self.next + 1) % LENGTH;
         self.time += 1.0 / self.controller.settings().rate;
         measurement.time = self.time;
         &self.controller.tick(measurement).1.times
     }
-}
-
-#[derive(Debug)]
-struct Clock(Instant);
-
-impl Stopwatch for Clock {
-    fn now(&mut self) -> f64 {
-        self.0.elapsed().as_secs_f64()
-    }
-}
-
-/// Seconds as a duration.
-pub fn duration(seconds: f64) -> Duration {
-    Duration::from_secs_f64(seconds.max(0.0))
 }

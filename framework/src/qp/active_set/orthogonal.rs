@@ -44,11 +44,11 @@ enum Factor {
         span: Span,
         triangle: usize,
     },
-    /// `[c s; −s c]` on the components `i` and `i + 1`.
+    /// Rotations `[c s; −s c]` of the components `first` and `first + 1`, then of `first + 1` and `first + 2`, and so on.
     Rotate {
-        i: usize,
-        c: f64,
-        s: f64,
+        first: usize,
+        at: usize,
+        count: usize,
     },
 }
 
@@ -63,18 +63,21 @@ pub(super) struct Orthogonal {
     used: usize,
     /// Rows of S.
     triangles: Vec<[[f64; 4]; 4]>,
+    /// c and s.
+    rotations: Vec<(f64, f64)>,
 }
 
 impl Orthogonal {
-    /// Room for `reflections` in `n` dimensions and as many rotations as `rotations`.
+    /// Room for `reflections` in `n` dimensions and as many rotations as `rotations`, and for n runs of them per reflection.
     pub(super) fn new(n: usize, reflections: usize, rotations: usize) -> Self {
         Self {
             n,
             stride: padded(n),
-            factors: Vec::with_capacity(reflections + rotations),
+            factors: Vec::with_capacity(5 * reflections),
             vectors: vec![0.0; padded(n) * reflections],
             used: 0,
             triangles: Vec::with_capacity(reflections / 4),
+            rotations: Vec::with_capacity(rotations),
         }
     }
 
@@ -84,13 +87,16 @@ impl Orthogonal {
         self.stride = padded(n);
         self.factors.clear();
         self.triangles.clear();
+        self.rotations.clear();
         self.used = 0;
     }
 
-    /// Whether another reflection and `rotations` more rotations fit.
+    /// Whether another reflection and `rotations` more rotations in n runs fit.
     pub(super) fn has_room(&self, rotations: usize) -> bool {
         self.used + self.stride <= self.vectors.len()
-            && self.factors.len() + 1 + rotations <= self.factors.capacity()
+            && self.factors.len() + 1 + self.n <= self.factors.capacity()
+            && self.triangles.len() < self.triangles.capacity()
+            && self.rotations.len() + rotations <= self.rotations.capacity()
     }
 
     /// Appends the reflection that maps the components of `w` from `start` on to one, `r e_start`, and applies it to `w`
@@ -167,12 +173,25 @@ impl Orthogonal {
         &self.vectors[span.at + span.from..]
     }
 
-    /// Appends the rotation that makes the second of the neighbours `(a, b)` at `i` zero; returns `(c, s, r)` with
-    /// `c a + s b = r`.
-    pub(super) fn rotate(&mut self, i: usize, a: f64, b: f64) -> (f64, f64, f64) {
+    /// Begins a run of rotations, whose first acts on `first` and its neighbour.
+    pub(super) fn begin_rotations(&mut self, first: usize) {
+        let at = self.rotations.len();
+        self.factors.push(Factor::Rotate {
+            first,
+            at,
+            count: 0,
+        });
+    }
+
+    /// Appends a rotation to the run: the one that makes the second of the neighbours `(a, b)` zero; returns `(c, s, r)`
+    /// with `c a + s b = r`.
+    pub(super) fn rotate(&mut self, a: f64, b: f64) -> (f64, f64, f64) {
         let r = (a * a + b * b).sqrt();
         let (c, s) = if r > 0.0 { (a / r, b / r) } else { (1.0, 0.0) };
-        self.factors.push(Factor::Rotate { i, c, s });
+        if let Some(Factor::Rotate { count, .. }) = self.factors.last_mut() {
+            *count += 1;
+            self.rotations.push((c, s));
+        }
         (c, s, r)
     }
 
@@ -201,9 +220,24 @@ impl Orthogonal {
                     ];
                     add_rows(w, alpha, v, self.stride);
                 }
-                Factor::Rotate { i, c, s } => {
-                    range = range.start.min(i)..range.end.max(i + 2);
-                    (w[i], w[i + 1]) = (c * w[i] + s * w[i + 1], c * w[i + 1] - s * w[i]);
+                Factor::Rotate { first, at, count } => {
+                    let span = Span {
+                        from: first,
+                        to: first + count + 1,
+                        at,
+                    };
+                    if !span.grow(&mut range) {
+                        continue;
+                    }
+                    let w = &mut w[span.from..span.to];
+                    // What the next rotation needs stays in a register.
+                    let mut carried = w[0];
+                    for (i, &(c, s)) in self.rotations[at..at + count].iter().enumerate() {
+                        let next = w[i + 1];
+                        w[i] = c * carried + s * next;
+                        carried = c * next - s * carried;
+                    }
+                    w[count] = carried;
                 }
             }
         }
@@ -222,8 +256,15 @@ impl Orthogonal {
                         .map(|s| -((s[0] * y[0] + s[1] * y[1]) + (s[2] * y[2] + s[3] * y[3])));
                     add_rows(z, alpha, v, self.stride);
                 }
-                Factor::Rotate { i, c, s } => {
-                    (z[i], z[i + 1]) = (c * z[i] - s * z[i + 1], c * z[i + 1] + s * z[i]);
+                Factor::Rotate { first, at, count } => {
+                    let z = &mut z[first..=first + count];
+                    let mut carried = z[count];
+                    for (i, &(c, s)) in self.rotations[at..at + count].iter().enumerate().rev() {
+                        let before = z[i];
+                        z[i + 1] = c * carried + s * before;
+                        carried = c * before - s * carried;
+                    }
+                    z[0] = carried;
                 }
             }
         }
@@ -266,8 +307,9 @@ mod tests {
         for (a, b) in sum.iter().zip(&reflected) {
             assert!((a - b).abs() < 1e-14, "{sum:?} {reflected:?}");
         }
-        for start in 0..4 {
-            let (c, s, r) = q.rotate(start, 3.0, 4.0);
+        q.begin_rotations(3);
+        for _ in 0..4 {
+            let (c, s, r) = q.rotate(3.0, 4.0);
             assert!((c * 3.0 + s * 4.0 - r).abs() < 1e-14 && (c * 4.0 - s * 3.0).abs() < 1e-14);
         }
         assert!(!q.has_room(100));

@@ -18,7 +18,7 @@ const JOINT_ROUNDS: u32 = 4;
 /// Rounds in which all constraints with a multiplier of the wrong sign are let go together, before any was exact.
 const GUESS_ROUNDS: u32 = 6;
 /// Residual of the optimality conditions, relative to their terms, that needs no refinement.
-const EXACT: f64 = 1e-14;
+const EXACT: f64 = 1e-13;
 /// Relative residual of an optimum.
 const CONVERGED: f64 = 1e-9;
 /// Refinements, or proximal steps, on one set of held constraints.
@@ -30,8 +30,9 @@ const ROUNDING: f64 = 1e-8;
 /// Times that a refined point may turn out to violate a constraint, or to hold one too many.
 const CORRECTIONS: u32 = 50;
 
-/// Relative violation, or multiplier of the wrong sign, that a refined point may have: the more, the longer it takes.
-const FORGIVEN: [f64; 2] = [1e-11, 1e-10];
+/// Relative violation, or multiplier of the wrong sign, that a refined point may have: the second after a few corrections,
+/// which only degenerate problems need.
+const FORGIVEN: [f64; 2] = [1e-11, 3e-11];
 
 /// Why the dual iteration stopped.
 enum End {
@@ -64,6 +65,8 @@ pub(super) struct Workspace {
     size: f64,
     /// The last residuals, relative to it.
     residual: f64,
+    /// The tolerance within which the point is known to violate nothing; infinite if that is not known.
+    passed: f64,
     iterations: u32,
 }
 
@@ -325,6 +328,7 @@ impl Workspace {
             self.point.evaluate(qp);
             let worst = self.find_violated(qp, tolerance);
             if self.violated.is_empty() {
+                self.passed = tolerance;
                 return End::Optimal;
             }
             if worst < ROUNDING || (worst < 1e3 * ROUNDING && self.iterations > LONG) {
@@ -510,6 +514,7 @@ impl Workspace {
             let (d, p) = (&mut self.gradient[..self.stride], &mut self.p[..k]);
             self.set.correct(&self.hessian, d, p);
             axpy(self.point.x_mut(), 1.0, d);
+            self.passed = f64::INFINITY;
             axpy(&mut self.set.multipliers, 1.0, p);
             self.point.evaluate(qp);
         }
@@ -550,8 +555,14 @@ impl Workspace {
     /// Whether the refined point violates nothing and holds nothing with a multiplier of the wrong sign, beyond what is
     /// forgiven.
     fn is_settled(&mut self, qp: &Qp, tolerance: f64, forgiven: f64) -> bool {
-        self.find_violated(qp, tolerance.max(forgiven));
-        self.violated.is_empty() && (0..self.set.len()).all(|j| !self.is_wrong(qp, j, forgiven))
+        let tolerance = tolerance.max(forgiven);
+        if self.passed > tolerance {
+            self.find_violated(qp, tolerance);
+            if !self.violated.is_empty() {
+                return false;
+            }
+        }
+        (0..self.set.len()).all(|j| !self.is_wrong(qp, j, forgiven))
     }
 
     /// Whether the multiplier of the j-th constraint held has the wrong sign by more than is forgiven.

@@ -132,9 +132,12 @@ impl WorkingSet {
             let from = (i + 1) * n;
             self.r.copy_within(from..from + i + 2, i * n);
         }
+        if j < k {
+            self.q.begin_rotations(j);
+        }
         for i in j..k {
             let at = i * n + i;
-            let (c, s, r) = self.q.rotate(i, self.r[at], self.r[at + 1]);
+            let (c, s, r) = self.q.rotate(self.r[at], self.r[at + 1]);
             self.r[at] = r;
             self.reciprocal[i] = 1.0 / r;
             for row in self.r[(i + 1) * n..k * n].chunks_exact_mut(n) {

@@ -1,0 +1,144 @@
+//! Bounds on single variables, and those on eliminated efforts, which are rows.
+
+use super::{Assembly, DynamicsTerms, Group, Partition, partition::EffortPlace};
+use crate::{
+    controller::Fault,
+    layout::BoundTarget,
+    qp::{Qp, RowId},
+};
+
+/// Where a bound is in the problem of a tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum BoundPlace {
+    /// On this variable.
+    Variable(usize),
+    /// A row: on the effort of this actuator.
+    Torque(usize),
+}
+
+/// A row that is a bound on an eliminated effort.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TorqueRow {
+    /// The bound.
+    pub(super) id: RowId,
+    /// Its row in the problem of this tick.
+    pub(super) row: usize,
+    /// Whose effort.
+    pub(super) actuator: usize,
+}
+
+impl Assembly {
+    /// Pushes a group's bounds on eliminated efforts, which are rows; false if a limit is not a number.
+    pub(super) fn push_torque_bounds(&mut self, group: &Group, qp: &mut Qp) -> bool {
+        let p = self.partition.substituted;
+        for (b, (_, target)) in group.layout.bounds.iter().enumerate() {
+            let BoundTarget::Effort(actuator) = *target else {
+                continue;
+            };
+            let EffortPlace::Eliminated(index) = self.partition.efforts[actuator] else {
+                continue;
+            };
+            let (lower, upper) = (group.store.bound_lower[b], group.store.bound_upper[b]);
+            if lower.is_nan() || upper.is_nan() {
+                return false;
+            }
+            if lower == f64::NEG_INFINITY && upper == f64::INFINITY {
+                continue;
+            }
+            let (torque, known) = self.relations.torque(index);
+            let (head, tail) = torque.split_at(p);
+            let row = &mut self.row[..tail.len()];
+            row.copy_from_slice(tail);
+            let constant = known + self.relations.substitute(head, row);
+            let limits = (lower - constant, upper - constant);
+            if let Some(out) = qp.push_row(group.bounds[b], limits.0, limits.1) {
+                self.constants.push(constant);
+                self.torque_rows.push(TorqueRow {
+                    id: group.bounds[b],
+                    row: self.constants.len() - 1,
+                    actuator,
+                });
+                out[..row.len()].copy_from_slice(row);
+            }
+        }
+        true
+    }
+
+    /// Intersects the bounds of all live groups and remembers whose are the tightest.
+    pub(super) fn add_bounds(
+        &mut self,
+        terms: &DynamicsTerms<'_>,
+        groups: &[Group],
+        qp: &mut Qp,
+    ) -> Result<(), Fault> {
+        let (n, p) = (qp.n(), self.partition.substituted);
+        self.bound_owner[..n].fill([None; 2]);
+        let (lower, upper) = qp.bounds_mut();
+        for slack in self.live.slacks.iter().flatten() {
+            lower[slack - p] = 0.0;
+        }
+        for (c, contact) in terms.contacts.iter().enumerate() {
+            if let Some(start) = self.live.forces[c] {
+                let at = start - p + contact.kind.normal();
+                [lower[at], upper[at]] = contact.force_limits;
+                self.bound_owner[at] = [Some(self.normal_rows[c]); 2];
+            }
+        }
+        for (index, group) in groups.iter().enumerate().filter(|(_, g)| g.live) {
+            for (b, (_, target)) in group.layout.bounds.iter().enumerate() {
+                let Some(BoundPlace::Variable(at)) = self.place(*target) else {
+                    continue;
+                };
+                let (l, u) = (group.store.bound_lower[b], group.store.bound_upper[b]);
+                if l.is_nan() || u.is_nan() {
+                    return Err(Fault::Rows(index));
+                }
+                if l > lower[at] {
+                    lower[at] = l;
+                    self.bound_owner[at][0] = Some(group.bounds[b]);
+                }
+                if u < upper[at] {
+                    upper[at] = u;
+                    self.bound_owner[at][1] = Some(group.bounds[b]);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The row of the problem that is this bound on an eliminated effort, and whose.
+    pub(super) fn torque_row(&self, id: RowId) -> Option<(usize, usize)> {
+        let found = self.torque_rows.binary_search_by_key(&id, |row| row.id);
+        found
+            .ok()
+            .map(|i| (self.torque_rows[i].row, self.torque_rows[i].actuator))
+    }
+
+    /// The actuator whose effort is this variable of the problem.
+    pub(super) fn effort_at(&self, position: usize) -> Option<usize> {
+        let Partition {
+            nv,
+            substituted,
+            kept,
+            ..
+        } = &self.partition;
+        (position + substituted)
+            .checked_sub(*nv)
+            .and_then(|i| kept.get(i))
+            .copied()
+    }
+
+    /// Where a bound is, if what it is on is live.
+    pub(super) fn place(&self, target: BoundTarget) -> Option<BoundPlace> {
+        let variable = |column: usize| BoundPlace::Variable(column - self.partition.substituted);
+        match target {
+            BoundTarget::Effort(i) => match self.partition.efforts[i] {
+                EffortPlace::Kept(column) => Some(variable(column)),
+                EffortPlace::Eliminated(_) => Some(BoundPlace::Torque(i)),
+            },
+            BoundTarget::Force(contact, i) => {
+                self.live.forces[contact.index()].map(|start| variable(start + i))
+            }
+        }
+    }
+}

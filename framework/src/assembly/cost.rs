@@ -1,0 +1,110 @@
+//! Rows that are a cost, and the regularisation.
+
+use super::{Assembly, DynamicsTerms, Group, expand::is_finite, partition::EffortPlace};
+use crate::layout::{Block, VdotBlock};
+
+impl Assembly {
+    /// Adds a group's rows to the cost, by what their blocks leave zero.
+    pub(super) fn add_cost(&mut self, group: &Group, terms: &DynamicsTerms<'_>) {
+        let (weights, alpha) = (group.weight.now(), group.alpha);
+        let weight = |k: usize| weights[k] * alpha;
+        let b = |k: usize| group.store.lower[k];
+        let layout = &group.layout;
+        let (rows, partition) = (layout.len(), &self.partition);
+        let quadratic = &mut self.quadratic;
+        match (&layout.vdot, &layout.effort, layout.forces.as_slice()) {
+            (VdotBlock::Unit(velocities), None, []) => {
+                for (k, &velocity) in velocities.iter().enumerate() {
+                    quadratic.add_unit(partition.columns[velocity], weight(k), b(k));
+                }
+            }
+            (VdotBlock::Frame(frame, directions), None, []) => {
+                let (jacobian, carriers) = (&terms.frames[frame.0].J, &partition.frames[frame.0]);
+                let a = |k: usize, i: usize| jacobian[(directions[k], carriers[i].velocity)];
+                let columns = carriers.iter().map(|at| at.column);
+                quadratic.add_rows(rows, columns, a, weight, b);
+            }
+            (VdotBlock::Contact(contact, directions), None, []) => {
+                let contact = contact.index();
+                let (jacobian, carriers) =
+                    (&terms.contacts[contact].J, &partition.contacts[contact]);
+                let a = |k: usize, i: usize| jacobian[(directions[k], carriers[i].velocity)];
+                let columns = carriers.iter().map(|at| at.column);
+                quadratic.add_rows(rows, columns, a, weight, b);
+            }
+            (VdotBlock::Dense, None, []) => {
+                let (nv, velocities) = (partition.nv, &partition.velocities);
+                let a = |k: usize, i: usize| group.store.vdot[k * nv + velocities[i]];
+                quadratic.add_rows(rows, 0..nv, a, weight, b);
+            }
+            (VdotBlock::Absent, Some(Block::Unit(actuators)), []) => {
+                for (k, &actuator) in actuators.iter().enumerate() {
+                    match partition.efforts[actuator] {
+                        EffortPlace::Kept(column) => quadratic.add_unit(column, weight(k), b(k)),
+                        EffortPlace::Eliminated(t) => quadratic.add_torque(t, weight(k), b(k)),
+                    }
+                }
+            }
+            (VdotBlock::Absent, None, [(contact, Block::Unit(components))]) => {
+                if let Some(start) = self.live.forces[contact.index()] {
+                    for (k, &component) in components.iter().enumerate() {
+                        quadratic.add_unit(start + component, weight(k), b(k));
+                    }
+                }
+            }
+            _ => self.add_mixed_cost(group, terms),
+        }
+    }
+
+    /// Adds rows with several blocks, or dense ones on efforts and forces, to the cost.
+    fn add_mixed_cost(&mut self, group: &Group, terms: &DynamicsTerms<'_>) {
+        let (rows, n) = (group.layout.len(), self.live.n_physical);
+        let mut block = std::mem::take(&mut self.block);
+        let mut constants = std::mem::take(&mut self.block_constants);
+        block[..rows * n].fill(0.0);
+        let context = self.context(terms);
+        for (k, row) in block.chunks_exact_mut(n).take(rows).enumerate() {
+            constants[k] = context.natural_row(group, k, row);
+        }
+        if !matches!(group.layout.vdot, VdotBlock::Absent) {
+            self.quadratic.couple();
+        }
+        let (weights, alpha) = (group.weight.now(), group.alpha);
+        let is_there = |column: usize| (0..rows).any(|k| block[k * n + column] != 0.0);
+        self.columns.clear();
+        self.columns
+            .extend((0..n).filter(|&column| is_there(column)));
+        let columns = &self.columns;
+        self.quadratic.add_rows(
+            rows,
+            columns.iter().copied(),
+            |k, i| block[k * n + columns[i]],
+            |k| weights[k] * alpha,
+            |k| group.store.lower[k] - constants[k],
+        );
+        self.block = block;
+        self.block_constants = constants;
+    }
+
+    /// Whether what a group wrote for the cost is finite.
+    pub(super) fn is_cost_finite(&self, group: &Group) -> bool {
+        group.cost_start.is_none()
+            || (0..group.layout.len())
+                .all(|k| group.store.lower[k].is_finite() && is_finite(group, &self.partition, k))
+    }
+
+    /// `w_ε ‖(u, f)‖²` with `w_ε` relative to the largest weight that is on.
+    pub(super) fn regularise(&mut self, groups: &[Group]) {
+        let on = groups.iter().filter(|g| g.cost_start.is_some());
+        let largest = on.map(Group::largest_weight).fold(0.0, f64::max);
+        self.largest_weight = if largest > 0.0 { largest } else { 1.0 };
+        let weight = self.regularisation * self.largest_weight;
+        self.regularisation_weight = weight;
+        for column in self.partition.nv..self.live.n_physical {
+            self.quadratic.add_unit(column, weight, 0.0);
+        }
+        for torque in 0..self.partition.torques.len() {
+            self.quadratic.add_torque(torque, weight, 0.0);
+        }
+    }
+}
