@@ -52,6 +52,23 @@ impl Sample {
         }
     }
 
+    /// This value of a vector space, standing still.
+    pub fn at_rest(value: impl IntoIterator<Item = f64>) -> Self {
+        let value: Vec<f64> = value.into_iter().collect();
+        Self {
+            value: value.clone(),
+            ..Self::new(Space::Vector(value.len()))
+        }
+    }
+
+    /// This orientation, standing still.
+    pub fn turned(rotation: UnitQuaternion<f64>) -> Self {
+        Self {
+            rotation,
+            ..Self::new(Space::Rotation)
+        }
+    }
+
     /// Rate as a 3-vector; missing components are zero.
     pub fn rate3(&self) -> Vector3<f64> {
         three(&self.rate)
@@ -97,6 +114,40 @@ pub trait Reference: Any + Send + Debug {
 
     /// Writes the sample for this tick. No allocation, no panic.
     fn sample(&mut self, tick: &Tick<'_>, out: &mut Sample);
+}
+
+/// Binds the reference of a task, in the task's own `bind`: it begins at time zero from `from`, the value in the home
+/// posture. Gives `from` back, as the sample that the task keeps and hands to [`Reference::sample`] in every update.
+///
+/// `key` is the reference's key in the task's configuration: errors name what is wrong as `key.…`.
+///
+/// # Errors
+/// What the reference refuses.
+pub fn begin(
+    key: &str,
+    reference: &mut dyn Reference,
+    space: Space,
+    from: Sample,
+) -> Result<Sample, BindError> {
+    let start = Start {
+        space,
+        time: 0.0,
+        from: &from,
+    };
+    let inside = |inner: String| format!("{key}.{inner}");
+    match reference.bind(&start) {
+        Ok(()) => Ok(from),
+        Err(BindError::Length { key, got, expected }) => Err(BindError::Length {
+            key: inside(key),
+            got,
+            expected,
+        }),
+        Err(BindError::Value { key, problem }) => Err(BindError::Value {
+            key: inside(key),
+            problem,
+        }),
+        Err(other) => Err(other),
+    }
 }
 
 /// A task's reference and where it stands: given by [`Task::follow`](crate::task::Task::follow), so that another

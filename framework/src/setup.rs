@@ -3,6 +3,7 @@
 use crate::{
     actuator::{Actuator, ActuatorKind},
     contact::{ContactId, ContactSpec},
+    dynamics::{Data, FrameMotion, frame_motion},
     model::{FrameId, JointId, Model},
     robot::RobotModel,
     suggestion,
@@ -115,6 +116,20 @@ impl<'a> Setup<'a> {
             .collect()
     }
 
+    /// Position in `u` of a joint's motor; `None` for a passive joint.
+    ///
+    /// ```
+    /// # use wbqp::setup::{BindError, Setup};
+    /// fn knee(setup: &Setup<'_>) -> Result<usize, BindError> {
+    ///     let joint = setup.joint("knee")?;
+    ///     let motor = setup.motor(joint);
+    ///     motor.ok_or_else(|| BindError::value("joint", "has no motor"))
+    /// }
+    /// ```
+    pub fn motor(&self, joint: JointId) -> Option<usize> {
+        self.robot.joint_actuator(joint)
+    }
+
     /// Control period, s.
     pub fn period(&self) -> f64 {
         self.period
@@ -125,15 +140,30 @@ impl<'a> Setup<'a> {
     /// # Errors
     /// [`BindError::Unknown`] with the known names.
     pub fn frame(&mut self, name: &str) -> Result<FrameHandle, BindError> {
+        let id = self.frame_id(name)?;
+        Ok(self.request(id))
+    }
+
+    fn frame_id(&self, name: &str) -> Result<FrameId, BindError> {
         let model = self.model();
-        let id = model.frame(name).ok_or_else(|| {
+        model.frame(name).ok_or_else(|| {
             unknown(
                 "frame",
                 name,
                 model.frames().iter().map(|f| f.name.as_str()),
             )
-        })?;
-        Ok(self.request(id))
+        })
+    }
+
+    /// Where a frame is in the home posture, at rest: where references of its motion begin. Allocates.
+    ///
+    /// # Errors
+    /// [`BindError::Unknown`] with the known names.
+    pub fn frame_at_home(&self, name: &str) -> Result<FrameMotion, BindError> {
+        let id = self.frame_id(name)?;
+        let mut data = Data::new(self.model());
+        data.update_kinematics(self.model(), &self.robot.home);
+        Ok(frame_motion(self.model(), &data, id))
     }
 
     /// Asks for the base frame's kinematics.

@@ -34,6 +34,7 @@ enum Fault {
     Allocates,
     SameLabels,
     RefusesAll,
+    Panics,
 }
 
 /// Moves the origin of the tool.
@@ -92,6 +93,7 @@ impl Task for MoveTool {
             Fault::OldCoefficients if self.count == 2 => rows.vdot()[(0, 0)] += 1.0,
             Fault::VelocityInCoefficients => rows.vdot()[(0, 0)] += tick.state.v[0],
             Fault::WritesConfiguration => self.kp = 1.0,
+            Fault::Panics => rows.b()[1] = error.as_slice()[self.count + 2],
             Fault::Allocates => drop(std::hint::black_box(vec![self.count])),
             _ => {}
         }
@@ -133,6 +135,7 @@ fn every_fault_of_a_task_is_found() {
         ("writes_configuration", Check::Form),
         ("same_labels", Check::Layout),
         ("refuses_all", Check::Layout),
+        ("panics", Check::Panic),
     ] {
         let found = failed(fault);
         assert!(found.contains(&check), "{fault}: {found:?}");
@@ -152,6 +155,17 @@ fn coefficients_say_what_they_must_not_depend_on() {
     };
     assert!(message("old_coefficients").contains("the state of the tick before"));
     assert!(message("velocity_in_coefficients").contains("with the velocity"));
+}
+
+#[test]
+fn a_panic_is_a_failure_of_the_plugin_on_each_robot() {
+    let test = PluginTest::task("type = \"test.move_tool\"\nfault = \"panics\"");
+    let failures = test.run().expect_err("it panics");
+    let robots: Vec<_> = failures.list.iter().map(|f| f.robot.as_str()).collect();
+    assert_eq!(robots, ["flyer", "arm", "gantry", "walker"]);
+    let text = failures.to_string();
+    let start = "panic on `flyer`: state 0: `update` panics: index out of bounds";
+    assert!(text.contains(start), "{text}");
 }
 
 #[test]
@@ -312,6 +326,59 @@ fn barriers_are_compared_without_knowing_their_gains() {
         let failures = test(keys).expect_err(keys);
         assert!(failures.list.iter().any(|f| f.check == check), "{failures}");
     }
+}
+
+#[test]
+fn the_meaning_of_inequalities_has_to_be_stated() {
+    let test = || PluginTest::constraint("type = \"test.keep_above\"\na = 5.0\nbias = 0.0");
+    let failures = test().run().expect_err("nothing says what it means");
+    assert_eq!(failures.list.len(), 1, "{failures}");
+    assert_eq!(failures.list[0].check, Check::Meaning);
+    for meaning in ["Meaning::Barrier", "Meaning::Motion", "Meaning::Other"] {
+        assert!(failures.to_string().contains(meaning), "{failures}");
+    }
+    test().meaning(Meaning::Other).assert_passes();
+}
+
+/// Turns the tool at a rate: `ω̇ = −k (ω − rate)`.
+#[derive(Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct Spin {
+    /// 1/s.
+    k: f64,
+    /// rad/s, about the world's z.
+    rate: f64,
+    #[serde(skip)]
+    frame: Option<FrameHandle>,
+}
+
+#[wbqp::task("test.spin")]
+impl Task for Spin {
+    fn bind(&mut self, setup: &mut Setup<'_>) -> Result<Layout, BindError> {
+        let frame = setup.frame("tool")?;
+        self.frame = Some(frame);
+        Ok(Layout::rows([("z", "rad/s²")])
+            .error_unit("rad/s")
+            .vdot_frame(frame, [5]))
+    }
+
+    fn update(&mut self, tick: &Tick<'_>, rows: &mut Rows<'_>) {
+        let Some(frame) = self.frame else { return };
+        let tool = tick.frame(frame);
+        let error = tool.w_WF.z - self.rate;
+        rows.b()[0] = -self.k * error - tool.Jdot_v[5];
+        rows.error()[0] = error;
+    }
+}
+
+#[test]
+fn an_error_of_velocities_points_to_its_meaning() {
+    let test = || PluginTest::task("type = \"test.spin\"\nk = 5.0\nrate = 0.5");
+    let failures = test().run().expect_err("its error is no position");
+    let hint = "the row is in rad/s², the error in rad/s: if the row is the error's first derivative, say so with \
+        `.meaning(Meaning::Velocity)`";
+    assert!(failures.to_string().contains(hint), "{failures}");
+    test().meaning(Meaning::Velocity).assert_passes();
 }
 
 /// Asks for a normal force.

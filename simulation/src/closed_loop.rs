@@ -3,7 +3,6 @@
 
 use nalgebra::Vector6;
 use wbqp::{
-    actuator::{ActuatorKind, Drive},
     contact::{Detector, Touch},
     controller::{Command, Controller, Measurement},
     robot::RobotModel,
@@ -49,8 +48,7 @@ impl ClosedLoop {
             .filter_map(|name| controller.contact(name).ok())
             .map(|id| sensor_of(&controller.contact_spec(id).frame))
             .collect();
-        let mut computed = PlantCommand::rest(&robot);
-        write_command(&robot, controller.command(), &mut computed);
+        let computed = PlantCommand::of(&robot, controller.command());
         plant
             .settle_rotors(&computed)
             .map_err(|e| case.plant_error("plant", e))?;
@@ -89,7 +87,7 @@ impl ClosedLoop {
     /// # Errors
     /// What the plant refuses.
     pub fn advance(&mut self, command: &Command) -> Result<(), PlantError> {
-        write_command(&self.robot, command, &mut self.computed);
+        self.computed.take(&self.robot, command);
         let applied = self.delay.exchange(&self.computed);
         let sensors = &mut self.sensors;
         self.plant
@@ -153,17 +151,5 @@ impl Requests {
                 None => Ok(()),
             };
         }
-    }
-}
-
-/// Thrusts, torques, or velocity references, by what each actuator takes.
-fn write_command(robot: &RobotModel, command: &Command, out: &mut PlantCommand) {
-    for (i, (actuator, out)) in robot.actuators.iter().zip(out.values_mut()).enumerate() {
-        *out = match &actuator.kind {
-            ActuatorKind::Joint(motor) if motor.drive == Drive::Velocity => {
-                command.joint_velocity[motor.joint.index()]
-            }
-            _ => command.effort[i],
-        };
     }
 }

@@ -4,7 +4,10 @@
 mod common;
 
 use common::{FALL, RISE, STALL, hexarotor, rocket, two_links};
-use wbqp::actuator::Drive;
+use wbqp::{
+    actuator::{ActuatorKind, Drive},
+    controller::Command,
+};
 use wbqp_sim::{
     CommandDelay, Plant, PlantCommand, PlantConfig,
     plant::{Disturbance, Mismatch, ServoConfig},
@@ -14,6 +17,34 @@ fn commanded(robot: &wbqp::robot::RobotModel, values: &[f64]) -> PlantCommand {
     let mut command = PlantCommand::rest(robot);
     command.values_mut().copy_from_slice(values);
     command
+}
+
+#[test]
+fn a_servo_takes_its_velocity_and_a_motor_its_effort() {
+    // The actuators are not in the order of the joints: efforts follow the one, velocities the other.
+    let mut robot = two_links(Drive::Torque, 0.0, 0.0);
+    robot.actuators.reverse();
+    let ActuatorKind::Joint(elbow) = &mut robot.actuators[0].kind else {
+        panic!("is a joint's motor")
+    };
+    elbow.drive = Drive::Velocity;
+    let computed = Command {
+        effort: vec![1.0, 2.0],
+        rotor_speed: vec![0.0; 2],
+        joint_acceleration: vec![5.0, 6.0],
+        joint_velocity: vec![0.3, 0.4],
+    };
+    let mut command = PlantCommand::of(&robot, &computed);
+    assert_eq!(command.values(), [0.4, 2.0]);
+
+    // What another robot's command lacks stays.
+    let short = Command {
+        effort: vec![7.0],
+        joint_velocity: vec![0.5],
+        ..computed
+    };
+    command.take(&robot, &short);
+    assert_eq!(command.values(), [0.4, 2.0]);
 }
 
 #[test]

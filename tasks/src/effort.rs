@@ -1,13 +1,13 @@
 //! What regularisations of efforts share: rows `u_k = u_d`.
 
 use wbqp::{
-    reference::{Reference, Sample, Space},
+    reference::{Reference, Sample, Space, begin},
     rows::Rows,
     setup::BindError,
     tick::Tick,
 };
 
-use crate::follow::{at_rest, begin, component};
+use crate::follow::component;
 
 /// Some of the efforts and what is wanted of them.
 #[derive(Debug, Default)]
@@ -24,8 +24,8 @@ impl Efforts {
         reference: &mut dyn Reference,
         indices: Vec<usize>,
     ) -> Result<(), BindError> {
-        let from = at_rest(indices.iter().map(|_| 0.0));
-        self.sample = begin(reference, Space::Vector(indices.len()), from)?;
+        let from = Sample::at_rest(indices.iter().map(|_| 0.0));
+        self.sample = begin("reference", reference, Space::Vector(indices.len()), from)?;
         self.indices = indices;
         Ok(())
     }

@@ -1,7 +1,6 @@
 //! A controller on a plant, period by period, for tests that look into both.
 
 use wbqp::{
-    actuator::{ActuatorKind, Drive},
     contact::{Detector, Touch},
     controller::{Controller, Measurement},
     state::State,
@@ -41,8 +40,7 @@ impl ClosedLoop {
         let periods = plant.command_delay;
         let mut plant = Plant::new(&robot, plant, initial)?;
         let sensors = Sensors::new(sensors, &plant, 1)?;
-        let mut computed = PlantCommand::rest(&robot);
-        write_command(&controller, &mut computed);
+        let computed = PlantCommand::of(&robot, controller.command());
         plant.settle_rotors(&computed)?;
         Ok(Self {
             delay: CommandDelay::new(periods, computed.clone()),
@@ -71,7 +69,8 @@ impl ClosedLoop {
         self.measurement.state.copy_from(&reading.state);
         self.measurement.wrenches[0] = reading.wrenches[0];
         self.controller.tick(&self.measurement);
-        write_command(&self.controller, &mut self.computed);
+        self.computed
+            .take(self.controller.robot(), self.controller.command());
         self.detect();
         let applied = self.delay.exchange(&self.computed);
         let period = 1.0 / self.controller.settings().rate;
@@ -95,19 +94,5 @@ impl ClosedLoop {
             None => Ok(()),
         };
         switched.expect("the detector's contact exists");
-    }
-}
-
-/// Thrusts, torques, or velocity references, by what each actuator takes.
-fn write_command(controller: &Controller, out: &mut PlantCommand) {
-    let command = controller.command();
-    let actuators = controller.robot().actuators.iter().enumerate();
-    for ((i, actuator), out) in actuators.zip(out.values_mut()) {
-        *out = match &actuator.kind {
-            ActuatorKind::Joint(motor) if motor.drive == Drive::Velocity => {
-                command.joint_velocity[motor.joint.index()]
-            }
-            _ => command.effort[i],
-        };
     }
 }

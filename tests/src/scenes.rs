@@ -8,7 +8,7 @@ use nalgebra::{Rotation3, UnitQuaternion, Vector3, Vector6};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use wbqp::{
-    config::{ControllerConfig, Formulation, Settings},
+    config::{ControllerConfig, Formulation, Hover, Settings},
     contact::{ContactKind, ContactSpec, FreeForce, Surface},
     controller::{Controller, Measurement},
     entry::{Entry, Hardness, Weight},
@@ -267,8 +267,15 @@ impl Scene {
 
     /// The configuration.
     pub fn config(&self) -> ControllerConfig {
+        // The quadruped is controlled with all feet in the air too.
+        let hover = if self.kind == Kind::Quadruped {
+            Hover::Unchecked
+        } else {
+            Hover::Required
+        };
         let settings = Settings {
             formulation: self.formulation,
+            hover,
             ..Settings::at_rate(250.0)
         };
         let mut config = ControllerConfig::new(settings, self.robot_plugin());

@@ -175,7 +175,7 @@ fn unknown_type() {
     check_task(
         "type = \"posture\"\nweight = 1",
         &[
-            "x.toml:9:8: task[0] `arm` (posture): unknown task type `posture` \
+            "x.toml:9:8: task[0] `arm` (posture): unknown task type `posture`; is its crate linked? `use my_plugins as _;` \
            (known: test.follow, test.hold, test.many)",
         ],
     );
@@ -385,10 +385,10 @@ reference = { type = "d" }
 extra = 1
 "#,
         &[
-            "x.toml:11:18: task[0] `arm` (test.many): maybe: unknown reference type `a` (known: test.ramp)",
-            "x.toml:12:66: task[0] `arm` (test.many): list[1]: unknown reference type `b` (known: test.ramp)",
-            "x.toml:14:14: task[0] `arm` (test.many): map.x: unknown reference type `c` (known: test.ramp)",
-            "x.toml:16:22: task[0] `arm` (test.many): inner.reference: unknown reference type `d` (known: test.ramp)",
+            "x.toml:11:18: task[0] `arm` (test.many): maybe: unknown reference type `a`; is its crate linked? `use my_plugins as _;` (known: test.ramp)",
+            "x.toml:12:66: task[0] `arm` (test.many): list[1]: unknown reference type `b`; is its crate linked? `use my_plugins as _;` (known: test.ramp)",
+            "x.toml:14:14: task[0] `arm` (test.many): map.x: unknown reference type `c`; is its crate linked? `use my_plugins as _;` (known: test.ramp)",
+            "x.toml:16:22: task[0] `arm` (test.many): inner.reference: unknown reference type `d`; is its crate linked? `use my_plugins as _;` (known: test.ramp)",
             "x.toml:17:1: task[0] `arm` (test.many): inner: unknown key `extra` (known: reference)",
         ],
     );
@@ -462,7 +462,7 @@ type = "nothing"
              (known: active, hardness, name, transition, type, upper, weight)",
             "x.toml:10:8: robot (test.robot): file: invalid type: integer `1`, expected a string",
             "x.toml:11:1: task[0] `é` (nothing): key `weight` is missing",
-            "x.toml:13:8: task[0] `é` (nothing): unknown task type `nothing` (known: test.follow, test.hold, test.many)",
+            "x.toml:13:8: task[0] `é` (nothing): unknown task type `nothing`; is its crate linked? `use my_plugins as _;` (known: test.follow, test.hold, test.many)",
         ]
     );
 }

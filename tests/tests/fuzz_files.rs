@@ -16,7 +16,7 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use wbqp::{
     ControllerConfig, Measurement,
-    config::Settings,
+    config::{Hover, Settings},
     controller::Controller,
     robot::{RobotError, RobotModel, SourceFile},
 };
@@ -266,13 +266,18 @@ fn rotor_side_cars() {
     });
 }
 
-/// A robot that was accepted can be controlled, or cannot hover.
+/// A robot that was accepted can be controlled.
 fn robot(loaded: Result<RobotModel, RobotError>) -> Outcome {
     let Ok(robot) = loaded else {
         return Outcome::Refused;
     };
     let any = Box::new(Othex::default());
-    let config = ControllerConfig::new(Settings::at_rate(250.0), any);
+    // Most of these robots fall.
+    let settings = Settings {
+        hover: Hover::Unchecked,
+        ..Settings::at_rate(250.0)
+    };
+    let config = ControllerConfig::new(settings, any);
     match Controller::with_robot(config, robot) {
         Err(_) => Outcome::Misfit,
         Ok(controller) => ticks(controller),

@@ -176,6 +176,28 @@ fn mistakes_in_code_come_at_once_and_by_name() {
 }
 
 #[test]
+fn names_made_in_code_are_not_empty() {
+    let nameless = ContactSpec {
+        name: String::new(),
+        ..wall()
+    };
+    let config = config()
+        .with_contact(nameless)
+        .with_task(Entry::task("", 0.1, Posture::new(25.0, 10.0)))
+        .with_constraint(Entry::constraint("", ActuatorLimits::new()));
+    let message = config.build().expect_err("three mistakes").to_string();
+    let lines: Vec<&str> = message.lines().collect();
+    assert_eq!(
+        lines,
+        [
+            "contact[1] ``: name: must not be empty",
+            "task[6] `` (posture): name: must not be empty",
+            "constraint[3] `` (actuator_limits): name: must not be empty",
+        ]
+    );
+}
+
+#[test]
 fn a_task_is_changed_while_running() {
     let mut controller = config().build().expect("fits the robot");
     run(&mut controller, 5);
@@ -233,7 +255,10 @@ fn what_does_not_fit_is_refused_by_name() {
         matches!(&error, RequestError::OtherType { name, is: "base_position", .. } if name == "base"),
         "{error}"
     );
-    assert!(error.to_string().ends_with("Posture`"), "{error}");
+    assert_eq!(
+        error.to_string(),
+        "task `base` is of type `base_position`, not a `Posture`"
+    );
 
     let mut arm = controller.task_mut::<Posture>("arm").expect("it is there");
     let error = arm.reweight(vec![1.0, 2.0]).expect_err("three rows");
@@ -259,6 +284,47 @@ fn what_does_not_fit_is_refused_by_name() {
     assert!(
         matches!(error, RequestError::OtherController { .. }),
         "{error}"
+    );
+}
+
+#[test]
+fn a_constraint_is_changed_while_running() {
+    // The tip moves along the wall: what is asked of it depends on the damping.
+    let mut controller = config().build().expect("fits the robot");
+    let mut measurement = Measurement::home(controller.robot(), 1);
+    measurement.state.v[2] = 0.1;
+    let mut efforts = |controller: &mut Controller| {
+        measurement.time += 0.004;
+        controller.tick(&measurement).0.effort.clone()
+    };
+    let id = controller.constraint_id::<ContactMotion>("touch");
+    let id = id.expect("it is there");
+    let before = efforts(&mut controller);
+
+    let mut touch = controller.constraint_mut(id).expect("its own id");
+    assert_eq!(touch.name(), "touch");
+    touch.damping = 40.0;
+    let damped = efforts(&mut controller);
+    assert_ne!(damped, before);
+
+    let touch = controller.constraint_mut::<ContactMotion>("touch");
+    touch.expect("it is there").reweight(5.0).expect("a number");
+    let light = efforts(&mut controller);
+    assert_ne!(light, damped);
+
+    let touch = controller.constraint_mut::<ContactMotion>("touch");
+    touch.expect("it is there").deactivate();
+    assert_ne!(efforts(&mut controller), light);
+
+    let error = controller.constraint_mut::<ContactMotion>("arm");
+    assert_eq!(
+        error.expect_err("a task").to_string(),
+        "there is no constraint `arm` (known: limits, cone, touch)"
+    );
+    let error = controller.constraint_mut::<FrictionPyramid>("touch");
+    assert_eq!(
+        error.expect_err("another type").to_string(),
+        "constraint `touch` is of type `contact_motion`, not a `FrictionPyramid`"
     );
 }
 

@@ -94,7 +94,7 @@ fn what_is_saved_satisfies_it() {
 }
 
 /// What only a robot, or arithmetic, can tell.
-const BEYOND_A_SCHEMA: [&str; 26] = [
+const BEYOND_A_SCHEMA: [&str; 27] = [
     "base_task_on_fixed_robot",
     "cannot_hover",
     "contact_axis_along_normal",
@@ -102,6 +102,7 @@ const BEYOND_A_SCHEMA: [&str; 26] = [
     "contact_normal_zero",
     "contact_without_any",
     "exact_penalty_on_a_task",
+    "floats_without_rotors",
     "gain_is_negative",
     "gain_is_not_a_number",
     "gain_list_too_short",

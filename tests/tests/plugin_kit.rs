@@ -119,10 +119,11 @@ const CONSTRAINTS: &[(&str, Option<Meaning>)] = &[
         "type = 'friction_pyramid'\ncontact = 'normal'\nsides = 6\napproximation = 'outer'",
         None,
     ),
-    ("type = 'joint_limits'", None),
+    // They brake in time: no function of the configuration has them as its second derivative.
+    ("type = 'joint_limits'", Some(Meaning::Other)),
     (
         "type = 'joint_limits'\nacceleration = [10, 30]\nmargin = 0.05\njoints = ['wrist', 'elbow']",
-        None,
+        Some(Meaning::Other),
     ),
     ("type = 'thrust_rate_limits'", None),
     (

@@ -33,8 +33,17 @@ impl<'t> Document<'t> {
     pub(super) fn parse(source: &'t str, report: &mut Report<'_>) -> Self {
         let (root, errors) = DeTable::parse_recoverable(source);
         for error in errors {
-            let span = error.span().unwrap_or(source.len()..source.len());
-            let message = format!("syntax: {}{}", error.message(), excerpt(source, span.start));
+            let mut span = error.span().unwrap_or(source.len()..source.len());
+            let said = error.message();
+            let repeated = said
+                .contains("duplicate key")
+                .then(|| repeated_table(source, span.start));
+            let message = if let Some((start, name)) = repeated.flatten() {
+                span = start..start + name.len();
+                format!("syntax: `[{name}]` is there twice; write `[[{name}]]`, for each of them")
+            } else {
+                format!("syntax: {said}{}", excerpt(source, span.start))
+            };
             report.add(Kind::Syntax, Some(span), &At::default(), message);
         }
         let at = At::subject("top level");
@@ -93,6 +102,32 @@ impl<'t> Document<'t> {
             Target::Constraint(name) => named(&mut self.constraints, name),
         }
     }
+}
+
+/// Where the table of an offset begins and what it is called, if it is an entry of a list, written like a table, and not
+/// the first: its keys are taken for those of the first.
+fn repeated_table(source: &str, offset: usize) -> Option<(usize, &'static str)> {
+    let header = |line: &str| {
+        let (name, _) = line.trim_start().strip_prefix('[')?.split_once(']')?;
+        LISTS.into_iter().find(|list| *list == name.trim())
+    };
+    let mut start = 0;
+    let mut seen = Vec::new();
+    let mut table = None;
+    for line in source.split_inclusive('\n') {
+        if start > offset {
+            break;
+        }
+        if line.trim_start().starts_with('[') {
+            let name = header(line);
+            table = name
+                .filter(|name| seen.contains(name))
+                .map(|name| (start, name));
+            seen.extend(name);
+        }
+        start += line.len();
+    }
+    table
 }
 
 /// The line of an offset, to be seen beside what is wrong with it.

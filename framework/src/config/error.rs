@@ -46,7 +46,7 @@ pub enum ConfigErrorKind {
     Override,
     /// What does not fit the robot in another way.
     Misfit,
-    /// The robot cannot hover.
+    /// Nothing carries the robot at the start, or its rotors cannot.
     Hover,
     /// The linked plug-ins contradict one another or the framework: a mistake in code, not in the file.
     Internal,

@@ -112,7 +112,8 @@ pub struct Settings {
     #[serde(default = "default_extrapolation")]
     #[schemars(extend("x-unit" = "s"))]
     pub extrapolation: f64,
-    /// Whether a robot with a floating base and rotors is refused if it cannot hold its home posture in the air.
+    /// Whether a robot with a floating base is refused if nothing carries it at the start: neither a contact that is on
+    /// nor rotors that can hold its home posture.
     #[serde(default)]
     pub hover: Hover,
 }
@@ -121,11 +122,11 @@ pub struct Settings {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Hover {
-    /// With a floating base, rotors and no contact that is on at the start: in the home posture, within the limits of
-    /// its actuators.
+    /// With a floating base and no contact that is on at the start: in the home posture, within the limits of its
+    /// actuators; without rotors it cannot.
     #[default]
     Required,
-    /// Not checked: a robot that stands on something, or that hovers in another posture.
+    /// Not checked: a robot that falls at first, that something else carries, or that hovers in another posture.
     Unchecked,
 }
 

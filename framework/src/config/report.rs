@@ -5,6 +5,9 @@ use std::{fmt, ops::Range};
 use super::{ConfigError, ConfigErrorKind, ConfigErrors, overrides::Applied};
 use crate::robot::Place;
 
+/// Syntax errors that are told: one slip makes a parser stumble over what follows.
+const SYNTAX_ERRORS: usize = 3;
+
 /// Bytes of the text that is read: the file, and behind its end the values of the overrides.
 pub(super) type Span = Range<usize>;
 
@@ -180,6 +183,12 @@ impl<'a> Report<'a> {
             return Ok(());
         }
         problems.sort_by_key(|problem| problem.span.as_ref().map(|span| span.start));
+        let mut syntax = 0;
+        problems.retain(|problem| {
+            let is_syntax = problem.kind == ConfigErrorKind::Syntax;
+            syntax += usize::from(is_syntax);
+            !is_syntax || syntax <= SYNTAX_ERRORS
+        });
         let mut errors: Vec<ConfigError> = problems
             .into_iter()
             .map(|problem| self.error(problem))

@@ -20,7 +20,7 @@ use crate::{
     reference::Reference,
     registry::{self, PluginKind},
     robot::Robot,
-    suggestion::suggestion,
+    suggestion::{hint, list, suggestion},
     task::Task,
 };
 
@@ -69,9 +69,15 @@ pub(super) fn plugin<P: PluginKind + ?Sized>(
         let hint = if let Some(other) = kind_of(&tag) {
             format!("; it is a {other}{}", home_of(other))
         } else if known.is_empty() {
-            format!("; no {kind} is linked: add `use my_plugin_crate as _;`")
+            format!("; no {kind} is linked: add `use my_plugins as _;`")
         } else {
-            suggestion(&tag, &known)
+            let hint = match hint(&tag, &known) {
+                near if near.is_empty() => {
+                    "; is its crate linked? `use my_plugins as _;`".to_owned()
+                }
+                near => near,
+            };
+            format!("{hint} (known: {})", list(&known))
         };
         report.add(
             Kind::UnknownType,

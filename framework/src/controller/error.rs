@@ -33,7 +33,7 @@ pub enum RequestError {
     /// Nothing has that name.
     #[error("there is no {kind} `{name}`{hint} (known: {known})")]
     Absent {
-        /// `task`, `entry` or `contact`.
+        /// `task`, `constraint`, `entry` or `contact`.
         kind: &'static str,
         /// The name given.
         name: String,
@@ -43,19 +43,21 @@ pub enum RequestError {
         known: String,
     },
     /// The plug-in is of another type.
-    #[error("task `{name}` is a `{is}`, not a `{asked}`")]
+    #[error("{kind} `{name}` is of type `{is}`, not a `{asked}`")]
     OtherType {
+        /// `task` or `constraint`.
+        kind: &'static str,
         /// The name given.
         name: String,
         /// Its plug-in's tag.
         is: &'static str,
-        /// The type asked for.
+        /// The Rust type asked for, without its path.
         asked: &'static str,
     },
     /// The id was made by another controller.
-    #[error("this id of a task of type `{asked}` is another controller's")]
+    #[error("this id of an entry of type `{asked}` is another controller's")]
     OtherController {
-        /// The type asked for.
+        /// The Rust type asked for, without its path.
         asked: &'static str,
     },
     /// The task follows no reference.

@@ -105,7 +105,7 @@ impl Faults {
         self.add(Target::Constraint(name.clone()), index, subject, error);
     }
 
-    /// Names that are given twice: possible only in code, files are checked when they are read.
+    /// Names that are empty or given twice: possible only in code, files are checked when they are read.
     pub(super) fn names(
         &mut self,
         contacts: &[ContactSpec],
@@ -113,8 +113,11 @@ impl Faults {
         constraints: &[Entry<dyn Constraint>],
     ) {
         let taken = |by: &str| BindError::value("name", format!("is taken by {by}"));
+        let empty = || BindError::value("name", "must not be empty");
         for (index, contact) in contacts.iter().enumerate() {
-            if let Some(first) = contacts[..index]
+            if contact.name.is_empty() {
+                self.contact(index, "", empty());
+            } else if let Some(first) = contacts[..index]
                 .iter()
                 .position(|c| c.name == contact.name)
             {
@@ -124,13 +127,17 @@ impl Faults {
         }
         let first_task = |name: &str| tasks.iter().position(|task| task.name == name);
         for (index, entry) in tasks.iter().enumerate() {
-            if let Some(first) = first_task(&entry.name).filter(|&first| first < index) {
+            if entry.name.is_empty() {
+                self.task(index, entry, empty());
+            } else if let Some(first) = first_task(&entry.name).filter(|&first| first < index) {
                 self.task(index, entry, taken(&format!("task[{first}]")));
             }
         }
         for (index, entry) in constraints.iter().enumerate() {
             let mut before = constraints[..index].iter();
-            if let Some(first) = first_task(&entry.name) {
+            if entry.name.is_empty() {
+                self.constraint(index, entry, empty());
+            } else if let Some(first) = first_task(&entry.name) {
                 self.constraint(index, entry, taken(&format!("task[{first}]")));
             } else if let Some(first) = before.position(|c| c.name == entry.name) {
                 self.constraint(index, entry, taken(&format!("constraint[{first}]")));

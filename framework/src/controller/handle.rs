@@ -1,7 +1,7 @@
-//! Typed access to a task of a running controller, by name or by an id that was resolved once.
+//! Typed access to a task or constraint of a running controller, by name or by an id that was resolved once.
 
 use std::{
-    any::type_name,
+    any::{Any, type_name},
     fmt,
     marker::PhantomData,
     ops::{Deref, DerefMut},
@@ -13,26 +13,30 @@ use super::{
     error::RequestError,
     requests::{redirect, reweight},
 };
-use crate::{assembly::Group, entry::Weight, reference::Reference, task::Task};
+use crate::{
+    assembly::Group, constraint::Constraint, entry::Weight, reference::Reference, task::Task,
+};
 
-/// A task of one controller, of known type. Made by [`Controller::task_id`].
-pub struct TaskId<T> {
+/// A task or constraint of one controller, of known type. Made by [`Controller::task_id`] and
+/// [`Controller::constraint_id`].
+pub struct EntryId<T> {
+    /// Among all entries: tasks, then constraints.
     index: u32,
     controller: Stamp,
     plugin: PhantomData<fn() -> T>,
 }
 
-impl<T> Clone for TaskId<T> {
+impl<T> Clone for EntryId<T> {
     fn clone(&self) -> Self {
         *self
     }
 }
 
-impl<T> Copy for TaskId<T> {}
+impl<T> Copy for EntryId<T> {}
 
-impl<T> fmt::Debug for TaskId<T> {
+impl<T> fmt::Debug for EntryId<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "TaskId<{}>({})", type_name::<T>(), self.index)
+        write!(f, "EntryId<{}>({})", short_name::<T>(), self.index)
     }
 }
 
@@ -47,69 +51,84 @@ impl Stamp {
     }
 }
 
-/// What names a task: its name, or its [`TaskId`].
-pub trait TaskKey<T: Task>: sealed::Sealed {
-    /// Its position among the tasks.
-    #[doc(hidden)]
-    fn find(self, controller: &Controller) -> Result<usize, RequestError>;
-}
+/// What names a task or constraint of type `T`: its name, or its [`EntryId`].
+pub trait EntryKey<T>: key::Find<T> {}
 
-mod sealed {
-    pub trait Sealed {}
-    impl Sealed for &str {}
-    impl Sealed for &String {}
-    impl<T> Sealed for super::TaskId<T> {}
-}
+impl<T, K: key::Find<T>> EntryKey<T> for K {}
 
-impl<T: Task> TaskKey<T> for &str {
-    fn find(self, controller: &Controller) -> Result<usize, RequestError> {
-        controller.task_index(self)
+/// Keeps [`EntryKey`] to the types here.
+mod key {
+    use super::{Controller, EntryId, RequestError, short_name};
+
+    /// Where a name is looked for.
+    #[derive(Clone, Copy, Debug)]
+    pub enum Among {
+        Tasks,
+        Constraints,
     }
-}
 
-impl<T: Task> TaskKey<T> for &String {
-    fn find(self, controller: &Controller) -> Result<usize, RequestError> {
-        controller.task_index(self)
+    pub trait Find<T> {
+        /// Its position among all entries.
+        fn find(self, controller: &Controller, among: Among) -> Result<usize, RequestError>;
     }
-}
 
-impl<T: Task> TaskKey<T> for TaskId<T> {
-    fn find(self, controller: &Controller) -> Result<usize, RequestError> {
-        if self.controller == controller.stamp {
-            Ok(self.index as usize)
-        } else {
-            Err(RequestError::OtherController {
-                asked: type_name::<T>(),
-            })
+    impl<T> Find<T> for &str {
+        fn find(self, controller: &Controller, among: Among) -> Result<usize, RequestError> {
+            match among {
+                Among::Tasks => controller.task_index(self),
+                Among::Constraints => controller.constraint_index(self),
+            }
+        }
+    }
+
+    impl<T> Find<T> for &String {
+        fn find(self, controller: &Controller, among: Among) -> Result<usize, RequestError> {
+            Find::<T>::find(self.as_str(), controller, among)
+        }
+    }
+
+    impl<T> Find<T> for EntryId<T> {
+        fn find(self, controller: &Controller, _: Among) -> Result<usize, RequestError> {
+            if self.controller == controller.stamp {
+                Ok(self.index as usize)
+            } else {
+                Err(RequestError::OtherController {
+                    asked: short_name::<T>(),
+                })
+            }
         }
     }
 }
 
-/// A task of a running controller, between two ticks: its parameters (it dereferences to the task) and what belongs
-/// to its entry.
+use key::Among;
+
+/// A task or constraint of a running controller, between two ticks: its parameters (it dereferences to the plug-in)
+/// and what belongs to its entry.
 ///
 /// Parameters written through it are not validated as in a file: a list of the wrong length, a negative gain. The next
 /// tick survives them, since rows that are not finite make it fall back and say so, but the robot does what they say.
 #[derive(Debug)]
-pub struct TaskMut<'c, T> {
-    task: &'c mut T,
+pub struct EntryMut<'c, T> {
+    plugin: &'c mut T,
     group: &'c mut Group,
     next_time: f64,
 }
 
-impl<T: Task> TaskMut<'_, T> {
-    /// Its name.
-    pub fn name(&self) -> &str {
-        &self.group.name
-    }
-
+impl<T: Task> EntryMut<'_, T> {
     /// Gives the task another trajectory, as [`Controller::follow`].
     ///
     /// # Errors
     /// [`RequestError`] if the task follows nothing or the trajectory does not fit; the old one is kept then.
     pub fn follow(&mut self, reference: impl Reference) -> Result<(), RequestError> {
         let name = &self.group.name;
-        redirect(self.task, name, Box::new(reference), self.next_time)
+        redirect(self.plugin, name, Box::new(reference), self.next_time)
+    }
+}
+
+impl<T> EntryMut<'_, T> {
+    /// Its name.
+    pub fn name(&self) -> &str {
+        &self.group.name
     }
 
     /// Gives its rows another weight, to which it goes from the next tick on with the entry's ramp.
@@ -120,28 +139,28 @@ impl<T: Task> TaskMut<'_, T> {
         reweight(self.group, &weight.into())
     }
 
-    /// Switches the task on, with its ramp. Nothing happens if it is on.
+    /// Switches the entry on, with its ramp. Nothing happens if it is on.
     pub fn activate(&mut self) {
         self.group.switch.turn(true);
     }
 
-    /// Switches the task off, with its ramp. Nothing happens if it is off.
+    /// Switches the entry off, with its ramp. Nothing happens if it is off.
     pub fn deactivate(&mut self) {
         self.group.switch.turn(false);
     }
 }
 
-impl<T> Deref for TaskMut<'_, T> {
+impl<T> Deref for EntryMut<'_, T> {
     type Target = T;
 
     fn deref(&self) -> &T {
-        self.task
+        self.plugin
     }
 }
 
-impl<T> DerefMut for TaskMut<'_, T> {
+impl<T> DerefMut for EntryMut<'_, T> {
     fn deref_mut(&mut self) -> &mut T {
-        self.task
+        self.plugin
     }
 }
 
@@ -150,16 +169,20 @@ impl Controller {
     ///
     /// # Errors
     /// [`RequestError`] if there is no such task or it is of another type.
-    pub fn task_id<T: Task>(&self, name: &str) -> Result<TaskId<T>, RequestError> {
+    pub fn task_id<T: Task>(&self, name: &str) -> Result<EntryId<T>, RequestError> {
         let index = self.task_index(name)?;
-        match self.tasks[index].downcast_ref::<T>() {
-            Some(_) => Ok(TaskId {
-                index: index as u32,
-                controller: self.stamp,
-                plugin: PhantomData,
-            }),
-            None => Err(other_type::<T>(self.tasks[index].typetag_name(), name)),
-        }
+        let task = &*self.tasks[index];
+        self.entry_id("task", index, task, task.typetag_name())
+    }
+
+    /// A constraint by name, resolved once, as [`Controller::task_id`].
+    ///
+    /// # Errors
+    /// [`RequestError`] if there is no such constraint or it is of another type.
+    pub fn constraint_id<T: Constraint>(&self, name: &str) -> Result<EntryId<T>, RequestError> {
+        let index = self.constraint_index(name)?;
+        let constraint = &*self.constraints[index - self.tasks.len()];
+        self.entry_id("constraint", index, constraint, constraint.typetag_name())
     }
 
     /// A task as its own type, to read or change its parameters, trajectory, weight and activation:
@@ -175,28 +198,83 @@ impl Controller {
     /// [`RequestError`] if there is no such task, it is of another type, or the id is another controller's.
     pub fn task_mut<T: Task>(
         &mut self,
-        task: impl TaskKey<T>,
-    ) -> Result<TaskMut<'_, T>, RequestError> {
-        let index = task.find(self)?;
+        task: impl EntryKey<T>,
+    ) -> Result<EntryMut<'_, T>, RequestError> {
+        let index = task.find(self, Among::Tasks)?;
+        self.entry_mut(index)
+    }
+
+    /// A constraint as its own type, to read or change its parameters, weight and activation:
+    ///
+    /// ```text
+    /// controller.constraint_mut::<TiltLimit>("tilt")?.max_tilt = 0.2;
+    /// ```
+    ///
+    /// # Errors
+    /// [`RequestError`] if there is no such constraint, it is of another type, or the id is another controller's.
+    pub fn constraint_mut<T: Constraint>(
+        &mut self,
+        constraint: impl EntryKey<T>,
+    ) -> Result<EntryMut<'_, T>, RequestError> {
+        let index = constraint.find(self, Among::Constraints)?;
+        self.entry_mut(index)
+    }
+
+    fn entry_id<T: Any>(
+        &self,
+        kind: &'static str,
+        index: usize,
+        plugin: &dyn Any,
+        is: &'static str,
+    ) -> Result<EntryId<T>, RequestError> {
+        if plugin.is::<T>() {
+            Ok(EntryId {
+                index: index as u32,
+                controller: self.stamp,
+                plugin: PhantomData,
+            })
+        } else {
+            Err(other_type::<T>(kind, is, &self.groups[index].name))
+        }
+    }
+
+    fn entry_mut<T: Any>(&mut self, index: usize) -> Result<EntryMut<'_, T>, RequestError> {
         let next_time = self.world.next_time();
         let group = &mut self.groups[index];
-        let task = &mut self.tasks[index];
-        let is = task.typetag_name();
-        match task.downcast_mut::<T>() {
-            Some(task) => Ok(TaskMut {
-                task,
+        let (kind, is, plugin): (_, _, &mut dyn Any) = match index.checked_sub(self.tasks.len()) {
+            None => {
+                let task = &mut *self.tasks[index];
+                ("task", task.typetag_name(), task)
+            }
+            Some(index) => {
+                let constraint = &mut *self.constraints[index];
+                ("constraint", constraint.typetag_name(), constraint)
+            }
+        };
+        match plugin.downcast_mut::<T>() {
+            Some(plugin) => Ok(EntryMut {
+                plugin,
                 group,
                 next_time,
             }),
-            None => Err(other_type::<T>(is, &group.name)),
+            None => Err(other_type::<T>(kind, is, &group.name)),
         }
     }
 }
 
-fn other_type<T>(is: &'static str, name: &str) -> RequestError {
+fn other_type<T>(kind: &'static str, is: &'static str, name: &str) -> RequestError {
     RequestError::OtherType {
+        kind,
         name: name.to_owned(),
         is,
-        asked: type_name::<T>(),
+        asked: short_name::<T>(),
     }
+}
+
+/// A type's name without the path of its modules.
+fn short_name<T>() -> &'static str {
+    let full = type_name::<T>();
+    let path = full.split('<').next().unwrap_or(full);
+    let start = path.rfind("::").map_or(0, |colons| colons + 2);
+    full.get(start..).unwrap_or(full)
 }

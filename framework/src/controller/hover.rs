@@ -77,11 +77,10 @@ impl Controller {
         is_solved
     }
 
-    /// Whether nothing but its actuators holds the robot up.
+    /// Whether nothing but its actuators holds the robot up: rotors, or nothing at all.
     pub(super) fn must_hover(&self) -> bool {
         self.settings.hover == Hover::Required
             && self.robot.model.base() == Base::Floating
-            && self.robot.rotors().next().is_some()
             && !self
                 .world
                 .bindings
@@ -106,6 +105,14 @@ impl Controller {
             .collect();
         if parts.is_empty() {
             return None;
+        }
+        if self.robot.rotors().next().is_none() {
+            return Some(format!(
+                "floats, and has neither rotors nor a contact that is on at the start: nothing carries its weight of {} N; \
+                 set `options = {{ base = \"fixed\" }}`, name its `rotors`, give a contact `active = true`, or set \
+                 `hover = \"unchecked\"` in [controller]",
+                rounded(weight),
+            ));
         }
         Some(format!(
             "cannot hover in its home posture: {} (weight {} N; {}); mend the masses, the rotors or their limits, or set \

@@ -25,7 +25,7 @@ pub(crate) mod world;
 pub use command::Command;
 pub use error::{ControllerError, RequestError};
 pub use explanation::{Explanation, Limit};
-pub use handle::{TaskId, TaskKey, TaskMut};
+pub use handle::{EntryId, EntryKey, EntryMut};
 pub use measurement::{Fault, Measurement, Quantity};
 pub use rehearsal::PlannedForce;
 pub use report::{

@@ -145,6 +145,16 @@ impl Controller {
         let found = self.task_names().position(|n| n == name);
         found.ok_or_else(|| absent("task", name, self.task_names()))
     }
+
+    /// The position of a constraint among all entries.
+    pub(super) fn constraint_index(&self, name: &str) -> Result<usize, RequestError> {
+        let first = self.tasks.len();
+        let names = || self.groups[first..].iter().map(|g| g.name.as_str());
+        let found = names().position(|n| n == name);
+        found
+            .map(|index| first + index)
+            .ok_or_else(|| absent("constraint", name, names()))
+    }
 }
 
 /// Gives a task another trajectory that begins at a time.

@@ -1,9 +1,16 @@
 //! Makes plug-ins and lets them write their rows for chosen inputs.
 
+use std::{
+    any::Any,
+    panic::{AssertUnwindSafe, catch_unwind, resume_unwind},
+};
+
 use nalgebra::{DMatrix, DVector, Vector3, Vector6};
 use toml::Table;
 
 use super::{
+    Check,
+    report::Report,
     scatter::Scatter,
     subject::{Subject, load},
 };
@@ -35,6 +42,42 @@ const UNWRITTEN: u64 = 0x7ff8_0bad_0bad_0bad;
 /// Whether the plug-in has left the place alone.
 pub(super) fn is_unwritten(x: f64) -> bool {
     x.to_bits() == UNWRITTEN
+}
+
+/// A panic of the plug-in, as opposed to one of the kit.
+struct PluginPanic(String);
+
+/// Calls a method of the plug-in; a panic in it goes on as a [`PluginPanic`].
+fn guarded<T>(method: &str, call: impl FnOnce() -> T) -> T {
+    // What a plug-in leaves behind is not used again: the panic ends the tests on this robot.
+    catch_unwind(AssertUnwindSafe(call)).unwrap_or_else(|payload| {
+        let said = words(&*payload);
+        resume_unwind(Box::new(PluginPanic(format!("`{method}` panics: {said}"))))
+    })
+}
+
+/// Runs the tests on a robot, and reports a panic of the plug-in.
+pub(super) fn report_panics(
+    robot: &RobotModel,
+    report: &mut Report,
+    tests: impl FnOnce(&mut Report),
+) {
+    let Err(payload) = catch_unwind(AssertUnwindSafe(|| tests(report))) else {
+        return;
+    };
+    match payload.downcast::<PluginPanic>() {
+        Ok(panic) => report.fail(Check::Panic, robot.model.name(), panic.0),
+        Err(other) => resume_unwind(other),
+    }
+}
+
+/// What a panic says.
+fn words(payload: &(dyn Any + Send)) -> &str {
+    payload
+        .downcast_ref::<String>()
+        .map(String::as_str)
+        .or_else(|| payload.downcast_ref::<&str>().copied())
+        .unwrap_or("without a message")
 }
 
 /// A plug-in in its TOML form on one robot.
@@ -193,7 +236,7 @@ impl<'a> Bench<'a> {
         let mut plugin = load::<P>(self.form).map_err(BindError::Other)?;
         let mut frame_ids = vec![model.base_frame()];
         let mut setup = Setup::new(&robot, self.contacts, PERIOD, &mut frame_ids);
-        let layout = plugin.bind(&mut setup)?;
+        let layout = guarded("bind", || plugin.bind(&mut setup))?;
         let nf: Vec<usize> = self
             .contacts
             .iter()
@@ -290,7 +333,8 @@ impl<P: Subject + ?Sized> Bound<'_, P> {
             since: 0.0,
         });
         let before = self.allocations.map(|count| count());
-        self.plugin.update(&tick, &self.layout, &mut self.store);
+        let (plugin, layout, store) = (&mut self.plugin, &self.layout, &mut self.store);
+        guarded("update", || plugin.update(&tick, layout, store));
         if let (Some(count), Some(before)) = (self.allocations, before) {
             self.allocated += count() - before;
         }

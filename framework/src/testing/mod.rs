@@ -62,6 +62,8 @@
 //! | [`Form`](Check::Form) | it loads; load → save → load → save gives the same, in TOML and JSON; no key is lost; no key belongs to the framework; `bind` and `update` change no key |
 //! | [`UnknownKeys`](Check::UnknownKeys) | an unknown key is refused, in the table and in every table inside |
 //! | [`Schema`](Check::Schema) | every key is in the schema, with a description |
+//! | [`Panic`](Check::Panic) | `bind` and `update` do not panic |
+//! | [`Meaning`](Check::Meaning) | inequality rows on `v̇` come with their [`Meaning`], since none can be assumed |
 //! | [`Layout`](Check::Layout) | rows have labels (all different) and units; only declared blocks are written; every `b`, error, limit and bound is written; what is declared exists |
 //! | [`Finite`](Check::Finite) | coefficients, `b` and errors are finite; limits are numbers in order |
 //! | [`Coefficients`](Check::Coefficients) | they depend on the configuration and on time alone: not on velocities, measured forces, the last solution or the states before |
@@ -131,7 +133,8 @@ pub enum Meaning {
     Barrier,
     /// Efforts and forces. Assumed of all other tasks.
     Affine,
-    /// None of these: only what holds for every plug-in. Assumed of all other constraints.
+    /// None of these: only what holds for every plug-in. Assumed of constraints without rows on `v̇`; of inequality rows
+    /// on `v̇` it has to be stated.
     Other,
 }
 
@@ -284,7 +287,9 @@ impl PluginTest {
                 contacts: &self.contacts,
                 allocations: self.allocations.as_deref(),
             };
-            self.on_robot::<P>(&bench, &mut report);
+            bench::report_panics(&robot, &mut report, |report| {
+                self.on_robot::<P>(&bench, report);
+            });
         }
         report.finish()
     }
@@ -312,7 +317,11 @@ impl PluginTest {
         };
         report.accepted(&name);
         written::check_layout::<P>(bench, &layout, report);
-        let meaning = self.meaning.unwrap_or_else(|| assumed::<P>(&layout));
+        let meaning = self.meaning.or_else(|| assumed::<P>(&layout));
+        let meaning = meaning.unwrap_or_else(|| {
+            report.fail(Check::Meaning, "", STATE_THE_MEANING);
+            Meaning::Other
+        });
         for k in 0..self.states {
             let mut scatter = Scatter::new(self.seed.wrapping_add(1000 * k as u64));
             report.state(k);
@@ -359,14 +368,22 @@ impl fmt::Debug for PluginTest {
     }
 }
 
-/// What the layout says of the rows' meaning.
-fn assumed<P: Subject + ?Sized>(layout: &Layout) -> Meaning {
+/// Of inequality rows on `v̇` whose author has not said what they mean.
+const STATE_THE_MEANING: &str = "it has inequality rows on v̇, and nothing says what they mean, so neither coefficients nor \
+    bias are compared: state it with `.meaning(Meaning::Barrier)` (limits on the second derivative of a function of the \
+    configuration), `.meaning(Meaning::Motion)` (limits on accelerations that have no error) or, for neither, \
+    `.meaning(Meaning::Other)` (nothing is compared)";
+
+/// What the layout says of the rows' meaning, if it says enough.
+fn assumed<P: Subject + ?Sized>(layout: &Layout) -> Option<Meaning> {
     let on_motion = layout.vdot != VdotBlock::Absent;
     let on_forces = layout.effort.is_some() || !layout.forces.is_empty();
+    let is_equality = layout.relation == Relation::Equality;
     match (P::IS_TASK, on_motion, on_forces) {
-        (true, true, false) => Meaning::Position,
-        (true, ..) => Meaning::Affine,
-        (false, true, false) if layout.relation == Relation::Equality => Meaning::Motion,
-        (false, ..) => Meaning::Other,
+        (true, true, false) => Some(Meaning::Position),
+        (true, ..) => Some(Meaning::Affine),
+        (false, true, false) if is_equality => Some(Meaning::Motion),
+        (false, true, _) if !is_equality => None,
+        (false, ..) => Some(Meaning::Other),
     }
 }

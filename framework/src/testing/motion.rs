@@ -34,6 +34,21 @@ fn row<P: Subject + ?Sized>(bench: &Bench<'_>, k: usize) -> String {
     format!("row {k} `{}`", label.map_or("", |row| row.label.as_str()))
 }
 
+/// What to do if the units say that a row is the first derivative of its error, not the second.
+fn unit_hint<P: Subject + ?Sized>(bench: &Bench<'_>, k: usize) -> String {
+    let Ok(layout) = bench.layout::<P>() else {
+        return String::new();
+    };
+    let (error, row) = (&layout.error_unit, layout.rows.get(k));
+    match row.map(|row| &row.unit) {
+        Some(row) if *row == format!("{error}/s") || *row == format!("{error}²") => format!(
+            "; the row is in {row}, the error in {error}: if the row is the error's first derivative, say so with \
+             `.meaning(Meaning::Velocity)`"
+        ),
+        _ => String::new(),
+    }
+}
+
 /// The first row in which two vectors differ.
 fn mismatch(a: &DVector<f64>, b: &DVector<f64>) -> Option<usize> {
     let scale = TOLERANCE * (1.0 + a.amax().max(b.amax()));
@@ -72,10 +87,11 @@ pub(super) fn position_jacobian<P: Subject + ?Sized>(
                 String::new()
             };
             let message = format!(
-                "{}: along a random velocity the error changes by {:.9}/s, its coefficients on v̇ say {:.9}{hint}",
+                "{}: along a random velocity the error changes by {:.9}/s, its coefficients on v̇ say {:.9}{hint}{}",
                 row::<P>(bench, k),
                 rate[k],
-                expected[k]
+                expected[k],
+                unit_hint::<P>(bench, k)
             );
             report.fail(Check::Jacobian, bench.name(), message);
         }

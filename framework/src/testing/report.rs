@@ -14,6 +14,10 @@ pub enum Check {
     UnknownKeys,
     /// The JSON Schema.
     Schema,
+    /// The plug-in does not panic.
+    Panic,
+    /// What the rows mean is stated where nothing can be assumed.
+    Meaning,
     /// What is declared is what is written.
     Layout,
     /// Numbers that are numbers.
@@ -36,6 +40,8 @@ impl fmt::Display for Check {
             Self::Form => "form",
             Self::UnknownKeys => "unknown keys",
             Self::Schema => "schema",
+            Self::Panic => "panic",
+            Self::Meaning => "meaning",
             Self::Layout => "layout",
             Self::Finite => "finite",
             Self::Coefficients => "coefficients",

@@ -2,7 +2,11 @@
 
 use std::collections::VecDeque;
 
-use wbqp::robot::RobotModel;
+use wbqp::{
+    actuator::{ActuatorKind, Drive},
+    controller::Command,
+    robot::RobotModel,
+};
 
 /// One value per actuator, in the order of `u`, held during a control period.
 ///
@@ -21,6 +25,32 @@ impl PlantCommand {
         let values = robot.actuators.iter();
         Self {
             values: values.map(|a| rest(a.lower, a.upper)).collect(),
+        }
+    }
+
+    /// What a controller's command says to each actuator; see [`PlantCommand::take`].
+    pub fn of(robot: &RobotModel, command: &Command) -> Self {
+        let mut taken = Self::rest(robot);
+        taken.take(robot, command);
+        taken
+    }
+
+    /// Takes over a controller's command without allocating, by what each actuator takes: the thrust of a rotor, the
+    /// effort of a torque-driven joint, and the velocity reference of a servoed one, whose effort is what the solver
+    /// expects of the servo and not an input of it.
+    ///
+    /// Both are for the same robot; what a command of another one does not have stays as it was.
+    pub fn take(&mut self, robot: &RobotModel, command: &Command) {
+        for (i, (actuator, out)) in robot.actuators.iter().zip(&mut self.values).enumerate() {
+            let value = match &actuator.kind {
+                ActuatorKind::Joint(motor) if motor.drive == Drive::Velocity => {
+                    command.joint_velocity.get(motor.joint.index())
+                }
+                _ => command.effort.get(i),
+            };
+            if let Some(value) = value {
+                *out = *value;
+            }
         }
     }
 

@@ -210,7 +210,6 @@ mod tests {
     use std::f64::consts::{FRAC_PI_2, PI};
 
     use super::*;
-    use crate::follow::at_rest;
 
     const BEGIN: f64 = 10.0;
 
@@ -236,7 +235,7 @@ mod tests {
             .turns(-1.75)
             .starting_at_angle(0.4)
             .along([2, 0]);
-        let reference = bound(reference, &at_rest([0.3, -0.2, 1.0])).unwrap();
+        let reference = bound(reference, &Sample::at_rest([0.3, -0.2, 1.0])).unwrap();
         let h = 1e-5;
         for k in 1..400 {
             let time = BEGIN + 0.01 * f64::from(k);
@@ -254,7 +253,7 @@ mod tests {
 
     #[test]
     fn begins_and_ends_at_rest() {
-        let from = at_rest([0.3, -0.2, 1.0]);
+        let from = Sample::at_rest([0.3, -0.2, 1.0]);
         let reference = Ellipse::new([0.05, 0.1], 4.0).turns(2.0).after(0.5);
         let reference = bound(reference, &from).unwrap();
         for time in [f64::NAN, f64::NEG_INFINITY, 0.0, BEGIN, BEGIN + 0.5] {
@@ -276,7 +275,7 @@ mod tests {
 
     #[test]
     fn keeps_to_the_ellipse_and_covers_it() {
-        let from = at_rest([0.0, 0.0]);
+        let from = Sample::at_rest([0.0, 0.0]);
         let reference = Ellipse::new([0.05, 0.1], 4.0).starting_at_angle(PI);
         let reference = bound(reference, &from).unwrap();
         let mut reached = [0.0_f64; 2];
@@ -292,7 +291,7 @@ mod tests {
 
     #[test]
     fn turns_from_the_first_axis_to_the_second_unless_negative() {
-        let from = at_rest([0.0, 0.0]);
+        let from = Sample::at_rest([0.0, 0.0]);
         for turns in [1.0, -1.0] {
             let circle = Ellipse::new([1.0, 1.0], 4.0).turns(turns);
             let circle = bound(circle, &from).unwrap();
@@ -325,7 +324,7 @@ mod tests {
             ("axes", good().along([1, 1])),
             ("from", good().starting_at([1.0])),
         ] {
-            let error = bound(reference, &at_rest([0.0, 0.0]))
+            let error = bound(reference, &Sample::at_rest([0.0, 0.0]))
                 .unwrap_err()
                 .to_string();
             assert!(error.starts_with(&format!("`{key}`")), "{error}");

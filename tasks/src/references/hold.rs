@@ -27,6 +27,11 @@ pub struct Hold {
 }
 
 impl Hold {
+    /// Stays where it takes over.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
     /// Stays at a value.
     pub fn at(value: impl Into<Vec<f64>>) -> Self {
         Self {

@@ -102,12 +102,11 @@ mod tests {
     use wbqp::reference::Space;
 
     use super::*;
-    use crate::follow::at_rest;
 
     #[test]
     fn waits_moves_and_holds() {
         let mut reference = MinJerk::new([3.0], 2.0).after(0.5);
-        let from = at_rest([1.0]);
+        let from = Sample::at_rest([1.0]);
         let start = Start {
             space: Space::Vector(1),
             time: 10.0,
@@ -127,7 +126,7 @@ mod tests {
 
     #[test]
     fn begins_at_rest_where_the_last_one_moved() {
-        let mut from = at_rest([1.0, 2.0]);
+        let mut from = Sample::at_rest([1.0, 2.0]);
         from.rate = vec![5.0, 5.0];
         let mut reference = MinJerk::new([3.0, 4.0], 1.0);
         let start = Start {
@@ -138,12 +137,12 @@ mod tests {
         reference.bind(&start).unwrap();
         let mut out = Sample::new(Space::Vector(2));
         reference.at(0.0, &mut out);
-        assert_eq!(out, at_rest([1.0, 2.0]));
+        assert_eq!(out, Sample::at_rest([1.0, 2.0]));
     }
 
     #[test]
     fn bad_numbers_are_refused_by_key() {
-        let from = at_rest([1.0]);
+        let from = Sample::at_rest([1.0]);
         for (key, mut reference) in [
             ("duration", MinJerk::new([3.0], 0.0)),
             ("duration", MinJerk::new([3.0], f64::NAN)),

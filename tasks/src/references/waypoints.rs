@@ -122,7 +122,6 @@ mod tests {
     use wbqp::reference::Space;
 
     use super::*;
-    use crate::follow::at_rest;
 
     fn bound(space: Space, from: &Sample, points: Vec<Waypoint>) -> Result<Waypoints, BindError> {
         let mut reference = Waypoints::new(points);
@@ -148,7 +147,7 @@ mod tests {
             Waypoint::new(3.0, [1.0, 2.0]),
             Waypoint::new(4.0, [0.0, 0.0]),
         ];
-        let reference = bound(space, &at_rest([0.0, 0.0]), points).unwrap();
+        let reference = bound(space, &Sample::at_rest([0.0, 0.0]), points).unwrap();
         for (time, value) in [
             (99.0, [0.0, 0.0]),
             (100.0, [0.0, 0.0]),
@@ -163,11 +162,11 @@ mod tests {
         ] {
             let got = at(&reference, space, time);
             assert!(
-                (got.value3() - at_rest(value).value3()).norm() < 1e-12,
+                (got.value3() - Sample::at_rest(value).value3()).norm() < 1e-12,
                 "{time}"
             );
         }
-        assert_eq!(at(&reference, space, 101.2), at_rest([1.0, 0.0]));
+        assert_eq!(at(&reference, space, 101.2), Sample::at_rest([1.0, 0.0]));
     }
 
     #[test]
@@ -183,7 +182,7 @@ mod tests {
         let space = Space::Rotation;
         let turning = bound(space, &Sample::new(space), points()).unwrap();
         let flat = Space::Vector(3);
-        let moving = bound(flat, &at_rest([0.0; 3]), points()).unwrap();
+        let moving = bound(flat, &Sample::at_rest([0.0; 3]), points()).unwrap();
         for k in 0..450 {
             let time = 99.9 + 0.01 * f64::from(k);
             let here = at(&turning, space, time);
@@ -202,13 +201,18 @@ mod tests {
     #[test]
     fn a_first_point_at_zero_is_a_jump() {
         let space = Space::Vector(1);
-        let reference = bound(space, &at_rest([9.0]), vec![Waypoint::new(0.0, [1.0])]).unwrap();
-        assert_eq!(at(&reference, space, 100.0), at_rest([1.0]));
+        let reference = bound(
+            space,
+            &Sample::at_rest([9.0]),
+            vec![Waypoint::new(0.0, [1.0])],
+        )
+        .unwrap();
+        assert_eq!(at(&reference, space, 100.0), Sample::at_rest([1.0]));
     }
 
     #[test]
     fn bad_points_are_refused_by_key() {
-        let from = at_rest([0.0]);
+        let from = Sample::at_rest([0.0]);
         for (key, points) in [
             ("points", vec![]),
             ("points[0].at", vec![Waypoint::new(-1.0, [0.0])]),

@@ -7,7 +7,7 @@
 use wbqp::{
     layout::Layout,
     nalgebra::{UnitQuaternion, Vector3},
-    reference::{Follow, Reference, Sample, Space},
+    reference::{Follow, Reference, Sample, Space, begin},
     rows::Rows,
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
@@ -18,10 +18,7 @@ use wbqp::{
 };
 
 use super::base_position::require_floating;
-use crate::{
-    follow::{begin, stay},
-    gain::Gain,
-};
+use crate::{follow::stay, gain::Gain};
 
 /// Turns a floating base, the paper's R_R.
 ///
@@ -159,7 +156,7 @@ impl Task for BaseOrientation {
             rotation: setup.robot().home.R_WR,
             ..Sample::new(Space::Rotation)
         };
-        self.sample = begin(self.reference.as_mut(), Space::Rotation, home)?;
+        self.sample = begin("reference", self.reference.as_mut(), Space::Rotation, home)?;
         Ok(
             Layout::rows([("x", "rad/s²"), ("y", "rad/s²"), ("z", "rad/s²")])
                 .error_unit("rad")

@@ -8,7 +8,7 @@ use wbqp::{
     layout::Layout,
     model::Base,
     nalgebra::Vector3,
-    reference::{Follow, Reference, Sample, Space},
+    reference::{Follow, Reference, Sample, Space, begin},
     rows::Rows,
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
@@ -18,7 +18,7 @@ use wbqp::{
 };
 
 use crate::{
-    follow::{at_rest, begin, stay},
+    follow::stay,
     gain::Gain,
     integral::{Integral, Settings},
 };
@@ -118,8 +118,8 @@ impl Task for BasePosition {
         self.kp.validate("kp", 3)?;
         self.kd.validate("kd", 3)?;
         self.integral_settings().validate(3, setup.period())?;
-        let home = at_rest(setup.robot().home.p_WR.iter().copied());
-        self.sample = begin(self.reference.as_mut(), Space::Vector(3), home)?;
+        let home = Sample::at_rest(setup.robot().home.p_WR.iter().copied());
+        self.sample = begin("reference", self.reference.as_mut(), Space::Vector(3), home)?;
         self.integral = Integral::new(3);
         Ok(Layout::rows([("x", "m/s²"), ("y", "m/s²"), ("z", "m/s²")])
             .error_unit("m")

@@ -7,7 +7,7 @@
 use wbqp::{
     layout::Layout,
     nalgebra::Vector3,
-    reference::{Follow, Reference, Sample, Space},
+    reference::{Follow, Reference, Sample, Space, begin},
     rows::Rows,
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
@@ -17,10 +17,7 @@ use wbqp::{
 };
 
 use super::base_position::require_floating;
-use crate::{
-    follow::{at_rest, begin, stay},
-    gain::Gain,
-};
+use crate::{follow::stay, gain::Gain};
 
 /// Controls the angular momentum of the whole robot about its centre of mass: zero keeps limbs from winding it up.
 ///
@@ -73,8 +70,8 @@ impl Task for CentroidalAngularMomentum {
     fn bind(&mut self, setup: &mut Setup<'_>) -> Result<Layout, BindError> {
         require_floating(setup)?;
         self.k.validate("k", 3)?;
-        let home = at_rest([0.0; 3]);
-        self.sample = begin(self.reference.as_mut(), Space::Vector(3), home)?;
+        let home = Sample::at_rest([0.0; 3]);
+        self.sample = begin("reference", self.reference.as_mut(), Space::Vector(3), home)?;
         Ok(Layout::rows([("x", "N·m"), ("y", "N·m"), ("z", "N·m")])
             .error_unit("kg·m²/s")
             .vdot_dense())

@@ -6,7 +6,7 @@
 
 use wbqp::{
     layout::Layout,
-    reference::{Follow, Reference, Sample, Space},
+    reference::{Follow, Reference, Sample, Space, begin},
     rows::Rows,
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
@@ -17,7 +17,7 @@ use wbqp::{
 
 use crate::{
     axis::Axis,
-    follow::{at_rest, begin, component, stay},
+    follow::{component, stay},
     gain::Gain,
     home,
 };
@@ -89,8 +89,8 @@ impl Task for Com {
         self.kp.validate("kp", n)?;
         self.kd.validate("kd", n)?;
         let home = home::center_of_mass(setup);
-        let home = at_rest(axes.iter().map(|axis| home[axis.index()]));
-        self.sample = begin(self.reference.as_mut(), Space::Vector(n), home)?;
+        let home = Sample::at_rest(axes.iter().map(|axis| home[axis.index()]));
+        self.sample = begin("reference", self.reference.as_mut(), Space::Vector(n), home)?;
         let rows = axes.iter().map(|axis| (axis.name(), "m/s²"));
         let layout = Layout::rows(rows).error_unit("m").vdot_dense();
         self.moved = axes;

@@ -13,7 +13,7 @@ use wbqp::{
     contact::{ContactId, ContactKind},
     layout::Layout,
     nalgebra::Vector3,
-    reference::{Follow, Reference, Sample, Space},
+    reference::{Follow, Reference, Sample, Space, begin},
     rows::Rows,
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
@@ -22,10 +22,7 @@ use wbqp::{
     tick::Tick,
 };
 
-use crate::{
-    Hold, check,
-    follow::{at_rest, begin, component},
-};
+use crate::{Hold, check, follow::component};
 
 /// Pushes with a given normal force, the paper's f_c.
 ///
@@ -204,7 +201,12 @@ impl Task for ContactForce {
         check::not_negative("ki", self.ki)?;
         check::not_negative("anti_windup", self.anti_windup)?;
         check::positive("clamp", self.clamp)?;
-        self.sample = begin(self.reference.as_mut(), Space::Vector(1), at_rest([0.0]))?;
+        self.sample = begin(
+            "reference",
+            self.reference.as_mut(),
+            Space::Vector(1),
+            Sample::at_rest([0.0]),
+        )?;
         self.bound = Some((contact, kind));
         self.activate();
         let rows = kind.constrained();

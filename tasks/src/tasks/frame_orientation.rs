@@ -7,7 +7,7 @@
 use wbqp::{
     layout::Layout,
     nalgebra::{UnitQuaternion, Vector3},
-    reference::{Follow, Reference, Sample, Space},
+    reference::{Follow, Reference, Sample, Space, begin},
     rows::Rows,
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
@@ -17,11 +17,7 @@ use wbqp::{
 };
 
 use super::base_orientation::{GainAxes, RotationError};
-use crate::{
-    follow::{begin, stay, turned},
-    gain::Gain,
-    home,
-};
+use crate::{follow::stay, gain::Gain};
 
 /// Turns a frame of the robot.
 ///
@@ -90,9 +86,9 @@ impl Task for FrameOrientation {
         let frame = setup.frame(&self.frame)?;
         self.kp.validate("kp", 3)?;
         self.kd.validate("kd", 3)?;
-        let R_WF = home::frame(setup, &self.frame)?.R_WF;
-        let home = turned(UnitQuaternion::from_rotation_matrix(&R_WF));
-        self.sample = begin(self.reference.as_mut(), Space::Rotation, home)?;
+        let R_WF = setup.frame_at_home(&self.frame)?.R_WF;
+        let home = Sample::turned(UnitQuaternion::from_rotation_matrix(&R_WF));
+        self.sample = begin("reference", self.reference.as_mut(), Space::Rotation, home)?;
         self.bound = Some(frame);
         Ok(
             Layout::rows([("x", "rad/s²"), ("y", "rad/s²"), ("z", "rad/s²")])

@@ -7,7 +7,7 @@
 use wbqp::{
     layout::Layout,
     nalgebra::UnitQuaternion,
-    reference::{Follow, Reference, Sample, Space},
+    reference::{Follow, Reference, Sample, Space, begin},
     rows::Rows,
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
@@ -17,11 +17,7 @@ use wbqp::{
 };
 
 use super::base_orientation::RotationError;
-use crate::{
-    follow::{at_rest, begin_as, stay, turned},
-    gain::Gain,
-    home,
-};
+use crate::{follow::stay, gain::Gain};
 
 /// Moves and turns a frame of the robot: [`FramePosition`](crate::FramePosition) and
 /// [`FrameOrientation`](crate::FrameOrientation) in one entry.
@@ -111,12 +107,12 @@ impl Task for FramePose {
         let frame = setup.frame(&self.frame)?;
         self.kp.validate("kp", 6)?;
         self.kd.validate("kd", 6)?;
-        let home = home::frame(setup, &self.frame)?;
-        let place = at_rest(home.p_WF.iter().copied());
-        let attitude = turned(UnitQuaternion::from_rotation_matrix(&home.R_WF));
+        let home = setup.frame_at_home(&self.frame)?;
+        let place = Sample::at_rest(home.p_WF.iter().copied());
+        let attitude = Sample::turned(UnitQuaternion::from_rotation_matrix(&home.R_WF));
         let (position, orientation) = (self.position.as_mut(), self.orientation.as_mut());
-        self.place = begin_as("position", position, Space::Vector(3), place)?;
-        self.attitude = begin_as("orientation", orientation, Space::Rotation, attitude)?;
+        self.place = begin("position", position, Space::Vector(3), place)?;
+        self.attitude = begin("orientation", orientation, Space::Rotation, attitude)?;
         self.bound = Some(frame);
         Ok(Layout::rows(POSE)
             .error_unit("m or rad")

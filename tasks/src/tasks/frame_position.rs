@@ -6,7 +6,7 @@
 
 use wbqp::{
     layout::Layout,
-    reference::{Follow, Reference, Sample, Space},
+    reference::{Follow, Reference, Sample, Space, begin},
     rows::Rows,
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
@@ -17,9 +17,8 @@ use wbqp::{
 
 use crate::{
     axis::Axis,
-    follow::{at_rest, begin, component, stay},
+    follow::{component, stay},
     gain::Gain,
-    home,
 };
 
 /// Moves the origin of a frame of the robot: an end effector, a foot, a camera.
@@ -92,9 +91,9 @@ impl Task for FramePosition {
         let n = axes.len();
         self.kp.validate("kp", n)?;
         self.kd.validate("kd", n)?;
-        let home = home::frame(setup, &self.frame)?.p_WF;
-        let home = at_rest(axes.iter().map(|axis| home[axis.index()]));
-        self.sample = begin(self.reference.as_mut(), Space::Vector(n), home)?;
+        let home = setup.frame_at_home(&self.frame)?.p_WF;
+        let home = Sample::at_rest(axes.iter().map(|axis| home[axis.index()]));
+        self.sample = begin("reference", self.reference.as_mut(), Space::Vector(n), home)?;
         let layout = Layout::rows(axes.iter().map(|axis| (axis.name(), "m/s²")))
             .error_unit("m")
             .vdot_frame(frame, axes.iter().map(|axis| axis.index()));

@@ -10,7 +10,7 @@ use wbqp::{
     dynamics::{Data, frame_motion},
     layout::Layout,
     nalgebra::Vector3,
-    reference::{Follow, Reference, Sample, Space},
+    reference::{Follow, Reference, Sample, Space, begin},
     rows::Rows,
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
@@ -20,7 +20,7 @@ use wbqp::{
 };
 
 use crate::{
-    follow::{at_rest, begin, component, stay},
+    follow::{component, stay},
     gain::Gain,
     integral::{Integral, Settings},
 };
@@ -252,8 +252,8 @@ impl Task for FreeMotion {
             Origin::Surface => at_home(setup, spec)?,
             Origin::Touch => Vector3::zeros(),
         };
-        let from = at_rest(axes.iter().map(|axis| from[axis.row()]));
-        self.sample = begin(self.reference.as_mut(), Space::Vector(n), from)?;
+        let from = Sample::at_rest(axes.iter().map(|axis| from[axis.row()]));
+        self.sample = begin("reference", self.reference.as_mut(), Space::Vector(n), from)?;
         self.integral = Integral::new(n);
         let layout = Layout::rows(axes.iter().map(|axis| (axis.name(), "m/s²")))
             .error_unit("m")

@@ -76,9 +76,9 @@ impl Default for JointTorqueRegularisation {
 #[wbqp::task("joint_torque_regularisation")]
 impl Task for JointTorqueRegularisation {
     fn bind(&mut self, setup: &mut Setup<'_>) -> Result<Layout, BindError> {
-        let (model, robot) = (setup.model(), setup.robot());
+        let model = setup.model();
         let ids = || (0..model.joints().len()).filter_map(|i| model.joint(&model.joints()[i].name));
-        let motor = |joint| robot.joint_actuator(joint).map(|index| (joint, index));
+        let motor = |joint| setup.motor(joint).map(|index| (joint, index));
         let mut motors = chosen(
             "joints",
             self.joints.as_deref(),

@@ -3,7 +3,7 @@
 use wbqp::{
     layout::Layout,
     model::{JointId, JointKind},
-    reference::{Follow, Reference, Sample, Space},
+    reference::{Follow, Reference, Sample, Space, begin},
     rows::Rows,
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
@@ -13,7 +13,7 @@ use wbqp::{
 };
 
 use crate::{
-    follow::{at_rest, begin, component, stay},
+    follow::{component, stay},
     gain::Gain,
 };
 
@@ -101,8 +101,8 @@ impl Task for Posture {
         self.kp.validate("kp", n)?;
         self.kd.validate("kd", n)?;
         let home = &setup.robot().home.q;
-        let home = at_rest(moved.iter().map(|j| home[j.index()]));
-        self.sample = begin(self.reference.as_mut(), Space::Vector(n), home)?;
+        let home = Sample::at_rest(moved.iter().map(|j| home[j.index()]));
+        self.sample = begin("reference", self.reference.as_mut(), Space::Vector(n), home)?;
         self.moved = moved;
 
         let model = setup.model();

@@ -9,7 +9,7 @@ use wbqp::{
     dynamics::FrameKinematics,
     layout::Layout,
     nalgebra::{UnitQuaternion, Vector3},
-    reference::{Follow, Reference, Sample, Space},
+    reference::{Follow, Reference, Sample, Space, begin},
     rows::Rows,
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
@@ -19,11 +19,7 @@ use wbqp::{
 };
 
 use super::{base_orientation::RotationError, frame_pose::POSE};
-use crate::{
-    follow::{at_rest, begin_as, stay, turned},
-    gain::Gain,
-    home,
-};
+use crate::{follow::stay, gain::Gain};
 
 /// Moves a frame of the robot relative to another one: two hands that hold an object, a camera that follows a tool.
 ///
@@ -140,15 +136,15 @@ impl Task for RelativePose {
         self.kp.validate("kp", 6)?;
         self.kd.validate("kd", 6)?;
         let (A, B) = (
-            home::frame(setup, &self.relative_to)?,
-            home::frame(setup, &self.frame)?,
+            setup.frame_at_home(&self.relative_to)?,
+            setup.frame_at_home(&self.frame)?,
         );
         let R_AW = A.R_WF.inverse();
-        let place = at_rest((R_AW * (B.p_WF - A.p_WF)).iter().copied());
-        let attitude = turned(UnitQuaternion::from_rotation_matrix(&(R_AW * B.R_WF)));
+        let place = Sample::at_rest((R_AW * (B.p_WF - A.p_WF)).iter().copied());
+        let attitude = Sample::turned(UnitQuaternion::from_rotation_matrix(&(R_AW * B.R_WF)));
         let (position, orientation) = (self.position.as_mut(), self.orientation.as_mut());
-        self.place = begin_as("position", position, Space::Vector(3), place)?;
-        self.attitude = begin_as("orientation", orientation, Space::Rotation, attitude)?;
+        self.place = begin("position", position, Space::Vector(3), place)?;
+        self.attitude = begin("orientation", orientation, Space::Rotation, attitude)?;
         self.bound = Some(frames);
         Ok(Layout::rows(POSE).error_unit("m or rad").vdot_dense())
     }
