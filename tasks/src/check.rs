@@ -22,6 +22,11 @@ pub(crate) fn positive(key: &str, value: f64) -> Result<(), BindError> {
     )
 }
 
+/// Finite.
+pub(crate) fn finite_number(key: &str, value: f64) -> Result<(), BindError> {
+    require(key, value, value.is_finite(), "finite")
+}
+
 /// All finite.
 pub(crate) fn finite(key: &str, values: &[f64]) -> Result<(), BindError> {
     for (index, x) in values.iter().enumerate() {

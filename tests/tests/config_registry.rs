@@ -95,9 +95,9 @@ fn kinds_without_any_plug_in_say_how_to_link_one() {
     let errors = ControllerConfig::from_str(source, "x.toml", "").expect_err("refused");
     let text = errors.to_string();
     for line in [
-        "x.toml:4:8: robot (urdf): unknown robot type `urdf`; no robot is linked: add `use my_plugin_crate as _;`",
+        "x.toml:4:8: robot (urdf): unknown robot type `urdf`; no robot is linked: add `use my_plugins as _;`",
         "x.toml:7:8: constraint[0] `a` (limits): unknown constraint type `limits`; \
-         no constraint is linked: add `use my_plugin_crate as _;`",
+         no constraint is linked: add `use my_plugins as _;`",
     ] {
         assert!(text.contains(line), "{text}");
     }

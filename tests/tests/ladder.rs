@@ -566,6 +566,8 @@ fn the_conflict_of_a_tick_is_irreducible_and_each_shortfall_is_the_least() {
                 continue;
             }
             let member = |row: RowId, side: Side, limit: f64| {
+                // The problem's own limit: what a substitution adds to a row is part of the one reported.
+                let (asked, mut limit) = (limit, limit);
                 let row_of = qp.rows().binary_search(&row);
                 let a = row_of.map_or_else(
                     |_| {
@@ -577,7 +579,7 @@ fn the_conflict_of_a_tick_is_irreducible_and_each_shortfall_is_the_least() {
                         let name = controller.row(row).expect("exists");
                         let variable = |j: &usize| {
                             let var = controller.variable(qp.vars()[*j]).expect("exists");
-                            limits[*j] == limit
+                            limits[*j] == asked
                                 && (var.owner == name.label
                                     || var.owner == name.owner && var.label.contains("normal")
                                     || name.owner == "adversary")
@@ -587,7 +589,13 @@ fn the_conflict_of_a_tick_is_irreducible_and_each_shortfall_is_the_least() {
                         unit[j] = 1.0;
                         unit
                     },
-                    |i| qp.row(i).to_vec(),
+                    |i| {
+                        limit = match side {
+                            Side::Lower => qp.row_lower()[i],
+                            Side::Upper => qp.row_upper()[i],
+                        };
+                        qp.row(i).to_vec()
+                    },
                 );
                 match side {
                     Side::Lower => Member {

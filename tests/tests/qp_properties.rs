@@ -76,10 +76,11 @@ fn cost_difference(a: &Controller, b: &Controller, factor: f64) -> f64 {
     relative(a.report().objective, b.report().objective / factor)
 }
 
-/// How far two solutions of one problem, put together in different ways, may be apart. The sum that makes H is rounded
-/// at 1e-16, and a solution moves by as much times the condition number, whoever solves for it.
+/// How far two solutions of one problem, put together in different ways, may be apart. The terms whose sum makes H are
+/// rounded at 1e-16 of their size, which may be some times that of H, and a solution moves by as much times the condition
+/// number, whoever solves for it.
 fn tolerance(condition: f64) -> f64 {
-    1e-9 + 100.0 * f64::EPSILON * condition
+    1e-9 + 1000.0 * f64::EPSILON * condition
 }
 
 /// Objective, v̇ and, where the problem is well conditioned, the efforts agree.
@@ -87,8 +88,13 @@ fn same_solution(a: &Controller, b: &Controller) -> Result<(), TestCaseError> {
     prop_assert_eq!(a.report().rung, Rung::Optimal, "{:?}", a.report().status);
     prop_assert_eq!(b.report().rung, Rung::Optimal, "{:?}", b.report().status);
     let cost = cost_difference(a, b, 1.0);
-    prop_assert!(cost < 1e-9, "cost differs by {:e}", cost);
     let condition = condition(a.problem());
+    prop_assert!(
+        cost < 1e-9,
+        "cost differs by {:e} at condition {:e}",
+        cost,
+        condition
+    );
     if condition < 1e8 {
         let tolerance = tolerance(condition);
         let vdot = same_vector(&a.report().vdot, &b.report().vdot);
@@ -253,7 +259,15 @@ proptest! {
         } else {
             Formulation::Explicit
         };
-        same_solution(&tick(Formulation::Condensed), &tick(other))?;
+        let (a, b) = (tick(Formulation::Condensed), tick(other));
+        prop_assert_eq!(a.report().rung, Rung::Optimal, "{:?}", a.report().status);
+        prop_assert_eq!(b.report().rung, Rung::Optimal, "{:?}", b.report().status);
+        // Only the regularisation tells two motors of one joint apart: the condition is around 1e16, and neither
+        // efforts nor a cost that is far smaller than the numbers it is the difference of can be had to all digits.
+        let own = a.problem().objective(&a.solution().x).abs();
+        let (x, y) = (a.report().objective, b.report().objective);
+        let cost = (x - y).abs() / (1.0 + x.abs() + own);
+        prop_assert!(cost < 1e-6, "cost {} and {}, own {}", x, y, own);
     }
 
     #[test]

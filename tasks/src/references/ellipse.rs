@@ -179,8 +179,8 @@ impl Reference for Ellipse {
             return Err(BindError::value("semi_axes", "are both zero"));
         }
         check::positive("duration", self.duration)?;
-        check::finite("turns", &[self.turns])?;
-        check::finite("phase", &[self.phase])?;
+        check::finite_number("turns", self.turns)?;
+        check::finite_number("phase", self.phase)?;
         check::not_negative("start", self.start)?;
         if let Some(axis) = self.axes.iter().find(|&&axis| axis >= n) {
             let problem = format!("contains {axis}, the task has {n} components, counted from 0");

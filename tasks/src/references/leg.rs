@@ -218,13 +218,13 @@ mod tests {
 
     #[test]
     fn bad_values_are_refused_by_key() {
-        for (space, numbers) in [
-            (Space::Vector(2), vec![1.0]),
-            (Space::Vector(1), vec![f64::NAN]),
-            (Space::Rotation, vec![0.0; 4]),
+        for (space, numbers, key) in [
+            (Space::Vector(2), vec![1.0], "to"),
+            (Space::Vector(2), vec![1.0, f64::NAN], "to[1]"),
+            (Space::Rotation, vec![0.0; 4], "to"),
         ] {
             let error = knot(space, "to", &numbers).unwrap_err().to_string();
-            assert!(error.starts_with("`to`"), "{error}");
+            assert!(error.starts_with(&format!("`{key}`")), "{error}");
         }
     }
 }

@@ -212,7 +212,7 @@ impl Reference for ThrustAttitude {
             ));
         }
         if let Some(yaw) = self.yaw {
-            check::finite("yaw", &[yaw])?;
+            check::finite_number("yaw", yaw)?;
         }
         check::positive("max_tilt", self.max_tilt)?;
         if self.max_tilt >= FRAC_PI_2 {

@@ -218,7 +218,8 @@ mod tests {
 
     #[test]
     fn four_rows_at_once_are_four_rows() {
-        for n in 0..20 {
+        // Rows are padded to whole lanes.
+        for n in (0..=40).step_by(LANES) {
             let row = |p: usize| (0..n).map(move |i| ((7 * i + 3 * p) as f64).sin());
             let rows: Vec<f64> = (0..4).flat_map(|p| row(p).chain([9.0])).collect();
             let x: Vec<f64> = row(5).collect();
@@ -230,7 +231,7 @@ mod tests {
                 axpy(&mut expected, alpha[p], &rows[p * (n + 1)..]);
             }
             for (y, expected) in y.iter().zip(&expected) {
-                assert!((y - expected).abs() < 1e-14);
+                assert!((y - expected).abs() < 1e-14 * (1.0 + expected.abs()));
             }
         }
     }

@@ -18,7 +18,7 @@ const JOINT_ROUNDS: u32 = 4;
 /// Rounds in which all constraints with a multiplier of the wrong sign are let go together, before any was exact.
 const GUESS_ROUNDS: u32 = 6;
 /// Residual of the optimality conditions, relative to their terms, that needs no refinement.
-const EXACT: f64 = 1e-13;
+const EXACT: f64 = 1e-14;
 /// Relative residual of an optimum.
 const CONVERGED: f64 = 1e-9;
 /// Refinements, or proximal steps, on one set of held constraints.
