@@ -44,7 +44,7 @@ fn main() -> Result<ExitCode> {
         dump.wbqp,
     );
     match controller.explain() {
-        Some(explanation) => println!("{}: {explanation}\n", report.rung.as_str()),
+        Some(explanation) => println!("{explanation}\n"),
         None => println!("{}\n", report.rung.as_str()),
     }
     let matrices = if arguments.matrices {

@@ -438,6 +438,12 @@ impl Controller {
         &self.solution
     }
 
+    /// What the substitution of variables took from row `i` of [`Controller::problem`]: its value, and its limits, as its
+    /// owner wrote them are larger by that, in the row's unit.
+    pub fn row_constant(&self, i: usize) -> f64 {
+        self.assembly.constant(i)
+    }
+
     /// Name and unit of a row.
     pub fn row(&self, row: RowId) -> Option<&RowInfo> {
         self.table.rows.get(row.index())

@@ -4,8 +4,8 @@ use std::fmt;
 
 use crate::{Controller, qp::RowId};
 
-/// Displays variables, rows and active set of the last problem by name. Numbers in SI units; `*` marks what is at a
-/// limit and pushes against it.
+/// Displays variables, rows and active set of the last problem by name. Numbers in SI units; rows as their owners wrote
+/// them, before variables were substituted; `*` marks what is at a limit and pushes against it.
 #[derive(Clone, Copy, Debug)]
 pub struct ProblemTable<'c> {
     controller: &'c Controller,
@@ -71,12 +71,14 @@ impl fmt::Display for ProblemTable<'_> {
             .map(|i| {
                 let (name, unit) = self.row_name(qp.rows()[i]);
                 let terms = qp.row(i).iter().zip(&solution.x);
+                let value: f64 = terms.map(|(a, x)| a * x).sum();
+                let constant = table.row_constant(i);
                 Line {
                     name,
                     unit,
-                    lower: qp.row_lower()[i],
-                    value: terms.map(|(a, x)| a * x).sum(),
-                    upper: qp.row_upper()[i],
+                    lower: qp.row_lower()[i] + constant,
+                    value: value + constant,
+                    upper: qp.row_upper()[i] + constant,
                     multiplier: solution.y[i],
                 }
             })
