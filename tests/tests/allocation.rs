@@ -99,7 +99,9 @@ fn a_tick_allocates_nothing(solver: Option<fn() -> Box<dyn QpSolver>>) {
             for entry in &mut config.tasks {
                 entry.transition = 0.03;
             }
-            let mut controller = wbqp::Controller::new(config).expect("the scene is valid");
+            let controller = wbqp::Controller::new(config).expect("the scene is valid");
+        // Records are copied within the tick.
+        let mut controller = controller.with_recorder(4).expect("can be saved");
             if kind == Kind::OthexVertical {
                 // The reference that computes most.
                 let thrust = Box::new(ThrustAttitude::new());
@@ -160,7 +162,9 @@ fn no_rung_allocates() {
         Adversary::new(5, 100).join(&mut config, "adversary");
         let tasks: Vec<String> = config.tasks.iter().map(|t| t.name.clone()).collect();
         let contacts: Vec<String> = config.contacts.iter().map(|c| c.name.clone()).collect();
-        let mut controller = wbqp::Controller::new(config).expect("the scene is valid");
+        let controller = wbqp::Controller::new(config).expect("the scene is valid");
+        // Records are copied within the tick.
+        let mut controller = controller.with_recorder(4).expect("can be saved");
         let good = scene.measurement();
         let mut measurement = good.clone();
         let (mut inside, mut outage) = (0, 0_u32);
