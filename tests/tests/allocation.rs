@@ -100,8 +100,8 @@ fn a_tick_allocates_nothing(solver: Option<fn() -> Box<dyn QpSolver>>) {
                 entry.transition = 0.03;
             }
             let controller = wbqp::Controller::new(config).expect("the scene is valid");
-        // Records are copied within the tick.
-        let mut controller = controller.with_recorder(4).expect("can be saved");
+            // Records are copied within the tick.
+            let mut controller = controller.with_recorder(4).expect("can be saved");
             if kind == Kind::OthexVertical {
                 // The reference that computes most.
                 let thrust = Box::new(ThrustAttitude::new());
