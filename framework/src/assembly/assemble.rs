@@ -1,7 +1,7 @@
 //! Puts the problem of a tick together: rows, cost, bounds.
 
 use super::{
-    Actuation, Group, Live, Partition, ProblemRows, Quadratic, Recovered, Relations, Table,
+    Actuation, Asked, Group, Live, Partition, ProblemRows, Quadratic, Recovered, Relations, Table,
     Treatment, VariableNames, bounds::TorqueRow, expand::Context, live::FirstIds,
     partition::EffortPlace,
 };
@@ -34,6 +34,7 @@ pub(crate) struct Assembly {
     pub(super) relations: Relations,
     pub(super) quadratic: Quadratic,
     pub(super) recovered: Recovered,
+    asked: Asked,
     /// A row over y.
     pub(super) row: Vec<f64>,
     /// The rows over y of a group that is a cost.
@@ -80,6 +81,7 @@ impl Assembly {
             relations: Relations::new(&partition, actuation, partition.nf.iter().sum()),
             quadratic: Quadratic::new(&partition, capacity),
             recovered: Recovered::new(&partition, rows, capacity),
+            asked: Asked::new(partition.nv),
             row: vec![0.0; capacity],
             block: vec![0.0; longest * capacity],
             block_constants: vec![0.0; longest],
@@ -197,6 +199,11 @@ impl Assembly {
     /// `v̇` of the solution taken last.
     pub(crate) fn vdot(&self) -> &[f64] {
         &self.recovered.vdot
+    }
+
+    /// Writes what tasks ask of single components of `v̇`, see [`Asked::collect`].
+    pub(crate) fn collect_asked(&mut self, tasks: &[Group], out: &mut [f64]) {
+        self.asked.collect(tasks, out);
     }
 
     /// Its efforts.

@@ -66,14 +66,21 @@ impl Assembly {
         for (k, row) in block.chunks_exact_mut(n).take(rows).enumerate() {
             constants[k] = context.natural_row(group, k, row);
         }
-        if !matches!(group.layout.vdot, VdotBlock::Absent) {
+        // Efforts that are not kept are given by accelerations, too.
+        let no_vdot = matches!(group.layout.vdot, VdotBlock::Absent);
+        if !no_vdot {
             self.quadratic.couple();
         }
+        let first = if no_vdot && self.partition.torques.is_empty() {
+            self.partition.nv
+        } else {
+            0
+        };
         let (weights, alpha) = (group.weight.now(), group.alpha);
         let is_there = |column: usize| (0..rows).any(|k| block[k * n + column] != 0.0);
         self.columns.clear();
         self.columns
-            .extend((0..n).filter(|&column| is_there(column)));
+            .extend((first..n).filter(|&column| is_there(column)));
         let columns = &self.columns;
         self.quadratic.add_rows(
             rows,

@@ -145,31 +145,6 @@ impl Group {
         self.linear_penalty * self.alpha
     }
 
-    /// What the live groups ask of `v̇[column]` by rows on that component alone: their mean by weight, or the first
-    /// hard one's; zero if none asks.
-    pub(crate) fn virtual_input(groups: &[Self], column: usize) -> f64 {
-        let (mut sum, mut total) = (0.0, 0.0);
-        for group in groups.iter().filter(|g| g.live) {
-            let VdotBlock::Unit(columns) = &group.layout.vdot else {
-                continue;
-            };
-            if group.layout.effort.is_some() || !group.layout.forces.is_empty() {
-                continue;
-            }
-            let hard = group.treatment_now(true) == Treatment::Hard;
-            for (row, _) in columns.iter().enumerate().filter(|(_, c)| **c == column) {
-                let asked = group.store.lower[row];
-                if hard {
-                    return asked;
-                }
-                let weight = group.weight.now()[row] * group.alpha;
-                sum += weight * asked;
-                total += weight;
-            }
-        }
-        if total > 0.0 { sum / total } else { 0.0 }
-    }
-
     /// Whether no row has coefficients on accelerations or efforts.
     pub(crate) fn touches_forces_alone(&self) -> bool {
         self.layout.vdot == VdotBlock::Absent && self.layout.effort.is_none()

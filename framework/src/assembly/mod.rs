@@ -19,6 +19,7 @@
 #![allow(non_snake_case)]
 
 mod actuation;
+mod asked;
 mod assemble;
 mod bounds;
 mod cholesky;
@@ -38,6 +39,7 @@ mod table;
 mod weight;
 
 pub(crate) use actuation::Actuation;
+use asked::Asked;
 pub(crate) use assemble::{Assembly, DynamicsTerms, is_equality};
 pub(crate) use elastic::Elastic;
 pub(crate) use group::{Group, GroupSpec, Treatment};

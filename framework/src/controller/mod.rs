@@ -292,9 +292,8 @@ impl Controller {
     fn output(&mut self, rung: Rung) {
         self.world.last.vdot.copy_from(&self.report.vdot);
         let tasks = &self.groups[..self.tasks.len()];
-        for (column, asked) in self.world.last.virtual_input.iter_mut().enumerate() {
-            *asked = Group::virtual_input(tasks, column);
-        }
+        let asked = self.world.last.virtual_input.as_mut_slice();
+        self.assembly.collect_asked(tasks, asked);
         self.command
             .take_efforts(&self.robot, self.assembly.effort());
         self.world.last.effort.copy_from_slice(&self.command.effort);

@@ -99,12 +99,9 @@ impl Point {
         }
     }
 
-    /// `aᵀ x` of all constraints.
-    pub(super) fn values(&self) -> impl Iterator<Item = f64> {
-        self.values[..self.m]
-            .iter()
-            .chain(&self.x[..self.n])
-            .copied()
+    /// `aᵀ x` of all rows.
+    pub(super) fn row_values(&self) -> &[f64] {
+        &self.values[..self.m]
     }
 
     /// The size of the numbers whose rounding a value carries: `|a|ᵀ` times those of the variables.

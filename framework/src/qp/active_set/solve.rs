@@ -383,22 +383,27 @@ impl Workspace {
     fn find_violated(&mut self, qp: &Qp, tolerance: f64) -> f64 {
         self.violated.clear();
         let mut worst = 0.0_f64;
-        let rows = qp.row_lower().iter().zip(qp.row_upper());
-        let limits = rows.chain(qp.lower().iter().zip(qp.upper()));
-        let constraints = self.point.values().zip(limits).zip(&self.settled);
-        for (index, ((value, (&lower, &upper)), &settled)) in constraints.enumerate() {
-            if settled || (lower <= value && value <= upper) {
-                continue;
-            }
-            let (excess, side, limit) = if value > upper {
-                (value - upper, 1.0, upper)
-            } else {
-                (lower - value, -1.0, lower)
-            };
-            let relative = excess / (limit.abs() + self.point.magnitude(qp, index));
-            if relative > tolerance {
-                worst = worst.max(relative);
-                self.violated.push((excess, Active { index, side, limit }));
+        // One after the other: a chain of the two is slow to walk.
+        let rows = (0, self.point.row_values(), qp.row_lower(), qp.row_upper());
+        let bounds = (qp.m(), self.point.x(), qp.lower(), qp.upper());
+        for (first, values, lower, upper) in [rows, bounds] {
+            let limits = lower.iter().zip(upper);
+            let constraints = values.iter().zip(limits).zip(&self.settled[first..]);
+            for (i, ((&value, (&lower, &upper)), &settled)) in constraints.enumerate() {
+                if settled || (lower <= value && value <= upper) {
+                    continue;
+                }
+                let (excess, side, limit) = if value > upper {
+                    (value - upper, 1.0, upper)
+                } else {
+                    (lower - value, -1.0, lower)
+                };
+                let index = first + i;
+                let relative = excess / (limit.abs() + self.point.magnitude(qp, index));
+                if relative > tolerance {
+                    worst = worst.max(relative);
+                    self.violated.push((excess, Active { index, side, limit }));
+                }
             }
         }
         worst
