@@ -198,7 +198,7 @@ pub(super) fn largest(a: &[f64]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{add_rows, axpy, dot, dots};
+    use super::{LANES, add_rows, axpy, dot, dots};
 
     #[test]
     fn every_length_sums_every_product() {
