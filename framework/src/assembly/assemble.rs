@@ -1,7 +1,7 @@
 //! Puts the problem of a tick together: rows, cost, bounds.
 
 use super::{
-    Actuation, Asked, Group, Live, Partition, ProblemRows, Quadratic, Recovered, Relations, Table,
+    Actuation, Asked, Group, Live, Motions, Partition, ProblemRows, Quadratic, Recovered, Relations, Table,
     Treatment, VariableNames, bounds::TorqueRow, expand::Context, live::FirstIds,
     partition::EffortPlace,
 };
@@ -31,6 +31,7 @@ pub(crate) struct Assembly {
     /// The bound on each contact's normal force, which every contact brings.
     pub(super) normal_rows: Vec<RowId>,
     pub(crate) live: Live,
+    pub(super) motions: Motions,
     pub(super) relations: Relations,
     pub(super) quadratic: Quadratic,
     pub(super) recovered: Recovered,
@@ -59,7 +60,7 @@ impl Assembly {
     /// Gives the physical variables, the dynamics rows and the slacks their ids. `actuation` has the efforts that the
     /// partition keeps.
     pub(crate) fn new(
-        partition: Partition,
+        mut partition: Partition,
         actuation: Actuation,
         regularisation: f64,
         names: &VariableNames<'_>,
@@ -73,13 +74,16 @@ impl Assembly {
         let rows: usize = groups.iter().map(|g| g.layout.len()).sum();
         let bounds: usize = groups.iter().map(|g| g.layout.bounds.len()).sum();
         let longest = groups.iter().map(|g| g.layout.len()).max().unwrap_or(0);
+        let motions = Motions::new(&partition, groups);
+        partition.reserve(motions.sizes().len());
+        partition.arrange(&motions);
         Self {
             regularisation,
             dynamics_rows: own_rows.dynamics,
             normal_rows: own_rows.normals,
             live: Live::new(partition.nf.len(), groups.len(), capacity),
             relations: Relations::new(&partition, actuation, partition.nf.iter().sum()),
-            quadratic: Quadratic::new(&partition, capacity),
+            quadratic: Quadratic::new(&partition, &motions, capacity),
             recovered: Recovered::new(&partition, rows, capacity),
             asked: Asked::new(partition.nv),
             row: vec![0.0; capacity],
@@ -92,8 +96,20 @@ impl Assembly {
             largest_weight: 1.0,
             regularisation_weight: 0.0,
             first_ids,
+            motions,
             partition,
         }
+    }
+
+    /// Chooses what contacts may determine. The robot is at home.
+    pub(crate) fn choose_determined(&mut self, contacts: &[ContactState]) {
+        self.motions.choose(&self.partition, contacts);
+        self.partition.arrange(&self.motions);
+    }
+
+    /// Whether contacts' rows hold by substitution in the problem built last.
+    pub(crate) fn has_determined(&self) -> bool {
+        self.motions.any()
     }
 
     /// Whether a row is one of the equations of motion.
@@ -129,6 +145,35 @@ impl Assembly {
         groups: &mut [Group],
         qp: &mut Qp,
     ) -> Result<(), Fault> {
+        if self.motions.update(groups, terms.contacts) {
+            self.partition.arrange(&self.motions);
+        }
+        if self.relate(terms, groups) {
+            self.put_together(terms, groups, qp)
+        } else {
+            self.assemble_with_all_rows(terms, groups, qp)
+        }
+    }
+
+    /// Builds the problem of this tick without substituting anything from contacts: all limits have a row or a bound.
+    pub(crate) fn assemble_with_all_rows(
+        &mut self,
+        terms: &DynamicsTerms<'_>,
+        groups: &mut [Group],
+        qp: &mut Qp,
+    ) -> Result<(), Fault> {
+        if self.motions.keep_all() {
+            self.partition.arrange(&self.motions);
+        }
+        if self.relate(terms, groups) {
+            self.put_together(terms, groups, qp)
+        } else {
+            Err(Fault::MassMatrix)
+        }
+    }
+
+    /// Lays out the variables and what is substituted; false if that cannot be.
+    fn relate(&mut self, terms: &DynamicsTerms<'_>, groups: &[Group]) -> bool {
         let live_slack = |g: usize| groups[g].live.then_some(groups[g].slack).flatten();
         self.live.refresh(
             &self.partition,
@@ -136,10 +181,17 @@ impl Assembly {
             |c| terms.contacts[c].live,
             live_slack,
         );
+        self.relations
+            .update(&self.partition, &self.motions, &self.live, terms)
+    }
+
+    fn put_together(
+        &mut self,
+        terms: &DynamicsTerms<'_>,
+        groups: &mut [Group],
+        qp: &mut Qp,
+    ) -> Result<(), Fault> {
         qp.reset(self.live.vars.iter().copied());
-        if !self.relations.update(&self.partition, &self.live, terms) {
-            return Err(Fault::MassMatrix);
-        }
         self.constants.clear();
         self.torque_rows.clear();
         self.push_dynamics(terms, qp);
@@ -151,7 +203,9 @@ impl Assembly {
                 continue;
             }
             let treatment = group.treatment_now(is_equality(group));
-            if treatment == Treatment::Cost {
+            if self.motions.hold(index) {
+                // By substitution.
+            } else if treatment == Treatment::Cost {
                 group.cost_start = Some(cost_rows);
                 cost_rows += group.layout.len();
                 self.add_cost(group, terms);
@@ -169,6 +223,8 @@ impl Assembly {
         }
         self.regularise(groups);
         self.quadratic
+            .add_all_determined(&self.partition, &self.motions);
+        self.quadratic
             .add_torques(&self.partition, &self.relations, &self.live);
         self.quadratic.write(&self.relations, &self.live, qp);
         self.add_bounds(terms, groups, qp)
@@ -177,6 +233,7 @@ impl Assembly {
     pub(super) fn context<'a>(&'a self, terms: &DynamicsTerms<'a>) -> Context<'a> {
         Context {
             partition: &self.partition,
+            motions: &self.motions,
             relations: &self.relations,
             live: &self.live,
             terms: *terms,
@@ -188,11 +245,12 @@ impl Assembly {
         let Self {
             recovered,
             partition,
+            motions,
             relations,
             live,
             ..
         } = self;
-        recovered.take(partition, relations, live, x);
+        recovered.take(partition, motions, relations, live, x);
         recovered.assess(groups, live, terms, partition, self.regularisation_weight);
     }
 

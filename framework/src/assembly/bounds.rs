@@ -117,13 +117,13 @@ impl Assembly {
     /// The actuator whose effort is this variable of the problem.
     pub(super) fn effort_at(&self, position: usize) -> Option<usize> {
         let Partition {
-            nv,
+            accelerations,
             substituted,
             kept,
             ..
         } = &self.partition;
         (position + substituted)
-            .checked_sub(*nv)
+            .checked_sub(*accelerations)
             .and_then(|i| kept.get(i))
             .copied()
     }
@@ -133,7 +133,7 @@ impl Assembly {
         let variable = |column: usize| BoundPlace::Variable(column - self.partition.substituted);
         match target {
             BoundTarget::Effort(i) => match self.partition.efforts[i] {
-                EffortPlace::Kept(column) => Some(variable(column)),
+                EffortPlace::Kept(index) => Some(variable(self.partition.accelerations + index)),
                 EffortPlace::Eliminated(_) => Some(BoundPlace::Torque(i)),
             },
             BoundTarget::Force(contact, i) => {

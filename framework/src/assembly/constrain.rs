@@ -6,6 +6,7 @@ use crate::{layout::Block, qp::Qp};
 impl Assembly {
     /// `M v̇ − [S J_cᵀ] (u, f) = Σ J_fᵀ f_f − h`.
     pub(super) fn push_dynamics(&mut self, terms: &DynamicsTerms<'_>, qp: &mut Qp) {
+        // The formulation that has these rows substitutes nothing.
         let (nv, n) = (self.partition.nv, self.live.n_physical);
         let mass = terms.data.mass_matrix();
         for (i, &id) in self.dynamics_rows.iter().enumerate() {

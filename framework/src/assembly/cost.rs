@@ -1,6 +1,10 @@
 //! Rows that are a cost, and the regularisation.
 
-use super::{Assembly, DynamicsTerms, Group, expand::is_finite, partition::EffortPlace};
+use super::{
+    Assembly, DynamicsTerms, Group,
+    expand::is_finite,
+    partition::{EffortPlace, Place},
+};
 use crate::layout::{Block, VdotBlock};
 
 impl Assembly {
@@ -11,36 +15,41 @@ impl Assembly {
         let b = |k: usize| group.store.lower[k];
         let layout = &group.layout;
         let (rows, partition) = (layout.len(), &self.partition);
-        let quadratic = &mut self.quadratic;
+        let (quadratic, motions) = (&mut self.quadratic, &self.motions);
         match (&layout.vdot, &layout.effort, layout.forces.as_slice()) {
             (VdotBlock::Unit(velocities), None, []) => {
                 for (k, &velocity) in velocities.iter().enumerate() {
-                    quadratic.add_unit(partition.columns[velocity], weight(k), b(k));
+                    match partition.places[velocity] {
+                        Place::Column(column) => quadratic.add_unit(column, weight(k), b(k)),
+                        Place::Determined(motion, row) => {
+                            quadratic.add_determined(motion, row, weight(k), b(k));
+                        }
+                    }
                 }
             }
             (VdotBlock::Frame(frame, directions), None, []) => {
-                let (jacobian, carriers) = (&terms.frames[frame.0].J, &partition.frames[frame.0]);
-                let a = |k: usize, i: usize| jacobian[(directions[k], carriers[i].velocity)];
-                let columns = carriers.iter().map(|at| at.column);
-                quadratic.add_rows(rows, columns, a, weight, b);
+                let jacobian = &terms.frames[frame.0].J;
+                let a = |k: usize, velocity: usize| jacobian[(directions[k], velocity)];
+                let support = &partition.frames[frame.0];
+                quadratic.add_motion_rows(rows, support, motions, a, weight, b);
             }
             (VdotBlock::Contact(contact, directions), None, []) => {
-                let contact = contact.index();
-                let (jacobian, carriers) =
-                    (&terms.contacts[contact].J, &partition.contacts[contact]);
-                let a = |k: usize, i: usize| jacobian[(directions[k], carriers[i].velocity)];
-                let columns = carriers.iter().map(|at| at.column);
-                quadratic.add_rows(rows, columns, a, weight, b);
+                let jacobian = &terms.contacts[contact.index()].J;
+                let a = |k: usize, velocity: usize| jacobian[(directions[k], velocity)];
+                let support = &partition.contacts[contact.index()];
+                quadratic.add_motion_rows(rows, support, motions, a, weight, b);
             }
             (VdotBlock::Dense, None, []) => {
-                let (nv, velocities) = (partition.nv, &partition.velocities);
-                let a = |k: usize, i: usize| group.store.vdot[k * nv + velocities[i]];
-                quadratic.add_rows(rows, 0..nv, a, weight, b);
+                let nv = partition.nv;
+                let a = |k: usize, velocity: usize| group.store.vdot[k * nv + velocity];
+                quadratic.add_motion_rows(rows, &partition.all, motions, a, weight, b);
             }
             (VdotBlock::Absent, Some(Block::Unit(actuators)), []) => {
                 for (k, &actuator) in actuators.iter().enumerate() {
                     match partition.efforts[actuator] {
-                        EffortPlace::Kept(column) => quadratic.add_unit(column, weight(k), b(k)),
+                        EffortPlace::Kept(index) => {
+                            quadratic.add_unit(partition.accelerations + index, weight(k), b(k));
+                        }
                         EffortPlace::Eliminated(t) => quadratic.add_torque(t, weight(k), b(k)),
                     }
                 }
@@ -72,7 +81,7 @@ impl Assembly {
             self.quadratic.couple();
         }
         let first = if no_vdot && self.partition.torques.is_empty() {
-            self.partition.nv
+            self.partition.accelerations
         } else {
             0
         };
@@ -107,7 +116,7 @@ impl Assembly {
         self.largest_weight = if largest > 0.0 { largest } else { 1.0 };
         let weight = self.regularisation * self.largest_weight;
         self.regularisation_weight = weight;
-        for column in self.partition.nv..self.live.n_physical {
+        for column in self.partition.accelerations..self.live.n_physical {
             self.quadratic.add_unit(column, weight, 0.0);
         }
         for torque in 0..self.partition.torques.len() {

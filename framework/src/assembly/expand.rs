@@ -2,16 +2,20 @@
 //!
 //! # Mathematics
 //! A row is `A_v v̇ + A_u u + Σ A_c f_c` over accelerations, efforts and forces. In y it is the same, but for eliminated
-//! efforts, `a τ = a (T y + t)`; in x the part on `v̇_P` is `a_P (B x + c)` in addition. What is constant, `a t` and `a_P c`,
-//! goes to the limits.
+//! efforts, `a τ = a (T y + t)`, and accelerations that contacts determine, `a v̇_D = a (G v̇_S + g)`; in x the part on `v̇_P` is `a_P (B x + c)` in addition. What is constant, `a t`,
+//! `a g` and `a_P c`, goes to the limits.
 
-use super::{DynamicsTerms, Group, Live, Partition, Relations, partition::EffortPlace};
+use super::{
+    DynamicsTerms, Group, Live, Motions, Partition, Relations,
+    partition::{EffortPlace, Place},
+};
 use crate::layout::{Block, Layout, VdotBlock};
 
 /// Everything that a row is expanded with.
 #[derive(Clone, Copy)]
 pub(crate) struct Context<'a> {
     pub(crate) partition: &'a Partition,
+    pub(crate) motions: &'a Motions,
     pub(crate) relations: &'a Relations,
     pub(crate) live: &'a Live,
     pub(crate) terms: DynamicsTerms<'a>,
@@ -19,43 +23,48 @@ pub(crate) struct Context<'a> {
 
 /// What a coefficient belongs to.
 #[derive(Clone, Copy)]
-pub(crate) enum Place {
+pub(crate) enum Target {
     /// A natural variable.
     Column(usize),
     /// An eliminated effort.
     Torque(usize),
+    /// An acceleration that is determined by this motion of a contact, as this one of its joints.
+    Determined(usize, usize),
 }
 
 impl Context<'_> {
     /// Hands out the coefficients of a group's row.
-    pub(crate) fn coefficients(&self, group: &Group, k: usize, mut add: impl FnMut(Place, f64)) {
+    pub(crate) fn coefficients(&self, group: &Group, k: usize, mut add: impl FnMut(Target, f64)) {
         let Self {
             partition,
             live,
             terms,
             ..
         } = self;
-        let columns = &partition.columns;
+        let target = |velocity: usize| match partition.places[velocity] {
+            Place::Column(column) => Target::Column(column),
+            Place::Determined(motion, row) => Target::Determined(motion, row),
+        };
         match &group.layout.vdot {
             VdotBlock::Absent => {}
             VdotBlock::Dense => {
                 let nv = partition.nv;
                 let row = &group.store.vdot[k * nv..(k + 1) * nv];
-                for (&column, &a) in columns.iter().zip(row) {
-                    add(Place::Column(column), a);
+                for (velocity, &a) in row.iter().enumerate() {
+                    add(target(velocity), a);
                 }
             }
-            VdotBlock::Unit(velocities) => add(Place::Column(columns[velocities[k]]), 1.0),
+            VdotBlock::Unit(velocities) => add(target(velocities[k]), 1.0),
             VdotBlock::Frame(frame, rows) => {
                 let jacobian = &terms.frames[frame.0].J;
-                for at in &partition.frames[frame.0] {
-                    add(Place::Column(at.column), jacobian[(rows[k], at.velocity)]);
+                for &velocity in &partition.frames[frame.0].velocities {
+                    add(target(velocity), jacobian[(rows[k], velocity)]);
                 }
             }
             VdotBlock::Contact(contact, rows) => {
                 let jacobian = &terms.contacts[contact.index()].J;
-                for at in &partition.contacts[contact.index()] {
-                    add(Place::Column(at.column), jacobian[(rows[k], at.velocity)]);
+                for &velocity in &partition.contacts[contact.index()].velocities {
+                    add(target(velocity), jacobian[(rows[k], velocity)]);
                 }
             }
         }
@@ -80,28 +89,38 @@ impl Context<'_> {
             match block {
                 Block::Dense => {
                     for (i, &a) in source[k * nf..(k + 1) * nf].iter().enumerate() {
-                        add(Place::Column(start + i), a);
+                        add(Target::Column(start + i), a);
                     }
                 }
-                Block::Unit(columns) => add(Place::Column(start + columns[k]), 1.0),
+                Block::Unit(columns) => add(Target::Column(start + columns[k]), 1.0),
             }
         }
     }
 
     /// Where an actuator's effort is.
-    pub(crate) fn effort(&self, actuator: usize) -> Place {
+    pub(crate) fn effort(&self, actuator: usize) -> Target {
         match self.partition.efforts[actuator] {
-            EffortPlace::Kept(column) => Place::Column(column),
-            EffortPlace::Eliminated(torque) => Place::Torque(torque),
+            EffortPlace::Kept(index) => Target::Column(self.partition.accelerations + index),
+            EffortPlace::Eliminated(torque) => Target::Torque(torque),
         }
     }
 
     /// Writes a group's row over y into `row` (zeroed); returns the constant part.
     pub(crate) fn natural_row(&self, group: &Group, k: usize, row: &mut [f64]) -> f64 {
         let mut constant = 0.0;
-        self.coefficients(group, k, |place, a| match place {
-            Place::Column(column) => row[column] += a,
-            Place::Torque(index) => {
+        self.coefficients(group, k, |target, a| match target {
+            Target::Column(column) => row[column] += a,
+            Target::Determined(motion, index) => {
+                let motion = self.motions.get(motion);
+                let (relation, known) = motion.row(index);
+                for (g, &velocity) in relation.iter().zip(&motion.others) {
+                    if let Place::Column(column) = self.partition.places[velocity] {
+                        row[column] += a * g;
+                    }
+                }
+                constant += a * known;
+            }
+            Target::Torque(index) => {
                 let (torque, known) = self.relations.torque(index);
                 for (row, t) in row.iter_mut().zip(torque) {
                     *row += a * t;

@@ -7,7 +7,8 @@
 //! ```text
 //! v̇_P = B x + c        τ = T (v̇, u, f) + t
 //! ```
-//! ([`relations`]). Each of the plug-ins' rows `A_v v̇ + A_u u + Σ A_c f_c` is then
+//! ([`relations`]). Accelerations that hard contacts leave no choice of are substituted from the contacts' rows before that
+//! ([`motions`]). Each of the plug-ins' rows `A_v v̇ + A_u u + Σ A_c f_c` is then
 //!
 //! * a cost ([`cost`]): summed up over the *natural* variables `(v̇, kept u, f, slacks)`, where it is sparse, and taken to
 //!   those of the problem once, for all rows together ([`quadratic`]). `H` is `2 Σ w aᵀa` and `g = −2 Σ w b aᵀ`;
@@ -30,11 +31,13 @@ mod expand;
 mod group;
 mod kernels;
 mod live;
+mod motions;
 mod names;
 mod partition;
 mod quadratic;
 mod recover;
 mod relations;
+mod support;
 mod table;
 mod weight;
 
@@ -44,10 +47,12 @@ pub(crate) use assemble::{Assembly, DynamicsTerms, is_equality};
 pub(crate) use elastic::Elastic;
 pub(crate) use group::{Group, GroupSpec, Treatment};
 pub(crate) use live::Live;
+pub(crate) use motions::Motions;
 pub(crate) use names::{ProblemRows, VariableNames};
 pub(crate) use partition::Partition;
 use quadratic::Quadratic;
 use recover::Recovered;
 use relations::Relations;
+use support::Support;
 pub(crate) use table::Table;
 pub use table::{RowInfo, VarInfo};

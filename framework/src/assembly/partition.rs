@@ -13,6 +13,9 @@
 //! | torque-eliminated | those that no joint motor drives | joint motors', one per joint | none |
 //! | explicit | none | none | all |
 //!
+//! In the torque-eliminated form accelerations that hard contacts *determine* are substituted too ([`Motions`]), as long as
+//! the contact is on. They are neither in P nor in A: each tick's [`Partition::arrange`] says where the others are.
+//!
 //! *Natural* variables are `y = (v̇_P, v̇_A, kept u, live f, live slacks)`; those of the problem are `x`, the same
 //! without `v̇_P`.
 //!
@@ -20,6 +23,7 @@
 //! the frame. Both are properties of the tree alone, known here once and for all (branch-induced sparsity:
 //! R. Featherstone, *Efficient factorization of the joint-space inertia matrix for branched kinematic trees*, IJRR 2005).
 
+use super::{Motions, Support};
 use crate::{
     actuator::ActuatorKind,
     config::Formulation,
@@ -31,7 +35,7 @@ use crate::{
 /// Where an actuator's effort is found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum EffortPlace {
-    /// A variable, at this column of y.
+    /// A variable: this one of [`Partition::kept`].
     Kept(usize),
     /// Eliminated: this one of [`Partition::torques`].
     Eliminated(usize),
@@ -46,11 +50,13 @@ pub(crate) struct Torque {
     pub(crate) actuator: usize,
 }
 
-/// Velocity and its column of y.
+/// Where an acceleration is found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Coordinate {
-    pub(crate) velocity: usize,
-    pub(crate) column: usize,
+pub(crate) enum Place {
+    /// At this column of y.
+    Column(usize),
+    /// Determined by this motion of a contact, as this one of its joints.
+    Determined(usize, usize),
 }
 
 /// Eliminated efforts whose rows have their nonzero coefficients in the same columns.
@@ -58,24 +64,26 @@ pub(crate) struct Coordinate {
 pub(crate) struct Branch {
     /// Indices into [`Partition::torques`].
     pub(crate) torques: Vec<usize>,
-    /// The accelerations, by column.
-    pub(crate) coordinates: Vec<Coordinate>,
-    /// Columns of the kept efforts.
+    /// The accelerations.
+    pub(crate) support: Support,
+    /// The kept efforts, of [`Partition::kept`].
     pub(crate) efforts: Vec<usize>,
     /// The contacts.
     pub(crate) contacts: Vec<usize>,
 }
 
-/// The split, made once.
+/// The split. What depends on the contacts that are on is arranged anew when they change.
 #[derive(Clone, Debug)]
 pub(crate) struct Partition {
     pub(crate) nv: usize,
     /// Size of `P`: the first columns of y.
     pub(crate) substituted: usize,
-    /// By column of y.
+    /// Accelerations in y, this tick.
+    pub(crate) accelerations: usize,
+    /// Their velocities, by column of y.
     pub(crate) velocities: Vec<usize>,
     /// By velocity.
-    pub(crate) columns: Vec<usize>,
+    pub(crate) places: Vec<Place>,
     /// By actuator.
     pub(crate) efforts: Vec<EffortPlace>,
     /// The actuators that are variables, in the order of their columns.
@@ -86,10 +94,12 @@ pub(crate) struct Partition {
     pub(crate) ancestors: Vec<Vec<usize>>,
     /// Number of force components of each contact.
     pub(crate) nf: Vec<usize>,
-    /// What carries each contact, by column.
-    pub(crate) contacts: Vec<Vec<Coordinate>>,
-    /// What carries each requested frame, by column.
-    pub(crate) frames: Vec<Vec<Coordinate>>,
+    /// What carries each contact.
+    pub(crate) contacts: Vec<Support>,
+    /// What carries each requested frame.
+    pub(crate) frames: Vec<Support>,
+    /// All accelerations.
+    pub(crate) all: Support,
 }
 
 impl Partition {
@@ -110,45 +120,33 @@ impl Partition {
             Formulation::Explicit => false,
             _ => torques.iter().all(|t| t.velocity != velocity),
         };
-        let (mut velocities, kept): (Vec<_>, Vec<_>) = (0..nv).partition(|&v| is_substituted(v));
+        let velocities: Vec<usize> = (0..nv).filter(|&v| is_substituted(v)).collect();
         let substituted = velocities.len();
-        velocities.extend(kept);
-        let mut columns = vec![0; nv];
-        for (column, &velocity) in velocities.iter().enumerate() {
-            columns[velocity] = column;
-        }
         let mut kept = Vec::new();
         let place = |actuator| {
             if let Some(torque) = torques.iter().position(|t| t.actuator == actuator) {
                 return EffortPlace::Eliminated(torque);
             }
             kept.push(actuator);
-            EffortPlace::Kept(nv + kept.len() - 1)
+            EffortPlace::Kept(kept.len() - 1)
         };
         let efforts = (0..robot.nu()).map(place).collect();
-        let coordinates = |carriers: Vec<usize>| {
-            let coordinate = |velocity| Coordinate {
-                velocity,
-                column: columns[velocity],
-            };
-            let mut list: Vec<_> = carriers.into_iter().map(coordinate).collect();
-            list.sort_by_key(|c| c.column);
-            list
-        };
         let body_of = |frame: FrameId| model.frames()[frame.index()].body;
         let contact_body = |spec: &ContactSpec| model.frame(&spec.frame).map(body_of);
         let contact_carriers = contacts.iter().map(|spec| match contact_body(spec) {
-            Some(body) => coordinates(carriers(model, body)),
+            Some(body) => carriers(model, body),
             None => Vec::new(),
         });
-        let ancestors = velocities[..substituted].iter().map(|&velocity| {
+        let ancestors = velocities.iter().map(|&velocity| {
             let above = carriers_of_velocity(model, velocity).into_iter().skip(1);
-            let columns = above.map(|v| columns[v]);
-            columns.filter(|&c| c < substituted).collect()
+            let columns = above.map(|v| velocities.iter().position(|w| *w == v));
+            columns.flatten().collect()
         });
         let mut partition = Self {
             nv,
             substituted,
+            accelerations: 0,
+            places: vec![Place::Column(0); nv],
             efforts,
             kept,
             branches: Vec::new(),
@@ -157,17 +155,67 @@ impl Partition {
                 .iter()
                 .map(|c| c.kind.constrained().len())
                 .collect(),
-            contacts: contact_carriers.collect(),
+            contacts: contact_carriers.map(Support::new).collect(),
             frames: frames
                 .iter()
-                .map(|&frame| coordinates(carriers(model, body_of(frame))))
+                .map(|&frame| Support::new(carriers(model, body_of(frame))))
                 .collect(),
+            all: Support::new((0..nv).collect()),
             torques,
             velocities,
-            columns,
         };
         partition.branches = partition.find_branches(robot);
         partition
+    }
+
+    /// Makes room for what [`Partition::arrange`] will find.
+    pub(crate) fn reserve(&mut self, motions: usize) {
+        let nv = self.nv;
+        self.velocities.reserve(nv);
+        self.supports_mut().for_each(|s| s.reserve(nv, motions));
+    }
+
+    /// Finds the accelerations that no contact determines this tick, and where they are in y.
+    pub(crate) fn arrange(&mut self, motions: &Motions) {
+        self.velocities.truncate(self.substituted);
+        self.places.fill(Place::Column(usize::MAX));
+        for (index, motion) in motions.live() {
+            for (row, &velocity) in motion.own().iter().enumerate() {
+                self.places[velocity] = Place::Determined(index, row);
+            }
+        }
+        for (column, &velocity) in self.velocities.iter().enumerate() {
+            self.places[velocity] = Place::Column(column);
+        }
+        for (velocity, place) in self.places.iter_mut().enumerate() {
+            if *place == Place::Column(usize::MAX) {
+                *place = Place::Column(self.velocities.len());
+                self.velocities.push(velocity);
+            }
+        }
+        self.accelerations = self.velocities.len();
+        let places = std::mem::take(&mut self.places);
+        self.supports_mut().for_each(|s| s.arrange(&places, motions));
+        self.places = places;
+    }
+
+    fn supports_mut(&mut self) -> impl Iterator<Item = &mut Support> {
+        let branches = self.branches.iter_mut().map(|branch| &mut branch.support);
+        let frames = self.contacts.iter_mut().chain(&mut self.frames);
+        frames.chain(branches).chain([&mut self.all])
+    }
+
+    /// The column of an acceleration that is in y.
+    pub(crate) fn column(&self, velocity: usize) -> Option<usize> {
+        match self.places[velocity] {
+            Place::Column(column) => Some(column),
+            Place::Determined(..) => None,
+        }
+    }
+
+    /// Whether an acceleration is in P.
+    pub(crate) fn is_always_substituted(&self, velocity: usize) -> bool {
+        self.velocities[..self.substituted].contains(&velocity)
     }
 
     fn find_branches(&self, robot: &RobotModel) -> Vec<Branch> {
@@ -179,14 +227,7 @@ impl Partition {
                 above.contains(&velocity)
                     || carriers_of_velocity(model, velocity).contains(&torque.velocity)
             };
-            let carries = |list: &[Coordinate]| list.iter().any(|c| c.velocity == torque.velocity);
-            let coordinates: Vec<_> = (0..self.nv)
-                .map(|column| Coordinate {
-                    velocity: self.velocities[column],
-                    column,
-                })
-                .filter(|c| is_related(c.velocity))
-                .collect();
+            let velocities: Vec<_> = (0..self.nv).filter(|&v| is_related(v)).collect();
             let efforts: Vec<_> = (0..self.kept.len())
                 .filter(|&k| match &robot.actuators[self.kept[k]].kind {
                     // A second motor at the same joint.
@@ -198,19 +239,20 @@ impl Partition {
                         carriers(model, body).contains(&torque.velocity)
                     }
                 })
-                .map(|k| self.nv + k)
                 .collect();
             let contacts: Vec<_> = (0..self.contacts.len())
-                .filter(|&c| carries(&self.contacts[c]))
+                .filter(|&c| self.contacts[c].velocities.contains(&torque.velocity))
                 .collect();
             let same = branches.iter_mut().find(|b| {
-                b.coordinates == coordinates && b.efforts == efforts && b.contacts == contacts
+                b.support.velocities == velocities
+                    && b.efforts == efforts
+                    && b.contacts == contacts
             });
             match same {
                 Some(branch) => branch.torques.push(index),
                 None => branches.push(Branch {
                     torques: vec![index],
-                    coordinates,
+                    support: Support::new(velocities),
                     efforts,
                     contacts,
                 }),
@@ -221,7 +263,7 @@ impl Partition {
 
     /// Columns of y before the forces.
     pub(crate) fn first_force(&self) -> usize {
-        self.nv + self.kept.len()
+        self.accelerations + self.kept.len()
     }
 }
 

@@ -4,7 +4,8 @@
 //! Over the natural variables `y = (z, x)`, `z = v̇_P`, a cost row is sparse: a posture touches a diagonal entry, a frame the
 //! accelerations that carry it. So `½ yᵀ H y + gᵀ y` is summed up there, block by block: rows with nonzero
 //! coefficients in the same columns together, `H_ij += Σ_k 2 w_k a_ki a_kj`, upper triangle only. Costs on an eliminated
-//! effort come to `½ d τ² + e τ`, and with `τ = T y + t` are a sparse row like the others.
+//! effort come to `½ d τ² + e τ`, and with `τ = T y + t` are a sparse row like the others; so are costs on a single
+//! acceleration that a contact determines. Rows on several of these get their coefficients `a_D G` on the others.
 //!
 //! With `z = B x + c` the same cost over x is
 //! ```text
@@ -14,7 +15,7 @@
 //! (where no row has coefficients on both, `H_zx = 0`, half of the products are enough: `H_xx + Bᵀ (H_zz B)`).
 
 use super::{
-    Live, Partition, Relations,
+    Live, Motions, Partition, Relations, Support,
     kernels::{add_four_rows, add_matrix_rows, add_row},
 };
 use crate::qp::Qp;
@@ -30,6 +31,8 @@ pub(crate) struct Quadratic {
     g: Vec<f64>,
     /// `d` and `e` of every eliminated effort.
     torque: Vec<[f64; 2]>,
+    /// The same of every acceleration that a contact may determine, by motion.
+    determined: Vec<Vec<[f64; 2]>>,
     /// Whether a row has coefficients on `v̇_P` and on others.
     is_coupled: bool,
     /// `W`.
@@ -49,12 +52,13 @@ pub(crate) struct Block {
 
 impl Quadratic {
     /// For at most `capacity` natural variables.
-    pub(crate) fn new(partition: &Partition, capacity: usize) -> Self {
+    pub(crate) fn new(partition: &Partition, motions: &Motions, capacity: usize) -> Self {
         Self {
             n: 0,
             h: vec![0.0; capacity * capacity],
             g: vec![0.0; capacity],
             torque: vec![[0.0; 2]; partition.torques.len()],
+            determined: motions.sizes().map(|rows| vec![[0.0; 2]; rows]).collect(),
             is_coupled: false,
             carried: vec![0.0; partition.substituted * capacity],
             row: vec![0.0; partition.substituted],
@@ -71,6 +75,9 @@ impl Quadratic {
         self.h[..n * n].fill(0.0);
         self.g[..n].fill(0.0);
         self.torque.fill([0.0; 2]);
+        for determined in &mut self.determined {
+            determined.fill([0.0; 2]);
+        }
         self.is_coupled = !self.torque.is_empty();
     }
 
@@ -96,6 +103,88 @@ impl Quadratic {
         let [d, e] = &mut self.torque[index];
         *d += 2.0 * w;
         *e -= 2.0 * w * b;
+    }
+
+    /// Adds `w v̇² − 2 w b v̇` for an acceleration that a contact determines.
+    pub(crate) fn add_determined(&mut self, motion: usize, row: usize, w: f64, b: f64) {
+        let [d, e] = &mut self.determined[motion][row];
+        *d += 2.0 * w;
+        *e -= 2.0 * w * b;
+    }
+
+    /// Adds `Σ w_k ((a_k v̇)² − 2 b_k a_k v̇)`: `a(k, i)` is the coefficient of row `k` on velocity `i`, zero but on the
+    /// support.
+    pub(crate) fn add_motion_rows(
+        &mut self,
+        rows: usize,
+        support: &Support,
+        motions: &Motions,
+        a: impl Fn(usize, usize) -> f64,
+        w: impl Fn(usize) -> f64,
+        b: impl Fn(usize) -> f64,
+    ) {
+        if support.determined.is_empty() {
+            let columns = support.columns.iter().copied();
+            let velocity = |i: usize| support.coordinates[i].velocity;
+            self.add_rows(rows, columns, |k, i| a(k, velocity(i)), w, b);
+            return;
+        }
+        self.block.columns.clear();
+        self.block.columns.extend(&support.columns);
+        for first in (0..rows).step_by(BLOCK) {
+            let count = (rows - first).min(BLOCK);
+            let values = &mut self.block.values;
+            values.clear();
+            values.resize(support.columns.len() * count, 0.0);
+            for at in &support.coordinates {
+                for k in 0..count {
+                    values[at.position * count + k] = a(first + k, at.velocity);
+                }
+            }
+            let mut constants = [0.0; BLOCK];
+            for at in &support.determined {
+                let (relation, known) = motions.get(at.motion).row(at.row);
+                for k in 0..count {
+                    let a = a(first + k, at.velocity);
+                    for (&position, g) in support.positions[at.motion].iter().zip(relation) {
+                        values[position * count + k] += a * g;
+                    }
+                    constants[k] += a * known;
+                }
+            }
+            let (mut quadratic, mut linear) = ([0.0; BLOCK], [0.0; BLOCK]);
+            for k in 0..count {
+                quadratic[k] = 2.0 * w(first + k);
+                linear[k] = -quadratic[k] * (b(first + k) - constants[k]);
+            }
+            self.h_and_g(count, &quadratic, &linear);
+        }
+    }
+
+    /// Adds what the costs on single accelerations that contacts determine come to.
+    pub(crate) fn add_all_determined(&mut self, partition: &Partition, motions: &Motions) {
+        for (index, motion) in motions.live() {
+            let costs = &self.determined[index];
+            if costs.iter().all(|cost| *cost == [0.0; 2]) {
+                continue;
+            }
+            let count = costs.len();
+            let Block { columns, values } = &mut self.block;
+            let (mut quadratic, mut linear) = ([0.0; BLOCK], [0.0; BLOCK]);
+            columns.clear();
+            columns.extend(motion.others.iter().filter_map(|&v| partition.column(v)));
+            values.clear();
+            values.resize(columns.len() * count, 0.0);
+            for (k, [d, e]) in costs.iter().enumerate() {
+                let (relation, known) = motion.row(k);
+                quadratic[k] = *d;
+                linear[k] = d * known + e;
+                for (i, g) in relation.iter().enumerate() {
+                    values[i * count + k] = *g;
+                }
+            }
+            self.h_and_g(count, &quadratic, &linear);
+        }
     }
 
     /// Adds `Σ w_k ((a_k y)² − 2 b_k a_k y)`: `a(k, i)` is the coefficient of row `k` in column `columns[i]`; columns
@@ -143,8 +232,8 @@ impl Quadratic {
                 }
                 let Block { columns, values } = &mut self.block;
                 columns.clear();
-                columns.extend(branch.coordinates.iter().map(|at| at.column));
-                columns.extend(&branch.efforts);
+                columns.extend(&branch.support.columns);
+                columns.extend(branch.efforts.iter().map(|k| partition.accelerations + k));
                 for &contact in &branch.contacts {
                     if let Some(start) = live.forces[contact] {
                         columns.extend(start..start + partition.nf[contact]);
@@ -198,7 +287,8 @@ impl Quadratic {
     /// Whether all that was added is finite.
     pub(crate) fn is_finite(&self) -> bool {
         let diagonal = (0..self.n).map(|i| self.h[i * self.n + i]);
-        let torques = self.torque.iter().flatten().copied();
+        let torques = self.torque.iter().chain(self.determined.iter().flatten());
+        let torques = torques.flatten().copied();
         let g = self.g[..self.n].iter().copied();
         diagonal.chain(torques).chain(g).all(f64::is_finite)
     }

@@ -1,12 +1,13 @@
 //! From a solution back to accelerations, efforts, residuals and the cost.
 //!
 //! # Mathematics
-//! `v̇_P = B x + c` and `τ = T y + t` give what is no variable. Residuals `A_v v̇ + A_u u + Σ A_c f_c − b` are then those of
+//! `v̇_P = B x + c`, `v̇_D = G v̇_S + g` and `τ = T y + t` give what is no variable. Residuals `A_v v̇ + A_u u + Σ A_c f_c − b` are then those of
 //! the rows as the plug-ins wrote them, in every formulation, and the cost is the sum of `w r²` over all soft rows, of
 //! slacks and regularisation.
 
 use super::{
-    DynamicsTerms, Group, Live, Partition, Relations, kernels::dot, partition::EffortPlace,
+    DynamicsTerms, Group, Live, Motions, Partition, Relations, Support, kernels::dot,
+    partition::EffortPlace,
 };
 use crate::layout::{Block, VdotBlock};
 
@@ -40,6 +41,7 @@ impl Recovered {
     pub(crate) fn take(
         &mut self,
         partition: &Partition,
+        motions: &Motions,
         relations: &Relations,
         live: &Live,
         x: &[f64],
@@ -53,9 +55,18 @@ impl Recovered {
         for (&velocity, y) in partition.velocities.iter().zip(&self.y) {
             self.vdot[velocity] = *y;
         }
+        for (_, motion) in motions.live() {
+            for (row, &velocity) in motion.own().iter().enumerate() {
+                let (relation, mut sum) = motion.row(row);
+                for (g, &other) in relation.iter().zip(&motion.others) {
+                    sum += g * self.vdot[other];
+                }
+                self.vdot[velocity] = sum;
+            }
+        }
         for (effort, place) in self.effort.iter_mut().zip(&partition.efforts) {
             *effort = match *place {
-                EffortPlace::Kept(column) => self.y[column],
+                EffortPlace::Kept(index) => self.y[partition.accelerations + index],
                 EffortPlace::Eliminated(index) => {
                     let (torque, known) = relations.torque(index);
                     dot(torque, &self.y) + known
@@ -105,12 +116,9 @@ impl Recovered {
         terms: &DynamicsTerms<'_>,
         partition: &Partition,
     ) -> f64 {
-        let along = |jacobian: &nalgebra::Matrix6xX<f64>, row: usize, carriers: &[_]| -> f64 {
-            let carriers: &[super::partition::Coordinate] = carriers;
-            let terms = carriers.iter();
-            terms
-                .map(|at| jacobian[(row, at.velocity)] * self.vdot[at.velocity])
-                .sum()
+        let along = |jacobian: &nalgebra::Matrix6xX<f64>, row: usize, carriers: &Support| -> f64 {
+            let terms = carriers.velocities.iter();
+            terms.map(|&v| jacobian[(row, v)] * self.vdot[v]).sum()
         };
         let mut sum = match &group.layout.vdot {
             VdotBlock::Absent => 0.0,

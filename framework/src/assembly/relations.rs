@@ -8,17 +8,30 @@
 //! τ_i = T_i y + t_i            T_i = [M_i  −F_i],          t_i = −k_i
 //! ```
 //! T is sparse in y: a joint's row has the accelerations that carry it or that it carries, and the forces beyond it.
+//!
+//! Where contacts determine accelerations, `v̇_D = G v̇_S + g` ([`Motions`]), these go first: `M_PP` becomes
+//! `N = M_PP + M_PD G_P`, which is not symmetric (Gauss–Jordan elimination with row pivoting, in units in which the diagonal
+//! of `M_PP` is one), `M_PA` and T likewise, and `M_PD g` goes to the known forces. N can be singular where M cannot: then
+//! the contacts keep their rows this tick.
 
 use super::{
-    Actuation, DynamicsTerms, Live, Partition, cholesky::Cholesky, kernels::add_matrix_rows,
-    kernels::dot,
+    Actuation, DynamicsTerms, Live, Motions, Partition,
+    cholesky::Cholesky,
+    kernels::{add_matrix_rows, add_row, dot},
+    partition::Place,
 };
+
+/// Pivots of N below this, in units in which the diagonal of `M_PP` is one, are as good as none.
+const SINGULAR: f64 = 1e-3;
 
 /// `[F | k]`, `[B | c]` and `T`, `t`; row-major.
 #[derive(Clone, Debug)]
 pub(crate) struct Relations {
     actuation: Actuation,
     cholesky: Cholesky,
+    /// N, and the units of its rows.
+    coupled: Vec<f64>,
+    units: Vec<f64>,
     /// `[F | k]`, by velocity.
     forcing: Vec<f64>,
     /// Efforts and forces that are variables.
@@ -44,6 +57,8 @@ impl Relations {
         Self {
             actuation,
             cholesky: Cholesky::new(partition.ancestors.clone()),
+            coupled: vec![0.0; partition.substituted * partition.substituted],
+            units: vec![0.0; partition.substituted],
             forcing: vec![0.0; nv * (inputs + 1)],
             inputs,
             response: vec![0.0; partition.substituted * (width + 1)],
@@ -55,23 +70,29 @@ impl Relations {
         }
     }
 
-    /// Takes the dynamics of this tick; false if `M_PP` is not positive definite.
+    /// Takes the dynamics of this tick; false if `M_PP`, or N, cannot be inverted.
     pub(crate) fn update(
         &mut self,
         partition: &Partition,
+        motions: &Motions,
         live: &Live,
         terms: &DynamicsTerms<'_>,
     ) -> bool {
         self.n_physical = live.n_physical;
-        self.inputs = live.n_physical - partition.nv;
+        self.inputs = live.n_physical - partition.accelerations;
         self.width = live.n_physical - partition.substituted;
         self.load_forcing(partition, live, terms);
-        self.load_torques(partition, terms);
-        self.respond(partition, terms)
+        self.load_torques(partition, motions, terms);
+        if motions.any() {
+            self.respond_coupled(partition, motions, terms)
+        } else {
+            self.respond(partition, terms)
+        }
     }
 
     fn load_forcing(&mut self, partition: &Partition, live: &Live, terms: &DynamicsTerms<'_>) {
         let (nv, known) = (partition.nv, self.inputs);
+        let first = partition.accelerations;
         let stride = known + 1;
         let forcing = &mut self.forcing[..nv * stride];
         forcing.fill(0.0);
@@ -86,10 +107,10 @@ impl Relations {
         for ((contact, start), carriers) in contacts.zip(&partition.contacts) {
             let Some(start) = start else { continue };
             let directions = contact.kind.constrained();
-            for at in carriers {
-                let jacobian = contact.J.column(at.velocity);
-                let row = &mut forcing[at.velocity * stride..(at.velocity + 1) * stride];
-                for (out, &direction) in row[start - nv..].iter_mut().zip(directions) {
+            for &velocity in &carriers.velocities {
+                let jacobian = contact.J.column(velocity);
+                let row = &mut forcing[velocity * stride..(velocity + 1) * stride];
+                for (out, &direction) in row[start - first..].iter_mut().zip(directions) {
                     *out = jacobian[direction];
                 }
                 row[known] += jacobian.dot(&contact.free_force);
@@ -97,23 +118,39 @@ impl Relations {
         }
     }
 
-    fn load_torques(&mut self, partition: &Partition, terms: &DynamicsTerms<'_>) {
+    fn load_torques(
+        &mut self,
+        partition: &Partition,
+        motions: &Motions,
+        terms: &DynamicsTerms<'_>,
+    ) {
         let (nv, n) = (partition.nv, self.n_physical);
+        let accelerations = partition.accelerations;
         let mass = terms.data.mass_matrix().as_slice();
         for branch in &partition.branches {
+            let support = &branch.support;
             for &index in &branch.torques {
                 let velocity = partition.torques[index].velocity;
                 let mass = &mass[velocity * nv..(velocity + 1) * nv];
                 let row = &mut self.torque[index * n..(index + 1) * n];
-                row[..nv].fill(0.0);
-                for at in &branch.coordinates {
+                row[..accelerations].fill(0.0);
+                for at in &support.coordinates {
                     row[at.column] = mass[at.velocity];
                 }
                 let (forcing, known) = split(&self.forcing, velocity, self.inputs);
-                for (t, f) in row[nv..].iter_mut().zip(forcing) {
+                for (t, f) in row[accelerations..].iter_mut().zip(forcing) {
                     *t = -f;
                 }
-                self.torque_known[index] = -known;
+                let mut constant = -known;
+                for at in &support.determined {
+                    let (relation, known) = motions.get(at.motion).row(at.row);
+                    let mass = mass[at.velocity];
+                    for (&position, g) in support.positions[at.motion].iter().zip(relation) {
+                        row[support.columns[position]] += mass * g;
+                    }
+                    constant += mass * known;
+                }
+                self.torque_known[index] = constant;
             }
         }
     }
@@ -129,17 +166,107 @@ impl Relations {
             return false;
         }
         let stride = self.width + 1;
+        self.load_response(partition, mass);
+        self.cholesky
+            .solve_rows(&mut self.response[..p * stride], stride);
+        true
+    }
+
+    /// `[−M_PA  F_P | k_P]`, of the accelerations in y.
+    fn load_response(&mut self, partition: &Partition, mass: &[f64]) {
+        let (nv, p) = (partition.nv, partition.substituted);
+        let velocities = &partition.velocities;
+        let stride = self.width + 1;
         for (i, row) in self.response.chunks_exact_mut(stride).take(p).enumerate() {
             let mass = &mass[velocities[i] * nv..(velocities[i] + 1) * nv];
-            let (head, tail) = row.split_at_mut(nv - p);
+            let (head, tail) = row.split_at_mut(velocities.len() - p);
             for (out, &velocity) in head.iter_mut().zip(&velocities[p..]) {
                 *out = -mass[velocity];
             }
             let forcing = velocities[i] * (self.inputs + 1);
             tail.copy_from_slice(&self.forcing[forcing..=forcing + self.inputs]);
         }
-        self.cholesky
-            .solve_rows(&mut self.response[..p * stride], stride);
+    }
+
+    fn respond_coupled(
+        &mut self,
+        partition: &Partition,
+        motions: &Motions,
+        terms: &DynamicsTerms<'_>,
+    ) -> bool {
+        let (nv, p) = (partition.nv, partition.substituted);
+        let mass = terms.data.mass_matrix().as_slice();
+        let velocities = &partition.velocities;
+        let stride = self.width + 1;
+        self.load_response(partition, mass);
+        for i in 0..p {
+            let mass = &mass[velocities[i] * nv..(velocities[i] + 1) * nv];
+            let coupled = &mut self.coupled[i * p..(i + 1) * p];
+            let response = &mut self.response[i * stride..(i + 1) * stride];
+            for (out, &velocity) in coupled.iter_mut().zip(velocities) {
+                *out = mass[velocity];
+            }
+            let own = mass[velocities[i]];
+            if !(own > 0.0 && own.is_finite()) {
+                return false;
+            }
+            self.units[i] = 1.0 / own.sqrt();
+            for (_, motion) in motions.live() {
+                for (row, &velocity) in motion.own().iter().enumerate() {
+                    let mass = mass[velocity];
+                    if mass == 0.0 {
+                        continue;
+                    }
+                    let (relation, known) = motion.row(row);
+                    for (&other, g) in motion.others.iter().zip(relation) {
+                        let Place::Column(column) = partition.places[other] else {
+                            continue;
+                        };
+                        match column.checked_sub(p) {
+                            None => coupled[column] += mass * g,
+                            Some(column) => response[column] -= mass * g,
+                        }
+                    }
+                    response[stride - 1] -= mass * known;
+                }
+            }
+        }
+        self.eliminate(p)
+    }
+
+    /// Replaces the response by `N⁻¹` times it; false if N is next to singular.
+    fn eliminate(&mut self, p: usize) -> bool {
+        let stride = self.width + 1;
+        for step in 0..p {
+            let size = |row: usize| self.coupled[row * p + step].abs() * self.units[row];
+            let mut best = step;
+            for row in step + 1..p {
+                if size(row) > size(best) {
+                    best = row;
+                }
+            }
+            // Not `size <= SINGULAR`: a NaN must fail too.
+            let regular = size(best) * self.units[step] > SINGULAR;
+            if !regular {
+                return false;
+            }
+            if best > step {
+                self.units.swap(best, step);
+                swap_rows(&mut self.coupled, p, step, best);
+                swap_rows(&mut self.response, stride, step, best);
+            }
+            let reciprocal = 1.0 / self.coupled[step * p + step];
+            let scaled = |row: &mut [f64]| row.iter_mut().for_each(|a| *a *= reciprocal);
+            scaled(&mut self.coupled[step * p + step + 1..(step + 1) * p]);
+            scaled(&mut self.response[step * stride..(step + 1) * stride]);
+            for row in (0..p).filter(|&row| row != step) {
+                let factor = -self.coupled[row * p + step];
+                let (to, from) = two_rows(&mut self.coupled, p, row, step);
+                add_row(&mut to[step + 1..], factor, &from[step + 1..]);
+                let (to, from) = two_rows(&mut self.response, stride, row, step);
+                add_row(to, factor, from);
+            }
+        }
         true
     }
 
@@ -179,6 +306,22 @@ impl Relations {
         let rows = rows.take(self.substituted);
         rows.map(move |row| dot(&row[..self.width], x) + row[self.width])
     }
+}
+
+/// Two rows of a row-major matrix.
+fn two_rows(data: &mut [f64], stride: usize, a: usize, b: usize) -> (&mut [f64], &mut [f64]) {
+    let (low, high) = (a.min(b), a.max(b));
+    let (head, tail) = data.split_at_mut(high * stride);
+    let (low, high) = (
+        &mut head[low * stride..(low + 1) * stride],
+        &mut tail[..stride],
+    );
+    if a < b { (low, high) } else { (high, low) }
+}
+
+fn swap_rows(data: &mut [f64], stride: usize, a: usize, b: usize) {
+    let (a, b) = two_rows(data, stride, a, b);
+    a.swap_with_slice(b);
 }
 
 fn split(data: &[f64], i: usize, columns: usize) -> (&[f64], f64) {

@@ -257,6 +257,9 @@ impl Controller {
             robot,
         };
         let is_solved = controller.hover();
+        controller
+            .assembly
+            .choose_determined(&controller.world.contacts);
         controller.ladder.safe = SafeLaw::new(
             &controller.robot,
             &controller.world,

@@ -171,11 +171,18 @@ impl Controller {
         self.report.status = self.solution.status;
         self.report.iterations = self.solution.iterations;
         self.report.regularisation = self.assembly.regularisation_weight;
-        let n = self.qp.n();
+        let mut n = self.qp.n();
         let finite = self.solution.x[..n].iter().all(|x| x.is_finite());
         let fault = if self.solution.status.is_usable() && finite {
             None
         } else {
+            if self.solution.status != Status::Budget && self.assembly.has_determined() {
+                // Rows that hold by substitution are part of a contradiction like all others, and may be given up.
+                self.assembly
+                    .assemble_with_all_rows(&terms, &mut self.groups, &mut self.qp)?;
+                self.solution.status = Status::Failed;
+                n = self.qp.n();
+            }
             Some(self.ladder.relax(
                 &self.assembly,
                 &terms,
