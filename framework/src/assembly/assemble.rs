@@ -1,8 +1,8 @@
 //! Puts the problem of a tick together: rows, cost, bounds.
 
 use super::{
-    Actuation, Asked, Group, Live, Motions, Partition, ProblemRows, Quadratic, Recovered, Relations, Table,
-    Treatment, VariableNames, bounds::TorqueRow, expand::Context, live::FirstIds,
+    Actuation, Asked, Group, Live, Motions, Partition, ProblemRows, Quadratic, Recovered,
+    Relations, Table, Treatment, VariableNames, bounds::TorqueRow, expand::Context, live::FirstIds,
     partition::EffortPlace,
 };
 use crate::{

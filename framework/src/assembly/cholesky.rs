@@ -1,30 +1,36 @@
-//! Cholesky factorisation of the mass matrix, in place and without allocation.
+//! Factorisation of the mass matrix, in place and without allocation.
 //!
 //! # Mathematics
-//! `M = Lᵀ L` with L lower triangular, from the last row to the first: the leaves of the tree go first, so that L is zero
-//! where M is (R. Featherstone, *Rigid Body Dynamics Algorithms*, section 6.5, table 6.3). Row `i` of L has entries
+//! `M = Lᵀ D L` with L unit lower triangular, from the last row to the first: the leaves of the tree go first, so that L is
+//! zero where M is (R. Featherstone, *Rigid Body Dynamics Algorithms*, section 6.5, table 6.3). Row `i` of L has entries
 //! in the columns of `i` and of its ancestors only, and nothing else is ever touched.
 
-use super::kernels::{add_four_rows, add_row};
+use super::kernels::{add_four_rows, add_row, add_two_rows};
 
-/// `Lᵀ L` of a matrix with a tree's sparsity, in storage that is reused every tick. Row-major, lower triangle valid.
+/// `Lᵀ D L` of a matrix with a tree's sparsity, in storage that is reused every tick. Row-major, strict lower triangle
+/// valid.
 #[derive(Clone, Debug)]
 pub(crate) struct Cholesky {
     n: usize,
     l: Vec<f64>,
+    /// `D⁻¹`.
     reciprocal: Vec<f64>,
     /// Nearest first.
     ancestors: Vec<Vec<usize>>,
+    /// Whose ancestor each one is.
+    descendants: Vec<Vec<usize>>,
 }
 
 impl Cholesky {
     /// For a matrix whose entry `(i, j)`, `j < i`, is zero unless `j` is an ancestor of `i`.
     pub(crate) fn new(ancestors: Vec<Vec<usize>>) -> Self {
         let n = ancestors.len();
+        let carries = |i: usize| (i + 1..n).filter(|&d| ancestors[d].contains(&i)).collect();
         Self {
             n,
             l: vec![0.0; n * n],
             reciprocal: vec![0.0; n],
+            descendants: (0..n).map(carries).collect(),
             ancestors,
         }
     }
@@ -41,25 +47,24 @@ impl Cholesky {
         }
         for (k, ancestors) in self.ancestors.iter().enumerate().rev() {
             let (above, row) = self.l.split_at_mut(k * n);
+            let row = &mut row[..n];
             let pivot = row[k];
             // `!(pivot > 0)` and not `pivot <= 0`: a NaN must fail too.
             let positive = pivot > 0.0;
             if !positive {
                 return false;
             }
-            let root = pivot.sqrt();
-            row[k] = root;
-            let reciprocal = 1.0 / root;
+            let reciprocal = 1.0 / pivot;
             self.reciprocal[k] = reciprocal;
-            for &i in ancestors {
-                row[i] *= reciprocal;
-            }
             for (depth, &i) in ancestors.iter().enumerate() {
-                let factor = row[i];
+                let factor = row[i] * reciprocal;
                 let target = &mut above[i * n..(i + 1) * n];
                 for &j in &ancestors[depth..] {
                     target[j] -= factor * row[j];
                 }
+            }
+            for &i in ancestors {
+                row[i] *= reciprocal;
             }
         }
         true
@@ -70,35 +75,41 @@ impl Cholesky {
     /// Works on whole rows, so that the inner loops run along contiguous memory.
     pub(crate) fn solve_rows(&self, x: &mut [f64], stride: usize) {
         let n = self.n;
-        for (i, ancestors) in self.ancestors.iter().enumerate().rev() {
-            let (above, row) = x.split_at_mut(i * stride);
-            let row = &mut row[..stride];
-            scale(row, self.reciprocal[i]);
-            for &j in ancestors {
-                let target = &mut above[j * stride..(j + 1) * stride];
-                add_row(target, -self.l[i * n + j], row);
-            }
+        for (i, descendants) in self.descendants.iter().enumerate().rev() {
+            let (row, below) = x[i * stride..].split_at_mut(stride);
+            let source = |d: usize| &below[(d - i - 1) * stride..(d - i) * stride];
+            subtract(row, descendants, |d| self.l[d * n + i], source);
         }
         for (i, ancestors) in self.ancestors.iter().enumerate() {
             let (above, row) = x.split_at_mut(i * stride);
             let row = &mut row[..stride];
+            for x in row.iter_mut() {
+                *x *= self.reciprocal[i];
+            }
             let source = |j: usize| &above[j * stride..(j + 1) * stride];
             let l = &self.l[i * n..(i + 1) * n];
-            let (fours, rest) = ancestors.as_chunks::<4>();
-            for j in fours {
-                add_four_rows(row, j.map(|j| -l[j]), j.map(source));
-            }
-            for &j in rest {
-                add_row(row, -l[j], source(j));
-            }
-            scale(row, self.reciprocal[i]);
+            subtract(row, ancestors, |j| l[j], source);
         }
     }
 }
 
-fn scale(row: &mut [f64], factor: f64) {
-    for x in row {
-        *x *= factor;
+/// `row −= Σ_i a_i x_i` over a list of rows.
+fn subtract<'x>(
+    row: &mut [f64],
+    list: &[usize],
+    a: impl Fn(usize) -> f64,
+    x: impl Fn(usize) -> &'x [f64],
+) {
+    let (fours, rest) = list.as_chunks::<4>();
+    let (twos, last) = rest.as_chunks::<2>();
+    for i in fours {
+        add_four_rows(row, i.map(|i| -a(i)), i.map(&x));
+    }
+    for i in twos {
+        add_two_rows(row, i.map(|i| -a(i)), i.map(&x));
+    }
+    for &i in last {
+        add_row(row, -a(i), x(i));
     }
 }
 

@@ -34,6 +34,8 @@ pub(crate) struct Motion {
     own: Vec<usize>,
     /// S, by velocity, in the order of columns of y.
     pub(crate) others: Vec<usize>,
+    /// So many of S are in the first columns of y, in their order: those of the base.
+    pub(crate) leading: usize,
     /// This tick: whether the accelerations are substituted.
     pub(crate) live: bool,
     /// `[G | g]`, row-major.
@@ -83,6 +85,7 @@ impl Motions {
                 directions: directions.clone(),
                 own,
                 others: Vec::with_capacity(carriers.len()),
+                leading: 0,
                 live: false,
                 relation: vec![0.0; rows * columns],
                 work: vec![0.0; rows * columns],
@@ -103,6 +106,9 @@ impl Motions {
             motion
                 .others
                 .sort_unstable_by_key(|&v| (!partition.is_always_substituted(v), v));
+            let base = &partition.velocities[..partition.substituted];
+            let same = motion.others.iter().zip(base).take_while(|(a, b)| a == b);
+            motion.leading = same.count();
         }
     }
 

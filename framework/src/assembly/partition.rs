@@ -195,7 +195,8 @@ impl Partition {
         }
         self.accelerations = self.velocities.len();
         let places = std::mem::take(&mut self.places);
-        self.supports_mut().for_each(|s| s.arrange(&places, motions));
+        self.supports_mut()
+            .for_each(|s| s.arrange(&places, motions));
         self.places = places;
     }
 
@@ -244,9 +245,7 @@ impl Partition {
                 .filter(|&c| self.contacts[c].velocities.contains(&torque.velocity))
                 .collect();
             let same = branches.iter_mut().find(|b| {
-                b.support.velocities == velocities
-                    && b.efforts == efforts
-                    && b.contacts == contacts
+                b.support.velocities == velocities && b.efforts == efforts && b.contacts == contacts
             });
             match same {
                 Some(branch) => branch.torques.push(index),

@@ -9,16 +9,17 @@
 //!
 //! With `z = B x + c` the same cost over x is
 //! ```text
-//! H_x = H_xx + Bᵀ W + Wᵀ B          W = H_zx + ½ H_zz B
+//! H_x = H_xx + ½ (Bᵀ W + Wᵀ B)      W = 2 H_zx + H_zz B
 //! g_x = g_x + Bᵀ (g_z + H_zz c) + H_zxᵀ c
 //! ```
 //! (where no row has coefficients on both, `H_zx = 0`, half of the products are enough: `H_xx + Bᵀ (H_zz B)`).
 
 use super::{
     Live, Motions, Partition, Relations, Support,
-    kernels::{add_four_rows, add_matrix_rows, add_row},
+    kernels::{add_matrix_rows, add_row, add_six_rows, dot},
 };
 use crate::qp::Qp;
+use std::array::from_fn;
 
 /// Rows that are summed up together.
 const BLOCK: usize = 8;
@@ -37,8 +38,8 @@ pub(crate) struct Quadratic {
     is_coupled: bool,
     /// `W`.
     carried: Vec<f64>,
-    /// A row of `H_zz`.
-    row: Vec<f64>,
+    /// `c`.
+    known: Vec<f64>,
     block: Block,
 }
 
@@ -61,7 +62,7 @@ impl Quadratic {
             determined: motions.sizes().map(|rows| vec![[0.0; 2]; rows]).collect(),
             is_coupled: false,
             carried: vec![0.0; partition.substituted * capacity],
-            row: vec![0.0; partition.substituted],
+            known: vec![0.0; partition.substituted],
             block: Block {
                 columns: Vec::with_capacity(capacity),
                 values: Vec::with_capacity(capacity * BLOCK),
@@ -298,75 +299,74 @@ impl Quadratic {
         let (n, p) = (self.n, self.n - qp.n());
         let (h, g) = qp.cost_mut();
         let nx = n - p;
+        g.copy_from_slice(&self.g[p..n]);
+        let width = if p > 0 {
+            let width = live.n_physical - p;
+            self.substitute(relations, width, h, g);
+            width
+        } else {
+            0
+        };
         for i in 0..nx {
             let from = (p + i) * n + p;
-            h[i * nx + i..(i + 1) * nx].copy_from_slice(&self.h[from + i..from + nx]);
-        }
-        g.copy_from_slice(&self.g[p..n]);
-        if p > 0 {
-            self.substitute(relations, live.n_physical - p, h, g);
-        }
-        for i in 1..nx {
-            for j in 0..i {
-                h[i * nx + j] = h[j * nx + i];
+            let own = &self.h[from..from + nx];
+            for (j, &own) in own.iter().enumerate().skip(i) {
+                let mut sum = own;
+                if j < width {
+                    sum += if self.is_coupled {
+                        0.5 * (h[i * nx + j] + h[j * nx + i])
+                    } else {
+                        h[i * nx + j]
+                    };
+                }
+                h[i * nx + j] = sum;
+                h[j * nx + i] = sum;
             }
         }
     }
 
-    /// Adds what comes from `z = B x + c`; B has `width` columns.
+    /// Adds `Bᵀ W` to the first rows and columns of `h`, row by row from the diagonal on at least, and adds
+    /// what comes from `z = B x + c` to `g`; B has `width` columns. Without coupling W is `H_zz B`.
     fn substitute(&mut self, relations: &Relations, width: usize, h: &mut [f64], g: &mut [f64]) {
         let (n, nx) = (self.n, g.len());
         let p = n - nx;
         let (response, stride) = relations.response();
-        let part = if self.is_coupled { 0.5 } else { 1.0 };
         for i in 0..p {
-            // Row i of H_zz, of which the upper triangle is there.
-            let mut linear = self.g[i];
-            for k in 0..p {
-                let (a, b) = (i.min(k), i.max(k));
-                let h = self.h[a * n + b];
-                linear += h * response[k * stride + width];
-                self.row[k] = part * h;
+            self.known[i] = response[i * stride + width];
+            for k in i + 1..p {
+                self.h[k * n + i] = self.h[i * n + k];
             }
+        }
+        for i in 0..p {
+            let (own, cross) = self.h[i * n..i * n + p + width].split_at(p);
             let carried = &mut self.carried[i * width..(i + 1) * width];
             if self.is_coupled {
-                let cross = &self.h[i * n + p..i * n + p + width];
-                carried.copy_from_slice(cross);
-                add_row(&mut g[..width], response[i * stride + width], cross);
+                for (carried, cross) in carried.iter_mut().zip(cross) {
+                    *carried = 2.0 * cross;
+                }
+                add_row(&mut g[..width], self.known[i], cross);
             } else {
                 carried.fill(0.0);
             }
-            add_matrix_rows(carried, &self.row, response, stride);
+            add_matrix_rows(carried, own, response, stride);
+            let linear = self.g[i] + dot(own, &self.known);
             let row = &response[i * stride..i * stride + width];
             add_row(&mut g[..width], linear, row);
         }
         for i in 0..width {
-            let out = &mut h[i * nx + i..i * nx + width];
-            let b = |k: usize| (response[k * stride + i], &response[k * stride + i..]);
-            let w = |k: usize| (self.carried[k * width + i], &self.carried[k * width + i..]);
+            let first = if self.is_coupled { 0 } else { i };
+            let out = &mut h[i * nx + first..i * nx + width];
+            let b = |k: usize| response[k * stride + i];
+            let w = |k: usize| &self.carried[k * width + first..(k + 1) * width];
             let mut k = 0;
-            if self.is_coupled {
-                while k + 2 <= p {
-                    let ((b0, b_0), (w0, w_0)) = (b(k), w(k));
-                    let ((b1, b_1), (w1, w_1)) = (b(k + 1), w(k + 1));
-                    add_four_rows(out, [b0, w0, b1, w1], [w_0, b_0, w_1, b_1]);
-                    k += 2;
-                }
-                if k < p {
-                    let ((b, b_row), (w, w_row)) = (b(k), w(k));
-                    add_row(out, b, w_row);
-                    add_row(out, w, b_row);
-                }
-            } else {
-                while k + 4 <= p {
-                    let at = [k, k + 1, k + 2, k + 3];
-                    add_four_rows(out, at.map(|k| b(k).0), at.map(|k| w(k).1));
-                    k += 4;
-                }
-                while k < p {
-                    add_row(out, b(k).0, w(k).1);
-                    k += 1;
-                }
+            // Six at once: a floating base.
+            while k + 6 <= p {
+                add_six_rows(out, from_fn(|l| b(k + l)), from_fn(|l| w(k + l)));
+                k += 6;
+            }
+            while k < p {
+                add_row(out, b(k), w(k));
+                k += 1;
             }
         }
     }

@@ -29,8 +29,9 @@ const SINGULAR: f64 = 1e-3;
 pub(crate) struct Relations {
     actuation: Actuation,
     cholesky: Cholesky,
-    /// N, and the units of its rows.
+    /// N, and the units of its columns and of its rows.
     coupled: Vec<f64>,
+    scale: Vec<f64>,
     units: Vec<f64>,
     /// `[F | k]`, by velocity.
     forcing: Vec<f64>,
@@ -58,6 +59,7 @@ impl Relations {
             actuation,
             cholesky: Cholesky::new(partition.ancestors.clone()),
             coupled: vec![0.0; partition.substituted * partition.substituted],
+            scale: vec![0.0; partition.substituted],
             units: vec![0.0; partition.substituted],
             forcing: vec![0.0; nv * (inputs + 1)],
             inputs,
@@ -144,8 +146,10 @@ impl Relations {
                 let mut constant = -known;
                 for at in &support.determined {
                     let (relation, known) = motions.get(at.motion).row(at.row);
-                    let mass = mass[at.velocity];
-                    for (&position, g) in support.positions[at.motion].iter().zip(relation) {
+                    let (mass, lead) = (mass[at.velocity], motions.get(at.motion).leading);
+                    add_row(&mut row[..lead], mass, &relation[..lead]);
+                    let positions = &support.positions[at.motion][lead..];
+                    for (&position, g) in positions.iter().zip(&relation[lead..]) {
                         row[support.columns[position]] += mass * g;
                     }
                     constant += mass * known;
@@ -210,7 +214,7 @@ impl Relations {
             if !(own > 0.0 && own.is_finite()) {
                 return false;
             }
-            self.units[i] = 1.0 / own.sqrt();
+            self.scale[i] = 1.0 / own.sqrt();
             for (_, motion) in motions.live() {
                 for (row, &velocity) in motion.own().iter().enumerate() {
                     let mass = mass[velocity];
@@ -218,7 +222,9 @@ impl Relations {
                         continue;
                     }
                     let (relation, known) = motion.row(row);
-                    for (&other, g) in motion.others.iter().zip(relation) {
+                    let (lead, relation) = relation.split_at(motion.leading);
+                    add_row(&mut coupled[..lead.len()], mass, lead);
+                    for (&other, g) in motion.others[lead.len()..].iter().zip(relation) {
                         let Place::Column(column) = partition.places[other] else {
                             continue;
                         };
@@ -231,6 +237,7 @@ impl Relations {
                 }
             }
         }
+        self.units.copy_from_slice(&self.scale);
         self.eliminate(p)
     }
 
@@ -246,7 +253,7 @@ impl Relations {
                 }
             }
             // Not `size <= SINGULAR`: a NaN must fail too.
-            let regular = size(best) * self.units[step] > SINGULAR;
+            let regular = size(best) * self.scale[step] > SINGULAR;
             if !regular {
                 return false;
             }
@@ -255,17 +262,28 @@ impl Relations {
                 swap_rows(&mut self.coupled, p, step, best);
                 swap_rows(&mut self.response, stride, step, best);
             }
-            let reciprocal = 1.0 / self.coupled[step * p + step];
-            let scaled = |row: &mut [f64]| row.iter_mut().for_each(|a| *a *= reciprocal);
-            scaled(&mut self.coupled[step * p + step + 1..(step + 1) * p]);
-            scaled(&mut self.response[step * stride..(step + 1) * stride]);
-            for row in (0..p).filter(|&row| row != step) {
-                let factor = -self.coupled[row * p + step];
-                let (to, from) = two_rows(&mut self.coupled, p, row, step);
-                add_row(&mut to[step + 1..], factor, &from[step + 1..]);
-                let (to, from) = two_rows(&mut self.response, stride, row, step);
-                add_row(to, factor, from);
+            let (above, below) = self.coupled.split_at_mut((step + 1) * p);
+            let pivot_row = &above[step * p + step..];
+            let reciprocal = 1.0 / pivot_row[0];
+            let (response, responses) = self.response.split_at_mut((step + 1) * stride);
+            let response = &mut response[step * stride..];
+            for a in response.iter_mut() {
+                *a *= reciprocal;
             }
+            let rows = below.chunks_exact_mut(p).take(p - step - 1);
+            for (row, to) in rows.zip(responses.chunks_exact_mut(stride)) {
+                let factor = row[step];
+                add_row(&mut row[step + 1..], -factor * reciprocal, &pivot_row[1..]);
+                add_row(to, -factor, response);
+            }
+            for a in &mut above[step * p + step + 1..] {
+                *a *= -reciprocal;
+            }
+        }
+        for row in (0..p).rev() {
+            let (to, below) = self.response.split_at_mut((row + 1) * stride);
+            let factors = &self.coupled[row * p + row + 1..(row + 1) * p];
+            add_matrix_rows(&mut to[row * stride..], factors, below, stride);
         }
         true
     }
