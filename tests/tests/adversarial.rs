@@ -31,9 +31,11 @@ fn random_config(kind: Kind, seed: u64, rng: &mut ChaCha8Rng) -> (Scene, Control
     scene.hard_contacts = rng.random();
     scene.soft_cones = rng.random();
     scene.list_inactive = true;
-    if rng.random_bool(0.3) {
-        scene.formulation = Formulation::Explicit;
-    }
+    scene.formulation = [
+        Formulation::TorqueEliminated,
+        Formulation::Condensed,
+        Formulation::Explicit,
+    ][rng.random_range(0..3)];
     if rng.random_bool(0.3) {
         scene.contact_kind = ContactKind::Normal;
     }

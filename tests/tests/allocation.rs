@@ -88,6 +88,8 @@ fn a_tick_allocates_nothing(solver: Option<fn() -> Box<dyn QpSolver>>) {
         ] {
             let mut scene = Scene::new(kind, 11, u32::MAX, 0b1111);
             scene.formulation = formulation;
+            // Hard, they determine accelerations in that form, and switch how many.
+            scene.hard_contacts = formulation == Formulation::TorqueEliminated;
             scene.soft_cones = true;
             let mut config = scene.config();
             if let Some(solver) = solver {

@@ -231,6 +231,28 @@ proptest! {
         }
     }
 
+    /// Rows in one form, determined accelerations in the other.
+    #[test]
+    fn hard_contacts_are_the_same_as_rows_and_substituted(scene in scenes()) {
+        let scene = Scene { hard_contacts: true, ..scene };
+        let formulation = Formulation::TorqueEliminated;
+        let other = Scene { formulation, ..scene.clone() };
+        let (a, b) = (solved(&scene), solved(&other));
+        prop_assert_eq!(a.report().rung, b.report().rung);
+        // Not all contacts can be kept within all limits. Accelerations that rows determine make the cost small beside the
+        // terms it is the difference of.
+        if a.report().rung == Rung::Optimal {
+            let own = a.problem().objective(&a.solution().x).abs();
+            let (x, y) = (a.report().objective, b.report().objective);
+            let cost = (x - y).abs() / (1.0 + x.abs() + own);
+            prop_assert!(cost < 1e-8, "costs {} and {}, own {}", x, y, own);
+            if condition(a.problem()) < 1e8 {
+                same_solution(&a, &b)?;
+                same_limits(&a, &b)?;
+            }
+        }
+    }
+
     #[test]
     fn passive_joints_and_second_motors_are_the_same_in_all_formulations(
         scene in scenes(),

@@ -201,7 +201,7 @@ pub enum Formulation {
     /// The faster one of the next two: torque-eliminated for a robot with a joint motor, condensed for one with rotors
     /// alone, where they are the same.
     ///
-    /// Both have as many variables. The torque-eliminated form factorises 6 rows of the dynamics (and those of passive
+    /// Both have as many variables without hard contacts. The torque-eliminated form factorises 6 rows of the dynamics (and those of passive
     /// joints) instead of all nv and keeps the tree's sparsity, against one row instead of a bound per torque limit: it is
     /// the cheaper the more joints there are. Whole ticks, condensed over torque-eliminated, measured in one run: 0.98 to
     /// 1.02 for six rotors and three joints with none to six force components, 1.2 for a standing quadruped (12 joints),
@@ -212,7 +212,8 @@ pub enum Formulation {
     /// Variables (u, f): `v̇` is substituted from the dynamics, the paper's (8).
     Condensed,
     /// Variables (q̈, u, f): the torques of driven joints are substituted from their own rows of the dynamics, the other
-    /// accelerations from the rest. `u` is then the thrusts.
+    /// accelerations from the rest. `u` is then the thrusts. Contacts whose motion is a hard constraint determine as many
+    /// accelerations of their joints as they have rows: these are substituted as well, unless the limb is stretched.
     TorqueEliminated,
     /// Variables (v̇, u, f): the dynamics are equality rows, (10d).
     Explicit,
