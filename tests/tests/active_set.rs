@@ -225,6 +225,33 @@ fn numbers_that_are_not_finite_fail() {
     }
 }
 
+/// The second of two equal rows is found to be implied by the first. What it is then violated by counts.
+#[test]
+fn rows_that_disagree_a_little_have_no_optimum() {
+    let h = [2.0, 0.0, 0.0, 2.0];
+    for power in -140..=-60 {
+        let gap = 10f64.powf(0.1 * f64::from(power));
+        for equal in [true, false] {
+            // Either two values, or at most one and at least one and the gap.
+            let (lower, upper) = if equal { (1.0, 1.0 + gap) } else { (-INF, INF) };
+            let rows = [
+                (0, [1.0, 1.0], lower, 1.0),
+                (1, [1.0, 1.0], 1.0 + gap, upper),
+            ];
+            let qp = small(h, [-4.0, -4.0], &rows);
+            let (mut active_set, mut solution) = solver(&qp);
+            active_set.solve(&qp, &mut solution);
+            let violation = Optimality::of(&qp, &solution).primal;
+            match solution.status {
+                Status::Optimal => assert!(violation <= 1.01e-10, "{gap:e}: {violation:e}"),
+                Status::AlmostOptimal => assert!((1e-10..3e-9).contains(&gap), "{gap:e}"),
+                Status::Infeasible => assert!(gap > 1.9e-9, "{gap:e}"),
+                status => panic!("{gap:e}: {status:?}"),
+            }
+        }
+    }
+}
+
 #[test]
 fn a_warm_start_survives_rows_that_come_and_go() {
     // The nearest point to (2, 2) below both rows; then a row in front of them goes away.
