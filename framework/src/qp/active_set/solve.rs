@@ -38,6 +38,8 @@ const FORGIVEN: [f64; 2] = [1e-11, 3e-11];
 const VIOLATION: f64 = 5e-11;
 /// Times that constraints which seemed to be implied are tried again: once after each of the first corrections.
 const TRIALS: u32 = 2;
+/// Rounding of the coefficients of a combination, relative to the largest.
+const COMBINED: f64 = 1e-14;
 
 /// Why the dual iteration stopped.
 enum End {
@@ -490,7 +492,23 @@ impl Workspace {
             sum += term;
             size += f64::abs(term);
         }
-        sum < -1e-9 * size
+        let is_negative = sum < -1e-9 * size;
+        if !is_negative {
+            return false;
+        }
+        // Where limits are zero, the whole sum may be the rounding of a coefficient that is zero, too.
+        let unit = self.point.unit();
+        let held = || self.set.active().iter().zip(self.set.computed());
+        let largest = held().fold(
+            largest_normal(qp, constraint.index, unit),
+            |a, (held, r)| a.max(r.abs() * largest_normal(qp, held.index, unit)),
+        );
+        let rounding: f64 = held()
+            .map(|(held, _)| held.limit.abs() / largest_normal(qp, held.index, unit))
+            .sum();
+        // `!(… ≤ …)`: a NaN explains nothing.
+        let is_rounding = -sum <= COMBINED * largest * rounding;
+        !is_rounding
     }
 
     /// Corrects the combination of held normals that a dependent one was found to be, by what is left of it.
