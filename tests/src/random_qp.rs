@@ -22,17 +22,20 @@ pub enum Family {
     Semidefinite,
     /// Variables and rows in units that differ by many orders of magnitude.
     BadlyScaled,
+    /// Half of the variables zero at the solution, and with them many limits.
+    AtZero,
     /// No feasible point.
     Infeasible,
 }
 
 /// All families.
-pub const FAMILIES: [Family; 6] = [
+pub const FAMILIES: [Family; 7] = [
     Family::Regular,
     Family::Degenerate,
     Family::Redundant,
     Family::Semidefinite,
     Family::BadlyScaled,
+    Family::AtZero,
     Family::Infeasible,
 ];
 
@@ -45,6 +48,8 @@ pub struct Known {
     pub x: Option<Vec<f64>>,
     /// Whether the solution is unique and well determined.
     pub unique: bool,
+    /// What was one before the units were chosen: of each row's value, of each variable.
+    pub one: (Vec<f64>, Vec<f64>),
 }
 
 struct Row {
@@ -63,7 +68,14 @@ pub fn random_qp(family: Family, seed: u64, largest: usize) -> Known {
     let rng = &mut rng;
     let n = rng.random_range(1..=largest);
     let normal = |rng: &mut ChaCha8Rng| rng.random_range(-1.0..1.0_f64);
-    let x: Vec<f64> = (0..n).map(|_| 3.0 * normal(rng)).collect();
+    let mut x: Vec<f64> = (0..n).map(|_| 3.0 * normal(rng)).collect();
+    if family == Family::AtZero {
+        for x in &mut x {
+            if rng.random_bool(0.5) {
+                *x = 0.0;
+            }
+        }
+    }
 
     // H = Σ of squares of random rows.
     let rank = match family {
@@ -192,8 +204,8 @@ pub fn random_qp(family: Family, seed: u64, largest: usize) -> Known {
         rows: rows.len(),
     });
     qp.reset((0..n as u32).map(VarId::new));
-    for (id, row) in rows.iter().enumerate() {
-        let r = unit(rng);
+    let row_units: Vec<f64> = rows.iter().map(|_| unit(rng)).collect();
+    for (id, (row, r)) in rows.iter().zip(&row_units).enumerate() {
         let out = qp
             .push_row(RowId::new(id as u32), row.lower * r, row.upper * r)
             .expect("has the capacity");
@@ -217,6 +229,7 @@ pub fn random_qp(family: Family, seed: u64, largest: usize) -> Known {
         qp,
         x: (family != Family::Infeasible).then_some(solution),
         unique: family != Family::Semidefinite,
+        one: (row_units, d.iter().map(|d| 1.0 / d).collect()),
     }
 }
 

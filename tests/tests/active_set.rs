@@ -10,8 +10,10 @@ use wbqp::{
 };
 use wbqp_tests::random_qp::{FAMILIES, Family, Known, random_qp};
 
-/// Errors of the optimality conditions relative to the numbers that they are made of.
-fn relative_errors(qp: &Qp, s: &Solution) -> [f64; 3] {
+/// Errors of the optimality conditions relative to the numbers that they are made of. A violation is divided by the
+/// largest of the limit, the sum of the terms' magnitudes, and one: a limit near zero is no nearer to the others' rounding.
+fn relative_errors(known: &Known, s: &Solution) -> [f64; 3] {
+    let qp = &known.qp;
     let (n, m) = (qp.n(), qp.m());
     // In the units that make the diagonal of H one.
     let (mut worst, mut size) = (0.0_f64, 1e-12_f64);
@@ -27,9 +29,9 @@ fn relative_errors(qp: &Qp, s: &Solution) -> [f64; 3] {
     let (mut primal, mut complementarity) = (0.0_f64, 0.0_f64);
     let cost = 1.0 + qp.objective(&s.x).abs();
     let mut side = |value: f64, size: f64, lower: f64, upper: f64, y: f64| {
-        for excess in [value - upper, lower - value] {
+        for (excess, limit) in [(value - upper, upper), (lower - value, lower)] {
             if excess > 0.0 {
-                primal = primal.max(excess / (size + (value - excess).abs()));
+                primal = primal.max(excess / size.max(limit.abs()));
             }
         }
         let distance = if y > 0.0 {
@@ -46,14 +48,15 @@ fn relative_errors(qp: &Qp, s: &Solution) -> [f64; 3] {
         let size: f64 = terms().map(f64::abs).sum();
         side(
             terms().sum(),
-            size,
+            size.max(known.one.0[i]),
             qp.row_lower()[i],
             qp.row_upper()[i],
             s.y[i],
         );
     }
     for j in 0..n {
-        side(s.x[j], s.x[j].abs(), qp.lower()[j], qp.upper()[j], s.z[j]);
+        let size = s.x[j].abs().max(known.one.1[j]);
+        side(s.x[j], size, qp.lower()[j], qp.upper()[j], s.z[j]);
     }
     [stationarity, primal, complementarity]
 }
@@ -108,9 +111,9 @@ fn judge(known: &Known, s: &Solution) -> Result<(), String> {
     if s.status != Status::Optimal {
         return Err(format!("{:?}", s.status));
     }
-    let errors = relative_errors(&known.qp, s);
+    let errors = relative_errors(known, s);
     let [stationarity, primal, complementarity] = errors;
-    if !(stationarity < 1e-8 && primal < 1e-9 && complementarity < 1e-8) {
+    if !(stationarity < 1e-8 && primal < 1e-10 && complementarity < 1e-8) {
         return Err(format!("errors {errors:?}"));
     }
     let (cost, best) = (known.qp.objective(&s.x), known.qp.objective(x));
@@ -130,11 +133,12 @@ fn judge(known: &Known, s: &Solution) -> Result<(), String> {
 
 #[test]
 fn every_status_comes_with_its_proof() {
-    // 100 000 of each family were seen to pass; WBQP_RANDOM_PROBLEMS sets another number.
+    // 100 000 of each family were seen to pass, but for four of AtZero from 14 034 on, which end usable or at the cap, no
+    // optimum; WBQP_RANDOM_PROBLEMS sets another number.
     let count: u64 =
         std::env::var("WBQP_RANDOM_PROBLEMS").map_or(3000, |c| c.parse().expect("a number"));
     let mut wrong = Vec::new();
-    let mut iterations = [0_u64; 6];
+    let mut iterations = [0_u64; FAMILIES.len()];
     for (f, family) in FAMILIES.into_iter().enumerate() {
         for seed in 0..count {
             let known = random_qp(family, seed, 24);
@@ -221,6 +225,33 @@ fn numbers_that_are_not_finite_fail() {
             let (mut active_set, mut solution) = solver(&qp);
             active_set.solve(&qp, &mut solution);
             assert!(!solution.status.is_usable(), "{place} {bad}: {solution:?}");
+        }
+    }
+}
+
+/// The second of two equal rows is found to be implied by the first. What it is then violated by counts.
+#[test]
+fn rows_that_disagree_a_little_have_no_optimum() {
+    let h = [2.0, 0.0, 0.0, 2.0];
+    for power in -140..=-60 {
+        let gap = 10f64.powf(0.1 * f64::from(power));
+        for equal in [true, false] {
+            // Either two values, or at most one and at least one and the gap.
+            let (lower, upper) = if equal { (1.0, 1.0 + gap) } else { (-INF, INF) };
+            let rows = [
+                (0, [1.0, 1.0], lower, 1.0),
+                (1, [1.0, 1.0], 1.0 + gap, upper),
+            ];
+            let qp = small(h, [-4.0, -4.0], &rows);
+            let (mut active_set, mut solution) = solver(&qp);
+            active_set.solve(&qp, &mut solution);
+            let violation = Optimality::of(&qp, &solution).primal;
+            match solution.status {
+                Status::Optimal => assert!(violation <= 1.01e-10, "{gap:e}: {violation:e}"),
+                Status::AlmostOptimal => assert!((1e-10..3e-9).contains(&gap), "{gap:e}"),
+                Status::Infeasible => assert!(gap > 1.9e-9, "{gap:e}"),
+                status => panic!("{gap:e}: {status:?}"),
+            }
         }
     }
 }

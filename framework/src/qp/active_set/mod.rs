@@ -20,6 +20,10 @@
 //! end the pair is refined: residuals of the optimality conditions in the problem's own numbers, corrected with the
 //! factors at hand.
 //!
+//! An optimum violates nothing, held or not, by more than 1e-10 of the numbers that are added up, or by more than the
+//! tolerance if that is larger. Constraints that depend on those held and disagree with them by more than that, but by too
+//! little for a proof, leave it almost optimal.
+//!
 //! The next solve begins with the constraints held last, found again by their [`RowId`](super::RowId) and
 //! [`VarId`](super::VarId), with λ = 0, which is dual feasible whatever has changed in between. Those with a λ* of the
 //! wrong sign are let go at once.

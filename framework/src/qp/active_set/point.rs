@@ -3,6 +3,11 @@
 use super::kernels::{LANES, dot, dot_magnitudes, dots, largest_product, padded};
 use crate::qp::{Capacity, Qp};
 
+/// Largest variable, in its unit, from which on the pull of the cost is not looked at, to save the time.
+const SMALL: f64 = 1e-8;
+/// Part of that pull, the largest `|g_j|/√h_jj`, that the rounding of smaller variables is relative to.
+const PULL: f64 = 1e-6;
+
 /// Variables and the values of all constraints.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Point {
@@ -84,6 +89,11 @@ impl Point {
             }
         }
         self.largest = largest_product(x, &self.per_unit);
+        if self.largest < SMALL {
+            // Constraints may hold everything at zero: what pulls at them is left to compare with.
+            let pull = largest_product(qp.g(), &self.unit);
+            self.largest = self.largest.max(PULL * pull);
+        }
         // A thousandth of the largest is what is left where large numbers cancel.
         let left = 1e-3 * self.largest;
         for (size, (x, unit)) in self.sizes.iter_mut().zip(x.iter().zip(&self.unit)) {

@@ -33,6 +33,13 @@ const CORRECTIONS: u32 = 50;
 /// Relative violation, or multiplier of the wrong sign, that a refined point may have: the second after a few corrections,
 /// which only degenerate problems need.
 const FORGIVEN: [f64; 2] = [1e-11, 3e-11];
+/// Largest relative violation of an optimum, constraints that are held or implied included. What it is relative to, a limit
+/// and the terms of a value added up, is about twice the largest of them, of which this is 1e-10.
+const VIOLATION: f64 = 5e-11;
+/// Times that constraints which seemed to be implied are tried again: once after each of the first corrections.
+const TRIALS: u32 = 2;
+/// Rounding of the coefficients of a combination, relative to the largest.
+const COMBINED: f64 = 1e-14;
 
 /// Why the dual iteration stopped.
 enum End {
@@ -56,6 +63,8 @@ pub(super) struct Workspace {
     last: Vec<f64>,
     /// Which constraints are not to be checked: held, equalities, or without a remedy.
     settled: Vec<bool>,
+    /// Those of them that are not held, because those held imply them, or did when it was looked at.
+    implied: Vec<Active>,
     violated: Vec<(f64, Active)>,
     w: Vec<f64>,
     gradient: Vec<f64>,
@@ -65,6 +74,8 @@ pub(super) struct Workspace {
     size: f64,
     /// The last residuals, relative to it.
     residual: f64,
+    /// Of these, those of the constraints held.
+    primal: f64,
     /// The tolerance within which the point is known to violate nothing; infinite if that is not known.
     passed: f64,
     iterations: u32,
@@ -80,6 +91,7 @@ impl Workspace {
             point: Point::new(capacity),
             last: vec![0.0; n],
             settled: vec![false; m + n],
+            implied: Vec::with_capacity(m + n),
             violated: Vec::with_capacity(m + n),
             w: vec![0.0; padded(n)],
             gradient: vec![0.0; padded(n)],
@@ -161,6 +173,7 @@ impl Workspace {
         self.hessian.solve_transposed(v);
         self.set.reset(n, v);
         self.settled[..count(qp)].fill(false);
+        self.implied.clear();
         if !self.hold_equalities(qp, out) {
             return Status::Infeasible;
         }
@@ -186,12 +199,17 @@ impl Workspace {
             // What goes to and fro is on the edge.
             let forgiven = FORGIVEN[(correction as usize / 4).min(FORGIVEN.len() - 1)];
             let far = raised && self.residual > CONVERGED && correction + 1 < CORRECTIONS;
+            let allowed = VIOLATION.max(limits.tolerance);
+            let missed = self.missed(qp);
+            if missed > allowed && correction < TRIALS {
+                self.reconsider();
+            }
             if self.is_settled(qp, limits.tolerance, forgiven) && !far {
                 self.remember(qp);
                 self.write(qp, out);
-                return if self.residual < CONVERGED {
+                return if self.residual < CONVERGED && self.primal.max(missed) <= allowed {
                     Status::Optimal
-                } else if self.residual < 1e-6 {
+                } else if self.residual.max(missed) < 1e-6 {
                     Status::AlmostOptimal
                 } else {
                     Status::Failed
@@ -231,6 +249,7 @@ impl Workspace {
                     return false;
                 }
             }
+            self.implied.push(constraint);
         }
         true
     }
@@ -451,6 +470,7 @@ impl Workspace {
                 }
                 // Implied by those held up to rounding, which is what the violation is.
                 self.settled[constraint.index] = true;
+                self.implied.push(constraint);
                 return true;
             };
             multiplier += step * constraint.side;
@@ -472,7 +492,23 @@ impl Workspace {
             sum += term;
             size += f64::abs(term);
         }
-        sum < -1e-9 * size
+        let is_negative = sum < -1e-9 * size;
+        if !is_negative {
+            return false;
+        }
+        // Where limits are zero, the whole sum may be the rounding of a coefficient that is zero, too.
+        let unit = self.point.unit();
+        let held = || self.set.active().iter().zip(self.set.computed());
+        let largest = held().fold(
+            largest_normal(qp, constraint.index, unit),
+            |a, (held, r)| a.max(r.abs() * largest_normal(qp, held.index, unit)),
+        );
+        let rounding: f64 = held()
+            .map(|(held, _)| held.limit.abs() / largest_normal(qp, held.index, unit))
+            .sum();
+        // `!(… ≤ …)`: a NaN explains nothing.
+        let is_rounding = -sum <= COMBINED * largest * rounding;
+        !is_rounding
     }
 
     /// Corrects the combination of held normals that a dependent one was found to be, by what is left of it.
@@ -553,6 +589,7 @@ impl Workspace {
         let stationarity = largest_product(gradient, unit);
         // The entries of H x may be small differences of large terms, none of which exceeds the largest variable.
         self.size = size.max(point.largest()).max(f64::MIN_POSITIVE);
+        self.primal = primal;
         self.residual = primal.max(stationarity / self.size);
         primal.max(stationarity / size.max(f64::MIN_POSITIVE))
     }
@@ -568,6 +605,41 @@ impl Workspace {
             }
         }
         (0..self.set.len()).all(|j| !self.is_wrong(qp, j, forgiven))
+    }
+
+    /// The largest violation, relative to the numbers that are added up, of the constraints that were found to be implied.
+    fn missed(&self, qp: &Qp) -> f64 {
+        let mut worst = 0.0_f64;
+        for implied in &self.implied {
+            let away = self.point.value(implied.index) - implied.limit;
+            let excess = if implied.side == 0.0 {
+                away.abs()
+            } else {
+                away * implied.side
+            };
+            if excess <= 0.0 {
+                continue;
+            }
+            let size = implied.limit.abs() + self.point.magnitude(qp, implied.index);
+            let relative = excess / size;
+            // A NaN is the worst.
+            if relative.is_nan() {
+                return f64::INFINITY;
+            }
+            worst = worst.max(relative);
+        }
+        worst
+    }
+
+    /// Has the constraints checked again that were found to be implied: those held may be others now. Equalities stay: what
+    /// implies them is never let go.
+    fn reconsider(&mut self) {
+        let settled = &mut self.settled;
+        self.implied.retain(|implied| {
+            settled[implied.index] = implied.side == 0.0;
+            implied.side == 0.0
+        });
+        self.passed = f64::INFINITY;
     }
 
     /// Whether the multiplier of the j-th constraint held has the wrong sign by more than is forgiven.
