@@ -353,21 +353,27 @@ impl Quadratic {
             let row = &response[i * stride..i * stride + width];
             add_row(&mut g[..width], linear, row);
         }
-        for i in 0..width {
-            let first = if self.is_coupled { 0 } else { i };
-            let out = &mut h[i * nx + first..i * nx + width];
-            let b = |k: usize| response[k * stride + i];
-            let w = |k: usize| &self.carried[k * width + first..(k + 1) * width];
-            let mut k = 0;
-            // Six at once: a floating base.
-            while k + 6 <= p {
-                add_six_rows(out, from_fn(|l| b(k + l)), from_fn(|l| w(k + l)));
-                k += 6;
+        let first = |i: usize| if self.is_coupled { 0 } else { i };
+        let (b, w) = (
+            |k: usize| &response[k * stride..k * stride + width],
+            |k: usize| &self.carried[k * width..(k + 1) * width],
+        );
+        let mut k = 0;
+        // Six at once: a floating base.
+        while k + 6 <= p {
+            let (b, w): ([_; 6], [_; 6]) = (from_fn(|l| b(k + l)), from_fn(|l| w(k + l)));
+            for i in 0..width {
+                let out = &mut h[i * nx + first(i)..i * nx + width];
+                add_six_rows(out, b.map(|b| b[i]), w.map(|w| &w[first(i)..]));
             }
-            while k < p {
-                add_row(out, b(k), w(k));
-                k += 1;
+            k += 6;
+        }
+        while k < p {
+            for i in 0..width {
+                let out = &mut h[i * nx + first(i)..i * nx + width];
+                add_row(out, b(k)[i], &w(k)[first(i)..]);
             }
+            k += 1;
         }
     }
 }
