@@ -12,11 +12,16 @@ ticks=${TICKS:-100000}
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-cargo build --release --locked --bin tick_stats
-cp target/release/tick_stats "$work/portable"
+build() { # name, folder for cargo
+    cargo build --release --locked --bin tick_stats --target-dir "$2"
+    cp "$2/release/tick_stats" "$work/$1"
+    cargo bench --no-run --locked -p wbqp-tests --bench qp_medians --target-dir "$2"
+    cp "$(find "$2/release/deps" -name 'qp_medians-*' -executable -printf '%T@ %p\n' | sort -n | tail -1 | cut -d' ' -f2)" \
+        "$work/solves_$1"
+}
+build portable target
 # A folder of its own, so that neither build throws the other away.
-RUSTFLAGS="-C target-cpu=native" cargo build --release --locked --bin tick_stats --target-dir "$work/target"
-cp "$work/target/release/tick_stats" "$work/native"
+RUSTFLAGS="-C target-cpu=native" build native "${NATIVE_TARGET:-$work/target}"
 rm -rf "$work/target"
 
 stats() { # name build arguments…
@@ -26,6 +31,9 @@ stats() { # name build arguments…
     "$work/$build" --build "$build" --json "$@" >"$work/$name.$build.json"
 }
 
+for build in portable native; do
+    "$work/solves_$build" >"$work/solves.$build.txt"
+done
 # Builds side by side in time: what disturbs the machine disturbs both.
 for contact in none normal normal_tilt point full; do
     for build in portable native; do

@@ -128,6 +128,11 @@ class Results:
                                  *(us(s[stage]["p50"]) for stage in ["assembly", "solve", "tick"])])
         return table(["p50, µs", "variables / equalities / inequalities", "assembly", "solve", "tick"], rows)
 
+    def solves(self):
+        files = [(build, self.folder / f"solves.{build}.txt") for build in BUILDS]
+        blocks = [f"{build.capitalize()}:\n\n```text\n{file.read_text().rstrip()}\n```" for build, file in files if file.exists()]
+        return "\n\n".join(blocks)
+
     def peers(self):
         file = self.folder / "peers.json"
         if not file.exists():
@@ -141,7 +146,7 @@ class Results:
 def main():
     folder, page = Path(sys.argv[1]), Path(sys.argv[2])
     results, text = Results(folder), page.read_text()
-    for name in ["machine", "promised", "ticks", "stages", "problems", "ratios", "formulations", "peers"]:
+    for name in ["machine", "promised", "ticks", "stages", "problems", "ratios", "formulations", "solves", "peers"]:
         pattern = re.compile(rf"(<!-- begin {name} -->\n).*?(<!-- end {name} -->)", re.DOTALL)
         content = getattr(results, name)()
         if not pattern.search(text):
