@@ -3,10 +3,10 @@
 
     cargo build --release --bin tick_stats
     for robot in othex quadruped humanoid; do
-        target/release/tick_stats --robot $robot --dump-problems /tmp/$robot.json
+        target/release/tick_stats --robot $robot --dump-problems target/$robot.json
     done
-    python3 -m venv /tmp/peers && /tmp/peers/bin/pip install -r tests/peers/requirements.txt
-    /tmp/peers/bin/python tests/peers/compare.py --wbqp target/release/tick_stats /tmp/*.json
+    python3 -m venv target/peers && target/peers/bin/pip install -r tests/peers/requirements.txt
+    target/peers/bin/python tests/peers/compare.py --wbqp target/release/tick_stats target/*.json
 
 Every solver gets the same problems, in the same order, through its own Python interface (no front end in between),
 converted before the clock starts. What is timed is the call that hands the problem over and solves it. As that includes

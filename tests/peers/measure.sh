@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# Measures everything that docs/performance.md shows, and writes its tables. On two idle cores about half an hour, a third
-# of it the second build. From the workspace's root:
+# Measures everything that docs/performance.md shows, and writes its tables. A round takes about a quarter of
+# an hour; the second build comes on top. From the workspace's root:
 #
-#     python3 -m venv /tmp/peers && /tmp/peers/bin/pip install -r tests/peers/requirements.txt
-#     PYTHON=/tmp/peers/bin/python bash tests/peers/measure.sh
+#     python3 -m venv target/peers && target/peers/bin/pip install -r tests/peers/requirements.txt
+#     PYTHON=target/peers/bin/python bash tests/peers/measure.sh
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 

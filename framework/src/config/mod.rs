@@ -201,9 +201,10 @@ pub enum Formulation {
     /// The faster one of the next two: torque-eliminated for a robot with a joint motor, condensed for one with rotors
     /// alone, where they are the same.
     ///
-    /// Both have as many variables without hard contacts. The torque-eliminated form factorises 6 rows of the dynamics (and those of passive
-    /// joints) instead of all nv and keeps the tree's sparsity, against one row instead of a bound per torque limit: it is
-    /// the cheaper the more joints there are. Whole ticks, condensed over torque-eliminated, measured in one run: 0.98 to
+    /// Without hard contacts both have as many variables. The torque-eliminated form factorises 6 rows of the dynamics (and
+    /// those of passive joints) instead of all nv and keeps the tree's sparsity, against one row instead of a bound per torque limit: it is
+    /// the cheaper the more joints there are. Whole ticks, condensed over torque-eliminated, measured in one run before hard contacts
+    /// were substituted in the latter: 0.98 to
     /// 1.02 for six rotors and three joints with none to six force components, 1.2 for a standing quadruped (12 joints),
     /// 1.6 for a humanoid (31 joints, two soles). Light arms on heavy bases are better conditioned, too, by their
     /// accelerations than by their torques.
