@@ -283,11 +283,6 @@ proptest! {
         };
         let (a, b) = (tick(Formulation::Condensed), tick(other));
         prop_assert_eq!(a.report().rung, Rung::Optimal, "{:?}", a.report().status);
-        // At a condition around 1e16 about one explicit problem in a thousand goes to and fro until the iterations are used
-        // up; of 4000 condensed ones none did, and torque-eliminated ones must not.
-        if other == Formulation::Explicit && b.report().status == Status::Budget {
-            return Ok(());
-        }
         prop_assert_eq!(b.report().rung, Rung::Optimal, "{:?}", b.report().status);
         // Only the regularisation tells two motors of one joint apart: the condition is around 1e16, and neither
         // efforts nor a cost that is far smaller than the numbers it is the difference of can be had to all digits.

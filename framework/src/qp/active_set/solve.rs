@@ -36,6 +36,8 @@ const FORGIVEN: [f64; 2] = [1e-11, 3e-11];
 /// Largest relative violation of an optimum, constraints that are held or implied included. What it is relative to, a limit
 /// and the terms of a value added up, is about twice the largest of them, of which this is 1e-10.
 const VIOLATION: f64 = 5e-11;
+/// The same of a point that is almost optimal, and of its multipliers' signs.
+const ALMOST: f64 = 1e-6;
 /// Times that constraints which seemed to be implied are tried again: once after each of the first corrections.
 const TRIALS: u32 = 2;
 /// Rounding of the coefficients of a combination, relative to the largest.
@@ -209,11 +211,19 @@ impl Workspace {
                 self.write(qp, out);
                 return if self.residual < CONVERGED && self.primal.max(missed) <= allowed {
                     Status::Optimal
-                } else if self.residual.max(missed) < 1e-6 {
+                } else if self.residual.max(missed) < ALMOST {
                     Status::AlmostOptimal
                 } else {
                     Status::Failed
                 };
+            }
+            let is_last = correction + 1 == CORRECTIONS;
+            if is_last && self.residual.max(missed) < ALMOST && self.is_settled(qp, ALMOST, ALMOST)
+            {
+                // To and fro at the edge of what can be computed.
+                self.remember(qp);
+                self.write(qp, out);
+                return Status::AlmostOptimal;
             }
             self.move_on(qp, forgiven);
         }
