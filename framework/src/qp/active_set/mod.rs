@@ -16,9 +16,10 @@
 //! `Aᵀ y + z = 0` while the limits weighted with the multipliers have a negative sum.
 //!
 //! Of several violated constraints the one is taken that is farthest away in the metric of H,
-//! `violation / ‖U⁻ᵀ a‖` with `H = UᵀU`, the distance that z has to go; in the first rounds all of them are taken together. At the
-//! end the pair is refined: residuals of the optimality conditions in the problem's own numbers, corrected with the
-//! factors at hand.
+//! `violation / ‖U⁻ᵀ a‖` with `H = UᵀU`, the distance that z has to go; in the first rounds those that are nearly as far are
+//! taken with it. At the end the pair is refined: residuals of the optimality conditions in the problem's own numbers,
+//! corrected with the factors at hand. If the refined pair is no optimum after all, the iteration goes on; should that
+//! happen again, with every pair refined, so that rounding cannot lead it in circles.
 //!
 //! An optimum violates nothing, held or not, by more than 1e-10 of the numbers that are added up, or by more than the
 //! tolerance if that is larger. Constraints that depend on those held and disagree with them by more than that, but by too

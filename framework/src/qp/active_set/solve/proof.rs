@@ -1,0 +1,96 @@
+//! Proofs that a problem has no solution.
+
+use super::{
+    super::{
+        constraint::{
+            Active, add_normal, copy_normal, count, largest_normal, limits, magnitude, value,
+        },
+        kernels::{axpy, dot, largest},
+    },
+    Workspace, add_multiplier,
+};
+use crate::qp::{Qp, Solution};
+
+/// Rounding of the coefficients of a combination, relative to the largest.
+const COMBINED: f64 = 1e-14;
+
+impl Workspace {
+    /// Whether the limits of a dependent constraint and of those held contradict one another by more than rounding.
+    pub(super) fn contradicts(&mut self, qp: &Qp, constraint: Active) -> bool {
+        self.refine_combination(qp, constraint.index);
+        let (mut sum, mut size) = (0.0, 0.0);
+        let held = self.set.active().iter().zip(self.set.computed());
+        let terms = held.map(|(held, r)| -constraint.side * r * held.limit);
+        for term in terms.chain([constraint.side * constraint.limit]) {
+            sum += term;
+            size += f64::abs(term);
+        }
+        let is_negative = sum < -1e-9 * size;
+        if !is_negative {
+            return false;
+        }
+        // Where limits are zero, the whole sum may be the rounding of a coefficient that is zero, too.
+        let unit = self.point.unit();
+        let held = || self.set.active().iter().zip(self.set.computed());
+        let largest = held().fold(
+            largest_normal(qp, constraint.index, unit),
+            |a, (held, r)| a.max(r.abs() * largest_normal(qp, held.index, unit)),
+        );
+        let rounding: f64 = held()
+            .map(|(held, _)| held.limit.abs() / largest_normal(qp, held.index, unit))
+            .sum();
+        // `!(… ≤ …)`: a NaN explains nothing.
+        let is_rounding = -sum <= COMBINED * largest * rounding;
+        !is_rounding
+    }
+
+    /// Corrects the combination of held normals that a dependent one was found to be, by what is left of it.
+    fn refine_combination(&mut self, qp: &Qp, index: usize) {
+        let k = self.set.len();
+        self.p[..k].copy_from_slice(self.set.computed());
+        let rest = &mut self.gradient[..self.stride];
+        for _ in 0..2 {
+            copy_normal(qp, index, rest);
+            for (held, &r) in self.set.active().iter().zip(&self.p) {
+                add_normal(qp, held.index, -r, rest);
+            }
+            self.set.project(&self.hessian, rest);
+            axpy(&mut self.p[..k], 1.0, self.set.computed());
+        }
+        self.set.take_combination(&self.p[..k]);
+    }
+
+    /// Writes the proof that a constraint, at one of its sides, contradicts those held, whose combination was computed last.
+    pub(super) fn certify(&mut self, qp: &Qp, index: usize, side: f64, out: &mut Solution) {
+        for (r, held) in self.set.computed().iter().zip(self.set.active()) {
+            let multiplier = -side * r;
+            // One of the wrong sign is rounding, else its constraint would have been let go.
+            if multiplier * held.side >= 0.0 {
+                add_multiplier(qp, held.index, multiplier, out);
+            }
+        }
+        add_multiplier(qp, index, side, out);
+    }
+
+    /// Whether the last proximal steps went along a direction in which the cost falls for ever.
+    pub(super) fn is_unbounded(&mut self, qp: &Qp) -> bool {
+        let n = qp.n();
+        let d = &mut self.w[..n];
+        for ((d, x), last) in d.iter_mut().zip(self.point.x()).zip(&self.last) {
+            *d = x - last;
+        }
+        let d = &self.w[..n];
+        let size = largest(d);
+        let flat = qp
+            .h()
+            .chunks_exact(n)
+            .all(|h| dot(h, d).abs() <= 1e-9 * size);
+        let free = (0..count(qp)).all(|index| {
+            let (lower, upper) = limits(qp, index);
+            let rate = value(qp, index, d);
+            let rounding = 1e-9 * magnitude(qp, index, d, self.point.unit(), size);
+            (upper.is_infinite() || rate <= rounding) && (lower.is_infinite() || rate >= -rounding)
+        });
+        flat && free && dot(qp.g(), d) < 0.0
+    }
+}
