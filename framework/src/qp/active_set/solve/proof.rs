@@ -13,6 +13,9 @@ use crate::qp::{Qp, Solution};
 
 /// Rounding of the coefficients of a combination, relative to the largest.
 const COMBINED: f64 = 1e-14;
+/// How many times larger than at present the variables would have to be for normals that are only nearly dependent to bring
+/// contradictory limits together.
+const STRETCHED: f64 = 1e3;
 
 impl Workspace {
     /// Whether the limits of a dependent constraint and of those held contradict one another by more than rounding.
@@ -41,7 +44,25 @@ impl Workspace {
             .sum();
         // `!(… ≤ …)`: a NaN explains nothing.
         let is_rounding = -sum <= COMBINED * largest * rounding;
-        !is_rounding
+        !is_rounding && -sum > STRETCHED * self.leftover(qp, constraint.index)
+    }
+
+    /// What the values of a dependent constraint and of its combination may differ by at the minimiser on the constraints
+    /// held: nothing but rounding, unless their normals are only nearly dependent.
+    fn leftover(&mut self, qp: &Qp, index: usize) -> f64 {
+        let k = self.set.len();
+        self.set.find_targets();
+        self.set.primal(&self.hessian, self.point.x_mut());
+        self.point.evaluate(qp);
+        self.set.take_combination(&self.p[..k]);
+        let rest = &mut self.gradient[..self.stride];
+        copy_normal(qp, index, rest);
+        for (held, &r) in self.set.active().iter().zip(&self.p) {
+            add_normal(qp, held.index, -r, rest);
+        }
+        let sizes = self.point.x().iter().zip(self.point.unit());
+        let sizes = sizes.map(|(x, unit)| x.abs() + unit * self.point.largest());
+        rest.iter().zip(sizes).map(|(r, size)| r.abs() * size).sum()
     }
 
     /// Corrects the combination of held normals that a dependent one was found to be, by what is left of it.
