@@ -22,7 +22,7 @@ const GUESS_ROUNDS: u32 = 6;
 const LONG: u32 = 200;
 /// A violation below this, relative to the numbers that are added up, may be the rounding of an `x` that is not refined.
 const ROUNDING: f64 = 1e-8;
-/// Iterations in which every point is refined, before what they led to is looked at.
+/// Iterations with every point refined, after which they must be going in circles.
 const REFINED_ROUNDS: u32 = 100;
 
 impl Workspace {
@@ -124,7 +124,7 @@ impl Workspace {
             }
         }
         self.passed = f64::INFINITY;
-        End::Optimal
+        End::Circles
     }
 
     /// The first multiplier that becomes wrong on the way from those before to the refined ones, and after which part of it.

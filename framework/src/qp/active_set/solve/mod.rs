@@ -41,6 +41,8 @@ enum End {
     /// The certificate is in the solution.
     Infeasible,
     Budget,
+    /// It goes in circles even with refined points.
+    Circles,
 }
 
 /// Storage of the method, made once.
@@ -188,7 +190,7 @@ impl Workspace {
                 self.ascend_refined(qp, limits, forgiven, out)
             };
             match end {
-                End::Optimal => {}
+                End::Optimal | End::Circles => {}
                 End::Infeasible => return Status::Infeasible,
                 End::Budget => {
                     self.stop(qp, out);
@@ -220,13 +222,16 @@ impl Workspace {
                     Status::Failed
                 };
             }
-            let is_last = correction + 1 == CORRECTIONS;
+            let is_last = correction + 1 == CORRECTIONS || matches!(end, End::Circles);
             if is_last && self.residual.max(missed) < ALMOST && self.is_settled(qp, ALMOST, ALMOST)
             {
                 // To and fro at the edge of what can be computed.
                 self.remember(qp);
                 self.write(qp, out);
                 return Status::AlmostOptimal;
+            }
+            if is_last {
+                break;
             }
             self.move_on(qp, forgiven);
         }
