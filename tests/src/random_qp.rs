@@ -26,9 +26,12 @@ pub enum Family {
     AtZero,
     /// No feasible point.
     Infeasible,
+    /// Rows at angles of 1e-13 to 1e-4 to combinations of others: how much of a multiplier or of a step is rounding is
+    /// not known.
+    NearlyDependent,
 }
 
-/// All families.
+/// The families whose problems have an answer that can be computed.
 pub const FAMILIES: [Family; 7] = [
     Family::Regular,
     Family::Degenerate,
@@ -136,6 +139,18 @@ pub fn random_qp(family: Family, seed: u64, largest: usize) -> Known {
             } else {
                 rows.push(with_limits(a, &x, false, family, n, rng));
             }
+        }
+    }
+    if family == Family::NearlyDependent && !rows.is_empty() {
+        for _ in 0..rng.random_range(1..=3) {
+            let [i, j] = [(); 2].map(|()| rng.random_range(0..rows.len()));
+            let angle = 10f64.powf(rng.random_range(-13.0..-4.0));
+            let (p, q) = (normal(rng), f64::from(rng.random_range(0..2_u8)));
+            let pairs = rows[i].a.iter().zip(&rows[j].a);
+            let a = pairs.map(|(a, b)| p * a + q * b + angle * normal(rng));
+            let a = a.collect();
+            let equality = rows[i].lower == rows[i].upper && rng.random_bool(0.5);
+            rows.push(with_limits(a, &x, equality, family, n, rng));
         }
     }
     if family == Family::Infeasible {

@@ -21,6 +21,7 @@ impl Workspace {
     /// Whether the limits of a dependent constraint and of those held contradict one another by more than rounding.
     pub(super) fn contradicts(&mut self, qp: &Qp, constraint: Active) -> bool {
         self.refine_combination(qp, constraint.index);
+        self.drop_wrong(constraint.side);
         let (mut sum, mut size) = (0.0, 0.0);
         let held = self.set.active().iter().zip(self.set.computed());
         let terms = held.map(|(held, r)| -constraint.side * r * held.limit);
@@ -65,7 +66,8 @@ impl Workspace {
         rest.iter().zip(sizes).map(|(r, size)| r.abs() * size).sum()
     }
 
-    /// Corrects the combination of held normals that a dependent one was found to be, by what is left of it.
+    /// Corrects the combination of held normals that a dependent one was found to be, by what is left of it; leaves it in
+    /// `self.p`.
     fn refine_combination(&mut self, qp: &Qp, index: usize) {
         let k = self.set.len();
         self.p[..k].copy_from_slice(self.set.computed());
@@ -78,17 +80,23 @@ impl Workspace {
             self.set.project(&self.hessian, rest);
             axpy(&mut self.p[..k], 1.0, self.set.computed());
         }
-        self.set.take_combination(&self.p[..k]);
+    }
+
+    /// Leaves out of the refined combination what would have a multiplier of the wrong sign: rounding, else its constraint
+    /// would have been let go. If it is not, it shows in [`Workspace::leftover`].
+    fn drop_wrong(&mut self, side: f64) {
+        for (r, held) in self.p.iter_mut().zip(self.set.active()) {
+            if *r * side * held.side > 0.0 {
+                *r = 0.0;
+            }
+        }
+        self.set.take_combination(&self.p[..self.set.len()]);
     }
 
     /// Writes the proof that a constraint, at one of its sides, contradicts those held, whose combination was computed last.
     pub(super) fn certify(&mut self, qp: &Qp, index: usize, side: f64, out: &mut Solution) {
         for (r, held) in self.set.computed().iter().zip(self.set.active()) {
-            let multiplier = -side * r;
-            // One of the wrong sign is rounding, else its constraint would have been let go.
-            if multiplier * held.side >= 0.0 {
-                add_multiplier(qp, held.index, multiplier, out);
-            }
+            add_multiplier(qp, held.index, -side * r, out);
         }
         add_multiplier(qp, index, side, out);
     }
