@@ -39,7 +39,7 @@ stats() { # name build arguments…
 }
 
 # Builds side by side, and rounds apart in time: what disturbs the machine disturbs all alike.
-for _ in $(seq "${ROUNDS:-3}"); do
+for round in $(seq "${ROUNDS:-3}"); do
     for contact in none normal normal_tilt point full; do
         for build in portable native; do
             stats "othex_$contact" "$build" --robot othex --contact "$contact" --ticks "$ticks"
@@ -59,14 +59,7 @@ for _ in $(seq "${ROUNDS:-3}"); do
         stats "${robot}_clarabel" portable --robot "$robot" --ticks 1000 --solver clarabel
     done
     for build in portable native; do
-        new="$work/new.txt" kept="$work/solves.$build.txt"
-        "$work/solves_$build" >"$new"
-        # By the first line of numbers, the warm solves with 12 variables.
-        first() { sed -n '2s/.*p50 *\([0-9.]*\) .*/\1/p' "$1"; }
-        if [ ! -e "$kept" ] || "$python" -c 'import sys; sys.exit(not float(sys.argv[1]) < float(sys.argv[2]))' \
-            "$(first "$new")" "$(first "$kept")"; then
-            mv "$new" "$kept"
-        fi
+        "$work/solves_$build" >"$work/solves.$build.$round.txt"
     done
 done
 for robot in othex quadruped humanoid; do
