@@ -5,7 +5,7 @@ use super::{
         constraint::{
             Active, add_normal, copy_normal, count, largest_normal, limits, magnitude, value,
         },
-        kernels::{axpy, dot, largest},
+        kernels::{axpy, dot, largest, largest_product},
     },
     Workspace, add_multiplier,
 };
@@ -13,6 +13,8 @@ use crate::qp::{Qp, Solution};
 
 /// Rounding of the coefficients of a combination, relative to the largest.
 const COMBINED: f64 = 1e-14;
+/// What is left of a dependent normal less its combination, relative to the largest term.
+const CLOSED: f64 = 1e-13;
 /// How many times larger than at present the variables would have to be for normals that are only nearly dependent to bring
 /// contradictory limits together.
 const STRETCHED: f64 = 1e3;
@@ -45,24 +47,31 @@ impl Workspace {
             .sum();
         // `!(… ≤ …)`: a NaN explains nothing.
         let is_rounding = -sum <= COMBINED * largest * rounding;
-        !is_rounding && -sum > STRETCHED * self.leftover(qp, constraint.index)
+        !is_rounding && self.is_dependent(qp, constraint.index, -sum, largest)
     }
 
-    /// What the values of a dependent constraint and of its combination may differ by at the minimiser on the constraints
-    /// held: nothing but rounding, unless their normals are only nearly dependent.
-    fn leftover(&mut self, qp: &Qp, index: usize) -> f64 {
-        let k = self.set.len();
-        self.set.find_targets();
-        self.set.primal(&self.hessian, self.point.x_mut());
-        self.point.evaluate(qp);
-        self.set.take_combination(&self.p[..k]);
+    /// Whether a normal and its combination, whose largest term is given, differ by rounding only. If by more, they are nearly
+    /// dependent, and a gap between the limits is a contradiction only if the variables would have to be very large to close it.
+    fn is_dependent(&mut self, qp: &Qp, index: usize, gap: f64, largest: f64) -> bool {
         let rest = &mut self.gradient[..self.stride];
         copy_normal(qp, index, rest);
         for (held, &r) in self.set.active().iter().zip(&self.p) {
             add_normal(qp, held.index, -r, rest);
         }
+        largest_product(rest, self.point.unit()) <= CLOSED * largest
+            || gap > STRETCHED * self.leftover(qp)
+    }
+
+    /// What the rest in `self.gradient` may come to with variables of the size that they have at the minimiser on the
+    /// constraints held.
+    fn leftover(&mut self, qp: &Qp) -> f64 {
+        self.set.find_targets();
+        self.set.primal(&self.hessian, self.point.x_mut());
+        self.point.evaluate(qp);
+        self.set.take_combination(&self.p[..self.set.len()]);
         let sizes = self.point.x().iter().zip(self.point.unit());
         let sizes = sizes.map(|(x, unit)| x.abs() + unit * self.point.largest());
+        let rest = &self.gradient[..self.stride];
         rest.iter().zip(sizes).map(|(r, size)| r.abs() * size).sum()
     }
 
@@ -83,7 +92,7 @@ impl Workspace {
     }
 
     /// Leaves out of the refined combination what would have a multiplier of the wrong sign: rounding, else its constraint
-    /// would have been let go. If it is not, it shows in [`Workspace::leftover`].
+    /// would have been let go. If it is not, [`Workspace::is_dependent`] sees it.
     fn drop_wrong(&mut self, side: f64) {
         for (r, held) in self.p.iter_mut().zip(self.set.active()) {
             if *r * side * held.side > 0.0 {
