@@ -17,7 +17,10 @@ use wbqp::{
     spatial,
     state::State,
 };
-use wbqp_tests::random_model::{Scatter, random_model, random_state};
+use wbqp_tests::{
+    properties::cases,
+    random_model::{Scatter, random_model, random_state},
+};
 
 /// A random tree and a random state of it.
 struct Case {
@@ -87,7 +90,7 @@ fn dynamic(x: &[f64]) -> DVector<f64> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(200))]
+    #![proptest_config(cases(200))]
 
     #[test]
     fn mass_matrix_is_symmetric_positive_definite(Case { model, state, .. } in robots()) {

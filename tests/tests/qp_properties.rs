@@ -10,7 +10,10 @@ use wbqp::{
     nalgebra,
     qp::{Qp, Solution, Status},
 };
-use wbqp_tests::scenes::{KINDS, Kind, Scene};
+use wbqp_tests::{
+    properties::cases,
+    scenes::{KINDS, Kind, Scene},
+};
 
 /// A scene; contacts are points or sliding points.
 fn scenes() -> impl Strategy<Value = Scene> {
@@ -199,11 +202,7 @@ fn kkt(qp: &Qp, s: &Solution) -> Kkt {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig {
-        cases: 500,
-        failure_persistence: None,
-        ..ProptestConfig::default()
-    })]
+    #![proptest_config(cases(500))]
 
     #[test]
     fn all_formulations_have_the_same_optimum(scene in scenes(), eliminated: bool) {
