@@ -22,7 +22,7 @@ use super::{
 };
 
 /// Pivots of N below this, in units in which the diagonal of `M_PP` is one, are as good as none.
-const SINGULAR: f64 = 1e-3;
+const SINGULAR: f64 = 1e-2;
 
 /// `[F | k]`, `[B | c]` and `T`, `t`; row-major.
 #[derive(Clone, Debug)]

@@ -19,8 +19,8 @@ use crate::qp::Qp;
 const WEAK: f64 = 1e-13;
 /// Once pivots have to be raised, those below this are suspected to be what rounding left of a zero.
 const SUSPECT: f64 = 1e-9;
-/// What such a pivot is raised to, relative to the diagonal entry.
-const RAISED: f64 = 1e-6;
+/// What such a pivot is raised to, relative to the diagonal entry: at first little, so that proximal steps are long.
+const RAISED: [f64; 2] = [1e-8, 1e-6];
 /// The same for a variable without any cost.
 const RAISED_WITHOUT_COST: f64 = 1e-6;
 
@@ -44,7 +44,8 @@ pub(super) struct Hessian {
     inverses: Vec<[[f64; LANES]; LANES]>,
     /// Diagonal of what is factorised.
     diagonal: Vec<f64>,
-    is_raised: bool,
+    /// How much, if weak pivots were raised: an index into the list.
+    raised: Option<usize>,
     /// Whether a pivot is so small that it may be what rounding left of a zero.
     has_small_pivot: bool,
     /// `−Σ σ_i b_i a_i`, if equality rows were added.
@@ -70,40 +71,50 @@ impl Hessian {
     pub(super) fn factorise(&mut self, qp: &Qp) -> bool {
         self.n = qp.n();
         self.stride = padded(self.n);
-        self.is_raised = false;
+        self.raised = None;
         self.is_shifted = false;
         self.load(qp);
-        if self.eliminate(false) {
+        if self.eliminate(None) {
             return true;
         }
         if has_equalities(qp) {
             self.load(qp);
             self.add_equalities(qp);
-            if self.eliminate(false) {
+            if self.eliminate(None) {
                 return true;
             }
         }
         self.factorise_raised(qp)
     }
 
-    /// Factorises with all suspect pivots raised; false if H has numbers that are not finite.
+    /// Factorises with all suspect pivots raised, by more than before if they were; false if H has numbers that are not
+    /// finite, or if they cannot be raised any further.
     pub(super) fn factorise_raised(&mut self, qp: &Qp) -> bool {
+        let level = self.raised.map_or(0, |level| level + 1);
+        if level >= RAISED.len() {
+            return false;
+        }
         self.load(qp);
         if has_equalities(qp) {
             self.add_equalities(qp);
         }
-        self.is_raised = true;
-        self.eliminate(true)
+        self.raised = Some(level);
+        self.eliminate(Some(RAISED[level]))
     }
 
     /// Whether a pivot is so small that it may be what rounding left of a zero.
     pub(super) fn is_suspect(&self) -> bool {
-        !self.is_raised && self.has_small_pivot
+        self.raised.is_none() && self.has_small_pivot
     }
 
     /// Whether the proximal iteration is needed.
     pub(super) fn is_raised(&self) -> bool {
-        self.is_raised
+        self.raised.is_some()
+    }
+
+    /// Whether weak pivots can be raised by more than they are.
+    pub(super) fn can_be_raised_further(&self) -> bool {
+        self.raised.is_some_and(|level| level + 1 < RAISED.len())
     }
 
     /// Adds to a linear term what belongs to the added equality rows.
@@ -179,7 +190,7 @@ impl Hessian {
     }
 
     /// Right-looking Cholesky by blocks of four rows; false at the first weak pivot unless those are to be raised.
-    fn eliminate(&mut self, raise: bool) -> bool {
+    fn eliminate(&mut self, raise: Option<f64>) -> bool {
         let (n, stride) = (self.n, self.stride);
         for (k, d) in self.diagonal[..n].iter_mut().enumerate() {
             *d = self.u[k * stride + k];
@@ -223,7 +234,7 @@ impl Hessian {
     }
 
     /// The rows of U of one block.
-    fn eliminate_within(&mut self, first: usize, raise: bool) -> bool {
+    fn eliminate_within(&mut self, first: usize, raise: Option<f64>) -> bool {
         let stride = self.stride;
         let rows = &mut self.u[first * stride..(first + LANES) * stride];
         let mut u = [
@@ -236,13 +247,14 @@ impl Hessian {
         for p in 0..LANES.min(self.n - first) {
             let diagonal = self.diagonal[first + p];
             // `!(pivot > …)`: a NaN is weak, too.
-            let strong = u[p][p] > if raise { SUSPECT } else { WEAK } * diagonal;
+            let weak = raise.map_or(WEAK, |_| SUSPECT);
+            let strong = u[p][p] > weak * diagonal;
             if !strong {
-                if !raise || !u[p][p].is_finite() {
+                let Some(raised) = raise.filter(|_| u[p][p].is_finite()) else {
                     return false;
-                }
+                };
                 u[p][p] = if diagonal > 0.0 {
-                    RAISED * diagonal
+                    raised * diagonal
                 } else {
                     RAISED_WITHOUT_COST
                 };

@@ -75,6 +75,8 @@ pub(super) struct Workspace {
     residual: f64,
     /// Of these, those of the constraints held.
     primal: f64,
+    /// The last residuals, relative to the terms of the cost alone, however large the variables are.
+    residual_in_cost: f64,
     /// The tolerance within which the point is known to violate nothing; infinite if that is not known.
     passed: f64,
     iterations: u32,
@@ -149,18 +151,22 @@ impl Workspace {
         if !self.hessian.factorise(qp) {
             return Status::Failed;
         }
-        let status = self.run_factorised(qp, limits, out);
-        let is_final = status == Status::Optimal || limits.were_used_up();
-        if is_final || !self.hessian.is_suspect() {
-            return status;
+        loop {
+            let status = self.run_factorised(qp, limits, out);
+            let is_final = status == Status::Optimal || limits.were_used_up();
+            let has_given_up = matches!(status, Status::Failed | Status::Budget);
+            // What was taken for curvature may have been rounding.
+            let try_again =
+                self.hessian.is_suspect() || (has_given_up && self.hessian.can_be_raised_further());
+            if is_final || !try_again {
+                return status;
+            }
+            clear(qp, out);
+            if !self.hessian.factorise_raised(qp) {
+                return Status::Failed;
+            }
+            self.previous.clear();
         }
-        // What was taken for curvature may have been rounding.
-        clear(qp, out);
-        if !self.hessian.factorise_raised(qp) {
-            return Status::Failed;
-        }
-        self.previous.clear();
-        self.run_factorised(qp, limits, out)
     }
 
     fn run_factorised(&mut self, qp: &Qp, limits: &mut Limits<'_>, out: &mut Solution) -> Status {
@@ -199,7 +205,7 @@ impl Workspace {
             }
             self.refine(qp, EXACT);
             let raised = self.hessian.is_raised();
-            if raised && self.residual > CONVERGED {
+            if raised && self.residual_in_cost > CONVERGED {
                 if self.is_unbounded(qp) {
                     return Status::Unbounded;
                 }

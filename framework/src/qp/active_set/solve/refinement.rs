@@ -65,7 +65,8 @@ impl Workspace {
         self.size = size.max(point.largest()).max(f64::MIN_POSITIVE);
         self.primal = primal;
         self.residual = primal.max(stationarity / self.size);
-        primal.max(stationarity / size.max(f64::MIN_POSITIVE))
+        self.residual_in_cost = primal.max(stationarity / size.max(f64::MIN_POSITIVE));
+        self.residual_in_cost
     }
 
     /// Whether the refined point violates nothing and holds nothing with a multiplier of the wrong sign, beyond what is
