@@ -202,12 +202,11 @@ pub enum Formulation {
     /// alone, where they are the same.
     ///
     /// Without hard contacts both have as many variables. The torque-eliminated form factorises 6 rows of the dynamics (and
-    /// those of passive joints) instead of all nv and keeps the tree's sparsity, against one row instead of a bound per torque limit: it is
-    /// the cheaper the more joints there are. Whole ticks, condensed over torque-eliminated, measured in one run before hard contacts
-    /// were substituted in the latter: 0.98 to
-    /// 1.02 for six rotors and three joints with none to six force components, 1.2 for a standing quadruped (12 joints),
-    /// 1.6 for a humanoid (31 joints, two soles). Light arms on heavy bases are better conditioned, too, by their
-    /// accelerations than by their torques.
+    /// those of passive joints) instead of all nv and keeps the tree's sparsity, against one row instead of a bound per
+    /// torque limit: it is the cheaper the more joints there are. Whole ticks, condensed over torque-eliminated, from the
+    /// table of formulations in `docs/performance.md`: 1.05 for six rotors and three joints at a point contact, 1.8 for a
+    /// standing quadruped (12 joints), 2.3 for a humanoid (31 joints, two soles). Light arms on heavy bases are better
+    /// conditioned, too, by their accelerations than by their torques.
     #[default]
     Auto,
     /// Variables (u, f): `v̇` is substituted from the dynamics, the paper's (8).
