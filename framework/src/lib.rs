@@ -12,7 +12,7 @@
 //! link, which is built in code; a URDF is read by the crate `wbqp-robots`.
 //!
 //! ```
-//! use std::{path::Path, sync::Arc};
+//! use std::path::Path;
 //!
 //! use wbqp::{
 //!     Controller, ControllerConfig, Layout, Measurement,
@@ -56,12 +56,8 @@
 //!             upper: 10.0,
 //!             slew: f64::INFINITY,
 //!         });
-//!         Ok(RobotModel {
-//!             home: State::neutral(&model),
-//!             model: Arc::new(model),
-//!             actuators: motor.into_iter().collect(),
-//!             sources: Vec::new(),
-//!         })
+//!         let home = State::neutral(&model);
+//!         Ok(RobotModel::new(model, motor.into_iter().collect(), home))
 //!     }
 //! }
 //!

@@ -1,7 +1,7 @@
 //! Logs of a small controller: what is written is what happened, and every message obeys its schema.
 #![cfg(feature = "mcap")]
 
-use std::{collections::BTreeMap, io::Cursor, path::Path, sync::Arc};
+use std::{collections::BTreeMap, io::Cursor, path::Path};
 
 use nalgebra::{Isometry3, Matrix3, Unit, Vector3, Vector6};
 use schemars::JsonSchema;
@@ -80,18 +80,14 @@ impl Robot for Flyer {
             upper,
             slew: f64::INFINITY,
         };
-        Ok(RobotModel {
-            home: State::neutral(&model),
-            actuators: [
-                Some(actuator("rotor_1", rotor, [0.25, 40.0])),
-                elbow.map(|kind| actuator("elbow", kind, [-3.0, 3.0])),
-            ]
-            .into_iter()
-            .flatten()
-            .collect(),
-            sources: vec![source("some/directory/flyer.urdf", "<robot/>")],
-            model: Arc::new(model),
-        })
+        let actuators = [
+            Some(actuator("rotor_1", rotor, [0.25, 40.0])),
+            elbow.map(|kind| actuator("elbow", kind, [-3.0, 3.0])),
+        ];
+        let home = State::neutral(&model);
+        let mut robot = RobotModel::new(model, actuators.into_iter().flatten().collect(), home);
+        robot.sources = vec![source("some/directory/flyer.urdf", "<robot/>")];
+        Ok(robot)
     }
 }
 

@@ -70,7 +70,9 @@ pub fn from_sources(
         model: Arc::new(model),
         actuators,
         home,
+        base_is_placed: false,
         sources: std::iter::once(urdf).chain(rotors).collect(),
+        diagnostics: Vec::new(),
     })
 }
 
@@ -196,6 +198,7 @@ fn standing(
         let mut data = Data::new(&robot.model);
         data.update(&robot.model, &robot.home);
         robot.home.p_WR.z -= frame_motion(&robot.model, &data, foot).p_WF.z;
+        robot.base_is_placed = true;
     }
     Ok(robot)
 }

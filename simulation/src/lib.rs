@@ -6,13 +6,12 @@
 //!
 //! ```
 //! # use nalgebra::{Matrix3, Vector3};
-//! # use std::sync::Arc;
 //! # use wbqp::{model::{Base, Inertia, ModelBuilder}, robot::RobotModel, state::State};
 //! use wbqp_sim::{CommandDelay, Plant, PlantCommand, PlantConfig, Sensors, SensorsConfig};
 //! # let ball = Inertia::from_com(2.0, Vector3::zeros(), Matrix3::identity() * 0.01);
 //! # let model = ModelBuilder::new("ball", Base::Floating, "ball", ball).build()?;
 //! # let home = State::neutral(&model);
-//! # let robot = RobotModel { model: Arc::new(model), actuators: vec![], home, sources: vec![] };
+//! # let robot = RobotModel::new(model, vec![], home);
 //! let period = 0.004;
 //! let mut plant = Plant::new(&robot, &PlantConfig::default(), robot.home.clone())?;
 //! let mut sensors = Sensors::new(&SensorsConfig::default(), &plant, 42)?;

@@ -70,6 +70,9 @@ impl Origin {
 
     /// Where in `[robot]` the cause of an error is: the option, or the name of the file.
     pub(crate) fn robot_place(&self, error: &RobotError) -> Option<Place> {
+        if let RobotError::Several { errors } = error {
+            return self.robot_place(errors.first()?);
+        }
         let source = self.source.as_ref()?;
         let errors = self.with_document(source, |document, report| {
             let Ok(section) = document.target(&Target::Robot) else {
@@ -83,7 +86,7 @@ impl Origin {
                 RobotError::Syntax { place, .. } | RobotError::Element { place, .. } => {
                     find(&section.keys, &|_, value| is_end_of(&place.file, value))
                 }
-                RobotError::Other { .. } => None,
+                RobotError::Several { .. } | RobotError::Other { .. } => None,
             };
             let span = span_of(section, &path.unwrap_or_default());
             report.add(Kind::Misfit, Some(span), &At::default(), "");

@@ -181,12 +181,8 @@ fn robot(
         })
     });
     let actuators = thrusts.into_iter().chain(motors).collect();
-    Ok(RobotModel {
-        home: State::neutral(&model),
-        model,
-        actuators,
-        sources: Vec::new(),
-    })
+    let home = State::neutral(&model);
+    Ok(RobotModel::new(model, actuators, home))
 }
 
 fn rotor(index: u8, frame: crate::model::FrameId) -> Actuator {

@@ -2,8 +2,6 @@
 // Every test file takes what it needs of this.
 #![allow(dead_code, unreachable_pub, non_snake_case)]
 
-use std::sync::Arc;
-
 use nalgebra::{DVector, Isometry3, Matrix3, Translation3, Unit, UnitQuaternion, Vector3};
 use wbqp::{
     actuator::{Actuator, ActuatorKind, Drive, JointMotor, Reaction, Rotor},
@@ -34,12 +32,7 @@ pub fn free_limits() -> JointLimits {
 
 pub fn robot(model: Model, actuators: Vec<Actuator>) -> RobotModel {
     let home = State::neutral(&model);
-    RobotModel {
-        model: Arc::new(model),
-        actuators,
-        home,
-        sources: Vec::new(),
-    }
+    RobotModel::new(model, actuators, home)
 }
 
 pub fn motor(model: &Model, joint: &str, drive: Drive, limit: f64) -> Actuator {

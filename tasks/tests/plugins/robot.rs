@@ -82,15 +82,11 @@ impl Robot for Small {
             -4.0,
             4.0,
         ));
-        Ok(RobotModel {
-            home: State {
-                p_WR: Vector3::new(0.0, 0.0, 1.0),
-                ..State::neutral(&model)
-            },
-            model,
-            actuators,
-            sources: Vec::new(),
-        })
+        let home = State {
+            p_WR: Vector3::new(0.0, 0.0, 1.0),
+            ..State::neutral(&model)
+        };
+        Ok(RobotModel::new(model, actuators, home))
     }
 }
 

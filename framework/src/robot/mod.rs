@@ -1,10 +1,18 @@
 //! A robot as a controller sees it: rigid bodies, actuators, a home posture.
 
+mod diagnostic;
+mod error;
+mod place;
+
+pub use diagnostic::{Diagnostic, Severity};
+pub use error::RobotError;
+pub use place::Place;
+
 use std::{fmt, sync::Arc};
 
 use crate::{
     actuator::{Actuator, ActuatorKind, Rotor},
-    model::{JointId, Model, ModelError},
+    model::{JointId, Model},
     state::State,
 };
 
@@ -17,8 +25,13 @@ pub struct RobotModel {
     pub actuators: Vec<Actuator>,
     /// Where the robot rests or starts, at rest.
     pub home: State,
+    /// Whether something says where the base is at home. If nothing does, a floating base whose contacts are on at the start
+    /// stands on them.
+    pub base_is_placed: bool,
     /// The files it came from, for logs.
     pub sources: Vec<SourceFile>,
+    /// What the loader noticed in them and did about it.
+    pub diagnostics: Vec<Diagnostic>,
 }
 
 /// A file that describes a robot, as read.
@@ -33,6 +46,18 @@ pub struct SourceFile {
 }
 
 impl RobotModel {
+    /// A robot that is put together in code: no files, nothing noticed, its base where `home` says.
+    pub fn new(model: impl Into<Arc<Model>>, actuators: Vec<Actuator>, home: State) -> Self {
+        Self {
+            model: model.into(),
+            actuators,
+            home,
+            base_is_placed: true,
+            sources: Vec::new(),
+            diagnostics: Vec::new(),
+        }
+    }
+
     /// Number of actuators: the size of `u`.
     pub fn nu(&self) -> usize {
         self.actuators.len()
@@ -105,98 +130,6 @@ impl RobotModel {
         }
         problems
     }
-}
-
-/// A place in a file, written `file:line:column`.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Place {
-    /// File name or path, as given.
-    pub file: String,
-    /// Line and column, from 1, where known.
-    pub position: Option<(usize, usize)>,
-}
-
-impl Place {
-    /// The file as a whole.
-    pub fn file(file: &str) -> Self {
-        Self {
-            file: file.to_owned(),
-            position: None,
-        }
-    }
-
-    /// A line and column, from 1.
-    pub fn at(file: &str, line: usize, column: usize) -> Self {
-        Self {
-            file: file.to_owned(),
-            position: Some((line, column)),
-        }
-    }
-}
-
-impl fmt::Display for Place {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.position {
-            Some((line, column)) => write!(f, "{}:{line}:{column}", self.file),
-            None => f.write_str(&self.file),
-        }
-    }
-}
-
-/// Why a robot's description was refused. Messages start with the file and name the element.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum RobotError {
-    /// A file could not be read.
-    #[error("{file}: cannot be read: {source}")]
-    Read {
-        /// The file.
-        file: String,
-        /// What the operating system says.
-        source: std::io::Error,
-    },
-    /// A file is not in the format it should be in.
-    #[error("{place}: {what}")]
-    Syntax {
-        /// Where.
-        place: Place,
-        /// What is wrong.
-        what: String,
-    },
-    /// An element of a file is missing, unknown or has a value that cannot be.
-    #[error("{place}: {element}: {what}")]
-    Element {
-        /// Where.
-        place: Place,
-        /// The element, such as ``joint `elbow` ``.
-        element: String,
-        /// What is wrong, and what to do.
-        what: String,
-    },
-    /// The rigid-body tree was refused.
-    #[error("{file}: {source}")]
-    Model {
-        /// The file.
-        file: String,
-        /// What is wrong.
-        source: ModelError,
-    },
-    /// An option asks for what the robot does not have.
-    #[error("option `{option}`: {what}")]
-    Option {
-        /// The key.
-        option: String,
-        /// What is wrong, and what to do.
-        what: String,
-    },
-    /// Anything else, from a loader of another format.
-    #[error("{file}: {source}")]
-    Other {
-        /// The file, or whatever the robot comes from.
-        file: String,
-        /// What the loader says.
-        source: Box<dyn std::error::Error + Send + Sync>,
-    },
 }
 
 /// A robot that a configuration can name: hands out the model, the actuators, the frames, the home posture.
