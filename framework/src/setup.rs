@@ -190,6 +190,13 @@ impl<'a> Setup<'a> {
     /// [`BindError::Unknown`] with the known names.
     pub fn joint(&self, name: &str) -> Result<JointId, BindError> {
         let model = self.model();
+        if let Some(mimic) = model.mimics().iter().find(|m| m.joint.name == name) {
+            let leader = &model.joints()[mimic.leader.index()].name;
+            return Err(BindError::Other(format!(
+                "joint `{name}` follows joint `{leader}` and is no degree of freedom of its own: name `{leader}`, or free it \
+                 by the robot's option `mimic`"
+            )));
+        }
         model.joint(name).ok_or_else(|| {
             unknown(
                 "joint",

@@ -12,8 +12,9 @@
 //! # Ok::<(), wbqp::robot::RobotError>(())
 //! ```
 //!
-//! Everything is checked on loading. What no rigid body, joint or rotor can be is refused with the file, the
-//! line, the element and what to do about it; nothing is replaced by a default in silence.
+//! What other tools of the field read is read. Nothing is repaired in silence: every irregularity is a
+//! [`Diagnostic`](wbqp::robot::Diagnostic) with file, line, element, what was done about it and how to say otherwise. What has no
+//! meaning is refused, all of a file's errors at once; [`Options::strict`] refuses the rest too.
 //!
 //! * [`urdf`]: what is read from a URDF and what is refused
 //! * [`rotors`]: the side-car's keys
@@ -24,8 +25,11 @@ mod options;
 mod plugins;
 pub mod rotors;
 mod source;
+mod srdf;
 pub mod urdf;
 
-pub use library::{from_files, from_sources, humanoid, othex, othex_vertical, quadruped};
-pub use options::{BaseKind, Options};
-pub use plugins::{Humanoid, Othex, OthexVertical, Quadruped, Urdf};
+pub use library::{
+    RobotFiles, from_files, from_sources, humanoid, othex, othex_vertical, quadruped,
+};
+pub use options::{BaseKind, LinkInertia, MimicKind, Options};
+pub use plugins::{Home, Humanoid, Othex, OthexVertical, Quadruped, Urdf};

@@ -10,7 +10,12 @@ use wbqp::{
     state::State,
 };
 
-use crate::{options::Options, rotors, urdf};
+use crate::{
+    options::Options,
+    rotors,
+    srdf::{self, GroupState},
+    urdf,
+};
 
 const URDF: &str = "application/xml";
 const ROTORS: &str = "application/toml";
@@ -21,41 +26,83 @@ const ROTORS: &str = "application/toml";
 /// the model's order.
 ///
 /// # Errors
-/// A file that cannot be read, and the first thing in files or options that is wrong.
+/// A file that cannot be read, and everything in files or options that is wrong.
 pub fn from_files(
     urdf: &Path,
     rotors: Option<&Path>,
     options: &Options,
 ) -> Result<RobotModel, RobotError> {
-    let urdf = read(urdf, URDF)?;
-    let rotors = rotors.map(|path| read(path, ROTORS)).transpose()?;
-    from_sources(urdf, rotors, options)
+    RobotFiles::read(urdf, rotors, None)?.load(options)
 }
 
 /// Like [`from_files`], from texts already in memory. `media_type` is not looked at.
 ///
 /// # Errors
-/// The first thing in texts or options that is wrong.
+/// Everything in texts or options that is wrong.
 pub fn from_sources(
     urdf: SourceFile,
     rotors: Option<SourceFile>,
     options: &Options,
 ) -> Result<RobotModel, RobotError> {
-    let model = urdf::model(&urdf.name, &urdf.contents, options)?;
-    let mut actuators = match &rotors {
-        Some(rotors) => rotors::actuators(&rotors.name, &rotors.contents, &model)?,
-        None => Vec::new(),
+    let files = RobotFiles {
+        urdf,
+        rotors,
+        srdf: None,
     };
-    if let Some(thrust_max) = options.thrust_max {
-        limit_thrust(&mut actuators, thrust_max)?;
+    files.load(options)
+}
+
+/// The files that describe a robot, as read.
+#[derive(Clone, Debug)]
+pub struct RobotFiles {
+    /// Links and joints.
+    pub urdf: SourceFile,
+    /// Rotors, of a robot that flies.
+    pub rotors: Option<SourceFile>,
+    /// Named postures, for [`Options::state`].
+    pub srdf: Option<SourceFile>,
+}
+
+impl RobotFiles {
+    /// Reads them.
+    ///
+    /// # Errors
+    /// A file that cannot be read.
+    pub fn read(urdf: &Path, rotors: Option<&Path>, srdf: Option<&Path>) -> Result<Self, RobotError> {
+        Ok(Self {
+            urdf: read(urdf, URDF)?,
+            rotors: rotors.map(|path| read(path, ROTORS)).transpose()?,
+            srdf: srdf.map(|path| read(path, URDF)).transpose()?,
+        })
     }
-    let first_joint = actuators.len();
-    for motor in motors(&urdf.name, &model, options)? {
-        if let Some(rotor) = actuators
-            .iter()
-            .take(first_joint)
-            .find(|r| r.name == motor.name)
-        {
+
+    /// Makes the robot.
+    ///
+    /// # Errors
+    /// Everything in files or options that is wrong.
+    pub fn load(self, options: &Options) -> Result<RobotModel, RobotError> {
+        let Self { urdf, rotors, srdf } = self;
+        let state = match (&options.state, &srdf) {
+            (None, _) => GroupState::default(),
+            (Some(name), Some(srdf)) => srdf::state(&srdf.name, &srdf.contents, name)?,
+            (Some(name), None) => {
+                return Err(crate::options::refuse(
+                    "home",
+                    format!("state `{name}` is in no file: name the SRDF file, `srdf = \"…\"`"),
+                ));
+            }
+        };
+        let robot = urdf::robot(&urdf.name, &urdf.contents, options, &state)?;
+        let mut actuators = match &rotors {
+            Some(rotors) => rotors::actuators(&rotors.name, &rotors.contents, &robot.model)?,
+            None => Vec::new(),
+        };
+        if let Some(thrust_max) = options.thrust_max {
+            limit_thrust(&mut actuators, thrust_max)?;
+        }
+        let motors = motors(&urdf.name, &robot)?;
+        let is_taken = |rotor: &&Actuator| motors.iter().any(|motor| motor.name == rotor.name);
+        if let Some(rotor) = actuators.iter().find(is_taken) {
             let file = rotors.as_ref().map_or(&urdf.name, |r| &r.name);
             return Err(RobotError::Element {
                 place: wbqp::robot::Place::file(file),
@@ -63,17 +110,17 @@ pub fn from_sources(
                 what: "a joint has the same name; give each actuator a name of its own".into(),
             });
         }
-        actuators.push(motor);
+        actuators.extend(motors);
+        let sources = std::iter::once(urdf).chain(rotors).chain(srdf);
+        Ok(RobotModel {
+            model: Arc::new(robot.model),
+            actuators,
+            home: robot.home,
+            base_is_placed: robot.base_is_placed,
+            sources: sources.collect(),
+            diagnostics: robot.diagnostics,
+        })
     }
-    let home = home(&model, options);
-    Ok(RobotModel {
-        model: Arc::new(model),
-        actuators,
-        home,
-        base_is_placed: false,
-        sources: std::iter::once(urdf).chain(rotors).collect(),
-        diagnostics: Vec::new(),
-    })
 }
 
 /// The OTHex of the paper: a hexarotor with tilted rotors and a 3-DoF arm whose joints are servoed.
@@ -220,14 +267,18 @@ fn othex_options(thrust_max: Option<f64>) -> Options {
 
 fn read(path: &Path, media_type: &'static str) -> Result<SourceFile, RobotError> {
     let name = path.display().to_string();
-    match fs::read_to_string(path) {
-        Ok(contents) => Ok(SourceFile {
-            name,
-            media_type,
-            contents,
-        }),
-        Err(source) => Err(RobotError::Read { file: name, source }),
-    }
+    let bytes = match fs::read(path) {
+        Ok(bytes) => bytes,
+        Err(source) => return Err(RobotError::Read { file: name, source }),
+    };
+    // Comments in another encoding are no reason to refuse a robot.
+    let contents = String::from_utf8(bytes)
+        .unwrap_or_else(|error| String::from_utf8_lossy(error.as_bytes()).into_owned());
+    Ok(SourceFile {
+        name,
+        media_type,
+        contents,
+    })
 }
 
 fn embedded(name: &str, media_type: &'static str, contents: &str) -> SourceFile {
@@ -254,10 +305,11 @@ fn limit_thrust(rotors: &mut [Actuator], thrust_max: f64) -> Result<(), RobotErr
     Ok(())
 }
 
-fn motors(file: &str, model: &Model, options: &Options) -> Result<Vec<Actuator>, RobotError> {
-    let mut motors = Vec::with_capacity(model.joints().len());
-    for joint in model.joints() {
-        if options.passive.contains(&joint.name) {
+fn motors(file: &str, robot: &urdf::Robot) -> Result<Vec<Actuator>, RobotError> {
+    let joints = robot.model.joints().iter().zip(&robot.joints).enumerate();
+    let mut motors = Vec::with_capacity(robot.joints.len());
+    for (index, (joint, options)) in joints {
+        if options.passive {
             continue;
         }
         let effort = joint.limits.effort;
@@ -270,13 +322,12 @@ fn motors(file: &str, model: &Model, options: &Options) -> Result<Vec<Actuator>,
                     .into(),
             });
         }
-        let Some(id) = model.joint(&joint.name) else {
+        let Some(id) = urdf::joint_id(&robot.model, index) else {
             continue;
         };
-        let drive = if options.servo.contains(&joint.name) {
-            Drive::Velocity
-        } else {
-            Drive::Torque
+        let drive = match options.servo {
+            true => Drive::Velocity,
+            false => Drive::Torque,
         };
         motors.push(Actuator {
             name: joint.name.clone(),
@@ -287,16 +338,4 @@ fn motors(file: &str, model: &Model, options: &Options) -> Result<Vec<Actuator>,
         });
     }
     Ok(motors)
-}
-
-fn home(model: &Model, options: &Options) -> State {
-    let mut home = State::neutral(model);
-    for (q, joint) in home.q.iter_mut().zip(model.joints()) {
-        let limits = joint.limits;
-        *q = match options.home.get(&joint.name) {
-            Some(&position) => position,
-            None => 0.0_f64.max(limits.lower).min(limits.upper),
-        };
-    }
-    home
 }

@@ -1,12 +1,15 @@
 //! Robots that a configuration can name.
 
-use std::path::{Path, PathBuf};
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use wbqp::robot::{Robot, RobotError, RobotModel};
 
-use crate::{Options, from_files, library};
+use crate::{BaseKind, Options, RobotFiles, library};
 
 /// The fully actuated OTHex with its 3-DoF arm, from files inside this crate.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize, JsonSchema)]
@@ -77,19 +80,91 @@ pub struct Urdf {
     /// The rotor side-car.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rotors: Option<PathBuf>,
-    /// What neither file says.
+    /// An SRDF file with named postures.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub srdf: Option<PathBuf>,
+    /// `"floating"` or `"fixed"`; as in `options`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub base: Option<BaseKind>,
+    /// The home posture: the name of a state in the SRDF file, or positions by joint, rad or m, as in `options`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub home: Option<Home>,
+    /// Joints that are frozen at home; as in `options`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lock: Option<Vec<String>>,
+    /// The link that is the base; as in `options`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub root: Option<String>,
+    /// Refuse what the format or physics do not allow; as in `options`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub strict: Option<bool>,
+    /// What the files do not say.
     #[serde(default)]
     pub options: Options,
+}
+
+/// A home posture.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged, expecting = "the name of a state in the SRDF file, or a table of positions by joint")]
+pub enum Home {
+    /// Of the SRDF file.
+    State(String),
+    /// By joint, rad or m.
+    Posture(BTreeMap<String, f64>),
+}
+
+impl Urdf {
+    /// The options, those beside the table `options` included.
+    ///
+    /// # Errors
+    /// [`RobotError::Option`] for one that is in both places.
+    pub fn all_options(&self) -> Result<Options, RobotError> {
+        let mut options = self.options.clone();
+        let default = Options::default();
+        let once = |option: &str, is_twice: bool| match is_twice {
+            true => Err(crate::options::refuse(
+                option,
+                "is in [robot] and in its `options`; keep one".into(),
+            )),
+            false => Ok(()),
+        };
+        if let Some(base) = self.base {
+            once("base", options.base != default.base && options.base != base)?;
+            options.base = base;
+        }
+        if let Some(strict) = self.strict {
+            once("strict", options.strict && !strict)?;
+            options.strict = strict;
+        }
+        if let Some(root) = &self.root {
+            once("root", options.root.is_some())?;
+            options.root = Some(root.clone());
+        }
+        if let Some(lock) = &self.lock {
+            once("lock", !options.lock.is_empty())?;
+            options.lock.clone_from(lock);
+        }
+        match &self.home {
+            Some(Home::State(name)) => {
+                once("home", options.state.is_some())?;
+                options.state = Some(name.clone());
+            }
+            Some(Home::Posture(home)) => {
+                once("home", !options.home.is_empty())?;
+                options.home.clone_from(home);
+            }
+            None => {}
+        }
+        Ok(options)
+    }
 }
 
 #[wbqp::robot("urdf")]
 impl Robot for Urdf {
     fn load(&self, directory: &Path) -> Result<RobotModel, RobotError> {
-        let rotors = self.rotors.as_ref().map(|path| directory.join(path));
-        from_files(
-            &directory.join(&self.file),
-            rotors.as_deref(),
-            &self.options,
-        )
+        let options = self.all_options()?;
+        let at = |path: &Option<PathBuf>| path.as_ref().map(|path| directory.join(path));
+        let (rotors, srdf) = (at(&self.rotors), at(&self.srdf));
+        RobotFiles::read(&directory.join(&self.file), rotors.as_deref(), srdf.as_deref())?.load(&options)
     }
 }

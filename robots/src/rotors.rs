@@ -82,7 +82,7 @@ struct Lag {
 /// The first thing that is wrong: an unknown key, a key that neither the rotor nor `[defaults]` has, a frame
 /// that `model` does not have, a name or frame used twice, a value that no rotor has, no rotor at all.
 pub fn actuators(file: &str, text: &str, model: &Model) -> Result<Vec<Actuator>, RobotError> {
-    let source = Source { file, text };
+    let source = Source::new(file, text);
     let parsed: File = toml::from_str(text).map_err(|e| RobotError::Syntax {
         place: e
             .span()

@@ -4,7 +4,8 @@
 use wbqp::{
     model::{Base, BodyId, Inertia, Joint, JointKind, JointLimits, Model, ModelBuilder},
     nalgebra::{
-        DVector, Isometry3, Matrix3, Quaternion, Translation3, Unit, UnitQuaternion, Vector3,
+        DMatrix, DVector, Isometry3, Matrix3, Quaternion, Translation3, Unit, UnitQuaternion,
+        Vector3,
     },
     state::State,
 };
@@ -110,6 +111,88 @@ pub fn random_model(seed: u64, base: Base, joints: usize) -> Model {
         builder.frame(&format!("tool{i}"), *body, s.pose(0.3));
     }
     builder.build().expect("a physical tree")
+}
+
+/// The tree of [`random_model`] in which about every third joint follows another one, earlier or later in the tree, or one that
+/// follows itself; with at least two joints, at least one leads and one follows. Joint limits, damping and friction are drawn too.
+///
+/// # Panics
+/// Never, like [`random_model`].
+pub fn coupled_model(seed: u64, base: Base, joints: usize) -> Model {
+    let free = random_model(seed, base, joints);
+    let mut s = Scatter::new(seed ^ 0xC0_FFEE);
+    let leads = s.index(joints.max(1));
+    let mut follows: Vec<bool> = (0..joints).map(|i| i != leads && s.chance(0.35)).collect();
+    if joints > 1 && !follows.contains(&true) {
+        follows[(leads + 1) % joints] = true;
+    }
+    // A follower may follow any joint that leads, or a follower before it.
+    let leaders: Vec<Option<usize>> = (0..joints)
+        .map(|i| {
+            let may_lead = |j: &usize| !follows[*j] || *j < i;
+            let others: Vec<usize> = (0..joints).filter(|j| *j != i).filter(may_lead).collect();
+            follows[i].then(|| others[s.index(others.len())])
+        })
+        .collect();
+    let bodies = free.bodies();
+    let mut builder = ModelBuilder::new("coupled", base, &bodies[0].name, bodies[0].inertia)
+        .gravity(free.gravity());
+    let mut ids = vec![builder.base()];
+    for (i, body) in bodies.iter().enumerate().skip(1) {
+        let mut joint = free.joints()[i - 1].clone();
+        joint.damping = s.number(0.0, 1.0);
+        joint.friction = s.number(0.0, 1.0);
+        let parent = ids[body.parent.index()];
+        ids.push(match leaders[i - 1] {
+            None => builder.body(parent, joint, &body.name, body.inertia),
+            Some(leader) => {
+                let leader = &free.joints()[leader].name;
+                let sign = if s.chance(0.5) { 1.0 } else { -1.0 };
+                let relation = [sign * s.number(0.2, 2.0), s.number(-0.5, 0.5)];
+                builder.mimic_body(parent, joint, leader, relation, &body.name, body.inertia)
+            }
+        });
+    }
+    for frame in free.frames().iter().filter(|f| f.name.starts_with("tool")) {
+        builder.frame(&frame.name, ids[frame.body.index()], frame.X_BF);
+    }
+    builder.build().expect("a physical tree")
+}
+
+/// The same tree with all its joints free, and `G` and `g` with `v_free = G v`, `q_free = G_q q + g`: what a mimic joint is.
+///
+/// # Panics
+/// Never, unless the model lacks a body of its own.
+pub fn freed(model: &Model) -> (Model, DMatrix<f64>, DVector<f64>) {
+    let bodies = model.bodies();
+    let mut builder = ModelBuilder::new("freed", model.base(), &bodies[0].name, bodies[0].inertia)
+        .gravity(model.gravity());
+    let mut ids = vec![builder.base()];
+    let offset = model.joint_offset();
+    let n = bodies.len() - 1;
+    let mut G = DMatrix::zeros(offset + n, model.nv());
+    G.view_mut((0, 0), (offset, offset)).fill_with_identity();
+    let mut g = DVector::zeros(n);
+    for (i, body) in bodies.iter().enumerate().skip(1) {
+        let id = model.body_id(i).expect("a body");
+        let column = model.velocity_index(model.joint_of(id).expect("a joint"));
+        let mimic = model.mimics().iter().find(|m| m.body == id);
+        let (mut joint, multiplier) = match mimic {
+            Some(mimic) => {
+                g[i - 1] = mimic.offset;
+                (mimic.joint.clone(), mimic.multiplier)
+            }
+            None => (model.joints()[column - offset].clone(), 1.0),
+        };
+        // The leader has it all.
+        joint.armature = if mimic.is_some() { 0.0 } else { joint.armature };
+        G[(offset + i - 1, column)] = multiplier;
+        ids.push(builder.body(ids[body.parent.index()], joint, &body.name, body.inertia));
+    }
+    for frame in model.frames().iter().filter(|f| f.name.starts_with("tool")) {
+        builder.frame(&frame.name, ids[frame.body.index()], frame.X_BF);
+    }
+    (builder.build().expect("the same tree"), G, g)
 }
 
 fn random_joint(s: &mut Scatter, i: usize) -> Joint {

@@ -19,7 +19,7 @@ use wbqp::{
 };
 use wbqp_tests::{
     properties::cases,
-    random_model::{Scatter, random_model, random_state},
+    random_model::{Scatter, coupled_model, random_model, random_state},
 };
 
 /// A random tree and a random state of it.
@@ -35,7 +35,8 @@ impl fmt::Debug for Case {
         let joints = self.model.joints().len();
         write!(
             f,
-            "random_model({}, {:?}, {joints})",
+            "{}_model({}, {:?}, {joints})",
+            self.model.name(),
             self.seed,
             self.model.base()
         )
@@ -49,7 +50,11 @@ fn robots() -> impl Strategy<Value = Case> {
         } else {
             (Base::Fixed, joints.max(1))
         };
-        let model = random_model(seed, base, joints);
+        // Every third tree has mimic joints.
+        let model = match seed % 3 {
+            0 => coupled_model(seed, base, joints),
+            _ => random_model(seed, base, joints),
+        };
         let state = random_state(seed, &model, 2.0);
         Case { seed, model, state }
     })

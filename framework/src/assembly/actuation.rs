@@ -75,7 +75,7 @@ impl Actuation {
                     force_B,
                     moment_B,
                 } => data.generalised_force(*body, force_B, moment_B, |row, s| {
-                    out[row * stride + j] = s;
+                    out[row * stride + j] += s;
                 }),
             }
         }

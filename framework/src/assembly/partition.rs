@@ -19,8 +19,8 @@
 //! *Natural* variables are `y = (v̇_P, v̇_A, kept u, live f, live slacks)`; those of the problem are `x`, the same
 //! without `v̇_P`.
 //!
-//! `M_ij` is zero unless one of `i`, `j` carries the other, and a column of a frame's Jacobian is zero unless it carries
-//! the frame. Both are properties of the tree alone, known here once and for all (branch-induced sparsity:
+//! `M_ij` is zero unless one of `i`, `j` carries the other (with mimic joints: a body that the other moves), and a column of a
+//! frame's Jacobian is zero unless it carries the frame. Both are properties of the tree alone, known here once and for all (branch-induced sparsity:
 //! R. Featherstone, *Efficient factorization of the joint-space inertia matrix for branched kinematic trees*, IJRR 2005).
 
 use super::{Motions, Support};
@@ -137,11 +137,7 @@ impl Partition {
             Some(body) => carriers(model, body),
             None => Vec::new(),
         });
-        let ancestors = velocities.iter().map(|&velocity| {
-            let above = carriers_of_velocity(model, velocity).into_iter().skip(1);
-            let columns = above.map(|v| velocities.iter().position(|w| *w == v));
-            columns.flatten().collect()
-        });
+        let related = related(model);
         let mut partition = Self {
             nv,
             substituted,
@@ -150,7 +146,7 @@ impl Partition {
             efforts,
             kept,
             branches: Vec::new(),
-            ancestors: ancestors.collect(),
+            ancestors: ancestors(&related, &velocities),
             nf: contacts
                 .iter()
                 .map(|c| c.kind.constrained().len())
@@ -164,7 +160,7 @@ impl Partition {
             torques,
             velocities,
         };
-        partition.branches = partition.find_branches(robot);
+        partition.branches = partition.find_branches(robot, &related);
         partition
     }
 
@@ -219,14 +215,13 @@ impl Partition {
         self.velocities[..self.substituted].contains(&velocity)
     }
 
-    fn find_branches(&self, robot: &RobotModel) -> Vec<Branch> {
+    fn find_branches(&self, robot: &RobotModel, related: &[Vec<usize>]) -> Vec<Branch> {
         let model = &robot.model;
         let mut branches: Vec<Branch> = Vec::new();
         for (index, torque) in self.torques.iter().enumerate() {
-            let above = carriers_of_velocity(model, torque.velocity);
+            let own = torque.velocity;
             let is_related = |velocity: usize| {
-                above.contains(&velocity)
-                    || carriers_of_velocity(model, velocity).contains(&torque.velocity)
+                velocity == own || related[own.max(velocity)].contains(&own.min(velocity))
             };
             let velocities: Vec<_> = (0..self.nv).filter(|&v| is_related(v)).collect();
             let efforts: Vec<_> = (0..self.kept.len())
@@ -280,25 +275,66 @@ fn eliminable(robot: &RobotModel) -> Vec<Torque> {
     torques
 }
 
-/// The velocities that move a body, nearest first.
+/// The velocities that move a body, each once: nearest first, but for those of mimic joints.
 fn carriers(model: &Model, body: BodyId) -> Vec<usize> {
-    let offset = model.joint_offset();
     let mut list = Vec::new();
-    let mut body = body.index();
-    while body != 0 {
-        list.push(offset + body - 1);
-        body = model.bodies()[body].parent.index();
+    let mut body = body;
+    while let Some(joint) = model.joint_of(body) {
+        let velocity = model.velocity_index(joint);
+        if !list.contains(&velocity) {
+            list.push(velocity);
+        }
+        body = model.bodies()[body.index()].parent;
     }
-    list.extend((0..offset).rev());
+    list.extend((0..model.joint_offset()).rev());
     list
 }
 
-/// A velocity and those that carry it, nearest first.
-fn carriers_of_velocity(model: &Model, velocity: usize) -> Vec<usize> {
-    match velocity.checked_sub(model.joint_offset()) {
-        Some(joint) => model
-            .body_id(joint + 1)
-            .map_or_else(Vec::new, |b| carriers(model, b)),
-        None => (0..=velocity).rev().collect(),
+/// For each velocity, those below it for which `M_ij` can be other than zero, in falling order: those that carry a body which
+/// it moves; and, with mimic joints, those that it carries in other branches of the tree.
+fn related(model: &Model) -> Vec<Vec<usize>> {
+    let mut related: Vec<Vec<usize>> = (0..model.nv())
+        .map(|v| (0..v.min(model.joint_offset())).collect())
+        .collect();
+    for index in 0..model.bodies().len() {
+        let Some(body) = model.body_id(index) else {
+            continue;
+        };
+        let Some(joint) = model.joint_of(body) else {
+            continue;
+        };
+        let own = model.velocity_index(joint);
+        for other in carriers(model, body) {
+            let (high, low) = (own.max(other), own.min(other));
+            if high != low && !related[high].contains(&low) {
+                related[high].push(low);
+            }
+        }
     }
+    for list in &mut related {
+        list.sort_unstable_by(|a, b| b.cmp(a));
+    }
+    related
+}
+
+/// The same for the part of M in some velocities, numbered as columns, with what its factorisation `Lᵀ D L` fills in: nothing where
+/// M has a tree's sparsity.
+fn ancestors(related: &[Vec<usize>], velocities: &[usize]) -> Vec<Vec<usize>> {
+    let column = |velocity: &usize| velocities.iter().position(|v| v == velocity);
+    let mut ancestors: Vec<Vec<usize>> = velocities
+        .iter()
+        .map(|&velocity| related[velocity].iter().filter_map(column).collect())
+        .collect();
+    for k in (0..ancestors.len()).rev() {
+        let list = ancestors[k].clone();
+        for (depth, &i) in list.iter().enumerate() {
+            for &j in &list[depth + 1..] {
+                if !ancestors[i].contains(&j) {
+                    ancestors[i].push(j);
+                    ancestors[i].sort_unstable_by(|a, b| b.cmp(a));
+                }
+            }
+        }
+    }
+    ancestors
 }

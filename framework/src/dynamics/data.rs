@@ -7,6 +7,7 @@
 use nalgebra::{DMatrix, DVector, Isometry3, Matrix3xX, Translation3, Vector3, Vector6};
 
 use super::{
+    coupled::CoupledDynamics,
     forward::ArticulatedLink,
     inverse,
     kinematics::{self, Link},
@@ -14,9 +15,19 @@ use super::{
     spatial_vector::Force,
 };
 use crate::{
-    model::{BodyId, Model},
+    model::{BodyId, Carrier, Model},
     state::State,
 };
+
+/// How many bodies one velocity moves relative to their parents: without mimic joints sums over bodies have one term each,
+/// and are written, not added up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Columns {
+    /// One.
+    Own,
+    /// Several, through mimic joints.
+    Shared,
+}
 
 /// Preallocated workspace and results. Belongs to the model it was made for; never allocates after
 /// [`Data::new`]. A state with a number that is not finite gives results that are not finite, no panic.
@@ -24,6 +35,10 @@ use crate::{
 pub struct Data {
     pub(super) links: Vec<Link>,
     pub(super) articulated: Vec<ArticulatedLink>,
+    pub(super) columns: Columns,
+    /// Where they are shared.
+    pub(super) coupled: Option<Box<CoupledDynamics>>,
+    floats: bool,
     mass_matrix: DMatrix<f64>,
     bias: DVector<f64>,
     gravity: DVector<f64>,
@@ -38,16 +53,28 @@ impl Data {
     /// Room for `model`, holding the results for [`State::neutral`].
     pub fn new(model: &Model) -> Self {
         let nv = model.nv();
-        let links = model.bodies().iter().enumerate().map(|(i, body)| {
-            let armature = match i {
-                0 => 0.0,
-                _ => model.joints()[i - 1].armature,
+        let links = model.bodies().iter().map(|body| {
+            let (column, armature) = match body.carrier {
+                Carrier::Base => (0, 0.0),
+                Carrier::Joint(joint) => {
+                    let armature = model.joints()[joint.index()].armature;
+                    (model.velocity_index(joint), armature)
+                }
+                Carrier::Mimic(index) => (model.velocity_index(model.mimics()[index].leader), 0.0),
             };
-            Link::new(body.parent.index(), armature)
+            Link::new(body.parent.index(), column, armature)
         });
+        let columns = if model.mimics().is_empty() {
+            Columns::Own
+        } else {
+            Columns::Shared
+        };
         let mut data = Self {
             links: links.collect(),
             articulated: vec![ArticulatedLink::zero(); model.bodies().len()],
+            columns,
+            coupled: (columns == Columns::Shared).then(|| Box::new(CoupledDynamics::new(nv))),
+            floats: model.joint_offset() == 6,
             mass_matrix: DMatrix::zeros(nv, nv),
             bias: DVector::zeros(nv),
             gravity: DVector::zeros(nv),
@@ -66,7 +93,11 @@ impl Data {
         self.update_kinematics(model, state);
         let offset = model.joint_offset();
         mass_matrix::composite_inertias(&mut self.links);
-        mass_matrix::mass_matrix(
+        let mass_matrix = match self.columns {
+            Columns::Own => mass_matrix::mass_matrix,
+            Columns::Shared => mass_matrix::coupled_mass_matrix,
+        };
+        mass_matrix(
             &self.links,
             &model.gravity(),
             offset,
@@ -74,7 +105,7 @@ impl Data {
             &mut self.gravity,
             &mut self.com_jacobian,
         );
-        inverse::velocity_forces(&mut self.links, offset, &mut self.bias);
+        inverse::velocity_forces(&mut self.links, offset, self.columns, &mut self.bias);
         self.bias += &self.gravity;
         self.update_centroid();
     }
@@ -158,7 +189,8 @@ impl Data {
     }
 
     /// `Jᵀ w` of a wrench on a body about its origin, N and N·m, **body** axes: hands out each velocity's index and the
-    /// generalised force on it, for the velocities that move the body.
+    /// generalised force on it, for the velocities that move the body; with mimic joints an index may come more than once, with
+    /// the parts of a sum.
     pub(crate) fn generalised_force(
         &self,
         body: BodyId,
@@ -171,15 +203,14 @@ impl Data {
             linear: R_WB * force_B,
             angular: R_WB * moment_B,
         };
-        let offset = self.bias.len() + 1 - self.links.len();
         let mut i = body.index();
         while i != 0 {
             let link = &self.links[i];
-            write(offset + i - 1, link.S.dot(&force));
+            write(link.column, link.S.dot(&force));
             force = force.at_parent(&link.r);
             i = link.parent;
         }
-        if offset == 6 {
+        if self.floats {
             for k in 0..3 {
                 write(k, force.linear[k]);
                 write(3 + k, force.angular[k]);

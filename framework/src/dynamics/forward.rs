@@ -4,13 +4,15 @@
 //! World axes, about each body's origin. Seen through its joint, a subtree answers an acceleration `a` of its
 //! root body with the force `f = I_A a + p_A` (`I_A` articulated inertia, `p_A` articulated bias force).
 //! `U = I_A S`, `D = Sᵀ U + armature`. RBDA sections 7.3 (articulated bodies), 9.2 (hybrid dynamics: some
-//! joints with given effort, some with given acceleration) and 9.4 (floating base).
+//! joints with given effort, some with given acceleration) and 9.4 (floating base). With mimic joints, which are loops of
+//! the mechanism, the mass matrix is factorised instead.
 #![allow(non_snake_case)]
 
 use nalgebra::{DVector, Matrix3, Matrix6, Vector3, Vector6};
 
 use super::{
-    Data, Wrenches,
+    Data, Wrenches, coupled,
+    data::Columns,
     spatial_inertia::SpatialInertia,
     spatial_vector::{Force, Motion},
 };
@@ -132,6 +134,10 @@ pub fn forward_dynamics(
     vdot: &mut DVector<f64>,
     effort: &mut DVector<f64>,
 ) {
+    if data.columns == Columns::Shared {
+        coupled::forward_dynamics(model, data, drives, wrenches, [vdot, effort]);
+        return;
+    }
     articulate(data, drives, wrenches);
     let offset = model.joint_offset();
     let Data {

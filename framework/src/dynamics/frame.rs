@@ -8,7 +8,7 @@
 
 use nalgebra::{Isometry3, Matrix6xX, Rotation3, Vector3, Vector6};
 
-use super::{Data, kinematics::Link};
+use super::{Data, data::Columns, kinematics::Link};
 use crate::model::{BodyId, FrameId, Model};
 
 /// Pose and velocity of a frame: the light version for sensors and plants.
@@ -101,12 +101,21 @@ impl FrameKinematics {
         let offset = model.joint_offset();
         let (J, _) = self.J.as_mut_slice().as_chunks_mut::<6>();
         J.fill([0.0; 6]);
+        let columns = data.columns;
         let mut i = body.index();
         while i != 0 {
             let link = &data.links[i];
             let column = link.S.at_child(&(self.p_WF - link.p_WB));
             let (v, w) = (column.linear, column.angular);
-            J[offset + i - 1] = [v.x, v.y, v.z, w.x, w.y, w.z];
+            let column = [v.x, v.y, v.z, w.x, w.y, w.z];
+            match columns {
+                Columns::Own => J[link.column] = column,
+                Columns::Shared => {
+                    for (sum, part) in J[link.column].iter_mut().zip(column) {
+                        *sum += part;
+                    }
+                }
+            }
             i = link.parent;
         }
         if offset == 6 {

@@ -7,7 +7,7 @@
 
 use nalgebra::{DVector, Vector3};
 
-use super::{Data, Wrenches, kinematics::Link, spatial_vector::Motion};
+use super::{Data, Wrenches, data::Columns, kinematics::Link, spatial_vector::Motion};
 use crate::model::Model;
 
 /// Generalised force (N, N·m; size nv) that gives the acceleration `vdot` under the given external wrenches:
@@ -25,6 +25,7 @@ pub fn inverse_dynamics(
     out: &mut DVector<f64>,
 ) {
     let offset = model.joint_offset();
+    let columns = data.columns;
     let links = &mut data.links;
     // Gravity acts as an upward acceleration of the world.
     let mut base = Motion {
@@ -42,33 +43,45 @@ pub fn inverse_dynamics(
             let (before, after) = links.split_at(i);
             let link = &after[0];
             let parent = &before[link.parent].acceleration;
-            parent.at_child(&link.r) + link.c + link.S * vdot[offset + i - 1]
+            parent.at_child(&link.r) + link.c + link.S * vdot[link.column]
         };
         let link = &mut links[i];
         link.acceleration = acceleration;
         link.force = link.inertial_force(&acceleration) - wrenches.on(i);
     }
-    forces_to_base(links, offset, out);
-    for (i, link) in links.iter().enumerate().skip(1) {
-        out[offset + i - 1] += link.armature * vdot[offset + i - 1];
+    forces_to_base(links, offset, columns, out);
+    for link in links.iter().skip(1) {
+        out[link.column] += link.armature * vdot[link.column];
     }
 }
 
 /// Coriolis and centrifugal forces: `out` ← `h(q, v)` without gravity. Leaves the force that `v̇ = 0` needs at
 /// the base in `links[0].force`.
-pub(super) fn velocity_forces(links: &mut [Link], offset: usize, out: &mut DVector<f64>) {
+pub(super) fn velocity_forces(
+    links: &mut [Link],
+    offset: usize,
+    columns: Columns,
+    out: &mut DVector<f64>,
+) {
     for link in links.iter_mut() {
         link.force = link.inertial_force(&link.bias);
     }
-    forces_to_base(links, offset, out);
+    forces_to_base(links, offset, columns, out);
 }
 
 /// Carries `Link::force` from the tips to the base and writes its component along every axis.
-fn forces_to_base(links: &mut [Link], offset: usize, out: &mut DVector<f64>) {
+fn forces_to_base(links: &mut [Link], offset: usize, columns: Columns, out: &mut DVector<f64>) {
+    if columns == Columns::Shared {
+        out.fill(0.0);
+    }
     for i in (1..links.len()).rev() {
         let (before, after) = links.split_at_mut(i);
         let link = &after[0];
-        out[offset + i - 1] = link.S.dot(&link.force);
+        let effort = link.S.dot(&link.force);
+        match columns {
+            Columns::Own => out[link.column] = effort,
+            Columns::Shared => out[link.column] += effort,
+        }
         before[link.parent].force += link.force.at_parent(&link.r);
     }
     if offset == 6 {

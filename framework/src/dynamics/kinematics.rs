@@ -19,7 +19,7 @@ use super::{
     spatial_vector::{Force, Motion},
 };
 use crate::{
-    model::{Joint, JointKind, Model},
+    model::{Carrier, Joint, JointKind, Model},
     state::State,
 };
 
@@ -28,16 +28,18 @@ use crate::{
 pub(super) struct Link {
     /// Index of the parent; the base is its own.
     pub(super) parent: usize,
+    /// Index in `v` of the velocity that moves the body relative to its parent; 0 for the base.
+    pub(super) column: usize,
     pub(super) q_WB: UnitQuaternion<f64>,
     pub(super) R_WB: Matrix3<f64>,
     pub(super) p_WB: Vector3<f64>,
     /// `p_WB − p_WP`.
     pub(super) r: Vector3<f64>,
-    /// The joint's axis, unit motion.
+    /// Motion per unit of the joint's velocity: its axis; times the multiplier for a mimic joint.
     pub(super) S: Motion,
-    /// Joint velocity, rad/s or m/s.
+    /// Velocity of the joint, of a mimic joint's leader, rad/s or m/s.
     pub(super) qdot: f64,
-    /// Rotor inertia at the joint, kg·m² or kg.
+    /// Rotor inertia at the joint, kg·m² or kg; a mimic joint's is in its leader's.
     pub(super) armature: f64,
     /// `(v_WB; w_WB)`.
     pub(super) V: Motion,
@@ -56,9 +58,10 @@ pub(super) struct Link {
 }
 
 impl Link {
-    pub(super) fn new(parent: usize, armature: f64) -> Self {
+    pub(super) fn new(parent: usize, column: usize, armature: f64) -> Self {
         Self {
             parent,
+            column,
             q_WB: UnitQuaternion::identity(),
             R_WB: Matrix3::identity(),
             p_WB: Vector3::zeros(),
@@ -95,8 +98,14 @@ fn place_base(link: &mut Link, model: &Model, state: &State) {
     }
 }
 
-/// The motion of a body from its parent's and its joint's.
-fn place_child(link: &mut Link, parent: &Link, joint: &Joint, q: f64, qdot: f64) {
+/// The motion of a body from its parent's and its joint's. With `scale`, the body moves so much per unit of `qdot`.
+fn place_child(
+    link: &mut Link,
+    parent: &Link,
+    joint: &Joint,
+    [q, qdot]: [f64; 2],
+    scale: Option<f64>,
+) {
     let q_WJ = parent.q_WB * joint.X_PJ.rotation;
     let r_J = parent.R_WB * joint.X_PJ.translation.vector;
     match joint.kind {
@@ -114,6 +123,9 @@ fn place_child(link: &mut Link, parent: &Link, joint: &Joint, q: f64, qdot: f64)
             link.r = r_J + axis * q;
             link.S.linear = axis;
         }
+    }
+    if let Some(scale) = scale {
+        link.S = link.S * scale;
     }
     link.p_WB = parent.p_WB + link.r;
     link.qdot = qdot;
@@ -138,15 +150,22 @@ pub(super) fn forward_pass(links: &mut [Link], model: &Model, state: &State) {
         if i == 0 {
             place_base(link, model, state);
         } else {
-            let j = i - 1;
             let parent = &before[link.parent];
-            place_child(
-                link,
-                parent,
-                &model.joints()[j],
-                state.q[j],
-                state.v[offset + j],
-            );
+            let qdot = state.v[link.column];
+            let q = state.q[link.column - offset];
+            match body.carrier {
+                Carrier::Base => {}
+                Carrier::Joint(joint) => {
+                    let joint = &model.joints()[joint.index()];
+                    place_child(link, parent, joint, [q, qdot], None);
+                }
+                Carrier::Mimic(index) => {
+                    let mimic = &model.mimics()[index];
+                    let q = mimic.multiplier * q + mimic.offset;
+                    let scale = Some(mimic.multiplier);
+                    place_child(link, parent, &mimic.joint, [q, qdot], scale);
+                }
+            }
         }
         link.R_WB = *link.q_WB.to_rotation_matrix().matrix();
         link.inertia = SpatialInertia::of_body(&body.inertia, &link.R_WB);

@@ -26,7 +26,8 @@ pub(super) fn composite_inertias(links: &mut [Link]) {
     }
 }
 
-/// Writes `M` (nv × nv), `g` (nv) and `J_com` (3 × nv). Needs the composite inertias.
+/// Writes `M` (nv × nv), `g` (nv) and `J_com` (3 × nv), of which the entries that the tree leaves zero are zero already. Needs
+/// the composite inertias.
 pub(super) fn mass_matrix(
     links: &[Link],
     gravity: &Vector3<f64>,
@@ -42,7 +43,7 @@ pub(super) fn mass_matrix(
     };
     for i in (1..links.len()).rev() {
         let link = &links[i];
-        let column = offset + i - 1;
+        let column = link.column;
         let mut F = link.composite.times(&link.S);
         M[(column, column)] = link.S.dot(&F) + link.armature;
         g[column] = weightless.dot(&F);
@@ -55,13 +56,66 @@ pub(super) fn mass_matrix(
             if j == 0 {
                 break;
             }
-            let row = offset + j - 1;
+            let row = links[j].column;
             let value = links[j].S.dot(&F);
             M[(row, column)] = value;
             M[(column, row)] = value;
         }
         if offset == 6 {
             couple_to_base(M, column, &F);
+        }
+    }
+    if offset == 6 {
+        base_block(&links[0], &weightless, M, g, J_com);
+    }
+}
+
+/// The same where several bodies move with one velocity: `Gᵀ M G`, `Gᵀ g` and `J_com G` are sums over bodies.
+pub(super) fn coupled_mass_matrix(
+    links: &[Link],
+    gravity: &Vector3<f64>,
+    offset: usize,
+    M: &mut DMatrix<f64>,
+    g: &mut DVector<f64>,
+    J_com: &mut Matrix3xX<f64>,
+) {
+    let total = links[0].composite.m;
+    let weightless = Motion {
+        linear: -gravity,
+        angular: Vector3::zeros(),
+    };
+    M.fill(0.0);
+    g.fill(0.0);
+    J_com.fill(0.0);
+    for i in (1..links.len()).rev() {
+        let link = &links[i];
+        let column = link.column;
+        let mut F = link.composite.times(&link.S);
+        M[(column, column)] += link.S.dot(&F) + link.armature;
+        g[column] += weightless.dot(&F);
+        let mut share = J_com.column_mut(column);
+        share += F.linear / total;
+
+        let mut j = i;
+        loop {
+            F = F.at_parent(&links[j].r);
+            j = links[j].parent;
+            if j == 0 {
+                break;
+            }
+            // For the same column, both triangles are one entry.
+            let row = links[j].column;
+            let value = links[j].S.dot(&F);
+            M[(row, column)] += value;
+            M[(column, row)] += value;
+        }
+        if offset == 6 {
+            for k in 0..3 {
+                M[(k, column)] += F.linear[k];
+                M[(column, k)] += F.linear[k];
+                M[(3 + k, column)] += F.angular[k];
+                M[(column, 3 + k)] += F.angular[k];
+            }
         }
     }
     if offset == 6 {

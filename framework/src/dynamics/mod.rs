@@ -43,6 +43,7 @@
 //! (9.3–9.5), hybrid dynamics (9.2). The transform from a body to its parent is here a pure translation,
 //! because all vectors are in world axes.
 
+mod coupled;
 mod data;
 mod energy;
 mod forward;

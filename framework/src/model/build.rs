@@ -1,9 +1,12 @@
 //! Assembles a [`Model`] body by body and refuses what is not a robot.
 
+use std::collections::HashMap;
+
 use nalgebra::{Isometry3, Unit, Vector3};
 
 use super::{
-    Base, Body, BodyId, Frame, FrameId, Inertia, Joint, JointKind, JointLimits, Model, ModelError,
+    Base, Body, BodyId, Carrier, Frame, FrameId, Inertia, Joint, JointId, JointKind, JointLimits,
+    Mimic, Model, ModelError,
 };
 
 /// Builds a [`Model`]. Parents are added before children; fixed links are merged with
@@ -11,6 +14,8 @@ use super::{
 #[derive(Clone, Debug)]
 pub struct ModelBuilder {
     model: Model,
+    /// By mimic joint, the name of the joint that it follows.
+    leaders: Vec<String>,
 }
 
 impl ModelBuilder {
@@ -24,8 +29,11 @@ impl ModelBuilder {
                     name: base_body.to_owned(),
                     parent: BodyId(0),
                     inertia,
+                    carrier: Carrier::Base,
                 }],
                 joints: Vec::new(),
+                carried: Vec::new(),
+                mimics: Vec::new(),
                 frames: vec![Frame {
                     name: base_body.to_owned(),
                     body: BodyId(0),
@@ -33,6 +41,7 @@ impl ModelBuilder {
                 }],
                 gravity: Vector3::new(0.0, 0.0, -9.81),
             },
+            leaders: Vec::new(),
         }
     }
 
@@ -49,15 +58,76 @@ impl ModelBuilder {
 
     /// Adds a body on a joint, and a frame of the body's name.
     pub fn body(&mut self, parent: BodyId, joint: Joint, name: &str, inertia: Inertia) -> BodyId {
+        let carrier = Carrier::Joint(JointId(self.model.joints.len() as u32));
+        let id = self.carried_body(parent, carrier, name, inertia);
+        self.model.joints.push(joint);
+        self.model.carried.push(id);
+        id
+    }
+
+    /// Adds a body on a joint that follows the joint `leader`, which may come later and may follow another one itself:
+    /// `q = multiplier × q_leader + offset` (`offset` in rad or m).
+    pub fn mimic_body(
+        &mut self,
+        parent: BodyId,
+        joint: Joint,
+        leader: &str,
+        [multiplier, offset]: [f64; 2],
+        name: &str,
+        inertia: Inertia,
+    ) -> BodyId {
+        let carrier = Carrier::Mimic(self.model.mimics.len());
+        let body = self.carried_body(parent, carrier, name, inertia);
+        self.model.mimics.push(Mimic {
+            joint,
+            body,
+            leader: JointId(0),
+            multiplier,
+            offset,
+        });
+        self.leaders.push(leader.to_owned());
+        body
+    }
+
+    fn carried_body(
+        &mut self,
+        parent: BodyId,
+        carrier: Carrier,
+        name: &str,
+        inertia: Inertia,
+    ) -> BodyId {
         let id = BodyId(self.model.bodies.len() as u32);
         self.model.bodies.push(Body {
             name: name.to_owned(),
             parent,
             inertia,
+            carrier,
         });
-        self.model.joints.push(joint);
         self.frame(name, id, Isometry3::identity());
         id
+    }
+
+    /// Like [`ModelBuilder::body`], or like [`ModelBuilder::mimic_body`] if there is a `leader` with multiplier and offset, with the
+    /// link's frame at `X_BL` in the body, which moves about its own origin.
+    #[allow(non_snake_case)]
+    pub fn body_at(
+        &mut self,
+        parent: BodyId,
+        joint: Joint,
+        leader: Option<(&str, [f64; 2])>,
+        X_BL: Isometry3<f64>,
+        name: &str,
+        inertia: &Inertia,
+    ) -> BodyId {
+        let inertia = inertia.transformed(&X_BL);
+        let body = match leader {
+            None => self.body(parent, joint, name, inertia),
+            Some((leader, relation)) => self.mimic_body(parent, joint, leader, relation, name, inertia),
+        };
+        if let Some(frame) = self.model.frames.last_mut() {
+            frame.X_BF = X_BL;
+        }
+        body
     }
 
     /// Merges a link that is fixed to `body` at `X_BL`: its mass joins the body, its name becomes a frame.
@@ -93,9 +163,30 @@ impl ModelBuilder {
     /// The first thing that is wrong, by name: duplicates, inertias, axes, limits, numbers not finite, no
     /// degree of freedom at all.
     pub fn build(self) -> Result<Model, ModelError> {
+        for (i, body) in self.model.bodies.iter().enumerate() {
+            // A base bolted to the world moves nothing: its inertia may be left out.
+            if i > 0 || self.model.base == Base::Floating || body.inertia.mass != 0.0 {
+                body.inertia.validate(&body.name)?;
+            }
+        }
+        self.build_with_any_inertia()
+    }
+
+    /// The same without looking at inertias, but for numbers that are not finite and negative masses: for files whose bodies are no
+    /// rigid bodies by a rounding, or by habit. Whether the mass matrix is positive definite is up to the caller.
+    ///
+    /// # Errors
+    /// As [`ModelBuilder::build`].
+    pub fn build_with_any_inertia(mut self) -> Result<Model, ModelError> {
+        let mimics = self.model.mimics.iter().map(|m| &m.joint);
+        let joints = || self.model.joints.iter().chain(mimics.clone());
+        unique("link", self.model.bodies.iter().map(|b| &b.name))?;
+        unique("joint", joints().map(|j| &j.name))?;
+        for joint in joints() {
+            validate_joint(joint)?;
+        }
+        self.couple()?;
         let model = self.model;
-        unique("link", model.bodies.iter().map(|b| &b.name))?;
-        unique("joint", model.joints.iter().map(|j| &j.name))?;
         unique("frame", model.frames.iter().map(|f| &f.name))?;
         for (i, body) in model.bodies.iter().enumerate() {
             if i > 0 && body.parent.index() >= i {
@@ -104,13 +195,12 @@ impl ModelBuilder {
                     body.name
                 )));
             }
-            // A base bolted to the world moves nothing: its inertia may be left out.
-            if i > 0 || model.base == Base::Floating || body.inertia.mass != 0.0 {
-                body.inertia.validate(&body.name)?;
-            }
+            body.inertia.check_numbers(&body.name)?;
         }
-        for joint in &model.joints {
-            validate_joint(joint)?;
+        if model.joints.is_empty() && !model.mimics.is_empty() {
+            return Err(ModelError::Topology(
+                "no joint leads the mimic joints".into(),
+            ));
         }
         if !model.gravity.iter().all(|g| g.is_finite()) {
             return Err(ModelError::Topology(
@@ -124,6 +214,62 @@ impl ModelBuilder {
             )));
         }
         Ok(model)
+    }
+
+    /// Finds the joints that mimic joints follow, through those that follow one another, and burdens them.
+    fn couple(&mut self) -> Result<(), ModelError> {
+        let Self { model, leaders } = self;
+        let mimics = model.mimics.iter().enumerate();
+        let by_name: HashMap<&str, usize> = mimics.map(|(i, m)| (m.joint.name.as_str(), i)).collect();
+        let position = |name: &str| by_name.get(name).copied();
+        let mut coupled = Vec::with_capacity(leaders.len());
+        for (mimic, leader) in model.mimics.iter().zip(leaders.iter()) {
+            let refuse = |what: String| ModelError::Joint {
+                joint: mimic.joint.name.clone(),
+                what,
+            };
+            let (mut multiplier, mut offset) = (mimic.multiplier, mimic.offset);
+            let mut name = leader;
+            // A chain has no more links than there are mimic joints.
+            for _ in 0..=leaders.len() {
+                let Some(next) = position(name) else { break };
+                let by = &model.mimics[next];
+                offset += multiplier * by.offset;
+                multiplier *= by.multiplier;
+                name = &leaders[next];
+            }
+            if position(name).is_some() {
+                return Err(refuse("follows itself through other mimic joints".into()));
+            }
+            let Some(leader) = model.joint(name) else {
+                return Err(ModelError::Unknown {
+                    by: format!("mimic joint `{}`", mimic.joint.name),
+                    kind: "joint",
+                    name: name.clone(),
+                });
+            };
+            if !(multiplier.is_finite() && offset.is_finite() && multiplier != 0.0) {
+                return Err(refuse(format!(
+                    "follows `{name}` by {multiplier} q + {offset}: both must be finite, and the first not zero"
+                )));
+            }
+            coupled.push((leader, multiplier, offset));
+        }
+        for (mimic, (leader, multiplier, offset)) in model.mimics.iter_mut().zip(coupled) {
+            (mimic.leader, mimic.multiplier, mimic.offset) = (leader, multiplier, offset);
+            let burdened = &mut model.joints[leader.index()];
+            mimic.burden(burdened);
+            let JointLimits { lower, upper, .. } = burdened.limits;
+            if lower > upper {
+                let what = format!(
+                    "and the joint that it follows, `{}`, are never both within their ranges",
+                    burdened.name
+                );
+                let joint = mimic.joint.name.clone();
+                return Err(ModelError::Joint { joint, what });
+            }
+        }
+        Ok(())
     }
 }
 

@@ -73,6 +73,25 @@ impl Inertia {
         }
     }
 
+    /// Checks what dynamics cannot do without: numbers that are finite, and a mass that is not negative.
+    ///
+    /// # Errors
+    /// Names `body` and what is wrong.
+    pub fn check_numbers(&self, body: &str) -> Result<(), ModelError> {
+        let finite = self.mass.is_finite()
+            && self.first_moment.iter().all(|x| x.is_finite())
+            && self.I_BBo.iter().all(|x| x.is_finite());
+        let what = if !finite {
+            "has a number that is not finite".to_owned()
+        } else if self.mass < 0.0 {
+            format!("mass is {} kg, must not be negative", self.mass)
+        } else {
+            return Ok(());
+        };
+        let body = body.to_owned();
+        Err(ModelError::Inertia { body, what })
+    }
+
     /// Checks that a rigid body could have these parameters.
     ///
     /// # Errors
@@ -114,7 +133,9 @@ impl Inertia {
         // A lamina meets the inequality with equality: allow for rounding in the file.
         if small + middle < large * (1.0 - 1e-6) {
             return refuse(format!(
-                "breaks the triangle inequality: principal moments {small:.3e} + {middle:.3e} < {large:.3e} kg·m²"
+                "breaks the triangle inequality: principal moments {small:.3e} + {middle:.3e} < {large:.3e} kg·m² \
+                 (by {:.1e})",
+                large - small - middle
             ));
         }
         Ok(())

@@ -5,6 +5,9 @@
 //! turns or slides `B` along `axis` (unit vector in `J`, hence also in `B`), and `B = J` at `q = 0`. A named
 //! frame `F` is fixed to a body by `X_BF`. World is `W`, z up; the base body's frame is `R`.
 //!
+//! A joint is a degree of freedom. A [`Mimic`] is a joint that is none: gears or a belt couple it to another, its leader, by
+//! `q = multiplier × q_leader + offset`, so that both move with one velocity.
+//!
 //! Generalised velocity (floating base): `v = [v_WR; w_WR; q̇]`, linear first, of the origin of R, all in
 //! world axes. A fixed base has `v = q̇`.
 #![allow(non_snake_case)]
@@ -12,10 +15,12 @@
 mod build;
 mod error;
 mod inertia;
+mod mimic;
 
 pub use build::ModelBuilder;
 pub use error::ModelError;
 pub use inertia::Inertia;
+pub use mimic::Mimic;
 
 use nalgebra::{Isometry3, Unit, Vector3};
 
@@ -95,6 +100,16 @@ pub struct Joint {
     pub armature: f64,
 }
 
+/// What carries a body.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Carrier {
+    /// Nothing, or the world: the base.
+    Base,
+    Joint(JointId),
+    /// By index into [`Model::mimics`].
+    Mimic(usize),
+}
+
 /// A rigid body and the joint that carries it (none for the base).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Body {
@@ -104,6 +119,7 @@ pub struct Body {
     pub parent: BodyId,
     /// Mass, first moment and inertia about the body's origin, in body axes (merged fixed links included).
     pub inertia: Inertia,
+    pub(crate) carrier: Carrier,
 }
 
 /// A named frame fixed to a body.
@@ -125,6 +141,9 @@ pub struct Model {
     base: Base,
     bodies: Vec<Body>,
     joints: Vec<Joint>,
+    /// By joint.
+    carried: Vec<BodyId>,
+    mimics: Vec<Mimic>,
     frames: Vec<Frame>,
     gravity: Vector3<f64>,
 }
@@ -145,9 +164,29 @@ impl Model {
         &self.bodies
     }
 
-    /// All joints; joint `i` carries body `i + 1` and owns velocity `joint_offset() + i`.
+    /// All degrees of freedom beside a floating base; joint `i` owns velocity `joint_offset() + i`. Limits, damping, friction
+    /// and armature are those of the joint with all mimic joints that follow it.
     pub fn joints(&self) -> &[Joint] {
         &self.joints
+    }
+
+    /// Joints that follow others.
+    pub fn mimics(&self) -> &[Mimic] {
+        &self.mimics
+    }
+
+    /// The body that a joint carries itself; the bodies of mimic joints move with it.
+    pub fn body_of(&self, joint: JointId) -> BodyId {
+        self.carried[joint.index()]
+    }
+
+    /// The joint whose motion moves a body relative to its parent, directly or as a mimic joint's leader; `None` for the base.
+    pub fn joint_of(&self, body: BodyId) -> Option<JointId> {
+        match self.bodies[body.index()].carrier {
+            Carrier::Base => None,
+            Carrier::Joint(joint) => Some(joint),
+            Carrier::Mimic(index) => Some(self.mimics[index].leader),
+        }
     }
 
     /// All named frames.
@@ -208,15 +247,19 @@ impl Model {
     /// The same tree with other inertias: what a plant uses to differ from its controller.
     ///
     /// # Errors
-    /// [`ModelError`] if a new inertia is not physical.
+    /// [`ModelError`] if an inertia is not physical any more.
     pub fn with_inertias(
         &self,
         mut change: impl FnMut(&Body) -> Inertia,
     ) -> Result<Model, ModelError> {
         let mut model = self.clone();
         for body in &mut model.bodies {
+            let was_physical = body.inertia.validate(&body.name).is_ok();
             body.inertia = change(body);
-            body.inertia.validate(&body.name)?;
+            match was_physical {
+                true => body.inertia.validate(&body.name)?,
+                false => body.inertia.check_numbers(&body.name)?,
+            }
         }
         Ok(model)
     }

@@ -1,259 +1,219 @@
-//! Builds the model from a file whose outline and tree have been checked.
+//! Builds the model from a description, its tree and how its joints move.
 //!
 //! # Notation
-//! A link `L` is merged into, or is, the body `B`; its frame is at `X_BL`. A joint's origin is `X_LJ`.
+//! A link `L` is merged into, or is, the body `B`; its frame is at `X_BL`. A joint's frame is `J`, at `X_PJ` in its parent link P;
+//! with the joint at `q` its child C is at `X_PC = X_PJ exp(S q)`. A joint that is gone through from child to parent has its frame
+//! in C, the axis `−S`, and carries P at `X_JP = X_PJ⁻¹`.
 #![allow(non_snake_case)]
 
 use wbqp::{
-    model::{
-        Base, BodyId, Inertia, Joint, JointKind, JointLimits, Model, ModelBuilder, ModelError,
-    },
-    nalgebra::{Isometry3, Matrix3, Translation3, Unit, UnitQuaternion, Vector3},
+    model::{Base, BodyId, Inertia, Joint, JointKind, JointLimits, Model, ModelBuilder},
+    nalgebra::{Isometry3, Unit, Vector3},
     robot::RobotError,
 };
 
 use super::{
-    syntax::{self, Outline},
-    tree::Tree,
+    description::{self, Description, Kind},
+    findings::{At, Findings},
+    motion::{Motion, Motions},
+    tree::{Edge, Tree},
 };
-use crate::{options::Options, source::Source};
+use crate::options::Options;
 
-/// Builds and validates the model.
+/// The model, and what its bodies are made of.
+pub(super) struct Assembled {
+    pub(super) model: Model,
+    /// By body, the links that were merged into it, its own first.
+    pub(super) links: Vec<Vec<usize>>,
+}
+
+/// Builds the model. `inertias` are by link, in the link's frame. What cannot be goes to `findings`.
 pub(super) fn assemble(
-    source: &Source<'_>,
-    outline: &Outline,
+    description: &Description,
     tree: &Tree,
-    robot: &urdf_rs::Robot,
+    motions: &Motions<'_>,
+    inertias: &[Inertia],
     options: &Options,
-) -> Result<Model, RobotError> {
-    let file = File {
-        source,
-        outline,
-        tree,
-        robot,
-        options,
-    };
-    file.same_elements()?;
+    findings: &mut Findings<'_>,
+) -> Result<Option<Assembled>, RobotError> {
+    let root = &description.links[tree.root];
     let base = Base::from(options.base);
-    let (root, root_inertia) = file.link(tree.root)?;
-    if base == Base::Floating {
-        file.root_has_mass()?;
-    }
-    let mut builder = ModelBuilder::new(
-        &robot.name,
-        base,
-        &root.name,
-        root_inertia.unwrap_or(Inertia::zero()),
-    );
-
+    let mut assembly = Assembly {
+        description,
+        motions,
+        inertias,
+        options,
+        builder: ModelBuilder::new(&description.name, base, &root.name, inertias[tree.root]),
+        links: vec![vec![tree.root]],
+    };
     // Depth first with the joints of a link in the file's order: a stack, filled backwards.
     let mut stack = Vec::new();
-    file.push_joints(&mut stack, tree.root, builder.base(), Isometry3::identity());
-    while let Some((j, B, X_BL)) = stack.pop() {
-        let (place, joint, link) = file.joint(j)?;
-        let X_BJ = X_BL * pose(&joint.origin);
-        let (child, inertia) = file.link(link)?;
-        if place.fixed {
-            let inertia = inertia.unwrap_or(Inertia::zero());
-            builder.weld(B, X_BJ, &child.name, &inertia);
-            file.push_joints(&mut stack, link, B, X_BJ);
-        } else {
-            let Some(inertia) = inertia else {
-                return source.refuse(
-                    child.offset,
-                    &child.label(),
-                    format!(
-                        "moves on joint `{}` but has no <inertial>; give it its mass and inertia",
-                        place.name
-                    ),
-                );
-            };
-            let joint = file.moving_joint(place, joint, X_BJ)?;
-            let body = builder.body(B, joint, &child.name, inertia);
-            file.push_joints(&mut stack, link, body, Isometry3::identity());
+    let mut complete = true;
+    let push = |stack: &mut Vec<_>, link: usize, body: BodyId, X_BL: Isometry3<f64>| {
+        stack.extend(tree.edges[link].iter().rev().map(|&edge| (edge, body, X_BL)));
+    };
+    push(&mut stack, tree.root, assembly.builder.base(), Isometry3::identity());
+    while let Some((edge, body, X_BL)) = stack.pop() {
+        match assembly.add(edge, body, X_BL, findings) {
+            Some((body, X_BL)) => push(&mut stack, edge.link, body, X_BL),
+            None => complete = false,
         }
     }
-    builder.build().map_err(|e| file.model_error(e))
+    if !complete {
+        return Ok(None);
+    }
+    let Assembly { builder, links, .. } = assembly;
+    let model = match findings.is_strict() {
+        true => builder.build(),
+        false => builder.build_with_any_inertia(),
+    };
+    let model = model.map_err(|source| RobotError::Model {
+        file: findings.source.file.to_owned(),
+        source,
+    })?;
+    Ok(Some(Assembled { model, links }))
 }
 
-struct File<'a> {
-    source: &'a Source<'a>,
-    outline: &'a Outline,
-    tree: &'a Tree,
-    robot: &'a urdf_rs::Robot,
+struct Assembly<'a> {
+    description: &'a Description,
+    motions: &'a Motions<'a>,
+    inertias: &'a [Inertia],
     options: &'a Options,
+    builder: ModelBuilder,
+    /// By body.
+    links: Vec<Vec<usize>>,
 }
 
-impl File<'_> {
-    /// Two parsers have read the text: refuse it if they do not see the same links and joints.
-    fn same_elements(&self) -> Result<(), RobotError> {
-        let links = self.outline.links.iter().map(|l| &l.name);
-        let joints = self.outline.joints.iter().map(|j| &j.name);
-        if links.eq(self.robot.links.iter().map(|l| &l.name))
-            && joints.eq(self.robot.joints.iter().map(|j| &j.name))
-        {
-            return Ok(());
-        }
-        Err(RobotError::Syntax {
-            place: self.source.place(0),
-            what: "links and joints cannot be told apart: is it well-formed XML without entities of its own?"
-                .into(),
-        })
-    }
-
-    fn missing(&self) -> RobotError {
-        RobotError::Syntax {
-            place: self.source.place(0),
-            what: "an element that was there is gone".into(),
-        }
-    }
-
-    fn model_error(&self, source: ModelError) -> RobotError {
-        RobotError::Model {
-            file: self.source.file.to_owned(),
-            source,
-        }
-    }
-
-    /// A link's place and its inertia in its own frame, validated.
-    fn link(&self, index: usize) -> Result<(&syntax::Link, Option<Inertia>), RobotError> {
-        let pair = self
-            .outline
-            .links
-            .get(index)
-            .zip(self.robot.links.get(index));
-        let (place, link) = pair.ok_or_else(|| self.missing())?;
-        let Some(offset) = place.inertial else {
-            return Ok((place, None));
-        };
-        let inertia = inertia(&link.inertial);
-        match inertia.validate(&place.name) {
-            Ok(()) => Ok((place, Some(inertia))),
-            Err(ModelError::Inertia { what, .. }) => self.source.refuse(
-                offset,
-                &place.label(),
-                format!("inertia {what}; no rigid body is like this"),
-            ),
-            Err(other) => Err(self.model_error(other)),
-        }
-    }
-
-    /// A joint's place, its values and the link it carries.
-    fn joint(&self, index: usize) -> Result<(&syntax::Joint, &urdf_rs::Joint, usize), RobotError> {
-        let place = self.outline.joints.get(index);
-        let joint = self.robot.joints.get(index);
-        match (place, joint, self.tree.child.get(index)) {
-            (Some(place), Some(joint), Some(&link)) => Ok((place, joint, link)),
-            _ => Err(self.missing()),
-        }
-    }
-
-    fn push_joints(
-        &self,
-        stack: &mut Vec<(usize, BodyId, Isometry3<f64>)>,
-        link: usize,
-        B: BodyId,
+impl Assembly<'_> {
+    /// Adds the link that an edge leads to: the body that it is, or was merged into, and where in it.
+    fn add(
+        &mut self,
+        edge: Edge,
+        parent: BodyId,
         X_BL: Isometry3<f64>,
-    ) {
-        if let Some(joints) = self.tree.children.get(link) {
-            stack.extend(joints.iter().rev().map(|&j| (j, B, X_BL)));
-        }
-    }
-
-    /// A floating root needs mass: its own, or that of the only link, fixed to it, that it carries.
-    fn root_has_mass(&self) -> Result<(), RobotError> {
-        let mut link = self.tree.root;
-        loop {
-            let (place, inertia) = self.link(link)?;
-            if inertia.is_some() {
-                return Ok(());
+        findings: &mut Findings<'_>,
+    ) -> Option<(BodyId, Isometry3<f64>)> {
+        let joint = &self.description.joints[edge.joint];
+        let inertia = self.inertias[edge.link];
+        let name = &self.description.links[edge.link].name;
+        let label = joint.label();
+        let at = At {
+            offset: joint.offset,
+            element: &label,
+        };
+        match (joint.kind, edge.is_reversed) {
+            (Kind::Floating, _) => {
+                findings.refuse(
+                    at,
+                    "type `floating` is supported for the joint between the world and a floating base alone; the model has one \
+                     floating base: load each part as a robot of its own",
+                );
+                return None;
             }
-            let only = match self.tree.children.get(link).map(Vec::as_slice) {
-                Some(&[j]) => Some(self.joint(j)?),
-                _ => None,
-            };
-            match only {
-                Some((joint, _, child)) if joint.fixed => link = child,
-                _ => {
-                    return self.source.refuse(
-                        place.offset,
-                        &place.label(),
-                        "is the floating base but has no <inertial>; give it its mass and inertia, \
-                         or load the robot with a fixed base",
-                    );
+            (Kind::Planar, true) => {
+                findings.refuse(at, "type `planar` cannot be turned round; choose another `root`");
+                return None;
+            }
+            (Kind::Planar, false) => {
+                let body = self.planar(parent, joint, X_BL * joint.X_PJ, name, inertia);
+                self.links.push(vec![edge.link]);
+                return Some((body, Isometry3::identity()));
+            }
+            _ => {}
+        }
+        let leader = match &self.motions.motions[edge.joint] {
+            Motion::Rigid { q } => {
+                let X_PC = joint.X_PJ * joint.displacement(*q);
+                let X_BM = X_BL * if edge.is_reversed { X_PC.inverse() } else { X_PC };
+                self.builder.weld(parent, X_BM, name, &inertia);
+                if let Some(links) = self.links.get_mut(parent.index()) {
+                    links.push(edge.link);
+                }
+                return Some((parent, X_BM));
+            }
+            Motion::Free => None,
+            Motion::Follows {
+                leader,
+                multiplier,
+                offset,
+            } => Some((leader.as_str(), [*multiplier, *offset])),
+        };
+        let (X_BJ, axis, X_JL) = if edge.is_reversed {
+            (X_BL, -joint.axis, joint.X_PJ.inverse())
+        } else {
+            (X_BL * joint.X_PJ, joint.axis, Isometry3::identity())
+        };
+        let moving = self.moving_joint(edge.joint, axis, X_BJ);
+        let body = if edge.is_reversed {
+            self.builder.body_at(parent, moving, leader, X_JL, name, &inertia)
+        } else {
+            match leader {
+                None => self.builder.body(parent, moving, name, inertia),
+                Some((leader, relation)) => {
+                    self.builder.mimic_body(parent, moving, leader, relation, name, inertia)
                 }
             }
-        }
+        };
+        self.links.push(vec![edge.link]);
+        Some((body, X_JL))
     }
 
-    fn moving_joint(
-        &self,
-        place: &syntax::Joint,
-        joint: &urdf_rs::Joint,
-        X_PJ: Isometry3<f64>,
-    ) -> Result<Joint, RobotError> {
-        let (kind, ranged) = match joint.joint_type {
-            urdf_rs::JointType::Revolute => (JointKind::Revolute, true),
-            urdf_rs::JointType::Continuous => (JointKind::Revolute, false),
-            urdf_rs::JointType::Prismatic => (JointKind::Prismatic, true),
-            _ => {
-                return self
-                    .source
-                    .refuse(place.offset, &place.label(), "cannot move");
-            }
+    fn moving_joint(&self, index: usize, axis: Unit<Vector3<f64>>, X_BJ: Isometry3<f64>) -> Joint {
+        let joint = &self.description.joints[index];
+        let kind = match joint.kind {
+            Kind::Prismatic => JointKind::Prismatic,
+            _ => JointKind::Revolute,
         };
-        let axis = Vector3::from(*joint.axis.xyz);
-        // Scaled first: the squares of a tiny axis vanish.
-        let Some(axis) = Unit::try_new(axis / axis.amax(), 0.0) else {
-            return self
-                .source
-                .refuse(place.offset, &place.label(), "axis has no direction");
-        };
-        let limit = &joint.limit;
-        let options = self.options;
+        let mut result = Joint::new(&joint.name, kind, axis, X_BJ, self.motions.limits(index));
+        let options = self.motions.options(index);
+        if !self.options.ignore_joint_friction {
+            result.damping = joint.damping;
+            result.friction = joint.friction;
+        }
+        if let Some(options) = options {
+            result.damping = options.damping.unwrap_or(result.damping);
+            result.friction = options.friction.unwrap_or(result.friction);
+            result.armature = options.armature.unwrap_or(0.0);
+        }
+        result
+    }
+
+    /// Two sliding joints in the plane and a turning one about its normal, one after the other.
+    fn planar(
+        &mut self,
+        parent: BodyId,
+        joint: &description::Joint,
+        X_BJ: Isometry3<f64>,
+        name: &str,
+        inertia: Inertia,
+    ) -> BodyId {
+        let normal = joint.axis;
+        let along = if normal.x.abs() < 0.9 { Vector3::x() } else { Vector3::y() };
+        let x = Unit::new_normalize(along - normal.into_inner() * normal.dot(&along));
+        let y = Unit::new_normalize(normal.cross(&x));
         let limits = JointLimits {
-            lower: if ranged {
-                limit.lower
-            } else {
-                f64::NEG_INFINITY
-            },
-            upper: if ranged { limit.upper } else { f64::INFINITY },
-            velocity: limit.velocity,
-            effort: options
-                .effort
-                .get(&place.name)
-                .copied()
-                .unwrap_or(limit.effort),
+            lower: f64::NEG_INFINITY,
+            upper: f64::INFINITY,
+            velocity: joint.limit.velocity.unwrap_or(f64::INFINITY),
+            effort: joint.limit.effort.unwrap_or(f64::INFINITY),
         };
-        let mut result = Joint::new(&place.name, kind, axis, X_PJ, limits);
-        if let Some(dynamics) = &joint.dynamics
-            && !options.ignore_joint_friction
-        {
-            result.damping = dynamics.damping;
-            result.friction = dynamics.friction;
+        let part = |suffix: &str| format!("{}.{suffix}", joint.name);
+        let mut body = parent;
+        for (suffix, axis, X) in [("x", x, X_BJ), ("y", y, Isometry3::identity())] {
+            let name = part(suffix);
+            let slide = Joint::new(&name, JointKind::Prismatic, axis, X, limits);
+            body = self.builder.body(body, slide, &name, Inertia::zero());
+            self.links.push(Vec::new());
         }
-        result.armature = options.armature.get(&place.name).copied().unwrap_or(0.0);
-        Ok(result)
+        let mut turn = Joint::new(
+            &part("turn"),
+            JointKind::Revolute,
+            normal,
+            Isometry3::identity(),
+            limits,
+        );
+        turn.damping = joint.damping;
+        turn.friction = joint.friction;
+        self.builder.body(body, turn, name, inertia)
     }
-}
-
-fn inertia(inertial: &urdf_rs::Inertial) -> Inertia {
-    let i = &inertial.inertia;
-    let I_cm = Matrix3::new(
-        i.ixx, i.ixy, i.ixz, //
-        i.ixy, i.iyy, i.iyz, //
-        i.ixz, i.iyz, i.izz,
-    );
-    Inertia::from_com(inertial.mass.value, Vector3::zeros(), I_cm)
-        .transformed(&pose(&inertial.origin))
-}
-
-/// URDF's rpy are about fixed axes: x first, then y, then z.
-fn pose(origin: &urdf_rs::Pose) -> Isometry3<f64> {
-    let [roll, pitch, yaw] = *origin.rpy;
-    let [x, y, z] = *origin.xyz;
-    Isometry3::from_parts(
-        Translation3::new(x, y, z),
-        UnitQuaternion::from_euler_angles(roll, pitch, yaw),
-    )
 }

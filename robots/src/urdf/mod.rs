@@ -3,51 +3,273 @@
 //! # What is read
 //! * Links with their `<inertial>` (its `<origin>` included, `rpy` as well), joints of type `revolute`,
 //!   `continuous`, `prismatic` and `fixed`, with `<axis>` (normalised; (1, 0, 0) if left out, as URDF says),
-//!   `<limit>` and `<dynamics>`.
+//!   `<limit>`, `<dynamics>` and `<mimic>`. A `planar` joint is two sliding joints and a turning one, named `joint.x`, `joint.y`
+//!   and `joint.turn`; a `floating` joint between a root without mass and the rest of the robot is the floating base.
 //! * Links on `fixed` joints are merged into the body that carries them, through any number of them. Every
 //!   link's name is a frame of the model, merged or not.
 //! * Joints are numbered depth first from the root; the joints of one link in the file's order.
-//! * A link on a fixed joint may be without `<inertial>`: it is a frame. So may the root of a fixed base, and
-//!   a floating root with a single child that is fixed to it (a custom from KDL), as that child's body counts.
+//! * A link without `<inertial>`, or with mass 0, is a frame.
 //!
 //! # What is not
-//! * Geometry, materials, `<gazebo>` and `<safety_controller>`.
+//! * Geometry, meshes, materials, `<gazebo>`, plug-ins and `<safety_controller>`: nothing in them is an error.
 //! * `<transmission>`: gear ratios are no part of the model. Efforts and speeds are those of the joint; the
 //!   inertia of a motor behind its gear goes into [`Options::armature`].
-//! * `<mimic>`, `floating`, `planar` and `spherical` joints, `quat_xyzw` and unexpanded xacro are refused.
 //!
-//! # What is refused
-//! Malformed XML, numbers that are not numbers, missing and duplicate elements and names, masses and inertias
-//! that no rigid body has (each link on its own, before it is merged), joints without limits, axes of length
-//! zero, and anything that is not one tree. The errors say where, what and how to mend it.
+//! # Two modes
+//! What other tools of the field read is read, and nothing is repaired in silence: every irregularity is a
+//! [`Diagnostic`] with its place, what was done and how to say otherwise. Limits that are
+//! missing, zero or meaningless are none; bodies are judged with all that is fixed to them; inertias that no rigid body has are taken
+//! as they are; the mass matrix is looked at in random postures.
+//!
+//! With [`Options::strict`], what format or physics do not allow is refused instead: links without mass, inertias that no rigid body has
+//! (each link on its own, before it is merged), joints without limits, mimic joints, and whatever urdf-rs cannot read.
+//!
+//! Always refused is what has no meaning: malformed XML, unexpanded xacro, numbers that are not numbers, negative masses, axes of
+//! length zero, missing and duplicate names, and anything that is not one tree. All of a file's errors come at once.
 
 mod assemble;
-mod syntax;
+mod description;
+mod findings;
+mod motion;
+mod physics;
+mod reader;
+mod strict;
 mod tree;
 
-use wbqp::{model::Model, robot::RobotError};
+use std::{borrow::Cow, collections::HashMap};
 
-use crate::{options::Options, source::Source};
+use roxmltree::Document;
+use wbqp::{
+    model::{Inertia, JointId, Model},
+    robot::{Diagnostic, RobotError},
+    state::State,
+};
+
+use crate::{
+    options::{JointOptions, Names, Options},
+    source::Source,
+    srdf::GroupState,
+};
+use description::Description;
+use findings::{At, Findings, Irregularity, Mode};
+use motion::Motions;
+
+/// A URDF as the options want it.
+pub(crate) struct Robot {
+    pub(crate) model: Model,
+    /// By joint of the model.
+    pub(crate) joints: Vec<Moving>,
+    pub(crate) home: State,
+    pub(crate) base_is_placed: bool,
+    pub(crate) diagnostics: Vec<Diagnostic>,
+}
+
+/// What options say of a joint of the model beside its limits.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Moving {
+    pub(crate) servo: bool,
+    pub(crate) passive: bool,
+}
 
 /// Reads the text of a URDF file; `file` is its name, for messages.
 ///
-/// Of the options, `base`, `effort`, `armature` and `ignore_joint_friction` shape the model; the others
-/// are for [`from_sources`](crate::from_sources). All are checked.
+/// Options about actuators and SRDF files are for [`from_sources`](crate::from_sources). All are checked.
 ///
 /// # Errors
-/// The first thing in the file or in the options that is wrong.
+/// Everything in the file or in the options that is wrong.
 pub fn model(file: &str, text: &str, options: &Options) -> Result<Model, RobotError> {
-    options.check_numbers()?;
+    Ok(robot(file, text, options, &GroupState::default())?.model)
+}
+
+/// Reads the text of a URDF file with a named posture.
+pub(crate) fn robot(
+    file: &str,
+    text: &str,
+    options: &Options,
+    state: &GroupState,
+) -> Result<Robot, RobotError> {
+    let mode = match options.strict {
+        true => Mode::Strict,
+        false => Mode::Liberal,
+    };
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let source = Source { file, text };
-    let outline = syntax::check(&source)?;
-    let tree = tree::check(&source, &outline)?;
-    // The outline holds what is present and where, urdf-rs the values.
-    let robot = urdf_rs::read_from_string(text).map_err(|e| RobotError::Syntax {
-        place: source.place(0),
-        what: format!("is not a URDF: {e}"),
-    })?;
-    let model = assemble::assemble(&source, &outline, &tree, &robot, options)?;
-    options.check(&model)?;
-    Ok(model)
+    let source = Source::new(file, text);
+    let mut findings = Findings::new(&source, mode);
+    options.wrong_numbers().into_iter().for_each(|e| findings.refuse_as(e));
+    findings.stop_if_any()?;
+    let mended: Cow<'_, str> = match mode {
+        Mode::Strict => text.into(),
+        Mode::Liberal => reader::forgiving(text).into(),
+    };
+    let document = Document::parse(&mended).map_err(|e| reader::parse_error(&source, &e))?;
+    let description = reader::read(&document, &mut findings);
+    findings.stop_if_any()?;
+    let Some(description) = description else {
+        return Err(source.error(0, "<robot>", "cannot be read"));
+    };
+    let tree = tree::find(&description, options.root.as_deref(), &mut findings);
+    findings.stop_if_any()?;
+    let Some(tree) = tree else {
+        return Err(source.error(0, "tree", "cannot be read"));
+    };
+    if mode == Mode::Strict {
+        strict::check(&source, &description, &tree, options, &mut findings)?;
+        findings.stop_if_any()?;
+    }
+    let inertias = inertias(&description, options, &mut findings);
+    let postures = known_joints(&description, state, &mut findings);
+    let motions = Motions::resolve(&description, options, postures, &mut findings);
+    findings.stop_if_any()?;
+    let assembled =
+        assemble::assemble(&description, &tree, &motions, &inertias, options, &mut findings)?;
+    findings.stop_if_any()?;
+    let Some(assembled) = assembled else {
+        return Err(source.error(0, "tree", "cannot be built"));
+    };
+    if mode == Mode::Liberal {
+        physics::judge(&assembled, &description, &inertias, &motions, &mut findings)?;
+    }
+    let home = home(&assembled.model, &description, &motions, &mut findings);
+    findings.stop_if_any()?;
+    let mut robot = Robot {
+        joints: moving(&assembled.model, &description, &motions),
+        model: assembled.model,
+        home,
+        base_is_placed: false,
+        diagnostics: findings.into_diagnostics(),
+    };
+    if let Some(pose) = &state.X_WR {
+        physics::placed(&mut robot.home, pose);
+        robot.base_is_placed = true;
+    }
+    if let Some(position) = options.position {
+        robot.home.p_WR = position.into();
+        robot.base_is_placed = true;
+    }
+    Ok(robot)
+}
+
+/// By link, in its own frame; zero without `<inertial>`.
+fn inertias(
+    description: &Description,
+    options: &Options,
+    findings: &mut Findings<'_>,
+) -> Vec<Inertia> {
+    let names = Names {
+        robot: &description.name,
+        kind: "link",
+        known: description.links.iter().map(|l| l.name.as_str()).collect(),
+    };
+    let mut errors = Vec::new();
+    let given = names.values("inertia", &options.inertia, &mut errors);
+    errors.into_iter().for_each(|e| findings.refuse_as(e));
+    let links = description.links.iter().zip(given);
+    links
+        .map(|(link, given)| match (given, &link.inertial) {
+            (Some(given), _) => given.inertia(),
+            (None, Some(inertial)) => inertial.inertia,
+            (None, None) => Inertia::zero(),
+        })
+        .collect()
+}
+
+/// The named posture by the file's joints; others are noted.
+fn known_joints<'d>(
+    description: &'d Description,
+    state: &GroupState,
+    findings: &mut Findings<'_>,
+) -> HashMap<&'d str, f64> {
+    let mut postures = HashMap::new();
+    let mut unknown = Vec::new();
+    for (name, &q) in &state.joints {
+        match description.joints.iter().find(|j| j.name == *name) {
+            Some(joint) => {
+                postures.insert(joint.name.as_str(), q);
+            }
+            None => unknown.push(format!("`{name}`")),
+        }
+    }
+    if !unknown.is_empty() {
+        let at = At {
+            offset: 0,
+            element: "home state",
+        };
+        findings.repair(
+            at,
+            Irregularity::note(
+                format!("names joints that the robot does not have: {}", unknown.join(", ")),
+                "passed over",
+            ),
+        );
+    }
+    postures
+}
+
+/// The home posture; positions out of range are refused if an option gives them, and moved into it if a file does.
+fn home(
+    model: &Model,
+    description: &Description,
+    motions: &Motions<'_>,
+    findings: &mut Findings<'_>,
+) -> State {
+    let mut home = State::neutral(model);
+    for (q, joint) in home.q.iter_mut().zip(model.joints()) {
+        let limits = joint.limits;
+        let within = |q: f64| q.max(limits.lower).min(limits.upper);
+        *q = within(0.0);
+        let index = description.joints.iter().position(|j| j.name == joint.name);
+        let Some(index) = index else { continue };
+        let Some(given) = motions.given_home(index) else {
+            continue;
+        };
+        let by_option = motions.options(index).is_some_and(|o| o.home.is_some());
+        if given.is_finite() && given == within(given) {
+            *q = given;
+        } else if by_option {
+            findings.refuse_as(crate::options::refuse(
+                "home",
+                format!(
+                    "joint `{}` at {given} is outside its range {} to {}",
+                    joint.name, limits.lower, limits.upper
+                ),
+            ));
+        } else {
+            *q = within(given);
+            let at = At {
+                offset: description.joints[index].offset,
+                element: &description.joints[index].label(),
+            };
+            findings.repair(
+                at,
+                Irregularity::warning(
+                    format!(
+                        "is at {given} in the home state, outside its range {} to {}",
+                        limits.lower, limits.upper
+                    ),
+                    format!("moved to {}", *q),
+                )
+                .remedy("set the robot's options `home` or `range` for this joint"),
+            );
+        }
+    }
+    home
+}
+
+fn moving(model: &Model, description: &Description, motions: &Motions<'_>) -> Vec<Moving> {
+    let of = |options: &JointOptions| Moving {
+        servo: options.servo,
+        passive: options.passive,
+    };
+    let joints = model.joints().iter();
+    joints
+        .map(|joint| {
+            let index = description.joints.iter().position(|j| j.name == joint.name);
+            index.and_then(|i| motions.options(i)).map_or(Moving::default(), of)
+        })
+        .collect()
+}
+
+/// The joint of a model at a position in its list.
+pub(crate) fn joint_id(model: &Model, index: usize) -> Option<JointId> {
+    model.joint(&model.joints().get(index)?.name)
 }

@@ -1,147 +1,246 @@
-//! Whether links and joints form one tree.
+//! Whether links and joints form one tree, and the tree seen from its base.
 
 use std::collections::HashMap;
 
-use wbqp::{robot::RobotError, suggestion::suggestion};
+use wbqp::suggestion::suggestion;
 
-use super::syntax::{Joint, Outline};
-use crate::source::Source;
+use super::{
+    description::{Description, Joint, Kind},
+    findings::{At, Findings},
+};
 
-/// The tree by index into the outline.
+/// The tree by index into the description.
 pub(super) struct Tree {
-    /// The link that no joint carries.
+    /// The base.
     pub(super) root: usize,
-    /// Per link, the joints on it in the file's order.
-    pub(super) children: Vec<Vec<usize>>,
-    /// Per joint, the link it carries.
-    pub(super) child: Vec<usize>,
+    /// Per link, the joints that lead away from the base, in the file's order.
+    pub(super) edges: Vec<Vec<Edge>>,
 }
 
-/// Refuses duplicate and unknown names, links with two parents, several roots and cycles.
-pub(super) fn check(source: &Source<'_>, outline: &Outline) -> Result<Tree, RobotError> {
-    let Outline { links, joints } = outline;
+/// A joint as one comes to it from the base.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Edge {
+    pub(super) joint: usize,
+    /// The link that it leads to.
+    pub(super) link: usize,
+    /// Whether that is the joint's parent.
+    pub(super) is_reversed: bool,
+}
+
+/// Which link a joint hangs on and which it carries.
+struct Ends {
+    parent: usize,
+    child: usize,
+}
+
+/// Finds the tree; duplicate and unknown names, links with two parents, several roots and cycles go to `findings`. `root` is another
+/// link that is to be the base.
+pub(super) fn find(
+    description: &Description,
+    root: Option<&str>,
+    findings: &mut Findings<'_>,
+) -> Option<Tree> {
+    let Description { links, joints, .. } = description;
     if links.is_empty() {
-        return Err(RobotError::Syntax {
-            place: source.place(0),
-            what: "the robot has no links".into(),
-        });
+        findings.refuse_file(0, "the robot has no links");
+        return None;
     }
-    let mut by_name: HashMap<&str, usize> = HashMap::new();
-    for (i, link) in links.iter().enumerate() {
-        if let Some(&first) = by_name.get(link.name.as_str()) {
-            let line = links.get(first).map(|l| source.place(l.offset));
-            return source.refuse(link.offset, &link.label(), twice(line));
-        }
-        by_name.insert(&link.name, i);
-    }
-    let mut seen: HashMap<&str, &Joint> = HashMap::new();
-    for joint in joints {
-        if let Some(first) = seen.insert(&joint.name, joint) {
-            let line = Some(source.place(first.offset));
-            return source.refuse(joint.offset, &joint.label(), twice(line));
-        }
-    }
-
+    let by_name = unique_names(description, findings)?;
+    let ends = ends(description, &by_name, findings)?;
     let mut carried_by: Vec<Option<&Joint>> = vec![None; links.len()];
-    let mut children: Vec<Vec<usize>> = vec![Vec::new(); links.len()];
-    let mut child = Vec::with_capacity(joints.len());
-    let find = |joint: &Joint, role: &str, name: &str| {
-        by_name.get(name).copied().ok_or_else(|| {
-            let known: Vec<&str> = links.iter().map(|l| l.name.as_str()).collect();
-            let hint = suggestion(name, &known);
-            let what = format!("{role} link `{name}` does not exist{hint}");
-            source.error(joint.offset, &joint.label(), what)
-        })
-    };
-    for (j, joint) in joints.iter().enumerate() {
-        let parent = find(joint, "parent", &joint.parent)?;
-        let carried = find(joint, "child", &joint.child)?;
-        if parent == carried {
-            return source.refuse(
-                joint.offset,
-                &joint.label(),
-                format!("has link `{}` as parent and as child", joint.parent),
+    for (joint, ends) in joints.iter().zip(&ends) {
+        let slot = &mut carried_by[ends.child];
+        if let Some(other) = slot {
+            findings.refuse(
+                At {
+                    offset: joint.offset,
+                    element: &joint.label(),
+                },
+                format!(
+                    "link `{}` is already the child of joint `{}`; closed chains are not supported",
+                    joint.child, other.name
+                ),
             );
+            return None;
         }
-        if let Some(slot) = carried_by.get_mut(carried) {
-            if let Some(other) = slot {
-                return source.refuse(
-                    joint.offset,
-                    &joint.label(),
-                    format!(
-                        "link `{}` is already the child of joint `{}`; closed chains are not supported",
-                        joint.child, other.name
-                    ),
-                );
-            }
-            *slot = Some(joint);
-        }
-        if let Some(list) = children.get_mut(parent) {
-            list.push(j);
-        }
-        child.push(carried);
+        *slot = Some(joint);
     }
-
-    let roots: Vec<usize> = (0..links.len())
-        .filter(|&i| matches!(carried_by.get(i), Some(None)))
-        .collect();
-    let root = match roots.as_slice() {
+    let roots: Vec<usize> = (0..links.len()).filter(|&i| carried_by[i].is_none()).collect();
+    let own_root = match roots.as_slice() {
         [root] => *root,
-        [] => return cycle(source, outline, 0),
+        [] => {
+            cycle(description, 0, findings);
+            return None;
+        }
         [_, second, ..] => {
-            let names: Vec<&str> = roots
-                .iter()
-                .filter_map(|&i| links.get(i))
-                .map(|l| l.name.as_str())
-                .collect();
-            let second = links.get(*second).map_or(0, |l| l.offset);
-            return source.refuse(
-                second,
-                "tree",
+            let names: Vec<&str> = roots.iter().map(|&i| links[i].name.as_str()).collect();
+            findings.refuse(
+                At {
+                    offset: links[*second].offset,
+                    element: "tree",
+                },
                 format!(
                     "several links are not the child of any joint: `{}`; a robot has one root, join the others to it",
                     names.join("`, `")
                 ),
             );
+            return None;
         }
     };
-    let tree = Tree {
-        root,
-        children,
-        child,
+    let root = match root {
+        None => own_root,
+        Some(name) => {
+            let Some(&link) = by_name.get(name) else {
+                let known: Vec<&str> = links.iter().map(|l| l.name.as_str()).collect();
+                let robot = &description.name;
+                let hint = suggestion(name, &known);
+                findings.refuse_as(crate::options::refuse(
+                    "root",
+                    format!("robot `{robot}` has no link `{name}`{hint}"),
+                ));
+                return None;
+            };
+            link
+        }
     };
-    match unreachable(&tree, links.len()) {
-        Some(link) => cycle(source, outline, link),
-        None => Ok(tree),
+    let (edges, reached) = outwards(root, links.len(), &ends);
+    if let Some(link) = reached.iter().position(|&r| !r) {
+        cycle(description, link, findings);
+        return None;
+    }
+    let mut tree = Tree { root, edges };
+    tree.take_floating_joint(description);
+    Some(tree)
+}
+
+impl Tree {
+    /// A root that only carries the whole robot on a floating joint is the world.
+    fn take_floating_joint(&mut self, description: &Description) {
+        let has_mass = description.links[self.root]
+            .inertial
+            .is_some_and(|i| i.inertia.mass > 0.0);
+        if has_mass {
+            return;
+        }
+        let [edge] = self.edges[self.root][..] else {
+            return;
+        };
+        if description.joints[edge.joint].kind == Kind::Floating && !edge.is_reversed {
+            self.root = edge.link;
+        }
     }
 }
 
-fn twice(first: Option<wbqp::robot::Place>) -> String {
-    let first = first.map_or(String::new(), |p| format!(" (first at {p})"));
-    format!("is defined twice{first}; give each a name of its own")
-}
-
-fn cycle<T>(source: &Source<'_>, outline: &Outline, link: usize) -> Result<T, RobotError> {
-    match outline.links.get(link) {
-        Some(link) => source.refuse(
-            link.offset,
-            &link.label(),
-            "is part of, or hangs on, a cycle of joints; a robot is a tree with one root",
-        ),
-        None => source.refuse(0, "tree", "has a cycle of joints"),
+fn unique_names<'d>(
+    description: &'d Description,
+    findings: &mut Findings<'_>,
+) -> Option<HashMap<&'d str, usize>> {
+    let mut by_name: HashMap<&str, usize> = HashMap::new();
+    let mut unique = true;
+    let mut refuse = |offset: usize, label: String, first: usize| {
+        let place = findings.source.place(first);
+        findings.refuse(
+            At {
+                offset,
+                element: &label,
+            },
+            format!("is defined twice (first at {place}); give each a name of its own"),
+        );
+        unique = false;
+    };
+    for (i, link) in description.links.iter().enumerate() {
+        match by_name.get(link.name.as_str()) {
+            Some(&first) => refuse(link.offset, link.label(), description.links[first].offset),
+            None => {
+                by_name.insert(&link.name, i);
+            }
+        }
     }
+    let mut seen: HashMap<&str, &Joint> = HashMap::new();
+    for joint in &description.joints {
+        match seen.get(joint.name.as_str()) {
+            Some(first) => refuse(joint.offset, joint.label(), first.offset),
+            None => {
+                seen.insert(&joint.name, joint);
+            }
+        }
+    }
+    unique.then_some(by_name)
 }
 
-/// A link that the root does not carry. With one parent each, it is on a cycle or below one.
-fn unreachable(tree: &Tree, links: usize) -> Option<usize> {
+fn ends(
+    description: &Description,
+    by_name: &HashMap<&str, usize>,
+    findings: &mut Findings<'_>,
+) -> Option<Vec<Ends>> {
+    let mut ends = Vec::with_capacity(description.joints.len());
+    for joint in &description.joints {
+        let label = joint.label();
+        let at = At {
+            offset: joint.offset,
+            element: &label,
+        };
+        let mut find = |role: &str, name: &str| {
+            let found = by_name.get(name).copied();
+            if found.is_none() {
+                let known: Vec<&str> = description.links.iter().map(|l| l.name.as_str()).collect();
+                let hint = suggestion(name, &known);
+                findings.refuse(at, format!("{role} link `{name}` does not exist{hint}"));
+            }
+            found
+        };
+        let found = (find("parent", &joint.parent), find("child", &joint.child));
+        let (Some(parent), Some(child)) = found else {
+            continue;
+        };
+        if parent == child {
+            findings.refuse(
+                at,
+                format!("has link `{}` as parent and as child", joint.parent),
+            );
+            continue;
+        }
+        ends.push(Ends { parent, child });
+    }
+    (ends.len() == description.joints.len()).then_some(ends)
+}
+
+/// The joints that lead away from a link, per link, and which links they come to.
+fn outwards(root: usize, links: usize, ends: &[Ends]) -> (Vec<Vec<Edge>>, Vec<bool>) {
+    let mut at: Vec<Vec<Edge>> = vec![Vec::new(); links];
+    for (joint, &Ends { parent, child }) in ends.iter().enumerate() {
+        at[parent].push(Edge {
+            joint,
+            link: child,
+            is_reversed: false,
+        });
+        at[child].push(Edge {
+            joint,
+            link: parent,
+            is_reversed: true,
+        });
+    }
     let mut reached = vec![false; links];
-    let mut stack = vec![tree.root];
+    let mut stack = vec![root];
+    reached[root] = true;
     while let Some(link) = stack.pop() {
-        if let Some(flag) = reached.get_mut(link) {
-            *flag = true;
+        at[link].retain(|edge| !reached[edge.link]);
+        for edge in &at[link] {
+            reached[edge.link] = true;
+            stack.push(edge.link);
         }
-        let joints = tree.children.get(link).into_iter().flatten();
-        stack.extend(joints.filter_map(|&j| tree.child.get(j).copied()));
     }
-    reached.iter().position(|&r| !r)
+    (at, reached)
+}
+
+fn cycle(description: &Description, link: usize, findings: &mut Findings<'_>) {
+    let link = &description.links[link];
+    let at = At {
+        offset: link.offset,
+        element: &link.label(),
+    };
+    findings.refuse(
+        at,
+        "is part of, or hangs on, a cycle of joints; a robot is a tree with one root",
+    );
 }

@@ -1,0 +1,42 @@
+//! Inertial parameters of a link that replace the file's.
+#![allow(non_snake_case)]
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use wbqp::{
+    model::Inertia,
+    nalgebra::{Matrix3, Vector3},
+};
+
+/// Mass, centre of mass and rotational inertia of a link, in its own frame.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LinkInertia {
+    /// kg, not negative.
+    #[schemars(extend("x-unit" = "kg"))]
+    pub mass: f64,
+    /// Centre of mass in the link's frame, m.
+    #[serde(default)]
+    #[schemars(extend("x-unit" = "m"))]
+    pub com: [f64; 3],
+    /// `[ixx, iyy, izz]` about the centre of mass, axes of the link, kg·m².
+    #[schemars(extend("x-unit" = "kg·m²"))]
+    pub moments: [f64; 3],
+    /// `[ixy, ixz, iyz]` about the centre of mass, kg·m².
+    #[serde(default)]
+    #[schemars(extend("x-unit" = "kg·m²"))]
+    pub products: [f64; 3],
+}
+
+impl LinkInertia {
+    pub(crate) fn inertia(&self) -> Inertia {
+        let [ixx, iyy, izz] = self.moments;
+        let [ixy, ixz, iyz] = self.products;
+        let I_cm = Matrix3::new(
+            ixx, ixy, ixz, //
+            ixy, iyy, iyz, //
+            ixz, iyz, izz,
+        );
+        Inertia::from_com(self.mass, Vector3::from(self.com), I_cm)
+    }
+}

@@ -1,0 +1,120 @@
+//! Names of joints or links, and regular expressions for them.
+
+use std::collections::BTreeMap;
+
+use regex::RegexBuilder;
+use wbqp::{robot::RobotError, suggestion::suggestion};
+
+use super::refuse;
+
+/// Largest size of a compiled expression, bytes; with names of at most some hundred characters its use is bounded too.
+const LARGEST: usize = 1 << 20;
+
+/// The names that options can mean.
+pub(crate) struct Names<'a> {
+    /// In messages.
+    pub(crate) robot: &'a str,
+    /// `moving joint` or `link`.
+    pub(crate) kind: &'static str,
+    pub(crate) known: Vec<&'a str>,
+}
+
+impl Names<'_> {
+    /// Those that a key of an option means, by index: the one of that name, or all that an expression matches as a whole.
+    pub(crate) fn matching(&self, option: &str, key: &str) -> Result<Vec<usize>, RobotError> {
+        if let Some(index) = self.known.iter().position(|name| *name == key) {
+            return Ok(vec![index]);
+        }
+        let Self { robot, kind, known } = self;
+        let is_plain = regex::escape(key).replace("\\-", "-") == key;
+        let expression = RegexBuilder::new(&format!("^(?:{key})$"))
+            .size_limit(LARGEST)
+            .build();
+        match expression {
+            Ok(expression) => {
+                let matches = |i: &usize| known.get(*i).is_some_and(|name| expression.is_match(name));
+                let found: Vec<usize> = (0..known.len()).filter(matches).collect();
+                if !found.is_empty() {
+                    return Ok(found);
+                }
+                let hint = suggestion(key, known);
+                Err(refuse(
+                    option,
+                    match is_plain {
+                        true => format!("robot `{robot}` has no {kind} `{key}`{hint}"),
+                        false => format!(
+                            "robot `{robot}` has no {kind} whose whole name the expression `{key}` matches{hint}"
+                        ),
+                    },
+                ))
+            }
+            Err(error) => {
+                let reason = error.to_string();
+                let reason = reason.lines().last().unwrap_or_default().to_owned();
+                Err(refuse(
+                    option,
+                    format!("`{key}` is neither a {kind} nor a regular expression: {reason}"),
+                ))
+            }
+        }
+    }
+
+    /// Whether each is in a list.
+    pub(crate) fn listed(
+        &self,
+        option: &str,
+        list: &[String],
+        errors: &mut Vec<RobotError>,
+    ) -> Vec<bool> {
+        let mut listed = vec![false; self.known.len()];
+        for key in list {
+            match self.matching(option, key) {
+                Ok(found) => found.into_iter().for_each(|i| listed[i] = true),
+                Err(error) => errors.push(error),
+            }
+        }
+        listed
+    }
+
+    /// The value that a table has for each.
+    pub(crate) fn values<T: Copy + PartialEq>(
+        &self,
+        option: &str,
+        table: &BTreeMap<String, T>,
+        errors: &mut Vec<RobotError>,
+    ) -> Vec<Option<T>> {
+        let mut values: Vec<Option<(T, &str)>> = vec![None; self.known.len()];
+        let is_name = |key: &String| self.known.contains(&key.as_str());
+        for (key, &value) in table.iter().filter(|(key, _)| !is_name(key)) {
+            let found = match self.matching(option, key) {
+                Ok(found) => found,
+                Err(error) => {
+                    errors.push(error);
+                    continue;
+                }
+            };
+            for i in found {
+                let name = self.known[i];
+                match values[i] {
+                    Some((other, by)) if other != value && !table.contains_key(name) => {
+                        errors.push(refuse(
+                            option,
+                            format!(
+                                "expressions `{by}` and `{key}` both match {} `{name}`, with different values; give it a value \
+                                 of its own",
+                                self.kind
+                            ),
+                        ));
+                    }
+                    _ => values[i] = Some((value, key)),
+                }
+            }
+        }
+        for (value, name) in values.iter_mut().zip(&self.known) {
+            if let Some(&own) = table.get(*name) {
+                *value = Some((own, name));
+            }
+        }
+        values.into_iter().map(|value| Some(value?.0)).collect()
+    }
+}

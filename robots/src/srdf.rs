@@ -1,0 +1,121 @@
+//! Named postures from an SRDF file, MoveIt's companion of a URDF.
+//!
+//! Of the format, `<group_state name="…">` with its `<joint name="…" value="…"/>` is read. A joint with seven values is that of a
+//! floating base: `x y z qx qy qz qw`, as Pinocchio writes it.
+#![allow(non_snake_case)]
+
+use std::collections::BTreeMap;
+
+use roxmltree::{Document, Node};
+use wbqp::{
+    nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion},
+    robot::{Place, RobotError},
+    suggestion::suggestion,
+};
+
+use crate::source::Source;
+
+/// A posture.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct GroupState {
+    /// By joint, rad or m.
+    pub(crate) joints: BTreeMap<String, f64>,
+    /// Of the base in the world, if the file says.
+    pub(crate) X_WR: Option<Isometry3<f64>>,
+}
+
+/// The posture of that name; of several groups, all of them.
+pub(crate) fn state(file: &str, text: &str, name: &str) -> Result<GroupState, RobotError> {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let source = Source::new(file, text);
+    let document = Document::parse(text).map_err(|e| RobotError::Syntax {
+        place: Place::at(file, e.pos().row as usize, e.pos().col as usize),
+        what: format!("malformed XML: {e}"),
+    })?;
+    let states = || {
+        let is_state = |node: &Node<'_, '_>| node.tag_name().name() == "group_state";
+        document.root_element().children().filter(is_state)
+    };
+    let mut posture = GroupState::default();
+    let mut found = false;
+    for node in states().filter(|node| node.attribute("name") == Some(name)) {
+        found = true;
+        for joint in node.children().filter(|n| n.tag_name().name() == "joint") {
+            read_joint(&source, joint, &mut posture)?;
+        }
+    }
+    if found {
+        return Ok(posture);
+    }
+    let mut known: Vec<&str> = states().filter_map(|node| node.attribute("name")).collect();
+    known.dedup();
+    let hint = suggestion(name, &known);
+    Err(RobotError::Syntax {
+        place: Place::file(file),
+        what: format!("has no group state `{name}`{hint}"),
+    })
+}
+
+fn read_joint(
+    source: &Source<'_>,
+    node: Node<'_, '_>,
+    posture: &mut GroupState,
+) -> Result<(), RobotError> {
+    let offset = node.range().start;
+    let name = node.attribute("name").unwrap_or_default();
+    let text = node.attribute("value").unwrap_or_default();
+    let values: Result<Vec<f64>, _> = text.split_whitespace().map(str::parse).collect();
+    let values = values.unwrap_or_default();
+    let finite = values.iter().all(|x| x.is_finite());
+    match values.as_slice() {
+        [value] if finite => {
+            posture.joints.insert(name.to_owned(), *value);
+        }
+        &[x, y, z, qx, qy, qz, qw] if finite => {
+            let rotation = UnitQuaternion::try_new(Quaternion::new(qw, qx, qy, qz), 1e-6);
+            let rotation = rotation.unwrap_or_else(UnitQuaternion::identity);
+            posture.X_WR = Some(Isometry3::from_parts(Translation3::new(x, y, z), rotation));
+        }
+        // A continuous joint as cosine and sine.
+        &[cos, sin] if finite => {
+            posture.joints.insert(name.to_owned(), sin.atan2(cos));
+        }
+        _ => {
+            return source.refuse(
+                offset,
+                &format!("joint `{name}`"),
+                format!("value=\"{text}\" must be one number, or seven for a floating base: x y z qx qy qz qw"),
+            );
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TEXT: &str = r#"<robot name="r">
+  <group_state name="stand" group="legs"><joint name="knee" value="0.5"/></group_state>
+  <group_state name="stand" group="base"><joint name="root_joint" value="0 0 1.02 0 0 0 1"/></group_state>
+  <group_state name="odd" group="legs"><joint name="knee" value="half"/></group_state>
+</robot>"#;
+
+    #[test]
+    fn states_of_several_groups_are_one_posture() {
+        let posture = state("r.srdf", TEXT, "stand").unwrap();
+        assert_eq!(posture.joints, BTreeMap::from([("knee".to_owned(), 0.5)]));
+        assert_eq!(posture.X_WR.unwrap().translation.z, 1.02);
+    }
+
+    #[test]
+    fn what_is_not_there_is_named() {
+        let error = state("r.srdf", TEXT, "stnd").unwrap_err().to_string();
+        assert_eq!(
+            error,
+            "r.srdf: has no group state `stnd`; did you mean `stand`? (known: stand, odd)"
+        );
+        let error = state("r.srdf", TEXT, "odd").unwrap_err().to_string();
+        assert!(error.starts_with("r.srdf:4:40: joint `knee`: value=\"half\""), "{error}");
+    }
+}

@@ -1,0 +1,147 @@
+//! What the reader finds in a file: errors, and irregularities that are repaired, or refused in strict mode.
+
+use wbqp::robot::{Diagnostic, RobotError, Severity};
+
+use crate::source::Source;
+
+/// Everything that was found in a file, in the order in which it was.
+pub(super) struct Findings<'a> {
+    pub(super) source: &'a Source<'a>,
+    /// Whether irregularities are errors.
+    mode: Mode,
+    errors: Vec<RobotError>,
+    diagnostics: Vec<Diagnostic>,
+}
+
+/// How a file is read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Mode {
+    /// What other tools of the field read is read, with a diagnostic.
+    Liberal,
+    /// What the format and physics do not allow is refused.
+    Strict,
+}
+
+/// An element in the file.
+#[derive(Clone, Copy)]
+pub(super) struct At<'e> {
+    /// Byte offset.
+    pub(super) offset: usize,
+    /// What messages call it.
+    pub(super) element: &'e str,
+}
+
+/// Something that is not as it should be and can be repaired.
+pub(super) struct Irregularity {
+    pub(super) severity: Severity,
+    /// What strict mode says; nothing if strict mode accepts it.
+    pub(super) strict: Option<String>,
+    pub(super) found: String,
+    pub(super) done: String,
+    pub(super) remedy: String,
+}
+
+impl Irregularity {
+    /// Worth a look: the robot may not be what its owner thinks.
+    pub(super) fn warning(found: impl Into<String>, done: impl Into<String>) -> Self {
+        Self {
+            severity: Severity::Warning,
+            strict: None,
+            found: found.into(),
+            done: done.into(),
+            remedy: String::new(),
+        }
+    }
+
+    /// A habit of files that has one meaning.
+    pub(super) fn note(found: impl Into<String>, done: impl Into<String>) -> Self {
+        Self {
+            severity: Severity::Note,
+            ..Self::warning(found, done)
+        }
+    }
+
+    /// How to say otherwise.
+    pub(super) fn remedy(mut self, remedy: impl Into<String>) -> Self {
+        self.remedy = remedy.into();
+        self
+    }
+
+    /// What strict mode refuses it with.
+    pub(super) fn refused_as(mut self, strict: impl Into<String>) -> Self {
+        self.strict = Some(strict.into());
+        self
+    }
+}
+
+impl<'a> Findings<'a> {
+    pub(super) fn new(source: &'a Source<'a>, mode: Mode) -> Self {
+        Self {
+            source,
+            mode,
+            errors: Vec::new(),
+            diagnostics: Vec::new(),
+        }
+    }
+
+    pub(super) fn is_strict(&self) -> bool {
+        self.mode == Mode::Strict
+    }
+
+    /// Something without meaning, in either mode.
+    pub(super) fn refuse(&mut self, at: At<'_>, what: impl Into<String>) {
+        let error = self.source.error(at.offset, at.element, what);
+        self.errors.push(error);
+    }
+
+    /// The same about the file as a whole.
+    pub(super) fn refuse_file(&mut self, offset: usize, what: impl Into<String>) {
+        let place = self.source.place(offset);
+        let what = what.into();
+        self.errors.push(RobotError::Syntax { place, what });
+    }
+
+    /// An error that has its words already.
+    pub(super) fn refuse_as(&mut self, error: RobotError) {
+        self.errors.push(error);
+    }
+
+    /// Something that is repaired; in strict mode refused if it has words for that, else passed over.
+    pub(super) fn repair(&mut self, at: At<'_>, irregularity: Irregularity) {
+        if self.is_strict() {
+            if let Some(what) = irregularity.strict {
+                self.refuse(at, what);
+            }
+            return;
+        }
+        let Irregularity {
+            severity,
+            found,
+            done,
+            remedy,
+            ..
+        } = irregularity;
+        self.diagnostics.push(Diagnostic {
+            severity,
+            place: self.source.place(at.offset),
+            element: at.element.to_owned(),
+            found,
+            done,
+            remedy,
+        });
+    }
+
+    /// Stops if anything has no meaning.
+    pub(super) fn stop_if_any(&mut self) -> Result<(), RobotError> {
+        match RobotError::of(std::mem::take(&mut self.errors)) {
+            Some(error) => Err(error),
+            None => Ok(()),
+        }
+    }
+
+    /// What was repaired, in the order of the file.
+    pub(super) fn into_diagnostics(mut self) -> Vec<Diagnostic> {
+        self.diagnostics.sort_by_key(|d| d.place.position);
+        self.diagnostics
+    }
+}

@@ -1,0 +1,236 @@
+//! How each joint of a file moves in the model: what file and options say together.
+//!
+//! # Notation
+//! `q` of a joint that does not move is where it is frozen, rad or m.
+
+use std::collections::HashMap;
+
+use wbqp::{
+    model::JointLimits,
+    nalgebra::{Isometry3, Translation3, UnitQuaternion},
+    robot::RobotError,
+    suggestion::suggestion,
+};
+
+use super::{
+    description::{Description, Joint, Kind},
+    findings::{At, Findings, Irregularity},
+};
+use crate::options::{JointOptions, MimicKind, Names, Options};
+
+/// Longest chain of joints that follow one another.
+const LONGEST: usize = 64;
+
+/// How a joint moves.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Motion {
+    /// Not at all: it is frozen at `q`, or fixed.
+    Rigid {
+        q: f64,
+    },
+    Free,
+    Follows {
+        leader: String,
+        multiplier: f64,
+        offset: f64,
+    },
+}
+
+/// All joints of a file, with the options that concern them.
+pub(super) struct Motions<'d> {
+    joints: &'d [Joint],
+    /// By joint; those of joints that the file fixes say nothing.
+    options: Vec<Option<JointOptions>>,
+    by_name: HashMap<&'d str, usize>,
+    /// By name of a joint.
+    state: HashMap<&'d str, f64>,
+    pub(super) motions: Vec<Motion>,
+}
+
+impl<'d> Motions<'d> {
+    /// `state` is a named posture.
+    pub(super) fn resolve(
+        description: &'d Description,
+        options: &Options,
+        state: HashMap<&'d str, f64>,
+        findings: &mut Findings<'_>,
+    ) -> Self {
+        let joints = description.joints.as_slice();
+        let moving: Vec<usize> = (0..joints.len()).filter(|&j| joints[j].is_simple()).collect();
+        let names = Names {
+            robot: &description.name,
+            kind: "moving joint",
+            known: moving.iter().map(|&j| joints[j].name.as_str()).collect(),
+        };
+        let mut errors: Vec<RobotError> = Vec::new();
+        let resolved = JointOptions::resolve(options, &names, &mut errors);
+        errors.into_iter().for_each(|e| findings.refuse_as(e));
+        let mut of_joint = vec![None; joints.len()];
+        for (j, options) in moving.into_iter().zip(resolved) {
+            of_joint[j] = Some(options);
+        }
+        let mut motions = Self {
+            joints,
+            options: of_joint,
+            by_name: joints.iter().enumerate().map(|(j, joint)| (joint.name.as_str(), j)).collect(),
+            state,
+            motions: Vec::new(),
+        };
+        motions.motions = (0..joints.len()).map(|j| motions.motion(j, findings)).collect();
+        motions
+    }
+
+    /// What the options say of a joint.
+    pub(super) fn options(&self, joint: usize) -> Option<&JointOptions> {
+        self.options[joint].as_ref()
+    }
+
+    /// Position and velocity limits, and effort; of a joint without options those of the file.
+    pub(super) fn limits(&self, joint: usize) -> JointLimits {
+        let limit = self.joints[joint].limit;
+        let options = self.options(joint);
+        let given = |option: Option<f64>, file: Option<f64>| option.or(file).unwrap_or(f64::INFINITY);
+        let range = options.and_then(|o| o.range);
+        JointLimits {
+            lower: range.map(|r| r[0]).or(limit.lower).unwrap_or(f64::NEG_INFINITY),
+            upper: range.map(|r| r[1]).or(limit.upper).unwrap_or(f64::INFINITY),
+            velocity: given(options.and_then(|o| o.velocity), limit.velocity),
+            effort: given(options.and_then(|o| o.effort), limit.effort),
+        }
+    }
+
+    /// Where a joint is at home, as far as the options or the named posture say.
+    pub(super) fn given_home(&self, joint: usize) -> Option<f64> {
+        let state = || self.state.get(self.joints[joint].name.as_str()).copied();
+        self.options(joint).and_then(|o| o.home).or_else(state)
+    }
+
+    /// Where a joint is at home: at 0, or at the limit nearest to 0, if nothing says.
+    fn home(&self, joint: usize) -> f64 {
+        let limits = self.limits(joint);
+        self.given_home(joint)
+            .unwrap_or_else(|| 0.0_f64.max(limits.lower).min(limits.upper))
+    }
+
+    fn motion(&self, index: usize, findings: &mut Findings<'_>) -> Motion {
+        let joint = &self.joints[index];
+        let Some(options) = self.options(index) else {
+            return match joint.kind {
+                Kind::Planar => Motion::Free,
+                _ => Motion::Rigid { q: 0.0 },
+            };
+        };
+        let Some(mimic) = &joint.mimic else {
+            return match options.lock {
+                true => Motion::Rigid { q: self.home(index) },
+                false => Motion::Free,
+            };
+        };
+        let label = joint.label();
+        let at = At {
+            offset: mimic.at,
+            element: &label,
+        };
+        if options.mimic == MimicKind::Free {
+            return match options.lock {
+                true => Motion::Rigid { q: self.home(index) },
+                false => Motion::Free,
+            };
+        }
+        let Some(&leader) = self.by_name.get(mimic.leader.as_str()) else {
+            let known: Vec<&str> = self.joints.iter().map(|j| j.name.as_str()).collect();
+            let hint = suggestion(&mimic.leader, &known);
+            findings.refuse(at, format!("follows joint `{}`, which does not exist{hint}", mimic.leader));
+            return Motion::Free;
+        };
+        let Some(at_home) = self.led(index, 0) else {
+            findings.refuse(at, format!("follows itself, or a joint behind more than {LONGEST} others"));
+            return Motion::Free;
+        };
+        if matches!(self.joints[leader].kind, Kind::Planar | Kind::Floating) {
+            findings.refuse(
+                at,
+                format!("follows joint `{}`, which has more than one degree of freedom", mimic.leader),
+            );
+            return Motion::Free;
+        }
+        if options.lock || options.mimic == MimicKind::Lock {
+            let own = options.lock.then(|| self.given_home(index)).flatten();
+            return Motion::Rigid { q: own.unwrap_or(at_home) };
+        }
+        let still = match self.joints[leader].kind {
+            Kind::Fixed => Some("which is fixed"),
+            _ if mimic.multiplier == 0.0 => Some("with multiplier 0"),
+            _ if self.is_frozen(leader, 0) => Some("which is locked"),
+            _ => None,
+        };
+        if let Some(why) = still {
+            findings.repair(
+                at,
+                Irregularity::note(
+                    format!("follows joint `{}`, {why}", mimic.leader),
+                    format!("frozen at {at_home}"),
+                )
+                .remedy("set the robot's option `mimic` to \"free\" for this joint"),
+            );
+            return Motion::Rigid { q: at_home };
+        }
+        Motion::Follows {
+            leader: mimic.leader.clone(),
+            multiplier: mimic.multiplier,
+            offset: mimic.offset,
+        }
+    }
+
+    /// Where a joint is with the joints that it follows at home; `None` if it follows itself.
+    fn led(&self, index: usize, depth: usize) -> Option<f64> {
+        if depth > LONGEST {
+            return None;
+        }
+        let joint = &self.joints[index];
+        let is_free = self.options(index).is_none_or(|o| o.mimic == MimicKind::Free);
+        let Some(mimic) = joint.mimic.as_ref().filter(|_| !is_free) else {
+            return Some(match joint.kind {
+                Kind::Fixed => 0.0,
+                _ => self.home(index),
+            });
+        };
+        let leader = *self.by_name.get(mimic.leader.as_str())?;
+        Some(mimic.multiplier * self.led(leader, depth + 1)? + mimic.offset)
+    }
+
+    /// Whether a joint, or one that it follows, does not move.
+    fn is_frozen(&self, index: usize, depth: usize) -> bool {
+        let joint = &self.joints[index];
+        let Some(options) = self.options(index) else {
+            return true;
+        };
+        if options.lock || depth > LONGEST {
+            return true;
+        }
+        match (&joint.mimic, options.mimic) {
+            (None, _) | (_, MimicKind::Free) => false,
+            (Some(_), MimicKind::Lock) => true,
+            (Some(mimic), MimicKind::Couple) => {
+                let leader = self.by_name.get(mimic.leader.as_str());
+                mimic.multiplier == 0.0 || leader.is_none_or(|&l| self.is_frozen(l, depth + 1))
+            }
+        }
+    }
+}
+
+impl Joint {
+    /// How the child has moved relative to the joint's frame with the joint at `q`.
+    pub(super) fn displacement(&self, q: f64) -> Isometry3<f64> {
+        match self.kind {
+            Kind::Prismatic => {
+                Isometry3::from_parts(Translation3::from(self.axis.into_inner() * q), UnitQuaternion::identity())
+            }
+            Kind::Revolute | Kind::Continuous => Isometry3::from_parts(
+                Translation3::identity(),
+                UnitQuaternion::from_axis_angle(&self.axis, q),
+            ),
+            _ => Isometry3::identity(),
+        }
+    }
+}

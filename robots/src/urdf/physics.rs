@@ -1,0 +1,268 @@
+//! Whether the bodies of a model, with all that is fixed to them, can be moved by forces: judged after merging, as a whole.
+//!
+//! # Mathematics
+//! A joint that moves no inertia makes the mass matrix singular. With `M = Lᵀ D L`, from the last joint to the first, the pivot
+//! `D_k` is what joint `k` feels of inertia when all joints beyond it are let go; where it is not positive, or next to nothing of
+//! `M_kk`, joint `k` is the one (R. Featherstone, *Rigid Body Dynamics Algorithms*, sections 6.5 and 7).
+#![allow(non_snake_case)]
+
+use wbqp::{
+    dynamics::Data,
+    model::{Base, Inertia, Model, ModelError},
+    nalgebra::{DMatrix, Isometry3, UnitQuaternion},
+    robot::RobotError,
+    state::State,
+};
+
+use super::{
+    assemble::Assembled,
+    description::Description,
+    findings::{At, Findings, Irregularity},
+    motion::{Motion, Motions},
+};
+
+/// Pivots below this share of the diagonal entry are rounding.
+const NEGLIGIBLE: f64 = 1e-12;
+
+/// Moments of a merged link below zero by this share of its largest are rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// Postures at which the mass matrix is looked at, beside the neutral one.
+const POSTURES: usize = 8;
+
+/// Most velocities for which all postures are looked at: a factorisation takes time with the third power.
+const LARGEST: usize = 200;
+
+/// Looks at every body and at the mass matrix.
+pub(super) fn judge(
+    assembled: &Assembled,
+    description: &Description,
+    inertias: &[Inertia],
+    motions: &Motions<'_>,
+    findings: &mut Findings<'_>,
+) -> Result<(), RobotError> {
+    let Assembled { model, links } = assembled;
+    if model.mass() <= 0.0 {
+        return Err(RobotError::Syntax {
+            place: findings.source.place(0),
+            what: "no link has mass: nothing can move".into(),
+        });
+    }
+    let mut state = State::neutral(model);
+    let mut data = Data::new(model);
+    data.update(model, &state);
+    let singular = singular(model, &mut data, &mut state);
+    state = State::neutral(model);
+    data.update(model, &state);
+    let carried = carried_mass(model);
+    for (i, body) in model.bodies().iter().enumerate() {
+        let (Some(&own), Some(id)) = (links[i].first(), model.body_id(i)) else {
+            continue;
+        };
+        let link = &description.links[own];
+        let label = link.label();
+        let at = At {
+            offset: link.inertial.map_or(link.offset, |i| i.offset),
+            element: &label,
+        };
+        let joint = model.joint_of(id);
+        if joint.is_none() && model.base() == Base::Fixed {
+            continue;
+        }
+        let merged = match links[i].len() {
+            1 => String::new(),
+            n => format!(" with the {} links fixed to it", n - 1),
+        };
+        let felt = joint.map(|joint| {
+            let velocity = model.velocity_index(joint);
+            let name = &model.joints()[joint.index()].name;
+            let unit = match model.joints()[joint.index()].kind {
+                wbqp::model::JointKind::Revolute => "kg·m²",
+                wbqp::model::JointKind::Prismatic => "kg",
+            };
+            (format!("joint `{name}` feels {:.3e} {unit}", data.mass_matrix()[(velocity, velocity)]), name)
+        });
+        let remedy = match &felt {
+            Some((_, name)) => format!("set the robot's options `inertia` for the link, or `armature` for joint `{name}`"),
+            None => "set the robot's option `inertia` for the link".to_owned(),
+        };
+        let effective = felt.map_or_else(String::new, |(felt, _)| format!("; {felt} of inertia with all that it carries"));
+        if body.inertia.mass == 0.0 {
+            let irregularity = if carried[i] > 0.0 {
+                Irregularity::note(
+                    format!("moves on its own{merged} without mass"),
+                    format!("taken as it is: it carries {:.3e} kg{effective}", carried[i]),
+                )
+            } else if joint.is_none() {
+                Irregularity::warning("is the floating base without mass", "taken as it is")
+            } else {
+                Irregularity::warning(
+                    format!("moves on its own{merged} without mass, and carries none"),
+                    format!("taken as it is{effective}"),
+                )
+            };
+            findings.repair(at, irregularity.remedy(remedy));
+        } else if let Err(ModelError::Inertia { what, .. }) = body.inertia.validate(&body.name) {
+            findings.repair(
+                at,
+                Irregularity::warning(format!("inertia{merged} {what}"), format!("taken as it is{effective}"))
+                    .remedy(remedy),
+            );
+        } else {
+            merged_links(&links[i], description, inertias, findings);
+        }
+    }
+    if let Some((velocity, own, pivot)) = singular {
+        warn_of_singular(model, description, motions, [own, pivot], velocity, findings);
+    }
+    Ok(())
+}
+
+/// Links that no rigid body is like, fixed to one that is.
+fn merged_links(
+    links: &[usize],
+    description: &Description,
+    inertias: &[Inertia],
+    findings: &mut Findings<'_>,
+) {
+    for &index in links {
+        let (link, inertia) = (&description.links[index], &inertias[index]);
+        let Some(inertial) = link.inertial.filter(|_| inertia.mass > 0.0) else {
+            continue;
+        };
+        let Err(ModelError::Inertia { what, .. }) = inertia.validate(&link.name) else {
+            continue;
+        };
+        let moments = inertia.I_BBcm().symmetric_eigenvalues();
+        if moments.min() <= 0.0 && moments.min() > -ROUNDING * (moments.max() + inertia.mass) {
+            continue;
+        }
+        let at = At {
+            offset: inertial.offset,
+            element: &link.label(),
+        };
+        findings.repair(
+            at,
+            Irregularity::note(
+                format!("inertia {what}"),
+                "taken as it is: the body that it is part of is a rigid body's",
+            )
+            .remedy("set the robot's option `inertia` for this link"),
+        );
+    }
+}
+
+/// By body, the mass of all that it carries, without its own.
+fn carried_mass(model: &Model) -> Vec<f64> {
+    let bodies = model.bodies();
+    let mut carried = vec![0.0; bodies.len()];
+    for (i, body) in bodies.iter().enumerate().skip(1).rev() {
+        carried[body.parent.index()] += carried[i] + body.inertia.mass;
+    }
+    carried
+}
+
+/// The joint, or base velocity, that feels no inertia in some posture: its index in `v`, `M_kk` and the pivot.
+fn singular(model: &Model, data: &mut Data, state: &mut State) -> Option<(usize, f64, f64)> {
+    let postures = if model.nv() > LARGEST { 0 } else { POSTURES };
+    let mut numbers = Numbers(0x1234_5678_9ABC_DEF1);
+    for posture in 0..=postures {
+        if posture > 0 {
+            for (q, joint) in state.q.iter_mut().zip(model.joints()) {
+                let lower = joint.limits.lower.max(-3.0);
+                let upper = joint.limits.upper.min(3.0).max(lower);
+                *q = lower + (upper - lower) * numbers.next();
+            }
+        }
+        data.update(model, state);
+        if model.nv() <= 2 * LARGEST
+            && let Some(found) = singular_velocity(data.mass_matrix().clone())
+        {
+            return Some(found);
+        }
+    }
+    None
+}
+
+fn singular_velocity(mut M: DMatrix<f64>) -> Option<(usize, f64, f64)> {
+    let diagonal = M.diagonal();
+    for k in (0..M.nrows()).rev() {
+        let (own, pivot) = (diagonal[k], M[(k, k)]);
+        let positive = pivot > NEGLIGIBLE * own && pivot > 0.0;
+        if !positive {
+            return Some((k, own, pivot));
+        }
+        for i in (0..k).filter(|&i| M[(k, i)] != 0.0).collect::<Vec<_>>() {
+            let factor = M[(k, i)] / pivot;
+            for j in 0..=i {
+                let change = factor * M[(k, j)];
+                M[(i, j)] -= change;
+            }
+        }
+    }
+    None
+}
+
+fn warn_of_singular(
+    model: &Model,
+    description: &Description,
+    motions: &Motions<'_>,
+    [own, pivot]: [f64; 2],
+    velocity: usize,
+    findings: &mut Findings<'_>,
+) {
+    let Some(joint) = velocity.checked_sub(model.joint_offset()) else {
+        let at = At {
+            offset: 0,
+            element: "floating base",
+        };
+        findings.repair(
+            at,
+            Irregularity::warning(
+                "the mass matrix is not positive definite: the base feels no inertia of its own",
+                "taken as it is; ticks will fail",
+            )
+            .remedy("set the robot's option `inertia` for its link, or choose another `root`"),
+        );
+        return;
+    };
+    let name = &model.joints()[joint].name;
+    let is_it = |(_, j): &(usize, &super::description::Joint)| {
+        j.name == *name || name.strip_prefix(j.name.as_str()).is_some_and(|rest| rest.starts_with('.'))
+    };
+    let found = description.joints.iter().enumerate().find(is_it);
+    let offset = found.map_or(0, |(_, j)| j.offset);
+    debug_assert!(found.is_none_or(|(j, _)| motions.motions[j] == Motion::Free));
+    findings.repair(
+        At {
+            offset,
+            element: &format!("joint `{name}`"),
+        },
+        Irregularity::warning(
+            format!(
+                "the mass matrix is not positive definite: with the joints beyond it let go, this one feels {pivot:.1e} of \
+                 inertia (held, {own:.1e})"
+            ),
+            "taken as it is; ticks will fail",
+        )
+        .remedy(format!("set `armature = {{ {name} = 1e-3 }}` in the robot's options, or lock the joint")),
+    );
+}
+
+/// A few numbers between 0 and 1 (xorshift64*): the same postures every time.
+struct Numbers(u64);
+
+impl Numbers {
+    fn next(&mut self) -> f64 {
+        self.0 ^= self.0 >> 12;
+        self.0 ^= self.0 << 25;
+        self.0 ^= self.0 >> 27;
+        (self.0.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
+/// Where the base is at home.
+pub(super) fn placed(home: &mut State, pose: &Isometry3<f64>) {
+    home.p_WR = pose.translation.vector;
+    home.R_WR = UnitQuaternion::new_normalize(*pose.rotation.quaternion());
+}

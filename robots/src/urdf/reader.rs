@@ -1,0 +1,616 @@
+//! From the text of a URDF file to what it says.
+//!
+//! Everything of one file is found at once. What is not about dynamics (geometry, materials, transmissions, plug-ins) is not looked
+//! at in liberal mode; in strict mode urdf-rs reads the whole file as well, and must be able to.
+#![allow(non_snake_case)]
+
+use roxmltree::{Document, Node};
+use wbqp::{
+    model::Inertia,
+    nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, Unit, UnitQuaternion, Vector3},
+    robot::{Place, RobotError},
+};
+
+use super::{
+    description::{Description, Inertial, Joint, Kind, Limit, Link, Mimic},
+    findings::{At, Findings, Irregularity},
+};
+use crate::source::Source;
+
+/// Largest magnitude of a length, mass or inertia, SI. Beyond it products overflow; no robot is near it.
+const LARGEST: f64 = 1e9;
+
+/// Deepest nesting of elements. URDF itself needs six.
+const DEEPEST: usize = 64;
+
+/// Reads links and joints; what is wrong goes to `findings`. Nothing if there is no robot.
+pub(super) fn read(document: &Document<'_>, findings: &mut Findings<'_>) -> Option<Description> {
+    let root = document.root_element();
+    if root.tag_name().name() != "robot" {
+        let found = root.tag_name().name();
+        findings.refuse_file(
+            root.range().start,
+            format!("is not a URDF: the outermost element is <{found}>, not <robot>"),
+        );
+        return None;
+    }
+    let robot_name = robot_name(root, findings);
+    if let Some(deep) = too_deep(document) {
+        findings.refuse_file(
+            deep,
+            format!("elements are nested more than {DEEPEST} deep"),
+        );
+        return None;
+    }
+    let mut description = Description {
+        name: robot_name,
+        links: Vec::new(),
+        joints: Vec::new(),
+    };
+    for node in root.children().filter(Node::is_element) {
+        let namespace = node.tag_name().namespace();
+        if namespace.is_some_and(|n| n.contains("xacro")) {
+            let at = At {
+                offset: node.range().start,
+                element: "<xacro>",
+            };
+            findings.refuse(
+                at,
+                "this is a xacro file; expand it first: xacro robot.urdf.xacro > robot.urdf",
+            );
+            return None;
+        }
+        match node.tag_name().name() {
+            "link" => description.links.extend(link(node, findings)),
+            "joint" => description.joints.extend(joint(node, findings)),
+            _ => {}
+        }
+    }
+    Some(description)
+}
+
+/// Parses the XML, forgiving what other readers of URDFs do: an XML declaration that does not come first, and prefixes of
+/// namespaces that nothing declares. `mended` has the same length as the text.
+pub(super) fn parse_error(source: &Source<'_>, error: &roxmltree::Error) -> RobotError {
+    let at = error.pos();
+    RobotError::Syntax {
+        place: Place::at(source.file, at.row as usize, at.col as usize),
+        what: format!("malformed XML: {}", without_position(&error.to_string())),
+    }
+}
+
+/// The text with what other readers of URDFs forgive taken out, byte for byte in the same places: an XML declaration that does not
+/// come first, and the colon of prefixes whose namespace nothing declares.
+pub(super) fn forgiving(text: &str) -> String {
+    let mut mended = text.to_owned();
+    if let Some(start) = mended.find("<?xml").filter(|&start| start > 0)
+        && let Some(length) = mended[start..].find("?>")
+    {
+        let blank = " ".repeat(length + 2);
+        mended.replace_range(start..start + length + 2, &blank);
+    }
+    // More prefixes than these are no robot's.
+    for _ in 0..32 {
+        let Err(roxmltree::Error::UnknownNamespace(prefix, _)) = Document::parse(&mended) else {
+            break;
+        };
+        for lead in ["<", "</", " ", "\t", "\n"] {
+            let from = format!("{lead}{prefix}:");
+            mended = mended.replace(&from, &format!("{lead}{prefix}_"));
+        }
+    }
+    mended
+}
+
+fn robot_name(root: Node<'_, '_>, findings: &mut Findings<'_>) -> String {
+    match root.attribute("name") {
+        Some(name) if !name.trim().is_empty() => name.to_owned(),
+        _ => {
+            let file = std::path::Path::new(findings.source.file);
+            let stem = file.file_stem().unwrap_or_default().to_string_lossy();
+            let name = if stem.is_empty() { "robot".into() } else { stem };
+            let at = At {
+                offset: root.range().start,
+                element: "<robot>",
+            };
+            findings.repair(
+                at,
+                Irregularity::note("has no name", format!("called `{name}`, like the file"))
+                    .refused_as("has no name"),
+            );
+            name.into_owned()
+        }
+    }
+}
+
+/// A place where elements are nested too deep: readers recurse, and depth costs stack.
+fn too_deep(document: &Document<'_>) -> Option<usize> {
+    let mut depths: Vec<usize> = Vec::new();
+    for node in document.descendants() {
+        let parent = node.parent().and_then(|p| depths.get(p.id().get_usize()));
+        let depth = parent.map_or(0, |d| d + 1);
+        if depth > DEEPEST {
+            return Some(node.range().start);
+        }
+        depths.push(depth);
+    }
+    None
+}
+
+fn link(node: Node<'_, '_>, findings: &mut Findings<'_>) -> Option<Link> {
+    let name = name(node, "<link>", findings)?;
+    let mut reader = Reader {
+        element: format!("link `{name}`"),
+        findings,
+    };
+    let inertial = reader.child(node, "inertial");
+    Some(Link {
+        name,
+        offset: node.range().start,
+        inertial: inertial.and_then(|inertial| reader.inertial(inertial)),
+    })
+}
+
+fn joint(node: Node<'_, '_>, findings: &mut Findings<'_>) -> Option<Joint> {
+    let name = name(node, "<joint>", findings)?;
+    let mut reader = Reader {
+        element: format!("joint `{name}`"),
+        findings,
+    };
+    let kind = reader.kind(node);
+    let mimic = reader.mimic(node, kind?);
+    let X_PJ = reader.origin(node);
+    let [parent, child] = ["parent", "child"].map(|tag| {
+        let node = reader.required(node, tag)?;
+        reader.text(node, "link").map(str::to_owned)
+    });
+    let kind = kind?;
+    let axis = match kind {
+        Kind::Fixed | Kind::Floating => Some(Vector3::x_axis()),
+        _ => reader.axis(node),
+    };
+    let moves = !matches!(kind, Kind::Fixed | Kind::Floating);
+    let (limit, [damping, friction]) = if moves {
+        (reader.limit(node, kind), reader.dynamics(node))
+    } else {
+        (Limit::default(), [0.0; 2])
+    };
+    Some(Joint {
+        name,
+        offset: node.range().start,
+        kind,
+        parent: parent?,
+        child: child?,
+        X_PJ: X_PJ?,
+        axis: axis?,
+        limit,
+        damping,
+        friction,
+        mimic,
+    })
+}
+
+/// Reads the parts of one link or joint and names it in what it finds.
+struct Reader<'r, 'a> {
+    element: String,
+    findings: &'r mut Findings<'a>,
+}
+
+impl Reader<'_, '_> {
+    fn refuse(&mut self, node: Node<'_, '_>, what: impl Into<String>) {
+        let at = At {
+            offset: node.range().start,
+            element: &self.element,
+        };
+        self.findings.refuse(at, what);
+    }
+
+    fn repair(&mut self, node: Node<'_, '_>, irregularity: Irregularity) {
+        let at = At {
+            offset: node.range().start,
+            element: &self.element,
+        };
+        self.findings.repair(at, irregularity);
+    }
+
+    /// The only child of that name, if any; the first of several.
+    fn child<'n, 'i>(&mut self, node: Node<'n, 'i>, tag: &str) -> Option<Node<'n, 'i>> {
+        let mut found = node
+            .children()
+            .filter(|c| c.is_element() && c.tag_name().name() == tag);
+        let first = found.next();
+        if let Some(second) = found.next() {
+            self.repair(
+                second,
+                Irregularity::warning(format!("<{tag}> is given twice"), "the first counts")
+                    .refused_as(format!("<{tag}> is given twice; keep one")),
+            );
+        }
+        first
+    }
+
+    fn required<'n, 'i>(&mut self, node: Node<'n, 'i>, tag: &str) -> Option<Node<'n, 'i>> {
+        let child = self.child(node, tag);
+        if child.is_none() {
+            self.refuse(node, format!("<{tag}> is missing"));
+        }
+        child
+    }
+
+    fn text<'n>(&mut self, node: Node<'n, '_>, key: &str) -> Option<&'n str> {
+        let text = node.attribute(key);
+        if text.is_none() {
+            let tag = node.tag_name().name();
+            self.refuse(node, format!("<{tag}> has no attribute `{key}`"));
+        }
+        text
+    }
+
+    /// A number that is not NaN; infinite is allowed.
+    fn number(&mut self, node: Node<'_, '_>, key: &str) -> Option<f64> {
+        let text = self.text(node, key)?;
+        match text.trim().parse::<f64>() {
+            Ok(value) if !value.is_nan() => Some(value),
+            _ => {
+                let tag = node.tag_name().name();
+                self.refuse(node, format!("<{tag}> {key}=\"{text}\" is not a number"));
+                None
+            }
+        }
+    }
+
+    fn bounded(&mut self, node: Node<'_, '_>, key: &str, value: f64) -> Option<f64> {
+        if value.abs() <= LARGEST {
+            return Some(value);
+        }
+        let tag = node.tag_name().name();
+        self.refuse(
+            node,
+            format!("<{tag}> {key} is {value:e}: must be at most {LARGEST:e} (SI units)"),
+        );
+        None
+    }
+
+    /// Some numbers of reasonable size.
+    fn numbers<const N: usize>(
+        &mut self,
+        node: Node<'_, '_>,
+        key: &str,
+        count: &str,
+    ) -> Option<[f64; N]> {
+        let text = self.text(node, key)?;
+        let numbers: Result<Vec<f64>, _> = text.split_whitespace().map(str::parse).collect();
+        let numbers = numbers.ok().and_then(|n| <[f64; N]>::try_from(n).ok());
+        if let Some(numbers) = numbers.filter(|n| !n.iter().any(|x| x.is_nan())) {
+            for value in numbers {
+                self.bounded(node, key, value)?;
+            }
+            return Some(numbers);
+        }
+        let tag = node.tag_name().name();
+        self.refuse(
+            node,
+            format!("<{tag}> {key}=\"{text}\" is not {count} numbers separated by spaces"),
+        );
+        None
+    }
+
+    fn three(&mut self, node: Node<'_, '_>, key: &str) -> Option<[f64; 3]> {
+        self.numbers(node, key, "three")
+    }
+
+    /// `<origin>`; the identity if there is none.
+    fn origin(&mut self, node: Node<'_, '_>) -> Option<Isometry3<f64>> {
+        let Some(origin) = self.child(node, "origin") else {
+            return Some(Isometry3::identity());
+        };
+        let mut part = |key: &str| match origin.has_attribute(key) {
+            true => self.three(origin, key),
+            false => Some([0.0; 3]),
+        };
+        let (xyz, rpy) = (part("xyz"), part("rpy"));
+        let rotation = if origin.has_attribute("quat_xyzw") {
+            self.quaternion(origin)?
+        } else {
+            // URDF's rpy are about fixed axes: x first, then y, then z.
+            let [roll, pitch, yaw] = rpy?;
+            UnitQuaternion::from_euler_angles(roll, pitch, yaw)
+        };
+        let [x, y, z] = xyz?;
+        Some(Isometry3::from_parts(Translation3::new(x, y, z), rotation))
+    }
+
+    /// `quat_xyzw`, of URDF 1.2.
+    fn quaternion(&mut self, origin: Node<'_, '_>) -> Option<UnitQuaternion<f64>> {
+        if self.findings.is_strict() {
+            self.refuse(origin, "quat_xyzw is not supported yet; write it as rpy");
+            return None;
+        }
+        let [x, y, z, w] = self.numbers(origin, "quat_xyzw", "four")?;
+        let quaternion = UnitQuaternion::try_new(Quaternion::new(w, x, y, z), 1e-6);
+        if quaternion.is_none() {
+            self.refuse(origin, "quat_xyzw is zero: it has no direction");
+        }
+        quaternion
+    }
+
+    fn inertial(&mut self, node: Node<'_, '_>) -> Option<Inertial> {
+        let X_LC = self.origin(node);
+        let mass = self.required(node, "mass").and_then(|element| {
+            let mass = self.number(element, "value")?;
+            if mass < 0.0 || (mass == 0.0 && self.findings.is_strict()) {
+                self.refuse(
+                    element,
+                    format!("mass is {mass} kg, must be positive; a link that is a frame only needs no <inertial>"),
+                );
+                return None;
+            }
+            self.bounded(element, "value", mass)
+        });
+        let inertia = self.required(node, "inertia");
+        let keys = ["ixx", "ixy", "ixz", "iyy", "iyz", "izz"];
+        let parts = inertia.and_then(|inertia| {
+            let parts = keys.map(|key| {
+                let value = self.number(inertia, key)?;
+                self.bounded(inertia, key, value)
+            });
+            let [Some(ixx), Some(ixy), Some(ixz), Some(iyy), Some(iyz), Some(izz)] = parts else {
+                return None;
+            };
+            Some([ixx, ixy, ixz, iyy, iyz, izz])
+        });
+        let (X_LC, mass, [ixx, ixy, ixz, iyy, iyz, izz]) = (X_LC?, mass?, parts?);
+        let I_cm = Matrix3::new(
+            ixx, ixy, ixz, //
+            ixy, iyy, iyz, //
+            ixz, iyz, izz,
+        );
+        if mass == 0.0 && I_cm.amax() > 0.0 {
+            self.repair(
+                node,
+                Irregularity::warning(
+                    format!("has rotational inertia (up to {:e} kg·m²) without mass", I_cm.amax()),
+                    "taken as it is",
+                )
+                .remedy("set the robot's option `inertia` for this link"),
+            );
+        }
+        Some(Inertial {
+            offset: node.range().start,
+            inertia: Inertia::from_com(mass, Vector3::zeros(), I_cm).transformed(&X_LC),
+        })
+    }
+
+    fn kind(&mut self, node: Node<'_, '_>) -> Option<Kind> {
+        let text = self.text(node, "type")?;
+        let kind = match text {
+            "revolute" => Kind::Revolute,
+            "continuous" => Kind::Continuous,
+            "prismatic" => Kind::Prismatic,
+            "fixed" => Kind::Fixed,
+            "planar" if !self.findings.is_strict() => Kind::Planar,
+            "floating" if !self.findings.is_strict() => Kind::Floating,
+            "floating" | "planar" | "spherical" => {
+                self.refuse(
+                    node,
+                    format!(
+                        "type `{text}` is not supported; use revolute, continuous, prismatic and fixed joints \
+                         (a floating base needs no joint)"
+                    ),
+                );
+                return None;
+            }
+            _ => {
+                self.refuse(
+                    node,
+                    format!("unknown type `{text}`; known: revolute, continuous, prismatic, fixed"),
+                );
+                return None;
+            }
+        };
+        Some(kind)
+    }
+
+    fn axis(&mut self, node: Node<'_, '_>) -> Option<Unit<Vector3<f64>>> {
+        let Some(element) = self.child(node, "axis") else {
+            return Some(Vector3::x_axis());
+        };
+        let axis = Vector3::from(self.three(element, "xyz")?);
+        if axis == Vector3::zeros() {
+            self.refuse(element, "axis is 0 0 0: it has no direction");
+            return None;
+        }
+        // Scaled first: the squares of a tiny axis vanish.
+        let unit = Unit::try_new(axis / axis.amax(), 0.0);
+        if unit.is_none() {
+            self.refuse(node, "axis has no direction");
+        }
+        unit
+    }
+
+    fn dynamics(&mut self, node: Node<'_, '_>) -> [f64; 2] {
+        let Some(dynamics) = self.child(node, "dynamics") else {
+            return [0.0; 2];
+        };
+        ["damping", "friction"].map(|key| {
+            if !dynamics.has_attribute(key) {
+                return 0.0;
+            }
+            let value = self.number(dynamics, key).unwrap_or_default();
+            if value.is_finite() && value >= 0.0 {
+                return value;
+            }
+            self.repair(
+                dynamics,
+                Irregularity::warning(format!("{key} is {value}"), "taken as none")
+                    .remedy(format!("set the robot's option `{key}` for this joint"))
+                    .refused_as(format!("{key} is {value}, must be finite and not negative")),
+            );
+            0.0
+        })
+    }
+
+    fn mimic(&mut self, node: Node<'_, '_>, kind: Kind) -> Option<Mimic> {
+        let mimic = self.child(node, "mimic")?;
+        if self.findings.is_strict() {
+            self.refuse(mimic, "mimic is not supported yet");
+            return None;
+        }
+        if kind == Kind::Fixed {
+            self.repair(
+                mimic,
+                Irregularity::note("a fixed joint has a <mimic>", "it stays fixed"),
+            );
+            return None;
+        }
+        let leader = self.text(mimic, "joint")?.to_owned();
+        let mut factor = |key: &str, default: f64| {
+            if !mimic.has_attribute(key) {
+                return Some(default);
+            }
+            let value = self.number(mimic, key)?;
+            self.bounded(mimic, key, value)
+        };
+        let (multiplier, offset) = (factor("multiplier", 1.0), factor("offset", 0.0));
+        Some(Mimic {
+            at: mimic.range().start,
+            leader,
+            multiplier: multiplier?,
+            offset: offset?,
+        })
+    }
+
+    /// `<limit>`: what is missing, zero or meaningless counts as not given.
+    fn limit(&mut self, node: Node<'_, '_>, kind: Kind) -> Limit {
+        let name = match kind {
+            Kind::Continuous => "continuous",
+            Kind::Prismatic => "prismatic",
+            Kind::Planar => "planar",
+            _ => "revolute",
+        };
+        let ranged = matches!(kind, Kind::Revolute | Kind::Prismatic);
+        let keys = match ranged {
+            true => "lower, upper, effort and velocity",
+            false => "effort and velocity",
+        };
+        let Some(limit) = self.child(node, "limit") else {
+            let found = match ranged {
+                true => format!("a {name} joint without <limit>"),
+                false => "no <limit>".to_owned(),
+            };
+            self.repair(
+                node,
+                Irregularity::warning(found, "taken as unlimited in position, velocity and effort")
+                    .remedy("set the robot's options `range`, `velocity` and `effort` for this joint")
+                    .refused_as(format!("<limit> is missing; a {name} joint needs {keys}")),
+            );
+            return Limit {
+                offset: node.range().start,
+                ..Limit::default()
+            };
+        };
+        let mut result = Limit {
+            offset: limit.range().start,
+            effort: self.largest(limit, "effort", &format!("a {name} joint needs {keys}")),
+            velocity: self.largest(limit, "velocity", &format!("a {name} joint needs {keys}")),
+            ..Limit::default()
+        };
+        if ranged {
+            [result.lower, result.upper] = self.range(limit, &format!("a {name} joint needs {keys}"));
+        }
+        result
+    }
+
+    /// A limit on a magnitude.
+    fn largest(&mut self, limit: Node<'_, '_>, key: &str, needs: &str) -> Option<f64> {
+        let remedy = format!("set the robot's option `{key}` for this joint");
+        if !limit.has_attribute(key) {
+            self.repair(
+                limit,
+                Irregularity::warning(format!("<limit> has no `{key}`"), "taken as unlimited")
+                    .remedy(remedy)
+                    .refused_as(format!("<limit> has no `{key}`; {needs}")),
+            );
+            return None;
+        }
+        let value = self.number(limit, key)?;
+        if value > 0.0 {
+            return Some(value);
+        }
+        let irregularity =
+            Irregularity::warning(format!("{key} limit is {value}"), "taken as unlimited")
+                .remedy(remedy);
+        // A motor that can do nothing is refused later, by strict mode, unless an option says how much it can.
+        let strict = match key {
+            "velocity" => Some(format!("velocity limit is {value}, must be positive")),
+            _ if value < 0.0 => Some(format!("effort limit is {value}, must not be negative")),
+            _ => None,
+        };
+        match strict {
+            Some(strict) => self.repair(limit, irregularity.refused_as(strict)),
+            None => self.repair(limit, irregularity),
+        }
+        self.findings.is_strict().then_some(value)
+    }
+
+    fn range(&mut self, limit: Node<'_, '_>, needs: &str) -> [Option<f64>; 2] {
+        let remedy = "set the robot's option `range` for this joint";
+        let mut missing = |key: &str| {
+            if limit.has_attribute(key) {
+                return false;
+            }
+            self.repair(
+                limit,
+                Irregularity::warning(format!("<limit> has no `{key}`"), "taken as unlimited on that side")
+                    .remedy(remedy)
+                    .refused_as(format!(
+                        "<limit> has no `{key}`; {needs} (a revolute joint that turns for ever is `continuous`)"
+                    )),
+            );
+            true
+        };
+        let missing = [missing("lower"), missing("upper")];
+        let mut read = |key: &str, missing: bool| match missing {
+            true => None,
+            false => self.number(limit, key),
+        };
+        let (lower, upper) = (read("lower", missing[0]), read("upper", missing[1]));
+        let (from, to) = (
+            lower.unwrap_or(f64::NEG_INFINITY),
+            upper.unwrap_or(f64::INFINITY),
+        );
+        let strict = if from == f64::INFINITY || to == f64::NEG_INFINITY {
+            format!("range {from} to {to} has no position in it")
+        } else if from > to {
+            format!("lower limit {from} is above upper limit {to}")
+        } else {
+            return [lower, upper];
+        };
+        self.repair(
+            limit,
+            Irregularity::warning(strict.clone(), "taken as unlimited")
+                .remedy(remedy)
+                .refused_as(strict),
+        );
+        [None; 2]
+    }
+}
+
+fn name(node: Node<'_, '_>, element: &str, findings: &mut Findings<'_>) -> Option<String> {
+    match node.attribute("name") {
+        Some(name) if !name.trim().is_empty() => Some(name.to_owned()),
+        _ => {
+            let offset = node.range().start;
+            findings.refuse(At { offset, element }, "has no name");
+            None
+        }
+    }
+}
+
+/// roxmltree ends its messages with ` at 1:2`; ours begin with the place.
+fn without_position(message: &str) -> &str {
+    message.rsplit_once(" at ").map_or(message, |(what, at)| {
+        let position = at.chars().all(|c| c.is_ascii_digit() || c == ':');
+        if position { what } else { message }
+    })
+}
