@@ -5,9 +5,7 @@ use std::{collections::BTreeMap, fs, path::Path, sync::Arc};
 use wbqp::{
     actuator::{Actuator, ActuatorKind, Drive, JointMotor},
     dynamics::{Data, frame_motion},
-    model::Model,
     robot::{RobotError, RobotModel, SourceFile},
-    state::State,
 };
 
 use crate::{
@@ -68,7 +66,11 @@ impl RobotFiles {
     ///
     /// # Errors
     /// A file that cannot be read.
-    pub fn read(urdf: &Path, rotors: Option<&Path>, srdf: Option<&Path>) -> Result<Self, RobotError> {
+    pub fn read(
+        urdf: &Path,
+        rotors: Option<&Path>,
+        srdf: Option<&Path>,
+    ) -> Result<Self, RobotError> {
         Ok(Self {
             urdf: read(urdf, URDF)?,
             rotors: rotors.map(|path| read(path, ROTORS)).transpose()?,
@@ -325,9 +327,10 @@ fn motors(file: &str, robot: &urdf::Robot) -> Result<Vec<Actuator>, RobotError> 
         let Some(id) = urdf::joint_id(&robot.model, index) else {
             continue;
         };
-        let drive = match options.servo {
-            true => Drive::Velocity,
-            false => Drive::Torque,
+        let drive = if options.servo {
+            Drive::Velocity
+        } else {
+            Drive::Torque
         };
         motors.push(Actuator {
             name: joint.name.clone(),

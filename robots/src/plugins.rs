@@ -105,7 +105,10 @@ pub struct Urdf {
 
 /// A home posture.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(untagged, expecting = "the name of a state in the SRDF file, or a table of positions by joint")]
+#[serde(
+    untagged,
+    expecting = "the name of a state in the SRDF file, or a table of positions by joint"
+)]
 pub enum Home {
     /// Of the SRDF file.
     State(String),
@@ -121,12 +124,13 @@ impl Urdf {
     pub fn all_options(&self) -> Result<Options, RobotError> {
         let mut options = self.options.clone();
         let default = Options::default();
-        let once = |option: &str, is_twice: bool| match is_twice {
-            true => Err(crate::options::refuse(
-                option,
-                "is in [robot] and in its `options`; keep one".into(),
-            )),
-            false => Ok(()),
+        let once = |option: &str, is_twice: bool| {
+            let twice = || "is in [robot] and in its `options`; keep one".to_owned();
+            if is_twice {
+                Err(crate::options::refuse(option, twice()))
+            } else {
+                Ok(())
+            }
         };
         if let Some(base) = self.base {
             once("base", options.base != default.base && options.base != base)?;
@@ -165,6 +169,11 @@ impl Robot for Urdf {
         let options = self.all_options()?;
         let at = |path: &Option<PathBuf>| path.as_ref().map(|path| directory.join(path));
         let (rotors, srdf) = (at(&self.rotors), at(&self.srdf));
-        RobotFiles::read(&directory.join(&self.file), rotors.as_deref(), srdf.as_deref())?.load(&options)
+        RobotFiles::read(
+            &directory.join(&self.file),
+            rotors.as_deref(),
+            srdf.as_deref(),
+        )?
+        .load(&options)
     }
 }

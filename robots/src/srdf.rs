@@ -116,6 +116,9 @@ mod tests {
             "r.srdf: has no group state `stnd`; did you mean `stand`? (known: stand, odd)"
         );
         let error = state("r.srdf", TEXT, "odd").unwrap_err().to_string();
-        assert!(error.starts_with("r.srdf:4:40: joint `knee`: value=\"half\""), "{error}");
+        assert!(
+            error.starts_with("r.srdf:4:40: joint `knee`: value=\"half\""),
+            "{error}"
+        );
     }
 }

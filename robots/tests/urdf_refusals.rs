@@ -1,4 +1,4 @@
-//! One test per way a URDF can be wrong: it is refused, and the message says where, what and what to do.
+//! One test per way a URDF can be wrong: strict mode refuses it, and the message says where, what and what to do.
 
 use wbqp_robots::{BaseKind, Options, urdf};
 
@@ -39,7 +39,11 @@ fn inertial(mass: &str, moments: [&str; 3]) -> String {
 
 #[track_caller]
 fn refused_with(text: &str, options: &Options, parts: &[&str]) {
-    match urdf::model("r.urdf", text, options) {
+    let options = Options {
+        strict: true,
+        ..options.clone()
+    };
+    match urdf::model("r.urdf", text, &options) {
         Ok(_) => panic!("accepted:\n{text}"),
         Err(error) => {
             let message = error.to_string();

@@ -104,8 +104,8 @@ fn urdf(name: &str, base: BaseKind, home: &[(&str, f64)]) -> Box<dyn Robot> {
     };
     Box::new(Urdf {
         file: Scene::fixture(name),
-        rotors: None,
         options,
+        ..Urdf::default()
     })
 }
 

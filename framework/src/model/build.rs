@@ -122,7 +122,9 @@ impl ModelBuilder {
         let inertia = inertia.transformed(&X_BL);
         let body = match leader {
             None => self.body(parent, joint, name, inertia),
-            Some((leader, relation)) => self.mimic_body(parent, joint, leader, relation, name, inertia),
+            Some((leader, relation)) => {
+                self.mimic_body(parent, joint, leader, relation, name, inertia)
+            }
         };
         if let Some(frame) = self.model.frames.last_mut() {
             frame.X_BF = X_BL;
@@ -169,11 +171,19 @@ impl ModelBuilder {
                 body.inertia.validate(&body.name)?;
             }
         }
-        self.build_with_any_inertia()
+        let model = self.build_with_any_inertia()?;
+        if model.nv() == 0 {
+            return Err(ModelError::Topology(format!(
+                "robot `{}` has a fixed base and no moving joint: nothing to control",
+                model.name
+            )));
+        }
+        Ok(model)
     }
 
     /// The same without looking at inertias, but for numbers that are not finite and negative masses: for files whose bodies are no
-    /// rigid bodies by a rounding, or by habit. Whether the mass matrix is positive definite is up to the caller.
+    /// rigid bodies by a rounding, or by habit. Whether the mass matrix is positive definite is up to the caller, and whether
+    /// there is anything that moves.
     ///
     /// # Errors
     /// As [`ModelBuilder::build`].
@@ -207,12 +217,6 @@ impl ModelBuilder {
                 "the gravity vector has a number that is not finite".into(),
             ));
         }
-        if model.nv() == 0 {
-            return Err(ModelError::Topology(format!(
-                "robot `{}` has a fixed base and no moving joint: nothing to control",
-                model.name
-            )));
-        }
         Ok(model)
     }
 
@@ -220,7 +224,8 @@ impl ModelBuilder {
     fn couple(&mut self) -> Result<(), ModelError> {
         let Self { model, leaders } = self;
         let mimics = model.mimics.iter().enumerate();
-        let by_name: HashMap<&str, usize> = mimics.map(|(i, m)| (m.joint.name.as_str(), i)).collect();
+        let by_name: HashMap<&str, usize> =
+            mimics.map(|(i, m)| (m.joint.name.as_str(), i)).collect();
         let position = |name: &str| by_name.get(name).copied();
         let mut coupled = Vec::with_capacity(leaders.len());
         for (mimic, leader) in model.mimics.iter().zip(leaders.iter()) {

@@ -256,9 +256,10 @@ impl Model {
         for body in &mut model.bodies {
             let was_physical = body.inertia.validate(&body.name).is_ok();
             body.inertia = change(body);
-            match was_physical {
-                true => body.inertia.validate(&body.name)?,
-                false => body.inertia.check_numbers(&body.name)?,
+            if was_physical {
+                body.inertia.validate(&body.name)?;
+            } else {
+                body.inertia.check_numbers(&body.name)?;
             }
         }
         Ok(model)

@@ -89,6 +89,9 @@ impl RobotModel {
     /// What no controller can work with, whoever made the robot: sizes, names and limits that contradict one another.
     pub(crate) fn problems(&self) -> Vec<String> {
         let mut problems = Vec::new();
+        if self.model.nv() == 0 {
+            problems.push("it has a fixed base and no moving joint: nothing to control".to_owned());
+        }
         if !self.home.fits(&self.model) {
             problems.push(format!(
                 "its home posture has {} joint positions and {} velocities, its model {} and {}",

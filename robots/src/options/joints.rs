@@ -1,5 +1,7 @@
 //! The options of single joints, resolved against a robot's names.
 
+use std::collections::BTreeMap;
+
 use wbqp::robot::RobotError;
 
 use super::{MimicKind, Names, Options, refuse};
@@ -33,7 +35,8 @@ impl JointOptions {
         let mimic = names.values("mimic", &options.mimic, errors);
         let home = names.values("home", &options.home, errors);
         let range = names.values("range", &options.range, errors);
-        let mut numbers = |option, table| names.values(option, table, errors);
+        let mut numbers =
+            |option: &str, table: &BTreeMap<String, f64>| names.values(option, table, errors);
         let velocity = numbers("velocity", &options.velocity);
         let effort = numbers("effort", &options.effort);
         let armature = numbers("armature", &options.armature);
@@ -46,7 +49,7 @@ impl JointOptions {
                 format!("joint `{both}` is also in `servo`; a passive joint has no motor"),
             ));
         }
-        let joint = |i| Self {
+        let joint = |i: usize| Self {
             servo: servo[i],
             passive: passive[i],
             lock: lock[i],

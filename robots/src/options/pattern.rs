@@ -32,7 +32,8 @@ impl Names<'_> {
             .build();
         match expression {
             Ok(expression) => {
-                let matches = |i: &usize| known.get(*i).is_some_and(|name| expression.is_match(name));
+                let matches =
+                    |i: &usize| known.get(*i).is_some_and(|name| expression.is_match(name));
                 let found: Vec<usize> = (0..known.len()).filter(matches).collect();
                 if !found.is_empty() {
                     return Ok(found);
@@ -40,11 +41,12 @@ impl Names<'_> {
                 let hint = suggestion(key, known);
                 Err(refuse(
                     option,
-                    match is_plain {
-                        true => format!("robot `{robot}` has no {kind} `{key}`{hint}"),
-                        false => format!(
+                    if is_plain {
+                        format!("robot `{robot}` has no {kind} `{key}`{hint}")
+                    } else {
+                        format!(
                             "robot `{robot}` has no {kind} whose whole name the expression `{key}` matches{hint}"
-                        ),
+                        )
                     },
                 ))
             }

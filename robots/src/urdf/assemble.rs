@@ -50,9 +50,19 @@ pub(super) fn assemble(
     let mut stack = Vec::new();
     let mut complete = true;
     let push = |stack: &mut Vec<_>, link: usize, body: BodyId, X_BL: Isometry3<f64>| {
-        stack.extend(tree.edges[link].iter().rev().map(|&edge| (edge, body, X_BL)));
+        stack.extend(
+            tree.edges[link]
+                .iter()
+                .rev()
+                .map(|&edge| (edge, body, X_BL)),
+        );
     };
-    push(&mut stack, tree.root, assembly.builder.base(), Isometry3::identity());
+    push(
+        &mut stack,
+        tree.root,
+        assembly.builder.base(),
+        Isometry3::identity(),
+    );
     while let Some((edge, body, X_BL)) = stack.pop() {
         match assembly.add(edge, body, X_BL, findings) {
             Some((body, X_BL)) => push(&mut stack, edge.link, body, X_BL),
@@ -63,9 +73,10 @@ pub(super) fn assemble(
         return Ok(None);
     }
     let Assembly { builder, links, .. } = assembly;
-    let model = match findings.is_strict() {
-        true => builder.build(),
-        false => builder.build_with_any_inertia(),
+    let model = if findings.is_strict() {
+        builder.build()
+    } else {
+        builder.build_with_any_inertia()
     };
     let model = model.map_err(|source| RobotError::Model {
         file: findings.source.file.to_owned(),
@@ -111,7 +122,10 @@ impl Assembly<'_> {
                 return None;
             }
             (Kind::Planar, true) => {
-                findings.refuse(at, "type `planar` cannot be turned round; choose another `root`");
+                findings.refuse(
+                    at,
+                    "type `planar` cannot be turned round; choose another `root`",
+                );
                 return None;
             }
             (Kind::Planar, false) => {
@@ -121,10 +135,15 @@ impl Assembly<'_> {
             }
             _ => {}
         }
-        let leader = match &self.motions.motions[edge.joint] {
+        let leader = match &self.motions.of_joint[edge.joint] {
             Motion::Rigid { q } => {
                 let X_PC = joint.X_PJ * joint.displacement(*q);
-                let X_BM = X_BL * if edge.is_reversed { X_PC.inverse() } else { X_PC };
+                let X_BM = X_BL
+                    * if edge.is_reversed {
+                        X_PC.inverse()
+                    } else {
+                        X_PC
+                    };
                 self.builder.weld(parent, X_BM, name, &inertia);
                 if let Some(links) = self.links.get_mut(parent.index()) {
                     links.push(edge.link);
@@ -145,13 +164,14 @@ impl Assembly<'_> {
         };
         let moving = self.moving_joint(edge.joint, axis, X_BJ);
         let body = if edge.is_reversed {
-            self.builder.body_at(parent, moving, leader, X_JL, name, &inertia)
+            self.builder
+                .body_at(parent, moving, leader, X_JL, name, &inertia)
         } else {
             match leader {
                 None => self.builder.body(parent, moving, name, inertia),
-                Some((leader, relation)) => {
-                    self.builder.mimic_body(parent, moving, leader, relation, name, inertia)
-                }
+                Some((leader, relation)) => self
+                    .builder
+                    .mimic_body(parent, moving, leader, relation, name, inertia),
             }
         };
         self.links.push(vec![edge.link]);
@@ -188,7 +208,11 @@ impl Assembly<'_> {
         inertia: Inertia,
     ) -> BodyId {
         let normal = joint.axis;
-        let along = if normal.x.abs() < 0.9 { Vector3::x() } else { Vector3::y() };
+        let along = if normal.x.abs() < 0.9 {
+            Vector3::x()
+        } else {
+            Vector3::y()
+        };
         let x = Unit::new_normalize(along - normal.into_inner() * normal.dot(&along));
         let y = Unit::new_normalize(normal.cross(&x));
         let limits = JointLimits {

@@ -106,6 +106,11 @@ impl<'a> Findings<'a> {
         self.errors.push(error);
     }
 
+    /// Several of them.
+    pub(super) fn refuse_all(&mut self, errors: Vec<RobotError>) {
+        self.errors.extend(errors);
+    }
+
     /// Something that is repaired; in strict mode refused if it has words for that, else passed over.
     pub(super) fn repair(&mut self, at: At<'_>, irregularity: Irregularity) {
         if self.is_strict() {

@@ -88,14 +88,15 @@ pub(crate) fn robot(
     options: &Options,
     state: &GroupState,
 ) -> Result<Robot, RobotError> {
-    let mode = match options.strict {
-        true => Mode::Strict,
-        false => Mode::Liberal,
+    let mode = if options.strict {
+        Mode::Strict
+    } else {
+        Mode::Liberal
     };
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let source = Source::new(file, text);
     let mut findings = Findings::new(&source, mode);
-    options.wrong_numbers().into_iter().for_each(|e| findings.refuse_as(e));
+    findings.refuse_all(options.wrong_numbers());
     findings.stop_if_any()?;
     let mended: Cow<'_, str> = match mode {
         Mode::Strict => text.into(),
@@ -120,8 +121,14 @@ pub(crate) fn robot(
     let postures = known_joints(&description, state, &mut findings);
     let motions = Motions::resolve(&description, options, postures, &mut findings);
     findings.stop_if_any()?;
-    let assembled =
-        assemble::assemble(&description, &tree, &motions, &inertias, options, &mut findings)?;
+    let assembled = assemble::assemble(
+        &description,
+        &tree,
+        &motions,
+        &inertias,
+        options,
+        &mut findings,
+    )?;
     findings.stop_if_any()?;
     let Some(assembled) = assembled else {
         return Err(source.error(0, "tree", "cannot be built"));
@@ -162,7 +169,7 @@ fn inertias(
     };
     let mut errors = Vec::new();
     let given = names.values("inertia", &options.inertia, &mut errors);
-    errors.into_iter().for_each(|e| findings.refuse_as(e));
+    findings.refuse_all(errors);
     let links = description.links.iter().zip(given);
     links
         .map(|(link, given)| match (given, &link.inertial) {
@@ -197,7 +204,10 @@ fn known_joints<'d>(
         findings.repair(
             at,
             Irregularity::note(
-                format!("names joints that the robot does not have: {}", unknown.join(", ")),
+                format!(
+                    "names joints that the robot does not have: {}",
+                    unknown.join(", ")
+                ),
                 "passed over",
             ),
         );
@@ -264,7 +274,9 @@ fn moving(model: &Model, description: &Description, motions: &Motions<'_>) -> Ve
     joints
         .map(|joint| {
             let index = description.joints.iter().position(|j| j.name == joint.name);
-            index.and_then(|i| motions.options(i)).map_or(Moving::default(), of)
+            index
+                .and_then(|i| motions.options(i))
+                .map_or(Moving::default(), of)
         })
         .collect()
 }

@@ -44,7 +44,7 @@ pub(super) struct Motions<'d> {
     by_name: HashMap<&'d str, usize>,
     /// By name of a joint.
     state: HashMap<&'d str, f64>,
-    pub(super) motions: Vec<Motion>,
+    pub(super) of_joint: Vec<Motion>,
 }
 
 impl<'d> Motions<'d> {
@@ -56,7 +56,9 @@ impl<'d> Motions<'d> {
         findings: &mut Findings<'_>,
     ) -> Self {
         let joints = description.joints.as_slice();
-        let moving: Vec<usize> = (0..joints.len()).filter(|&j| joints[j].is_simple()).collect();
+        let moving: Vec<usize> = (0..joints.len())
+            .filter(|&j| joints[j].is_simple())
+            .collect();
         let names = Names {
             robot: &description.name,
             kind: "moving joint",
@@ -64,19 +66,25 @@ impl<'d> Motions<'d> {
         };
         let mut errors: Vec<RobotError> = Vec::new();
         let resolved = JointOptions::resolve(options, &names, &mut errors);
-        errors.into_iter().for_each(|e| findings.refuse_as(e));
-        let mut of_joint = vec![None; joints.len()];
+        findings.refuse_all(errors);
+        let mut all = vec![None; joints.len()];
         for (j, options) in moving.into_iter().zip(resolved) {
-            of_joint[j] = Some(options);
+            all[j] = Some(options);
         }
         let mut motions = Self {
             joints,
-            options: of_joint,
-            by_name: joints.iter().enumerate().map(|(j, joint)| (joint.name.as_str(), j)).collect(),
+            options: all,
+            by_name: joints
+                .iter()
+                .enumerate()
+                .map(|(j, joint)| (joint.name.as_str(), j))
+                .collect(),
             state,
-            motions: Vec::new(),
+            of_joint: Vec::new(),
         };
-        motions.motions = (0..joints.len()).map(|j| motions.motion(j, findings)).collect();
+        motions.of_joint = (0..joints.len())
+            .map(|j| motions.motion(j, findings))
+            .collect();
         motions
     }
 
@@ -89,10 +97,14 @@ impl<'d> Motions<'d> {
     pub(super) fn limits(&self, joint: usize) -> JointLimits {
         let limit = self.joints[joint].limit;
         let options = self.options(joint);
-        let given = |option: Option<f64>, file: Option<f64>| option.or(file).unwrap_or(f64::INFINITY);
+        let given =
+            |option: Option<f64>, file: Option<f64>| option.or(file).unwrap_or(f64::INFINITY);
         let range = options.and_then(|o| o.range);
         JointLimits {
-            lower: range.map(|r| r[0]).or(limit.lower).unwrap_or(f64::NEG_INFINITY),
+            lower: range
+                .map(|r| r[0])
+                .or(limit.lower)
+                .unwrap_or(f64::NEG_INFINITY),
             upper: range.map(|r| r[1]).or(limit.upper).unwrap_or(f64::INFINITY),
             velocity: given(options.and_then(|o| o.velocity), limit.velocity),
             effort: given(options.and_then(|o| o.effort), limit.effort),
@@ -120,10 +132,16 @@ impl<'d> Motions<'d> {
                 _ => Motion::Rigid { q: 0.0 },
             };
         };
-        let Some(mimic) = &joint.mimic else {
-            return match options.lock {
-                true => Motion::Rigid { q: self.home(index) },
-                false => Motion::Free,
+        let coupled = joint
+            .mimic
+            .as_ref()
+            .filter(|_| options.mimic != MimicKind::Free);
+        let Some(mimic) = coupled else {
+            let q = self.home(index);
+            return if options.lock {
+                Motion::Rigid { q }
+            } else {
+                Motion::Free
             };
         };
         let label = joint.label();
@@ -131,32 +149,44 @@ impl<'d> Motions<'d> {
             offset: mimic.at,
             element: &label,
         };
-        if options.mimic == MimicKind::Free {
-            return match options.lock {
-                true => Motion::Rigid { q: self.home(index) },
-                false => Motion::Free,
-            };
-        }
         let Some(&leader) = self.by_name.get(mimic.leader.as_str()) else {
             let known: Vec<&str> = self.joints.iter().map(|j| j.name.as_str()).collect();
             let hint = suggestion(&mimic.leader, &known);
-            findings.refuse(at, format!("follows joint `{}`, which does not exist{hint}", mimic.leader));
+            findings.repair(
+                at,
+                Irregularity::warning(
+                    format!(
+                        "follows joint `{}`, which does not exist{hint}",
+                        mimic.leader
+                    ),
+                    "moves on its own",
+                )
+                .remedy("correct the name, or lock the joint by the robot's option `lock`"),
+            );
             return Motion::Free;
         };
         let Some(at_home) = self.led(index, 0) else {
-            findings.refuse(at, format!("follows itself, or a joint behind more than {LONGEST} others"));
+            findings.refuse(
+                at,
+                format!("follows itself, or a joint behind more than {LONGEST} others"),
+            );
             return Motion::Free;
         };
         if matches!(self.joints[leader].kind, Kind::Planar | Kind::Floating) {
             findings.refuse(
                 at,
-                format!("follows joint `{}`, which has more than one degree of freedom", mimic.leader),
+                format!(
+                    "follows joint `{}`, which has more than one degree of freedom",
+                    mimic.leader
+                ),
             );
             return Motion::Free;
         }
         if options.lock || options.mimic == MimicKind::Lock {
             let own = options.lock.then(|| self.given_home(index)).flatten();
-            return Motion::Rigid { q: own.unwrap_or(at_home) };
+            return Motion::Rigid {
+                q: own.unwrap_or(at_home),
+            };
         }
         let still = match self.joints[leader].kind {
             Kind::Fixed => Some("which is fixed"),
@@ -188,14 +218,18 @@ impl<'d> Motions<'d> {
             return None;
         }
         let joint = &self.joints[index];
-        let is_free = self.options(index).is_none_or(|o| o.mimic == MimicKind::Free);
+        let is_free = self
+            .options(index)
+            .is_none_or(|o| o.mimic == MimicKind::Free);
         let Some(mimic) = joint.mimic.as_ref().filter(|_| !is_free) else {
             return Some(match joint.kind {
                 Kind::Fixed => 0.0,
                 _ => self.home(index),
             });
         };
-        let leader = *self.by_name.get(mimic.leader.as_str())?;
+        let Some(&leader) = self.by_name.get(mimic.leader.as_str()) else {
+            return Some(self.home(index));
+        };
         Some(mimic.multiplier * self.led(leader, depth + 1)? + mimic.offset)
     }
 
@@ -213,7 +247,7 @@ impl<'d> Motions<'d> {
             (Some(_), MimicKind::Lock) => true,
             (Some(mimic), MimicKind::Couple) => {
                 let leader = self.by_name.get(mimic.leader.as_str());
-                mimic.multiplier == 0.0 || leader.is_none_or(|&l| self.is_frozen(l, depth + 1))
+                mimic.multiplier == 0.0 || leader.is_some_and(|&l| self.is_frozen(l, depth + 1))
             }
         }
     }
@@ -223,9 +257,10 @@ impl Joint {
     /// How the child has moved relative to the joint's frame with the joint at `q`.
     pub(super) fn displacement(&self, q: f64) -> Isometry3<f64> {
         match self.kind {
-            Kind::Prismatic => {
-                Isometry3::from_parts(Translation3::from(self.axis.into_inner() * q), UnitQuaternion::identity())
-            }
+            Kind::Prismatic => Isometry3::from_parts(
+                Translation3::from(self.axis.into_inner() * q),
+                UnitQuaternion::identity(),
+            ),
             Kind::Revolute | Kind::Continuous => Isometry3::from_parts(
                 Translation3::identity(),
                 UnitQuaternion::from_axis_angle(&self.axis, q),

@@ -69,8 +69,14 @@ pub(super) fn judge(
         if joint.is_none() && model.base() == Base::Fixed {
             continue;
         }
+        let velocity = joint.map(|joint| model.velocity_index(joint));
+        if body.inertia.mass == 0.0 && singular.iter().any(|s| Some(s.velocity) == velocity) {
+            // Said of the joint.
+            continue;
+        }
         let merged = match links[i].len() {
             1 => String::new(),
+            2 => " with the link fixed to it".to_owned(),
             n => format!(" with the {} links fixed to it", n - 1),
         };
         let felt = joint.map(|joint| {
@@ -80,18 +86,31 @@ pub(super) fn judge(
                 wbqp::model::JointKind::Revolute => "kg·m²",
                 wbqp::model::JointKind::Prismatic => "kg",
             };
-            (format!("joint `{name}` feels {:.3e} {unit}", data.mass_matrix()[(velocity, velocity)]), name)
+            (
+                format!(
+                    "joint `{name}` feels {:.3e} {unit}",
+                    data.mass_matrix()[(velocity, velocity)]
+                ),
+                name,
+            )
         });
         let remedy = match &felt {
-            Some((_, name)) => format!("set the robot's options `inertia` for the link, or `armature` for joint `{name}`"),
+            Some((_, name)) => format!(
+                "set the robot's options `inertia` for the link, or `armature` for joint `{name}`"
+            ),
             None => "set the robot's option `inertia` for the link".to_owned(),
         };
-        let effective = felt.map_or_else(String::new, |(felt, _)| format!("; {felt} of inertia with all that it carries"));
+        let effective = felt.map_or_else(String::new, |(felt, _)| {
+            format!("; {felt} of inertia with all that it carries")
+        });
         if body.inertia.mass == 0.0 {
             let irregularity = if carried[i] > 0.0 {
                 Irregularity::note(
                     format!("moves on its own{merged} without mass"),
-                    format!("taken as it is: it carries {:.3e} kg{effective}", carried[i]),
+                    format!(
+                        "taken as it is: it carries {:.3e} kg{effective}",
+                        carried[i]
+                    ),
                 )
             } else if joint.is_none() {
                 Irregularity::warning("is the floating base without mass", "taken as it is")
@@ -105,15 +124,18 @@ pub(super) fn judge(
         } else if let Err(ModelError::Inertia { what, .. }) = body.inertia.validate(&body.name) {
             findings.repair(
                 at,
-                Irregularity::warning(format!("inertia{merged} {what}"), format!("taken as it is{effective}"))
-                    .remedy(remedy),
+                Irregularity::warning(
+                    format!("inertia{merged} {what}"),
+                    format!("taken as it is{effective}"),
+                )
+                .remedy(remedy),
             );
         } else {
             merged_links(&links[i], description, inertias, findings);
         }
     }
-    if let Some((velocity, own, pivot)) = singular {
-        warn_of_singular(model, description, motions, [own, pivot], velocity, findings);
+    for found in &singular {
+        warn_of_singular(model, description, motions, found, findings);
     }
     Ok(())
 }
@@ -162,10 +184,23 @@ fn carried_mass(model: &Model) -> Vec<f64> {
     carried
 }
 
-/// The joint, or base velocity, that feels no inertia in some posture: its index in `v`, `M_kk` and the pivot.
-fn singular(model: &Model, data: &mut Data, state: &mut State) -> Option<(usize, f64, f64)> {
+/// A velocity that feels no inertia.
+struct Singular {
+    /// Its index in `v`.
+    velocity: usize,
+    /// `M_kk`.
+    own: f64,
+    pivot: f64,
+}
+
+/// Those that feel none in some posture.
+fn singular(model: &Model, data: &mut Data, state: &mut State) -> Vec<Singular> {
     let postures = if model.nv() > LARGEST { 0 } else { POSTURES };
     let mut numbers = Numbers(0x1234_5678_9ABC_DEF1);
+    let mut all: Vec<Singular> = Vec::new();
+    if model.nv() > 2 * LARGEST {
+        return all;
+    }
     for posture in 0..=postures {
         if posture > 0 {
             for (q, joint) in state.q.iter_mut().zip(model.joints()) {
@@ -175,22 +210,30 @@ fn singular(model: &Model, data: &mut Data, state: &mut State) -> Option<(usize,
             }
         }
         data.update(model, state);
-        if model.nv() <= 2 * LARGEST
-            && let Some(found) = singular_velocity(data.mass_matrix().clone())
-        {
-            return Some(found);
+        for found in singular_velocities(data.mass_matrix().clone()) {
+            if all.iter().all(|known| known.velocity != found.velocity) {
+                all.push(found);
+            }
         }
     }
-    None
+    all.sort_by_key(|singular| singular.velocity);
+    all
 }
 
-fn singular_velocity(mut M: DMatrix<f64>) -> Option<(usize, f64, f64)> {
+fn singular_velocities(mut M: DMatrix<f64>) -> Vec<Singular> {
     let diagonal = M.diagonal();
+    let mut singular = Vec::new();
     for k in (0..M.nrows()).rev() {
         let (own, pivot) = (diagonal[k], M[(k, k)]);
         let positive = pivot > NEGLIGIBLE * own && pivot > 0.0;
         if !positive {
-            return Some((k, own, pivot));
+            let velocity = k;
+            singular.push(Singular {
+                velocity,
+                own,
+                pivot,
+            });
+            continue;
         }
         for i in (0..k).filter(|&i| M[(k, i)] != 0.0).collect::<Vec<_>>() {
             let factor = M[(k, i)] / pivot;
@@ -200,15 +243,18 @@ fn singular_velocity(mut M: DMatrix<f64>) -> Option<(usize, f64, f64)> {
             }
         }
     }
-    None
+    singular
 }
 
 fn warn_of_singular(
     model: &Model,
     description: &Description,
     motions: &Motions<'_>,
-    [own, pivot]: [f64; 2],
-    velocity: usize,
+    &Singular {
+        velocity,
+        own,
+        pivot,
+    }: &Singular,
     findings: &mut Findings<'_>,
 ) {
     let Some(joint) = velocity.checked_sub(model.joint_offset()) else {
@@ -220,7 +266,7 @@ fn warn_of_singular(
             at,
             Irregularity::warning(
                 "the mass matrix is not positive definite: the base feels no inertia of its own",
-                "taken as it is; ticks will fail",
+                "taken as it is; a controller cannot tick where that is so",
             )
             .remedy("set the robot's option `inertia` for its link, or choose another `root`"),
         );
@@ -228,22 +274,29 @@ fn warn_of_singular(
     };
     let name = &model.joints()[joint].name;
     let is_it = |(_, j): &(usize, &super::description::Joint)| {
-        j.name == *name || name.strip_prefix(j.name.as_str()).is_some_and(|rest| rest.starts_with('.'))
+        j.name == *name
+            || name
+                .strip_prefix(j.name.as_str())
+                .is_some_and(|rest| rest.starts_with('.'))
     };
     let found = description.joints.iter().enumerate().find(is_it);
     let offset = found.map_or(0, |(_, j)| j.offset);
-    debug_assert!(found.is_none_or(|(j, _)| motions.motions[j] == Motion::Free));
+    debug_assert!(found.is_none_or(|(j, _)| motions.of_joint[j] == Motion::Free));
     findings.repair(
         At {
             offset,
             element: &format!("joint `{name}`"),
         },
         Irregularity::warning(
-            format!(
-                "the mass matrix is not positive definite: with the joints beyond it let go, this one feels {pivot:.1e} of \
-                 inertia (held, {own:.1e})"
-            ),
-            "taken as it is; ticks will fail",
+            if own > 0.0 {
+                format!(
+                    "the mass matrix is not positive definite: with the joints beyond it let go, this one moves nothing \
+                     ({pivot:.1e} of inertia; with them held, {own:.1e})"
+                )
+            } else {
+                "the mass matrix is not positive definite: this joint moves no mass".to_owned()
+            },
+            "taken as it is; simulations, and formulations that invert the mass matrix, fail",
         )
         .remedy(format!("set `armature = {{ {name} = 1e-3 }}` in the robot's options, or lock the joint")),
     );

@@ -108,7 +108,11 @@ fn robot_name(root: Node<'_, '_>, findings: &mut Findings<'_>) -> String {
         _ => {
             let file = std::path::Path::new(findings.source.file);
             let stem = file.file_stem().unwrap_or_default().to_string_lossy();
-            let name = if stem.is_empty() { "robot".into() } else { stem };
+            let name = if stem.is_empty() {
+                "robot".into()
+            } else {
+                stem
+            };
             let at = At {
                 offset: root.range().start,
                 element: "<robot>",
@@ -304,9 +308,12 @@ impl Reader<'_, '_> {
         let Some(origin) = self.child(node, "origin") else {
             return Some(Isometry3::identity());
         };
-        let mut part = |key: &str| match origin.has_attribute(key) {
-            true => self.three(origin, key),
-            false => Some([0.0; 3]),
+        let mut part = |key: &str| {
+            if origin.has_attribute(key) {
+                self.three(origin, key)
+            } else {
+                Some([0.0; 3])
+            }
         };
         let (xyz, rpy) = (part("xyz"), part("rpy"));
         let rotation = if origin.has_attribute("quat_xyzw") {
@@ -354,7 +361,15 @@ impl Reader<'_, '_> {
                 let value = self.number(inertia, key)?;
                 self.bounded(inertia, key, value)
             });
-            let [Some(ixx), Some(ixy), Some(ixz), Some(iyy), Some(iyz), Some(izz)] = parts else {
+            let [
+                Some(ixx),
+                Some(ixy),
+                Some(ixz),
+                Some(iyy),
+                Some(iyz),
+                Some(izz),
+            ] = parts
+            else {
                 return None;
             };
             Some([ixx, ixy, ixz, iyy, iyz, izz])
@@ -369,7 +384,10 @@ impl Reader<'_, '_> {
             self.repair(
                 node,
                 Irregularity::warning(
-                    format!("has rotational inertia (up to {:e} kg·m²) without mass", I_cm.amax()),
+                    format!(
+                        "has rotational inertia (up to {:e} kg·m²) without mass",
+                        I_cm.amax()
+                    ),
                     "taken as it is",
                 )
                 .remedy("set the robot's option `inertia` for this link"),
@@ -489,19 +507,23 @@ impl Reader<'_, '_> {
             _ => "revolute",
         };
         let ranged = matches!(kind, Kind::Revolute | Kind::Prismatic);
-        let keys = match ranged {
-            true => "lower, upper, effort and velocity",
-            false => "effort and velocity",
+        let keys = if ranged {
+            "lower, upper, effort and velocity"
+        } else {
+            "effort and velocity"
         };
         let Some(limit) = self.child(node, "limit") else {
-            let found = match ranged {
-                true => format!("a {name} joint without <limit>"),
-                false => "no <limit>".to_owned(),
+            let found = if ranged {
+                format!("a {name} joint without <limit>")
+            } else {
+                "no <limit>".to_owned()
             };
             self.repair(
                 node,
                 Irregularity::warning(found, "taken as unlimited in position, velocity and effort")
-                    .remedy("set the robot's options `range`, `velocity` and `effort` for this joint")
+                    .remedy(
+                        "set the robot's options `range`, `velocity` and `effort` for this joint",
+                    )
                     .refused_as(format!("<limit> is missing; a {name} joint needs {keys}")),
             );
             return Limit {
@@ -516,7 +538,8 @@ impl Reader<'_, '_> {
             ..Limit::default()
         };
         if ranged {
-            [result.lower, result.upper] = self.range(limit, &format!("a {name} joint needs {keys}"));
+            [result.lower, result.upper] =
+                self.range(limit, &format!("a {name} joint needs {keys}"));
         }
         result
     }
@@ -570,9 +593,12 @@ impl Reader<'_, '_> {
             true
         };
         let missing = [missing("lower"), missing("upper")];
-        let mut read = |key: &str, missing: bool| match missing {
-            true => None,
-            false => self.number(limit, key),
+        let mut read = |key: &str, missing: bool| {
+            if missing {
+                None
+            } else {
+                self.number(limit, key)
+            }
         };
         let (lower, upper) = (read("lower", missing[0]), read("upper", missing[1]));
         let (from, to) = (

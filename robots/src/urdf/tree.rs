@@ -65,7 +65,9 @@ pub(super) fn find(
         }
         *slot = Some(joint);
     }
-    let roots: Vec<usize> = (0..links.len()).filter(|&i| carried_by[i].is_none()).collect();
+    let roots: Vec<usize> = (0..links.len())
+        .filter(|&i| carried_by[i].is_none())
+        .collect();
     let own_root = match roots.as_slice() {
         [root] => *root,
         [] => {
