@@ -95,14 +95,14 @@ impl RobotFiles {
             }
         };
         let robot = urdf::robot(&urdf.name, &urdf.contents, options, &state)?;
-        let mut actuators = match &rotors {
-            Some(rotors) => rotors::actuators(&rotors.name, &rotors.contents, &robot.model)?,
-            None => Vec::new(),
+        let motors = motors(&urdf.name, &robot)?;
+        let (model, mut actuators) = match &rotors {
+            Some(rotors) => rotors::attach(&rotors.name, &rotors.contents, robot.model)?,
+            None => (robot.model, Vec::new()),
         };
         if let Some(thrust_max) = options.thrust_max {
             limit_thrust(&mut actuators, thrust_max)?;
         }
-        let motors = motors(&urdf.name, &robot)?;
         let is_taken = |rotor: &&Actuator| motors.iter().any(|motor| motor.name == rotor.name);
         if let Some(rotor) = actuators.iter().find(is_taken) {
             let file = rotors.as_ref().map_or(&urdf.name, |r| &r.name);
@@ -115,7 +115,7 @@ impl RobotFiles {
         actuators.extend(motors);
         let sources = std::iter::once(urdf).chain(rotors).chain(srdf);
         Ok(RobotModel {
-            model: Arc::new(robot.model),
+            model: Arc::new(model),
             actuators,
             home: robot.home,
             base_is_placed: robot.base_is_placed,

@@ -1,7 +1,8 @@
 //! The rotor side-car: which frames of a robot carry rotors, and their constants.
 //!
 //! URDF has no word for a rotor. A TOML file beside it names, per rotor, a frame of the robot: the rotor's
-//! axis is the frame's z axis and its thrust is along +z. SI units.
+//! axis is the frame's z axis and its thrust is along +z. Where the URDF has no such frame, `position` and `axis` place the
+//! rotor in another link's, and make a frame of the rotor's name. SI units.
 //!
 //! ```toml
 //! [defaults]                                # for every rotor that does not say otherwise
@@ -16,13 +17,21 @@
 //! frame = "rotor_1"                         # link of the URDF
 //! reaction = -1                             # reaction torque along -z (-1) or +z (1) of the frame
 //! thrust = { min = 0.25, max = 8.0 }        # any key of [defaults]
+//!
+//! [[rotor]]
+//! name = "tilted"
+//! frame = "base_link"
+//! position = [0.2, 0.0, 0.05]               # of the rotor in that frame, m
+//! axis = [0.0, 0.34, 0.94]                  # direction of thrust in that frame, any length
+//! reaction = 1
 //! ```
 
 use serde::Deserialize;
 use toml::Spanned;
 use wbqp::{
     actuator::{Actuator, ActuatorKind, Reaction, Rotor},
-    model::Model,
+    model::{FrameId, Model},
+    nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3},
     robot::{Place, RobotError},
     suggestion::suggestion,
 };
@@ -55,6 +64,8 @@ struct Entry {
     name: Spanned<String>,
     frame: Spanned<String>,
     reaction: Spanned<i64>,
+    position: Option<Spanned<[f64; 3]>>,
+    axis: Option<Spanned<[f64; 3]>>,
     thrust_coefficient: Option<Spanned<f64>>,
     moment_coefficient: Option<Spanned<f64>>,
     thrust: Option<Spanned<Range>>,
@@ -76,12 +87,17 @@ struct Lag {
     fall: f64,
 }
 
-/// Reads the text of a side-car into actuators, in the file's order; `file` is its name, for messages.
+/// Reads the text of a side-car into actuators, in the file's order; `file` is its name, for messages. The model gets a frame for
+/// each rotor that is placed by `position` or `axis`.
 ///
 /// # Errors
 /// The first thing that is wrong: an unknown key, a key that neither the rotor nor `[defaults]` has, a frame
 /// that `model` does not have, a name or frame used twice, a value that no rotor has, no rotor at all.
-pub fn actuators(file: &str, text: &str, model: &Model) -> Result<Vec<Actuator>, RobotError> {
+pub fn attach(
+    file: &str,
+    text: &str,
+    mut model: Model,
+) -> Result<(Model, Vec<Actuator>), RobotError> {
     let source = Source::new(file, text);
     let parsed: File = toml::from_str(text).map_err(|e| RobotError::Syntax {
         place: e
@@ -102,10 +118,13 @@ pub fn actuators(file: &str, text: &str, model: &Model) -> Result<Vec<Actuator>,
             element: format!("rotor `{}`", entry.get_ref().name.get_ref()),
             offset: entry.span().start,
         };
-        let actuator = rotor.actuator(entry.get_ref(), &parsed.defaults, model, &actuators)?;
+        let mut actuator = rotor.actuator(entry.get_ref(), &parsed.defaults, &model, &actuators)?;
+        if let ActuatorKind::Rotor(at) = &mut actuator.kind {
+            (model, at.frame) = rotor.place(entry.get_ref(), model, at.frame)?;
+        }
         actuators.push(actuator);
     }
-    Ok(actuators)
+    Ok((model, actuators))
 }
 
 /// Checks one rotor and names it in errors.
@@ -148,7 +167,8 @@ impl Checker<'_> {
         let same_frame = others.iter().find(
             |other| matches!(&other.kind, ActuatorKind::Rotor(rotor) if rotor.frame == frame),
         );
-        if let Some(other) = same_frame {
+        let is_placed = entry.position.is_some() || entry.axis.is_some();
+        if let Some(other) = same_frame.filter(|_| !is_placed) {
             return self.refuse(
                 &entry.frame,
                 format!(
@@ -216,6 +236,52 @@ impl Checker<'_> {
             lower: min,
             upper: max,
             slew,
+        })
+    }
+
+    /// The rotor's frame: the one it names, or one of its own in it.
+    fn place(
+        &self,
+        entry: &Entry,
+        model: Model,
+        frame: FrameId,
+    ) -> Result<(Model, FrameId), RobotError> {
+        if entry.position.is_none() && entry.axis.is_none() {
+            return Ok((model, frame));
+        }
+        let position = entry.position.as_ref().map_or([0.0; 3], |p| *p.get_ref());
+        if let Some(at) = &entry.position
+            && !position.iter().all(|x| x.is_finite())
+        {
+            return self.refuse(at, "position needs finite numbers");
+        }
+        let axis = entry
+            .axis
+            .as_ref()
+            .map_or(Vector3::z(), |a| Vector3::from(*a.get_ref()));
+        let direction = axis
+            .try_normalize(1e-9)
+            .filter(|a| a.iter().all(|x| x.is_finite()));
+        let Some(direction) = direction else {
+            let at = entry.axis.as_ref().map_or(self.offset, |a| a.span().start);
+            return self.source.refuse(
+                at,
+                &self.element,
+                "axis needs finite numbers and a direction",
+            );
+        };
+        // About the axis, a rotor is the same from all sides.
+        let half_turn =
+            || UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
+        let rotation =
+            UnitQuaternion::rotation_between(&Vector3::z(), &direction).unwrap_or_else(half_turn);
+        let pose = Isometry3::from_parts(Translation3::from(position), rotation);
+        let name = entry.name.get_ref();
+        model.with_frame(name, frame, &pose).or_else(|_| {
+            self.refuse(
+                &entry.name,
+                format!("a frame of the robot is called `{name}` already; give the rotor a name of its own"),
+            )
         })
     }
 

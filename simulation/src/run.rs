@@ -14,8 +14,8 @@ use nalgebra::Vector3;
 use wbqp::{
     controller::{Controller, Rung, Stopwatch},
     log::{
-        ControllerLog, LogSink, Timeline, TrueContact, state_message, state_schema, write_rotors,
-        write_run,
+        ControllerLog, LogSink, Timeline, TrueContact, state_message, state_schema,
+        write_diagnostics, write_rotors, write_run,
     },
     replay::DumpFolder,
 };
@@ -101,6 +101,7 @@ fn run_case(
     let names = names.map(|(key, value)| (key.to_owned(), value.to_owned()));
     sink.metadata("scenario", &names.into())?;
     write_rotors(sink, &robot)?;
+    write_diagnostics(sink, &robot)?;
     let mut log = ControllerLog::new(&controller, sink)?;
     let truth_channel = sink.channel("/plant", "PlantState", &state_schema(&robot.model))?;
     let mut message = Vec::new();

@@ -64,8 +64,7 @@ impl Controller {
         let records: Vec<Record> = self.recorder.as_ref()?.records().cloned().collect();
         let configuration = self.made_from.configuration.clone().ok()?;
         let directory = &self.made_from.directory;
-        (!records.is_empty())
-            .then(|| Dump::new(directory, configuration, &self.robot.sources, records))
+        (!records.is_empty()).then(|| Dump::new(directory, configuration, &self.robot, records))
     }
 
     fn blank_record(&self) -> Record {

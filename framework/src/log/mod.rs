@@ -37,7 +37,7 @@ pub use json::Object;
 #[cfg(feature = "mcap")]
 pub use mcap::McapLog;
 pub use memory::MemoryLog;
-pub use run::{Timeline, configuration_hash, write_rotors, write_run};
+pub use run::{Timeline, configuration_hash, write_diagnostics, write_rotors, write_run};
 pub use state::{state_message, state_schema};
 
 use std::{collections::BTreeMap, path::PathBuf};

@@ -77,6 +77,20 @@ pub fn write_rotors(sink: &mut dyn LogSink, robot: &RobotModel) -> Result<(), Lo
     sink.metadata("rotors", &table)
 }
 
+/// Writes the metadata `diagnostics`: what the loader noticed in the robot's files and did about it, numbered from `1`. Nothing
+/// if it noticed nothing.
+///
+/// # Errors
+/// [`LogError`] of the sink.
+pub fn write_diagnostics(sink: &mut dyn LogSink, robot: &RobotModel) -> Result<(), LogError> {
+    if robot.diagnostics.is_empty() {
+        return Ok(());
+    }
+    let numbered = robot.diagnostics.iter().enumerate();
+    let table = numbered.map(|(i, diagnostic)| ((i + 1).to_string(), diagnostic.to_string()));
+    sink.metadata("diagnostics", &table.collect())
+}
+
 /// Named instants of a run, s: the metadata `timeline`.
 ///
 /// ```

@@ -244,6 +244,33 @@ impl Model {
         (index < self.bodies.len()).then_some(BodyId(index as u32))
     }
 
+    /// The same tree with another named frame, at `X_FG` in the frame F that is there already.
+    ///
+    /// # Errors
+    /// [`ModelError::Duplicate`] if a frame has that name.
+    #[allow(non_snake_case)]
+    pub fn with_frame(
+        mut self,
+        name: &str,
+        frame: FrameId,
+        X_FG: &Isometry3<f64>,
+    ) -> Result<(Model, FrameId), ModelError> {
+        if self.frame(name).is_some() {
+            return Err(ModelError::Duplicate {
+                kind: "frame",
+                name: name.to_owned(),
+            });
+        }
+        let Frame { body, X_BF, .. } = self.frames[frame.index()];
+        let id = FrameId(self.frames.len() as u32);
+        self.frames.push(Frame {
+            name: name.to_owned(),
+            body,
+            X_BF: X_BF * X_FG,
+        });
+        Ok((self, id))
+    }
+
     /// The same tree with other inertias: what a plant uses to differ from its controller.
     ///
     /// # Errors

@@ -5,7 +5,7 @@ use std::{fs, io, path::Path};
 use serde::{Deserialize, Serialize};
 
 use super::record::Record;
-use crate::{config::ConfigErrors, controller::ControllerError, robot::SourceFile};
+use crate::{config::ConfigErrors, controller::ControllerError, robot::RobotModel};
 
 /// The file format's version; a file of another one is refused.
 const FORMAT: u32 = 1;
@@ -21,6 +21,9 @@ pub struct Dump {
     pub directory: String,
     /// The configuration as TOML, overrides and defaults filled in.
     pub configuration: String,
+    /// What the loader noticed in the robot's files and did about it, in words.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub diagnostics: Vec<String>,
     /// The robot's files.
     pub robot: Vec<Source>,
     /// The ticks, oldest first.
@@ -91,10 +94,10 @@ impl Dump {
     pub(crate) fn new(
         directory: &Path,
         configuration: String,
-        robot: &[SourceFile],
+        robot: &RobotModel,
         records: Vec<Record>,
     ) -> Self {
-        let robot = robot.iter().map(|file| Source {
+        let files = robot.sources.iter().map(|file| Source {
             name: file.name.clone(),
             contents: file.contents.clone(),
         });
@@ -103,7 +106,8 @@ impl Dump {
             wbqp: env!("CARGO_PKG_VERSION").to_owned(),
             directory: directory.display().to_string(),
             configuration,
-            robot: robot.collect(),
+            robot: files.collect(),
+            diagnostics: robot.diagnostics.iter().map(ToString::to_string).collect(),
             records,
         }
     }
