@@ -12,20 +12,23 @@ The test `robot_collection` reads that folder. Nothing of it is committed: the r
 The folder
 ----------
 `index.json`: versions, and per robot `file` (relative to the package's folder of robots), `path` (where it is here) and
-`models`: per base, `floating` and `fixed`, the name of a file beside the index; null if there is
-no link or nothing moves. Such a file has `joints`, the degrees
-of freedom in Pinocchio's order, which is that of every vector and matrix over velocities, after the six of the base if
-there is one; `mimics`, the joints that follow others; `mimic`, what Pinocchio makes of them (`none`, `coupled`, or why it
-refuses them); `total_mass`; and `states`. A state has `base` (p, quaternion_wxyz; null if fixed), `q` by joint, `v`,
-`mass_matrix`, `h`, `com`, `momentum` (linear, angular about `com`) and `frames`: `name` of the link, `p`, `R`, `jacobian`
-(6 x nv, world axes, of the link's origin), `bias` (Jdot v: classical acceleration of the origin and angular
-acceleration when vdot = 0). Matrices are lists of rows.
+`models`: per base, `floating` and `fixed`, the name of a file beside the index; null if there is no link or nothing
+moves.
+
+Such a file has `joints`, the degrees of freedom in Pinocchio's order, which is that of every vector and matrix over
+velocities, after the six of the base if there is one; `mimics`, the joints that follow others; `mimic`, what Pinocchio
+makes of them (`none`, `coupled`, or why it refuses them); `total_mass`; and `states`.
+
+A state has `base` (p, quaternion_wxyz; null if fixed), `q` by joint, `v`, `mass_matrix`, `h`, `com`, `momentum` (linear,
+angular about `com`) and `frames`: `name` of the link, `p`, `R`, `jacobian` (6 x nv, world axes, of the link's origin),
+`bias` (Jdot v: classical acceleration of the origin and angular acceleration when vdot = 0). Matrices are lists of rows.
 """
 
 import json
 import platform
 import shutil
 import sys
+from collections import Counter
 from concurrent.futures import ProcessPoolExecutor
 from importlib.metadata import distribution, version
 from pathlib import Path
@@ -73,7 +76,7 @@ def describe(index, path, floating):
 
 def write(job):
     folder, index, name, path = job
-    models = {}
+    models, mimics = {}, []
     for base in ["floating", "fixed"]:
         model = describe(index, path, base == "floating")
         if model is None:
@@ -81,8 +84,8 @@ def write(job):
             continue
         models[base] = f"{index:02}_{base}.json"
         (folder / models[base]).write_text(json.dumps(plain(model)))
-        print(f"{name}, {base}: nv {len(model['states'][0]['v'])}, mimic joints {model['mimic']}")
-    return dict(file=name, path=str(path), models=models)
+        mimics.append(model["mimic"])
+    return dict(file=name, path=str(path), models=models), mimics
 
 
 def main():
@@ -93,11 +96,13 @@ def main():
     folder.mkdir(parents=True)
     jobs = [(folder, index, name, path) for index, (name, path) in enumerate(urdfs().items())]
     with ProcessPoolExecutor() as pool:
-        robots = list(pool.map(write, jobs))
+        robots, mimics = zip(*pool.map(write, jobs))
     versions = dict(python=platform.python_version(), pinocchio=pin.__version__, numpy=np.__version__)
     versions["example-robot-data"] = version("example-robot-data")
     # The index comes last: a folder without one is of a run that did not come to its end.
     (folder / "index.json").write_text(json.dumps(dict(versions=versions, robots=robots), indent=1))
+    for mimic, count in Counter(mimic for both in mimics for mimic in both).items():
+        print(f"{count} models, mimic joints: {mimic}")
 
 
 if __name__ == "__main__":

@@ -125,7 +125,8 @@ class Side:
         return pin.getFrameVelocity(self.model, self.data, self.frame(link), pin.LOCAL_WORLD_ALIGNED).vector.copy()
 
     def quantities(self, s, links):
-        model, data = self.model, self.data
+        # New data: with mimic joints, a second crba on the same adds to forces that the first one left behind.
+        model, data = self.model, self.model.createData()
         q, v, T, c = self.local(s)
         upper = np.triu(pin.crba(model, data, q))
         M = upper + np.triu(upper, 1).T
@@ -142,7 +143,8 @@ class Side:
         pin.forwardKinematics(model, data, q, v, c)
         for link, (p, R) in zip(links, poses):
             frame = self.frame(link)
-            J = pin.getFrameJacobian(model, data, frame, pin.LOCAL_WORLD_ALIGNED) @ T
+            # A matrix of one column comes as a vector.
+            J = pin.getFrameJacobian(model, data, frame, pin.LOCAL_WORLD_ALIGNED).reshape(6, model.nv) @ T
             bias = pin.getFrameClassicalAcceleration(model, data, frame, pin.LOCAL_WORLD_ALIGNED).vector
             result["frames"].append(dict(name=link, p=p, R=R, jacobian=J, bias=bias.copy()))
         return result
@@ -189,12 +191,16 @@ class Tree:
         raise ValueError(f"mimic joint {name} follows itself")
 
     def random_state(self, rng):
-        """Joints within their limits, as far as they have some, and within 4 rad or 1 m; mimic joints where they are led to."""
+        """Joints within their limits, as far as they have some, and within 4 rad or 1 m; mimic joints where they are led to.
+
+        With mimic joints within 3 rad: Pinocchio knows a continuous joint's angle up to whole turns, which are none of one
+        that follows it with another multiplier.
+        """
         q, rate = [], []
         for name in self.joints:
             prismatic = self.urdf[name].get("type") == "prismatic"
             limit = self.urdf[name].find("limit")
-            range_ = 1.0 if prismatic else 4.0
+            range_ = 1.0 if prismatic else 3.0 if self.has_mimics else 4.0
             lower, upper = -range_, range_
             if self.urdf[name].get("type") != "continuous" and limit is not None and limit.get("lower") and limit.get("upper"):
                 lower, upper = max(lower, float(limit.get("lower"))), min(upper, float(limit.get("upper")))
