@@ -3,9 +3,9 @@
 
     target/oracles-venv/bin/python tests/oracles/mimic_robots.py
 
-Last run with Python 3.11.7, pin 4.1.0 and numpy 2.4.6; `pinocchio.json` also records them. Its keys, and how the figures
-are computed, are those of `robot_collection.py` and `tree.py`; `robots` is a list with `file`, `what` and `models`, per base
-the model itself.
+Last run with Python 3.11.7, pin 4.1.0 and numpy 2.4.6; `pinocchio.json` also records them. Its keys, and how the
+figures are computed, are those of `robot_collection.py` and `tree.py`; `robots` is a list with `file`, `what` and
+`models`, per base the model itself.
 
 Each robot has one habit; the last are random trees. Pinocchio has mimic joints of its own, but refuses them where the
 leading joint comes later in its tree, where a mimic joint follows a mimic joint, and where only one of two is

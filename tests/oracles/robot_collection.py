@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes what Pinocchio says of every URDF of the PyPI package example-robot-data, floating and fixed, in random states.
+"""Writes what Pinocchio says of every URDF of the PyPI package example-robot-data, floating and fixed.
 
     python3 -m venv target/oracles-venv
     target/oracles-venv/bin/pip install -r tests/oracles/requirements.txt
@@ -19,9 +19,10 @@ Such a file has `joints`, the degrees of freedom in Pinocchio's order, which is 
 velocities, after the six of the base if there is one; `mimics`, the joints that follow others; `mimic`, what Pinocchio
 makes of them (`none`, `coupled`, or why it refuses them); `total_mass`; and `states`.
 
-A state has `base` (p, quaternion_wxyz; null if fixed), `q` by joint, `v`, `mass_matrix`, `h`, `com`, `momentum` (linear,
-angular about `com`) and `frames`: `name` of the link, `p`, `R`, `jacobian` (6 x nv, world axes, of the link's origin),
-`bias` (Jdot v: classical acceleration of the origin and angular acceleration when vdot = 0). Matrices are lists of rows.
+A state is random and has `base` (p, quaternion_wxyz; null if fixed), `q` by joint, `v`, `mass_matrix`, `h`, `com`,
+`momentum` (linear, angular about `com`) and `frames`: `name` of the link, `p`, `R`, `jacobian` (6 x nv, world axes, of
+the link's origin), `bias` (Jdot v: classical acceleration of the origin and angular acceleration when vdot = 0).
+Matrices are lists of rows.
 """
 
 import json

@@ -191,10 +191,10 @@ class Tree:
         raise ValueError(f"mimic joint {name} follows itself")
 
     def random_state(self, rng):
-        """Joints within their limits, as far as they have some, and within 4 rad or 1 m; mimic joints where they are led to.
+        """Joints within their limits, if they have some, and within 4 rad or 1 m; mimic joints where they are led to.
 
-        With mimic joints within 3 rad: Pinocchio knows a continuous joint's angle up to whole turns, which are none of one
-        that follows it with another multiplier.
+        With mimic joints within 3 rad: Pinocchio knows a continuous joint's angle up to whole turns, which are no whole
+        turns of a joint that follows it with another multiplier.
         """
         q, rate = [], []
         for name in self.joints:
@@ -202,8 +202,9 @@ class Tree:
             limit = self.urdf[name].find("limit")
             range_ = 1.0 if prismatic else 3.0 if self.has_mimics else 4.0
             lower, upper = -range_, range_
-            if self.urdf[name].get("type") != "continuous" and limit is not None and limit.get("lower") and limit.get("upper"):
-                lower, upper = max(lower, float(limit.get("lower"))), min(upper, float(limit.get("upper")))
+            if self.urdf[name].get("type") != "continuous" and limit is not None:
+                lower = max(lower, float(limit.get("lower", lower)))
+                upper = min(upper, float(limit.get("upper", upper)))
             q.append(rng.uniform(lower, upper) if lower < upper else lower)
             rate.append(rng.uniform(-1, 1) * (0.5 if prismatic else 2))
         if not self.floating:

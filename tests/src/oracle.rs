@@ -1,4 +1,4 @@
-//! Quantities of a robot as another library says, against ours: what the files that `oracles/tree.py` writes have in common.
+//! Quantities of a robot as another library says, against ours: what files made with `oracles/tree.py` have in common.
 #![allow(non_snake_case)]
 
 use std::collections::BTreeMap;

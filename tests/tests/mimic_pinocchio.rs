@@ -1,5 +1,5 @@
-//! Robots with mimic joints against Pinocchio, to 1e-9 of each quantity's size: leaders earlier and later, backwards, with an
-//! offset, in m/rad and rad/m, several followers of one joint, followers of followers, random trees.
+//! Robots with mimic joints against Pinocchio, to 1e-9 of each quantity's size: leaders earlier and later, backwards,
+//! with an offset, in m/rad and rad/m, several followers of one joint, followers of followers, random trees.
 //! `oracles/mimic_robots.py` writes the robots and describes the numbers.
 
 use std::{collections::BTreeSet, fs, path::Path};

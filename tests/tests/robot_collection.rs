@@ -2,8 +2,8 @@
 //! makers describe them. All load but those named here, their dynamics are Pinocchio's to 1e-9, a controller runs on
 //! each, and strict mode refuses what it always refused.
 //!
-//! The package and Pinocchio's figures are made by `oracles/robot_collection.py`; without them these tests say so and pass,
-//! unless `WBQP_REQUIRE_ORACLES` is set, as it is in `.ci/run`.
+//! The package and Pinocchio's figures are made by `oracles/robot_collection.py`; without them these tests say so and
+//! pass, unless `WBQP_REQUIRE_ORACLES` is set, as it is in `.ci/run`.
 
 use std::{
     env, fs,
