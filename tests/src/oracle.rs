@@ -81,7 +81,7 @@ impl<'a> Comparison<'a> {
         }
     }
 
-    /// Compares everything that the file says of one state.
+    /// Compares everything that the file says of one state, which [`Self::data`] is then of.
     ///
     /// # Errors
     /// All quantities that are off, a line each.
@@ -91,22 +91,15 @@ impl<'a> Comparison<'a> {
         let M = matrix(&entry["mass_matrix"])
             .select_rows(&self.order)
             .select_columns(&self.order);
-        let h = vector(&entry["h"]).select_rows(&self.order);
-        let momentum = self.data.centroidal_momentum();
-        let com = self.data.center_of_mass();
+        let h = self.ours(&entry["h"]);
+        let [linear, angular] = ["linear", "angular"].map(|key| numbers(&entry["momentum"][key]));
+        let (our_M, our_h) = (self.data.mass_matrix().clone(), self.data.bias().clone());
+        let (com, momentum) = (self.data.center_of_mass(), self.data.centroidal_momentum());
         let mut errors = vec![
-            self.same(
-                "M",
-                self.data.mass_matrix().clone().as_slice(),
-                M.as_slice(),
-            ),
-            self.same("h", self.data.bias().clone().as_slice(), h.as_slice()),
+            self.same("M", our_M.as_slice(), M.as_slice()),
+            self.same("h", our_h.as_slice(), h.as_slice()),
             self.same("com", com.as_slice(), &numbers(&entry["com"])),
-            self.same(
-                "momentum",
-                momentum.as_slice(),
-                &numbers(&entry["momentum"]),
-            ),
+            self.same("momentum", momentum.as_slice(), &[linear, angular].concat()),
         ];
         for frame in list(&entry["frames"]) {
             errors.push(self.frame(frame));
@@ -118,6 +111,16 @@ impl<'a> Comparison<'a> {
         Err(errors.join("\n"))
     }
 
+    /// What the model computes in the last state that was compared.
+    pub fn data(&mut self) -> &mut Data {
+        &mut self.data
+    }
+
+    /// A vector over velocities, in our order.
+    pub fn ours(&self, theirs: &Value) -> DVector<f64> {
+        vector(theirs).select_rows(&self.order)
+    }
+
     fn frame(&mut self, entry: &Value) -> Result<(), String> {
         let name = entry["name"].as_str().unwrap_or_default();
         let Some(frame) = self.model.frame(name) else {
@@ -125,7 +128,7 @@ impl<'a> Comparison<'a> {
         };
         let mut k = FrameKinematics::new(self.model);
         k.update(self.model, &self.data, frame);
-        let J = matrix(&entry["jacobian"]).select_columns(&self.order);
+        let J = self.columns(&entry["jacobian"]);
         let R = matrix(&entry["R"]);
         [
             self.same("p", k.p_WF.as_slice(), &numbers(&entry["p"])),
@@ -148,8 +151,13 @@ impl<'a> Comparison<'a> {
         for (joint, q) in self.model.joints().iter().zip(state.q.iter_mut()) {
             *q = entry["q"][&joint.name].as_f64().unwrap_or(f64::NAN);
         }
-        state.v = vector(&entry["v"]).select_rows(&self.order);
+        state.v = self.ours(&entry["v"]);
         state
+    }
+
+    /// A matrix with a column per velocity, in our order.
+    pub fn columns(&self, theirs: &Value) -> DMatrix<f64> {
+        matrix(theirs).select_columns(&self.order)
     }
 
     /// Total mass, kg.
@@ -160,7 +168,11 @@ impl<'a> Comparison<'a> {
         self.same("mass", &[self.model.mass()], &[number(theirs)])
     }
 
-    fn same(&mut self, what: &'static str, ours: &[f64], theirs: &[f64]) -> Result<(), String> {
+    /// Compares one quantity.
+    ///
+    /// # Errors
+    /// If it is off by more than [`TOLERANCE`] of its largest entry, or is not finite.
+    pub fn same(&mut self, what: &'static str, ours: &[f64], theirs: &[f64]) -> Result<(), String> {
         if ours.len() != theirs.len() {
             let sizes = [ours.len(), theirs.len()];
             return Err(format!("{}: sizes of {what} are {sizes:?}", self.name));
@@ -182,7 +194,8 @@ impl<'a> Comparison<'a> {
     }
 }
 
-fn list(value: &Value) -> &[Value] {
+/// The entries of a list; none of what is no list.
+pub fn list(value: &Value) -> &[Value] {
     value.as_array().map_or(&[], Vec::as_slice)
 }
 
@@ -191,7 +204,8 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or(f64::NAN)
 }
 
-fn numbers(value: &Value) -> Vec<f64> {
+/// A list of numbers.
+pub fn numbers(value: &Value) -> Vec<f64> {
     list(value).iter().map(number).collect()
 }
 
