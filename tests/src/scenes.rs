@@ -111,11 +111,11 @@ impl Scene {
         let urdf = |name: &str, base| {
             Box::new(Urdf {
                 file: Self::fixture(name),
-                rotors: None,
                 options: Options {
                     base,
                     ..Options::default()
                 },
+                ..Urdf::default()
             })
         };
         match self.kind {

@@ -6,15 +6,14 @@ use std::{collections::BTreeSet, fs, path::Path};
 
 use serde_json::Value;
 use wbqp_robots::{BaseKind, Options, from_files};
-use wbqp_tests::oracle::{Comparison, Worst};
+use wbqp_tests::oracle::{Comparison, Worst, list};
 
 fn folder() -> &'static Path {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/fixtures/mimic"))
 }
 
 fn names(value: &Value) -> BTreeSet<&str> {
-    let list = value.as_array().expect("a list");
-    list.iter().map(|x| x.as_str().expect("a name")).collect()
+    list(value).iter().filter_map(Value::as_str).collect()
 }
 
 #[test]
@@ -23,7 +22,7 @@ fn coupled_dynamics_are_pinocchios() {
     let file: Value = serde_json::from_str(&text).expect("valid JSON");
     let (mut failures, mut worst) = (Vec::new(), Worst::default());
     let (mut compared, mut coupled) = (0, 0);
-    for entry in file["robots"].as_array().expect("robots") {
+    for entry in list(&file["robots"]) {
         let file = entry["file"].as_str().expect("a name");
         for (base, kind) in [("floating", BaseKind::Floating), ("fixed", BaseKind::Fixed)] {
             let entry = &entry["models"][base];
@@ -42,7 +41,7 @@ fn coupled_dynamics_are_pinocchios() {
             let mut comparison = Comparison::new(&name, &robot.model, &entry["joints"], &mut worst)
                 .expect("the same degrees of freedom");
             failures.extend(comparison.mass(&entry["total_mass"]).err());
-            for state in entry["states"].as_array().expect("states") {
+            for state in list(&entry["states"]) {
                 failures.extend(comparison.state(state).err());
                 compared += 1;
             }
