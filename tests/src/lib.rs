@@ -5,6 +5,7 @@ pub mod adversary;
 pub mod approach;
 pub mod closed_loop;
 pub mod mutation;
+pub mod oracle;
 pub mod properties;
 pub mod qp_sequences;
 pub mod random_model;
