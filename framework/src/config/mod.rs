@@ -11,12 +11,16 @@
 //! ```
 //! | entry key | default | meaning |
 //! |---|---|---|
-//! | `name` | | unique among tasks and constraints |
+//! | `name` | `<frame>_<type>`, `<contact>_<type>` or `<type>` | unique among tasks and constraints |
 //! | `type` | | the plug-in |
-//! | `weight` | | linear, ≥ 0; needed unless hard |
+//! | `weight` | the plug-in's, if it declares one | linear, ≥ 0; needed unless hard |
 //! | `active` | `true` | on at the start |
 //! | `transition` | `0.0` | duration of the ramp when it is switched or reweighted, s |
 //! | `hardness` | tasks `"soft"`, constraints `"hard"` | or `{ exact = λ }`, see [`Hardness`](crate::entry::Hardness) |
+//!
+//! A file may be short ([`expand()`] writes it out, [`ControllerConfig::implied`] lists what it leaves to defaults): a contact
+//! with the key `motion` brings its own constraints, a robot with a `file` needs no `type`, and names, weights and
+//! dampings have defaults.
 //!
 //! Loading refuses every key that nobody knows, and reports all mistakes of a file at once
 //! ([`ConfigErrors`]). [`Overrides`] replace single values. Saving what was loaded, loading and saving again
@@ -26,6 +30,7 @@ mod compose;
 mod document;
 mod entry;
 mod error;
+pub(crate) mod expand;
 mod fault;
 mod load;
 mod overrides;
@@ -51,6 +56,7 @@ use crate::{
 };
 
 pub use error::{ConfigError, ConfigErrorKind, ConfigErrors};
+pub use expand::{Implied, ImpliedValue, expand};
 pub(crate) use fault::{Fault, Origin};
 pub use overrides::{Override, Overrides, Target};
 pub use save::SaveError;

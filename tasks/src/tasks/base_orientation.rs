@@ -32,13 +32,13 @@ use crate::{follow::stay, gain::Gain};
 /// Error: `e`, rad, world axes.
 #[derive(Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(crate = "wbqp::serde", deny_unknown_fields)]
-#[schemars(crate = "wbqp::schemars")]
+#[schemars(crate = "wbqp::schemars", extend("x-weight" = 10.0))]
 pub struct BaseOrientation {
     /// Stiffness `K_P`, 1/s²: one number, or one per axis of `axes`.
     #[schemars(extend("x-unit" = "1/s²"))]
     pub kp: Gain,
-    /// Damping `K_D`, 1/s: one number, or one per axis of `axes`.
-    #[schemars(extend("x-unit" = "1/s"))]
+    /// Damping `K_D`, 1/s: one number, or one per axis of `axes`. Default: critical, `2 √K_P`.
+    #[schemars(extend("x-unit" = "1/s", "x-critical" = "kp"))]
     pub kd: Gain,
     /// How the difference of two orientations is measured.
     #[serde(default)]

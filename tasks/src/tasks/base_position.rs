@@ -36,13 +36,13 @@ use crate::{
 /// Error: `p_WR − p_WD`, m. Gains are along world axes.
 #[derive(Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(crate = "wbqp::serde", deny_unknown_fields)]
-#[schemars(crate = "wbqp::schemars")]
+#[schemars(crate = "wbqp::schemars", extend("x-weight" = 100.0))]
 pub struct BasePosition {
     /// Stiffness `K_P`, 1/s²: one number, or one per world axis.
     #[schemars(extend("x-unit" = "1/s²"))]
     pub kp: Gain,
-    /// Damping `K_D`, 1/s: one number, or one per world axis.
-    #[schemars(extend("x-unit" = "1/s"))]
+    /// Damping `K_D`, 1/s: one number, or one per world axis. Default: critical, `2 √K_P`.
+    #[schemars(extend("x-unit" = "1/s", "x-critical" = "kp"))]
     pub kd: Gain,
     /// Integral gain `K_I`, 1/s³: one number, or one per world axis. 0, the default, is the paper's law.
     #[serde(default = "no_integral")]

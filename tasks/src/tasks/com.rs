@@ -34,13 +34,13 @@ use crate::{
 /// Error: `p_G − p_d`, m.
 #[derive(Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(crate = "wbqp::serde", deny_unknown_fields)]
-#[schemars(crate = "wbqp::schemars")]
+#[schemars(crate = "wbqp::schemars", extend("x-weight" = 100.0))]
 pub struct Com {
     /// Stiffness `K_P`, 1/s²: one number, or one per axis.
     #[schemars(extend("x-unit" = "1/s²"))]
     pub kp: Gain,
-    /// Damping `K_D`, 1/s: one number, or one per axis.
-    #[schemars(extend("x-unit" = "1/s"))]
+    /// Damping `K_D`, 1/s: one number, or one per axis. Default: critical, `2 √K_P`.
+    #[schemars(extend("x-unit" = "1/s", "x-critical" = "kp"))]
     pub kd: Gain,
     /// Which axes of the world; rows, gains and reference are in this order. Default: x, y, z.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -32,15 +32,15 @@ use crate::{follow::stay, gain::Gain};
 /// Replacing the reference while running replaces that of the position. Error: `[p_WF − p_d; e]`, m and rad.
 #[derive(Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(crate = "wbqp::serde", deny_unknown_fields)]
-#[schemars(crate = "wbqp::schemars")]
+#[schemars(crate = "wbqp::schemars", extend("x-weight" = [100.0, 100.0, 100.0, 10.0, 10.0, 10.0]))]
 pub struct FramePose {
     /// The frame, by name.
     pub frame: String,
     /// Stiffness `K_P`, 1/s²: one number, or six: x, y, z, then about x, y, z.
     #[schemars(extend("x-unit" = "1/s²"))]
     pub kp: Gain,
-    /// Damping `K_D`, 1/s: one number, or six.
-    #[schemars(extend("x-unit" = "1/s"))]
+    /// Damping `K_D`, 1/s: one number, or six. Default: critical, `2 √K_P`.
+    #[schemars(extend("x-unit" = "1/s", "x-critical" = "kp"))]
     pub kd: Gain,
     /// How the difference of two orientations is measured.
     #[serde(default)]

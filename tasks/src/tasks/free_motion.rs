@@ -52,8 +52,8 @@ pub struct FreeMotion {
     /// Stiffness `K_P`, 1/s²: one number, or one per axis.
     #[schemars(extend("x-unit" = "1/s²"))]
     pub kp: Gain,
-    /// Damping `K_D`, 1/s: one number, or one per axis.
-    #[schemars(extend("x-unit" = "1/s"))]
+    /// Damping `K_D`, 1/s: one number, or one per axis. Default: critical, `2 √K_P`.
+    #[schemars(extend("x-unit" = "1/s", "x-critical" = "kp"))]
     pub kd: Gain,
     /// Integral gain `K_I`, 1/s³: one number, or one per axis. 0, the default, is the paper's law.
     #[serde(default = "no_integral")]

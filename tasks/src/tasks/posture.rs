@@ -26,13 +26,13 @@ use crate::{
 /// Error: `q − q_d`, rad or m.
 #[derive(Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(crate = "wbqp::serde", deny_unknown_fields)]
-#[schemars(crate = "wbqp::schemars")]
+#[schemars(crate = "wbqp::schemars", extend("x-weight" = 0.01))]
 pub struct Posture {
     /// Stiffness `K_P`, 1/s²: one number, or one per joint.
     #[schemars(extend("x-unit" = "1/s²"))]
     pub kp: Gain,
-    /// Damping `K_D`, 1/s: one number, or one per joint.
-    #[schemars(extend("x-unit" = "1/s"))]
+    /// Damping `K_D`, 1/s: one number, or one per joint. Default: critical, `2 √K_P`.
+    #[schemars(extend("x-unit" = "1/s", "x-critical" = "kp"))]
     pub kd: Gain,
     /// Which joints, by name; rows, gains and reference are in this order. Default: all, in the model's order.
     #[serde(default, skip_serializing_if = "Option::is_none")]
