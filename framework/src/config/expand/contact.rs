@@ -164,20 +164,21 @@ impl Brought {
 /// Whether an entry can be added: its type is linked, its name is free.
 fn is_possible(one: &Brought, listed: &Listed, report: &mut Report<'_>) -> bool {
     let name = one.name();
-    let at = At::subject(if one.contact.is_empty() {
-        "robot".to_owned()
+    let (subject, who) = if one.contact.is_empty() {
+        ("robot".to_owned(), "a short file")
     } else {
-        format!("contact `{}`", one.contact)
-    });
+        (format!("contact `{}`", one.contact), "`motion`")
+    };
+    let at = At::subject(subject);
     let tag = one.tag;
     let (kind, message) = if registry::find::<dyn Constraint>(tag).is_none() {
         let message = format!(
-            "brings a constraint of type `{tag}`, which is not linked: add `use wbqp_tasks as _;` (crate wbqp-tasks)"
+            "{who} brings a constraint of type `{tag}`, which is not linked: add `use wbqp_tasks as _;` (crate wbqp-tasks)"
         );
         (Kind::UnknownType, message)
     } else if listed.names.contains(&name) {
         let message = format!(
-            "brings a constraint that is called `{name}`, and another entry has that name: give that one another `name`"
+            "{who} brings a constraint that is called `{name}`, and another entry has that name: give that one another `name`"
         );
         (Kind::Duplicate, message)
     } else {
