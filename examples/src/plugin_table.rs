@@ -12,7 +12,7 @@ Everything that `type = \"…\"` can name, with equations and parameters.
 Generated from the registry by `cargo run --bin plugins > docs/plugins.md`; the texts are those of the code.
 A crate of your own is listed by `wbqp::registry()` in the same way.
 
-In the columns *default*, \"–\" means that the key must be given, and a blank that nothing stands in for it.
+In the columns *default*, \"–\" means that the key must be given, and a blank that the text says what happens without it.
 ";
 
 const KINDS: [(&str, &str); 5] = [
@@ -74,6 +74,9 @@ fn section(plugin: &PluginInfo) -> String {
         });
     let description = lines.collect::<Vec<_>>().join("\n");
     let mut text = format!("\n### {tag}\n\n{description}\n");
+    if let Some(weight) = &plugin.weight {
+        text.push_str(&format!("\nWeight, if the entry has none: `{weight}`.\n"));
+    }
     if plugin.parameters.is_empty() {
         text.push_str("\nNo parameters.\n");
         return text;

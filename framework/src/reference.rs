@@ -69,6 +69,15 @@ impl Sample {
         }
     }
 
+    /// Becomes what [`Sample::new`] makes. Allocates only if there is no room.
+    pub fn reset(&mut self, space: Space) {
+        for numbers in [&mut self.value, &mut self.rate, &mut self.acceleration] {
+            numbers.clear();
+            numbers.resize(space.dimension(), 0.0);
+        }
+        self.rotation = UnitQuaternion::identity();
+    }
+
     /// Rate as a 3-vector; missing components are zero.
     pub fn rate3(&self) -> Vector3<f64> {
         three(&self.rate)
@@ -96,7 +105,8 @@ pub struct Start<'a> {
     pub space: Space,
     /// Time at which the reference begins, s. Times in its configuration count from here.
     pub time: f64,
-    /// What the task followed until now; at the first bind, the home posture's value.
+    /// What the task followed until now; at the first bind, the home posture's value, and in the first tick, what was
+    /// measured.
     pub from: &'a Sample,
 }
 
@@ -107,6 +117,9 @@ pub struct Start<'a> {
 #[typetag::serde(tag = "type")]
 pub trait Reference: Any + Send + Debug {
     /// Checks the parameters against the task's space and remembers where to start.
+    ///
+    /// Called when the controller is made, with the home posture's value, and, if the robot stands elsewhere, once more in
+    /// the first tick, in the same space, with what was measured: that time it must not allocate.
     ///
     /// # Errors
     /// [`BindError`] when lengths or numbers do not fit.
@@ -148,6 +161,59 @@ pub fn begin(
         }),
         Err(other) => Err(other),
     }
+}
+
+/// The largest distance, m or rad, at which a robot that is measured near its home counts as at home: more than a good
+/// sensor's noise, less than what can be seen.
+pub const AT_HOME: f64 = 5e-3;
+
+/// Lets a reference of vectors begin at what is measured in the first tick: in [`Task::begin`](crate::task::Task::begin).
+///
+/// `sample` is where it begins now. What is measured within [`AT_HOME`] of it (the length of the difference) counts as
+/// noise, and nothing changes. Values that the reference's parameters give stay.
+pub fn begin_at<I>(reference: &mut dyn Reference, sample: &mut Sample, measured: I)
+where
+    I: IntoIterator<Item = f64>,
+    I::IntoIter: Clone,
+{
+    let measured = measured.into_iter();
+    let squares = measured
+        .clone()
+        .zip(&sample.value)
+        .map(|(m, s)| (m - s) * (m - s));
+    if squares.sum::<f64>().sqrt() <= AT_HOME {
+        return;
+    }
+    for (value, measured) in sample.value.iter_mut().zip(measured) {
+        *value = measured;
+    }
+    begin_anew(reference, sample, Space::Vector(sample.value.len()));
+}
+
+/// Lets a reference of orientations begin at what is measured in the first tick, as [`begin_at`] does: within
+/// [`AT_HOME`] (the angle between) of where it begins now, nothing changes.
+pub fn begin_turned(
+    reference: &mut dyn Reference,
+    sample: &mut Sample,
+    measured: &UnitQuaternion<f64>,
+) {
+    if measured.angle_to(&sample.rotation) > AT_HOME {
+        sample.rotation = *measured;
+        begin_anew(reference, sample, Space::Rotation);
+    }
+}
+
+/// Binds a reference once more, at rest.
+fn begin_anew(reference: &mut dyn Reference, sample: &mut Sample, space: Space) {
+    sample.rate.fill(0.0);
+    sample.acceleration.fill(0.0);
+    let start = Start {
+        space,
+        time: 0.0,
+        from: sample,
+    };
+    // It was bound to this space before: what it refused, it refused then.
+    let _ = reference.bind(&start);
 }
 
 /// A task's reference and where it stands: given by [`Task::follow`](crate::task::Task::follow), so that another

@@ -22,6 +22,8 @@ use crate::{
 /// * deserialised from the configuration, or made in code;
 /// * [`bind`](Task::bind) once: resolve names, ask for frames, declare rows. Fields of the configuration
 ///   stay as they are; what is resolved goes to `#[serde(skip)]` fields;
+/// * [`begin`](Task::begin) in the first tick, when it is known where the robot is: trajectories that have no value of
+///   their own begin there;
 /// * [`activate`](Task::activate) whenever the entry or its contact is switched on: reset integrators;
 /// * [`update`](Task::update) every tick while on: write `A` (only blocks that were declared dense), `b` and
 ///   the error. No allocation, no panic.
@@ -37,6 +39,16 @@ pub trait Task: Any + Send + Debug {
 
     /// Writes this tick's rows.
     fn update(&mut self, tick: &Tick<'_>, rows: &mut Rows<'_>);
+
+    /// Called in the first tick with a usable measurement, before the first update, whether the entry is on or not:
+    /// lets references begin at what is measured, with [`begin_at`](crate::reference::begin_at) and
+    /// [`begin_turned`](crate::reference::begin_turned). A task that does not say what it measures begins at the home posture.
+    /// No allocation, no panic.
+    ///
+    /// Called again in the next tick if the first one was refused because an error was too large.
+    fn begin(&mut self, tick: &Tick<'_>) {
+        let _ = tick;
+    }
 
     /// Called before the update of the tick in which the entry, or the contact it belongs to, is switched on. No
     /// allocation, no panic.

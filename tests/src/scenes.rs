@@ -8,7 +8,7 @@ use nalgebra::{Rotation3, UnitQuaternion, Vector3, Vector6};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use wbqp::{
-    config::{ControllerConfig, Formulation, Hover, Settings},
+    config::{ControllerConfig, FirstError, Formulation, Hover, Settings, StartFrom},
     contact::{ContactKind, ContactSpec, FreeForce, Surface},
     controller::{Controller, Measurement},
     entry::{Entry, Hardness, Weight},
@@ -276,6 +276,9 @@ impl Scene {
         let settings = Settings {
             formulation: self.formulation,
             hover,
+            // A random state is no start, but one tick out of the middle of a run.
+            start: StartFrom::Home,
+            max_first_error: FirstError::ANY,
             ..Settings::at_rate(250.0)
         };
         let mut config = ControllerConfig::new(settings, self.robot_plugin());

@@ -12,16 +12,22 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 use wbqp::{
+    ControllerConfig,
     config::Formulation,
-    controller::Rung,
-    entry::Weight,
+    controller::{Fault, Rung},
+    entry::{Entry, Weight},
+    nalgebra::UnitQuaternion,
     qp::{Capacity, Clarabel, Qp, QpSolver, Solution},
     schemars,
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
     setup::BindError,
 };
-use wbqp_tasks::ThrustAttitude;
+use wbqp_robots::Othex;
+use wbqp_tasks::{
+    ActuatorLimits, BaseOrientation, BasePosition, Com, Ellipse, FrameOrientation, FramePose, Hold,
+    MinJerk, Posture, RelativePose, ThrustAttitude, Waypoint, Waypoints,
+};
 use wbqp_tests::{
     adversary::{Adversary, spoil},
     scenes::{KINDS, Kind, Scene},
@@ -74,6 +80,8 @@ fn main() {
         "the bracket counts nothing: the test would not notice"
     );
     println!("a_tick_allocates_nothing_outside_clarabel ... ok");
+    the_first_tick_allocates_nothing();
+    println!("the_first_tick_allocates_nothing ... ok");
     no_rung_allocates();
     println!("no_rung_allocates ... ok");
 }
@@ -138,6 +146,67 @@ fn a_tick_allocates_nothing(solver: Option<fn() -> Box<dyn QpSolver>>) {
             assert_eq!(outside, 0, "{kind:?}, {formulation:?}");
         }
     }
+}
+
+/// Far from home, where all references are bound once more; and in first ticks that are refused.
+fn the_first_tick_allocates_nothing() {
+    let config = || {
+        ControllerConfig::at_rate(250.0, Othex::default())
+            .with_task(Entry::task("base", 1.0, BasePosition::new(9.0, 6.0)))
+            .with_task(Entry::task(
+                "way",
+                1.0,
+                BasePosition::new(9.0, 6.0).following(Waypoints::new([
+                    Waypoint::new(1.0, [0.0, 0.0, 1.0]),
+                    Waypoint::new(2.0, [0.0, 1.0, 1.0]),
+                ])),
+            ))
+            .with_task(Entry::task(
+                "attitude",
+                1.0,
+                BaseOrientation::new(40.0, 12.0).following(ThrustAttitude::new()),
+            ))
+            .with_task(Entry::task(
+                "turn",
+                1.0,
+                FrameOrientation::new("tool", 9.0, 6.0).following(MinJerk::new([0.0; 3], 1.0)),
+            ))
+            .with_task(Entry::task("pose", 1.0, FramePose::new("tool", 9.0, 6.0)))
+            .with_task(Entry::task(
+                "relative",
+                1.0,
+                RelativePose::new("tool", "base_link", 9.0, 6.0),
+            ))
+            .with_task(Entry::task(
+                "com",
+                1.0,
+                Com::new(9.0, 6.0).following(Ellipse::new([0.1, 0.1], 3.0)),
+            ))
+            .with_task(Entry::task(
+                "arm",
+                0.1,
+                Posture::new(25.0, 10.0).following(Hold::at([0.0, 0.3, 0.9])),
+            ))
+            .with_constraint(Entry::constraint("limits", ActuatorLimits::new()))
+    };
+    let controller = config().build().expect("fits");
+    let mut controller = controller.with_recorder(4).expect("can be saved");
+    let mut measurement = controller.measurement();
+    measurement.state.p_WR.x += 3.0;
+    let mut refused = 0;
+    for tick in 0..20_u32 {
+        measurement.time = f64::from(tick) * 0.004;
+        // The posture is too far off at first.
+        let arm = if tick < 10 { -1.0 } else { 0.1 };
+        measurement.state.q[2] = 0.9 + arm;
+        let turn = f64::from(tick) * 0.1;
+        measurement.state.R_WR = UnitQuaternion::from_euler_angles(0.0, 0.0, turn);
+        let before = allocations();
+        let fault = controller.tick(&measurement).1.fault;
+        assert_eq!(allocations(), before, "tick {tick}");
+        refused += u32::from(matches!(fault, Some(Fault::FirstError(_))));
+    }
+    assert_eq!(refused, 10, "the first tick that counts is the eleventh");
 }
 
 /// Contacts, tasks and weights switch at random, limits contradict one another, measurements are nonsense: all rungs.

@@ -124,7 +124,7 @@ fn settings() {
             "x.toml:2:8: controller: rate: invalid type: string \"fast\", expected a number",
             "x.toml:3:15: controller: formulation: unknown value `dense`, expected one of `auto`, `condensed`, `torque_eliminated`, `explicit`",
             "x.toml:4:1: controller: unknown key `regularization`; did you mean `regularisation`? \
-             (known: extrapolation, formulation, hover, rate, regularisation, velocity_leak)",
+             (known: extrapolation, formulation, hover, max_first_error, rate, regularisation, start, velocity_leak)",
         ]
     );
     assert_eq!(
@@ -277,11 +277,13 @@ fn names_are_unique() {
         "[[task]]\nname = \"a\"\ntype = \"test.hold\"\ngain = 1\nweight = 1\n\
          [[constraint]]\nname = \"a\"\ntype = \"test.limit\"\nupper = 1\n\
          [[constraint]]\nname = \"\"\ntype = \"test.limit\"\nupper = 1\n\
-         [[constraint]]\ntype = \"test.limit\"\nupper = 1\n",
+         [[constraint]]\ntype = \"test.limit\"\nupper = 1\n\
+         [[constraint]]\ntype = \"test.limit\"\nupper = 2\n",
         &[
             "x.toml:13:8: constraint[0] `a` (test.limit): name `a` is taken by the task or constraint at x.toml:8:8",
             "x.toml:17:8: constraint[1] `` (test.limit): name: must not be empty",
-            "x.toml:20:1: constraint[2] (test.limit): key `name` is missing",
+            "x.toml:23:1: constraint[3] `test.limit` (test.limit): name `test.limit` is taken by the task or constraint at \
+             x.toml:20:1; give one of them a `name`",
         ],
     );
     let contact = "[[contact]]\nname = \"a\"\nframe = \"tip\"\nkind = \"point\"\n\
@@ -303,7 +305,8 @@ fn contacts() {
             "x.toml:10:8: contact[0] `wall`: kind: unknown value `pont`, \
              expected one of `full`, `point`, `normal`, `normal_tilt`",
             "x.toml:11:1: contact[0] `wall`: unknown key `frictoin`; did you mean `friction`? (known: active, \
-             force_max, force_min, frame, free_force, free_force_cutoff, free_force_limit, friction, kind, name, offset, surface, transition)",
+             force_max, force_min, frame, frames, free_force, free_force_cutoff, free_force_limit, friction, kind, motion, name, \
+             offset, size, surface, transition)",
             "x.toml:12:22: contact[0] `wall`: surface.normal: invalid length 2, expected a list of length 3",
             "x.toml:12:46: contact[0] `wall`: surface.x_axis[2]: invalid type: string \"a\", expected a number",
             "x.toml:12:52: contact[0] `wall`: surface: unknown key `orgin`; did you mean `origin`? \
@@ -580,6 +583,28 @@ fn overridden_reference() {
             "x.toml: override task `arm`.`reference`: to: invalid type: string \"x\", expected a list",
             "x.toml: override task `arm`.`reference`: unknown key `duratio`; did you mean `duration`? \
              (known: duration, to, type)",
+        ]
+    );
+}
+
+#[test]
+fn short_forms_say_which_crate_is_missing() {
+    check(
+        "[[contact]]\nframe = \"tip\"\nmotion = \"hard\"\n",
+        &[
+            "x.toml:4:1: robot: a short file brings a constraint of type `actuator_limits`, which is not linked: add \
+             `use wbqp_tasks as _;` (crate wbqp-tasks)",
+            "x.toml:9:10: contact `tip`: `motion` brings a constraint of type `friction_pyramid`, which is not linked: add \
+             `use wbqp_tasks as _;` (crate wbqp-tasks)",
+            "x.toml:9:10: contact `tip`: `motion` brings a constraint of type `contact_motion`, which is not linked: add \
+             `use wbqp_tasks as _;` (crate wbqp-tasks)",
+        ],
+    );
+    assert_eq!(
+        messages("[controller]\nrate = 250\n[robot]\nfile = \"a.urdf\"\n"),
+        [
+            "x.toml:4:8: robot: a robot with a `file` and no `type` is of type `urdf`, which is not linked: add \
+             `use wbqp_robots as _;` (crate wbqp-robots), or name the `type`"
         ]
     );
 }

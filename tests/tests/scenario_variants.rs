@@ -90,7 +90,7 @@ fn each_case_has_its_own() {
     );
     assert!(plain.initial().joints.is_empty());
     assert_eq!(other.initial().joints["arm_pitch1"], 0.2);
-    assert_eq!(other.initial().position, [-0.5, 0.0, 1.258]);
+    assert_eq!(other.initial().position, Some([-0.5, 0.0, 1.258]));
     assert_eq!(plain.plant().mismatch.mass_scale, 1.0);
     assert_eq!(other.plant().mismatch.mass_scale, 1.05);
     assert_eq!(other.plant().mismatch.thrust_scale, 0.95);

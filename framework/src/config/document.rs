@@ -26,6 +26,8 @@ pub(super) struct Document<'t> {
     pub(super) contacts: Vec<Section<'t>>,
     pub(super) tasks: Vec<Section<'t>>,
     pub(super) constraints: Vec<Section<'t>>,
+    /// Whether something in it was said in short, so that the limits of the actuators go without saying.
+    pub(super) is_short: bool,
 }
 
 impl<'t> Document<'t> {
@@ -80,6 +82,17 @@ impl<'t> Document<'t> {
         starts.extend(document.sections().map(|section| section.span.start));
         report.set_sections(starts);
         document
+    }
+
+    /// Contacts alone, from a text of this program's own.
+    pub(super) fn contacts(source: &'t str, report: &mut Report<'_>) -> Self {
+        let (mut root, _) = DeTable::parse_recoverable(source);
+        let contacts = root.get_mut().remove("contact");
+        let at = At::default();
+        Self {
+            contacts: contacts.map_or_else(Vec::new, |value| list("contact", value, &at, report)),
+            ..Self::default()
+        }
     }
 
     fn sections(&self) -> impl Iterator<Item = &Section<'t>> {

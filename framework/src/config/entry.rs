@@ -7,7 +7,7 @@ use toml::{
 };
 
 use super::{
-    ConfigErrorKind as Kind,
+    ConfigErrorKind as Kind, expand,
     report::{At, Report, Span, Step},
     table::{self, Section},
 };
@@ -27,20 +27,14 @@ pub(super) fn read<P: PluginKind + ?Sized>(
 ) -> Option<Entry<P>> {
     let at = At::subject(subject(P::NAME, Some(index), &section));
     let header = section.span.clone();
-    let missing = |key: &str, report: &mut Report<'_>| {
-        let span = Some(header.clone());
-        let message = format!("key `{key}` is missing");
-        report.add(Kind::MissingKey, span, &at, message);
-    };
+    let remedy = expand::remedy(&section);
     let mut take = |key: &str| section.take(key);
 
-    let name: Option<String> = if let Some(name) = take("name") {
-        names.check(P::NAME, &name, &at, report);
+    // Without a type, of which the plug-in tells, there is no name either.
+    let name: Option<String> = take("name").and_then(|name| {
+        names.check(P::NAME, &name, remedy, &at, report);
         table::value(name, &at.key("name"), report)
-    } else {
-        missing("name", report);
-        None
-    };
+    });
     let hardness = match take("hardness") {
         Some(value) => hardness(value, &at.key("hardness"), report),
         None => Some(default_hardness),
@@ -51,7 +45,12 @@ pub(super) fn read<P: PluginKind + ?Sized>(
             Some(Weight::Uniform(1.0))
         }
         None => {
-            missing("weight", report);
+            report.add(
+                Kind::MissingKey,
+                Some(header),
+                &at,
+                "key `weight` is missing",
+            );
             None
         }
     };
@@ -172,6 +171,7 @@ impl Names {
         &mut self,
         kind: &str,
         value: &Spanned<DeValue<'_>>,
+        remedy: &str,
         at: &At,
         report: &mut Report<'_>,
     ) {
@@ -193,7 +193,7 @@ impl Names {
                 "contact" => "contact",
                 _ => "task or constraint",
             };
-            let message = format!("name `{name}` is taken by the {others} at {first}");
+            let message = format!("name `{name}` is taken by the {others} at {first}{remedy}");
             report.add(Kind::Duplicate, Some(span), at, message);
         } else {
             let place = report.place(&span);

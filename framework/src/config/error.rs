@@ -78,6 +78,12 @@ impl ConfigErrors {
         Self { errors }
     }
 
+    /// Of a text that nobody has seen.
+    pub(super) fn without_places(mut self) -> Self {
+        self.errors.iter_mut().for_each(|error| error.place = None);
+        self
+    }
+
     /// The errors, at least one.
     pub fn iter(&self) -> std::slice::Iter<'_, ConfigError> {
         self.errors.iter()

@@ -11,6 +11,7 @@ use toml::{
 use super::{
     ConfigError, ConfigErrorKind as Kind, ConfigErrors, Overrides, Target,
     document::Document,
+    expand::{self, Texts},
     overrides::Appendix,
     report::{At, Path, Report, Span, Step},
     table::Section,
@@ -104,8 +105,9 @@ impl Origin {
         let applied = || appendix.applied(&self.overrides);
         // The text was accepted before.
         let mut ignored = Report::new(&source.name, text, applied());
-        let mut document = Document::parse(text, &mut ignored);
-        appendix.apply(&self.overrides, &mut document, &mut ignored);
+        let texts = Texts::default();
+        let (mut document, _) =
+            expand::read(text, &self.overrides, &appendix, &texts, &mut ignored);
         let mut report = Report::new(&source.name, text, applied());
         add(&mut document, &mut report);
         report

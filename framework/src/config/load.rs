@@ -14,7 +14,9 @@ use super::{
     ConfigError, ConfigErrorKind as Kind, ConfigErrors, ControllerConfig, ENTRY_KEYS, Overrides,
     Settings,
     document::Document,
-    entry, fault,
+    entry, expand,
+    expand::Texts,
+    fault,
     overrides::Appendix,
     report::{At, Report},
     schema::Node,
@@ -91,8 +93,8 @@ impl ControllerConfig {
             let at = At::subject("internal error");
             report.add(Kind::Internal, None, &at, message);
         }
-        let mut document = Document::parse(source, &mut report);
-        appendix.apply(overrides, &mut document, &mut report);
+        let texts = Texts::default();
+        let (document, _) = expand::read(source, overrides, &appendix, &texts, &mut report);
         let parts = Parts::read(document, &mut report);
         report.finish()?;
         match parts {
@@ -182,17 +184,12 @@ impl Parts {
             Some(section) => single::<dyn QpSolver>(section, report),
             None => Some(Box::new(ActiveSet::default())),
         };
-        let mut names = entry::Names::default();
-        let contacts = each(document.contacts, |index, section| {
-            contact(index, section, &mut names, report)
-        });
+        let contacts = contacts(document.contacts, report);
         let mut names = entry::Names::default();
         let tasks = each(document.tasks, |index, section| {
             entry::read::<dyn Task>(index, section, Hardness::Soft, &mut names, report)
         });
-        let constraints = each(document.constraints, |index, section| {
-            entry::read::<dyn Constraint>(index, section, Hardness::Hard, &mut names, report)
-        });
+        let constraints = constraints(document.constraints, &mut names, report);
         Some(Self {
             settings: settings?,
             robot: robot?,
@@ -244,6 +241,26 @@ fn single<P: PluginKind + ?Sized>(section: Section<'_>, report: &mut Report<'_>)
     table::plugin::<P>(section, &[], &at, report)
 }
 
+pub(super) fn contacts(
+    sections: Vec<Section<'_>>,
+    report: &mut Report<'_>,
+) -> Option<Vec<ContactSpec>> {
+    let mut names = entry::Names::default();
+    each(sections, |index, section| {
+        contact(index, section, &mut names, report)
+    })
+}
+
+pub(super) fn constraints(
+    sections: Vec<Section<'_>>,
+    names: &mut entry::Names,
+    report: &mut Report<'_>,
+) -> Option<Vec<Entry<dyn Constraint>>> {
+    each(sections, |index, section| {
+        entry::read::<dyn Constraint>(index, section, Hardness::Hard, names, report)
+    })
+}
+
 fn contact(
     index: usize,
     section: Section<'_>,
@@ -252,12 +269,13 @@ fn contact(
 ) -> Option<ContactSpec> {
     let at = At::subject(entry::subject("contact", Some(index), &section));
     if let Some(name) = section.keys.get("name") {
-        names.check("contact", name, &at, report);
+        names.check("contact", name, expand::remedy(&section), &at, report);
     }
     let schema = schema_of::<ContactSpec>();
     let keys = section.clone();
     let load = ContactSpec::deserialize::<toml::de::ValueDeserializer<'_>>;
-    let spec: ContactSpec = table::read(section, &schema, &[], load, &at, report)?;
+    let short = &expand::schema::SHORT_KEYS;
+    let spec: ContactSpec = table::read(section, &schema, short, load, &at, report)?;
     if let Err(error) = spec.validate() {
         fault::report(&error, Some(&keys), &at, report);
         return None;

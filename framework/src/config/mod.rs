@@ -11,12 +11,16 @@
 //! ```
 //! | entry key | default | meaning |
 //! |---|---|---|
-//! | `name` | | unique among tasks and constraints |
+//! | `name` | `<frame>_<type>`, `<contact>_<type>` or `<type>` | unique among tasks and constraints |
 //! | `type` | | the plug-in |
-//! | `weight` | | linear, ≥ 0; needed unless hard |
+//! | `weight` | the plug-in's, if it declares one | linear, ≥ 0; needed unless hard |
 //! | `active` | `true` | on at the start |
 //! | `transition` | `0.0` | duration of the ramp when it is switched or reweighted, s |
 //! | `hardness` | tasks `"soft"`, constraints `"hard"` | or `{ exact = λ }`, see [`Hardness`](crate::entry::Hardness) |
+//!
+//! A file may be short ([`expand()`] writes it out, [`ControllerConfig::implied`] lists what it leaves to defaults): a contact
+//! with the key `motion` brings its own constraints, a robot with a `file` needs no `type`, and names, weights and
+//! dampings have defaults.
 //!
 //! Loading refuses every key that nobody knows, and reports all mistakes of a file at once
 //! ([`ConfigErrors`]). [`Overrides`] replace single values. Saving what was loaded, loading and saving again
@@ -26,6 +30,7 @@ mod compose;
 mod document;
 mod entry;
 mod error;
+pub(crate) mod expand;
 mod fault;
 mod load;
 mod overrides;
@@ -51,6 +56,7 @@ use crate::{
 };
 
 pub use error::{ConfigError, ConfigErrorKind, ConfigErrors};
+pub use expand::{Implied, ImpliedValue, expand};
 pub(crate) use fault::{Fault, Origin};
 pub use overrides::{Override, Overrides, Target};
 pub use save::SaveError;
@@ -116,6 +122,54 @@ pub struct Settings {
     /// nor rotors that can hold its home posture.
     #[serde(default)]
     pub hover: Hover,
+    /// Where references begin that have no value of their own.
+    #[serde(default)]
+    pub start: StartFrom,
+    /// The largest error of a task in the first tick: beyond it the tick is a fault, and nothing moves until one is
+    /// plausible.
+    #[serde(default)]
+    pub max_first_error: FirstError,
+}
+
+/// Where references begin that have no value of their own.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum StartFrom {
+    /// At what is measured in the first tick. A robot that is measured near its home
+    /// ([`AT_HOME`](crate::reference::AT_HOME)) begins there.
+    #[default]
+    Measured,
+    /// At the home posture, wherever the robot is.
+    Home,
+}
+
+/// How far a task may be from its reference in the first tick; `inf` for any distance.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct FirstError {
+    /// Of tasks whose error is a length: its norm, of prismatic joints the largest, m.
+    #[schemars(extend("x-unit" = "m"))]
+    pub position: f64,
+    /// Of tasks whose error is an angle: its norm, of revolute joints the largest, rad.
+    #[schemars(extend("x-unit" = "rad"))]
+    pub rotation: f64,
+}
+
+impl Default for FirstError {
+    fn default() -> Self {
+        Self {
+            position: 0.5,
+            rotation: 0.5,
+        }
+    }
+}
+
+impl FirstError {
+    /// Any error is taken.
+    pub const ANY: Self = Self {
+        position: f64::INFINITY,
+        rotation: f64::INFINITY,
+    };
 }
 
 /// Whether a robot must be able to hover.
@@ -150,6 +204,8 @@ impl Settings {
             velocity_leak: default_velocity_leak(),
             extrapolation: default_extrapolation(),
             hover: Hover::default(),
+            start: StartFrom::default(),
+            max_first_error: FirstError::default(),
         }
     }
 
@@ -191,6 +247,18 @@ impl Settings {
         .into_iter()
         .filter(|(_, value, allowed, _)| !value.is_finite() || !allowed)
         .map(|(key, value, _, rule)| (key, format!("must be finite and {rule}, is {value}")))
+        .chain(self.first_error_problems())
+    }
+
+    fn first_error_problems(&self) -> impl Iterator<Item = (&'static str, String)> {
+        let FirstError { position, rotation } = self.max_first_error;
+        [
+            ("max_first_error.position", position),
+            ("max_first_error.rotation", rotation),
+        ]
+        .into_iter()
+        .filter(|(_, value)| value.is_nan() || *value <= 0.0)
+        .map(|(key, value)| (key, format!("must be positive, `inf` for any, is {value}")))
     }
 }
 

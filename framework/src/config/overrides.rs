@@ -266,19 +266,20 @@ impl Appendix {
             .collect()
     }
 
-    /// Puts the values into the document.
+    /// Puts the values into the document. Gives back those for entries that it does not have: they may come.
     pub(super) fn apply<'t>(
         &'t self,
         overrides: &Overrides,
         document: &mut Document<'t>,
         report: &mut Report<'_>,
-    ) {
+    ) -> Vec<Pending<'t>> {
+        let mut pending = Vec::new();
         let mut values = match DeTable::parse(&self.text) {
             Ok(values) => values.into_inner(),
             Err(error) => {
                 let at = At::subject("overrides");
                 report.add(Kind::Override, None, &at, error.message());
-                return;
+                return pending;
             }
         };
         // A replaced plug-in first: it takes its keys with it.
@@ -291,26 +292,54 @@ impl Appendix {
             let mut refuse = |message: String| {
                 report.add(Kind::Override, Some(span.clone()), &At::default(), message);
             };
-            if each.key == "name" && each.target.parts().1.is_some() {
+            let (kind, name) = each.target.parts();
+            if each.key == "name" && name.is_some() {
                 refuse("the name of an entry cannot be overridden".to_owned());
                 continue;
             }
             match document.target(&each.target) {
                 Ok(section) => replace(section, each, span, value),
+                Err(_) if name.is_some() => pending.push(Pending {
+                    index,
+                    span: span.clone(),
+                    value,
+                }),
+                Err(_) => refuse(format!("the file has no table `[{kind}]`")),
+            }
+        }
+        pending
+    }
+
+    /// Puts the rest of the values into the document, whose entries are all there now.
+    pub(super) fn apply_rest<'t>(
+        rest: Vec<Pending<'t>>,
+        overrides: &Overrides,
+        document: &mut Document<'t>,
+        report: &mut Report<'_>,
+    ) {
+        for Pending { index, span, value } in rest {
+            let Some(each) = overrides.list.get(index) else {
+                continue;
+            };
+            match document.target(&each.target) {
+                Ok(section) => replace(section, each, &span, value),
                 Err(known) => {
                     let (kind, name) = each.target.parts();
-                    let message = match name {
-                        Some(name) => {
-                            let hint = suggestion(name, &known);
-                            format!("no {kind} has this name{hint}")
-                        }
-                        None => format!("the file has no table `[{kind}]`"),
-                    };
-                    refuse(message);
+                    let hint = suggestion(name.unwrap_or_default(), &known);
+                    let message = format!("no {kind} has this name{hint}");
+                    report.add(Kind::Override, Some(span), &At::default(), message);
                 }
             }
         }
     }
+}
+
+/// An override of an entry that is not there yet.
+pub(super) struct Pending<'t> {
+    /// Among the overrides.
+    index: usize,
+    span: Span,
+    value: Spanned<DeValue<'t>>,
 }
 
 fn replace<'t>(

@@ -32,6 +32,14 @@ pub(super) struct Section<'t> {
 }
 
 impl<'t> Section<'t> {
+    /// Without keys, at a place.
+    pub(super) fn new(span: Span) -> Self {
+        Self {
+            span,
+            keys: DeTable::new(),
+        }
+    }
+
     /// Takes out a key.
     pub(super) fn take(&mut self, key: &str) -> Option<Spanned<DeValue<'t>>> {
         self.keys.remove(key)

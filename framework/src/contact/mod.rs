@@ -10,11 +10,13 @@
 
 mod detector;
 mod motion;
+mod short;
 mod spec;
 mod state;
 
 pub use detector::{Detector, Touch};
 pub use motion::SurfaceMotion;
+pub use short::{Motion, ShortContact};
 pub use spec::{ContactKind, ContactSpec, FreeForce, Surface};
 pub use state::ContactState;
 

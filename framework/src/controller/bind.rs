@@ -1,12 +1,16 @@
 //! Makes a controller from its configuration: resolves names, declares rows, fixes sizes.
 
+use std::path::Path;
+
 use super::{
     Controller,
     command::Command,
     error::ControllerError,
     explanation::owners,
     faults::Faults,
+    first::FirstTick,
     handle::Stamp,
+    home,
     ladder::{Age, Clock, Ladder},
     recording::MadeFrom,
     report::{ContactReport, OnRung, Report, Rung, TaskReport},
@@ -52,6 +56,14 @@ impl ControllerConfig {
 }
 
 impl Controller {
+    /// Makes the controller that a file describes.
+    ///
+    /// # Errors
+    /// [`ControllerError`]: all mistakes of the file, the robot, or everything that does not fit it.
+    pub fn from_file(path: impl AsRef<Path>) -> Result<Self, ControllerError> {
+        Self::new(ControllerConfig::from_file(path)?)
+    }
+
     /// Makes a controller. This is where everything is allocated.
     ///
     /// # Errors
@@ -63,11 +75,15 @@ impl Controller {
 
     /// Makes a controller for a robot that is there already; the configuration's own is not loaded.
     ///
+    /// If nothing says where the robot's floating base is at home ([`RobotModel::base_is_placed`]), its home stands on the
+    /// contacts that are on at the start and whose surfaces face upwards: it is moved along the vertical until the lowest of
+    /// them touches.
+    ///
     /// # Errors
     /// [`ControllerError::Config`]: everything that does not fit the robot.
     pub fn with_robot(
         config: ControllerConfig,
-        robot: RobotModel,
+        mut robot: RobotModel,
     ) -> Result<Self, ControllerError> {
         let made_from = MadeFrom::new(&config);
         let ControllerConfig {
@@ -88,6 +104,7 @@ impl Controller {
         faults.stop_if_any()?;
         faults.names(&contacts, &tasks, &constraints);
         let period = 1.0 / settings.rate;
+        home::stand_on_contacts(&mut robot, &contacts);
         let model = robot.model.clone();
 
         let mut bindings = Vec::new();
@@ -234,8 +251,14 @@ impl Controller {
             capacity,
             ladder.elastic.limits(),
         );
+        let first = FirstTick::new(
+            settings.max_first_error,
+            &groups[..tasks.len()],
+            &world.model,
+        );
         let mut controller = Self {
             settings,
+            first,
             tasks: tasks.into_iter().map(|e| e.plugin).collect(),
             constraints: constraints.into_iter().map(|e| e.plugin).collect(),
             command: Command::new(&robot),
@@ -303,8 +326,8 @@ fn unlimited_moments(contacts: &[ContactSpec], constraints: &[Group]) -> Vec<(us
     let problem = |spec: &ContactSpec| {
         format!(
             "constrains rotations, and no constraint limits this contact's moments: add one of type \
-             `contact_wrench` with `contact = \"{}\"` (crate wbqp-tasks), or one of your own whose layout says \
-             `limits_moments`",
+             `contact_wrench` with `contact = \"{}\"` (crate wbqp-tasks), give the contact `motion` and the `size` of its \
+             sole, or list one of your own whose layout says `limits_moments`",
             spec.name
         )
     };

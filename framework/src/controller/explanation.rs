@@ -274,6 +274,9 @@ impl Controller {
     /// A fault with the names of the entries and contacts that it counts.
     pub(crate) fn fault_text(&self, fault: &Fault) -> String {
         match fault {
+            Fault::FirstError(task) => self
+                .first_error_text(*task)
+                .unwrap_or_else(|| fault.to_string()),
             Fault::Rows(index) => match self.groups.get(*index) {
                 Some(group) => format!("entry `{}` wrote a number that is not finite", group.name),
                 None => fault.to_string(),

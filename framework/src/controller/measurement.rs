@@ -112,6 +112,9 @@ pub enum Fault {
     NotLater,
     /// The base's quaternion is not of unit length, nor near it.
     NotARotation,
+    /// In the first tick the error of this task (its position among the tasks) is larger than `max_first_error` of the settings
+    /// allows: nothing moves, and the next tick counts as the first.
+    FirstError(usize),
     /// A plug-in wrote a coefficient or a limit that is not a number; the index counts tasks, then constraints.
     Rows(usize),
     /// The mass matrix is not positive definite at this state.
@@ -133,6 +136,10 @@ impl std::fmt::Display for Fault {
             Self::NotARotation => {
                 f.write_str("measurement: the base orientation is not a unit quaternion")
             }
+            Self::FirstError(task) => write!(
+                f,
+                "the error of task {task} in the first tick is larger than `max_first_error` allows"
+            ),
             Self::Rows(entry) => write!(f, "entry {entry} wrote a number that is not finite"),
             Self::MassMatrix => f.write_str("the mass matrix is not positive definite"),
             Self::Dynamics => f.write_str("the equations of motion are not finite at this state"),

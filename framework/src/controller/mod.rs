@@ -9,7 +9,9 @@ mod command;
 mod error;
 mod explanation;
 mod faults;
+mod first;
 mod handle;
+mod home;
 mod hover;
 mod ladder;
 mod measurement;
@@ -46,6 +48,7 @@ use crate::{
     task::Task,
     tick::EntryState,
 };
+use first::FirstTick;
 use handle::Stamp;
 use ladder::Ladder;
 use recording::MadeFrom;
@@ -78,6 +81,7 @@ pub struct Controller {
     recorder: Option<Recorder>,
     hover_residual: DVector<f64>,
     stopwatch: Box<dyn Stopwatch>,
+    first: FirstTick,
     /// What ids of tasks must have.
     stamp: Stamp,
 }
@@ -143,11 +147,20 @@ impl Controller {
         self.world.measure(measurement);
         self.ladder.without_state.renew(measurement.time);
         let measured = self.stopwatch.now();
+        let is_first = !self.first.is_over;
         match recorded {
-            None => self.update_rows(),
+            None => {
+                if is_first {
+                    self.begin();
+                }
+                self.update_rows();
+            }
             Some(record) => self.recall_rows(&record.entries),
         }
         self.record_rows();
+        if is_first {
+            self.check_first_errors()?;
+        }
         let written = self.stopwatch.now();
         let terms = Self::terms(&self.world);
         let assembled = self
@@ -448,6 +461,11 @@ impl Controller {
     /// owner wrote them are larger by that, in the row's unit.
     pub fn row_constant(&self, i: usize) -> f64 {
         self.assembly.constant(i)
+    }
+
+    /// A measurement of the right sizes: the home posture at rest at time 0, no force. For drivers to write into.
+    pub fn measurement(&self) -> Measurement {
+        Measurement::home(&self.robot, self.world.contacts.len())
     }
 
     /// Name and unit of a row.

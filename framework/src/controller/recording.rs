@@ -143,6 +143,7 @@ impl Controller {
         copy(&mut before.vdot, last.vdot.as_slice());
         copy(&mut before.sent, last.effort.as_slice());
         write_command(&self.command, &mut before.command);
+        before.has_begun = self.first.is_over;
         before.rung = self.report.rung;
         before.on_rung_since = self.report.on_rung.since;
         before.on_rung_ticks = self.report.on_rung.ticks;
@@ -226,6 +227,7 @@ impl Controller {
         copy(world.last.vdot.as_mut_slice(), &before.vdot);
         copy(world.last.effort.as_mut_slice(), &before.sent);
         read_command(&before.command, &mut self.command);
+        self.first.is_over = before.has_begun;
         self.report.rung = before.rung;
         self.report.on_rung.since = before.on_rung_since;
         self.report.on_rung.ticks = before.on_rung_ticks;

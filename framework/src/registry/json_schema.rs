@@ -12,9 +12,8 @@ use serde_json::{Map, Value, json};
 
 use super::PluginKind;
 use crate::{
-    config::Settings,
+    config::{Settings, expand},
     constraint::Constraint,
-    contact::ContactSpec,
     entry::{Hardness, Weight},
     qp::QpSolver,
     reference::Reference,
@@ -35,7 +34,7 @@ pub fn controller() -> Value {
     let list =
         |items: Value, what: &str| json!({ "type": "array", "items": items, "description": what });
     let plugin = |kind: &str| json!({ "x-plugin": kind });
-    compose(&json!({
+    let mut schema = compose(&json!({
         "title": "wbqp controller",
         "type": "object",
         "required": ["controller", "robot"],
@@ -44,11 +43,29 @@ pub fn controller() -> Value {
             "controller": schema_of::<Settings>(),
             "robot": plugin("robot"),
             "solver": plugin("solver"),
-            "contact": list(schema_of::<ContactSpec>(), "Contacts, in the order of their ids."),
+            "contact": list(expand::schema::contact(), "Contacts, in the order of their ids."),
             "task": list(plugin("task"), "Tasks: what the robot should do."),
             "constraint": list(plugin("constraint"), "Constraints: what must hold."),
         }
-    }))
+    }));
+    let urdf = schema["$defs"].get("robot.urdf").cloned();
+    if let Some(urdf) = urdf {
+        let_files_be_urdfs(&mut schema["properties"]["robot"], urdf);
+    }
+    schema
+}
+
+/// A robot without a `type` is checked as a URDF.
+fn let_files_be_urdfs(robot: &mut Value, mut urdf: Value) {
+    for schema in [&mut *robot, &mut urdf] {
+        if let Some(required) = schema["required"].as_array_mut() {
+            required.retain(|key| key != "type");
+        }
+    }
+    if let Some(cases) = robot["allOf"].as_array_mut() {
+        let typed = json!({ "required": ["type"] });
+        cases.push(json!({ "if": { "not": typed }, "then": urdf }));
+    }
 }
 
 /// Schema of a type as schemars derives it, to be composed.
@@ -130,10 +147,9 @@ fn entry_keys(default: Hardness) -> Value {
         schema
     };
     json!({
-        "required": ["name"],
         "anyOf": needs_weight,
         "properties": {
-            "name": { "type": "string", "minLength": 1, "description": "Unique name: how logs, reports, errors and events call it." },
+            "name": { "type": "string", "minLength": 1, "description": "Unique name: how logs, reports, errors and events call it. Default: `<frame>_<type>`, `<contact>_<type>` or `<type>`." },
             "weight": about(schema_of::<Weight>(), "Weight, a number or one per row, 0 or more: a row costs weight × residual². Needed unless hard."),
             "active": { "type": "boolean", "default": true, "description": "Whether it is on at the start." },
             "transition": { "type": "number", "minimum": 0, "default": 0.0, "x-unit": "s", "description": "Duration of the ramp when it is switched, s." },
@@ -153,6 +169,7 @@ fn define<P: PluginKind + ?Sized>(definitions: &mut Map<String, Value>, common: 
         };
         table.remove("$defs");
         table.remove("$schema");
+        let weight = table.remove(expand::WEIGHT);
         let mut properties = Map::new();
         properties.insert("type".to_owned(), json!({ "const": plugin.tag }));
         for keys in [common.get("properties"), table.get("properties")] {
@@ -168,12 +185,21 @@ fn define<P: PluginKind + ?Sized>(definitions: &mut Map<String, Value>, common: 
                     .cloned(),
             );
         }
+        // A damping that has none is critical.
+        let is_critical = |key: &Value| {
+            let about = key.as_str().and_then(|key| properties.get(key));
+            about.is_some_and(|about| about.get(expand::CRITICAL).is_some())
+        };
+        required.retain(|key| !is_critical(key));
+        if let (Some(default), Some(weight)) = (&weight, properties.get_mut("weight")) {
+            weight["default"] = default.clone();
+        }
         table.insert("type".to_owned(), json!("object"));
         table.insert("properties".to_owned(), Value::Object(properties));
         table.insert("required".to_owned(), Value::Array(required));
         // Serde looks for the plug-in's keys after the framework has taken its own and `type`.
         table.insert("additionalProperties".to_owned(), json!(false));
-        if let Some(any_of) = common.get("anyOf") {
+        if let (Some(any_of), None) = (common.get("anyOf"), &weight) {
             table.insert("anyOf".to_owned(), any_of.clone());
         }
         definitions.insert(name(P::NAME, plugin.tag), schema);

@@ -1,7 +1,9 @@
 //! The linked plug-ins in words: what each is, its equations, its parameters.
 //!
 //! Everything comes from the plug-in's rustdoc and its derived JSON Schema. The first paragraph is the summary;
-//! any other that begins with a code span with `=`, `≤` or `≥` in it is an equation. Units are `#[schemars(extend("x-unit" = "…"))]` on the fields.
+//! any other that begins with a code span with `=`, `≤` or `≥` in it is an equation. Units are `#[schemars(extend("x-unit" = "…"))]` on the
+//! fields, `"x-weight"` on the type is the weight of an entry without one, and `"x-critical" = "kp"` on a damping says that it
+//! is critical for that stiffness unless a file says it.
 
 use std::fmt;
 
@@ -10,7 +12,11 @@ use serde_json::Value;
 
 use super::{Duplicate, PluginKind, duplicates};
 use crate::{
-    config::schema::Node, constraint::Constraint, qp::QpSolver, reference::Reference, robot::Robot,
+    config::{expand, schema::Node},
+    constraint::Constraint,
+    qp::QpSolver,
+    reference::Reference,
+    robot::Robot,
     task::Task,
 };
 
@@ -36,6 +42,8 @@ pub struct PluginInfo {
     pub origin: &'static str,
     /// The whole description, Markdown.
     pub description: String,
+    /// The weight of an entry that does not say one: a number, or a list with one per row.
+    pub weight: Option<Value>,
     /// Its keys, sorted, those of nested tables behind the table.
     pub parameters: Vec<Parameter>,
 }
@@ -122,6 +130,9 @@ impl fmt::Display for Listing {
                 kind, tag, origin, ..
             } = plugin;
             writeln!(f, "{kind} {tag} ({origin}): {}", one_line(plugin.summary()))?;
+            if let Some(weight) = &plugin.weight {
+                writeln!(f, "  weight: default {weight}")?;
+            }
             for parameter in &plugin.parameters {
                 let Parameter { key, expected, .. } = parameter;
                 let unit = parameter.unit.as_deref().unwrap_or("-");
@@ -153,6 +164,7 @@ fn of_kind<P: PluginKind + ?Sized>(all: &mut Vec<PluginInfo>) {
             tag: plugin.tag,
             origin: plugin.origin,
             description: description(root),
+            weight: root.get(expand::WEIGHT).cloned(),
             parameters,
         }
     }));
@@ -173,7 +185,9 @@ fn collect(table: Node<'_>, prefix: &str, all: &mut Vec<Parameter>) {
                 .get("default")
                 .filter(|value| !value.is_null())
                 .cloned(),
-            is_required: required.is_some_and(|keys| keys.iter().any(|k| k == key)),
+            // A damping without a value is critical.
+            is_required: required.is_some_and(|keys| keys.iter().any(|k| k == key))
+                && about.get(expand::CRITICAL).is_none(),
             description: description(about),
             key: path.clone(),
         });

@@ -45,6 +45,9 @@ pub(crate) struct Memory {
     /// Since the first tick, s.
     pub(crate) time: f64,
     pub(crate) origin: Option<f64>,
+    /// Whether the first tick was behind; it was in all records that do not say so.
+    #[serde(default = "is_behind")]
+    pub(crate) has_begun: bool,
     /// The last usable state.
     pub(crate) state: StateRecord,
     pub(crate) contacts: Vec<ContactMemory>,
@@ -66,6 +69,10 @@ pub(crate) struct Memory {
     pub(crate) held: Vec<f64>,
     pub(crate) warm: WarmStart,
     pub(crate) relaxed_warm: WarmStart,
+}
+
+fn is_behind() -> bool {
+    true
 }
 
 /// A contact's switch, filter and last forces, and its surface.

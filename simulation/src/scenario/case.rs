@@ -47,8 +47,10 @@ pub struct Case {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Initial {
-    /// Position of the base, m, world.
-    pub position: [f64; 3],
+    /// Position of the base, m, world. Default: the controller's home, which stands on its contacts where nothing else places
+    /// it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub position: Option<[f64; 3]>,
     /// Roll, pitch, yaw of the base, rad.
     pub rpy: [f64; 3],
     /// Joint positions that differ from the robot's home, rad or m.
@@ -170,6 +172,7 @@ impl Case {
         } = &self.initial;
         if !position
             .iter()
+            .flatten()
             .chain(rpy)
             .chain(joints.values())
             .all(|x| x.is_finite())
@@ -177,7 +180,9 @@ impl Case {
             return Err(self.refuse("initial: has a number that is not finite"));
         }
         let mut state = robot.home.clone();
-        state.p_WR = Vector3::from(*position);
+        if let Some(position) = position {
+            state.p_WR = Vector3::from(*position);
+        }
         state.R_WR = UnitQuaternion::from_euler_angles(rpy[0], rpy[1], rpy[2]);
         for (name, position) in joints {
             let joint = robot.model.joint(name).ok_or_else(|| {

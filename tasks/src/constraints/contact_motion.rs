@@ -29,7 +29,7 @@ use crate::check;
 /// Exists while the contact is on.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(crate = "wbqp::serde", deny_unknown_fields)]
-#[schemars(crate = "wbqp::schemars")]
+#[schemars(crate = "wbqp::schemars", extend("x-weight" = 1e4))]
 pub struct ContactMotion {
     /// The contact, by name.
     pub contact: String,

@@ -54,7 +54,7 @@ pub struct Ellipse {
     #[serde(default = "first_two")]
     pub axes: [usize; 2],
     /// Where it begins, one number per component of the task. Without it, what the task followed before; at the
-    /// start, the home posture.
+    /// start, what is measured.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "the task's"))]
     pub from: Option<Vec<f64>>,
@@ -67,7 +67,7 @@ pub struct Ellipse {
 }
 
 /// What `bind` found out.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 struct Bound {
     /// Time at which it begins, s.
     begin: f64,
@@ -190,13 +190,10 @@ impl Reference for Ellipse {
             let problem = format!("names {} twice", self.axes[0]);
             return Err(BindError::value("axes", problem));
         }
-        self.bound = Some(Bound {
-            begin: start.time + self.start,
-            from: match &self.from {
-                Some(value) => leg::knot(start.space, "from", value)?,
-                None => leg::takeover(start)?,
-            },
-        });
+        let mut bound = self.bound.take().unwrap_or_default();
+        bound.begin = start.time + self.start;
+        leg::knot_or_take_over(start, "from", self.from.as_deref(), &mut bound.from)?;
+        self.bound = Some(bound);
         Ok(())
     }
 

@@ -18,7 +18,7 @@ use super::leg;
 #[schemars(crate = "wbqp::schemars")]
 pub struct Hold {
     /// The value, in the task's unit (m, rad or N); `[roll, pitch, yaw]` in rad for a rotation. Without it, what
-    /// the task followed before; at the start, the home posture.
+    /// the task followed before; at the start, what is measured.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "the task's"))]
     pub value: Option<Vec<f64>>,
@@ -44,11 +44,7 @@ impl Hold {
 #[wbqp::reference("hold")]
 impl Reference for Hold {
     fn bind(&mut self, start: &Start<'_>) -> Result<(), BindError> {
-        self.held = match &self.value {
-            Some(value) => leg::knot(start.space, "value", value)?,
-            None => leg::takeover(start)?,
-        };
-        Ok(())
+        leg::knot_or_take_over(start, "value", self.value.as_deref(), &mut self.held)
     }
 
     fn sample(&mut self, _: &Tick<'_>, out: &mut Sample) {

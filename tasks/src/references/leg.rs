@@ -28,6 +28,17 @@ pub(crate) struct Leg {
 }
 
 impl Leg {
+    /// One that is not bound yet.
+    pub(crate) fn unbound() -> Self {
+        Self {
+            space: Space::Rotation,
+            begin: 0.0,
+            duration: 0.0,
+            from: Sample::default(),
+            to: Sample::default(),
+        }
+    }
+
     /// Writes the sample at a time, s; before and after the move it stands at its ends.
     pub(crate) fn at(&self, time: f64, out: &mut Sample) {
         let elapsed = time - self.begin;
@@ -86,43 +97,70 @@ fn copy(from: &[f64], to: &mut [f64]) {
     }
 }
 
-/// Reads a configured value: as many numbers as the space has dimensions, all finite.
-pub(crate) fn knot(space: Space, key: &str, numbers: &[f64]) -> Result<Sample, BindError> {
+/// Reads a configured value: as many numbers as the space has dimensions, all finite. Allocates only if there is no room
+/// in `out`, or to name `key` in an error.
+pub(crate) fn read_knot(
+    space: Space,
+    key: &dyn Fn() -> String,
+    numbers: &[f64],
+    out: &mut Sample,
+) -> Result<(), BindError> {
     let n = space.dimension();
     if numbers.len() != n {
         let expected = match space {
             Space::Vector(_) => n.to_string(),
             Space::Rotation => "3: roll, pitch and yaw in rad".to_owned(),
         };
-        return Err(BindError::length(key, numbers.len(), expected));
+        return Err(BindError::length(&key(), numbers.len(), expected));
     }
-    check::finite(key, numbers)?;
-    let mut sample = Sample::new(space);
+    if !numbers.iter().all(|x| x.is_finite()) {
+        check::finite(&key(), numbers)?;
+    }
+    out.reset(space);
     match space {
-        Space::Vector(_) => sample.value.copy_from_slice(numbers),
+        Space::Vector(_) => out.value.copy_from_slice(numbers),
         Space::Rotation => {
             let [roll, pitch, yaw]: [f64; 3] = Vector3::from_column_slice(numbers).into();
-            sample.rotation = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
+            out.rotation = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
         }
     }
-    Ok(sample)
+    Ok(())
 }
 
-/// Where a reference takes over, brought to rest.
-pub(crate) fn takeover(start: &Start<'_>) -> Result<Sample, BindError> {
+/// Where a reference takes over, brought to rest. Allocates only if there is no room in `out`.
+pub(crate) fn take_over(start: &Start<'_>, out: &mut Sample) -> Result<(), BindError> {
     let n = start.space.dimension();
     if matches!(start.space, Space::Vector(_)) && start.from.value.len() != n {
         let got = start.from.value.len();
         return Err(BindError::length("from", got, n.to_string()));
     }
-    let mut sample = Sample::new(start.space);
-    stand(start.from, &mut sample);
-    Ok(sample)
+    out.reset(start.space);
+    stand(start.from, out);
+    Ok(())
+}
+
+/// The value that the parameters give under a key, or where the reference takes over.
+pub(crate) fn knot_or_take_over(
+    start: &Start<'_>,
+    key: &str,
+    numbers: Option<&[f64]>,
+    out: &mut Sample,
+) -> Result<(), BindError> {
+    match numbers {
+        Some(numbers) => read_knot(start.space, &|| key.to_owned(), numbers, out),
+        None => take_over(start, out),
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn knot(space: Space, key: &str, numbers: &[f64]) -> Result<Sample, BindError> {
+        let mut sample = Sample::default();
+        read_knot(space, &|| key.to_owned(), numbers, &mut sample)?;
+        Ok(sample)
+    }
 
     fn leg(space: Space, from: &[f64], to: &[f64]) -> Leg {
         Leg {

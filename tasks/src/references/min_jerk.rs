@@ -29,8 +29,8 @@ pub struct MinJerk {
     /// How long the move takes, s.
     #[schemars(extend("x-unit" = "s"))]
     pub duration: f64,
-    /// Where it begins, in the unit of `to`. Without it, what the task followed before; at the start, the home
-    /// posture.
+    /// Where it begins, in the unit of `to`. Without it, what the task followed before; at the start, what is
+    /// measured.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "the task's"))]
     pub from: Option<Vec<f64>>,
@@ -79,16 +79,13 @@ impl Reference for MinJerk {
     fn bind(&mut self, start: &Start<'_>) -> Result<(), BindError> {
         check::positive("duration", self.duration)?;
         check::not_negative("start", self.start)?;
-        self.leg = Some(Leg {
-            space: start.space,
-            begin: start.time + self.start,
-            duration: self.duration,
-            from: match &self.from {
-                Some(value) => leg::knot(start.space, "from", value)?,
-                None => leg::takeover(start)?,
-            },
-            to: leg::knot(start.space, "to", &self.to)?,
-        });
+        let mut leg = self.leg.take().unwrap_or_else(Leg::unbound);
+        leg.space = start.space;
+        leg.begin = start.time + self.start;
+        leg.duration = self.duration;
+        leg::knot_or_take_over(start, "from", self.from.as_deref(), &mut leg.from)?;
+        leg::knot_or_take_over(start, "to", Some(&self.to), &mut leg.to)?;
+        self.leg = Some(leg);
         Ok(())
     }
 

@@ -55,7 +55,7 @@ use crate::check;
 #[serde(crate = "wbqp::serde", deny_unknown_fields)]
 #[schemars(crate = "wbqp::schemars")]
 pub struct ThrustAttitude {
-    /// Yaw of the base, rad. Without it, what the task followed before; at the start, the home posture's.
+    /// Yaw of the base, rad. Without it, what the task followed before; at the start, the measured one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "rad"))]
     pub yaw: Option<f64>,

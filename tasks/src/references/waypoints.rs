@@ -82,14 +82,18 @@ impl Reference for Waypoints {
         if self.points.is_empty() {
             return Err(BindError::length("points", 0, "at least one"));
         }
-        let mut legs: Vec<Leg> = Vec::with_capacity(self.points.len());
-        let mut from = leg::takeover(start)?;
+        // A second bind, in the first tick, finds its room here.
+        self.legs.resize_with(self.points.len(), Leg::unbound);
         // When the point before is left.
         let mut free = 0.0;
         for (i, point) in self.points.iter().enumerate() {
             let key = |name: &str| format!("points[{i}].{name}");
-            check::not_negative(&key("at"), point.at)?;
-            check::not_negative(&key("dwell"), point.dwell)?;
+            for (name, seconds) in [("at", point.at), ("dwell", point.dwell)] {
+                // Keys are text, and text is made only for an error.
+                if !(seconds.is_finite() && seconds >= 0.0) {
+                    check::not_negative(&key(name), seconds)?;
+                }
+            }
             if i > 0 && point.at <= free {
                 let problem = format!(
                     "is {}, must be later than {free}, when the point before is left",
@@ -97,18 +101,23 @@ impl Reference for Waypoints {
                 );
                 return Err(BindError::value(&key("at"), problem));
             }
-            let to = leg::knot(start.space, &key("value"), &point.value)?;
-            legs.push(Leg {
-                space: start.space,
-                begin: start.time + free,
-                duration: point.at - free,
-                from,
-                to: to.clone(),
-            });
-            from = to;
+            let (before, rest) = self.legs.split_at_mut(i);
+            let Some(leg) = rest.first_mut() else {
+                break;
+            };
+            leg.space = start.space;
+            leg.begin = start.time + free;
+            leg.duration = point.at - free;
+            match before.last() {
+                Some(before) => {
+                    leg.from.reset(start.space);
+                    leg::stand(&before.to, &mut leg.from);
+                }
+                None => leg::take_over(start, &mut leg.from)?,
+            }
+            leg::read_knot(start.space, &|| key("value"), &point.value, &mut leg.to)?;
             free = point.at + point.dwell;
         }
-        self.legs = legs;
         Ok(())
     }
 

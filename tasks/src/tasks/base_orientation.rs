@@ -7,7 +7,7 @@
 use wbqp::{
     layout::Layout,
     nalgebra::{UnitQuaternion, Vector3},
-    reference::{Follow, Reference, Sample, Space, begin},
+    reference::{Follow, Reference, Sample, Space, begin, begin_turned},
     rows::Rows,
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
@@ -32,13 +32,13 @@ use crate::{follow::stay, gain::Gain};
 /// Error: `e`, rad, world axes.
 #[derive(Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(crate = "wbqp::serde", deny_unknown_fields)]
-#[schemars(crate = "wbqp::schemars")]
+#[schemars(crate = "wbqp::schemars", extend("x-weight" = 10.0))]
 pub struct BaseOrientation {
     /// Stiffness `K_P`, 1/s²: one number, or one per axis of `axes`.
     #[schemars(extend("x-unit" = "1/s²"))]
     pub kp: Gain,
-    /// Damping `K_D`, 1/s: one number, or one per axis of `axes`.
-    #[schemars(extend("x-unit" = "1/s"))]
+    /// Damping `K_D`, 1/s: one number, or one per axis of `axes`. Default: critical, `2 √K_P`.
+    #[schemars(extend("x-unit" = "1/s", "x-critical" = "kp"))]
     pub kd: Gain,
     /// How the difference of two orientations is measured.
     #[serde(default)]
@@ -46,8 +46,8 @@ pub struct BaseOrientation {
     /// Along which axes the gains count.
     #[serde(default)]
     pub axes: GainAxes,
-    /// Where to go: orientation of the base in the world, `[roll, pitch, yaw]` in rad. Default: hold the home
-    /// posture's.
+    /// Where to go: orientation of the base in the world, `[roll, pitch, yaw]` in rad. Default: hold what is
+    /// measured at the start.
     #[serde(default = "stay")]
     #[schemars(extend("x-unit" = "rad"))]
     pub reference: Box<dyn Reference>,
@@ -127,7 +127,7 @@ impl GainAxes {
 }
 
 impl BaseOrientation {
-    /// Holds the home orientation with these gains (1/s², 1/s), along world axes.
+    /// Holds the orientation of the start with these gains (1/s², 1/s), along world axes.
     pub fn new(kp: impl Into<Gain>, kd: impl Into<Gain>) -> Self {
         Self {
             kp: kp.into(),
@@ -162,6 +162,10 @@ impl Task for BaseOrientation {
                 .error_unit("rad")
                 .vdot_unit([3, 4, 5]),
         )
+    }
+
+    fn begin(&mut self, tick: &Tick<'_>) {
+        begin_turned(self.reference.as_mut(), &mut self.sample, &tick.state.R_WR);
     }
 
     fn update(&mut self, tick: &Tick<'_>, rows: &mut Rows<'_>) {

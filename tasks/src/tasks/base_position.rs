@@ -8,7 +8,7 @@ use wbqp::{
     layout::Layout,
     model::Base,
     nalgebra::Vector3,
-    reference::{Follow, Reference, Sample, Space, begin},
+    reference::{Follow, Reference, Sample, Space, begin, begin_at},
     rows::Rows,
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
@@ -36,13 +36,13 @@ use crate::{
 /// Error: `p_WR − p_WD`, m. Gains are along world axes.
 #[derive(Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(crate = "wbqp::serde", deny_unknown_fields)]
-#[schemars(crate = "wbqp::schemars")]
+#[schemars(crate = "wbqp::schemars", extend("x-weight" = 100.0))]
 pub struct BasePosition {
     /// Stiffness `K_P`, 1/s²: one number, or one per world axis.
     #[schemars(extend("x-unit" = "1/s²"))]
     pub kp: Gain,
-    /// Damping `K_D`, 1/s: one number, or one per world axis.
-    #[schemars(extend("x-unit" = "1/s"))]
+    /// Damping `K_D`, 1/s: one number, or one per world axis. Default: critical, `2 √K_P`.
+    #[schemars(extend("x-unit" = "1/s", "x-critical" = "kp"))]
     pub kd: Gain,
     /// Integral gain `K_I`, 1/s³: one number, or one per world axis. 0, the default, is the paper's law.
     #[serde(default = "no_integral")]
@@ -57,7 +57,7 @@ pub struct BasePosition {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "1/s"))]
     pub anti_windup: Option<Gain>,
-    /// Where to go: position of the base's origin in the world, m. Default: hold the home posture's.
+    /// Where to go: position of the base's origin in the world, m. Default: hold what is measured at the start.
     #[serde(default = "stay")]
     #[schemars(extend("x-unit" = "m"))]
     pub reference: Box<dyn Reference>,
@@ -75,7 +75,7 @@ fn default_integral_limit() -> f64 {
 }
 
 impl BasePosition {
-    /// Holds the home position with these gains (1/s², 1/s), without integral.
+    /// Holds the position of the start with these gains (1/s², 1/s), without integral.
     pub fn new(kp: impl Into<Gain>, kd: impl Into<Gain>) -> Self {
         Self {
             kp: kp.into(),
@@ -124,6 +124,11 @@ impl Task for BasePosition {
         Ok(Layout::rows([("x", "m/s²"), ("y", "m/s²"), ("z", "m/s²")])
             .error_unit("m")
             .vdot_unit([0, 1, 2]))
+    }
+
+    fn begin(&mut self, tick: &Tick<'_>) {
+        let measured = tick.state.p_WR.iter().copied();
+        begin_at(self.reference.as_mut(), &mut self.sample, measured);
     }
 
     fn update(&mut self, tick: &Tick<'_>, rows: &mut Rows<'_>) {

@@ -6,7 +6,7 @@
 
 use wbqp::{
     layout::Layout,
-    reference::{Follow, Reference, Sample, Space, begin},
+    reference::{Follow, Reference, Sample, Space, begin, begin_at},
     rows::Rows,
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
@@ -34,18 +34,18 @@ use crate::{
 /// Error: `p_G − p_d`, m.
 #[derive(Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(crate = "wbqp::serde", deny_unknown_fields)]
-#[schemars(crate = "wbqp::schemars")]
+#[schemars(crate = "wbqp::schemars", extend("x-weight" = 100.0))]
 pub struct Com {
     /// Stiffness `K_P`, 1/s²: one number, or one per axis.
     #[schemars(extend("x-unit" = "1/s²"))]
     pub kp: Gain,
-    /// Damping `K_D`, 1/s: one number, or one per axis.
-    #[schemars(extend("x-unit" = "1/s"))]
+    /// Damping `K_D`, 1/s: one number, or one per axis. Default: critical, `2 √K_P`.
+    #[schemars(extend("x-unit" = "1/s", "x-critical" = "kp"))]
     pub kd: Gain,
     /// Which axes of the world; rows, gains and reference are in this order. Default: x, y, z.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub axes: Option<Vec<Axis>>,
-    /// Where to go: one position per axis, m, world. Default: hold the home posture's.
+    /// Where to go: one position per axis, m, world. Default: hold what is measured at the start.
     #[serde(default = "stay")]
     #[schemars(extend("x-unit" = "m"))]
     pub reference: Box<dyn Reference>,
@@ -56,7 +56,7 @@ pub struct Com {
 }
 
 impl Com {
-    /// Holds the home posture's centre of mass with these gains (1/s², 1/s).
+    /// Holds the centre of mass where it is at the start with these gains (1/s², 1/s).
     pub fn new(kp: impl Into<Gain>, kd: impl Into<Gain>) -> Self {
         Self {
             kp: kp.into(),
@@ -95,6 +95,12 @@ impl Task for Com {
         let layout = Layout::rows(rows).error_unit("m").vdot_dense();
         self.moved = axes;
         Ok(layout)
+    }
+
+    fn begin(&mut self, tick: &Tick<'_>) {
+        let p = tick.dynamics.center_of_mass();
+        let measured = self.moved.iter().map(|axis| p[axis.index()]);
+        begin_at(self.reference.as_mut(), &mut self.sample, measured);
     }
 
     fn update(&mut self, tick: &Tick<'_>, rows: &mut Rows<'_>) {

@@ -7,7 +7,7 @@
 use wbqp::{
     layout::Layout,
     nalgebra::{UnitQuaternion, Vector3},
-    reference::{Follow, Reference, Sample, Space, begin},
+    reference::{Follow, Reference, Sample, Space, begin, begin_turned},
     rows::Rows,
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
@@ -31,15 +31,15 @@ use crate::{follow::stay, gain::Gain};
 /// Error: `e`, rad, world axes.
 #[derive(Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(crate = "wbqp::serde", deny_unknown_fields)]
-#[schemars(crate = "wbqp::schemars")]
+#[schemars(crate = "wbqp::schemars", extend("x-weight" = 10.0))]
 pub struct FrameOrientation {
     /// The frame, by name.
     pub frame: String,
     /// Stiffness `K_P`, 1/s²: one number, or one per axis of `axes`.
     #[schemars(extend("x-unit" = "1/s²"))]
     pub kp: Gain,
-    /// Damping `K_D`, 1/s: one number, or one per axis of `axes`.
-    #[schemars(extend("x-unit" = "1/s"))]
+    /// Damping `K_D`, 1/s: one number, or one per axis of `axes`. Default: critical, `2 √K_P`.
+    #[schemars(extend("x-unit" = "1/s", "x-critical" = "kp"))]
     pub kd: Gain,
     /// How the difference of two orientations is measured.
     #[serde(default)]
@@ -47,8 +47,8 @@ pub struct FrameOrientation {
     /// Along which axes the gains count.
     #[serde(default)]
     pub axes: GainAxes,
-    /// Where to go: orientation of the frame in the world, `[roll, pitch, yaw]` in rad. Default: hold the home
-    /// posture's.
+    /// Where to go: orientation of the frame in the world, `[roll, pitch, yaw]` in rad. Default: hold what is
+    /// measured at the start.
     #[serde(default = "stay")]
     #[schemars(extend("x-unit" = "rad"))]
     pub reference: Box<dyn Reference>,
@@ -59,7 +59,7 @@ pub struct FrameOrientation {
 }
 
 impl FrameOrientation {
-    /// Holds the frame's orientation in the home posture with these gains (1/s², 1/s), along world axes.
+    /// Holds the frame's orientation of the start with these gains (1/s², 1/s), along world axes.
     pub fn new(frame: impl Into<String>, kp: impl Into<Gain>, kd: impl Into<Gain>) -> Self {
         Self {
             frame: frame.into(),
@@ -95,6 +95,13 @@ impl Task for FrameOrientation {
                 .error_unit("rad")
                 .vdot_frame(frame, [3, 4, 5]),
         )
+    }
+
+    fn begin(&mut self, tick: &Tick<'_>) {
+        if let Some(frame) = self.bound {
+            let R_WF = UnitQuaternion::from_rotation_matrix(&tick.frame(frame).R_WF);
+            begin_turned(self.reference.as_mut(), &mut self.sample, &R_WF);
+        }
     }
 
     fn update(&mut self, tick: &Tick<'_>, rows: &mut Rows<'_>) {

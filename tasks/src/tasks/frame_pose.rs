@@ -7,7 +7,7 @@
 use wbqp::{
     layout::Layout,
     nalgebra::UnitQuaternion,
-    reference::{Follow, Reference, Sample, Space, begin},
+    reference::{Follow, Reference, Sample, Space, begin, begin_at, begin_turned},
     rows::Rows,
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
@@ -32,25 +32,25 @@ use crate::{follow::stay, gain::Gain};
 /// Replacing the reference while running replaces that of the position. Error: `[p_WF − p_d; e]`, m and rad.
 #[derive(Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(crate = "wbqp::serde", deny_unknown_fields)]
-#[schemars(crate = "wbqp::schemars")]
+#[schemars(crate = "wbqp::schemars", extend("x-weight" = [100.0, 100.0, 100.0, 10.0, 10.0, 10.0]))]
 pub struct FramePose {
     /// The frame, by name.
     pub frame: String,
     /// Stiffness `K_P`, 1/s²: one number, or six: x, y, z, then about x, y, z.
     #[schemars(extend("x-unit" = "1/s²"))]
     pub kp: Gain,
-    /// Damping `K_D`, 1/s: one number, or six.
-    #[schemars(extend("x-unit" = "1/s"))]
+    /// Damping `K_D`, 1/s: one number, or six. Default: critical, `2 √K_P`.
+    #[schemars(extend("x-unit" = "1/s", "x-critical" = "kp"))]
     pub kd: Gain,
     /// How the difference of two orientations is measured.
     #[serde(default)]
     pub error: RotationError,
-    /// Where to go: position of the frame's origin in the world, m. Default: hold the home posture's.
+    /// Where to go: position of the frame's origin in the world, m. Default: hold what is measured at the start.
     #[serde(default = "stay")]
     #[schemars(extend("x-unit" = "m"))]
     pub position: Box<dyn Reference>,
-    /// How to turn: orientation of the frame in the world, `[roll, pitch, yaw]` in rad. Default: hold the home
-    /// posture's.
+    /// How to turn: orientation of the frame in the world, `[roll, pitch, yaw]` in rad. Default: hold what is
+    /// measured at the start.
     #[serde(default = "stay")]
     #[schemars(extend("x-unit" = "rad"))]
     pub orientation: Box<dyn Reference>,
@@ -63,7 +63,7 @@ pub struct FramePose {
 }
 
 impl FramePose {
-    /// Holds the frame where the home posture has it, with these gains (1/s², 1/s).
+    /// Holds the frame where it is at the start, with these gains (1/s², 1/s).
     pub fn new(frame: impl Into<String>, kp: impl Into<Gain>, kd: impl Into<Gain>) -> Self {
         Self {
             frame: frame.into(),
@@ -117,6 +117,16 @@ impl Task for FramePose {
         Ok(Layout::rows(POSE)
             .error_unit("m or rad")
             .vdot_frame(frame, 0..6))
+    }
+
+    fn begin(&mut self, tick: &Tick<'_>) {
+        if let Some(frame) = self.bound {
+            let frame = tick.frame(frame);
+            let p_WF = frame.p_WF.iter().copied();
+            begin_at(self.position.as_mut(), &mut self.place, p_WF);
+            let R_WF = UnitQuaternion::from_rotation_matrix(&frame.R_WF);
+            begin_turned(self.orientation.as_mut(), &mut self.attitude, &R_WF);
+        }
     }
 
     fn update(&mut self, tick: &Tick<'_>, rows: &mut Rows<'_>) {

@@ -6,7 +6,7 @@
 
 use wbqp::{
     layout::Layout,
-    reference::{Follow, Reference, Sample, Space, begin},
+    reference::{Follow, Reference, Sample, Space, begin, begin_at},
     rows::Rows,
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
@@ -33,20 +33,20 @@ use crate::{
 /// Error: `p_WF − p_d`, m.
 #[derive(Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(crate = "wbqp::serde", deny_unknown_fields)]
-#[schemars(crate = "wbqp::schemars")]
+#[schemars(crate = "wbqp::schemars", extend("x-weight" = 100.0))]
 pub struct FramePosition {
     /// The frame, by name.
     pub frame: String,
     /// Stiffness `K_P`, 1/s²: one number, or one per axis.
     #[schemars(extend("x-unit" = "1/s²"))]
     pub kp: Gain,
-    /// Damping `K_D`, 1/s: one number, or one per axis.
-    #[schemars(extend("x-unit" = "1/s"))]
+    /// Damping `K_D`, 1/s: one number, or one per axis. Default: critical, `2 √K_P`.
+    #[schemars(extend("x-unit" = "1/s", "x-critical" = "kp"))]
     pub kd: Gain,
     /// Which axes of the world; rows, gains and reference are in this order. Default: x, y, z.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub axes: Option<Vec<Axis>>,
-    /// Where to go: one position per axis, m, world. Default: hold the home posture's.
+    /// Where to go: one position per axis, m, world. Default: hold what is measured at the start.
     #[serde(default = "stay")]
     #[schemars(extend("x-unit" = "m"))]
     pub reference: Box<dyn Reference>,
@@ -57,7 +57,7 @@ pub struct FramePosition {
 }
 
 impl FramePosition {
-    /// Holds the frame where the home posture has it, with these gains (1/s², 1/s).
+    /// Holds the frame where it is at the start, with these gains (1/s², 1/s).
     pub fn new(frame: impl Into<String>, kp: impl Into<Gain>, kd: impl Into<Gain>) -> Self {
         Self {
             frame: frame.into(),
@@ -99,6 +99,14 @@ impl Task for FramePosition {
             .vdot_frame(frame, axes.iter().map(|axis| axis.index()));
         self.bound = Some((frame, axes));
         Ok(layout)
+    }
+
+    fn begin(&mut self, tick: &Tick<'_>) {
+        if let Some((frame, axes)) = &self.bound {
+            let p_WF = tick.frame(*frame).p_WF;
+            let measured = axes.iter().map(|axis| p_WF[axis.index()]);
+            begin_at(self.reference.as_mut(), &mut self.sample, measured);
+        }
     }
 
     fn update(&mut self, tick: &Tick<'_>, rows: &mut Rows<'_>) {

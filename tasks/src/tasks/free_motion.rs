@@ -10,7 +10,7 @@ use wbqp::{
     dynamics::{Data, frame_motion},
     layout::Layout,
     nalgebra::Vector3,
-    reference::{Follow, Reference, Sample, Space, begin},
+    reference::{Follow, Reference, Sample, Space, begin, begin_at},
     rows::Rows,
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
@@ -52,8 +52,8 @@ pub struct FreeMotion {
     /// Stiffness `K_P`, 1/s²: one number, or one per axis.
     #[schemars(extend("x-unit" = "1/s²"))]
     pub kp: Gain,
-    /// Damping `K_D`, 1/s: one number, or one per axis.
-    #[schemars(extend("x-unit" = "1/s"))]
+    /// Damping `K_D`, 1/s: one number, or one per axis. Default: critical, `2 √K_P`.
+    #[schemars(extend("x-unit" = "1/s", "x-critical" = "kp"))]
     pub kd: Gain,
     /// Integral gain `K_I`, 1/s³: one number, or one per axis. 0, the default, is the paper's law.
     #[serde(default = "no_integral")]
@@ -120,7 +120,8 @@ impl SurfaceAxis {
 #[serde(crate = "wbqp::serde", rename_all = "snake_case")]
 #[schemars(crate = "wbqp::schemars")]
 pub enum Origin {
-    /// The surface's `origin`. Holding without a value means staying where the home posture has the contact point.
+    /// The surface's `origin`. Holding without a value means staying where the contact point is measured at the
+    /// start.
     #[default]
     Surface,
     /// Where the contact point was when the contact (or the task) was last switched on. Holding without a value means
@@ -265,6 +266,15 @@ impl Task for FreeMotion {
             base: None,
         });
         Ok(layout)
+    }
+
+    fn begin(&mut self, tick: &Tick<'_>) {
+        // Where it touches is zero, wherever that is.
+        if let (Some(bound), Origin::Surface) = (&self.bound, self.origin) {
+            let p_SC = tick.contact(bound.contact).p_SC;
+            let measured = bound.axes.iter().map(|axis| p_SC[axis.row()]);
+            begin_at(self.reference.as_mut(), &mut self.sample, measured);
+        }
     }
 
     fn update(&mut self, tick: &Tick<'_>, rows: &mut Rows<'_>) {

@@ -3,7 +3,7 @@
 use wbqp::{
     layout::Layout,
     model::{JointId, JointKind},
-    reference::{Follow, Reference, Sample, Space, begin},
+    reference::{Follow, Reference, Sample, Space, begin, begin_at},
     rows::Rows,
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
@@ -26,18 +26,18 @@ use crate::{
 /// Error: `q − q_d`, rad or m.
 #[derive(Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(crate = "wbqp::serde", deny_unknown_fields)]
-#[schemars(crate = "wbqp::schemars")]
+#[schemars(crate = "wbqp::schemars", extend("x-weight" = 0.01))]
 pub struct Posture {
     /// Stiffness `K_P`, 1/s²: one number, or one per joint.
     #[schemars(extend("x-unit" = "1/s²"))]
     pub kp: Gain,
-    /// Damping `K_D`, 1/s: one number, or one per joint.
-    #[schemars(extend("x-unit" = "1/s"))]
+    /// Damping `K_D`, 1/s: one number, or one per joint. Default: critical, `2 √K_P`.
+    #[schemars(extend("x-unit" = "1/s", "x-critical" = "kp"))]
     pub kd: Gain,
     /// Which joints, by name; rows, gains and reference are in this order. Default: all, in the model's order.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub joints: Option<Vec<String>>,
-    /// Where to go: one position per joint, rad or m. Default: hold the home posture.
+    /// Where to go: one position per joint, rad or m. Default: hold what is measured at the start.
     #[serde(default = "stay")]
     #[schemars(extend("x-unit" = "rad or m"))]
     pub reference: Box<dyn Reference>,
@@ -48,7 +48,7 @@ pub struct Posture {
 }
 
 impl Posture {
-    /// Holds all joints in the home posture with these gains (1/s², 1/s).
+    /// Holds all joints where they are at the start with these gains (1/s², 1/s).
     pub fn new(kp: impl Into<Gain>, kd: impl Into<Gain>) -> Self {
         Self {
             kp: kp.into(),
@@ -120,6 +120,11 @@ impl Task for Posture {
         Ok(Layout::rows(rows)
             .error_unit(error_unit)
             .vdot_unit(self.moved.iter().map(|&j| model.velocity_index(j))))
+    }
+
+    fn begin(&mut self, tick: &Tick<'_>) {
+        let measured = self.moved.iter().map(|joint| tick.state.q[joint.index()]);
+        begin_at(self.reference.as_mut(), &mut self.sample, measured);
     }
 
     fn update(&mut self, tick: &Tick<'_>, rows: &mut Rows<'_>) {

@@ -9,7 +9,7 @@ use wbqp::{
     dynamics::FrameKinematics,
     layout::Layout,
     nalgebra::{UnitQuaternion, Vector3},
-    reference::{Follow, Reference, Sample, Space, begin},
+    reference::{Follow, Reference, Sample, Space, begin, begin_at, begin_turned},
     rows::Rows,
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
@@ -38,7 +38,7 @@ use crate::{follow::stay, gain::Gain};
 /// position. Error: `[p_AB − p_d; e]`, m and rad.
 #[derive(Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(crate = "wbqp::serde", deny_unknown_fields)]
-#[schemars(crate = "wbqp::schemars")]
+#[schemars(crate = "wbqp::schemars", extend("x-weight" = [100.0, 100.0, 100.0, 10.0, 10.0, 10.0]))]
 pub struct RelativePose {
     /// The frame B that is placed, by name.
     pub frame: String,
@@ -47,17 +47,17 @@ pub struct RelativePose {
     /// Stiffness `K_P`, 1/s²: one number, or six: x, y, z, then about x, y, z.
     #[schemars(extend("x-unit" = "1/s²"))]
     pub kp: Gain,
-    /// Damping `K_D`, 1/s: one number, or six.
-    #[schemars(extend("x-unit" = "1/s"))]
+    /// Damping `K_D`, 1/s: one number, or six. Default: critical, `2 √K_P`.
+    #[schemars(extend("x-unit" = "1/s", "x-critical" = "kp"))]
     pub kd: Gain,
     /// How the difference of two orientations is measured.
     #[serde(default)]
     pub error: RotationError,
-    /// Where to go: position of B's origin in A, m. Default: hold the home posture's.
+    /// Where to go: position of B's origin in A, m. Default: hold what is measured at the start.
     #[serde(default = "stay")]
     #[schemars(extend("x-unit" = "m"))]
     pub position: Box<dyn Reference>,
-    /// How to turn: orientation of B in A, `[roll, pitch, yaw]` in rad. Default: hold the home posture's.
+    /// How to turn: orientation of B in A, `[roll, pitch, yaw]` in rad. Default: hold what is measured at the start.
     #[serde(default = "stay")]
     #[schemars(extend("x-unit" = "rad"))]
     pub orientation: Box<dyn Reference>,
@@ -71,7 +71,7 @@ pub struct RelativePose {
 }
 
 impl RelativePose {
-    /// Holds `frame` where the home posture has it relative to `relative_to`, with these gains (1/s², 1/s).
+    /// Holds `frame` where it is at the start relative to `relative_to`, with these gains (1/s², 1/s).
     pub fn new(
         frame: impl Into<String>,
         relative_to: impl Into<String>,
@@ -147,6 +147,21 @@ impl Task for RelativePose {
         self.attitude = begin("orientation", orientation, Space::Rotation, attitude)?;
         self.bound = Some(frames);
         Ok(Layout::rows(POSE).error_unit("m or rad").vdot_dense())
+    }
+
+    fn begin(&mut self, tick: &Tick<'_>) {
+        if let Some([A, B]) = self.bound {
+            let (A, B) = (tick.frame(A), tick.frame(B));
+            let R_AW = A.R_WF.inverse();
+            let p_AB = R_AW * (B.p_WF - A.p_WF);
+            begin_at(
+                self.position.as_mut(),
+                &mut self.place,
+                p_AB.iter().copied(),
+            );
+            let R_AB = UnitQuaternion::from_rotation_matrix(&(R_AW * B.R_WF));
+            begin_turned(self.orientation.as_mut(), &mut self.attitude, &R_AB);
+        }
     }
 
     fn update(&mut self, tick: &Tick<'_>, rows: &mut Rows<'_>) {

@@ -1,0 +1,248 @@
+//! What a file does not say: every value that stands in for it, and why.
+
+use std::fmt;
+
+use serde_json::Value as Json;
+
+use super::{List, Notes, Texts, read, value};
+use crate::{
+    config::{
+        ControllerConfig, Settings, document::Document, entry, overrides::Appendix, report::Report,
+        report::Span, schema::Node, table::Section,
+    },
+    constraint::Constraint,
+    contact::ContactSpec,
+    qp::QpSolver,
+    reference::Reference,
+    registry::{self, PluginKind, json_schema::schema_of},
+    robot::Robot,
+    task::Task,
+};
+
+/// All values that a file leaves to defaults; displayed one per line, `section: key = value (why)`.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Implied {
+    values: Vec<ImpliedValue>,
+}
+
+/// A value that a file does not say.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct ImpliedValue {
+    /// Whose it is, such as ``task[0] `com` (com)``; lists are counted as they are written out.
+    pub section: String,
+    /// The key; `surface.origin` in a table.
+    pub key: String,
+    /// The value as TOML; nothing if only words say what happens without one.
+    pub value: Option<String>,
+    /// Why that value: `critically damped: 2 sqrt(kp)`, `default`.
+    pub why: String,
+}
+
+impl Implied {
+    /// The values, in the order of the file's tables.
+    pub fn iter(&self) -> std::slice::Iter<'_, ImpliedValue> {
+        self.values.iter()
+    }
+
+    /// Whether the file says everything.
+    pub fn is_empty(&self) -> bool {
+        self.values.is_empty()
+    }
+}
+
+impl<'a> IntoIterator for &'a Implied {
+    type Item = &'a ImpliedValue;
+    type IntoIter = std::slice::Iter<'a, ImpliedValue>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.iter()
+    }
+}
+
+impl fmt::Display for ImpliedValue {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            section, key, why, ..
+        } = self;
+        match &self.value {
+            Some(value) => write!(f, "{section}: {key} = {value} ({why})"),
+            None => write!(f, "{section}: {key}: {why}"),
+        }
+    }
+}
+
+impl fmt::Display for Implied {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, value) in self.values.iter().enumerate() {
+            if index > 0 {
+                f.write_str("\n")?;
+            }
+            write!(f, "{value}")?;
+        }
+        Ok(())
+    }
+}
+
+impl ControllerConfig {
+    /// Every value that the file, and the overrides, do not say: what short forms bring, and the defaults of all keys, also
+    /// of plug-ins. Empty for a configuration that was made in code.
+    pub fn implied(&self) -> Implied {
+        let Some(source) = &self.source else {
+            return Implied::default();
+        };
+        let text = &source.contents;
+        let appendix = Appendix::new(&self.overrides, text.len());
+        let applied = appendix.applied(&self.overrides);
+        let is_said = |span: &Span| applied.iter().any(|one| one.span.contains(&span.start));
+        // The text was accepted before.
+        let mut report = Report::new(&source.name, text, appendix.applied(&self.overrides));
+        let texts = Texts::default();
+        let (document, notes) = read(text, &self.overrides, &appendix, &texts, &mut report);
+        let mut lister = Lister {
+            notes: &notes,
+            is_said: &is_said,
+            values: Vec::new(),
+        };
+        lister.document(&document);
+        Implied {
+            values: lister.values,
+        }
+    }
+}
+
+/// The framework's keys of an entry that have a default.
+const ENTRY: [(&str, &str); 2] = [("active", "true"), ("transition", "0.0")];
+
+struct Lister<'a> {
+    notes: &'a Notes,
+    is_said: &'a dyn Fn(&Span) -> bool,
+    values: Vec<ImpliedValue>,
+}
+
+impl Lister<'_> {
+    fn document(&mut self, document: &Document<'_>) {
+        if let Some(section) = &document.controller {
+            self.defaults("controller", &schema_of::<Settings>(), section);
+        }
+        if let Some(section) = &document.robot {
+            let subject = entry::subject("robot", None, section);
+            self.noted(List::Robot, 0, &subject, section);
+            self.plugin::<dyn Robot>(&subject, section);
+        }
+        match &document.solver {
+            Some(section) => {
+                let subject = entry::subject("solver", None, section);
+                self.plugin::<dyn QpSolver>(&subject, section);
+            }
+            None => self.add(
+                "solver",
+                "type",
+                Some("\"active_set\"".to_owned()),
+                "default",
+            ),
+        }
+        let contact = schema_of::<ContactSpec>();
+        for (index, section) in document.contacts.iter().enumerate() {
+            let subject = entry::subject("contact", Some(index), section);
+            self.noted(List::Contact, index, &subject, section);
+            self.defaults(&subject, &contact, section);
+        }
+        self.entries::<dyn Task>(List::Task, &document.tasks, "\"soft\"");
+        self.entries::<dyn Constraint>(List::Constraint, &document.constraints, "\"hard\"");
+    }
+
+    fn entries<P: PluginKind + ?Sized>(
+        &mut self,
+        list: List,
+        sections: &[Section<'_>],
+        hardness: &str,
+    ) {
+        for (index, section) in sections.iter().enumerate() {
+            let subject = entry::subject(P::NAME, Some(index), section);
+            self.noted(list, index, &subject, section);
+            for (key, value) in ENTRY.into_iter().chain([("hardness", hardness)]) {
+                if !section.keys.contains_key(key) {
+                    self.add(&subject, key, Some(value.to_owned()), "default");
+                }
+            }
+            self.plugin::<P>(&subject, section);
+        }
+    }
+
+    fn add(&mut self, section: &str, key: &str, value: Option<String>, why: &str) {
+        self.values.push(ImpliedValue {
+            section: section.to_owned(),
+            key: key.to_owned(),
+            value,
+            why: why.to_owned(),
+        });
+    }
+
+    /// What short forms brought, unless an override said otherwise.
+    fn noted(&mut self, list: List, index: usize, subject: &str, section: &Section<'_>) {
+        let notes = self.notes.0.iter();
+        for note in notes.filter(|note| note.list == list && note.index == index) {
+            if let Some(value) = section.keys.get(note.key.as_str())
+                && !(self.is_said)(&value.span())
+            {
+                let written = value::written(value.get_ref());
+                self.add(subject, &note.key, Some(written), &note.why);
+            }
+        }
+    }
+
+    fn plugin<P: PluginKind + ?Sized>(&mut self, subject: &str, section: &Section<'_>) {
+        let tag = value::string(section, "type").unwrap_or_default();
+        if let Some(plugin) = registry::find::<P>(tag) {
+            self.defaults(subject, (plugin.schema)().as_value(), section);
+        }
+    }
+
+    fn defaults(&mut self, subject: &str, schema: &Json, section: &Section<'_>) {
+        self.table(subject, "", Node::root(schema), &section.keys);
+    }
+
+    fn table(&mut self, subject: &str, prefix: &str, node: Node<'_>, keys: &toml::de::DeTable<'_>) {
+        for (key, about) in node.properties().into_iter().flatten() {
+            let path = format!("{prefix}{key}");
+            if let Some(value) = keys.get(key.as_str()) {
+                if let Some(inner) = value.get_ref().as_table() {
+                    let prefix = format!("{path}.");
+                    let node = node.at(about);
+                    match node.plugin() {
+                        None => self.table(subject, &prefix, node, inner),
+                        Some(_) => self.reference(subject, &prefix, inner),
+                    }
+                }
+                continue;
+            }
+            let default = about.get("default").filter(|value| !value.is_null());
+            if let Some(default) = default.and_then(|d| toml::Value::try_from(d).ok()) {
+                self.add(subject, &path, Some(default.to_string()), "default");
+            } else if let Some(words) = in_words(about) {
+                self.add(subject, &path, None, &words);
+            }
+        }
+    }
+
+    /// A trajectory inside a task.
+    fn reference(&mut self, subject: &str, prefix: &str, keys: &toml::de::DeTable<'_>) {
+        let tag = keys.get("type").and_then(|tag| tag.get_ref().as_str());
+        if let Some(plugin) = tag.and_then(registry::find::<dyn Reference>) {
+            let schema = (plugin.schema)();
+            self.table(subject, prefix, Node::root(schema.as_value()), keys);
+        }
+    }
+}
+
+/// What a description says of a key that is absent: the rest of the sentence that begins with "Default" or "Without it".
+fn in_words(about: &Json) -> Option<String> {
+    let description = about.get("description")?.as_str()?;
+    let begin = ["Default", "Without it"]
+        .into_iter()
+        .find_map(|word| description.find(word))?;
+    let sentence = description.get(begin..)?.split(". ").next()?;
+    let words: Vec<&str> = sentence.split_whitespace().collect();
+    Some(words.join(" ").trim_end_matches('.').to_owned())
+}

@@ -1,0 +1,98 @@
+//! Short forms, written out before anything is deserialised.
+//!
+//! A file may say less than a controller needs. What it leaves out is put into its tables here, in the steps of
+//! [`read`]; everything after sees the long form, as if the file had said it. What is put in has the place of what brought
+//! it, so that errors have a line, and a name, so that overrides find it.
+
+mod contact;
+mod defaults;
+mod implied;
+mod long;
+mod names;
+mod robot;
+pub(crate) mod schema;
+mod value;
+
+use std::cell::OnceCell;
+
+use super::{
+    Overrides,
+    document::Document,
+    overrides::Appendix,
+    report::{Report, Span},
+};
+
+pub(super) use contact::{Listed, write_out as write_out_contacts};
+pub(super) use defaults::fill as fill_defaults;
+pub(crate) use defaults::{CRITICAL, WEIGHT};
+pub use implied::{Implied, ImpliedValue};
+pub use long::expand;
+pub(super) use names::{fill as fill_names, remedy};
+
+/// Texts of values that no file has, for as long as the document.
+#[derive(Debug, Default)]
+pub(super) struct Texts {
+    contacts: OnceCell<Vec<String>>,
+    defaults: OnceCell<Vec<String>>,
+}
+
+/// What was put into a document, and why.
+#[derive(Debug, Default)]
+pub(super) struct Notes(Vec<Note>);
+
+/// A value that was put into a table.
+#[derive(Debug)]
+struct Note {
+    list: List,
+    /// Among its kind.
+    index: usize,
+    key: String,
+    why: String,
+}
+
+/// A kind of table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum List {
+    Robot,
+    Contact,
+    Task,
+    Constraint,
+}
+
+impl Notes {
+    fn add(&mut self, list: List, index: usize, key: impl Into<String>, why: impl Into<String>) {
+        self.0.push(Note {
+            list,
+            index,
+            key: key.into(),
+            why: why.into(),
+        });
+    }
+}
+
+/// Parses a file and writes it out, with the overrides in it: those that name an entry that the file lists before short
+/// contacts are written out, so that they count for what a contact brings, those that name what it brings after that.
+pub(super) fn read<'t>(
+    source: &'t str,
+    overrides: &Overrides,
+    appendix: &'t Appendix,
+    texts: &'t Texts,
+    report: &mut Report<'_>,
+) -> (Document<'t>, Notes) {
+    let mut notes = Notes::default();
+    let mut document = Document::parse(source, report);
+    robot::fill_type(&mut document, &mut notes, report);
+    names::split_frames(&mut document, report);
+    names::fill(&mut document, &mut notes);
+    let rest = appendix.apply(overrides, &mut document, report);
+    let listed = Listed::of(&document);
+    contact::write_out(&mut document, &listed, texts, &mut notes, report);
+    Appendix::apply_rest(rest, overrides, &mut document, report);
+    defaults::fill(&mut document, texts, &mut notes);
+    (document, notes)
+}
+
+/// A key that stands nowhere gets the place of what brought it.
+fn key_at(span: &Span) -> Span {
+    span.start..span.start
+}

@@ -1,0 +1,207 @@
+//! The first tick: references begin at what was measured, and nothing moves if a task is implausibly far from what it
+//! wants.
+//!
+//! A tick is the first until one was plausible: after a refused one time counts anew, and references begin at what the
+//! next one measures.
+
+use super::{Controller, measurement::Fault};
+use crate::{
+    assembly::Group,
+    config::{FirstError, StartFrom},
+    layout::{Layout, VdotBlock},
+    model::{Base, Model},
+};
+
+/// What is remembered of the first tick, and how large its errors may be.
+#[derive(Debug)]
+pub(super) struct FirstTick {
+    /// Whether a tick was plausible.
+    pub(super) is_over: bool,
+    /// Whether one was refused.
+    was_refused: bool,
+    limits: FirstError,
+    /// How the errors of each task count, row by row.
+    errors: Vec<Vec<Counts>>,
+}
+
+/// How the error of a row counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Counts {
+    /// Not at all: it is neither a length nor an angle.
+    No,
+    /// A joint's, by itself.
+    Alone(Quantity),
+    /// A component of the task's position or orientation.
+    Together(Quantity),
+}
+
+/// What an error is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Quantity {
+    /// m.
+    Position,
+    /// rad.
+    Rotation,
+}
+
+/// The largest distance and angle among a task's errors, m and rad.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Distance {
+    pub(super) position: f64,
+    pub(super) rotation: f64,
+}
+
+impl FirstTick {
+    pub(super) fn new(limits: FirstError, tasks: &[Group], model: &Model) -> Self {
+        let errors = tasks.iter().map(|group| counts(&group.layout, model));
+        Self {
+            is_over: false,
+            was_refused: false,
+            limits,
+            errors: errors.collect(),
+        }
+    }
+
+    /// How far a task is from what it wants.
+    pub(super) fn distance(&self, task: usize, errors: &[f64]) -> Distance {
+        let rows = self.errors.get(task).map(Vec::as_slice).unwrap_or_default();
+        let of = |quantity: Quantity| {
+            let (mut alone, mut squares) = (0.0_f64, 0.0);
+            for (counts, error) in rows.iter().zip(errors) {
+                match counts {
+                    Counts::Alone(q) if *q == quantity => alone = alone.max(error.abs()),
+                    Counts::Together(q) if *q == quantity => squares += error * error,
+                    _ => {}
+                }
+            }
+            alone.max(f64::sqrt(squares))
+        };
+        Distance {
+            position: of(Quantity::Position),
+            rotation: of(Quantity::Rotation),
+        }
+    }
+}
+
+fn counts(layout: &Layout, model: &Model) -> Vec<Counts> {
+    let is_known = |unit: &str| ["m", "rad"].contains(&unit);
+    if !layout.error_unit.split(" or ").all(is_known) {
+        return vec![Counts::No; layout.len()];
+    }
+    let base = match model.base() {
+        Base::Floating => 6,
+        Base::Fixed => 0,
+    };
+    let is_joint = |row: usize| match &layout.vdot {
+        VdotBlock::Unit(columns) => columns.get(row).is_some_and(|column| *column >= base),
+        _ => false,
+    };
+    let count = |(row, spec): (usize, &crate::layout::RowSpec)| {
+        let is_rotation = match layout.error_unit.as_str() {
+            "m" => false,
+            "rad" => true,
+            _ => spec.unit.starts_with("rad"),
+        };
+        let quantity = if is_rotation {
+            Quantity::Rotation
+        } else {
+            Quantity::Position
+        };
+        if is_joint(row) {
+            Counts::Alone(quantity)
+        } else {
+            Counts::Together(quantity)
+        }
+    };
+    layout.rows.iter().enumerate().map(count).collect()
+}
+
+impl Controller {
+    /// Lets tasks begin where they are measured. Before the plug-ins write the rows of a first tick.
+    pub(super) fn begin(&mut self) {
+        if self.first.was_refused {
+            // What the refused tick left in integrators and at points of touch.
+            self.tasks.iter_mut().for_each(|task| task.activate());
+            self.constraints.iter_mut().for_each(|c| c.activate());
+        }
+        if self.settings.start == StartFrom::Home {
+            return;
+        }
+        let tick = self.world.tick(crate::tick::EntryState {
+            alpha: 1.0,
+            since: f64::NEG_INFINITY,
+        });
+        for task in &mut self.tasks {
+            task.begin(&tick);
+        }
+    }
+
+    /// Whether the rows of a first tick are plausible.
+    ///
+    /// # Errors
+    /// [`Fault::FirstError`] with the first task whose error is too large.
+    pub(super) fn check_first_errors(&mut self) -> Result<(), Fault> {
+        let limits = &self.first.limits;
+        let is_far = |(task, group): (usize, &Group)| {
+            let Distance { position, rotation } = self.first.distance(task, &group.store.error);
+            group.live && (position > limits.position || rotation > limits.rotation)
+        };
+        let tasks = &self.groups[..self.tasks.len()];
+        let Some(task) = tasks.iter().enumerate().position(is_far) else {
+            self.first.is_over = true;
+            return Ok(());
+        };
+        self.first.was_refused = true;
+        self.world.origin = None;
+        for (group, report) in tasks.iter().zip(&mut self.report.tasks) {
+            report.alpha = if group.live { group.alpha } else { 0.0 };
+            for (out, error) in report.error.iter_mut().zip(&group.store.error) {
+                *out = if group.live { *error } else { 0.0 };
+            }
+        }
+        Err(Fault::FirstError(task))
+    }
+
+    /// [`Fault::FirstError`] in words.
+    pub(super) fn first_error_text(&self, task: usize) -> Option<String> {
+        let name = &self.groups.get(task)?.name;
+        let errors = &self.report.tasks.get(task)?.error;
+        let Distance { position, rotation } = self.first.distance(task, errors);
+        let limits = &self.first.limits;
+        let (key, unit, error, limit) = if position > limits.position {
+            ("position", "m", position, limits.position)
+        } else {
+            ("rotation", "rad", rotation, limits.rotation)
+        };
+        Some(format!(
+            "task `{name}` is {error:.3} {unit} from its reference in the first tick, more than `max_first_error.{key}` = \
+             {limit} {unit} in [controller] allows: nothing moves until it is nearer"
+        ))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn first(rows: Vec<Counts>) -> FirstTick {
+        FirstTick {
+            is_over: false,
+            was_refused: false,
+            limits: FirstError::default(),
+            errors: vec![rows],
+        }
+    }
+
+    #[test]
+    fn joints_count_by_themselves_and_components_together() {
+        let joints = first(vec![Counts::Alone(Quantity::Rotation); 4]);
+        let d = joints.distance(0, &[0.3, -0.4, 0.3, 0.3]);
+        assert_eq!((d.position, d.rotation), (0.0, 0.4));
+        let point = first(vec![Counts::Together(Quantity::Position); 3]);
+        let d = point.distance(0, &[0.3, -0.4, 0.0]);
+        assert_eq!((d.position, d.rotation), (0.5, 0.0));
+        let force = first(vec![Counts::No; 3]);
+        assert_eq!(force.distance(0, &[1e3; 3]), Distance::default());
+    }
+}
