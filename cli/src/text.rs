@@ -11,8 +11,8 @@ pub fn number(x: f64) -> String {
         return x.to_string();
     }
     let magnitude = x.abs().log10().floor() as i32;
-    if !(-4..6).contains(&magnitude) {
-        return format!("{x:.3e}");
+    if !(-3..6).contains(&magnitude) {
+        return format!("{x:.1e}");
     }
     let decimals = usize::try_from(3 - magnitude).unwrap_or(0);
     let text = format!("{x:.decimals$}");
@@ -91,7 +91,7 @@ mod tests {
             (12.3456, "12.35"),
             (1000.0, "1000"),
             (123456.0, "123456"),
-            (1e-6, "1.000e-6"),
+            (1.26e-6, "1.3e-6"),
             (f64::INFINITY, "inf"),
         ] {
             assert_eq!(number(x), text);

@@ -1,8 +1,8 @@
 //! An examination for a terminal.
 
-use std::fmt::Write as _;
+use std::{fmt::Write as _, path::Path};
 
-use wbqp::robot::{Diagnostic, Severity};
+use wbqp::robot::{Diagnostic, Place, Severity};
 
 use super::{
     examination::{BodyFacts, ControllerFacts, Examination, JointFacts, Robot},
@@ -95,10 +95,20 @@ fn group_text(group: &[&Diagnostic], out: &mut String) {
     };
     let _ = writeln!(out, "  {}: {}", first.found, first.done);
     for each in group {
-        let _ = writeln!(out, "    {}: {}", each.place, each.element);
+        let _ = writeln!(out, "    {}: {}", short_place(&each.place), each.element);
     }
     if !first.remedy.is_empty() {
         let _ = writeln!(out, "    → {}", first.remedy);
+    }
+}
+
+/// Without the folders, which the first line has and which are longer than the rest.
+fn short_place(place: &Place) -> Place {
+    let name = Path::new(&place.file).file_name();
+    let file = name.map(|name| name.to_string_lossy().into_owned());
+    Place {
+        file: file.unwrap_or_else(|| place.file.clone()),
+        position: place.position,
     }
 }
 

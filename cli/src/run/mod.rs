@@ -171,11 +171,8 @@ impl Arguments {
     }
 }
 
-/// A file's name up to its first dot, as it can name a folder.
+/// A file's name without its extension, as it can name a folder.
 fn stem(file: &Path) -> String {
-    let name = file.file_name().and_then(|name| name.to_str());
-    let name = name.and_then(|name| name.split('.').next());
-    name.filter(|name| !name.is_empty())
-        .unwrap_or("run")
-        .to_owned()
+    let name = file.file_stem().and_then(|name| name.to_str());
+    name.unwrap_or("run").to_owned()
 }

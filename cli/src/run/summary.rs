@@ -9,7 +9,7 @@ use wbqp_sim::Summary;
 use super::traces::{columns, escaped, norm};
 use crate::{
     check::effort_unit,
-    text::{number, per_cent, table},
+    text::{indented, number, per_cent, quantity, table},
 };
 
 /// Part of the run that "at the end" means.
@@ -131,20 +131,17 @@ impl CaseSummary {
                 per_cent(busiest.share)
             ));
         }
-        let value = |x: Option<f64>, unit: &str| {
-            x.map_or_else(|| "–".to_owned(), |x| format!("{x:.2e} {unit}"))
-        };
         let mut tasks = table(&["task", "error at the end", "largest error"], &[1, 2]);
         for task in &self.tasks {
             let unit = task.unit.as_str();
             tasks.add_row([
                 task.name.clone(),
-                value(task.end, unit),
-                value(task.peak, unit),
+                quantity(task.end, unit),
+                quantity(task.peak, unit),
             ]);
         }
         if !self.tasks.is_empty() {
-            out.push_str(&crate::text::indented(&tasks.to_string(), "  "));
+            out.push_str(&indented(&tasks.to_string(), "  "));
         }
         let mut contacts = table(
             &[
@@ -165,7 +162,7 @@ impl CaseSummary {
             ]);
         }
         if !self.contacts.is_empty() {
-            out.push_str(&crate::text::indented(&contacts.to_string(), "  "));
+            out.push_str(&indented(&contacts.to_string(), "  "));
         }
         out
     }
