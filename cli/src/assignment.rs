@@ -78,6 +78,17 @@ impl Assignment {
         self.key.starts_with(OF_A_SCENARIO)
     }
 
+    /// Whether it is this key, or a value inside this table.
+    pub fn is_of(&self, key: &str) -> bool {
+        let rest = self.key.strip_prefix(key);
+        rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+    }
+
+    /// Key and value of one of the table `[robot]`.
+    pub fn robot_key(&self) -> Option<(&str, &toml::Value)> {
+        Some((self.key.strip_prefix("robot.")?, &self.value))
+    }
+
     /// What they change in a scenario; of two for one key the later counts.
     ///
     /// # Errors

@@ -3,6 +3,7 @@
 
 pub mod assignment;
 pub mod check;
+pub mod new;
 pub mod run;
 pub mod subject;
 pub mod text;

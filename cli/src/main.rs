@@ -5,7 +5,7 @@ use std::{alloc::System, process::ExitCode};
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
-use wbqp_cli::{check, run};
+use wbqp_cli::{check, new, run};
 use wbqp_examples::commands::{plugins, replay, replicate, schema, tick_stats};
 
 // `tick-stats` counts allocations.
@@ -26,6 +26,7 @@ struct CommandLine {
 #[derive(Subcommand, Debug)]
 enum Command {
     Check(check::Arguments),
+    New(new::Arguments),
     Run(run::Arguments),
     Replay(replay::Arguments),
     Plugins(plugins::Arguments),
@@ -39,6 +40,7 @@ impl Command {
         let succeeded = |()| ExitCode::SUCCESS;
         match self {
             Self::Check(arguments) => arguments.run(),
+            Self::New(arguments) => arguments.run(),
             Self::Run(arguments) => arguments.run(),
             Self::Replay(arguments) => arguments.run(),
             Self::Replicate(arguments) => arguments.run(),

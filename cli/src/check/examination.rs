@@ -3,7 +3,7 @@
 use serde::Serialize;
 use wbqp::{
     actuator::{Actuator, ActuatorKind, Drive},
-    model::{Base, Frame, Joint, JointKind, Model},
+    model::{Base, BodyId, Joint, JointId, JointKind, Model},
     robot::{Diagnostic, RobotModel},
 };
 
@@ -49,6 +49,8 @@ pub struct Robot {
     pub bodies: Vec<BodyFacts>,
     /// In the order of the velocity vector.
     pub joints: Vec<JointFacts>,
+    /// Joints that follow others.
+    pub mimics: Vec<MimicFacts>,
     /// Everything that tasks and contacts can name.
     pub frames: Vec<FrameFacts>,
     /// In the order of `u`.
@@ -101,6 +103,21 @@ pub struct JointFacts {
     pub home: f64,
     /// Whether no actuator drives it.
     pub passive: bool,
+}
+
+/// A joint that follows another: `q = multiplier × q_leader + offset`.
+#[derive(Clone, Debug, Serialize)]
+pub struct MimicFacts {
+    /// Its name.
+    pub name: String,
+    /// The body that it carries.
+    pub body: String,
+    /// The joint that it follows.
+    pub leader: String,
+    /// Its motion per unit of the leader's.
+    pub multiplier: f64,
+    /// Where it is with the leader at zero, rad or m.
+    pub offset: f64,
 }
 
 /// A frame that can be named.
@@ -168,12 +185,23 @@ impl Robot {
             joints: joints
                 .map(|(i, joint)| JointFacts::new(robot, i, joint))
                 .collect(),
+            mimics: model
+                .mimics()
+                .iter()
+                .map(|mimic| MimicFacts {
+                    name: mimic.joint.name.clone(),
+                    body: body_name(model, mimic.body),
+                    leader: leader(model, mimic.leader),
+                    multiplier: mimic.multiplier,
+                    offset: mimic.offset,
+                })
+                .collect(),
             frames: model
                 .frames()
                 .iter()
                 .map(|frame| FrameFacts {
                     name: frame.name.clone(),
-                    body: body_name(model, frame),
+                    body: body_name(model, frame.body),
                 })
                 .collect(),
             actuators: robot
@@ -185,15 +213,26 @@ impl Robot {
     }
 }
 
-fn body_name(model: &Model, frame: &Frame) -> String {
-    let body = model.bodies().get(frame.body.index());
+fn body_name(model: &Model, body: BodyId) -> String {
+    let body = model.bodies().get(body.index());
     body.map(|b| b.name.clone()).unwrap_or_default()
+}
+
+fn leader(model: &Model, joint: JointId) -> String {
+    let joint = model.joints().get(joint.index());
+    joint.map(|j| j.name.clone()).unwrap_or_default()
 }
 
 impl BodyFacts {
     fn new(model: &Model, index: usize) -> Option<Self> {
         let body = model.bodies().get(index)?;
-        let joint = index.checked_sub(1).and_then(|i| model.joints().get(i));
+        let carries = |joint: &&Joint| {
+            let id = model.joint(&joint.name);
+            id.is_some_and(|id| model.body_of(id).index() == index)
+        };
+        let joint = model.joints().iter().find(carries);
+        let mimic = model.mimics().iter().find(|m| m.body.index() == index);
+        let joint = joint.or(mimic.map(|m| &m.joint));
         let parent = model.bodies().get(body.parent.index());
         Some(Self {
             name: body.name.clone(),
@@ -218,13 +257,14 @@ impl JointFacts {
             JointKind::Prismatic => ("prismatic", "m"),
         };
         let model = &robot.model;
-        let body = model.bodies().get(index + 1);
         let id = model.joint(&joint.name);
         Self {
             name: joint.name.clone(),
             kind,
             unit,
-            body: body.map(|b| b.name.clone()).unwrap_or_default(),
+            body: id
+                .map(|id| body_name(model, model.body_of(id)))
+                .unwrap_or_default(),
             lower: finite(joint.limits.lower),
             upper: finite(joint.limits.upper),
             velocity: finite(joint.limits.velocity),

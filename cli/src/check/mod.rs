@@ -6,8 +6,8 @@ mod load;
 mod text;
 
 pub use examination::{
-    ActuatorFacts, BodyFacts, ControllerFacts, Examination, FrameFacts, JointFacts, Robot,
-    effort_unit,
+    ActuatorFacts, BodyFacts, ControllerFacts, Examination, FrameFacts, JointFacts, MimicFacts,
+    Robot, effort_unit,
 };
 pub use holding::{Effort, FirstTick, Holding, Means, Missing};
 pub use load::{Request, examine, robot_of};
@@ -92,8 +92,7 @@ impl RobotOptions {
                 BaseKind::Floating => "floating",
                 BaseKind::Fixed => "fixed",
             };
-            let options = toml::Table::from_iter([("base".to_owned(), base.into())]);
-            list.push(Assignment::new("robot.options", options));
+            list.push(Assignment::new("robot.base", base));
         }
         if let Some(rotors) = &self.rotors {
             list.push(Assignment::new("robot.rotors", text(rotors)?));

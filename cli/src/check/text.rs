@@ -20,9 +20,16 @@ pub(super) fn text(examination: &Examination) -> String {
         return out;
     };
     let joints = robot.joints.len();
+    let mimics = match robot.mimics.len() {
+        0 => String::new(),
+        n => format!(", {n} more that mimic them"),
+    };
     let freedom = match robot.base {
-        "floating" => format!("floating base, nv = {} (6 + {joints} joints)", robot.nv),
-        _ => format!("fixed base, nv = {} ({joints} joints)", robot.nv),
+        "floating" => format!(
+            "floating base, nv = {} (6 + {joints} joints{mimics})",
+            robot.nv
+        ),
+        _ => format!("fixed base, nv = {} ({joints} joints{mimics})", robot.nv),
     };
     let _ = writeln!(
         out,
@@ -125,8 +132,16 @@ fn tree_text(robot: &Robot, out: &mut String) {
         let Some(body) = robot.bodies.get(index) else {
             continue;
         };
-        let joint = index.checked_sub(1).and_then(|i| robot.joints.get(i));
-        rows.add_row(row(body, joint, &prefix));
+        let joint = robot.joints.iter().find(|j| j.body == body.name);
+        let mut cells = row(body, joint, &prefix);
+        if let Some(mimic) = robot.mimics.iter().find(|m| m.body == body.name) {
+            let mut law = format!("{} × {}", number(mimic.multiplier), mimic.leader);
+            if mimic.offset != 0.0 {
+                let _ = write!(law, " + {}", number(mimic.offset));
+            }
+            cells.extend([mimic.name.clone(), "mimic".to_owned(), law]);
+        }
+        rows.add_row(cells);
         let children: Vec<usize> = robot
             .bodies
             .iter()
