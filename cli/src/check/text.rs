@@ -80,10 +80,7 @@ fn diagnostics_text(diagnostics: &[Diagnostic], out: &mut String) {
         let mut groups: Vec<Vec<&Diagnostic>> = Vec::new();
         for each in of_it {
             let same = |group: &&mut Vec<&Diagnostic>| {
-                group.first().is_some_and(|first| {
-                    (&first.found, &first.done, &first.remedy)
-                        == (&each.found, &each.done, &each.remedy)
-                })
+                group.first().is_some_and(|first| first.found == each.found)
             };
             match groups.iter_mut().find(same) {
                 Some(group) => group.push(each),
@@ -96,16 +93,29 @@ fn diagnostics_text(diagnostics: &[Diagnostic], out: &mut String) {
     }
 }
 
+/// What is the same of all once, what differs behind each.
 fn group_text(group: &[&Diagnostic], out: &mut String) {
     let Some(first) = group.first() else {
         return;
     };
-    let _ = writeln!(out, "  {}: {}", first.found, first.done);
+    let one_is_done = group.iter().all(|each| each.done == first.done);
+    let _ = match one_is_done {
+        true => writeln!(out, "  {}: {}", first.found, first.done),
+        false => writeln!(out, "  {}", first.found),
+    };
     for each in group {
-        let _ = writeln!(out, "    {}: {}", short_place(&each.place), each.element);
+        let place = short_place(&each.place);
+        let _ = match one_is_done {
+            true => writeln!(out, "    {place}: {}", each.element),
+            false => writeln!(out, "    {place}: {}: {}", each.element, each.done),
+        };
     }
     if !first.remedy.is_empty() {
-        let _ = writeln!(out, "    → {}", first.remedy);
+        let others = match group.iter().all(|each| each.remedy == first.remedy) {
+            true => "",
+            false => ", and so on",
+        };
+        let _ = writeln!(out, "    → {}{others}", first.remedy);
     }
 }
 
@@ -200,7 +210,11 @@ fn row(body: &BodyFacts, joint: Option<&JointFacts>, prefix: &str) -> Vec<String
 
 /// Hundredths are enough for a range on a terminal.
 fn short(x: f64) -> String {
-    let text = format!("{x:.2}");
+    if x.abs() >= 1e4 {
+        return format!("{x:.0e}");
+    }
+    // Without the sign of a zero.
+    let text = format!("{:.2}", x + 0.0);
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 

@@ -62,11 +62,7 @@ pub(super) fn quadruped(robot: &RobotModel, has_home: bool, draft: &mut Draft) -
             .filter_map(|limb| leg(model, limb, &[""]))
             .collect();
     }
-    legs.sort_by(|a, b| {
-        let height = |leg: &Leg| neutral.lowest(model, leg.limb.end);
-        height(a).total_cmp(&height(b))
-    });
-    legs.truncate(4);
+    let legs = lowest(model, &neutral, legs, 4);
     if legs.len() < 4 {
         draft.warnings.push(format!(
             "robot `{}` has {} limbs with two joints or more: a quadruped needs four",
@@ -75,7 +71,6 @@ pub(super) fn quadruped(robot: &RobotModel, has_home: bool, draft: &mut Draft) -
         ));
         return false;
     }
-    legs.sort_by_key(|leg| leg.limb.end.index());
     let posture = match has_home {
         true => Posture::Given,
         false => bent_legs(robot, &neutral, &legs),
@@ -105,26 +100,17 @@ pub(super) fn quadruped(robot: &RobotModel, has_home: bool, draft: &mut Draft) -
 pub(super) fn humanoid(robot: &RobotModel, has_home: bool, draft: &mut Draft) -> bool {
     let model = &robot.model;
     let neutral = Neutral::new(model);
-    let mut all: Vec<Limb> = limbs(model);
-    all.retain(|limb| limb.joints.len() >= 3);
-    all.sort_by(|a, b| {
-        let height = |limb: &Limb| neutral.lowest(model, limb.end);
-        height(a).total_cmp(&height(b))
-    });
-    all.truncate(2);
-    all.sort_by_key(|limb| limb.end.index());
-    let named: Vec<Leg> = all
-        .iter()
-        .filter_map(|limb| leg(model, limb, &SOLE))
+    let all: Vec<Limb> = limbs(model)
+        .into_iter()
+        .filter(|limb| limb.joints.len() >= 3)
         .collect();
-    let by_name = named.len() == 2;
-    let legs: Vec<Leg> = match by_name {
-        true => named,
-        false => all
-            .iter()
-            .filter_map(|limb| leg(model, limb, &[""]))
-            .collect(),
+    let of = |words: &[&str]| -> Vec<Leg> {
+        let legs = all.iter().filter_map(|limb| leg(model, limb, words));
+        lowest(model, &neutral, legs.collect(), 2)
     };
+    let named = of(&SOLE);
+    let by_name = named.len() == 2;
+    let legs = if by_name { named } else { of(&[""]) };
     let [left, _] = legs.as_slice() else {
         draft.warnings.push(format!(
             "robot `{}` has {} limbs with three joints or more: a humanoid needs two legs",
@@ -174,6 +160,17 @@ pub(super) fn humanoid(robot: &RobotModel, has_home: bool, draft: &mut Draft) ->
     true
 }
 
+/// So many legs whose ends are lowest with all joints at zero, in the robot's order.
+fn lowest(model: &Model, neutral: &Neutral, mut legs: Vec<Leg>, count: usize) -> Vec<Leg> {
+    legs.sort_by(|a, b| {
+        let height = |leg: &Leg| neutral.lowest(model, leg.limb.end);
+        height(a).total_cmp(&height(b))
+    });
+    legs.truncate(count);
+    legs.sort_by_key(|leg| leg.limb.end.index());
+    legs
+}
+
 fn names(legs: &[Leg]) -> Vec<String> {
     legs.iter().map(|leg| leg.name.clone()).collect()
 }
@@ -203,7 +200,12 @@ fn bent_legs(robot: &RobotModel, neutral: &Neutral, legs: &[Leg]) -> Posture {
             let knee_body = model.body_of(knee);
             let goal = Goal {
                 frame: leg.foot,
-                position: [Some(hip.x + shift), None, Some(hip.z - BENT * length)],
+                position: [
+                    Some(hip.x + shift),
+                    // Legs hang straight to the side at zero.
+                    Some(neutral.frame(model, leg.foot).y),
+                    Some(hip.z - BENT * length),
+                ],
                 orientation: None,
             };
             let joints = leg.limb.joints.clone();
@@ -358,9 +360,13 @@ impl Sole {
         let hip = leg.limb.joints.first().map(|j| model.body_of(*j));
         let hip = hip.map_or(0.0, |body| data.body_pose(body).translation.vector.z);
         let length = (hip - frame.p_WF.z).abs().max(0.1);
-        let below = frames_on(model, leg.limb.end)
-            .map(|(id, _)| frame_motion(model, &data, id).p_WF.z)
-            .fold(frame.p_WF.z, f64::min);
+        // What is called a sole is one.
+        let below = match leg.name.to_lowercase().contains("sole") {
+            true => frame.p_WF.z,
+            false => frames_on(model, leg.limb.end)
+                .map(|(id, _)| frame_motion(model, &data, id).p_WF.z)
+                .fold(frame.p_WF.z, f64::min),
+        };
         Self {
             half_lengths: [0.11 * length, 0.045 * length],
             offset: frame.R_WF.inverse() * Vector3::new(0.0, 0.0, below - frame.p_WF.z),

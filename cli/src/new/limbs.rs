@@ -70,11 +70,17 @@ pub(super) fn frames_on(model: &Model, body: BodyId) -> impl Iterator<Item = (Fr
     on_it.filter_map(|frame| Some((model.frame(&frame.name)?, frame.name.as_str())))
 }
 
-/// Of the frames on a body, the one whose name has the first of some words; of several the one that is farthest from the
+/// Words in the names of frames that measure and do not touch.
+const SENSORS: [&str; 5] = ["imu", "camera", "sensor", "optical", "range"];
+
+/// Of the frames on a body that are no sensors', the one whose name has the first of some words; of several the one that is farthest from the
 /// body's joint, then the shortest name.
 pub(super) fn named(model: &Model, body: BodyId, words: &[&str]) -> Option<FrameId> {
     words.iter().find_map(|word| {
-        let with_it = frames_on(model, body).filter(|(_, name)| name.to_lowercase().contains(word));
+        let with_it = frames_on(model, body).filter(|(_, name)| {
+            let name = name.to_lowercase();
+            name.contains(word) && !SENSORS.iter().any(|sensor| name.contains(sensor))
+        });
         let distance = |id: FrameId| {
             let frame = model.frames().get(id.index());
             frame.map_or(0.0, |f| f.X_BF.translation.vector.norm())

@@ -175,18 +175,16 @@ impl Arguments {
         ));
         draft.line("");
         draft.line("[controller]");
-        draft.line("rate = 500.0                        # ticks per second, Hz");
+        draft.line("rate = 500.0                      # ticks per second, Hz");
         draft.line("");
+        draft.line("# Paths count from this file's folder.");
         draft.line("[robot]");
         let from = output.parent().unwrap_or(Path::new(""));
         let path = |path: &Path| -> Result<String> {
             Ok(quoted(&relative(from, path)?.display().to_string()))
         };
         draft.line("type = \"urdf\"");
-        draft.line(&format!(
-            "file = {:28} # relative to this file",
-            path(&self.urdf)?
-        ));
+        draft.line(&format!("file = {}", path(&self.urdf)?));
         if self.kind == Kind::Multirotor && self.rotors.is_none() {
             draft.line(&format!("rotors = {}", path(rotor_output)?));
         }
