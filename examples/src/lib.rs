@@ -5,6 +5,7 @@
 
 pub mod base;
 pub mod cli;
+pub mod commands;
 pub mod experiment;
 pub mod experiments;
 pub mod jumps;

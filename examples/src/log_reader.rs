@@ -18,10 +18,11 @@ use crate::series::Series;
 /// Times, s, and texts of a topic's messages.
 type Messages = Vec<(f64, Vec<u8>)>;
 
-/// A log in memory: the text of each message by topic, metadata and attachments. Clones share the messages.
+/// A log in memory: the text of each message by topic, schemas, metadata and attachments. Clones share the messages.
 #[derive(Clone, Debug, Default)]
 pub struct Log {
     topics: BTreeMap<String, Arc<Messages>>,
+    schemas: BTreeMap<String, Value>,
     metadata: BTreeMap<String, BTreeMap<String, String>>,
     attachments: BTreeMap<String, Vec<u8>>,
 }
@@ -93,8 +94,16 @@ impl Log {
     /// [`ReadError::Mcap`].
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, ReadError> {
         let mut topics: BTreeMap<String, Messages> = BTreeMap::new();
+        let mut schemas = BTreeMap::new();
         for message in MessageStream::new(bytes)? {
             let message = message?;
+            if let Some(schema) = &message.channel.schema
+                && !schemas.contains_key(&message.channel.topic)
+            {
+                // One that is no JSON describes nothing.
+                let schema = serde_json::from_slice(&schema.data).unwrap_or_default();
+                schemas.insert(message.channel.topic.clone(), schema);
+            }
             let time = message.log_time as f64 * 1e-9;
             let sample = (time, message.data.into_owned());
             match topics.get_mut(&message.channel.topic) {
@@ -106,6 +115,7 @@ impl Log {
         }
         Ok(Self {
             topics: topics.into_iter().map(|(t, m)| (t, Arc::new(m))).collect(),
+            schemas,
             ..Self::header(bytes)?
         })
     }
@@ -140,6 +150,27 @@ impl Log {
     pub fn end(&self) -> f64 {
         let last = self.topics.values().filter_map(|m| m.last());
         last.map(|m| m.0).fold(0.0, f64::max)
+    }
+
+    /// What a topic's messages have inside an object that is inside other objects, by the names of these: the names of its
+    /// fields.
+    pub fn fields(&self, topic: &str, path: &[&str]) -> Vec<&str> {
+        let object = self.schema(topic, path).and_then(Value::as_object);
+        object.map_or_else(Vec::new, |o| o.keys().map(String::as_str).collect())
+    }
+
+    /// The unit of a number, by the names of the objects around it and its own.
+    pub fn unit(&self, topic: &str, path: &[&str]) -> Option<&str> {
+        let (name, objects) = path.split_last()?;
+        let unit = self.schema(topic, objects)?.get(name)?.get("unit")?;
+        unit.as_str()
+    }
+
+    /// The properties of an object.
+    fn schema(&self, topic: &str, path: &[&str]) -> Option<&Value> {
+        let root = self.schemas.get(topic)?.get("properties");
+        path.iter()
+            .fold(root, |inner, name| inner?.get(name)?.get("properties"))
     }
 
     /// One number over time, by topic and JSON pointer; true is 1 and false is 0.
@@ -283,6 +314,7 @@ fn read(path: &Path) -> Result<Vec<u8>, ReadError> {
 #[derive(Debug, Default)]
 pub struct Recorder {
     topics: Vec<(String, Messages)>,
+    schemas: BTreeMap<String, Value>,
     metadata: BTreeMap<String, BTreeMap<String, String>>,
     attachments: BTreeMap<String, Vec<u8>>,
 }
@@ -293,6 +325,7 @@ impl Recorder {
         let written = self.topics.into_iter().filter(|(_, m)| !m.is_empty());
         Log {
             topics: written.map(|(t, m)| (t, Arc::new(m))).collect(),
+            schemas: self.schemas,
             metadata: self.metadata,
             attachments: self.attachments,
         }
@@ -300,11 +333,12 @@ impl Recorder {
 }
 
 impl LogSink for Recorder {
-    fn channel(&mut self, topic: &str, _: &str, _: &Value) -> Result<ChannelId, LogError> {
+    fn channel(&mut self, topic: &str, _: &str, schema: &Value) -> Result<ChannelId, LogError> {
         if self.topics.iter().any(|(t, _)| t == topic) {
             return Err(LogError::Topic(topic.to_owned()));
         }
         self.topics.push((topic.to_owned(), Vec::new()));
+        self.schemas.insert(topic.to_owned(), schema.clone());
         Ok(ChannelId::new(self.topics.len() as u32 - 1))
     }
 

@@ -1,74 +1,17 @@
 //! Runs dumped ticks again and prints problem, rows by name, solution and active set.
 
-use std::{path::PathBuf, process::ExitCode};
+use std::process::ExitCode;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use clap::Parser;
-use wbqp::replay::{Dump, Matrices, ProblemTable};
-// The plug-ins that a dump's configuration may name.
-use wbqp_robots as _;
-use wbqp_tasks as _;
+use wbqp_examples::commands::replay::Arguments;
 
-/// Runs a dumped tick again, bit by bit, and prints it.
 #[derive(Parser)]
-struct Arguments {
-    /// A file `….tick.toml`.
-    file: PathBuf,
-    /// Which of its ticks, from 1; the last if not given.
-    #[arg(long)]
-    tick: Option<usize>,
-    /// Where relative paths of the configuration count from, if not where they did.
-    #[arg(long)]
-    directory: Option<PathBuf>,
-    /// Prints all coefficients too.
-    #[arg(long)]
-    matrices: bool,
+struct CommandLine {
+    #[command(flatten)]
+    arguments: Arguments,
 }
 
 fn main() -> Result<ExitCode> {
-    let arguments = Arguments::parse();
-    let dump = Dump::load(&arguments.file)?;
-    let last = dump.records.len();
-    let tick = arguments.tick.unwrap_or(last);
-    let index = tick.checked_sub(1).filter(|&i| i < last);
-    let index =
-        index.with_context(|| format!("there is no tick {tick}, the file has 1 to {last}"))?;
-    let replayed = dump.replay(index, arguments.directory.as_deref())?;
-    let controller = &replayed.controller;
-    let report = controller.report();
-    println!(
-        "tick {tick} of {last}, t = {} s, robot {}, {} Hz, written by wbqp {}",
-        report.time,
-        controller.robot().model.name(),
-        controller.settings().rate,
-        dump.wbqp,
-    );
-    match controller.explain() {
-        Some(explanation) => println!("{explanation}\n"),
-        None => println!("{}\n", report.rung.as_str()),
-    }
-    let matrices = if arguments.matrices {
-        Matrices::Shown
-    } else {
-        Matrices::Hidden
-    };
-    println!("{}", ProblemTable::new(controller, matrices));
-    println!("command");
-    for (actuator, effort) in controller
-        .robot()
-        .actuators
-        .iter()
-        .zip(&controller.command().effort)
-    {
-        println!("  {:20} {effort:.9}", actuator.name);
-    }
-    if replayed.differences.is_empty() {
-        println!("\nthe same as recorded, to the bit");
-        return Ok(ExitCode::SUCCESS);
-    }
-    println!("\nNOT the same as recorded:");
-    for difference in &replayed.differences {
-        println!("  {difference}");
-    }
-    Ok(ExitCode::FAILURE)
+    CommandLine::parse().arguments.run()
 }

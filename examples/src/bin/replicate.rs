@@ -1,60 +1,18 @@
 //! Replicates the paper's experiments.
 
-use std::{path::PathBuf, process::ExitCode};
+use std::process::ExitCode;
 
 use anyhow::Result;
 use clap::Parser;
-use wbqp_examples::{cli::Common, experiments, markdown, replication, report, sweep};
+use wbqp_examples::commands::replicate::Arguments;
 
-/// Replicates the paper's experiments: logs, figures, tables of results and a report
-///
-/// Succeeds if every promised row is met (examples/promised_rows.toml).
-#[derive(Parser, Debug)]
+#[derive(Parser)]
 #[command(version)]
-struct Arguments {
+struct CommandLine {
     #[command(flatten)]
-    common: Common,
-    /// Then vary thrust limit, friction, mass and a gain by up to 10 %, and count how often each row holds
-    #[arg(long)]
-    sweep: bool,
-    /// Random combinations in the sweep, beside one variation at a time
-    #[arg(long, value_name = "N", default_value_t = 12, requires = "sweep")]
-    combinations: usize,
-    /// Also write the tables as a page of the documentation
-    #[arg(
-        long,
-        value_name = "FILE",
-        num_args = 0..=1,
-        default_missing_value = "docs/replication.md"
-    )]
-    docs: Option<PathBuf>,
+    arguments: Arguments,
 }
 
 fn main() -> Result<ExitCode> {
-    let Arguments {
-        common,
-        sweep,
-        combinations,
-        docs,
-    } = Arguments::parse();
-    let outcomes = replication::run(experiments::ALL, &common)?;
-    for outcome in &outcomes {
-        outcome.print();
-    }
-    if let Some(page) = docs {
-        markdown::write(&outcomes, &page)?;
-        println!("page: {}", page.display());
-    }
-    if sweep {
-        let found = sweep::run(
-            experiments::ALL,
-            &sweep::plan(combinations, common.seed),
-            common.seed,
-        )?;
-        println!("{}", sweep::text(&found));
-        println!("sweep: {}", found.write(&common.out)?.display());
-    }
-    let report = report::write(&outcomes, &common.out)?;
-    println!("report: {}", report.display());
-    Ok(replication::conclude(&outcomes))
+    CommandLine::parse().arguments.run()
 }

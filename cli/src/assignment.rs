@@ -1,0 +1,166 @@
+//! Values given on the command line: `--set key=value`.
+
+use std::str::FromStr;
+
+use anyhow::{Context, Result, bail};
+use wbqp::{config::Overrides, suggestion::suggestion};
+use wbqp_sim::Variation;
+
+/// One `key=value`.
+///
+/// A key is one of the controller's file, as in a case's `set`: `task.com.kp`, `contact.tip.friction`,
+/// `controller.rate`. With `change.` before it, it is one of the scenario's file, as in a case's `change`:
+/// `change.duration`, `change.plant.mismatch.mass_scale`. The value is TOML; what is no TOML value is a text, so that
+/// quotation marks can be left out.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Assignment {
+    key: String,
+    value: toml::Value,
+}
+
+/// Tables of a controller's file.
+const OF_A_CONTROLLER: [&str; 6] = [
+    "controller",
+    "robot",
+    "solver",
+    "contact",
+    "task",
+    "constraint",
+];
+
+const OF_A_SCENARIO: &str = "change.";
+
+impl FromStr for Assignment {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let Some((key, value)) = text.split_once('=') else {
+            return Err("must be KEY=VALUE".to_owned());
+        };
+        let (key, value) = (key.trim(), value.trim());
+        let line = format!("{key} = 0");
+        if key.contains('\n') || line.parse::<toml::Table>().is_err() {
+            return Err(format!("`{key}` is not a key of a TOML file"));
+        }
+        let first = key.split('.').next().unwrap_or_default();
+        if !key.starts_with(OF_A_SCENARIO) && !OF_A_CONTROLLER.contains(&first) {
+            let hint = match first {
+                "duration" | "initial" | "plant" | "sensors" | "detector" | "event" => {
+                    format!("; what is the scenario's begins with `change.`: `change.{key}`")
+                }
+                _ => suggestion(first, &OF_A_CONTROLLER),
+            };
+            return Err(format!("a controller's file has no table `{first}`{hint}"));
+        }
+        let value = format!("value = {value}")
+            .parse::<toml::Table>()
+            .ok()
+            .and_then(|mut table| table.remove("value"))
+            .unwrap_or_else(|| value.into());
+        Ok(Self {
+            key: key.to_owned(),
+            value,
+        })
+    }
+}
+
+impl Assignment {
+    /// The value of a key, for what another option stands for.
+    pub fn new(key: &str, value: impl Into<toml::Value>) -> Self {
+        Self {
+            key: key.to_owned(),
+            value: value.into(),
+        }
+    }
+
+    /// Whether it is a value of the scenario's file.
+    pub fn is_of_scenario(&self) -> bool {
+        self.key.starts_with(OF_A_SCENARIO)
+    }
+
+    /// Whether it is this key, or a value inside this table.
+    pub fn is_of(&self, key: &str) -> bool {
+        let rest = self.key.strip_prefix(key);
+        rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+    }
+
+    /// Key and value of one of the table `[robot]`.
+    pub fn robot_key(&self) -> Option<(&str, &toml::Value)> {
+        Some((self.key.strip_prefix("robot.")?, &self.value))
+    }
+
+    /// What they change in a scenario; of two for one key the later counts.
+    ///
+    /// # Errors
+    /// A key that is none of a controller's or a scenario's file.
+    pub fn variation(list: &[Self]) -> Result<Variation> {
+        list.iter().try_fold(Variation::new(), |all, each| {
+            let Self { key, value } = each;
+            let prefix = if each.is_of_scenario() { "" } else { "set." };
+            let one = Variation::from_toml(&format!("{prefix}{key} = {value}"))
+                .with_context(|| format!("--set {key}"))?;
+            Ok(all.then(&one))
+        })
+    }
+
+    /// What they change in a controller's file.
+    ///
+    /// # Errors
+    /// A key that is not one of a controller's file.
+    pub fn overrides(list: &[Self]) -> Result<Overrides> {
+        let mut overrides = Overrides::new();
+        for each in list {
+            let Self { key, value } = each;
+            if each.is_of_scenario() {
+                bail!("--set {key}: there is no scenario to change, only a controller");
+            }
+            let one: Overrides = toml::from_str(&format!("{key} = {value}"))
+                .with_context(|| format!("--set {key}"))?;
+            for each in &one {
+                overrides.push(each.target.clone(), &each.key, each.value.clone());
+            }
+        }
+        Ok(overrides)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use wbqp::config::Target;
+
+    use super::*;
+
+    fn read(text: &str) -> Assignment {
+        text.parse().unwrap()
+    }
+
+    #[test]
+    fn without_a_prefix_it_is_the_controllers_with_one_the_scenarios() {
+        let list = [
+            read("task.com.kp=50"),
+            read("change.duration = 2"),
+            read("task.com.kp=60"),
+            read("task.force.feedback=off"),
+        ];
+        let expected = Variation::new()
+            .set(Target::Task("com".into()), "kp", 60)
+            .change("duration", 2)
+            .set(Target::Task("force".into()), "feedback", "off");
+        let found = Assignment::variation(&list).unwrap();
+        // An override that is replaced stays in the list, so they are compared as they are applied.
+        let twice = Variation::new()
+            .set(Target::Task("com".into()), "kp", 50)
+            .then(&expected);
+        assert_eq!(found, twice);
+        assert!(Assignment::overrides(&list).is_err());
+    }
+
+    #[test]
+    fn keys_that_are_nowhere_are_refused_with_a_hint() {
+        let refused = |text: &str| Assignment::from_str(text).unwrap_err();
+        assert!(refused("duration=2").contains("`change.duration`"));
+        assert!(refused("tsk.com.kp=2").contains("did you mean `task`"));
+        assert!(refused("task com=2").contains("not a key"));
+        assert!(refused("task.com.kp").contains("KEY=VALUE"));
+    }
+}

@@ -1,0 +1,197 @@
+//! What holding still at home needs of each actuator.
+
+use serde::Serialize;
+use wbqp::{Controller, Measurement, controller::Rung, model::Base, robot::RobotModel};
+
+use super::examination::effort_unit;
+
+/// What is held up, and by what.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Means {
+    /// A fixed base: the joints' motors balance gravity.
+    GravityCompensation,
+    /// A floating base: rotors carry the robot.
+    Hover,
+    /// A floating base: contacts that are on at the start carry it. The efforts are those of the controller's first tick.
+    Stand,
+    /// A floating base that nothing carries.
+    Nothing,
+}
+
+/// Efforts at home.
+#[derive(Clone, Debug, Serialize)]
+pub struct Holding {
+    /// What carries the robot.
+    pub means: Means,
+    /// N.
+    pub weight: f64,
+    /// In the order of `u`; empty if nothing carries it.
+    pub efforts: Vec<Effort>,
+    /// Generalised forces that remain unbalanced, those that are not nothing.
+    pub missing: Vec<Missing>,
+    /// The controller's first tick at home; absent for a robot alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub first_tick: Option<FirstTick>,
+}
+
+/// One actuator's effort.
+#[derive(Clone, Debug, Serialize)]
+pub struct Effort {
+    /// The actuator.
+    pub actuator: String,
+    /// N or N·m.
+    pub effort: f64,
+    /// `N·m` or `N`.
+    pub unit: &'static str,
+    /// The limit on that side; absent if there is none.
+    pub limit: Option<f64>,
+    /// Share of that limit.
+    pub share: Option<f64>,
+}
+
+/// A generalised force that the actuators do not give.
+#[derive(Clone, Debug, Serialize)]
+pub struct Missing {
+    /// A direction of the base, or a joint.
+    pub coordinate: String,
+    /// N or N·m.
+    pub force: f64,
+    /// Its unit.
+    pub unit: &'static str,
+}
+
+/// The first tick, at home and at rest.
+#[derive(Clone, Debug, Serialize)]
+pub struct FirstTick {
+    /// Where its command comes from: `optimal` is what should be there.
+    pub rung: &'static str,
+    /// Why it is not the optimum.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub why: Option<String>,
+    /// Normal forces of the contacts that are on, N.
+    pub contacts: Vec<(String, f64)>,
+}
+
+/// Forces below this share of the weight, and moments below this share of the weight at 1 m, are none.
+const NEGLIGIBLE: f64 = 1e-4;
+
+impl Holding {
+    /// Of a robot alone, by the command that a controller without tasks has before its first tick.
+    pub fn of_robot(controller: &Controller) -> Self {
+        let robot = controller.robot();
+        let means = match robot.model.base() {
+            Base::Fixed => Means::GravityCompensation,
+            Base::Floating if robot.rotors().next().is_some() => Means::Hover,
+            Base::Floating => Means::Nothing,
+        };
+        let weight = robot.model.mass() * robot.model.gravity().norm();
+        let mut holding = Self {
+            means,
+            weight,
+            efforts: Vec::new(),
+            missing: Vec::new(),
+            first_tick: None,
+        };
+        if means != Means::Nothing {
+            holding.efforts = efforts(robot, &controller.command().effort);
+            holding.missing = missing(controller, weight);
+        }
+        holding
+    }
+
+    /// Of a controller: its first tick if contacts carry the robot at the start, else the command before it.
+    pub fn of_controller(controller: &mut Controller) -> Self {
+        let mut holding = Self::of_robot(controller);
+        let contacts = controller.contact_names().count();
+        let home = Measurement::home(controller.robot(), contacts);
+        let (command, report) = controller.tick(&home);
+        let stands = report.contacts.iter().any(|contact| contact.on);
+        let (effort, rung) = (command.effort.clone(), report.rung);
+        if stands {
+            let robot = controller.robot();
+            holding.missing.clear();
+            holding.efforts = efforts(robot, &effort);
+            if robot.model.base() == Base::Floating {
+                holding.means = Means::Stand;
+            }
+        }
+        let names = controller.contact_names();
+        let forces = controller.report().contacts.iter();
+        let on = names.zip(forces).filter(|(_, contact)| contact.on);
+        holding.first_tick = Some(FirstTick {
+            rung: rung.as_str(),
+            why: match rung {
+                Rung::Optimal => None,
+                _ => controller.explain().map(|why| why.to_string()),
+            },
+            contacts: on
+                .map(|(name, contact)| (name.to_owned(), contact.solution[2]))
+                .collect(),
+        });
+        holding
+    }
+
+    /// The largest share of a limit.
+    pub fn largest_share(&self) -> Option<&Effort> {
+        let known = self.efforts.iter().filter(|e| e.share.is_some());
+        known.max_by(|a, b| a.share.unwrap_or(0.0).total_cmp(&b.share.unwrap_or(0.0)))
+    }
+}
+
+fn efforts(robot: &RobotModel, command: &[f64]) -> Vec<Effort> {
+    let actuators = robot.actuators.iter().zip(command);
+    actuators
+        .map(|(actuator, &effort)| {
+            let limit = if effort < 0.0 {
+                actuator.lower
+            } else {
+                actuator.upper
+            };
+            let limit = limit.is_finite().then_some(limit);
+            Effort {
+                actuator: actuator.name.clone(),
+                effort,
+                unit: effort_unit(&robot.model, actuator),
+                limit,
+                share: limit.filter(|l| *l != 0.0).map(|l| effort / l),
+            }
+        })
+        .collect()
+}
+
+fn missing(controller: &Controller, weight: f64) -> Vec<Missing> {
+    let model = &controller.robot().model;
+    let offset = model.joint_offset();
+    let short = controller.hover_residual().iter().enumerate();
+    short
+        .filter(|(_, force)| force.abs() > NEGLIGIBLE * weight)
+        .map(|(k, &force)| {
+            let base = [
+                ("force on the base along x", "N"),
+                ("force on the base along y", "N"),
+                ("force on the base along z", "N"),
+                ("moment on the base about x", "N·m"),
+                ("moment on the base about y", "N·m"),
+                ("moment on the base about z", "N·m"),
+            ];
+            let joint = k.checked_sub(offset).and_then(|j| model.joints().get(j));
+            let (coordinate, unit) = match (joint, base.get(k)) {
+                (Some(joint), _) => {
+                    let unit = match joint.kind {
+                        wbqp::model::JointKind::Revolute => "N·m",
+                        wbqp::model::JointKind::Prismatic => "N",
+                    };
+                    (format!("joint `{}`", joint.name), unit)
+                }
+                (None, Some((name, unit))) => ((*name).to_owned(), *unit),
+                (None, None) => (String::new(), ""),
+            };
+            Missing {
+                coordinate,
+                force,
+                unit,
+            }
+        })
+        .collect()
+}

@@ -1,0 +1,141 @@
+//! From a file to what is shown of it.
+
+use std::path::Path;
+
+use anyhow::Result;
+use wbqp::{
+    Controller, ControllerConfig,
+    config::Overrides,
+    controller::ControllerError,
+    robot::{RobotError, RobotModel},
+};
+use wbqp_sim::Scenario;
+
+use super::{
+    examination::{ControllerFacts, Examination, Robot},
+    holding::Holding,
+};
+use crate::{assignment::Assignment, subject::Subject};
+
+/// What is to be looked at, and how.
+#[derive(Clone, Debug, Default)]
+pub struct Request {
+    /// Values put into the controller's file.
+    pub set: Vec<Assignment>,
+    /// The case of a scenario; its first if absent.
+    pub case: Option<String>,
+}
+
+/// Reads a file of any kind.
+///
+/// # Errors
+/// A file that cannot be read or is of no known kind, options that do not suit it. What is wrong with its contents is in
+/// the examination.
+pub fn examine(file: &Path, request: &Request) -> Result<Examination> {
+    let kind = Subject::of_file(file)?;
+    let mut examination = Examination {
+        file: file.display().to_string(),
+        kind,
+        robot: None,
+        controller: None,
+        holding: None,
+        errors: Vec::new(),
+    };
+    let mut cases = Vec::new();
+    let config = match kind {
+        Subject::Urdf => of_urdf(file, &Assignment::overrides(&request.set)?),
+        Subject::Controller => {
+            let overrides = Assignment::overrides(&request.set)?;
+            ControllerConfig::from_file_with(file, &overrides).map_err(|e| lines(&e))
+        }
+        Subject::Scenario => {
+            let variation = Assignment::variation(&request.set)?;
+            let scenario = Scenario::from_file(file);
+            let scenario = scenario.and_then(|s| s.varied(&variation));
+            scenario
+                .and_then(|scenario| {
+                    cases = scenario.cases().map(str::to_owned).collect();
+                    let case = request.case.as_ref().or(cases.first());
+                    scenario.controller_config(case.map_or("", String::as_str))
+                })
+                .map_err(|e| lines(&e))
+        }
+    };
+    match config {
+        Ok(config) => with_config(config, kind, cases, &mut examination),
+        Err(errors) => examination.errors = errors,
+    }
+    Ok(examination)
+}
+
+fn with_config(
+    config: ControllerConfig,
+    kind: Subject,
+    cases: Vec<String>,
+    examination: &mut Examination,
+) {
+    let robot = match config.load_robot() {
+        Ok(robot) => robot,
+        Err(error) => {
+            examination.errors = robot_lines(&error, kind);
+            return;
+        }
+    };
+    examination.robot = Some(Robot::new(&robot));
+    if kind != Subject::Urdf {
+        examination.controller = Some(ControllerFacts {
+            rate: config.settings.rate,
+            contacts: config.contacts.iter().map(|c| c.name.clone()).collect(),
+            tasks: config.tasks.iter().map(|t| t.name.clone()).collect(),
+            constraints: config.constraints.iter().map(|c| c.name.clone()).collect(),
+            cases,
+        });
+    }
+    match Controller::with_robot(config, robot) {
+        Ok(mut controller) => {
+            examination.holding = Some(match kind {
+                Subject::Urdf => Holding::of_robot(&controller),
+                Subject::Controller | Subject::Scenario => Holding::of_controller(&mut controller),
+            });
+        }
+        Err(error) => examination.errors = robot_lines(&error, kind),
+    }
+}
+
+/// A controller without tasks for a robot's file.
+fn of_urdf(file: &Path, overrides: &Overrides) -> Result<ControllerConfig, Vec<String>> {
+    let file = toml::Value::from(file.display().to_string());
+    let text = format!(
+        "[controller]\nrate = 1000.0\nhover = \"unchecked\"\n[robot]\ntype = \"urdf\"\nfile = {file}\n"
+    );
+    ControllerConfig::from_str_with(&text, "options", "", overrides).map_err(|e| lines(&e))
+}
+
+fn lines(error: &impl std::fmt::Display) -> Vec<String> {
+    error.to_string().lines().map(str::to_owned).collect()
+}
+
+/// Errors of a robot's own files stand alone; where a controller names them, its place is told too.
+fn robot_lines(error: &ControllerError, kind: Subject) -> Vec<String> {
+    match error {
+        ControllerError::Robot { source, .. } if kind == Subject::Urdf => lines(source),
+        ControllerError::Robot { source, .. } => match &**source {
+            RobotError::Several { errors } => errors.iter().flat_map(lines).collect(),
+            _ => lines(error),
+        },
+        other => lines(other),
+    }
+}
+
+/// A robot's file alone, as a robot.
+///
+/// # Errors
+/// Everything that is wrong with it, a line each.
+pub fn robot_of(file: &Path, set: &[Assignment]) -> Result<RobotModel> {
+    let overrides = Assignment::overrides(set)?;
+    let refused = |lines: Vec<String>| anyhow::anyhow!(lines.join("\n"));
+    let config = of_urdf(file, &overrides).map_err(refused)?;
+    config
+        .load_robot()
+        .map_err(|e| refused(robot_lines(&e, Subject::Urdf)))
+}

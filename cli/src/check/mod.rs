@@ -1,0 +1,137 @@
+//! `wbqp check`: what a file describes, and whether it loads.
+
+mod examination;
+mod holding;
+mod load;
+mod text;
+
+pub use examination::{
+    ActuatorFacts, BodyFacts, ControllerFacts, Examination, FrameFacts, JointFacts, MimicFacts,
+    Robot, effort_unit,
+};
+pub use holding::{Effort, FirstTick, Holding, Means, Missing};
+pub use load::{Request, examine, robot_of};
+
+use std::{
+    io::{self, Write},
+    path::{Path, PathBuf},
+    process::ExitCode,
+};
+
+use anyhow::{Result, bail};
+use clap::{Args, ValueEnum};
+use wbqp::serde_json;
+
+use crate::{assignment::Assignment, subject::Subject};
+
+/// Loads a robot, a controller or a scenario and shows what it found
+///
+/// Prints what the loader noticed, the tree with limits and masses, frames, actuators, and what holding still at home
+/// needs of each. Succeeds if the file loads; warnings are no failure.
+#[derive(Args, Debug)]
+pub struct Arguments {
+    /// A URDF, a controller ([robot]) or a scenario (controller = "…")
+    pub file: PathBuf,
+    /// Prints one JSON object
+    #[arg(long)]
+    pub json: bool,
+    // A comment of documentation would be this command's help.
+    #[expect(missing_docs, reason = "its type says it")]
+    #[command(flatten)]
+    pub robot: RobotOptions,
+    /// Of a scenario, the case whose controller is looked at; its first if not given
+    #[arg(long, value_name = "NAME")]
+    pub case: Option<String>,
+}
+
+/// How a robot's file is to be read.
+#[derive(Args, Clone, Debug, Default)]
+pub struct RobotOptions {
+    /// Replaces `[robot] file` of a controller
+    #[arg(long, value_name = "FILE")]
+    pub urdf: Option<PathBuf>,
+    /// The base of a robot's file: floating, unless this or a controller says otherwise
+    #[arg(long, value_enum)]
+    pub base: Option<BaseKind>,
+    /// Rotor parameters, for a robot that flies
+    #[arg(long, value_name = "FILE")]
+    pub rotors: Option<PathBuf>,
+    /// Refuses a robot's file for what is otherwise taken with a warning
+    #[arg(long)]
+    pub strict: bool,
+    /// A value of the controller's file, `task.com.kp=50` or `robot.root=torso`, or of the scenario's,
+    /// `change.duration=2`; may be given several times
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<Assignment>,
+}
+
+/// How the root link is attached to the world.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum BaseKind {
+    /// Flying and legged robots.
+    Floating,
+    /// Bolted to the world.
+    Fixed,
+}
+
+impl RobotOptions {
+    /// Everything as values of the controller's file. Paths count from the working directory.
+    ///
+    /// # Errors
+    /// A working directory that is gone.
+    pub fn assignments(&self) -> Result<Vec<Assignment>> {
+        let mut list = Vec::new();
+        let text = |path: &Path| -> Result<String> {
+            Ok(std::path::absolute(path)?.display().to_string())
+        };
+        if let Some(urdf) = &self.urdf {
+            list.push(Assignment::new("robot.file", text(urdf)?));
+        }
+        if let Some(base) = self.base {
+            let base = match base {
+                BaseKind::Floating => "floating",
+                BaseKind::Fixed => "fixed",
+            };
+            list.push(Assignment::new("robot.base", base));
+        }
+        if let Some(rotors) = &self.rotors {
+            list.push(Assignment::new("robot.rotors", text(rotors)?));
+        }
+        if self.strict {
+            list.push(Assignment::new("robot.strict", true));
+        }
+        list.extend_from_slice(&self.set);
+        Ok(list)
+    }
+}
+
+impl Arguments {
+    /// Checks and prints.
+    ///
+    /// # Errors
+    /// A file that cannot be read or is of no known kind; options that do not suit it.
+    pub fn run(&self) -> Result<ExitCode> {
+        let request = Request {
+            set: self.robot.assignments()?,
+            case: self.case.clone(),
+        };
+        if self.robot.urdf.is_some() && Subject::of_file(&self.file)? == Subject::Urdf {
+            bail!("--urdf: is for a controller; the file is a URDF itself");
+        }
+        let examination = examine(&self.file, &request)?;
+        let mut out = io::stdout().lock();
+        if self.json {
+            writeln!(out, "{}", serde_json::to_string_pretty(&examination)?)?;
+        } else {
+            write!(out, "{}", text::text(&examination))?;
+        }
+        for error in &examination.errors {
+            eprintln!("error: {error}");
+        }
+        Ok(if examination.errors.is_empty() {
+            ExitCode::SUCCESS
+        } else {
+            ExitCode::FAILURE
+        })
+    }
+}

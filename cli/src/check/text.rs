@@ -1,0 +1,297 @@
+//! An examination for a terminal.
+
+use std::{fmt::Write as _, path::Path};
+
+use wbqp::robot::{Diagnostic, Place, Severity};
+
+use super::{
+    examination::{BodyFacts, ControllerFacts, Examination, JointFacts, Robot},
+    holding::{Holding, Means},
+};
+use crate::text::{indented, number, per_cent, quantity, table, wrapped};
+
+/// Characters that a line of names may have.
+const WIDTH: usize = 100;
+
+/// Everything but the errors, which belong on standard error.
+pub(super) fn text(examination: &Examination) -> String {
+    let mut out = String::new();
+    let Some(robot) = &examination.robot else {
+        return out;
+    };
+    let joints = robot.joints.len();
+    let mimics = match robot.mimics.len() {
+        0 => String::new(),
+        n => format!(", {n} more that mimic them"),
+    };
+    let freedom = match robot.base {
+        "floating" => format!(
+            "floating base, nv = {} (6 + {joints} joints{mimics})",
+            robot.nv
+        ),
+        _ => format!("fixed base, nv = {} ({joints} joints{mimics})", robot.nv),
+    };
+    let _ = writeln!(
+        out,
+        "{}: robot `{}`, {freedom}, {} actuators, {} kg",
+        examination.file,
+        robot.name,
+        robot.nu,
+        number(robot.total_mass)
+    );
+    if let Some(controller) = &examination.controller {
+        controller_text(controller, &mut out);
+    }
+    diagnostics_text(&robot.diagnostics, &mut out);
+    tree_text(robot, &mut out);
+    frames_text(robot, &mut out);
+    if let Some(holding) = &examination.holding {
+        holding_text(holding, &mut out);
+    }
+    out
+}
+
+fn controller_text(controller: &ControllerFacts, out: &mut String) {
+    let _ = writeln!(out, "\nController, {} Hz", number(controller.rate));
+    for (what, names) in [
+        ("cases", &controller.cases),
+        ("contacts", &controller.contacts),
+        ("tasks", &controller.tasks),
+        ("constraints", &controller.constraints),
+    ] {
+        if !names.is_empty() {
+            let names = wrapped(names, ",", 15, WIDTH - 15);
+            let _ = writeln!(out, "  {what:12} {names}");
+        }
+    }
+}
+
+/// Warnings before notes; what is the same of several elements once, with all their places.
+fn diagnostics_text(diagnostics: &[Diagnostic], out: &mut String) {
+    for (severity, title) in [(Severity::Warning, "Warnings"), (Severity::Note, "Notes")] {
+        let of_it: Vec<&Diagnostic> = diagnostics
+            .iter()
+            .filter(|d| d.severity == severity)
+            .collect();
+        if of_it.is_empty() {
+            continue;
+        }
+        let _ = writeln!(out, "\n{title} ({})", of_it.len());
+        let mut groups: Vec<Vec<&Diagnostic>> = Vec::new();
+        for each in of_it {
+            let same = |group: &&mut Vec<&Diagnostic>| {
+                group.first().is_some_and(|first| first.found == each.found)
+            };
+            match groups.iter_mut().find(same) {
+                Some(group) => group.push(each),
+                None => groups.push(vec![each]),
+            }
+        }
+        for group in groups {
+            group_text(&group, out);
+        }
+    }
+}
+
+/// What is the same of all once, what differs behind each.
+fn group_text(group: &[&Diagnostic], out: &mut String) {
+    let Some(first) = group.first() else {
+        return;
+    };
+    let one_is_done = group.iter().all(|each| each.done == first.done);
+    let _ = match one_is_done {
+        true => writeln!(out, "  {}: {}", first.found, first.done),
+        false => writeln!(out, "  {}", first.found),
+    };
+    for each in group {
+        let place = short_place(&each.place);
+        let _ = match one_is_done {
+            true => writeln!(out, "    {place}: {}", each.element),
+            false => writeln!(out, "    {place}: {}: {}", each.element, each.done),
+        };
+    }
+    if !first.remedy.is_empty() {
+        let others = match group.iter().all(|each| each.remedy == first.remedy) {
+            true => "",
+            false => ", and so on",
+        };
+        let _ = writeln!(out, "    → {}{others}", first.remedy);
+    }
+}
+
+/// Without the folders, which the first line has and which are longer than the rest.
+fn short_place(place: &Place) -> Place {
+    let name = Path::new(&place.file).file_name();
+    let file = name.map(|name| name.to_string_lossy().into_owned());
+    Place {
+        file: file.unwrap_or_else(|| place.file.clone()),
+        position: place.position,
+    }
+}
+
+/// The tree by bodies: a child that is the only one stands below its parent, several are drawn as branches.
+fn tree_text(robot: &Robot, out: &mut String) {
+    let mut rows = table(
+        &[
+            "body", "mass", "joint", "kind", "range", "speed", "effort", "armature",
+        ],
+        &[1],
+    );
+    let mut stack: Vec<(usize, String, String)> = vec![(0, String::new(), String::new())];
+    while let Some((index, prefix, below)) = stack.pop() {
+        let Some(body) = robot.bodies.get(index) else {
+            continue;
+        };
+        let joint = robot.joints.iter().find(|j| j.body == body.name);
+        let mut cells = row(body, joint, &prefix);
+        if let Some(mimic) = robot.mimics.iter().find(|m| m.body == body.name) {
+            let mut law = format!("{} × {}", number(mimic.multiplier), mimic.leader);
+            if mimic.offset != 0.0 {
+                let _ = write!(law, " + {}", number(mimic.offset));
+            }
+            cells.extend([mimic.name.clone(), "mimic".to_owned(), law]);
+        }
+        rows.add_row(cells);
+        let children: Vec<usize> = robot
+            .bodies
+            .iter()
+            .enumerate()
+            .filter(|(_, other)| other.parent.as_ref() == Some(&body.name))
+            .map(|(i, _)| i)
+            .collect();
+        let count = children.len();
+        for (i, child) in children.into_iter().enumerate().rev() {
+            let (mark, line) = match (count, i + 1 == count) {
+                (1, _) => ("", ""),
+                (_, true) => ("└ ", "  "),
+                (_, false) => ("├ ", "│ "),
+            };
+            stack.push((child, format!("{below}{mark}"), format!("{below}{line}")));
+        }
+    }
+    let _ = write!(out, "\n{}", indented(&rows.to_string(), ""));
+}
+
+fn row(body: &BodyFacts, joint: Option<&JointFacts>, prefix: &str) -> Vec<String> {
+    let mut cells = vec![
+        format!("{prefix}{}", body.name),
+        format!("{} kg", number(body.mass)),
+    ];
+    let Some(joint) = joint else {
+        return cells;
+    };
+    let range = match (joint.lower, joint.upper) {
+        (None, None) => "unlimited".to_owned(),
+        (lower, upper) => {
+            let side = |x: Option<f64>| x.map_or_else(|| "∞".to_owned(), short);
+            format!("{} … {} {}", side(lower), side(upper), joint.unit)
+        }
+    };
+    let (force, inertia) = match joint.unit {
+        "m" => ("N", "kg"),
+        _ => ("N·m", "kg·m²"),
+    };
+    let effort = if joint.passive {
+        "no motor".to_owned()
+    } else {
+        quantity(joint.effort, force)
+    };
+    let armature = Some(joint.armature).filter(|a| *a != 0.0);
+    cells.extend([
+        joint.name.clone(),
+        joint.kind.to_owned(),
+        range,
+        quantity(joint.velocity, &format!("{}/s", joint.unit)),
+        effort,
+        quantity(armature, inertia),
+    ]);
+    cells
+}
+
+/// Hundredths are enough for a range on a terminal.
+fn short(x: f64) -> String {
+    if x.abs() >= 1e4 {
+        return format!("{x:.0e}");
+    }
+    // Without the sign of a zero.
+    let text = format!("{:.2}", x + 0.0);
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+fn frames_text(robot: &Robot, out: &mut String) {
+    let merged = robot.bodies.iter().filter(|b| !b.merged.is_empty());
+    let names: Vec<&BodyFacts> = merged.collect();
+    let _ = writeln!(
+        out,
+        "\nFrames that can be named: the {} bodies{}",
+        robot.bodies.len(),
+        if names.is_empty() {
+            ""
+        } else {
+            ", and what is fixed to them, with its mass merged into theirs:"
+        }
+    );
+    let widest = names.iter().map(|b| b.name.chars().count()).max();
+    let widest = widest.unwrap_or(0);
+    for body in names {
+        let frames = wrapped(&body.merged, ",", widest + 4, WIDTH.saturating_sub(widest));
+        let _ = writeln!(out, "  {:widest$}  {frames}", body.name);
+    }
+}
+
+fn holding_text(holding: &Holding, out: &mut String) {
+    let weight = number(holding.weight);
+    let title = match holding.means {
+        Means::GravityCompensation => "Holding still at home: gravity compensation".to_owned(),
+        Means::Hover => format!("Hovering at home: {weight} N of weight"),
+        Means::Stand => format!(
+            "Standing at home: the first tick's efforts, {weight} N of weight on the contacts"
+        ),
+        Means::Nothing => {
+            let _ = writeln!(
+                out,
+                "\nNothing carries the floating base: {weight} N of weight.\n  \
+                 A robot that is bolted down: `--base fixed`. One that flies: `--rotors FILE`. One that stands: \
+                 a controller with contacts, which `wbqp new` writes."
+            );
+            return;
+        }
+    };
+    let _ = writeln!(out, "\n{title}");
+    let mut rows = table(&["actuator", "effort", "limit", "share"], &[1, 2, 3]);
+    for effort in &holding.efforts {
+        rows.add_row([
+            effort.actuator.clone(),
+            format!("{:.3} {}", effort.effort + 0.0, effort.unit),
+            quantity(effort.limit, effort.unit),
+            per_cent(effort.share.map(|share| share + 0.0)),
+        ]);
+    }
+    out.push_str(&indented(&rows.to_string(), "  "));
+    if let Some(largest) = holding.largest_share() {
+        let _ = writeln!(
+            out,
+            "  most loaded: {} at {} of its limit",
+            largest.actuator,
+            per_cent(largest.share)
+        );
+    }
+    for missing in &holding.missing {
+        let _ = writeln!(
+            out,
+            "  missing: {} {}, {}",
+            number(missing.force),
+            missing.unit,
+            missing.coordinate
+        );
+    }
+    if let Some(tick) = &holding.first_tick {
+        for (name, force) in &tick.contacts {
+            let _ = writeln!(out, "  contact `{name}`: {} N normal force", number(*force));
+        }
+        let _ = writeln!(out, "  first tick at home: {}", tick.rung);
+        if let Some(why) = &tick.why {
+            out.push_str(&indented(why, "    "));
+        }
+    }
+}

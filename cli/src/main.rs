@@ -1,0 +1,68 @@
+//! The command `wbqp`.
+
+use std::{alloc::System, process::ExitCode};
+
+use anyhow::Result;
+use clap::{Parser, Subcommand};
+use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
+use wbqp_cli::{check, new, run};
+use wbqp_examples::commands::{plugins, replay, replicate, schema, tick_stats};
+
+// `tick-stats` counts allocations.
+#[global_allocator]
+static ALLOCATOR: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
+
+/// Whole-body control from the command line
+///
+/// Exit status: 0 if what was asked for is so, 1 if a file was refused or a run failed, 2 if the command line was not
+/// understood.
+#[derive(Parser, Debug)]
+#[command(name = "wbqp", version)]
+struct CommandLine {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand, Debug)]
+enum Command {
+    Check(check::Arguments),
+    New(new::Arguments),
+    Run(run::Arguments),
+    Replay(replay::Arguments),
+    Plugins(plugins::Arguments),
+    Schema(schema::Arguments),
+    TickStats(tick_stats::Arguments),
+    Replicate(replicate::Arguments),
+}
+
+impl Command {
+    fn run(&self) -> Result<ExitCode> {
+        let succeeded = |()| ExitCode::SUCCESS;
+        match self {
+            Self::Check(arguments) => arguments.run(),
+            Self::New(arguments) => arguments.run(),
+            Self::Run(arguments) => arguments.run(),
+            Self::Replay(arguments) => arguments.run(),
+            Self::Replicate(arguments) => arguments.run(),
+            Self::Plugins(arguments) => arguments.run().map(succeeded),
+            Self::Schema(arguments) => arguments.run().map(succeeded),
+            Self::TickStats(arguments) => arguments.run(allocations).map(succeeded),
+        }
+    }
+}
+
+/// In this process so far.
+fn allocations() -> usize {
+    let stats = Region::new(ALLOCATOR).initial();
+    stats.allocations + stats.reallocations
+}
+
+fn main() -> ExitCode {
+    match CommandLine::parse().command.run() {
+        Ok(code) => code,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -1,0 +1,33 @@
+//! Whether a controller that was written works.
+
+use std::path::Path;
+
+use wbqp::{Controller, ControllerConfig, Measurement, controller::Rung};
+
+/// Ticks that are tried.
+pub(super) const TICKS: usize = 100;
+
+/// Ticks at home and at rest, period by period.
+///
+/// # Errors
+/// Why it does not load, or which tick is not optimal, and why.
+pub(super) fn tick(file: &Path) -> Result<(), String> {
+    let config = ControllerConfig::from_file(file).map_err(|e| e.to_string())?;
+    let period = 1.0 / config.settings.rate;
+    let mut controller = Controller::new(config).map_err(|e| e.to_string())?;
+    let contacts = controller.contact_names().count();
+    let mut measurement = Measurement::home(controller.robot(), contacts);
+    for tick in 0..TICKS {
+        measurement.time = tick as f64 * period;
+        let (_, report) = controller.tick(&measurement);
+        if report.rung != Rung::Optimal {
+            let why = controller.explain().map(|why| why.to_string());
+            return Err(format!(
+                "tick {} from home is not optimal: {}",
+                tick + 1,
+                why.unwrap_or_default()
+            ));
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,243 @@
+//! A world for a controller that has no scenario: ground under the contacts that are on, perfect sensors.
+//!
+//! # Notation
+//! `C` is a contact's surface frame, `E` the robot's frame that touches, `B` the body that carries it.
+#![allow(non_snake_case)]
+
+use std::path::Path;
+
+use anyhow::Result;
+use serde::Serialize;
+use wbqp::{
+    Controller, ControllerConfig,
+    config::Overrides,
+    contact::ContactSpec,
+    dynamics::{Data, FrameKinematics, frame_motion},
+    model::Base,
+    nalgebra::{DMatrix, Isometry3, Rotation3, Translation3, UnitQuaternion, Vector3},
+    robot::RobotModel,
+};
+use wbqp_sim::{
+    PlantConfig, SensorsConfig,
+    plant::{ContactPointConfig, WallConfig},
+    scenario::Initial,
+    sensors::ForceTorqueConfig,
+};
+
+/// Contacts that are nearer to one plane than this touch the same one, m.
+const SAME_PLANE: f64 = 1e-3;
+/// How deep the robot's weight presses its contacts into the ground, m.
+const SINKAGE: f64 = 5e-4;
+/// The plant's friction relative to what the controller assumes.
+const FRICTION: f64 = 1.3;
+
+/// The text of a scenario.
+#[derive(Serialize)]
+struct File<'a> {
+    name: &'a str,
+    controller: &'a Path,
+    duration: f64,
+    initial: Initial,
+    plant: PlantConfig,
+    sensors: SensorsConfig,
+    case: [Case; 1],
+}
+
+#[derive(Serialize)]
+struct Case {
+    name: &'static str,
+}
+
+/// The scenario of a controller's file, as TOML; paths in it count from the working directory.
+///
+/// The robot starts at home and at rest. Under every contact that is on at the start there is a plane, normal to the
+/// contact's surface; a contact with moments touches with the four corners of its sole.
+///
+/// # Errors
+/// A controller that is refused.
+pub(super) fn text(
+    name: &str,
+    controller_file: &Path,
+    overrides: &Overrides,
+    duration: f64,
+) -> Result<String> {
+    let config = ControllerConfig::from_file_with(controller_file, overrides)?;
+    let soles = Soles::of(&config)?;
+    let controller = Controller::new(config)?;
+    let robot = controller.robot();
+    let mut data = Data::new(&robot.model);
+    data.update(&robot.model, &robot.home);
+    let mut ground = Ground {
+        robot,
+        data,
+        points: Vec::new(),
+        planes: Vec::new(),
+        friction: 0.0,
+    };
+    let contacts = controller.contact_names();
+    let mut force_torque: Vec<ForceTorqueConfig> = Vec::new();
+    for id in contacts.filter_map(|name| controller.contact(name).ok()) {
+        let contact = controller.contact_spec(id);
+        if !contact.active {
+            continue;
+        }
+        ground.add(contact, soles.half_lengths(&contact.name));
+        if !force_torque.iter().any(|s| s.frame == contact.frame) {
+            force_torque.push(ForceTorqueConfig {
+                cutoff: f64::INFINITY,
+                ..ForceTorqueConfig::new(&contact.frame)
+            });
+        }
+    }
+    let (roll, pitch, yaw) = robot.home.R_WR.euler_angles();
+    let file = File {
+        name,
+        controller: controller_file,
+        duration,
+        initial: Initial {
+            position: robot.home.p_WR.into(),
+            rpy: [roll, pitch, yaw],
+            ..Initial::default()
+        },
+        plant: ground.plant(),
+        sensors: SensorsConfig {
+            force_torque,
+            ..SensorsConfig::default()
+        },
+        case: [Case { name: "default" }],
+    };
+    Ok(toml::to_string(&file)?)
+}
+
+/// Half lengths of the soles, by contact.
+struct Soles(Vec<(String, [f64; 2])>);
+
+impl Soles {
+    /// From the constraints that know them.
+    fn of(config: &ControllerConfig) -> Result<Self> {
+        let file: toml::Table = config.to_toml()?.parse()?;
+        let constraints = file.get("constraint").and_then(toml::Value::as_array);
+        let sole = |entry: &toml::Value| {
+            let number = |key| entry.get(key)?.as_float();
+            let contact = entry.get("contact")?.as_str()?.to_owned();
+            let lengths = [number("half_length_x")?, number("half_length_y")?];
+            Some((contact, lengths))
+        };
+        let soles = constraints.into_iter().flatten().filter_map(sole);
+        Ok(Self(soles.collect()))
+    }
+
+    fn half_lengths(&self, contact: &str) -> Option<[f64; 2]> {
+        let found = self.0.iter().find(|(name, _)| name == contact);
+        found.map(|(_, lengths)| *lengths)
+    }
+}
+
+/// What the robot stands on.
+struct Ground<'a> {
+    robot: &'a RobotModel,
+    data: Data,
+    points: Vec<ContactPointConfig>,
+    /// A point and the outward normal of each.
+    planes: Vec<(Vector3<f64>, Vector3<f64>)>,
+    friction: f64,
+}
+
+impl Ground<'_> {
+    fn add(&mut self, contact: &ContactSpec, sole: Option<[f64; 2]>) {
+        let model = &self.robot.model;
+        let (Some(frame), Ok(R_WC)) = (model.frame(&contact.frame), contact.surface.rotation())
+        else {
+            return;
+        };
+        let E = frame_motion(model, &self.data, frame);
+        let offset = Vector3::from(contact.offset);
+        let R_EC: Rotation3<f64> = E.R_WF.inverse() * R_WC;
+        let corners: Vec<Vector3<f64>> = match sole {
+            Some([x, y]) if contact.kind.has_moments() => {
+                [(1., 1.), (1., -1.), (-1., 1.), (-1., -1.)]
+                    .into_iter()
+                    .map(|(a, b)| offset + R_EC * Vector3::new(a * x, b * y, 0.0))
+                    .collect()
+            }
+            _ => vec![offset],
+        };
+        self.points
+            .extend(corners.into_iter().map(|corner| ContactPointConfig {
+                frame: contact.frame.clone(),
+                offset: corner.into(),
+            }));
+        let point = E.p_WF + E.R_WF * offset;
+        let normal = R_WC * Vector3::z();
+        let is_same = |(other, n): &&mut (Vector3<f64>, Vector3<f64>)| {
+            n.dot(&normal) > 1.0 - 1e-6 && (point - *other).dot(&normal).abs() < SAME_PLANE
+        };
+        match self.planes.iter_mut().find(is_same) {
+            // Nothing starts behind its plane.
+            Some((lowest, _)) if (point - *lowest).dot(&normal) < 0.0 => *lowest = point,
+            Some(_) => {}
+            None => self.planes.push((point, normal)),
+        }
+        self.friction = self.friction.max(contact.friction);
+    }
+
+    /// As stiff as the robot's weight needs, as far as the integration step allows.
+    fn plant(self) -> PlantConfig {
+        let plant = PlantConfig::default();
+        let step = plant.step;
+        let per_kg = self.inverse_mass().max(1e-6);
+        let model = &self.robot.model;
+        let mass = match model.base() {
+            Base::Floating => model.mass(),
+            // A contact of an arm carries nothing; this makes a wall of the usual stiffness.
+            Base::Fixed => 1.0,
+        };
+        let points = self.points.len().max(1) as f64;
+        let stiffness = (mass * model.gravity().norm() / (points * SINKAGE))
+            .min(0.2 / (per_kg * step * step))
+            .max(1.0);
+        let damping = (stiffness * mass / points)
+            .sqrt()
+            .min(0.3 / (per_kg * step));
+        let walls = self.planes.iter().enumerate();
+        let walls = walls.map(|(i, (point, normal))| {
+            let name = match i {
+                0 => "ground".to_owned(),
+                i => format!("ground_{}", i + 1),
+            };
+            WallConfig {
+                stiffness,
+                damping,
+                friction: FRICTION * self.friction,
+                tangential_stiffness: Some(stiffness.min(0.9 * damping / step)),
+                tangential_damping: Some(damping),
+                ..WallConfig::new(&name, *point, *normal)
+            }
+        });
+        PlantConfig {
+            walls: walls.collect(),
+            contact_points: self.points,
+            ..plant
+        }
+    }
+
+    /// Largest `J M⁻¹ Jᵀ` of the points, 1/kg.
+    fn inverse_mass(&self) -> f64 {
+        let model = &self.robot.model;
+        let Some(factor) = self.data.mass_matrix().clone().cholesky() else {
+            return 1.0;
+        };
+        let mobility: DMatrix<f64> = factor.inverse();
+        let mut point = FrameKinematics::new(model);
+        let of = |at: &ContactPointConfig| {
+            let frame = model.frames().get(model.frame(&at.frame)?.index())?;
+            let offset = Translation3::from(Vector3::from(at.offset));
+            let X_BC = frame.X_BF * Isometry3::from_parts(offset, UnitQuaternion::identity());
+            point.update_at(model, &self.data, frame.body, &X_BC);
+            let J = point.J.rows(0, 3);
+            let per_kg: DMatrix<f64> = J * &mobility * J.transpose();
+            Some(per_kg.symmetric_eigenvalues().max())
+        };
+        self.points.iter().filter_map(of).fold(0.0, f64::max)
+    }
+}

@@ -1,0 +1,243 @@
+//! Figures of any run: where the base went, what tasks missed, what actuators gave, what contacts bore.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Result;
+use wbqp::{Controller, actuator::Actuator, model::Base};
+use wbqp_examples::{
+    log_reader::Log,
+    plots::{Colour, Figure, Line, Panel},
+    series::Series,
+};
+
+use super::{
+    summary::effort_pointer,
+    traces::{columns, escaped, norm},
+};
+use crate::{check::effort_unit, text::number};
+
+/// Lines that one panel can show apart.
+const LINES: usize = 6;
+/// A limit is drawn if the effort comes so near to it.
+const NEAR: f64 = 0.2;
+
+/// Draws all figures of a case as `<stem>.<what>.svg`; returns their names.
+///
+/// # Errors
+/// A log that cannot be read, a file that cannot be written.
+pub(super) fn draw(log: &Log, controller: &Controller, stem: &Path) -> Result<Vec<PathBuf>> {
+    let mut files = Vec::new();
+    for (name, panels) in [
+        ("motion", motion(log, controller)?),
+        ("tasks", tasks(log, controller)?),
+        ("efforts", efforts(log, controller)?),
+        ("contacts", contacts(log, controller)?),
+    ] {
+        if panels.is_empty() {
+            continue;
+        }
+        let file = PathBuf::from(format!("{}.{name}.svg", stem.display()));
+        let figure = Figure {
+            panels,
+            time: (0.0, log.end()),
+        };
+        figure.save(&file)?;
+        files.push(file);
+    }
+    Ok(files)
+}
+
+fn lines<'a>(named: impl IntoIterator<Item = (&'a str, Series)>) -> Vec<Line> {
+    let colours = Colour::CYCLE.into_iter().cycle();
+    named
+        .into_iter()
+        .zip(colours)
+        .map(|((name, series), colour)| Line::solid(name, colour, series))
+        .collect()
+}
+
+fn panel(title: String, y_label: String, lines: Vec<Line>) -> Panel {
+    Panel {
+        title,
+        y_label,
+        lines,
+        ..Panel::default()
+    }
+}
+
+/// The base's position and orientation, or, if it is fixed, the joints' positions: the plant's, not the measured ones.
+fn motion(log: &Log, controller: &Controller) -> Result<Vec<Panel>> {
+    let model = &controller.robot().model;
+    if model.base() == Base::Floating {
+        let pointers = ["x", "y", "z"].map(|axis| format!("/base/position/{axis}"));
+        let position = columns(log, "/plant", &pointers)?;
+        let pointers = ["w", "x", "y", "z"].map(|axis| format!("/base/orientation/{axis}"));
+        let angles = angles(&columns(log, "/plant", &pointers)?);
+        return Ok(vec![
+            panel(
+                "Position of the base".to_owned(),
+                "position [m]".to_owned(),
+                lines(["x", "y", "z"].into_iter().zip(position)),
+            ),
+            panel(
+                "Orientation of the base".to_owned(),
+                "angle [rad]".to_owned(),
+                lines(["roll", "pitch", "yaw"].into_iter().zip(angles)),
+            ),
+        ]);
+    }
+    let names: Vec<&str> = model.joints().iter().map(|j| j.name.as_str()).collect();
+    let pointers: Vec<String> = names
+        .iter()
+        .map(|name| format!("/joints/{}/position", escaped(name)))
+        .collect();
+    let positions = columns(log, "/plant", &pointers)?;
+    let all: Vec<(&str, Series)> = names.into_iter().zip(positions).collect();
+    let groups = all.chunks(LINES).map(|group| {
+        panel(
+            "Joint positions".to_owned(),
+            "position [rad or m]".to_owned(),
+            lines(group.iter().cloned()),
+        )
+    });
+    Ok(groups.collect())
+}
+
+/// Roll, pitch and yaw of quaternions w, x, y, z.
+fn angles(quaternion: &[Series]) -> Vec<Series> {
+    let [w, x, y, z] = quaternion else {
+        return Vec::new();
+    };
+    let mut angles = vec![Series::default(); 3];
+    for (k, &t) in w.t.iter().enumerate() {
+        let at = |series: &Series| series.y.get(k).copied().unwrap_or(f64::NAN);
+        let q = wbqp::nalgebra::Quaternion::new(at(w), at(x), at(y), at(z));
+        let rpy = wbqp::nalgebra::UnitQuaternion::new_normalize(q).euler_angles();
+        for (series, angle) in angles.iter_mut().zip([rpy.0, rpy.1, rpy.2]) {
+            series.t.push(t);
+            series.y.push(angle);
+        }
+    }
+    angles
+}
+
+/// The error of every task, row by row; of one with many rows the norm.
+fn tasks(log: &Log, controller: &Controller) -> Result<Vec<Panel>> {
+    let mut panels = Vec::new();
+    for name in controller.task_names() {
+        let topic = format!("/task/{name}");
+        let rows = log.fields(&topic, &["rows"]);
+        let Some(first) = rows.first() else {
+            continue;
+        };
+        let unit = log.unit(&topic, &["rows", first, "error"]).unwrap_or("1");
+        let pointers: Vec<String> = rows
+            .iter()
+            .map(|row| format!("/rows/{}/error", escaped(row)))
+            .collect();
+        let errors = columns(log, &topic, &pointers)?;
+        let (what, lines) = if rows.len() <= LINES {
+            ("error", lines(rows.into_iter().zip(errors)))
+        } else {
+            let norm = norm(&errors);
+            (
+                "norm of the error",
+                vec![Line::solid("", Colour::Blue, norm)],
+            )
+        };
+        panels.push(panel(
+            format!("Task {}", name.replace('_', " ")),
+            format!("{what} [{unit}]"),
+            lines,
+        ));
+    }
+    Ok(panels)
+}
+
+/// Efforts, those with the same limits together; limits as dotted lines where an effort comes near them.
+fn efforts(log: &Log, controller: &Controller) -> Result<Vec<Panel>> {
+    let robot = controller.robot();
+    let pointers: Vec<String> = (0..robot.nu())
+        .map(|i| effort_pointer(controller, i).unwrap_or_default())
+        .collect();
+    let all = columns(log, "/command", &pointers)?;
+    let mut groups: Vec<Vec<(&Actuator, Series)>> = Vec::new();
+    for (actuator, effort) in robot.actuators.iter().zip(all) {
+        let alike = |group: &&mut Vec<(&Actuator, Series)>| {
+            group.len() < LINES
+                && group.first().is_some_and(|(other, _)| {
+                    (other.lower, other.upper) == (actuator.lower, actuator.upper)
+                        && effort_unit(&robot.model, other) == effort_unit(&robot.model, actuator)
+                })
+        };
+        match groups.iter_mut().find(alike) {
+            Some(group) => group.push((actuator, effort)),
+            None => groups.push(vec![(actuator, effort)]),
+        }
+    }
+    let panels = groups.into_iter().filter_map(|group| {
+        let (first, _) = group.first()?;
+        let unit = effort_unit(&robot.model, first);
+        let peak = |sign: f64| {
+            let values = group.iter().filter_map(|(_, u)| u.map(|y| sign * y).max());
+            values.fold(0.0, f64::max)
+        };
+        let near = [(first.lower, peak(-1.0)), (first.upper, peak(1.0))].map(|(limit, peak)| {
+            (limit.is_finite() && peak >= NEAR * limit.abs()).then_some(limit)
+        });
+        let limits: Vec<f64> = near.into_iter().flatten().collect();
+        let range = match (first.lower.is_finite(), first.upper.is_finite()) {
+            (false, false) => "no limit".to_owned(),
+            _ => format!(
+                "limits {} … {} {unit}",
+                number(first.lower),
+                number(first.upper)
+            ),
+        };
+        let names = group.iter().map(|(a, u)| (a.name.as_str(), u.clone()));
+        Some(Panel {
+            limits: (!limits.is_empty()).then(|| ("limits".to_owned(), limits)),
+            ..panel(
+                format!("Commanded efforts, {range}"),
+                format!("effort [{unit}]"),
+                lines(names),
+            )
+        })
+    });
+    Ok(panels.collect())
+}
+
+/// Normal and tangential force of every contact, planned and real.
+fn contacts(log: &Log, controller: &Controller) -> Result<Vec<Panel>> {
+    let mut panels = Vec::new();
+    for name in controller.contact_names() {
+        let pointers = [
+            "/solution/z",
+            "/truth/z",
+            "/solution/x",
+            "/solution/y",
+            "/truth/x",
+            "/truth/y",
+        ];
+        let columns = columns(
+            log,
+            &format!("/contact/{name}"),
+            &pointers.map(str::to_owned),
+        )?;
+        let (Some(planned), Some(real)) = (columns.first(), columns.get(1)) else {
+            continue;
+        };
+        let tangential = |at: std::ops::Range<usize>| columns.get(at).map(norm).unwrap_or_default();
+        panels.push(panel(
+            format!("Contact {}", name.replace('_', " ")),
+            "force [N]".to_owned(),
+            vec![
+                Line::solid("normal, real", Colour::Blue, real.clone()),
+                Line::dashed("normal, planned", Colour::Black, planned.clone()),
+                Line::solid("tangential, real", Colour::Orange, tangential(4..6)),
+                Line::dashed("tangential, planned", Colour::Red, tangential(2..4)),
+            ],
+        ));
+    }
+    Ok(panels)
+}

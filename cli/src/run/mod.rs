@@ -1,0 +1,178 @@
+//! `wbqp run`: a scenario in simulation, with logs, figures and a summary.
+
+mod default_scenario;
+mod figures;
+mod summary;
+mod traces;
+
+pub use summary::{CaseSummary, ContactSummary, EffortSummary, TaskSummary, TickTime};
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    process::ExitCode,
+};
+
+use anyhow::{Context, Result, bail};
+use clap::Args;
+use rayon::prelude::*;
+use wbqp::{
+    log::{LogSink, McapLog},
+    replay::DumpFolder,
+    serde_json,
+};
+use wbqp_examples::{
+    cli::{Common, ProgressBars},
+    log_reader::Log,
+};
+use wbqp_sim::Scenario;
+
+use crate::{assignment::Assignment, subject::Subject};
+
+/// Runs a scenario in simulation: a log, figures and a summary of every case
+///
+/// A controller's file runs too: from home, on ground under the contacts that are on, with perfect sensors. Succeeds if
+/// every case runs to its end.
+#[derive(Args, Debug)]
+pub struct Arguments {
+    /// A scenario (controller = "…"), or a controller ([robot])
+    pub file: PathBuf,
+    /// Only this case; may be given several times
+    #[arg(long = "case", value_name = "NAME")]
+    pub cases: Vec<String>,
+    /// A value of the controller's file, `task.com.kp=50`, or of the scenario's, `change.duration=2`; may be given
+    /// several times
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<Assignment>,
+    /// Replaces `[robot] file` of the controller
+    #[arg(long, value_name = "FILE")]
+    pub urdf: Option<PathBuf>,
+    /// Simulated time of a controller without scenario, s [default: 5]
+    #[arg(long, value_name = "S")]
+    pub duration: Option<f64>,
+    // A comment of documentation would be this command's help.
+    #[expect(missing_docs, reason = "its type says it")]
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// Simulated time of a controller without scenario, s.
+const DURATION: f64 = 5.0;
+/// The most dumps of ticks that a case writes.
+const MOST_DUMPS: usize = 4;
+
+impl Arguments {
+    /// Runs, writes and prints everything.
+    ///
+    /// # Errors
+    /// A file that is refused or cannot be written. A case that diverges is no error but in the exit code.
+    pub fn run(&self) -> Result<ExitCode> {
+        let scenario = self.scenario()?;
+        let directory = self.common.out.join(scenario.name());
+        for case in &self.cases {
+            scenario.case(case)?;
+        }
+        let is_asked = |case: &&str| self.cases.is_empty() || self.cases.iter().any(|c| c == case);
+        let cases: Vec<&str> = scenario.cases().filter(is_asked).collect();
+        let bars = ProgressBars::new(2);
+        let summaries = cases
+            .par_iter()
+            .map(|case| self.run_case(&scenario, case, &directory, &bars))
+            .collect::<Result<Vec<CaseSummary>>>()?;
+        for summary in &summaries {
+            println!("\n{}", summary.text().trim_end());
+        }
+        let file = directory.join("summary.json");
+        let text = serde_json::to_string_pretty(&summaries)?;
+        fs::write(&file, text).with_context(|| file.display().to_string())?;
+        println!("\nlogs, figures and summary.json: {}", directory.display());
+        Ok(if summaries.iter().all(CaseSummary::completed) {
+            ExitCode::SUCCESS
+        } else {
+            ExitCode::FAILURE
+        })
+    }
+
+    fn scenario(&self) -> Result<Scenario> {
+        let mut set = self.set.clone();
+        if let Some(urdf) = &self.urdf {
+            let urdf = std::path::absolute(urdf)?.display().to_string();
+            set.insert(0, Assignment::new("robot.file", urdf));
+        }
+        let file = &self.file;
+        let scenario = match Subject::of_file(file)? {
+            Subject::Scenario => {
+                if self.duration.is_some() {
+                    bail!(
+                        "--duration: a scenario says how long it takes; `--set change.duration=…` changes it"
+                    );
+                }
+                Scenario::from_file(file)?
+            }
+            Subject::Controller => {
+                let of_controller: Vec<Assignment> = set
+                    .iter()
+                    .filter(|s| !s.is_of_scenario())
+                    .cloned()
+                    .collect();
+                let overrides = Assignment::overrides(&of_controller)?;
+                let name = stem(file);
+                let duration = self.duration.unwrap_or(DURATION);
+                let text = default_scenario::text(&name, file, &overrides, duration)?;
+                let label = format!("{} with the default plant", file.display());
+                Scenario::from_text(&text, &label, Path::new(""))?
+            }
+            Subject::Urdf => bail!(
+                "{}: is a robot without a controller; `wbqp new --urdf` writes one to start from",
+                file.display()
+            ),
+        };
+        let variation = Assignment::variation(&set)?;
+        if variation.is_empty() {
+            return Ok(scenario);
+        }
+        Ok(scenario.varied(&variation)?)
+    }
+
+    fn run_case(
+        &self,
+        scenario: &Scenario,
+        case: &str,
+        directory: &Path,
+        bars: &ProgressBars,
+    ) -> Result<CaseSummary> {
+        let path = directory.join(format!("{case}.mcap"));
+        let mut log = McapLog::create(&path)?;
+        let progress = bars.start(&format!("{}/{case}", scenario.name()));
+        let mut update = |fraction| progress.update(fraction);
+        let mut dumps = DumpFolder::new(directory.join(case), MOST_DUMPS);
+        dumps.remove_old()?;
+        let run = wbqp_sim::run_with_dumps(
+            scenario,
+            case,
+            self.common.seed,
+            &mut log,
+            &mut update,
+            &mut dumps,
+        )?;
+        log.finish()?;
+        progress.finish();
+        for file in dumps.written() {
+            bars.say(&format!(
+                "{case}: the controller changed its rung; `wbqp replay {}` shows the tick",
+                file.display()
+            ));
+        }
+        let log = Log::open(&path).with_context(|| format!("log {}", path.display()))?;
+        let of_case = scenario.case(case)?;
+        let controller = of_case.make_controller(of_case.controller_config()?)?;
+        figures::draw(&log, &controller, &directory.join(case))?;
+        CaseSummary::of(case, &run, &log, &controller)
+    }
+}
+
+/// A file's name without its extension, as it can name a folder.
+fn stem(file: &Path) -> String {
+    let name = file.file_stem().and_then(|name| name.to_str());
+    name.unwrap_or("run").to_owned()
+}

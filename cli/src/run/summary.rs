@@ -1,0 +1,293 @@
+//! What is told of a finished run, measured from its log.
+
+use anyhow::Result;
+use serde::Serialize;
+use wbqp::{Controller, actuator::ActuatorKind, controller::Rung};
+use wbqp_examples::log_reader::Log;
+use wbqp_sim::Summary;
+
+use super::traces::{columns, escaped, norm};
+use crate::{
+    check::effort_unit,
+    text::{indented, number, per_cent, quantity, table},
+};
+
+/// Part of the run that "at the end" means.
+const END: f64 = 0.1;
+
+/// A finished case.
+#[derive(Clone, Debug, Serialize)]
+pub struct CaseSummary {
+    /// Its name.
+    pub case: String,
+    /// Control periods that were run.
+    pub ticks: usize,
+    /// Ticks whose command was not the optimum.
+    pub not_optimal: usize,
+    /// The worst that a tick's command came from: `optimal`, `relaxed`, `extrapolated` or `safe`.
+    pub worst_rung: &'static str,
+    /// Time at which the plant diverged, s.
+    pub diverged: Option<f64>,
+    /// In the configuration's order.
+    pub tasks: Vec<TaskSummary>,
+    /// In the order of `u`.
+    pub efforts: Vec<EffortSummary>,
+    /// In the configuration's order.
+    pub contacts: Vec<ContactSummary>,
+    /// How long ticks took, µs.
+    pub tick_time: TickTime,
+}
+
+/// How well a task was followed: norms over its rows.
+#[derive(Clone, Debug, Serialize)]
+pub struct TaskSummary {
+    /// Its name.
+    pub name: String,
+    /// Of the error.
+    pub unit: String,
+    /// Root of the mean square over the last tenth of the run; absent if it was off then.
+    pub end: Option<f64>,
+    /// The largest.
+    pub peak: Option<f64>,
+}
+
+/// How much an actuator was asked for.
+#[derive(Clone, Debug, Serialize)]
+pub struct EffortSummary {
+    /// The actuator.
+    pub actuator: String,
+    /// `N·m` or `N`.
+    pub unit: &'static str,
+    /// The effort that was nearest to its limit, or the largest where there is no limit.
+    pub peak: f64,
+    /// Its share of the limit on its side; absent if there is none.
+    pub share: Option<f64>,
+}
+
+/// What a contact bore.
+#[derive(Clone, Debug, Serialize)]
+pub struct ContactSummary {
+    /// Its name.
+    pub name: String,
+    /// Share of the run during which it was on.
+    pub on: f64,
+    /// Largest planned normal force, N.
+    pub peak_planned: Option<f64>,
+    /// Largest real normal force, N.
+    pub peak_real: Option<f64>,
+}
+
+/// Quantiles, µs.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct TickTime {
+    /// Median.
+    pub p50: f64,
+    /// 99 %.
+    pub p99: f64,
+    /// The longest.
+    pub max: f64,
+}
+
+impl CaseSummary {
+    /// Measures a log.
+    ///
+    /// # Errors
+    /// A log that cannot be read.
+    pub fn of(case: &str, run: &Summary, log: &Log, controller: &Controller) -> Result<Self> {
+        Ok(Self {
+            case: case.to_owned(),
+            ticks: run.ticks,
+            not_optimal: run.held,
+            worst_rung: worst_rung(log)?.as_str(),
+            diverged: run.diverged,
+            tasks: tasks(log, controller)?,
+            efforts: efforts(log, controller)?,
+            contacts: contacts(log, controller)?,
+            tick_time: tick_time(log)?,
+        })
+    }
+
+    /// Whether it ran to its end.
+    pub fn completed(&self) -> bool {
+        self.diverged.is_none()
+    }
+
+    /// Tables for a terminal.
+    pub fn text(&self) -> String {
+        let mut out = match self.diverged {
+            Some(time) => format!("{}: DIVERGED at {time:.3} s\n", self.case),
+            None => format!("{}: ran to its end\n", self.case),
+        };
+        out.push_str(&format!(
+            "  {} ticks, {} not optimal (worst: {}); a tick took {:.0} µs (median), {:.0} µs (99 %)\n",
+            self.ticks, self.not_optimal, self.worst_rung, self.tick_time.p50, self.tick_time.p99,
+        ));
+        if let Some(busiest) = self.most_loaded() {
+            out.push_str(&format!(
+                "  most loaded actuator: {}, {} {}, {} of its limit\n",
+                busiest.actuator,
+                number(busiest.peak),
+                busiest.unit,
+                per_cent(busiest.share)
+            ));
+        }
+        let mut tasks = table(&["task", "error at the end", "largest error"], &[1, 2]);
+        for task in &self.tasks {
+            let unit = task.unit.as_str();
+            tasks.add_row([
+                task.name.clone(),
+                quantity(task.end, unit),
+                quantity(task.peak, unit),
+            ]);
+        }
+        if !self.tasks.is_empty() {
+            out.push_str(&indented(&tasks.to_string(), "  "));
+        }
+        let mut contacts = table(
+            &[
+                "contact",
+                "on",
+                "largest planned force",
+                "largest real force",
+            ],
+            &[1, 2, 3],
+        );
+        let force = |x: Option<f64>| x.map_or_else(|| "–".to_owned(), |x| format!("{x:.1} N"));
+        for contact in &self.contacts {
+            contacts.add_row([
+                contact.name.clone(),
+                per_cent(Some(contact.on)),
+                force(contact.peak_planned),
+                force(contact.peak_real),
+            ]);
+        }
+        if !self.contacts.is_empty() {
+            out.push_str(&indented(&contacts.to_string(), "  "));
+        }
+        out
+    }
+
+    /// The actuator that came nearest to its limit.
+    pub fn most_loaded(&self) -> Option<&EffortSummary> {
+        let limited = self.efforts.iter().filter(|e| e.share.is_some());
+        limited.max_by(|a, b| a.share.unwrap_or(0.0).total_cmp(&b.share.unwrap_or(0.0)))
+    }
+}
+
+fn worst_rung(log: &Log) -> Result<Rung> {
+    let mut worst = Rung::Optimal;
+    if log.has("/qp") {
+        for message in log.messages("/qp")? {
+            let (_, message) = message?;
+            let name = message.pointer("/rung").and_then(|rung| rung.as_str());
+            let rung = Rung::ALL.into_iter().find(|r| Some(r.as_str()) == name);
+            worst = worst.max(rung.unwrap_or_default());
+        }
+    }
+    Ok(worst)
+}
+
+fn tasks(log: &Log, controller: &Controller) -> Result<Vec<TaskSummary>> {
+    let mut tasks = Vec::new();
+    for name in controller.task_names() {
+        let topic = format!("/task/{name}");
+        let rows = log.fields(&topic, &["rows"]);
+        let pointers: Vec<String> = std::iter::once("/alpha".to_owned())
+            .chain(
+                rows.iter()
+                    .map(|row| format!("/rows/{}/error", escaped(row))),
+            )
+            .collect();
+        let unit = rows
+            .first()
+            .and_then(|row| log.unit(&topic, &["rows", row, "error"]));
+        let columns = columns(log, &topic, &pointers)?;
+        let Some((alpha, errors)) = columns.split_first() else {
+            continue;
+        };
+        let mut error = norm(errors);
+        for (error, alpha) in error.y.iter_mut().zip(&alpha.y) {
+            if *alpha == 0.0 {
+                *error = f64::NAN;
+            }
+        }
+        let from = log.end() * (1.0 - END);
+        tasks.push(TaskSummary {
+            name: name.to_owned(),
+            unit: unit.unwrap_or_default().to_owned(),
+            end: error.window(from, f64::INFINITY).rmse(0.0),
+            peak: error.max(),
+        });
+    }
+    Ok(tasks)
+}
+
+/// Where an actuator's effort is in a message of `/command`.
+pub(super) fn effort_pointer(controller: &Controller, index: usize) -> Option<String> {
+    let robot = controller.robot();
+    let actuator = robot.actuators.get(index)?;
+    Some(match &actuator.kind {
+        ActuatorKind::Joint(motor) => {
+            let joint = robot.model.joints().get(motor.joint.index())?;
+            format!("/joints/{}/effort", escaped(&joint.name))
+        }
+        _ => format!("/rotors/{}/thrust", escaped(&actuator.name)),
+    })
+}
+
+fn efforts(log: &Log, controller: &Controller) -> Result<Vec<EffortSummary>> {
+    let robot = controller.robot();
+    let pointers: Vec<String> = (0..robot.nu())
+        .map(|i| effort_pointer(controller, i).unwrap_or_default())
+        .collect();
+    let efforts = columns(log, "/command", &pointers)?;
+    let of = |(actuator, effort): (&wbqp::actuator::Actuator, &wbqp_examples::series::Series)| {
+        let share = |u: f64| {
+            let limit = if u < 0.0 {
+                actuator.lower
+            } else {
+                actuator.upper
+            };
+            (limit.is_finite() && limit != 0.0).then_some(u / limit)
+        };
+        // Shares where there are limits, magnitudes where there are none.
+        let load = |u: &f64| share(*u).unwrap_or_else(|| u.abs());
+        let values = effort.samples().map(|(_, u)| u);
+        let peak = values.max_by(|a, b| load(a).total_cmp(&load(b)));
+        let peak = peak.unwrap_or(0.0);
+        EffortSummary {
+            actuator: actuator.name.clone(),
+            unit: effort_unit(&robot.model, actuator),
+            peak,
+            share: share(peak),
+        }
+    };
+    Ok(robot.actuators.iter().zip(&efforts).map(of).collect())
+}
+
+fn contacts(log: &Log, controller: &Controller) -> Result<Vec<ContactSummary>> {
+    let mut contacts = Vec::new();
+    for name in controller.contact_names() {
+        let pointers = ["/active", "/solution/z", "/truth/z"].map(str::to_owned);
+        let columns = columns(log, &format!("/contact/{name}"), &pointers)?;
+        if let [on, planned, real] = columns.as_slice() {
+            contacts.push(ContactSummary {
+                name: name.to_owned(),
+                on: on.mean().unwrap_or(0.0),
+                peak_planned: planned.max(),
+                peak_real: real.max(),
+            });
+        }
+    }
+    Ok(contacts)
+}
+
+fn tick_time(log: &Log) -> Result<TickTime> {
+    let columns = columns(log, "/qp", &["/times/total".to_owned()])?;
+    let quantile = |p| columns.first().and_then(|times| times.quantile(p));
+    Ok(TickTime {
+        p50: quantile(0.5).unwrap_or_default(),
+        p99: quantile(0.99).unwrap_or_default(),
+        max: quantile(1.0).unwrap_or_default(),
+    })
+}

@@ -1,0 +1,133 @@
+//! What a file is: a robot's URDF, a controller or a scenario.
+
+use std::{fs, path::Path};
+
+use anyhow::{Context, Result, bail};
+use serde::Serialize;
+
+/// The kinds of files that the command reads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Subject {
+    /// A robot: XML whose root element is `<robot>`, whatever its extension.
+    Urdf,
+    /// A controller: TOML with a table `[robot]`.
+    Controller,
+    /// A scenario: TOML with a key `controller` that names a file.
+    Scenario,
+}
+
+impl Subject {
+    /// Looks into a file.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or that is none of these.
+    pub fn of_file(path: &Path) -> Result<Self> {
+        let name = path.display();
+        let bytes = fs::read(path).with_context(|| format!("{name}: cannot be read"))?;
+        let Ok(text) = String::from_utf8(bytes) else {
+            bail!("{name}: is not text: it should be a URDF, a controller or a scenario");
+        };
+        let text = text.trim_start_matches('\u{feff}');
+        if text.trim_start().starts_with('<') {
+            return match root_element(text) {
+                Some("robot") => Ok(Self::Urdf),
+                Some("sdf") => {
+                    bail!("{name}: is an SDF model: export the robot as URDF, with root <robot>")
+                }
+                Some("mujoco") => {
+                    bail!("{name}: is a MuJoCo model: export the robot as URDF, with root <robot>")
+                }
+                Some(other) => bail!("{name}: its root element is <{other}>, a URDF's is <robot>"),
+                // The loader says what is wrong with it.
+                None => Ok(Self::Urdf),
+            };
+        }
+        of_toml(text).with_context(|| {
+            format!(
+                "{name}: is neither a URDF (<robot>), nor a controller ([robot]), nor a scenario \
+                 (controller = \"…\")"
+            )
+        })
+    }
+}
+
+/// The name of the first element, behind declarations, comments and a document type.
+fn root_element(text: &str) -> Option<&str> {
+    let mut rest = text;
+    loop {
+        rest = rest.get(rest.find('<')? + 1..)?;
+        let end = match rest.as_bytes().first()? {
+            b'?' => "?>",
+            b'!' if rest.starts_with("!--") => "-->",
+            b'!' => ">",
+            _ => {
+                let is_end = |c: char| c.is_whitespace() || c == '>' || c == '/';
+                return rest.split(is_end).next();
+            }
+        };
+        rest = rest.get(rest.find(end)? + end.len()..)?;
+    }
+}
+
+/// Judged by its keys; a text that is not TOML by its lines, so that the reader of its kind says what is wrong.
+fn of_toml(text: &str) -> Option<Subject> {
+    let key = |line: &str| {
+        let line = line.trim_start();
+        let word = line.split(['=', '#', ']']).next().unwrap_or_default();
+        word.trim().to_owned()
+    };
+    let (names_a_controller, has_robot) = match text.parse::<toml::Table>() {
+        Ok(table) => (
+            table.get("controller").is_some_and(toml::Value::is_str),
+            ["robot", "controller", "task"]
+                .iter()
+                .any(|key| table.contains_key(*key)),
+        ),
+        Err(_) => (
+            text.lines()
+                .map(key)
+                .take_while(|key| !key.starts_with('['))
+                .any(|key| key == "controller"),
+            text.lines()
+                .map(key)
+                .any(|key| ["[robot", "[controller", "[[task"].contains(&key.as_str())),
+        ),
+    };
+    if names_a_controller {
+        Some(Subject::Scenario)
+    } else {
+        has_robot.then_some(Subject::Controller)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_root_element_is_found_behind_what_xml_allows_before_it() {
+        let text = "<?xml version=\"1.0\"?>\n<!-- <sdf> -->\n<!DOCTYPE robot>\n<robot name=\"a\">";
+        assert_eq!(root_element(text), Some("robot"));
+        assert_eq!(root_element("<sdf>"), Some("sdf"));
+        assert_eq!(root_element("<mujoco/>"), Some("mujoco"));
+        assert_eq!(root_element("<!-- never closed"), None);
+    }
+
+    #[test]
+    fn toml_is_told_apart_by_its_keys_also_if_it_is_broken() {
+        let controller = "[controller]\nrate = 1.0\n[robot]\ntype = \"othex\"";
+        assert_eq!(of_toml(controller), Some(Subject::Controller));
+        let scenario = "name = \"a\"\ncontroller = \"b.toml\"\n[plant]";
+        assert_eq!(of_toml(scenario), Some(Subject::Scenario));
+        assert_eq!(of_toml("[[rotor]]\nname = \"a\""), None);
+        assert_eq!(
+            of_toml(&controller.replace("1.0", "")),
+            Some(Subject::Controller)
+        );
+        assert_eq!(
+            of_toml(&scenario.replace("\"a\"", "")),
+            Some(Subject::Scenario)
+        );
+    }
+}
