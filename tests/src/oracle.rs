@@ -36,9 +36,10 @@ impl Worst {
     /// A line per quantity.
     pub fn lines(&self) -> String {
         let lines = self.0.iter();
-        lines
-            .map(|(what, (error, name))| format!("{what:10} {error:.1e} ({name})\n"))
-            .collect()
+        let lines: Vec<String> = lines
+            .map(|(what, (error, name))| format!("{what:10} {error:.1e} ({name})"))
+            .collect();
+        lines.join("\n")
     }
 
     fn note(&mut self, what: &'static str, error: f64, name: &str) {

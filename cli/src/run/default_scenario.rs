@@ -95,7 +95,7 @@ pub(super) fn text(
         controller: controller_file,
         duration,
         initial: Initial {
-            position: robot.home.p_WR.into(),
+            position: Some(robot.home.p_WR.into()),
             rpy: [roll, pitch, yaw],
             ..Initial::default()
         },

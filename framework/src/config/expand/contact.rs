@@ -9,7 +9,7 @@
 //! Its cone is a `friction_pyramid` if it is of kind `point`, and a `contact_wrench` if it has a sole. What the file lists
 //! itself, an entry of the same type for the same contact, is not brought a second time.
 
-use toml::de::DeValue;
+use toml::{Spanned, de::DeValue};
 
 use super::{List, Notes, Span, Texts, names, value};
 use crate::{
@@ -304,7 +304,8 @@ fn fill(
 
 /// A surface that says only where it is faces upwards.
 fn level(section: &mut Section<'_>, span: &Span) {
-    let Some(DeValue::Table(surface)) = section.keys.get_mut("surface").map(|s| s.get_mut()) else {
+    let Some(DeValue::Table(surface)) = section.keys.get_mut("surface").map(Spanned::get_mut)
+    else {
         return;
     };
     if surface.contains_key("normal") {
