@@ -194,3 +194,50 @@ fn infinity_is_a_number() {
                 surface = { normal = [-1, 0, 0], x_axis = [0, 0, 1] }\n";
     assert_eq!(complaint(&controller, text), None);
 }
+
+#[test]
+fn short_forms_are_as_short_as_the_loader_takes_them() {
+    let controller = validator(&json_schema::controller());
+    let file = |robot: &str, contact: &str| {
+        format!("[controller]\nrate = 250\n[robot]\n{robot}\n[[contact]]\n{contact}\n")
+    };
+    let arm = "file = \"arm.urdf\"";
+    for contact in [
+        "frames = [\"a\", \"b\"]\nmotion = \"hard\"",
+        "frame = \"a\"\nmotion = \"soft\"\nsize = [0.2, 0.1]",
+        "frame = \"a\"\nmotion = \"free\"\nsurface = { origin = [0, 0, 1] }",
+        "frame = \"a\"\nkind = \"point\"\nsurface = { normal = [0, 0, 1], x_axis = [1, 0, 0] }",
+    ] {
+        let text = file(arm, contact);
+        assert_eq!(complaint(&controller, &text), None, "{text}");
+        assert!(
+            wbqp::ControllerConfig::from_str(&text, "x.toml", "").is_ok(),
+            "{text}"
+        );
+    }
+    for (robot, contact) in [
+        (arm, "motion = \"hard\""),
+        (arm, "frame = \"a\""),
+        (arm, "frame = \"a\"\nmotion = \"hart\""),
+        (arm, "frame = \"a\"\nmotoin = \"hard\""),
+        (
+            arm,
+            "frame = \"a\"\nkind = \"point\"\nsurface = { origin = [0, 0, 1] }",
+        ),
+        (arm, "frame = \"a\"\nmotion = \"hard\"\nsize = [0.2]"),
+        ("files = \"arm.urdf\"", "frame = \"a\"\nmotion = \"hard\""),
+        ("file = 3", "frame = \"a\"\nmotion = \"hard\""),
+    ] {
+        let text = file(robot, contact);
+        assert!(complaint(&controller, &text).is_some(), "{text}");
+        assert!(
+            wbqp::ControllerConfig::from_str(&text, "x.toml", "").is_err(),
+            "{text}"
+        );
+    }
+    let tasks =
+        "[controller]\nrate = 250\n[robot]\ntype = \"othex\"\n[[task]]\ntype = \"com\"\nkp = 1\n";
+    assert_eq!(complaint(&controller, tasks), None);
+    let weightless = "[controller]\nrate = 250\n[robot]\ntype = \"othex\"\n[[task]]\ntype = \"propeller_regularisation\"\n";
+    assert!(complaint(&controller, weightless).is_some());
+}

@@ -363,7 +363,7 @@ fn a_standing_robot_stays_up() {
         frame.p_WF.z
     };
     let lowest = feet.map(height).into_iter().fold(f64::INFINITY, f64::min);
-    initial.p_WR.z = -lowest - 0.002;
+    initial.p_WR.z -= lowest + 0.002;
     let plant = PlantConfig {
         walls: vec![plant::WallConfig::new(
             "floor",

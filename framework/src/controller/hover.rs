@@ -109,7 +109,7 @@ impl Controller {
         if self.robot.rotors().next().is_none() {
             return Some(format!(
                 "floats, and has neither rotors nor a contact that is on at the start: nothing carries its weight of {} N; \
-                 set `options = {{ base = \"fixed\" }}`, name its `rotors`, give a contact `active = true`, or set \
+                 set `base = \"fixed\"` in [robot], name its `rotors`, give a contact `active = true`, or set \
                  `hover = \"unchecked\"` in [controller]",
                 rounded(weight),
             ));

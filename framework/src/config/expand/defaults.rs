@@ -74,13 +74,16 @@ fn of_all<P: PluginKind + ?Sized>(
         };
         let schema = (plugin.schema)();
         let node = Node::root(schema.as_value());
+        // In the header: an error of the table as a whole is not one of this value.
+        let start = section.span.start;
+        let place = start..section.span.end.min(start + 1);
         let mut add = |key: &str, text: String, why: Option<String>| {
             missing.push(Missing {
                 list,
                 index,
                 key: key.to_owned(),
                 text,
-                span: section.span.clone(),
+                span: place.clone(),
                 why,
             });
         };
