@@ -163,7 +163,9 @@ fn bodies_are_judged_with_all_that_is_fixed_to_them() {
             + &joint("b", "fixed", "arm", "rod", "")),
     ));
     let robot = warned(
-        &arm_link(&inertial("1e-6", ["0", "0", "0"])),
+        &arm_link(
+            &inertial("1e-6", ["0", "0", "0"]).replace("<mass", "<origin xyz=\"0 0.1 0\"/><mass"),
+        ),
         &[
             "r.urdf:3:18: warning: link `arm`: inertia about the centre of mass is not positive definite",
             "taken as it is; joint `elbow` feels",

@@ -181,8 +181,10 @@ pub(super) fn read<'t, T>(
             Ok(value) => return (report.len() == before).then_some(value),
             Err(error) => error,
         };
+        // What is about the table as a whole is about none of its keys, also of those that have no place of their own.
         let path = error
             .span()
+            .filter(|span| *span != section.span)
             .and_then(|span| locate(&section.keys, &span))
             .unwrap_or_default();
         // A table that lost a key complains about that: said already.

@@ -3,7 +3,7 @@
 
 use wbqp::{
     Controller, ControllerConfig, Measurement, Report,
-    config::Settings,
+    config::{Settings, StartFrom},
     constraint::Constraint,
     controller::Rung,
     entry::{Entry, Hardness, Weight},
@@ -25,7 +25,11 @@ struct Setting {
 
 impl Setting {
     fn new() -> Self {
-        let mut config = ControllerConfig::new(Settings::at_rate(250.0), Box::new(Small {}));
+        let settings = Settings {
+            start: StartFrom::Home,
+            ..Settings::at_rate(250.0)
+        };
+        let mut config = ControllerConfig::new(settings, Box::new(Small {}));
         config.contacts = contacts();
         Self { config }.constraint("limits", ActuatorLimits::new())
     }
