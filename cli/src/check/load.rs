@@ -39,6 +39,7 @@ pub fn examine(file: &Path, request: &Request) -> Result<Examination> {
         robot: None,
         controller: None,
         holding: None,
+        remark: None,
         errors: Vec::new(),
     };
     let mut cases = Vec::new();
@@ -97,6 +98,11 @@ fn with_config(
                 Subject::Urdf => Holding::of_robot(&controller),
                 Subject::Controller | Subject::Scenario => Holding::of_controller(&mut controller),
             });
+        }
+        // The robot is sound, there is only nothing that a controller could do.
+        Err(ControllerError::Config(errors)) if kind == Subject::Urdf => {
+            let messages = errors.iter().map(|error| error.message.clone());
+            examination.remark = Some(messages.collect::<Vec<_>>().join("; "));
         }
         Err(error) => examination.errors = robot_lines(&error, kind),
     }

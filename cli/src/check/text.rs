@@ -48,6 +48,9 @@ pub(super) fn text(examination: &Examination) -> String {
     if let Some(holding) = &examination.holding {
         holding_text(holding, &mut out);
     }
+    if let Some(remark) = &examination.remark {
+        let _ = writeln!(out, "\nNo controller can be made for it: {remark}");
+    }
     out
 }
 
