@@ -107,9 +107,10 @@ fn soles_have_the_size_of_their_collision_shapes() {
         let link = format!("<link name=\"{side}_sole\"");
         let start = boxed.find(&link).unwrap();
         let end = start + boxed[start..].find('>').unwrap();
-        let shaped = match boxed[..end].ends_with('/') {
-            true => format!("{}>{shape}</link>{}", &boxed[..end - 1], &boxed[end + 1..]),
-            false => format!("{}>{shape}{}", &boxed[..end], &boxed[end + 1..]),
+        let shaped = if boxed[..end].ends_with('/') {
+            format!("{}>{shape}</link>{}", &boxed[..end - 1], &boxed[end + 1..])
+        } else {
+            format!("{}>{shape}{}", &boxed[..end], &boxed[end + 1..])
         };
         boxed = shaped;
     }

@@ -71,9 +71,10 @@ pub(super) fn quadruped(robot: &RobotModel, has_home: bool, draft: &mut Draft) -
         ));
         return false;
     }
-    let posture = match has_home {
-        true => Posture::Given,
-        false => bent_legs(robot, &neutral, &legs),
+    let posture = if has_home {
+        Posture::Given
+    } else {
+        bent_legs(robot, &neutral, &legs)
     };
     head(robot, &legs, &posture, draft);
     if !by_name {
@@ -119,9 +120,10 @@ pub(super) fn humanoid(robot: &RobotModel, has_home: bool, draft: &mut Draft) ->
         ));
         return false;
     };
-    let posture = match has_home {
-        true => Posture::Given,
-        false => bent_knees(robot, &legs),
+    let posture = if has_home {
+        Posture::Given
+    } else {
+        bent_knees(robot, &legs)
     };
     head(robot, &legs, &posture, draft);
     if !by_name {
@@ -140,13 +142,13 @@ pub(super) fn humanoid(robot: &RobotModel, has_home: bool, draft: &mut Draft) ->
     draft.line(&format!("frames = {}", list(&names(&legs))));
     draft.line("motion = \"hard\"");
     draft.line("friction = 0.6");
-    if !sole.is_known {
+    if sole.is_known {
+        draft.comment("From the collision shapes of the file:");
+    } else {
         draft.warn(
             "the file has no box, sphere or cylinder for the soles: their size is ASSUMED from the length of the legs. \
              Measure it.",
         );
-    } else {
-        draft.comment("From the collision shapes of the file:");
     }
     let [x, y] = sole.half_lengths;
     draft.line(&format!(
@@ -361,11 +363,12 @@ impl Sole {
         let hip = hip.map_or(0.0, |body| data.body_pose(body).translation.vector.z);
         let length = (hip - frame.p_WF.z).abs().max(0.1);
         // What is called a sole is one.
-        let below = match leg.name.to_lowercase().contains("sole") {
-            true => frame.p_WF.z,
-            false => frames_on(model, leg.limb.end)
+        let below = if leg.name.to_lowercase().contains("sole") {
+            frame.p_WF.z
+        } else {
+            frames_on(model, leg.limb.end)
                 .map(|(id, _)| frame_motion(model, &data, id).p_WF.z)
-                .fold(frame.p_WF.z, f64::min),
+                .fold(frame.p_WF.z, f64::min)
         };
         Self {
             half_lengths: [0.11 * length, 0.045 * length],

@@ -76,12 +76,11 @@ impl Arguments {
             Subject::Urdf => {}
             _ => bail!("{urdf}: is not a URDF"),
         }
-        let output = match &self.output {
-            Some(output) => output.clone(),
-            None => {
-                let stem = self.urdf.file_stem().unwrap_or_default().to_string_lossy();
-                PathBuf::from(format!("{stem}.controller.toml"))
-            }
+        let output = if let Some(output) = &self.output {
+            output.clone()
+        } else {
+            let stem = self.urdf.file_stem().unwrap_or_default().to_string_lossy();
+            PathBuf::from(format!("{stem}.controller.toml"))
         };
         let rotor_output = beside(&output);
         let mut options = self.options()?;

@@ -90,9 +90,10 @@ pub(super) fn multirotor(robot: &RobotModel, has_rotors: bool, draft: &mut Draft
          { type = \"min_jerk\", to = [1.0, 0.0, 1.0], duration = 4.0 }. kp: stiffness, 1/s²; kd: damping, 1/s, critical at \
          2 √kp. Cost of a row: weight × residual².",
     );
-    let (position, orientation, reference) = match is_fully_actuated {
-        true => ("1.0", "1.0", ""),
-        false => ("1.0", "0.1", "reference = { type = \"thrust_attitude\" }\n"),
+    let (position, orientation, reference) = if is_fully_actuated {
+        ("1.0", "1.0", "")
+    } else {
+        ("1.0", "0.1", "reference = { type = \"thrust_attitude\" }\n")
     };
     draft.lines(&format!(
         "[[task]]
