@@ -117,7 +117,7 @@ fn soles_have_the_size_of_their_collision_shapes() {
     let file = folder.file("boxed.urdf");
     fs::write(&file, boxed).unwrap();
     let (text, _) = new(&folder, &file, "humanoid", 0);
-    for line in ["0.1, 0.05", "offset = [0.01, 0.02, 0.0]"] {
+    for line in ["size = [0.2, 0.1]", "offset = [0.01, 0.02, 0.0]"] {
         assert!(text.contains(line), "{line}\n{text}");
     }
 }
@@ -158,6 +158,21 @@ fn a_quadrotor_hovers_on_rotors_that_are_assumed() {
 }
 
 #[test]
+fn rotors_that_no_frame_shows_are_assumed_and_that_is_said() {
+    let folder = Temporary::new("no-frames");
+    let urdf = fs::read_to_string(fixture("quadrotor.urdf")).unwrap();
+    let file = folder.file("hex_tilt.urdf");
+    let urdf = urdf
+        .replace("rotor_", "blade_")
+        .replace("four_rotors", "hex_tilt");
+    fs::write(&file, urdf).unwrap();
+    let (text, mut controller) = new(&folder, &file, "multirotor", 1);
+    assert!(text.contains("ATTENTION"), "{text}");
+    assert_eq!(controller.robot().rotors().count(), 6);
+    ticks_optimally(&mut controller);
+}
+
+#[test]
 fn nothing_is_replaced_unless_asked() {
     let folder = Temporary::new("replace");
     let file = folder.file("new.toml");
@@ -190,5 +205,5 @@ fn what_a_robot_does_not_have_is_said() {
         assert!(!Path::new(&file).exists());
     };
     refused(&fixture("arm.urdf"), "quadruped", "needs four");
-    refused(QUADRUPED, "multirotor", "0 frames with `rotor`");
+    refused(&fixture("quadrotor.urdf"), "humanoid", "needs two legs");
 }

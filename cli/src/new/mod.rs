@@ -182,7 +182,6 @@ impl Arguments {
         let path = |path: &Path| -> Result<String> {
             Ok(quoted(&relative(from, path)?.display().to_string()))
         };
-        draft.line("type = \"urdf\"");
         draft.line(&format!("file = {}", path(&self.urdf)?));
         if self.kind == Kind::Multirotor && self.rotors.is_none() {
             draft.line(&format!("rotors = {}", path(rotor_output)?));
