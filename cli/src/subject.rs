@@ -31,7 +31,8 @@ impl Subject {
         let text = text.trim_start_matches('\u{feff}');
         if text.trim_start().starts_with('<') {
             return match root_element(text) {
-                Some("robot") => Ok(Self::Urdf),
+                // Without any, the loader says what is wrong with it.
+                Some("robot") | None => Ok(Self::Urdf),
                 Some("sdf") => {
                     bail!("{name}: is an SDF model: export the robot as URDF, with root <robot>")
                 }
@@ -39,8 +40,6 @@ impl Subject {
                     bail!("{name}: is a MuJoCo model: export the robot as URDF, with root <robot>")
                 }
                 Some(other) => bail!("{name}: its root element is <{other}>, a URDF's is <robot>"),
-                // The loader says what is wrong with it.
-                None => Ok(Self::Urdf),
             };
         }
         of_toml(text).with_context(|| {

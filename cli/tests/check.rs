@@ -180,3 +180,110 @@ fn other_files_are_told_apart() {
     fs::copy(common::root().join(HUMANOID), &file).unwrap();
     assert_eq!(wbqp(&["check", &file]).code, 0);
 }
+
+#[test]
+fn the_long_form_of_a_short_file_says_the_same() {
+    let folder = Temporary::new("expand");
+    let short = "examples/scenarios/quadruped_short.controller.toml";
+    let done = wbqp(&["check", short, "--expand"]);
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    let long = folder.file("long.toml");
+    fs::write(&long, &done.stdout).unwrap();
+    let (a, b) = (
+        wbqp(&["check", short, "--json"]),
+        wbqp(&["check", &long, "--json"]),
+    );
+    assert_eq!(b.code, 0, "{}", b.stderr);
+    assert_eq!(a.json()["holding"], b.json()["holding"]);
+    // Nothing is left to say of the long one that matters.
+    let implied = |file: &str| wbqp(&["check", file, "--explain-config"]).stdout;
+    assert!(
+        implied(short).contains("critically damped"),
+        "{}",
+        implied(short)
+    );
+    assert!(
+        !implied(&long).contains("critically damped"),
+        "{}",
+        implied(&long)
+    );
+    assert_eq!(wbqp(&["check", HUMANOID, "--expand"]).code, 1);
+}
+
+#[test]
+fn a_robot_can_be_named_by_an_option() {
+    let folder = Temporary::new("urdf");
+    let file = folder.file("stand.toml");
+    let text = "[controller]\nrate = 500.0\n[robot]\nfile = \"elsewhere.urdf\"\n[[contact]]\n\
+                frames = [\"left_sole\", \"right_sole\"]\nmotion = \"hard\"\nsize = [0.2, 0.1]\n[[task]]\ntype = \"com\"\nkp = 50.0";
+    fs::write(&file, text).unwrap();
+    let done = wbqp(&["check", &file]);
+    assert_eq!(done.code, 1);
+    assert!(done.stderr.contains("elsewhere.urdf"), "{}", done.stderr);
+    let done = wbqp(&["check", &file, "--urdf", HUMANOID, "--json"]);
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    let json = done.json();
+    assert_eq!(json["name"], "humanoid");
+    assert_eq!(json["holding"]["means"], "stand");
+}
+
+#[test]
+fn strict_mode_and_options_reach_the_loader() {
+    let folder = Temporary::new("strict");
+    let urdf = fs::read_to_string(common::root().join(HUMANOID)).unwrap();
+    let joint = urdf
+        .lines()
+        .position(|l| l.contains("<joint name=\"left_knee\""))
+        .unwrap();
+    let limit = joint
+        + urdf
+            .lines()
+            .skip(joint)
+            .position(|l| l.contains("<limit"))
+            .unwrap();
+    let lines: Vec<String> = urdf.lines().map(str::to_owned).collect();
+    let velocity = lines[limit].split("velocity=\"").nth(1).unwrap();
+    let velocity = velocity.split('"').next().unwrap();
+    let mut lax = lines.clone();
+    lax[limit] = lines[limit].replace(&format!("velocity=\"{velocity}\""), "velocity=\"0\"");
+    let file = folder.file("lax.urdf");
+    fs::write(&file, lax.join("\n")).unwrap();
+    let done = wbqp(&["check", &file, "--json"]);
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    let json = done.json();
+    let found = &json["diagnostics"][0];
+    assert_eq!(found["severity"], "warning");
+    for key in ["place", "element", "found", "done", "remedy"] {
+        assert!(found[key].is_string(), "{key}");
+    }
+    assert!(
+        found["place"].as_str().unwrap().contains("lax.urdf:"),
+        "{found}"
+    );
+    assert!(
+        found["element"].as_str().unwrap().contains("left_knee"),
+        "{found}"
+    );
+    let text = wbqp(&["check", &file]).stdout;
+    assert!(
+        text.contains("Warnings (1)") && text.contains("left_knee"),
+        "{text}"
+    );
+    let done = wbqp(&["check", &file, "--strict"]);
+    assert_eq!(done.code, 1);
+    assert!(done.stderr.contains("lax.urdf:"), "{}", done.stderr);
+    // The option that the warning names cures it.
+    let set = [
+        "check",
+        &file,
+        "--json",
+        "--set",
+        "robot.options={velocity={left_knee=5.0}}",
+    ];
+    let done = wbqp(&set);
+    assert!(
+        done.json()["diagnostics"].as_array().unwrap().is_empty(),
+        "{}",
+        done.stdout
+    );
+}

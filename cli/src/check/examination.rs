@@ -26,6 +26,9 @@ pub struct Examination {
     /// What the robot's actuators do at home; absent if the controller was refused.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub holding: Option<Holding>,
+    /// Why no controller can be made for a robot that loads.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub remark: Option<String>,
     /// Why it was refused, a line each; empty if it loads.
     pub errors: Vec<String>,
 }

@@ -103,8 +103,7 @@ impl Holding {
     /// Of a controller: its first tick if contacts carry the robot at the start, else the command before it.
     pub fn of_controller(controller: &mut Controller) -> Self {
         let mut holding = Self::of_robot(controller);
-        let contacts = controller.contact_names().count();
-        let home = Measurement::home(controller.robot(), contacts);
+        let home = controller.measurement();
         let (command, report) = controller.tick(&home);
         let stands = report.contacts.iter().any(|contact| contact.on);
         let (effort, rung) = (command.effort.clone(), report.rung);

@@ -39,10 +39,37 @@ pub fn examine(file: &Path, request: &Request) -> Result<Examination> {
         robot: None,
         controller: None,
         holding: None,
+        remark: None,
         errors: Vec::new(),
     };
     let mut cases = Vec::new();
-    let config = match kind {
+    let config = read(file, kind, request, &mut cases)?;
+    match config {
+        Ok(config) => with_config(config, kind, cases, &mut examination),
+        Err(errors) => examination.errors = errors,
+    }
+    Ok(examination)
+}
+
+/// The configuration of a controller, of a scenario's case, or of a controller without tasks for a robot; or everything that
+/// is wrong with it, a line each.
+///
+/// # Errors
+/// A file that cannot be read or is of no known kind, options that do not suit it.
+pub fn configuration(
+    file: &Path,
+    request: &Request,
+) -> Result<Result<ControllerConfig, Vec<String>>> {
+    read(file, Subject::of_file(file)?, request, &mut Vec::new())
+}
+
+fn read(
+    file: &Path,
+    kind: Subject,
+    request: &Request,
+    cases: &mut Vec<String>,
+) -> Result<Result<ControllerConfig, Vec<String>>> {
+    Ok(match kind {
         Subject::Urdf => of_urdf(file, &Assignment::overrides(&request.set)?),
         Subject::Controller => {
             let overrides = Assignment::overrides(&request.set)?;
@@ -54,18 +81,13 @@ pub fn examine(file: &Path, request: &Request) -> Result<Examination> {
             let scenario = scenario.and_then(|s| s.varied(&variation));
             scenario
                 .and_then(|scenario| {
-                    cases = scenario.cases().map(str::to_owned).collect();
+                    *cases = scenario.cases().map(str::to_owned).collect();
                     let case = request.case.as_ref().or(cases.first());
                     scenario.controller_config(case.map_or("", String::as_str))
                 })
                 .map_err(|e| lines(&e))
         }
-    };
-    match config {
-        Ok(config) => with_config(config, kind, cases, &mut examination),
-        Err(errors) => examination.errors = errors,
-    }
-    Ok(examination)
+    })
 }
 
 fn with_config(
@@ -97,6 +119,11 @@ fn with_config(
                 Subject::Urdf => Holding::of_robot(&controller),
                 Subject::Controller | Subject::Scenario => Holding::of_controller(&mut controller),
             });
+        }
+        // The robot is sound, there is only nothing that a controller could do.
+        Err(ControllerError::Config(errors)) if kind == Subject::Urdf => {
+            let messages = errors.iter().map(|error| error.message.clone());
+            examination.remark = Some(messages.collect::<Vec<_>>().join("; "));
         }
         Err(error) => examination.errors = robot_lines(&error, kind),
     }

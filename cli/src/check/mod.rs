@@ -10,7 +10,7 @@ pub use examination::{
     Robot, effort_unit,
 };
 pub use holding::{Effort, FirstTick, Holding, Means, Missing};
-pub use load::{Request, examine, robot_of};
+pub use load::{Request, configuration, examine, robot_of};
 
 use std::{
     io::{self, Write},
@@ -39,6 +39,12 @@ pub struct Arguments {
     #[expect(missing_docs, reason = "its type says it")]
     #[command(flatten)]
     pub robot: RobotOptions,
+    /// Prints the long form of a controller's file instead, with everything that it leaves to defaults
+    #[arg(long, conflicts_with = "json")]
+    pub expand: bool,
+    /// Prints every value that a controller's file does not say instead, and why it is that
+    #[arg(long, conflicts_with_all = ["json", "expand"])]
+    pub explain_config: bool,
     /// Of a scenario, the case whose controller is looked at; its first if not given
     #[arg(long, value_name = "NAME")]
     pub case: Option<String>,
@@ -118,6 +124,9 @@ impl Arguments {
         if self.robot.urdf.is_some() && Subject::of_file(&self.file)? == Subject::Urdf {
             bail!("--urdf: is for a controller; the file is a URDF itself");
         }
+        if self.expand || self.explain_config {
+            return self.explain(&request);
+        }
         let examination = examine(&self.file, &request)?;
         let mut out = io::stdout().lock();
         if self.json {
@@ -133,5 +142,23 @@ impl Arguments {
         } else {
             ExitCode::FAILURE
         })
+    }
+
+    /// What the file does not say.
+    fn explain(&self, request: &Request) -> Result<ExitCode> {
+        if Subject::of_file(&self.file)? == Subject::Urdf {
+            bail!("--expand and --explain-config are for controllers, the file is a robot");
+        }
+        let config = match configuration(&self.file, request)? {
+            Ok(config) => config,
+            Err(errors) => bail!(errors.join("\n")),
+        };
+        let mut out = io::stdout().lock();
+        if self.expand {
+            write!(out, "{}", config.to_toml()?)?;
+        } else {
+            writeln!(out, "{}", config.implied())?;
+        }
+        Ok(ExitCode::SUCCESS)
     }
 }

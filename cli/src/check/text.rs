@@ -48,6 +48,9 @@ pub(super) fn text(examination: &Examination) -> String {
     if let Some(holding) = &examination.holding {
         holding_text(holding, &mut out);
     }
+    if let Some(remark) = &examination.remark {
+        let _ = writeln!(out, "\nNo controller can be made for it: {remark}");
+    }
     out
 }
 
@@ -99,21 +102,24 @@ fn group_text(group: &[&Diagnostic], out: &mut String) {
         return;
     };
     let one_is_done = group.iter().all(|each| each.done == first.done);
-    let _ = match one_is_done {
-        true => writeln!(out, "  {}: {}", first.found, first.done),
-        false => writeln!(out, "  {}", first.found),
+    let _ = if one_is_done {
+        writeln!(out, "  {}: {}", first.found, first.done)
+    } else {
+        writeln!(out, "  {}", first.found)
     };
     for each in group {
         let place = short_place(&each.place);
-        let _ = match one_is_done {
-            true => writeln!(out, "    {place}: {}", each.element),
-            false => writeln!(out, "    {place}: {}: {}", each.element, each.done),
+        let _ = if one_is_done {
+            writeln!(out, "    {place}: {}", each.element)
+        } else {
+            writeln!(out, "    {place}: {}: {}", each.element, each.done)
         };
     }
     if !first.remedy.is_empty() {
-        let others = match group.iter().all(|each| each.remedy == first.remedy) {
-            true => "",
-            false => ", and so on",
+        let others = if group.iter().all(|each| each.remedy == first.remedy) {
+            ""
+        } else {
+            ", and so on"
         };
         let _ = writeln!(out, "    → {}{others}", first.remedy);
     }

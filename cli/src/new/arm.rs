@@ -69,29 +69,22 @@ pub(super) fn arm(robot: &RobotModel, has_home: bool, draft: &mut Draft) -> bool
         ));
     }
     draft.lines(&format!(
-        "# The tip stays where it is when the controller starts; give `position` and `orientation` to move it:
-# position = {{ type = \"min_jerk\", to = [0.4, 0.0, 0.5], duration = 3.0 }}       # m, world
-# kp: stiffness, 1/s²; kd: damping, 1/s, critical at 2 √kp. Cost of a row: weight × residual².
+        "# kp: stiffness, 1/s². Damping is critical and weights are usual ones unless given:
+# `wbqp check --explain-config` lists what this file leaves to defaults.
+# The tip stays where it is when the controller starts; give `position` (m, world) and `orientation` to move it:
+# position = {{ type = \"min_jerk\", to = [0.4, 0.0, 0.5], duration = 3.0 }}
 [[task]]
 type = \"frame_pose\"
 frame = {}
-weight = 1.0
 kp = 100.0
-kd = 20.0
 
-# What is left to choose: stay near the posture, weakly, so that it does not pull against the tip.
+# What is left to choose: near the posture, so weakly that it hardly pulls against the tip.
 [[task]]
 type = \"posture\"
-weight = 0.001
 kp = 30.0
-kd = 10.0
 
+# Limits of the actuators are there without being asked for. These are the joints' ranges:
 [[constraint]]
-name = \"limits\"
-type = \"actuator_limits\"
-
-[[constraint]]
-name = \"ranges\"
 type = \"joint_limits\"",
         quoted(&name)
     ));

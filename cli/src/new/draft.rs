@@ -63,14 +63,16 @@ pub(super) fn commented(words: &str) -> Vec<String> {
 /// A number of a file: as many digits as matter.
 pub(super) fn rounded(x: f64, decimals: usize) -> String {
     let text = format!("{x:.decimals$}");
-    let text = match text.contains('.') {
-        true => text.trim_end_matches('0'),
-        false => &text,
+    let text = if text.contains('.') {
+        text.trim_end_matches('0')
+    } else {
+        &text
     };
     let text = if text == "-0." { "0." } else { text };
-    match text.ends_with('.') {
-        true => format!("{text}0"),
-        false => text.to_owned(),
+    if text.ends_with('.') {
+        format!("{text}0")
+    } else {
+        text.to_owned()
     }
 }
 
@@ -112,9 +114,10 @@ pub(super) fn home(model: &Model, state: &State, joints: &[JointId]) -> String {
 /// A key of a table, in quotation marks where it needs them.
 fn key(name: &str) -> String {
     let is_bare = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
-    match !name.is_empty() && name.chars().all(is_bare) {
-        true => name.to_owned(),
-        false => quoted(name),
+    if !name.is_empty() && name.chars().all(is_bare) {
+        name.to_owned()
+    } else {
+        quoted(name)
     }
 }
 

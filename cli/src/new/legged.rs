@@ -10,7 +10,7 @@ use wbqp::{
 };
 
 use super::{
-    draft::{Draft, home, list, rounded},
+    draft::{Draft, home, list, quoted, rounded},
     limbs::{Limb, Neutral, frames_on, limbs, named},
     posture::{Goal, reach},
     shapes,
@@ -71,9 +71,10 @@ pub(super) fn quadruped(robot: &RobotModel, has_home: bool, draft: &mut Draft) -
         ));
         return false;
     }
-    let posture = match has_home {
-        true => Posture::Given,
-        false => bent_legs(robot, &neutral, &legs),
+    let posture = if has_home {
+        Posture::Given
+    } else {
+        bent_legs(robot, &neutral, &legs)
     };
     head(robot, &legs, &posture, draft);
     if !by_name {
@@ -111,7 +112,7 @@ pub(super) fn humanoid(robot: &RobotModel, has_home: bool, draft: &mut Draft) ->
     let named = of(&SOLE);
     let by_name = named.len() == 2;
     let legs = if by_name { named } else { of(&[""]) };
-    let [left, _] = legs.as_slice() else {
+    if legs.len() < 2 {
         draft.warnings.push(format!(
             "robot `{}` has {} limbs with three joints or more: a humanoid needs two legs",
             model.name(),
@@ -119,9 +120,10 @@ pub(super) fn humanoid(robot: &RobotModel, has_home: bool, draft: &mut Draft) ->
         ));
         return false;
     };
-    let posture = match has_home {
-        true => Posture::Given,
-        false => bent_knees(robot, &legs),
+    let posture = if has_home {
+        Posture::Given
+    } else {
+        bent_knees(robot, &legs)
     };
     head(robot, &legs, &posture, draft);
     if !by_name {
@@ -131,31 +133,42 @@ pub(super) fn humanoid(robot: &RobotModel, has_home: bool, draft: &mut Draft) ->
             names(&legs).join(", ")
         ));
     }
-    let sole = Sole::of(robot, left);
     draft.comment(
-        "The soles: flat on the ground, they neither slip nor tip nor turn. A sole is a rectangle in the axes of the \
-         ground, x forwards; `offset` is its middle in the frame's axes, m.",
+        "The soles: flat on the ground, they neither slip nor tip nor turn nor pull. `size` is that of a rectangle in the \
+         axes of the ground, x forwards, `offset` its middle in the frame's axes, m.",
     );
-    draft.line("[[contact]]");
-    draft.line(&format!("frames = {}", list(&names(&legs))));
-    draft.line("motion = \"hard\"");
-    draft.line("friction = 0.6");
-    if !sole.is_known {
+    let soles: Vec<Sole> = legs.iter().map(|leg| Sole::of(robot, leg)).collect();
+    if soles.iter().any(|sole| !sole.is_known) {
         draft.warn(
             "the file has no box, sphere or cylinder for the soles: their size is ASSUMED from the length of the legs. \
              Measure it.",
         );
-    } else {
-        draft.comment("From the collision shapes of the file:");
     }
-    let [x, y] = sole.half_lengths;
-    draft.line(&format!(
-        "half_length_x = {}\nhalf_length_y = {}",
-        rounded(x, 4),
-        rounded(y, 4)
-    ));
-    let offset: Vec<String> = sole.offset.iter().map(|x| rounded(*x, 4)).collect();
-    draft.line(&format!("offset = [{}]", offset.join(", ")));
+    let all = names(&legs);
+    let frames: Vec<(String, &Sole)> = match soles.as_slice() {
+        [left, right] if left.is_like(right) => vec![(format!("frames = {}", list(&all)), left)],
+        _ => {
+            let each = all.iter().zip(&soles);
+            each.map(|(name, sole)| (format!("frame = {}", quoted(name)), sole))
+                .collect()
+        }
+    };
+    for (i, (frames, sole)) in frames.into_iter().enumerate() {
+        if i > 0 {
+            draft.line("");
+        }
+        let [x, y] = sole.half_lengths.map(|half| rounded(2.0 * half, 4));
+        let offset: Vec<String> = sole.offset.iter().map(|x| rounded(*x, 4)).collect();
+        draft.lines(&format!(
+            "[[contact]]
+{frames}
+motion = \"hard\"
+size = [{x}, {y}]
+offset = [{}]
+friction = 0.6                    # Coulomb coefficient; less is more careful",
+            offset.join(", ")
+        ));
+    }
     tasks(robot, draft);
     true
 }
@@ -324,6 +337,14 @@ struct Sole {
 }
 
 impl Sole {
+    /// Whether another has the same size at the same place.
+    fn is_like(&self, other: &Self) -> bool {
+        let same = |a: f64, b: f64| (a - b).abs() < 5e-4;
+        (self.offset - other.offset).amax() < 5e-4
+            && same(self.half_lengths[0], other.half_lengths[0])
+            && same(self.half_lengths[1], other.half_lengths[1])
+    }
+
     /// From the lowest corners of the foot's collision shapes, with all joints at zero.
     fn of(robot: &RobotModel, leg: &Leg) -> Self {
         let model = &robot.model;
@@ -361,11 +382,12 @@ impl Sole {
         let hip = hip.map_or(0.0, |body| data.body_pose(body).translation.vector.z);
         let length = (hip - frame.p_WF.z).abs().max(0.1);
         // What is called a sole is one.
-        let below = match leg.name.to_lowercase().contains("sole") {
-            true => frame.p_WF.z,
-            false => frames_on(model, leg.limb.end)
+        let below = if leg.name.to_lowercase().contains("sole") {
+            frame.p_WF.z
+        } else {
+            frames_on(model, leg.limb.end)
                 .map(|(id, _)| frame_motion(model, &data, id).p_WF.z)
-                .fold(frame.p_WF.z, f64::min),
+                .fold(frame.p_WF.z, f64::min)
         };
         Self {
             half_lengths: [0.11 * length, 0.045 * length],
@@ -408,40 +430,30 @@ fn head(robot: &RobotModel, legs: &[Leg], posture: &Posture, draft: &mut Draft) 
 /// What all that stand have.
 fn tasks(robot: &RobotModel, draft: &mut Draft) {
     let model = &robot.model;
-    let base = model
-        .frames()
-        .first()
-        .map_or("base", |frame| frame.name.as_str());
+    let base = model.frames().first();
+    let base = base.map_or("base", |frame| frame.name.as_str());
     draft.lines(&format!(
         "
-# The centre of mass stays where it is when the controller starts; give `reference` to move it.
-# kp: stiffness, 1/s²; kd: damping, 1/s, critical at 2 √kp. Cost of a row: weight × residual².
+# kp: stiffness, 1/s². Damping is critical and weights are usual ones unless given:
+# `wbqp check --explain-config` lists what this file leaves to defaults.
+# The centre of mass stays where it is when the controller starts; give `reference` to move it, for example
+# reference = {{ type = \"ellipse\", semi_axes = [0.02, 0.02], axes = [1, 2], duration = 8.0, turns = 4.0 }}
 [[task]]
 type = \"com\"
-weight = 100.0
 kp = 50.0
-kd = 14.0
 
-# The base (`{base}`) stays level.
+# The base (`{base}`) keeps its orientation.
 [[task]]
 type = \"base_orientation\"
-weight = 10.0
 kp = 100.0
-kd = 20.0
 
-# What is left to choose: stay near the posture, weakly, so that it does not pull against the tasks above.
+# What is left to choose: near the posture, so weakly that it hardly pulls against the tasks above.
 [[task]]
 type = \"posture\"
-weight = 0.01
 kp = 30.0
-kd = 10.0
 
+# Limits of the actuators are there without being asked for. These are the joints' ranges:
 [[constraint]]
-name = \"limits\"
-type = \"actuator_limits\"
-
-[[constraint]]
-name = \"ranges\"
 type = \"joint_limits\""
     ));
 }

@@ -76,12 +76,11 @@ impl Arguments {
             Subject::Urdf => {}
             _ => bail!("{urdf}: is not a URDF"),
         }
-        let output = match &self.output {
-            Some(output) => output.clone(),
-            None => {
-                let stem = self.urdf.file_stem().unwrap_or_default().to_string_lossy();
-                PathBuf::from(format!("{stem}.controller.toml"))
-            }
+        let output = if let Some(output) = &self.output {
+            output.clone()
+        } else {
+            let stem = self.urdf.file_stem().unwrap_or_default().to_string_lossy();
+            PathBuf::from(format!("{stem}.controller.toml"))
         };
         let rotor_output = beside(&output);
         let mut options = self.options()?;
@@ -183,7 +182,6 @@ impl Arguments {
         let path = |path: &Path| -> Result<String> {
             Ok(quoted(&relative(from, path)?.display().to_string()))
         };
-        draft.line("type = \"urdf\"");
         draft.line(&format!("file = {}", path(&self.urdf)?));
         if self.kind == Kind::Multirotor && self.rotors.is_none() {
             draft.line(&format!("rotors = {}", path(rotor_output)?));

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use wbqp::{
     model::{FrameId, Model},
-    nalgebra::{DMatrix, Vector3},
+    nalgebra::{DMatrix, Rotation3, Vector3},
     robot::RobotModel,
 };
 
@@ -26,12 +26,18 @@ const IDLE: f64 = 0.1;
 const HOVER_SPEED: f64 = 500.0;
 /// Assumed reaction torque per newton of thrust, m.
 const REACTION: f64 = 0.016;
+/// Assumed distance of rotors from the middle, m, of a robot of 1 kg; it grows with the cube root of the mass.
+const RADIUS: f64 = 0.2;
+/// Assumed tilt about the arm that carries a rotor, rad, if rotors are tilted.
+const TILT: f64 = 0.35;
 /// Singular values of the allocation below this share of the largest are none.
 const RANK: f64 = 0.02;
 
 /// A rotor as far as the URDF shows it.
 struct Rotor {
     name: String,
+    /// The link it is placed in, where it has no frame of its own.
+    on: Option<String>,
     /// m, base axes.
     p: Vector3<f64>,
     /// Direction of thrust, base axes.
@@ -59,19 +65,22 @@ pub(super) fn multirotor(robot: &RobotModel, has_rotors: bool, draft: &mut Draft
     let allocation = if has_rotors {
         given(robot)
     } else {
-        let rotors = assumed(model);
+        let mut rotors = assumed(model);
         if rotors.len() < FEWEST {
-            draft.warnings.push(format!(
-                "robot `{}` has {} frames with `rotor` or `prop` in their names, which are where rotors push along z. \
-                 Add a link on a fixed joint per rotor to the URDF, or write the rotors' file and give it with --rotors",
+            rotors = invented(model);
+            draft.line("");
+            draft.warn(&format!(
+                "no frames of `{}` have `rotor` or `prop` in their names: the number of its rotors, {}, their places and \
+                 their directions are ASSUMED. Put the true ones into the rotors' file.",
                 model.name(),
                 rotors.len()
             ));
-            return false;
         }
         if rotors.iter().any(|rotor| rotor.z.z < 0.3) {
+            draft.line("");
             draft.warn(
-                "a rotor's frame does not point upwards: thrust is along its z. Turn the frame in the URDF.",
+                "a rotor's frame does not point upwards, and thrust is along its z: give the rotor an `axis` in the rotors' \
+                 file.",
             );
         }
         draft.rotors = Some(rotor_file(robot, &rotors));
@@ -86,44 +95,44 @@ pub(super) fn multirotor(robot: &RobotModel, has_rotors: bool, draft: &mut Draft
          position and payload ask for (`thrust_attitude`)."
     });
     draft.comment(
-        "The base stays where it is when the controller starts; give `reference` to move it: \
-         { type = \"min_jerk\", to = [1.0, 0.0, 1.0], duration = 4.0 }. kp: stiffness, 1/s²; kd: damping, 1/s, critical at \
-         2 √kp. Cost of a row: weight × residual².",
+        "kp: stiffness, 1/s². Damping is critical and weights are usual ones unless given: `wbqp check --explain-config` \
+         lists what this file leaves to defaults.",
     );
-    let (position, orientation, reference) = match is_fully_actuated {
-        true => ("1.0", "1.0", ""),
-        false => ("1.0", "0.1", "reference = { type = \"thrust_attitude\" }\n"),
-    };
-    draft.lines(&format!(
+    draft.comment("The base stays where it is when the controller starts; give `reference` to move it, for example");
+    draft.line("# reference = { type = \"min_jerk\", to = [1.0, 0.0, 1.0], duration = 4.0 }");
+    draft.lines(if is_fully_actuated {
         "[[task]]
 type = \"base_position\"
-weight = {position}
 kp = 6.0
-kd = 5.0
 
 [[task]]
 type = \"base_orientation\"
-weight = {orientation}
-kp = 60.0
-kd = 16.0
-{reference}"
-    ));
+kp = 60.0"
+    } else {
+        "[[task]]
+type = \"base_position\"
+weight = 1.0
+kp = 6.0
+
+[[task]]
+type = \"base_orientation\"
+weight = 1.0
+kp = 40.0
+reference = { type = \"thrust_attitude\" }"
+    });
     if !model.joints().is_empty() {
-        draft.line("");
         draft.lines(
-            "[[task]]
+            "
+[[task]]
 type = \"posture\"
 weight = 0.1
 kp = 20.0
-kd = 9.0",
+
+# Limits of the actuators are there without being asked for. These are the joints' ranges:
+[[constraint]]
+type = \"joint_limits\"",
         );
     }
-    draft.line("");
-    draft.lines(
-        "[[constraint]]
-name = \"limits\"
-type = \"actuator_limits\"",
-    );
     true
 }
 
@@ -168,6 +177,7 @@ fn assumed(model: &Model) -> Vec<Rotor> {
             let (p, z) = neutral.axis(model, id);
             Some(Rotor {
                 name,
+                on: None,
                 p,
                 z,
                 reaction: 1.0,
@@ -189,6 +199,33 @@ fn assumed(model: &Model) -> Vec<Rotor> {
     rotors
 }
 
+/// On a circle around the base's centre of mass; tilted if the robot's name says so.
+fn invented(model: &Model) -> Vec<Rotor> {
+    let name = model.name().to_lowercase();
+    let counts = [("tri", 3), ("hex", 6), ("oct", 8)];
+    let count = counts.iter().find(|(word, _)| name.contains(word));
+    let count = count.map_or(4, |(_, count)| *count);
+    let tilt = if name.contains("tilt") { TILT } else { 0.0 };
+    let base = model.bodies().first();
+    let middle = base.map_or(Vector3::zeros(), |body| body.inertia.com());
+    let radius = RADIUS * model.mass().cbrt();
+    (0..count)
+        .map(|k| {
+            let reaction = if k % 2 == 0 { -1.0 } else { 1.0 };
+            let angle = (f64::from(k) + 0.5) * std::f64::consts::TAU / f64::from(count);
+            let out = Vector3::new(angle.cos(), angle.sin(), 0.0);
+            let turn = Rotation3::from_scaled_axis(out * (reaction * tilt));
+            Rotor {
+                name: format!("rotor_{}", k + 1),
+                on: base.map(|body| body.name.clone()),
+                p: Vector3::new(middle.x, middle.y, 0.0) + radius * out,
+                z: turn * Vector3::z(),
+                reaction,
+            }
+        })
+        .collect()
+}
+
 /// Those of a file.
 fn given(robot: &RobotModel) -> Vec<Rotor> {
     let model = &robot.model;
@@ -199,6 +236,7 @@ fn given(robot: &RobotModel) -> Vec<Rotor> {
             let (p, z) = neutral.axis(model, rotor.frame);
             Rotor {
                 name: actuator.name.clone(),
+                on: None,
                 p,
                 z,
                 reaction: rotor.reaction.sign(),
@@ -257,8 +295,23 @@ time_constant = {{ rise = 0.02, fall = 0.03 }}     # s
     );
     for rotor in rotors {
         let name = quoted(&rotor.name);
+        let place = match &rotor.on {
+            None => format!("frame = {name}           # thrust along its +z"),
+            Some(link) => {
+                let triple = |v: &Vector3<f64>| {
+                    let numbers: Vec<String> = v.iter().map(|x| rounded(*x, 4)).collect();
+                    numbers.join(", ")
+                };
+                format!(
+                    "frame = {}\nposition = [{}]      # in that frame, m\naxis = [{}]          # direction of thrust",
+                    quoted(link),
+                    triple(&rotor.p),
+                    triple(&rotor.z)
+                )
+            }
+        };
         text.push_str(&format!(
-            "\n[[rotor]]\nname = {name}\nframe = {name}           # thrust along its +z\nreaction = {}\n",
+            "\n[[rotor]]\nname = {name}\n{place}\nreaction = {}\n",
             rotor.reaction
         ));
     }

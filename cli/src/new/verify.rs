@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use wbqp::{Controller, ControllerConfig, Measurement, controller::Rung};
+use wbqp::{Controller, ControllerConfig, controller::Rung};
 
 /// Ticks that are tried.
 pub(super) const TICKS: usize = 100;
@@ -15,8 +15,7 @@ pub(super) fn tick(file: &Path) -> Result<(), String> {
     let config = ControllerConfig::from_file(file).map_err(|e| e.to_string())?;
     let period = 1.0 / config.settings.rate;
     let mut controller = Controller::new(config).map_err(|e| e.to_string())?;
-    let contacts = controller.contact_names().count();
-    let mut measurement = Measurement::home(controller.robot(), contacts);
+    let mut measurement = controller.measurement();
     for tick in 0..TICKS {
         measurement.time = tick as f64 * period;
         let (_, report) = controller.tick(&measurement);
