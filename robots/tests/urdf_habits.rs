@@ -258,6 +258,7 @@ fn limits_that_say_nothing_are_none() {
     );
     let given = toml("velocity.elbow = 2.0\neffort.'el.*' = 4.0\nrange.elbow = [-0.5, 0.5]");
     let robot = load_with(&arm("revolute", ""), &given);
+    assert!(robot.diagnostics.is_empty(), "{:#?}", robot.diagnostics);
     assert_eq!(limits(&robot).velocity, 2.0);
     assert_eq!((limits(&robot).lower, limits(&robot).upper), (-0.5, 0.5));
     assert_eq!(robot.actuators[0].upper, 4.0);
@@ -479,7 +480,7 @@ fn mimic_joints_are_coupled_unless_an_option_says_otherwise() {
 fn mimic_joints_of_what_does_not_move_are_frozen_and_of_nothing_are_free() {
     let fixed = gripper().replacen("type=\"prismatic\"", "type=\"fixed\"", 1);
     noticed(
-        &fixed.replace("<joint name=\"right", "<joint name=\"right"),
+        &fixed,
         Severity::Note,
         &[
             "joint `right_finger`: follows joint `left_finger`, which is fixed: frozen at 0.1",

@@ -11,6 +11,19 @@ pub(super) struct Findings<'a> {
     mode: Mode,
     errors: Vec<RobotError>,
     diagnostics: Vec<Diagnostic>,
+    /// Irregularities of what options may give, with their element.
+    doubts: Vec<(Vec<Quantity>, Diagnostic)>,
+}
+
+/// What a file can leave open and an option can give.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Quantity {
+    Range,
+    Velocity,
+    Effort,
+    Damping,
+    Friction,
+    Inertia,
 }
 
 /// How a file is read.
@@ -39,6 +52,8 @@ pub(super) struct Irregularity {
     pub(super) found: String,
     pub(super) done: String,
     pub(super) remedy: String,
+    /// It is of no account if options give all of these, and there are any.
+    pub(super) quantities: Vec<Quantity>,
 }
 
 impl Irregularity {
@@ -50,6 +65,7 @@ impl Irregularity {
             found: found.into(),
             done: done.into(),
             remedy: String::new(),
+            quantities: Vec::new(),
         }
     }
 
@@ -67,6 +83,12 @@ impl Irregularity {
         self
     }
 
+    /// Of no account if options give these.
+    pub(super) fn unless_given(mut self, quantities: impl Into<Vec<Quantity>>) -> Self {
+        self.quantities = quantities.into();
+        self
+    }
+
     /// What strict mode refuses it with.
     pub(super) fn refused_as(mut self, strict: impl Into<String>) -> Self {
         self.strict = Some(strict.into());
@@ -81,6 +103,7 @@ impl<'a> Findings<'a> {
             mode,
             errors: Vec::new(),
             diagnostics: Vec::new(),
+            doubts: Vec::new(),
         }
     }
 
@@ -124,16 +147,41 @@ impl<'a> Findings<'a> {
             found,
             done,
             remedy,
+            quantities,
             ..
         } = irregularity;
-        self.diagnostics.push(Diagnostic {
+        let diagnostic = Diagnostic {
             severity,
             place: self.source.place(at.offset),
             element: at.element.to_owned(),
             found,
             done,
             remedy,
-        });
+        };
+        if quantities.is_empty() {
+            self.diagnostics.push(diagnostic);
+        } else {
+            self.doubts.push((quantities, diagnostic));
+        }
+    }
+
+    /// What is doubtful of an element, by its label, is given otherwise.
+    pub(super) fn drop_doubts(&mut self, element: &str) {
+        self.doubts
+            .retain(|(_, diagnostic)| diagnostic.element != element);
+    }
+
+    /// Decides what is of no account, when it is known what options give, by an element as messages call it.
+    pub(super) fn settle(&mut self, is_given: impl Fn(&str, Quantity) -> bool) {
+        for (quantities, diagnostic) in self.doubts.drain(..) {
+            let element = &diagnostic.element;
+            if !quantities
+                .iter()
+                .all(|&quantity| is_given(element, quantity))
+            {
+                self.diagnostics.push(diagnostic);
+            }
+        }
     }
 
     /// Stops if anything has no meaning.

@@ -170,6 +170,11 @@ fn inertias(
     let mut errors = Vec::new();
     let given = names.values("inertia", &options.inertia, &mut errors);
     findings.refuse_all(errors);
+    for (link, given) in description.links.iter().zip(&given) {
+        if given.is_some() {
+            findings.drop_doubts(&link.label());
+        }
+    }
     let links = description.links.iter().zip(given);
     links
         .map(|(link, given)| match (given, &link.inertial) {

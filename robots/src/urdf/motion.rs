@@ -14,7 +14,7 @@ use wbqp::{
 
 use super::{
     description::{Description, Joint, Kind},
-    findings::{At, Findings, Irregularity},
+    findings::{At, Findings, Irregularity, Quantity},
 };
 use crate::options::{JointOptions, MimicKind, Names, Options};
 
@@ -82,10 +82,29 @@ impl<'d> Motions<'d> {
             state,
             of_joint: Vec::new(),
         };
+        findings.settle(|element, quantity| motions.is_given(element, quantity));
         motions.of_joint = (0..joints.len())
             .map(|j| motions.motion(j, findings))
             .collect();
         motions
+    }
+
+    /// Whether the options give something of a joint, by its label, or make it irrelevant.
+    fn is_given(&self, label: &str, quantity: Quantity) -> bool {
+        let name = label.trim_start_matches("joint `").trim_end_matches('`');
+        let index = self.by_name.get(name);
+        let Some(options) = index.and_then(|&j| self.options(j)) else {
+            return false;
+        };
+        options.lock
+            || match quantity {
+                Quantity::Range => options.range.is_some(),
+                Quantity::Velocity => options.velocity.is_some(),
+                Quantity::Effort => options.effort.is_some() || options.passive,
+                Quantity::Damping => options.damping.is_some(),
+                Quantity::Friction => options.friction.is_some(),
+                Quantity::Inertia => false,
+            }
     }
 
     /// What the options say of a joint.

@@ -13,7 +13,7 @@ use wbqp::{
 
 use super::{
     description::{Description, Inertial, Joint, Kind, Limit, Link, Mimic},
-    findings::{At, Findings, Irregularity},
+    findings::{At, Findings, Irregularity, Quantity},
 };
 use crate::source::Source;
 
@@ -390,7 +390,8 @@ impl Reader<'_, '_> {
                     ),
                     "taken as it is",
                 )
-                .remedy("set the robot's option `inertia` for this link"),
+                .remedy("set the robot's option `inertia` for this link")
+                .unless_given([Quantity::Inertia]),
             );
         }
         Some(Inertial {
@@ -450,7 +451,11 @@ impl Reader<'_, '_> {
         let Some(dynamics) = self.child(node, "dynamics") else {
             return [0.0; 2];
         };
-        ["damping", "friction"].map(|key| {
+        let keys = [
+            ("damping", Quantity::Damping),
+            ("friction", Quantity::Friction),
+        ];
+        keys.map(|(key, quantity)| {
             if !dynamics.has_attribute(key) {
                 return 0.0;
             }
@@ -462,6 +467,7 @@ impl Reader<'_, '_> {
                 dynamics,
                 Irregularity::warning(format!("{key} is {value}"), "taken as none")
                     .remedy(format!("set the robot's option `{key}` for this joint"))
+                    .unless_given([quantity])
                     .refused_as(format!("{key} is {value}, must be finite and not negative")),
             );
             0.0
@@ -524,6 +530,11 @@ impl Reader<'_, '_> {
                     .remedy(
                         "set the robot's options `range`, `velocity` and `effort` for this joint",
                     )
+                    .unless_given(if ranged {
+                        vec![Quantity::Range, Quantity::Velocity, Quantity::Effort]
+                    } else {
+                        vec![Quantity::Velocity, Quantity::Effort]
+                    })
                     .refused_as(format!("<limit> is missing; a {name} joint needs {keys}")),
             );
             return Limit {
@@ -533,8 +544,16 @@ impl Reader<'_, '_> {
         };
         let mut result = Limit {
             offset: limit.range().start,
-            effort: self.largest(limit, "effort", &format!("a {name} joint needs {keys}")),
-            velocity: self.largest(limit, "velocity", &format!("a {name} joint needs {keys}")),
+            effort: self.largest(
+                limit,
+                Quantity::Effort,
+                &format!("a {name} joint needs {keys}"),
+            ),
+            velocity: self.largest(
+                limit,
+                Quantity::Velocity,
+                &format!("a {name} joint needs {keys}"),
+            ),
             ..Limit::default()
         };
         if ranged {
@@ -545,13 +564,19 @@ impl Reader<'_, '_> {
     }
 
     /// A limit on a magnitude.
-    fn largest(&mut self, limit: Node<'_, '_>, key: &str, needs: &str) -> Option<f64> {
+    fn largest(&mut self, limit: Node<'_, '_>, quantity: Quantity, needs: &str) -> Option<f64> {
+        let key = if quantity == Quantity::Velocity {
+            "velocity"
+        } else {
+            "effort"
+        };
         let remedy = format!("set the robot's option `{key}` for this joint");
         if !limit.has_attribute(key) {
             self.repair(
                 limit,
                 Irregularity::warning(format!("<limit> has no `{key}`"), "taken as unlimited")
                     .remedy(remedy)
+                    .unless_given([quantity])
                     .refused_as(format!("<limit> has no `{key}`; {needs}")),
             );
             return None;
@@ -562,7 +587,8 @@ impl Reader<'_, '_> {
         }
         let irregularity =
             Irregularity::warning(format!("{key} limit is {value}"), "taken as unlimited")
-                .remedy(remedy);
+                .remedy(remedy)
+                .unless_given([quantity]);
         // A motor that can do nothing is refused later, by strict mode, unless an option says how much it can.
         let strict = match key {
             "velocity" => Some(format!("velocity limit is {value}, must be positive")),
@@ -586,6 +612,7 @@ impl Reader<'_, '_> {
                 limit,
                 Irregularity::warning(format!("<limit> has no `{key}`"), "taken as unlimited on that side")
                     .remedy(remedy)
+                    .unless_given([Quantity::Range])
                     .refused_as(format!(
                         "<limit> has no `{key}`; {needs} (a revolute joint that turns for ever is `continuous`)"
                     )),
@@ -616,6 +643,7 @@ impl Reader<'_, '_> {
             limit,
             Irregularity::warning(strict.clone(), "taken as unlimited")
                 .remedy(remedy)
+                .unless_given([Quantity::Range])
                 .refused_as(strict),
         );
         [None; 2]

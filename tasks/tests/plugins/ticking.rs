@@ -3,7 +3,7 @@
 
 use wbqp::{
     Controller, ControllerConfig, Measurement, Report,
-    config::{Settings, StartFrom},
+    config::{FirstError, Settings, StartFrom},
     constraint::Constraint,
     controller::Rung,
     entry::{Entry, Hardness, Weight},
@@ -27,6 +27,10 @@ impl Setting {
     fn new() -> Self {
         let settings = Settings {
             start: StartFrom::Home,
+            max_first_error: FirstError {
+                position: f64::INFINITY,
+                rotation: f64::INFINITY,
+            },
             ..Settings::at_rate(250.0)
         };
         let mut config = ControllerConfig::new(settings, Box::new(Small {}));
