@@ -6,7 +6,7 @@ use std::path::Path;
 
 use wbqp::{
     Controller, ControllerConfig, Measurement,
-    config::Settings,
+    config::{FirstError, Settings},
     constraint::Constraint,
     contact::{ContactKind, ContactSpec, FreeForce, Surface},
     controller::Rung,
@@ -63,7 +63,12 @@ impl Loop {
 }
 
 fn config(robot: Box<dyn Robot>) -> ControllerConfig {
-    let config = ControllerConfig::new(Settings::at_rate(1.0 / PERIOD), robot);
+    // Limits are tried by asking for far too much from the first tick on.
+    let settings = Settings {
+        max_first_error: FirstError::ANY,
+        ..Settings::at_rate(1.0 / PERIOD)
+    };
+    let config = ControllerConfig::new(settings, robot);
     constraint(config, "limits", ActuatorLimits::new())
 }
 
