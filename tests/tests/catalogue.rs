@@ -63,12 +63,9 @@ impl Loop {
 }
 
 fn config(robot: Box<dyn Robot>) -> ControllerConfig {
+    // Limits are tried by asking for far too much from the first tick on.
     let settings = Settings {
-        // What is asked for is out of reach at first.
-        max_first_error: FirstError {
-            position: f64::INFINITY,
-            rotation: f64::INFINITY,
-        },
+        max_first_error: FirstError::ANY,
         ..Settings::at_rate(1.0 / PERIOD)
     };
     let config = ControllerConfig::new(settings, robot);

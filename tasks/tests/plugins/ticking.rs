@@ -27,10 +27,7 @@ impl Setting {
     fn new() -> Self {
         let settings = Settings {
             start: StartFrom::Home,
-            max_first_error: FirstError {
-                position: f64::INFINITY,
-                rotation: f64::INFINITY,
-            },
+            max_first_error: FirstError::ANY,
             ..Settings::at_rate(250.0)
         };
         let mut config = ControllerConfig::new(settings, Box::new(Small {}));
