@@ -8,7 +8,7 @@
 
 use wbqp::{
     dynamics::Data,
-    model::{Base, Inertia, Model, ModelError},
+    model::{Base, Inertia, Joint, JointId, JointKind, Model, ModelError},
     nalgebra::{DMatrix, Isometry3, UnitQuaternion},
     robot::RobotError,
     state::State,
@@ -48,96 +48,106 @@ pub(super) fn judge(
             what: "no link has mass: nothing can move".into(),
         });
     }
-    let mut state = State::neutral(model);
+    let neutral = State::neutral(model);
     let mut data = Data::new(model);
-    data.update(model, &state);
-    let singular = singular(model, &mut data, &mut state);
-    state = State::neutral(model);
-    data.update(model, &state);
-    let carried = carried_mass(model);
-    for (i, body) in model.bodies().iter().enumerate() {
-        let (Some(&own), Some(id)) = (links[i].first(), model.body_id(i)) else {
-            continue;
-        };
-        let link = &description.links[own];
-        let label = link.label();
-        let at = At {
-            offset: link.inertial.map_or(link.offset, |i| i.offset),
-            element: &label,
-        };
-        let joint = model.joint_of(id);
-        if joint.is_none() && model.base() == Base::Fixed {
-            continue;
-        }
-        let velocity = joint.map(|joint| model.velocity_index(joint));
-        if body.inertia.mass == 0.0 && singular.iter().any(|s| Some(s.velocity) == velocity) {
-            // Said of the joint.
-            continue;
-        }
-        let merged = match links[i].len() {
-            1 => String::new(),
-            2 => " with the link fixed to it".to_owned(),
-            n => format!(" with the {} links fixed to it", n - 1),
-        };
-        let felt = joint.map(|joint| {
-            let velocity = model.velocity_index(joint);
-            let name = &model.joints()[joint.index()].name;
-            let unit = match model.joints()[joint.index()].kind {
-                wbqp::model::JointKind::Revolute => "kg·m²",
-                wbqp::model::JointKind::Prismatic => "kg",
-            };
-            (
-                format!(
-                    "joint `{name}` feels {:.3e} {unit}",
-                    data.mass_matrix()[(velocity, velocity)]
-                ),
-                name,
-            )
-        });
-        let remedy = match &felt {
-            Some((_, name)) => format!(
-                "set the robot's options `inertia` for the link, or `armature` for joint `{name}`"
-            ),
-            None => "set the robot's option `inertia` for the link".to_owned(),
-        };
-        let effective = felt.map_or_else(String::new, |(felt, _)| {
-            format!("; {felt} of inertia with all that it carries")
-        });
-        if body.inertia.mass == 0.0 {
-            let irregularity = if carried[i] > 0.0 {
-                Irregularity::note(
-                    format!("moves on its own{merged} without mass"),
-                    format!(
-                        "taken as it is: it carries {:.3e} kg{effective}",
-                        carried[i]
-                    ),
-                )
-            } else if joint.is_none() {
-                Irregularity::warning("is the floating base without mass", "taken as it is")
-            } else {
-                Irregularity::warning(
-                    format!("moves on its own{merged} without mass, and carries none"),
-                    format!("taken as it is{effective}"),
-                )
-            };
-            findings.repair(at, irregularity.remedy(remedy));
-        } else if let Err(ModelError::Inertia { what, .. }) = body.inertia.validate(&body.name) {
-            findings.repair(
-                at,
-                Irregularity::warning(
-                    format!("inertia{merged} {what}"),
-                    format!("taken as it is{effective}"),
-                )
-                .remedy(remedy),
-            );
-        } else {
-            merged_links(&links[i], description, inertias, findings);
-        }
+    let singular = singular(model, &mut data, &mut neutral.clone());
+    data.update(model, &neutral);
+    let bodies = Bodies {
+        model,
+        links,
+        description,
+        inertias,
+        carried: carried_mass(model),
+        data,
+    };
+    for index in 0..model.bodies().len() {
+        bodies.judge(index, &singular, findings);
     }
     for found in &singular {
         warn_of_singular(model, description, motions, found, findings);
     }
     Ok(())
+}
+
+/// The bodies of a model and what they are made of.
+struct Bodies<'a> {
+    model: &'a Model,
+    links: &'a [Vec<usize>],
+    description: &'a Description,
+    inertias: &'a [Inertia],
+    /// By body, the mass of all that it carries, without its own.
+    carried: Vec<f64>,
+    /// In the neutral posture.
+    data: Data,
+}
+
+impl Bodies<'_> {
+    /// Says what is wrong with a body, or with links in it.
+    fn judge(&self, index: usize, singular: &[Singular], findings: &mut Findings<'_>) {
+        let Some((&own, id)) = self.links[index].first().zip(self.model.body_id(index)) else {
+            return;
+        };
+        let joint = self.model.joint_of(id);
+        if joint.is_none() && self.model.base() == Base::Fixed {
+            return;
+        }
+        let inertia = &self.model.bodies()[index].inertia;
+        let velocity = joint.map(|joint| self.model.velocity_index(joint));
+        if inertia.mass == 0.0 && singular.iter().any(|s| Some(s.velocity) == velocity) {
+            // Said of the joint.
+            return;
+        }
+        let merged = match self.links[index].len() {
+            1 => String::new(),
+            2 => " with the link fixed to it".to_owned(),
+            n => format!(" with the {} links fixed to it", n - 1),
+        };
+        let felt = joint.map_or_else(String::new, |joint| self.felt(joint));
+        let irregularity = if inertia.mass == 0.0 && self.carried[index] > 0.0 {
+            let carried = self.carried[index];
+            let done = format!("taken as it is: it carries {carried:.3e} kg{felt}");
+            Irregularity::note(format!("moves on its own{merged} without mass"), done)
+        } else if inertia.mass == 0.0 {
+            let found = format!("moves on its own{merged} without mass, and carries none");
+            Irregularity::warning(found, format!("taken as it is{felt}"))
+        } else if let Err(ModelError::Inertia { what, .. }) = inertia.validate("") {
+            let found = format!("inertia{merged} {what}");
+            Irregularity::warning(found, format!("taken as it is{felt}"))
+        } else {
+            merged_links(
+                &self.links[index],
+                self.description,
+                self.inertias,
+                findings,
+            );
+            return;
+        };
+        let remedy = joint.map_or_else(
+            || "set the robot's option `inertia` for the link".to_owned(),
+            |joint| {
+                let joint = &self.model.joints()[joint.index()].name;
+                format!("set the robot's options `inertia` for the link, or `armature` for joint `{joint}`")
+            },
+        );
+        let link = &self.description.links[own];
+        let at = At {
+            offset: link.inertial.map_or(link.offset, |i| i.offset),
+            element: &link.label(),
+        };
+        findings.repair(at, irregularity.remedy(remedy));
+    }
+
+    /// The inertia that a joint feels.
+    fn felt(&self, joint: JointId) -> String {
+        let velocity = self.model.velocity_index(joint);
+        let felt = self.data.mass_matrix()[(velocity, velocity)];
+        let Joint { name, kind, .. } = &self.model.joints()[joint.index()];
+        let unit = match kind {
+            JointKind::Revolute => "kg·m²",
+            JointKind::Prismatic => "kg",
+        };
+        format!("; joint `{name}` feels {felt:.3e} {unit} of inertia with all that it carries")
+    }
 }
 
 /// Links that no rigid body is like, fixed to one that is.

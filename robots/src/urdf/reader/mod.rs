@@ -4,6 +4,9 @@
 //! at in liberal mode; in strict mode urdf-rs reads the whole file as well, and must be able to.
 #![allow(non_snake_case)]
 
+mod element;
+mod limit;
+
 use roxmltree::{Document, Node};
 use wbqp::{
     model::Inertia,
@@ -16,9 +19,7 @@ use super::{
     findings::{At, Findings, Irregularity, Quantity},
 };
 use crate::source::Source;
-
-/// Largest magnitude of a length, mass or inertia, SI. Beyond it products overflow; no robot is near it.
-const LARGEST: f64 = 1e9;
+use element::Reader;
 
 /// Deepest nesting of elements. URDF itself needs six.
 const DEEPEST: usize = 64;
@@ -69,8 +70,7 @@ pub(super) fn read(document: &Document<'_>, findings: &mut Findings<'_>) -> Opti
     Some(description)
 }
 
-/// Parses the XML, forgiving what other readers of URDFs do: an XML declaration that does not come first, and prefixes of
-/// namespaces that nothing declares. `mended` has the same length as the text.
+/// What roxmltree says of a text that is no XML.
 pub(super) fn parse_error(source: &Source<'_>, error: &roxmltree::Error) -> RobotError {
     let at = error.pos();
     RobotError::Syntax {
@@ -194,115 +194,7 @@ fn joint(node: Node<'_, '_>, findings: &mut Findings<'_>) -> Option<Joint> {
     })
 }
 
-/// Reads the parts of one link or joint and names it in what it finds.
-struct Reader<'r, 'a> {
-    element: String,
-    findings: &'r mut Findings<'a>,
-}
-
 impl Reader<'_, '_> {
-    fn refuse(&mut self, node: Node<'_, '_>, what: impl Into<String>) {
-        let at = At {
-            offset: node.range().start,
-            element: &self.element,
-        };
-        self.findings.refuse(at, what);
-    }
-
-    fn repair(&mut self, node: Node<'_, '_>, irregularity: Irregularity) {
-        let at = At {
-            offset: node.range().start,
-            element: &self.element,
-        };
-        self.findings.repair(at, irregularity);
-    }
-
-    /// The only child of that name, if any; the first of several.
-    fn child<'n, 'i>(&mut self, node: Node<'n, 'i>, tag: &str) -> Option<Node<'n, 'i>> {
-        let mut found = node
-            .children()
-            .filter(|c| c.is_element() && c.tag_name().name() == tag);
-        let first = found.next();
-        if let Some(second) = found.next() {
-            self.repair(
-                second,
-                Irregularity::warning(format!("<{tag}> is given twice"), "the first counts")
-                    .refused_as(format!("<{tag}> is given twice; keep one")),
-            );
-        }
-        first
-    }
-
-    fn required<'n, 'i>(&mut self, node: Node<'n, 'i>, tag: &str) -> Option<Node<'n, 'i>> {
-        let child = self.child(node, tag);
-        if child.is_none() {
-            self.refuse(node, format!("<{tag}> is missing"));
-        }
-        child
-    }
-
-    fn text<'n>(&mut self, node: Node<'n, '_>, key: &str) -> Option<&'n str> {
-        let text = node.attribute(key);
-        if text.is_none() {
-            let tag = node.tag_name().name();
-            self.refuse(node, format!("<{tag}> has no attribute `{key}`"));
-        }
-        text
-    }
-
-    /// A number that is not NaN; infinite is allowed.
-    fn number(&mut self, node: Node<'_, '_>, key: &str) -> Option<f64> {
-        let text = self.text(node, key)?;
-        match text.trim().parse::<f64>() {
-            Ok(value) if !value.is_nan() => Some(value),
-            _ => {
-                let tag = node.tag_name().name();
-                self.refuse(node, format!("<{tag}> {key}=\"{text}\" is not a number"));
-                None
-            }
-        }
-    }
-
-    fn bounded(&mut self, node: Node<'_, '_>, key: &str, value: f64) -> Option<f64> {
-        if value.abs() <= LARGEST {
-            return Some(value);
-        }
-        let tag = node.tag_name().name();
-        self.refuse(
-            node,
-            format!("<{tag}> {key} is {value:e}: must be at most {LARGEST:e} (SI units)"),
-        );
-        None
-    }
-
-    /// Some numbers of reasonable size.
-    fn numbers<const N: usize>(
-        &mut self,
-        node: Node<'_, '_>,
-        key: &str,
-        count: &str,
-    ) -> Option<[f64; N]> {
-        let text = self.text(node, key)?;
-        let numbers: Result<Vec<f64>, _> = text.split_whitespace().map(str::parse).collect();
-        let numbers = numbers.ok().and_then(|n| <[f64; N]>::try_from(n).ok());
-        if let Some(numbers) = numbers.filter(|n| !n.iter().any(|x| x.is_nan())) {
-            for value in numbers {
-                self.bounded(node, key, value)?;
-            }
-            return Some(numbers);
-        }
-        let tag = node.tag_name().name();
-        self.refuse(
-            node,
-            format!("<{tag}> {key}=\"{text}\" is not {count} numbers separated by spaces"),
-        );
-        None
-    }
-
-    fn three(&mut self, node: Node<'_, '_>, key: &str) -> Option<[f64; 3]> {
-        self.numbers(node, key, "three")
-    }
-
     /// `<origin>`; the identity if there is none.
     fn origin(&mut self, node: Node<'_, '_>) -> Option<Isometry3<f64>> {
         let Some(origin) = self.child(node, "origin") else {
@@ -502,151 +394,6 @@ impl Reader<'_, '_> {
             multiplier: multiplier?,
             offset: offset?,
         })
-    }
-
-    /// `<limit>`: what is missing, zero or meaningless counts as not given.
-    fn limit(&mut self, node: Node<'_, '_>, kind: Kind) -> Limit {
-        let name = match kind {
-            Kind::Continuous => "continuous",
-            Kind::Prismatic => "prismatic",
-            Kind::Planar => "planar",
-            _ => "revolute",
-        };
-        let ranged = matches!(kind, Kind::Revolute | Kind::Prismatic);
-        let keys = if ranged {
-            "lower, upper, effort and velocity"
-        } else {
-            "effort and velocity"
-        };
-        let Some(limit) = self.child(node, "limit") else {
-            let found = if ranged {
-                format!("a {name} joint without <limit>")
-            } else {
-                "no <limit>".to_owned()
-            };
-            self.repair(
-                node,
-                Irregularity::warning(found, "taken as unlimited in position, velocity and effort")
-                    .remedy(
-                        "set the robot's options `range`, `velocity` and `effort` for this joint",
-                    )
-                    .unless_given(if ranged {
-                        vec![Quantity::Range, Quantity::Velocity, Quantity::Effort]
-                    } else {
-                        vec![Quantity::Velocity, Quantity::Effort]
-                    })
-                    .refused_as(format!("<limit> is missing; a {name} joint needs {keys}")),
-            );
-            return Limit {
-                offset: node.range().start,
-                ..Limit::default()
-            };
-        };
-        let mut result = Limit {
-            offset: limit.range().start,
-            effort: self.largest(
-                limit,
-                Quantity::Effort,
-                &format!("a {name} joint needs {keys}"),
-            ),
-            velocity: self.largest(
-                limit,
-                Quantity::Velocity,
-                &format!("a {name} joint needs {keys}"),
-            ),
-            ..Limit::default()
-        };
-        if ranged {
-            [result.lower, result.upper] =
-                self.range(limit, &format!("a {name} joint needs {keys}"));
-        }
-        result
-    }
-
-    /// A limit on a magnitude.
-    fn largest(&mut self, limit: Node<'_, '_>, quantity: Quantity, needs: &str) -> Option<f64> {
-        let key = if quantity == Quantity::Velocity {
-            "velocity"
-        } else {
-            "effort"
-        };
-        let remedy = format!("set the robot's option `{key}` for this joint");
-        if !limit.has_attribute(key) {
-            self.repair(
-                limit,
-                Irregularity::warning(format!("<limit> has no `{key}`"), "taken as unlimited")
-                    .remedy(remedy)
-                    .unless_given([quantity])
-                    .refused_as(format!("<limit> has no `{key}`; {needs}")),
-            );
-            return None;
-        }
-        let value = self.number(limit, key)?;
-        if value > 0.0 {
-            return Some(value);
-        }
-        let irregularity =
-            Irregularity::warning(format!("{key} limit is {value}"), "taken as unlimited")
-                .remedy(remedy)
-                .unless_given([quantity]);
-        // A motor that can do nothing is refused later, by strict mode, unless an option says how much it can.
-        let strict = match key {
-            "velocity" => Some(format!("velocity limit is {value}, must be positive")),
-            _ if value < 0.0 => Some(format!("effort limit is {value}, must not be negative")),
-            _ => None,
-        };
-        match strict {
-            Some(strict) => self.repair(limit, irregularity.refused_as(strict)),
-            None => self.repair(limit, irregularity),
-        }
-        self.findings.is_strict().then_some(value)
-    }
-
-    fn range(&mut self, limit: Node<'_, '_>, needs: &str) -> [Option<f64>; 2] {
-        let remedy = "set the robot's option `range` for this joint";
-        let mut missing = |key: &str| {
-            if limit.has_attribute(key) {
-                return false;
-            }
-            self.repair(
-                limit,
-                Irregularity::warning(format!("<limit> has no `{key}`"), "taken as unlimited on that side")
-                    .remedy(remedy)
-                    .unless_given([Quantity::Range])
-                    .refused_as(format!(
-                        "<limit> has no `{key}`; {needs} (a revolute joint that turns for ever is `continuous`)"
-                    )),
-            );
-            true
-        };
-        let missing = [missing("lower"), missing("upper")];
-        let mut read = |key: &str, missing: bool| {
-            if missing {
-                None
-            } else {
-                self.number(limit, key)
-            }
-        };
-        let (lower, upper) = (read("lower", missing[0]), read("upper", missing[1]));
-        let (from, to) = (
-            lower.unwrap_or(f64::NEG_INFINITY),
-            upper.unwrap_or(f64::INFINITY),
-        );
-        let strict = if from == f64::INFINITY || to == f64::NEG_INFINITY {
-            format!("range {from} to {to} has no position in it")
-        } else if from > to {
-            format!("lower limit {from} is above upper limit {to}")
-        } else {
-            return [lower, upper];
-        };
-        self.repair(
-            limit,
-            Irregularity::warning(strict.clone(), "taken as unlimited")
-                .remedy(remedy)
-                .unless_given([Quantity::Range])
-                .refused_as(strict),
-        );
-        [None; 2]
     }
 }
 

@@ -1,0 +1,156 @@
+//! Joint limits: what is missing, zero or meaningless is not given.
+
+use roxmltree::Node;
+
+use super::element::Reader;
+use crate::urdf::{
+    description::{Kind, Limit},
+    findings::{Irregularity, Quantity},
+};
+
+impl Reader<'_, '_> {
+    /// `<limit>`: what is missing, zero or meaningless counts as not given.
+    pub(super) fn limit(&mut self, node: Node<'_, '_>, kind: Kind) -> Limit {
+        let name = match kind {
+            Kind::Continuous => "continuous",
+            Kind::Prismatic => "prismatic",
+            Kind::Planar => "planar",
+            _ => "revolute",
+        };
+        let ranged = matches!(kind, Kind::Revolute | Kind::Prismatic);
+        let keys = if ranged {
+            "lower, upper, effort and velocity"
+        } else {
+            "effort and velocity"
+        };
+        let Some(limit) = self.child(node, "limit") else {
+            let found = if ranged {
+                format!("a {name} joint without <limit>")
+            } else {
+                "no <limit>".to_owned()
+            };
+            self.repair(
+                node,
+                Irregularity::warning(found, "taken as unlimited in position, velocity and effort")
+                    .remedy(
+                        "set the robot's options `range`, `velocity` and `effort` for this joint",
+                    )
+                    .unless_given(if ranged {
+                        vec![Quantity::Range, Quantity::Velocity, Quantity::Effort]
+                    } else {
+                        vec![Quantity::Velocity, Quantity::Effort]
+                    })
+                    .refused_as(format!("<limit> is missing; a {name} joint needs {keys}")),
+            );
+            return Limit {
+                offset: node.range().start,
+                ..Limit::default()
+            };
+        };
+        let mut result = Limit {
+            offset: limit.range().start,
+            effort: self.largest(
+                limit,
+                Quantity::Effort,
+                &format!("a {name} joint needs {keys}"),
+            ),
+            velocity: self.largest(
+                limit,
+                Quantity::Velocity,
+                &format!("a {name} joint needs {keys}"),
+            ),
+            ..Limit::default()
+        };
+        if ranged {
+            [result.lower, result.upper] =
+                self.range(limit, &format!("a {name} joint needs {keys}"));
+        }
+        result
+    }
+
+    /// A limit on a magnitude.
+    fn largest(&mut self, limit: Node<'_, '_>, quantity: Quantity, needs: &str) -> Option<f64> {
+        let key = if quantity == Quantity::Velocity {
+            "velocity"
+        } else {
+            "effort"
+        };
+        let remedy = format!("set the robot's option `{key}` for this joint");
+        if !limit.has_attribute(key) {
+            self.repair(
+                limit,
+                Irregularity::warning(format!("<limit> has no `{key}`"), "taken as unlimited")
+                    .remedy(remedy)
+                    .unless_given([quantity])
+                    .refused_as(format!("<limit> has no `{key}`; {needs}")),
+            );
+            return None;
+        }
+        let value = self.number(limit, key)?;
+        if value > 0.0 {
+            return Some(value);
+        }
+        let irregularity =
+            Irregularity::warning(format!("{key} limit is {value}"), "taken as unlimited")
+                .remedy(remedy)
+                .unless_given([quantity]);
+        // A motor that can do nothing is refused later, by strict mode, unless an option says how much it can.
+        let strict = match key {
+            "velocity" => Some(format!("velocity limit is {value}, must be positive")),
+            _ if value < 0.0 => Some(format!("effort limit is {value}, must not be negative")),
+            _ => None,
+        };
+        match strict {
+            Some(strict) => self.repair(limit, irregularity.refused_as(strict)),
+            None => self.repair(limit, irregularity),
+        }
+        self.findings.is_strict().then_some(value)
+    }
+
+    fn range(&mut self, limit: Node<'_, '_>, needs: &str) -> [Option<f64>; 2] {
+        let remedy = "set the robot's option `range` for this joint";
+        let mut missing = |key: &str| {
+            if limit.has_attribute(key) {
+                return false;
+            }
+            self.repair(
+                limit,
+                Irregularity::warning(format!("<limit> has no `{key}`"), "taken as unlimited on that side")
+                    .remedy(remedy)
+                    .unless_given([Quantity::Range])
+                    .refused_as(format!(
+                        "<limit> has no `{key}`; {needs} (a revolute joint that turns for ever is `continuous`)"
+                    )),
+            );
+            true
+        };
+        let missing = [missing("lower"), missing("upper")];
+        let mut read = |key: &str, missing: bool| {
+            if missing {
+                None
+            } else {
+                self.number(limit, key)
+            }
+        };
+        let (lower, upper) = (read("lower", missing[0]), read("upper", missing[1]));
+        let (from, to) = (
+            lower.unwrap_or(f64::NEG_INFINITY),
+            upper.unwrap_or(f64::INFINITY),
+        );
+        let strict = if from == f64::INFINITY || to == f64::NEG_INFINITY {
+            format!("range {from} to {to} has no position in it")
+        } else if from > to {
+            format!("lower limit {from} is above upper limit {to}")
+        } else {
+            return [lower, upper];
+        };
+        self.repair(
+            limit,
+            Irregularity::warning(strict.clone(), "taken as unlimited")
+                .remedy(remedy)
+                .unless_given([Quantity::Range])
+                .refused_as(strict),
+        );
+        [None; 2]
+    }
+}
