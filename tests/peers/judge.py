@@ -3,6 +3,7 @@ compared."""
 
 import numpy as np
 import pinocchio as pin
+from scipy.optimize import nnls
 
 
 class Judge:
@@ -19,8 +20,9 @@ class Judge:
 
     def judge(self, answers):
         """Per tick the cost and the violations: of the dynamics (N, N·m), of contacts' motion (m/s², rad/s²), of friction,
-        centre of pressure and unilaterality (N, N·m), of torques (N·m)."""
-        keys = ["cost", "dynamics", "motion", "wrench", "torque"]
+        centre of pressure and unilaterality (N, N·m), of torques (N·m); and `corners`, by how much the soles' wrenches miss
+        what forces at their four corners bear, each in its own friction pyramid (N, N·m): a narrower limit, TSID's."""
+        keys = ["cost", "dynamics", "motion", "wrench", "torque", "corners"]
         rows = [self.one(tick, answer) for tick, answer in zip(self.states.ticks, answers)]
         return {key: np.array([row[i] for row in rows]) for i, key in enumerate(keys)}
 
@@ -76,7 +78,7 @@ class Judge:
         J = np.vstack(rows)
         wrench, *_ = np.linalg.lstsq(J.T, force, rcond=None)
         dynamics = np.abs(J.T @ wrench - force).max()
-        violation, first = 0.0, 0
+        violation, corners, first = 0.0, 0.0, 0
         for name, n in kinds:
             f = wrench[first : first + n]
             first += n
@@ -87,5 +89,14 @@ class Judge:
             if n == 6:
                 beyond += [abs(f[3]) - number(f"contact.{name}.half_length_y") * f[2],
                            abs(f[4]) - number(f"contact.{name}.half_length_x") * f[2]]
+                corners = max(corners, self.beyond_corners(name, mu, f))
             violation = max(violation, *beyond)
-        return cost, dynamics, motion, violation, max(0.0, (np.abs(torque) - self.limit).max())
+        return cost, dynamics, motion, violation, max(0.0, (np.abs(torque) - self.limit).max()), corners
+
+    def beyond_corners(self, name, mu, wrench):
+        """Distance of a wrench from the cone that the edges of the pyramids at the corners span."""
+        x, y = (self.number(f"contact.{name}.half_length_{axis}") for axis in "xy")
+        edges = [np.concatenate([force, np.cross(corner, force)])
+                 for corner in np.array([[x, y, 0], [x, -y, 0], [-x, y, 0], [-x, -y, 0]])
+                 for force in np.array([[mu, mu, 1], [mu, -mu, 1], [-mu, mu, 1], [-mu, -mu, 1]])]
+        return nnls(np.array(edges).T, wrench)[1]

@@ -15,6 +15,7 @@ problem and its largest violation of the limits.
 import argparse
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -36,8 +37,10 @@ ROBOTS = {
     "solo12": ("Solo12", "solo_description/robots/solo12.urdf"),
     "talos": ("Talos", "talos_data/robots/talos_reduced.urdf"),
 }
+# Ticks in a turn.
 BLOCK = 250
-LIBRARIES = ["wbqp", "TSID", "PlaCo"]
+# How much more all costs are in the pass that shows what the libraries' own regularisation does.
+SCALE = 100
 
 
 def urdf_of(robot):
@@ -59,8 +62,9 @@ def without_meshes(source, target):
     tree.write(target)
 
 
-def problem_of(controller, model):
-    """What the other libraries need of the controller's file: name and values per line."""
+def problem_of(controller, model, scale):
+    """What the other libraries need of the controller's file: name and values per line. All weights times `scale`, which
+    changes no optimum but makes what both add to the Hessian's diagonal, 1e-8, as small as wbqp's own share."""
     lines = {}
     tasks = {task["name"]: task for task in controller["task"]}
     constraints = {c["contact"]: {} for c in controller["constraint"] if "contact" in c}
@@ -69,7 +73,7 @@ def problem_of(controller, model):
             constraints[constraint["contact"]].update(constraint)
     for name in ("com", "base", "posture"):
         for key in ("weight", "kp", "kd"):
-            lines[f"{name}.{key}"] = tasks[name][key]
+            lines[f"{name}.{key}"] = tasks[name][key] * (scale if key == "weight" else 1)
     lines["base.frame"] = "base_link"
     effort = controller["robot"].get("options", {}).get("effort", {})
     for joint in list(model.names)[2:]:
@@ -84,10 +88,11 @@ def problem_of(controller, model):
         for key in ("damping", "half_length_x", "half_length_y"):
             if key in brought:
                 lines[f"contact.{name}.{key}"] = brought[key]
-        lines[f"contact.{name}.weight"] = " ".join(map(str, weight if isinstance(weight, list) else [weight] * 6))
+        lines[f"contact.{name}.weight"] = " ".join(
+            str(scale * w) for w in (weight if isinstance(weight, list) else [weight] * 6))
         if f"swing_{name}" in tasks:
             for key in ("weight", "kp", "kd"):
-                lines[f"swing.{name}.{key}"] = tasks[f"swing_{name}"][key]
+                lines[f"swing.{name}.{key}"] = tasks[f"swing_{name}"][key] * (scale if key == "weight" else 1)
     return "".join(f"{name} {value}\n" for name, value in lines.items())
 
 
@@ -159,6 +164,12 @@ def quantiles(times):
     return {"all": of(everything), "least": of(least), "ticks": len(least), "rounds": times.shape[1]}
 
 
+def largest(good, difference, nv):
+    """Of the differences, per part, in the ticks that count."""
+    parts = {"base": difference[:, :6], "joints": difference[:, 6:nv], "torques": difference[:, nv:]}
+    return {part: float(values[good].max(initial=0.0)) for part, values in parts.items()}
+
+
 def compare(robot, args):
     work = args.work / robot
     work.mkdir(parents=True, exist_ok=True)
@@ -167,8 +178,9 @@ def compare(robot, args):
     source, urdf = urdf_of(robot), work / f"{robot}.urdf"
     without_meshes(source, urdf)
     model = pin.buildModelFromUrdf(str(urdf), pin.JointModelFreeFlyer())
+    controller = tomllib.loads((work / f"{robot}.controller.toml").read_text())
     problem_file = work / "problem.txt"
-    problem_file.write_text(problem_of(tomllib.loads((work / f"{robot}.controller.toml").read_text()), model))
+    problem_file.write_text(problem_of(controller, model, 1))
     problem = read_problem(problem_file)
     scenario, recorded = work / f"{robot}.toml", work / "recorded.txt"
     subprocess.run([args.wbqp, "record", scenario, recorded], check=True)
@@ -179,11 +191,12 @@ def compare(robot, args):
     given = work / "states.txt"
     states.write(given)
 
-    peers = [
-        Peer("wbqp", [args.wbqp, "serve", scenario, given]),
-        Peer("TSID", [args.tsid, urdf, problem_file, given]),
-        Peer("PlaCo", [args.placo, HERE / "placo_peer.py", urdf, problem_file, given]),
-    ]
+    commands = {
+        "TSID": lambda problem: [args.tsid, urdf, problem, given],
+        "PlaCo": lambda problem: [args.placo, HERE / "placo_peer.py", urdf, problem, given],
+    }
+    peers = [Peer("wbqp", [args.wbqp, "serve", scenario, given])]
+    peers += [Peer(name, command(problem_file)) for name, command in commands.items()]
     ticks = len(states.ticks)
     for turn in range(args.rounds):
         for peer in peers:
@@ -197,41 +210,91 @@ def compare(robot, args):
 
     judge = Judge(model, problem, states)
     verdicts = {name: judge.judge(result[1]) for name, result in results.items()}
-    reference = results["wbqp"]
+    reference, cost = results["wbqp"], verdicts["wbqp"]["cost"]
     limited = reference[3][:, :2] > 0
+    # The optimum of the common problem is that of TSID's as well where its narrower limit holds.
+    same = verdicts["wbqp"]["corners"] < 1e-6
     summary = {
         "robot": ROBOTS[robot][0], "urdf": ROBOTS[robot][1], "ticks": ticks, "turned": turned,
         "torque_limited": int(limited[:, 0].sum()), "contact_limited": int(limited[:, 1].sum()),
-        "lifted": int(sum(not all(tick.on for tick in states.ticks[i : i + 1]) for i in range(ticks) for tick in [states.ticks[i]])),
+        "lifted": sum(not all(tick.on) for tick in states.ticks), "corners_bear": int(same.sum()),
         "libraries": {},
     }
-    nv = model.nv
     for peer in peers:
         optimal, answers, times, _ = results[peer.name]
-        row = {"times": quantiles(times), "size": peer.size, "not_optimal": int((~optimal).sum())}
         good = optimal & reference[0]
         difference = np.abs(answers - reference[1])
-        parts = {"base": difference[:, :6], "joints": difference[:, 6:nv], "torques": difference[:, nv:]}
-        free = good & ~limited.any(axis=1)
-        for part, values in parts.items():
-            worst = values.max(axis=1)
-            row[part] = {
-                "largest": float(worst[good].max(initial=0.0)),
-                "largest_free": float(worst[free].max(initial=0.0)),
-                "median": float(np.median(worst[good])),
-            }
         verdict = verdicts[peer.name]
-        excess = (verdict["cost"] - verdicts["wbqp"]["cost"]) / (1 + np.abs(verdicts["wbqp"]["cost"]))
-        row["excess"] = [float(excess[good].min()), float(excess[good].max())]
-        row["violation"] = {key: float(verdict[key][good].max()) for key in verdict if key != "cost"}
-        summary["libraries"][peer.name] = row
+        excess = ((verdict["cost"] - cost) / (1 + np.abs(cost)))[good]
+        summary["libraries"][peer.name] = {
+            "times": quantiles(times), "size": peer.size, "not_optimal": int((~optimal).sum()),
+            "differences": largest(good, difference, model.nv),
+            "differences_same": largest(good & same, difference, model.nv),
+            "excess": [float(excess.min()), float(excess.max())],
+            "violation": {key: float(verdict[key][good].max()) for key in verdict if key not in ("cost", "corners")},
+        }
     np.savez_compressed(
         work / "answers.npz", limited=limited,
         **{f"{name}_{what}": value for name, result in results.items()
            for what, value in zip(("optimal", "answers", "times"), result[:3])},
         **{f"{name}_{key}": value for name, verdict in verdicts.items() for key, value in verdict.items()},
     )
+
+    # What is left comes from what they add to the Hessian's diagonal if it gets smaller as costs get larger.
+    scaled = work / "problem_scaled.txt"
+    scaled.write_text(problem_of(controller, model, SCALE))
+    for name, command in commands.items():
+        peer = Peer(name, command(scaled))
+        peer.ask("start")
+        peer.ask(f"run 0 {ticks}")
+        optimal, answers, *_ = peer.answers(work / f"{name.lower()}_scaled.txt")
+        good = optimal & reference[0] & same
+        summary["libraries"][name]["differences_same_scaled"] = largest(good, np.abs(answers - reference[1]), model.nv)
+        summary["libraries"][name]["not_optimal_scaled"] = int((~optimal).sum())
     return summary
+
+
+def table(header, rows):
+    marks = ["---"] + ["---:"] * (len(header) - 1)
+    return "\n".join("| " + " | ".join(row) + " |" for row in [header, marks, *rows])
+
+
+def markdown(summary):
+    us = lambda t: f"{t:.1f}" if t < 100 else f"{t:.0f}"  # noqa: E731
+    three = lambda parts: " / ".join(f"{parts[part]:.0e}" for part in ("base", "joints", "torques"))  # noqa: E731
+    libraries, own = summary["libraries"], summary["libraries"]["wbqp"]["times"]["least"]
+    rounds = libraries["wbqp"]["times"]["rounds"]
+    times, answers = [], []
+    for name, row in libraries.items():
+        all_, least = row["times"]["all"], row["times"]["least"]
+        times.append([name, *(us(all_[q]) for q in ("p50", "p99", "max")), *(us(least[q]) for q in ("p50", "p99", "max")),
+                      *(f"{least[q] / own[q]:.1f}" for q in ("p50", "p99", "max")), " / ".join(map(str, row["size"]))])
+        if name == "wbqp":
+            answers.append([name, str(row["not_optimal"]), "", "", "", ""])
+        else:
+            answers.append([name, str(row["not_optimal"]), three(row["differences"]), three(row["differences_same"]),
+                            three(row["differences_same_scaled"]), f"{row['excess'][0]:.0e} … {row['excess'][1]:.0e}"])
+        answers[-1].append(f"{max(row['violation'].values()):.0e}")
+    text = f"**{summary['robot']}** (`{summary['urdf']}`), {summary['ticks']} ticks: in {summary['torque_limited']} a torque is at "
+    text += f"its limit, in {summary['contact_limited']} a contact at one of its own"
+    if summary["lifted"]:
+        text += f", in {summary['lifted']} a foot is in the air"
+    if summary["corners_bear"] < summary["ticks"]:
+        text += f"; in {summary['corners_bear']} the corners of the soles bear the optimum's wrenches"
+    times = table([f"µs, {rounds} rounds", "p50", "p99", "max", "least p50", "least p99", "least max",
+                   "p50 ÷ wbqp's", "p99 ÷", "max ÷", "variables / equalities / inequalities"], times)
+    answers = table(["", "not optimal", "differences", "where the limits are the same", f"costs × {SCALE}", "cost", "violation"],
+                    answers)
+    return f"{text}.\n\n{times}\n\n{answers}"
+
+
+def write_page(page, summaries):
+    text = page.read_text()
+    pattern = re.compile(r"(<!-- begin robots -->\n).*?(<!-- end robots -->)", re.DOTALL)
+    if not pattern.search(text):
+        sys.exit(f"{page}: there is no place for robots")
+    content = "\n\n".join(map(markdown, summaries))
+    page.write_text(pattern.sub(lambda m: f"{m[1]}\n{content}\n\n{m[2]}", text))
 
 
 def main():
@@ -250,6 +313,8 @@ def main():
     text = json.dumps(summaries, indent=1)
     if args.json:
         args.json.write_text(text + "\n")
+    if args.page:
+        write_page(args.page, summaries)
     print(text)
 
 

@@ -50,8 +50,8 @@ prefix=$("$work/tsid/bin/python" -c 'import sysconfig; print(sysconfig.get_path(
 "$work/tsid/bin/cmake" -S tests/peers -B "$work/build" -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH="$prefix" >"$work/cmake.log"
 "$work/tsid/bin/cmake" --build "$work/build" >>"$work/cmake.log" || { cat "$work/cmake.log" >&2; exit 1; }
 
-cargo build --release --locked -p wbqp-tests --example wbqp_peer
+cargo build --release --locked -p wbqp-tests --bin wbqp_peer
 
 "$work/tsid/bin/python" tests/peers/robots.py --work "$work" --rounds "${ROUNDS:-5}" \
-    --wbqp target/release/examples/wbqp_peer --tsid "$work/build/tsid_peer" --placo "$work/placo/bin/python" \
+    --wbqp target/release/wbqp_peer --tsid "$work/build/tsid_peer" --placo "$work/placo/bin/python" \
     --json "$work/robots.json" --page docs/performance.md "$@"

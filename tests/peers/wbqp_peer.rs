@@ -14,7 +14,8 @@
 //! `serve` reads lines: `start` begins anew, `run A B` ticks from A to B and answers `done`, `write FILE` writes of every
 //! tick whether it was optimal, the accelerations (world-aligned) and the torques, the times in ns, and how many limits of
 //! torques and of contacts are active. Ticks are timed as they are
-//! everywhere else here: from outside, with nothing else between the two readings of the clock.
+//! everywhere else here: from outside, with nothing else between the two readings of the clock but what the scenario
+//! switches.
 
 use std::{
     error::Error,
@@ -190,8 +191,9 @@ impl Peer {
     fn run(&mut self, from: usize, to: usize) -> Result<()> {
         for i in from..to.min(self.measurements.len()) {
             let measurement = &self.measurements[i];
-            self.player.before(measurement)?;
+            // What is switched in this tick is part of it, as for the others.
             let start = Instant::now();
+            self.player.before(measurement)?;
             let (command, report) = self.player.controller.tick(measurement);
             let spent = start.elapsed();
             self.times[i].push(spent.as_nanos());
