@@ -190,6 +190,7 @@ def compare(robot, args):
     turned = level(states, model, problem)
     given = work / "states.txt"
     states.write(given)
+    states = States(given)
 
     commands = {
         "TSID": lambda problem: [args.tsid, urdf, problem, given],
