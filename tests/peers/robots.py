@@ -15,6 +15,7 @@ problem and its largest violation of the limits.
 import argparse
 import json
 import os
+import platform
 import re
 import shutil
 import subprocess
@@ -294,7 +295,10 @@ def write_page(page, summaries):
     pattern = re.compile(r"(<!-- begin robots -->\n).*?(<!-- end robots -->)", re.DOTALL)
     if not pattern.search(text):
         sys.exit(f"{page}: there is no place for robots")
-    content = "\n\n".join(map(markdown, summaries))
+    processor = next((line.split(":", 1)[1].strip() for line in Path("/proc/cpuinfo").read_text().splitlines()
+                      if "model name" in line), platform.processor())
+    machine = f"{processor}, {os.cpu_count()} logical cores, {platform.system()}; load over the last 15 minutes {os.getloadavg()[2]:.1f}."
+    content = "\n\n".join([machine, *map(markdown, summaries)])
     page.write_text(pattern.sub(lambda m: f"{m[1]}\n{content}\n\n{m[2]}", text))
 
 
