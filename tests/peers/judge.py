@@ -1,5 +1,5 @@
-"""What an answer costs in the common problem, and what it violates: by Pinocchio's dynamics, independent of all that are
-compared."""
+"""What an answer costs in the common problem, and what it violates: by Pinocchio's dynamics, independent of all that
+are compared."""
 
 import numpy as np
 import pinocchio as pin
@@ -19,9 +19,10 @@ class Judge:
         return float(self.problem[name][0])
 
     def judge(self, answers):
-        """Per tick the cost and the violations: of the dynamics (N, N·m), of contacts' motion (m/s², rad/s²), of friction,
-        centre of pressure and unilaterality (N, N·m), of torques (N·m); and `corners`, by how much the soles' wrenches miss
-        what forces at their four corners bear, each in its own friction pyramid (N, N·m): a narrower limit, TSID's."""
+        """Per tick the cost and the violations: of the dynamics (N, N·m), of contacts' motion (m/s², rad/s²), of
+        friction, centre of pressure and unilaterality (N, N·m), of torques (N·m); and `corners`, by how much the soles'
+        wrenches miss what forces at their four corners bear, each in its own friction pyramid (N, N·m): a narrower
+        limit, TSID's."""
         keys = ["cost", "dynamics", "motion", "wrench", "torque", "corners"]
         rows = [self.one(tick, answer) for tick, answer in zip(self.states.ticks, answers)]
         return {key: np.array([row[i] for row in rows]) for i, key in enumerate(keys)}
@@ -66,7 +67,8 @@ class Judge:
             acceleration = pin.getFrameClassicalAcceleration(model, data, frame, axes)
             if not on:
                 value, rate, wanted = swing
-                task(f"swing.{name}", data.oMf[frame].translation - value, velocity.linear - rate, acceleration.linear, wanted)
+                error = data.oMf[frame].translation - value
+                task(f"swing.{name}", error, velocity.linear - rate, acceleration.linear, wanted)
                 continue
             n = 6 if self.problem[f"contact.{name}.kind"][0] == "full" else 3
             kinds.append((name, n))

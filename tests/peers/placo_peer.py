@@ -4,8 +4,8 @@
     python placo_peer.py URDF PROBLEM STATES
 
 PROBLEM, STATES and the lines of standard input are those of tsid_peer.cpp and wbqp_peer.rs. What is timed is
-`update_kinematics` and `DynamicsSolver.solve`, which are C++ inside: state, references and contacts are handed over before
-the clock starts, since Python would take longer for that than it has to.
+`update_kinematics` and `DynamicsSolver.solve`, which are C++ inside: state, references and contacts are handed over
+before the clock starts, since Python would take longer for that than it has to.
 """
 
 import gc
@@ -63,7 +63,9 @@ class Controller:
             else:
                 task = self.solver.add_position_task(frame, np.zeros(3))
                 contact = self.solver.add_unilateral_point_contact(task)
-                swing = [number(f"swing.{name}.{k}") for k in ("weight", "kp", "kd")] if f"swing.{name}.kp" in problem else None
+                swing = None
+                if f"swing.{name}.kp" in problem:
+                    swing = [number(f"swing.{name}.{key}") for key in ("weight", "kp", "kd")]
             contact.mu, contact.weight_forces, contact.weight_tangentials = number(key + "friction"), weight[0], 0.0
             self.contacts.append([name, contact, task, damping, swing, None])
 
@@ -131,7 +133,8 @@ def main():
                     v, w = R.T @ tick.linear, R.T @ tick.angular
                     a = R @ (qdd[:3] + np.cross(w, v))
                     numbers = [*a, *(R @ qdd[3:6]), *qdd[controller.index_v], *tau[controller.index_v]]
-                    out.write(f"{int(success)} {' '.join(f'{x:.17g}' for x in numbers)} | {' '.join(map(str, spent))}\n")
+                    words = " ".join(f"{x:.17g}" for x in numbers)
+                    out.write(f"{int(success)} {words} | {' '.join(map(str, spent))}\n")
         print("done", *size, flush=True)
 
 

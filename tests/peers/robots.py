@@ -4,12 +4,12 @@
     bash tests/peers/robots.sh            installs, builds and runs everything; writes the page's table
     python robots.py --work target/peers-robots --wbqp … --tsid … --placo PYTHON robots.py's options
 
-For each robot a scenario runs in wbqp's closed loop, with noise, pushes and limits that become active. What every tick
-was given is recorded, and then all libraries get it: every one solves at the same state for the same references. They run
-by turns, a block of ticks each, so that what else the machine does disturbs all alike; several rounds.
+For each robot a scenario runs in wbqp's closed loop, with noise, pushes and limits that become active. What every
+tick was given is recorded, and then all libraries get it: every one solves at the same state for the same references.
+They run by turns, a block of ticks each, so that what else the machine does disturbs all alike; several rounds.
 
-Answers are judged by a program that none of them has a part in: with Pinocchio's dynamics, each answer's cost in the common
-problem and its largest violation of the limits.
+Answers are judged by a program that none of them has a part in: with Pinocchio's dynamics, each answer's cost in the
+common problem and its largest violation of the limits.
 """
 
 import argparse
@@ -65,8 +65,10 @@ def without_meshes(source, target):
 
 
 def problem_of(controller, model, scale):
-    """What the other libraries need of the controller's file: name and values per line. All weights times `scale`, which
-    changes no optimum but makes what both add to the Hessian's diagonal, 1e-8, as small as wbqp's own share."""
+    """What the other libraries need of the controller's file: name and values per line.
+
+    All weights times `scale`, which changes no optimum but makes what both add to the Hessian's diagonal, 1e-8, smaller.
+    """
     lines = {}
     tasks = {task["name"]: task for task in controller["task"]}
     constraints = {c["contact"]: {} for c in controller["constraint"] if "contact" in c}
@@ -79,7 +81,8 @@ def problem_of(controller, model, scale):
     lines["base.frame"] = "base_link"
     effort = controller["robot"].get("options", {}).get("effort", {})
     for joint in list(model.names)[2:]:
-        lines[f"effort.{joint}"] = effort.get(joint, float(model.effortLimit[model.joints[model.getJointId(joint)].idx_v]))
+        of_urdf = model.effortLimit[model.joints[model.getJointId(joint)].idx_v]
+        lines[f"effort.{joint}"] = effort.get(joint, float(of_urdf))
     for contact in controller["contact"]:
         name, brought = contact["name"], constraints[contact["name"]]
         weight = tasks[f"force_{name}"]["weight"]
@@ -134,7 +137,8 @@ class Peer:
 
     def __init__(self, name, command):
         self.name, self.size = name, None
-        self.process = subprocess.Popen(list(map(str, command)), stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        pipe = subprocess.PIPE
+        self.process = subprocess.Popen(list(map(str, command)), stdin=pipe, stdout=pipe, text=True)
 
     def ask(self, line):
         self.process.stdin.write(line + "\n")
@@ -244,8 +248,8 @@ def compare(robot, args):
         **{f"{name}_{key}": value for name, verdict in verdicts.items() for key, value in verdict.items()},
     )
 
-    # What is left comes from what they add to the Hessian's diagonal if it gets smaller as costs get larger. Violations that
-    # eiquadprog accepts grow with the costs: where there are any, an answer says nothing about that.
+    # What is left comes from what they add to the Hessian's diagonal if it gets smaller as costs get larger. Violations
+    # that eiquadprog accepts grow with the costs: where there are any, an answer says nothing about that.
     scaled = work / "problem_scaled.txt"
     scaled.write_text(problem_of(controller, model, SCALE))
     for name, command in commands.items():
@@ -277,25 +281,27 @@ def markdown(summary):
     times, answers = [], []
     for name, row in libraries.items():
         all_, least = row["times"]["all"], row["times"]["least"]
-        times.append([name, *(us(all_[q]) for q in ("p50", "p99", "max")), *(us(least[q]) for q in ("p50", "p99", "max")),
-                      *(f"{least[q] / own[q]:.1f}" for q in ("p50", "p99", "max")), " / ".join(map(str, row["size"]))])
+        which = ("p50", "p99", "max")
+        times.append([name, *(us(all_[q]) for q in which), *(us(least[q]) for q in which),
+                      *(f"{least[q] / own[q]:.1f}" for q in which), " / ".join(map(str, row["size"]))])
         if name == "wbqp":
             answers.append([name, str(row["not_optimal"]), "", "", "", ""])
         else:
             loose = f" (without {row['loose_scaled']} ticks)" if row["loose_scaled"] else ""
             answers.append([name, str(row["not_optimal"]), three(row["differences"]), three(row["differences_same"]),
-                            three(row["differences_same_scaled"]) + loose, f"{row['excess'][0]:.0e} … {row['excess'][1]:.0e}"])
+                            three(row["differences_same_scaled"]) + loose,
+                            f"{row['excess'][0]:.0e} … {row['excess'][1]:.0e}"])
         answers[-1].append(f"{max(row['violation'].values()):.0e}")
-    text = f"**{summary['robot']}** (`{summary['urdf']}`), {summary['ticks']} ticks: in {summary['torque_limited']} a torque is at "
-    text += f"its limit, in {summary['contact_limited']} a contact at one of its own"
+    text = f"**{summary['robot']}** (`{summary['urdf']}`), {summary['ticks']} ticks: in {summary['torque_limited']}"
+    text += f" a torque is at its limit, in {summary['contact_limited']} a contact at one of its own"
     if summary["lifted"]:
         text += f", in {summary['lifted']} a foot is in the air"
     if summary["soles"]:
         text += f"; in {summary['corners_bear']} the corners of the soles bear the optimum's wrenches"
     times = table([f"µs, {rounds} rounds", "p50", "p99", "max", "least p50", "least p99", "least max",
                    "p50 ÷ wbqp's", "p99 ÷", "max ÷", "variables / equalities / inequalities"], times)
-    answers = table(["", "not optimal", "differences", "where the limits are the same", f"costs × {SCALE}", "cost", "violation"],
-                    answers)
+    answers = table(["", "not optimal", "differences", "where the limits are the same", f"costs × {SCALE}", "cost",
+                     "violation"], answers)
     return f"{text}.\n\n{times}\n\n{answers}"
 
 
@@ -306,7 +312,8 @@ def write_page(page, summaries):
         sys.exit(f"{page}: there is no place for robots")
     processor = next((line.split(":", 1)[1].strip() for line in Path("/proc/cpuinfo").read_text().splitlines()
                       if "model name" in line), platform.processor())
-    machine = f"{processor}, {os.cpu_count()} logical cores, {platform.system()}; load over the last 15 minutes {os.getloadavg()[2]:.1f}."
+    machine = f"{processor}, {os.cpu_count()} logical cores, {platform.system()}; "
+    machine += f"load over the last 15 minutes {os.getloadavg()[2]:.1f}."
     content = "\n\n".join([machine, *map(markdown, summaries)])
     page.write_text(pattern.sub(lambda m: f"{m[1]}\n{content}\n\n{m[2]}", text))
 

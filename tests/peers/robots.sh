@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Compares wbqp with TSID and PlaCo on the same robots (robots.py), and writes the table in docs/performance.md. Installs
-# and builds all that is needed on a Debian machine with Rust and Python, below target/; not a part of CI, since TSID has to
-# be compiled. From the workspace's root:
+# Compares wbqp with TSID and PlaCo on the same robots (robots.py), and writes the tables in docs/performance.md.
+# Installs and builds all that is needed on a Debian machine with Rust and Python, below target/; not a part of CI, since
+# TSID has to be compiled. From the workspace's root:
 #
 #     bash tests/peers/robots.sh
 #

@@ -4,8 +4,8 @@
 //
 // PROBLEM is what robots.py takes from the controller's file: a name and numbers per line. STATES and the lines of
 // standard input are those of wbqp_peer.rs. A tick is what a user of TSID writes: contacts and tasks switched as asked,
-// references set, the problem computed and solved, accelerations and torques read. The state is converted to Pinocchio's
-// conventions before the clock starts.
+// references set, the problem computed and solved, accelerations and torques read. The state is converted to
+// Pinocchio's conventions before the clock starts.
 
 #include <chrono>
 #include <fstream>
@@ -230,7 +230,8 @@ class Controller {
         const double x = problem.one(key + "half_length_x"), y = problem.one(key + "half_length_y");
         Eigen::Matrix<double, 3, Eigen::Dynamic> corners(3, 4);
         corners << -x, -x, x, x, -y, y, -y, y, 0, 0, 0, 0;
-        auto contact = std::make_unique<tsid::contacts::Contact6d>(name, robot, frame, corners, up, friction, least, most);
+        using Sole = tsid::contacts::Contact6d;
+        auto contact = std::make_unique<Sole>(name, robot, frame, corners, up, friction, least, most);
         contact->Kp(constant(6, 0.0));
         contact->Kd(constant(6, damping));
         VectorXd share(6);
