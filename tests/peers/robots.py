@@ -297,7 +297,8 @@ def markdown(summary):
     if summary["lifted"]:
         text += f", in {summary['lifted']} a foot is in the air"
     if summary["soles"]:
-        text += f"; in {summary['corners_bear']} the corners of the soles bear the optimum's wrenches"
+        bear = "all" if summary["corners_bear"] == summary["ticks"] else summary["corners_bear"]
+        text += f"; in {bear} the corners of the soles bear the optimum's wrenches"
     times = table([f"µs, {rounds} rounds", "p50", "p99", "max", "least p50", "least p99", "least max",
                    "p50 ÷ wbqp's", "p99 ÷", "max ÷", "variables / equalities / inequalities"], times)
     answers = table(["", "not optimal", "differences", "where the limits are the same", f"costs × {SCALE}", "cost",
