@@ -41,8 +41,6 @@ PROMISED_SOLVES = [
 ]
 # How much longer Clarabel is promised to take for 12 variables.
 PROMISED_RATIO = 25
-# Full tick of TSID 1.10 (Pinocchio, eiquadprog) on its authors' robots of that size, measured elsewhere.
-TSID = {"quadruped": ("solo12 standing", 27.9), "humanoid": ("talos standing", 104.0)}
 
 
 def table(header, rows):
@@ -133,11 +131,8 @@ class Results:
                 continue
             solve = clarabel["solve"]["p50"] / own["solve"]["p50"]
             tick = clarabel["tick"]["p50"] / own["tick"]["p50"]
-            peer = TSID.get(robot)
-            tsid = f"{peer[0]}, {peer[1]} µs: {peer[1] / own['tick']['p50']:.1f}" if peer else ""
-            rows.append([title, us(own["solve"]["p50"]), us(clarabel["solve"]["p50"]), f"{solve:.0f}", f"{tick:.0f}", tsid])
-        header = ["", "solve, µs", "with Clarabel, µs", "ratio of solves", "ratio of ticks", "TSID's tick ÷ this tick"]
-        return table(header, rows)
+            rows.append([title, us(own["solve"]["p50"]), us(clarabel["solve"]["p50"]), f"{solve:.0f}", f"{tick:.0f}"])
+        return table(["", "solve, µs", "with Clarabel, µs", "ratio of solves", "ratio of ticks"], rows)
 
     def formulations(self):
         names = sorted({f.name.split(".")[0].split("_", 1)[1] for f in self.folder.glob("humanoid_*.json")} - {"clarabel"})
