@@ -1,6 +1,11 @@
 //! Recorded ticks run again to the bit, from a file, on every rung.
 
-use std::{collections::BTreeSet, fs, path::PathBuf};
+use std::{
+    collections::BTreeSet,
+    fs,
+    path::PathBuf,
+    sync::atomic::{AtomicUsize, Ordering},
+};
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -118,7 +123,10 @@ fn every_tick_is_the_same_to_the_bit() {
 
 /// A dump with one value of its text replaced.
 fn changed(dump: &Dump, change: impl FnOnce(&mut toml::Table)) -> Result<Dump, DumpError> {
-    let path = file("changed.tick.toml");
+    static CHANGED: AtomicUsize = AtomicUsize::new(0);
+    // Tests run side by side.
+    let number = CHANGED.fetch_add(1, Ordering::Relaxed);
+    let path = file(&format!("changed.{number}.tick.toml"));
     dump.save(&path).expect("can be written");
     let text = fs::read_to_string(&path).expect("was written");
     let mut table: toml::Table = text.parse().expect("is TOML");

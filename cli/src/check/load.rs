@@ -7,7 +7,7 @@ use wbqp::{
     Controller, ControllerConfig,
     config::Overrides,
     controller::ControllerError,
-    robot::{RobotError, RobotModel},
+    robot::RobotModel,
 };
 use wbqp_sim::Scenario;
 
@@ -146,10 +146,6 @@ fn lines(error: &impl std::fmt::Display) -> Vec<String> {
 fn robot_lines(error: &ControllerError, kind: Subject) -> Vec<String> {
     match error {
         ControllerError::Robot { source, .. } if kind == Subject::Urdf => lines(source),
-        ControllerError::Robot { source, .. } => match &**source {
-            RobotError::Several { errors } => errors.iter().flat_map(lines).collect(),
-            _ => lines(error),
-        },
         other => lines(other),
     }
 }

@@ -71,9 +71,6 @@ impl Origin {
 
     /// Where in `[robot]` the cause of an error is: the option, or the name of the file.
     pub(crate) fn robot_place(&self, error: &RobotError) -> Option<Place> {
-        if let RobotError::Several { errors } = error {
-            return self.robot_place(errors.first()?);
-        }
         let source = self.source.as_ref()?;
         let errors = self.with_document(source, |document, report| {
             let Ok(section) = document.target(&Target::Robot) else {

@@ -32,7 +32,7 @@ use crate::{
     layout::{BoundTarget, Layout, Relation, VdotBlock},
     model::{Base, JointKind, Model},
     qp::{ActiveSet, Capacity, Qp, QpSolver as _, Solution},
-    robot::RobotModel,
+    robot::{RobotError, RobotModel},
     rows::RowStore,
     setup::{BindError, Setup},
     tick::Prediction,
@@ -46,9 +46,15 @@ impl ControllerConfig {
     pub fn load_robot(&self) -> Result<RobotModel, ControllerError> {
         self.robot.load(&self.directory).map_err(|error| {
             let origin = Origin::new(self.source.clone(), self.overrides.clone());
+            let places = match &error {
+                RobotError::Several { errors } => {
+                    errors.iter().map(|e| origin.robot_place(e)).collect()
+                }
+                one => vec![origin.robot_place(one)],
+            };
             ControllerError::Robot {
                 tag: self.robot.typetag_name().to_owned(),
-                place: origin.robot_place(&error),
+                places,
                 source: Box::new(error),
             }
         })

@@ -11,10 +11,10 @@ use crate::{
 #[non_exhaustive]
 pub enum ControllerError {
     /// The robot was refused. What is wrong may be in the configuration or in a file that it names.
-    #[error("{}robot ({tag}): {source}", place.as_ref().map_or_else(String::new, |place| format!("{place}: ")))]
+    #[error("{}", robot_lines(places, tag, source))]
     Robot {
-        /// The key in the configuration's file, or its table `[robot]`; nothing if there is no file.
-        place: Option<Place>,
+        /// For each thing that is wrong, the key in the configuration's file, or its table `[robot]`; nothing if there is no file.
+        places: Vec<Option<Place>>,
         /// The robot's tag.
         tag: String,
         /// What is wrong.
@@ -24,6 +24,21 @@ pub enum ControllerError {
     /// file if there is one.
     #[error(transparent)]
     Config(#[from] ConfigErrors),
+}
+
+/// One line for each thing that is wrong.
+fn robot_lines(places: &[Option<Place>], tag: &str, source: &RobotError) -> String {
+    let errors = match source {
+        RobotError::Several { errors } => errors.as_slice(),
+        one => std::slice::from_ref(one),
+    };
+    let line = |(i, error): (usize, &RobotError)| {
+        let place = places.get(i).and_then(Option::as_ref);
+        let place = place.map_or_else(String::new, |place| format!("{place}: "));
+        format!("{place}robot ({tag}): {error}")
+    };
+    let lines: Vec<String> = errors.iter().enumerate().map(line).collect();
+    lines.join("\n")
 }
 
 /// Why a running controller could not do what was asked.
