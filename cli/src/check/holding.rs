@@ -1,7 +1,7 @@
 //! What holding still at home needs of each actuator.
 
 use serde::Serialize;
-use wbqp::{Controller, Measurement, controller::Rung, model::Base, robot::RobotModel};
+use wbqp::{Controller, controller::Rung, model::Base, robot::RobotModel};
 
 use super::examination::effort_unit;
 
