@@ -61,8 +61,22 @@ fn main() -> ExitCode {
     match CommandLine::parse().command.run() {
         Ok(code) => code,
         Err(error) => {
-            eprintln!("error: {error:#}");
+            eprintln!("error: {}", text(&error));
             ExitCode::FAILURE
         }
     }
+}
+
+/// The error and its causes; many messages have that of their cause in them.
+fn text(error: &anyhow::Error) -> String {
+    error.chain().fold(String::new(), |all, cause| {
+        let cause = cause.to_string();
+        if all.is_empty() {
+            cause
+        } else if all.contains(&cause) {
+            all
+        } else {
+            format!("{all}: {cause}")
+        }
+    })
 }

@@ -11,7 +11,7 @@ use wbqp::{
 use super::{
     draft::{Draft, home, quoted},
     limbs::{Limb, branches, limb, limbs, named},
-    posture::{Random, usable_range},
+    posture::{Random, rested, usable_range},
 };
 
 /// Words in the names of an arm's end, the surest first.
@@ -50,13 +50,13 @@ pub(super) fn arm(robot: &RobotModel, has_home: bool, draft: &mut Draft) -> bool
         return false;
     };
     if !has_home {
-        match elbow_bent(model, &robot.home, &arm.joints, tip) {
+        match elbow_bent(model, &rested(model, &robot.home), &arm.joints, tip) {
             Some(state) => {
                 draft.comment(
                     "Where the arm is at home, rad: found as a posture from which the tip can move in every direction. \
-                     Joints that are not listed are at 0, or at the limit nearest to 0.",
+                     Joints that are not listed are at 0.",
                 );
-                draft.lines(&home(model, &state, &arm.joints));
+                draft.lines(&home(robot, &state, &arm.joints));
             }
             None => draft.warn("no posture was found; give one: home = { joint = position, … }"),
         }

@@ -1,7 +1,6 @@
 //! The text of a controller as it is put together, with what the author of the robot should look at.
 
-use wbqp::model::{JointId, Model};
-use wbqp::state::State;
+use wbqp::{model::JointId, robot::RobotModel, state::State};
 
 /// Files and warnings.
 #[derive(Clone, Debug, Default)]
@@ -87,8 +86,20 @@ pub(super) fn list(names: &[String]) -> String {
     format!("[{}]", names.join(", "))
 }
 
-/// `home = { joint = position, … }` for these joints, in lines that are not too long.
-pub(super) fn home(model: &Model, state: &State, joints: &[JointId]) -> String {
+/// `home = { joint = position, … }` in lines that are not too long: these joints, and those that are not where the robot has
+/// them anyway. Nothing if there are none.
+pub(super) fn home(robot: &RobotModel, state: &State, joints: &[JointId]) -> String {
+    let model = &robot.model;
+    let differs = |id: &JointId| state.q.get(id.index()) != robot.home.q.get(id.index());
+    let joints: Vec<JointId> = model
+        .joints()
+        .iter()
+        .filter_map(|joint| model.joint(&joint.name))
+        .filter(|id| joints.contains(id) || differs(id))
+        .collect();
+    if joints.is_empty() {
+        return String::new();
+    }
     let entries: Vec<String> = joints
         .iter()
         .filter_map(|joint| {

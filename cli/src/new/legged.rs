@@ -12,7 +12,7 @@ use wbqp::{
 use super::{
     draft::{Draft, home, list, quoted, rounded},
     limbs::{Limb, Neutral, frames_on, limbs, named},
-    posture::{Goal, reach},
+    posture::{Goal, reach, rested},
     shapes,
 };
 
@@ -93,7 +93,7 @@ pub(super) fn quadruped(robot: &RobotModel, has_home: bool, draft: &mut Draft) -
         "motion = \"hard\"                   # they must not move, and their friction cones hold",
     );
     draft.line("friction = 0.6");
-    tasks(robot, draft);
+    tasks(robot, "kp = 30.0", draft);
     true
 }
 
@@ -169,7 +169,8 @@ friction = 0.6                    # Coulomb coefficient; less is more careful",
             offset.join(", ")
         ));
     }
-    tasks(robot, draft);
+    // Arms are heavy: at the usual weight they swing before the legs do anything.
+    tasks(robot, "weight = 0.1\nkp = 30.0", draft);
     true
 }
 
@@ -307,7 +308,7 @@ fn level(robot: &RobotModel) -> State {
     State {
         p_WR: Vector3::zeros(),
         R_WR: UnitQuaternion::identity(),
-        ..robot.home.clone()
+        ..rested(&robot.model, &robot.home)
     }
 }
 
@@ -403,21 +404,14 @@ fn head(robot: &RobotModel, legs: &[Leg], posture: &Posture, draft: &mut Draft) 
         .iter()
         .flat_map(|leg| leg.limb.joints.clone())
         .collect();
-    let joints = joints.iter().enumerate();
-    // A waist that several legs share is there once.
-    let joints: Vec<JointId> = joints
-        .clone()
-        .filter(|(i, joint)| !joints.clone().take(*i).any(|(_, other)| other == *joint))
-        .map(|(_, joint)| *joint)
-        .collect();
     match posture {
         Posture::Given => {}
         Posture::Found(state) => {
             draft.comment(
-                "Where the robot stands, rad: found by bending the knees until the feet are flat below the hips. \
-                 Joints that are not listed are at 0, or at the limit nearest to 0.",
+                "Where the robot stands, rad: found by bending the knees until the feet are below the hips, other joints \
+                 a little away from the ends of their ranges. Joints that are not listed are at 0.",
             );
-            draft.lines(&home(&robot.model, state, &joints));
+            draft.lines(&home(robot, state, &joints));
         }
         Posture::None => draft.warn(
             "no posture was found in which the feet are below the hips and the knees bent, within the joints' ranges. \
@@ -428,7 +422,7 @@ fn head(robot: &RobotModel, legs: &[Leg], posture: &Posture, draft: &mut Draft) 
 }
 
 /// What all that stand have.
-fn tasks(robot: &RobotModel, draft: &mut Draft) {
+fn tasks(robot: &RobotModel, posture: &str, draft: &mut Draft) {
     let model = &robot.model;
     let base = model.frames().first();
     let base = base.map_or("base", |frame| frame.name.as_str());
@@ -450,7 +444,7 @@ kp = 100.0
 # What is left to choose: near the posture, so weakly that it hardly pulls against the tasks above.
 [[task]]
 type = \"posture\"
-kp = 30.0
+{posture}
 
 # Limits of the actuators are there without being asked for. These are the joints' ranges:
 [[constraint]]

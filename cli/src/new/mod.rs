@@ -101,7 +101,9 @@ impl Arguments {
             Kind::Arm => arm::arm(&robot, has_home, &mut draft),
             Kind::Quadruped => legged::quadruped(&robot, has_home, &mut draft),
             Kind::Humanoid => legged::humanoid(&robot, has_home, &mut draft),
-            Kind::Multirotor => multirotor::multirotor(&robot, self.rotors.is_some(), &mut draft),
+            Kind::Multirotor => {
+                multirotor::multirotor(&robot, self.rotors.is_some(), has_home, &mut draft)
+            }
         };
         if !is_written {
             bail!("{urdf}: {}", draft.warnings.join("; "));

@@ -10,8 +10,9 @@ use wbqp::{
 };
 
 use super::{
-    draft::{Draft, quoted, rounded},
+    draft::{Draft, home, quoted, rounded},
     limbs::{Neutral, branches},
+    posture::rested,
 };
 
 /// Words in the names of rotors' frames, the surest first.
@@ -60,7 +61,12 @@ pub(super) fn spinning(robot: &RobotModel) -> Vec<String> {
 }
 
 /// Hovers where it starts. `has_rotors` says that a file of them was given.
-pub(super) fn multirotor(robot: &RobotModel, has_rotors: bool, draft: &mut Draft) -> bool {
+pub(super) fn multirotor(
+    robot: &RobotModel,
+    has_rotors: bool,
+    has_home: bool,
+    draft: &mut Draft,
+) -> bool {
     let model = &robot.model;
     let allocation = if has_rotors {
         given(robot)
@@ -86,6 +92,13 @@ pub(super) fn multirotor(robot: &RobotModel, has_rotors: bool, draft: &mut Draft
         draft.rotors = Some(rotor_file(robot, &rotors));
         rotors
     };
+    if !has_home {
+        let posture = home(robot, &rested(model, &robot.home), &[]);
+        if !posture.is_empty() {
+            draft.comment("A little away from the ends of the joints' ranges, rad:");
+            draft.lines(&posture);
+        }
+    }
     let is_fully_actuated = rank(robot, &allocation) == 6;
     draft.line("");
     draft.comment(if is_fully_actuated {

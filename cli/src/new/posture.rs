@@ -54,6 +54,20 @@ pub(super) fn usable_range(model: &Model, joint: JointId) -> [f64; 2] {
     ]
 }
 
+/// Home without joints at the ends of their ranges, where limits would push at once.
+pub(super) fn rested(model: &Model, home: &State) -> State {
+    let mut state = home.clone();
+    for joint in model.joints() {
+        if let Some(id) = model.joint(&joint.name)
+            && let Some(q) = state.q.get_mut(id.index())
+        {
+            let [lower, upper] = usable_range(model, id);
+            *q = q.max(lower).min(upper);
+        }
+    }
+    state
+}
+
 /// Moves the joints of a limb until a goal is reached; of several ways the one with the least `price`. The state keeps its
 /// joints if none is found.
 pub(super) fn reach(

@@ -27,7 +27,13 @@ use wbqp_sim::{
 /// Contacts that are nearer to one plane than this touch the same one, m.
 const SAME_PLANE: f64 = 1e-3;
 /// How deep the robot's weight presses its contacts into the ground, m.
-const SINKAGE: f64 = 5e-4;
+const SINKAGE: f64 = 1e-3;
+/// Of the robot on the ground, both as a spring and a mass: it does not bounce.
+const DAMPING_RATIO: f64 = 0.7;
+/// Share of the longest step that the integration of a spring or a damper bears.
+const STABLE: f64 = 0.5;
+/// Steps are not shorter than this, s: a second takes 50 000 of them.
+const SHORTEST: f64 = 2e-5;
 /// The plant's friction relative to what the controller assumes.
 const FRICTION: f64 = 1.3;
 
@@ -181,24 +187,34 @@ impl Ground<'_> {
         self.friction = self.friction.max(contact.friction);
     }
 
-    /// As stiff as the robot's weight needs, as far as the integration step allows.
+    /// As stiff as the robot's weight needs; the step as short as ground and joints need.
     fn plant(self) -> PlantConfig {
-        let plant = PlantConfig::default();
-        let step = plant.step;
-        let per_kg = self.inverse_mass().max(1e-6);
+        let mut plant = PlantConfig::default();
         let model = &self.robot.model;
+        let Some(factor) = self.data.mass_matrix().clone().cholesky() else {
+            // The plant says what is wrong.
+            return plant;
+        };
+        let mobility = factor.inverse();
+        let offset = model.joint_offset();
+        let joints = model.joints().iter().enumerate();
+        let rates = joints.map(|(j, joint)| joint.damping * mobility[(offset + j, offset + j)]);
+        let fastest = rates.fold(0.0, f64::max);
+        plant.step = plant.step.min(STABLE / fastest);
         let mass = match model.base() {
             Base::Floating => model.mass(),
             // A contact of an arm carries nothing; this makes a wall of the usual stiffness.
-            Base::Fixed => 1.0,
+            Base::Fixed => 2.0,
         };
         let points = self.points.len().max(1) as f64;
-        let stiffness = (mass * model.gravity().norm() / (points * SINKAGE))
-            .min(0.2 / (per_kg * step * step))
-            .max(1.0);
-        let damping = (stiffness * mass / points)
-            .sqrt()
-            .min(0.3 / (per_kg * step));
+        let stiffness = mass * model.gravity().norm() / (points * SINKAGE);
+        let damping = 2.0 * DAMPING_RATIO * (stiffness * mass / points).sqrt();
+        let per_kg = self.inverse_mass(&mobility);
+        if per_kg > 0.0 {
+            let by_spring = (STABLE / (per_kg * stiffness)).sqrt();
+            plant.step = plant.step.min(by_spring).min(STABLE / (per_kg * damping));
+        }
+        plant.step = plant.step.max(SHORTEST);
         let walls = self.planes.iter().enumerate();
         let walls = walls.map(|(i, (point, normal))| {
             let name = match i {
@@ -209,25 +225,19 @@ impl Ground<'_> {
                 stiffness,
                 damping,
                 friction: FRICTION * self.friction,
-                tangential_stiffness: Some(stiffness.min(0.9 * damping / step)),
+                tangential_stiffness: Some(stiffness.min(0.9 * damping / plant.step)),
                 tangential_damping: Some(damping),
                 ..WallConfig::new(&name, *point, *normal)
             }
         });
-        PlantConfig {
-            walls: walls.collect(),
-            contact_points: self.points,
-            ..plant
-        }
+        plant.walls = walls.collect();
+        plant.contact_points = self.points;
+        plant
     }
 
     /// Largest `J M⁻¹ Jᵀ` of the points, 1/kg.
-    fn inverse_mass(&self) -> f64 {
+    fn inverse_mass(&self, mobility: &DMatrix<f64>) -> f64 {
         let model = &self.robot.model;
-        let Some(factor) = self.data.mass_matrix().clone().cholesky() else {
-            return 1.0;
-        };
-        let mobility: DMatrix<f64> = factor.inverse();
         let mut point = FrameKinematics::new(model);
         let of = |at: &ContactPointConfig| {
             let frame = model.frames().get(model.frame(&at.frame)?.index())?;
@@ -235,7 +245,7 @@ impl Ground<'_> {
             let X_BC = frame.X_BF * Isometry3::from_parts(offset, UnitQuaternion::identity());
             point.update_at(model, &self.data, frame.body, &X_BC);
             let J = point.J.rows(0, 3);
-            let per_kg: DMatrix<f64> = J * &mobility * J.transpose();
+            let per_kg: DMatrix<f64> = J * mobility * J.transpose();
             Some(per_kg.symmetric_eigenvalues().max())
         };
         self.points.iter().filter_map(of).fold(0.0, f64::max)
