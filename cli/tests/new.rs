@@ -54,7 +54,13 @@ fn stands(folder: &Temporary, file: &Path) {
     assert_eq!(summary[0]["not_optimal"], 0, "{}", done.stdout);
     for task in summary[0]["tasks"].as_array().unwrap() {
         let end = task["end"].as_f64().unwrap();
-        assert!(end < 0.02, "{task}");
+        // The ground gives way a little; the posture pays for it.
+        let most = if task["name"] == "posture" {
+            0.05
+        } else {
+            0.002
+        };
+        assert!(end < most, "{task}");
     }
 }
 
@@ -128,10 +134,10 @@ fn an_arm_holds_its_tip() {
     let (text, mut controller) = new(&folder, &fixture("arm.urdf"), "arm", 0);
     assert!(text.contains("frame = \"tool0\""), "{text}");
     assert!(text.contains("base = \"fixed\""), "{text}");
-    // The elbow is bent, the fingers are not part of the arm.
+    // The elbow is bent.
     let robot = controller.robot();
     let elbow = robot.home.q[robot.model.joint("elbow").unwrap().index()];
-    assert!(elbow < -0.3 && !text.contains("grip ="), "{text}");
+    assert!(elbow < -0.3, "{text}");
     ticks_optimally(&mut controller);
     stands(&folder, Path::new(&folder.file("new.toml")));
 }
