@@ -109,7 +109,8 @@ fn soles_have_the_size_of_their_collision_shapes() {
     let urdf = fs::read_to_string(common::root().join(HUMANOID)).unwrap();
     let mut boxed = urdf;
     for side in ["left", "right"] {
-        let shape = "<collision><origin xyz=\"0.01 0.02 0.03\"/><geometry><box size=\"0.2 0.1 0.06\"/></geometry></collision>";
+        let shape = "<collision><origin xyz=\"0.01 0.02 0.03\"/>\
+                     <geometry><box size=\"0.2 0.1 0.06\"/></geometry></collision>";
         let link = format!("<link name=\"{side}_sole\"");
         let start = boxed.find(&link).unwrap();
         let end = start + boxed[start..].find('>').unwrap();

@@ -86,7 +86,8 @@ pub(super) fn list(names: &[String]) -> String {
     format!("[{}]", names.join(", "))
 }
 
-/// The table `[robot.home]`: these joints, and those that are not where the robot has them anyway. Nothing if there are none.
+/// The table `[robot.home]`: these joints, and those that are not where the robot has them anyway. Nothing if there are
+/// none.
 pub(super) fn home(robot: &RobotModel, state: &State, joints: &[JointId]) -> String {
     let differs = |id: &JointId| state.q.get(id.index()) != robot.home.q.get(id.index());
     let mut lines = vec!["[robot.home]".to_owned()];
