@@ -215,7 +215,8 @@ fn a_robot_can_be_named_by_an_option() {
     let folder = Temporary::new("urdf");
     let file = folder.file("stand.toml");
     let text = "[controller]\nrate = 500.0\n[robot]\nfile = \"elsewhere.urdf\"\n[[contact]]\n\
-                frames = [\"left_sole\", \"right_sole\"]\nmotion = \"hard\"\nsize = [0.2, 0.1]\n[[task]]\ntype = \"com\"\nkp = 50.0";
+                frames = [\"left_sole\", \"right_sole\"]\nmotion = \"hard\"\nsize = [0.2, 0.1]\n\
+                [[task]]\ntype = \"com\"\nkp = 50.0";
     fs::write(&file, text).unwrap();
     let done = wbqp(&["check", &file]);
     assert_eq!(done.code, 1);

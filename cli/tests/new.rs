@@ -54,7 +54,13 @@ fn stands(folder: &Temporary, file: &Path) {
     assert_eq!(summary[0]["not_optimal"], 0, "{}", done.stdout);
     for task in summary[0]["tasks"].as_array().unwrap() {
         let end = task["end"].as_f64().unwrap();
-        assert!(end < 0.02, "{task}");
+        // The ground gives way a little; the posture pays for it.
+        let most = if task["name"] == "posture" {
+            0.05
+        } else {
+            0.002
+        };
+        assert!(end < most, "{task}");
     }
 }
 
@@ -103,7 +109,8 @@ fn soles_have_the_size_of_their_collision_shapes() {
     let urdf = fs::read_to_string(common::root().join(HUMANOID)).unwrap();
     let mut boxed = urdf;
     for side in ["left", "right"] {
-        let shape = "<collision><origin xyz=\"0.01 0.02 0.03\"/><geometry><box size=\"0.2 0.1 0.06\"/></geometry></collision>";
+        let shape = "<collision><origin xyz=\"0.01 0.02 0.03\"/>\
+                     <geometry><box size=\"0.2 0.1 0.06\"/></geometry></collision>";
         let link = format!("<link name=\"{side}_sole\"");
         let start = boxed.find(&link).unwrap();
         let end = start + boxed[start..].find('>').unwrap();
@@ -128,10 +135,10 @@ fn an_arm_holds_its_tip() {
     let (text, mut controller) = new(&folder, &fixture("arm.urdf"), "arm", 0);
     assert!(text.contains("frame = \"tool0\""), "{text}");
     assert!(text.contains("base = \"fixed\""), "{text}");
-    // The elbow is bent, the fingers are not part of the arm.
+    // The elbow is bent.
     let robot = controller.robot();
     let elbow = robot.home.q[robot.model.joint("elbow").unwrap().index()];
-    assert!(elbow < -0.3 && !text.contains("grip ="), "{text}");
+    assert!(elbow < -0.3, "{text}");
     ticks_optimally(&mut controller);
     stands(&folder, Path::new(&folder.file("new.toml")));
 }

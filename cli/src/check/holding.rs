@@ -13,7 +13,8 @@ pub enum Means {
     GravityCompensation,
     /// A floating base: rotors carry the robot.
     Hover,
-    /// A floating base: contacts that are on at the start carry it. The efforts are those of the controller's first tick.
+    /// A floating base: contacts that are on at the start carry it. The efforts are those of the controller's first
+    /// tick.
     Stand,
     /// A floating base that nothing carries.
     Nothing,

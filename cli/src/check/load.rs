@@ -4,10 +4,7 @@ use std::path::Path;
 
 use anyhow::Result;
 use wbqp::{
-    Controller, ControllerConfig,
-    config::Overrides,
-    controller::ControllerError,
-    robot::RobotModel,
+    Controller, ControllerConfig, config::Overrides, controller::ControllerError, robot::RobotModel,
 };
 use wbqp_sim::Scenario;
 
@@ -29,8 +26,8 @@ pub struct Request {
 /// Reads a file of any kind.
 ///
 /// # Errors
-/// A file that cannot be read or is of no known kind, options that do not suit it. What is wrong with its contents is in
-/// the examination.
+/// A file that cannot be read or is of no known kind, options that do not suit it. What is wrong with its contents is
+/// in the examination.
 pub fn examine(file: &Path, request: &Request) -> Result<Examination> {
     let kind = Subject::of_file(file)?;
     let mut examination = Examination {
@@ -51,8 +48,8 @@ pub fn examine(file: &Path, request: &Request) -> Result<Examination> {
     Ok(examination)
 }
 
-/// The configuration of a controller, of a scenario's case, or of a controller without tasks for a robot; or everything that
-/// is wrong with it, a line each.
+/// The configuration of a controller, of a scenario's case, or of a controller without tasks for a robot; or everything
+/// that is wrong with it, a line each.
 ///
 /// # Errors
 /// A file that cannot be read or is of no known kind, options that do not suit it.

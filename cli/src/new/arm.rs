@@ -64,8 +64,8 @@ pub(super) fn arm(robot: &RobotModel, has_home: bool, draft: &mut Draft) -> bool
     draft.line("");
     if !by_name {
         draft.warn(&format!(
-            "no frame at the arm's end has `tool`, `tcp`, `hand`, `flange` or `ee` in its name: `{name}` is taken for the \
-             tip. `wbqp check` lists the frames."
+            "no frame at the arm's end has `tool`, `tcp`, `hand`, `flange` or `ee` in its name: `{name}` is taken for \
+             the tip. `wbqp check` lists the frames."
         ));
     }
     draft.lines(&format!(
@@ -105,8 +105,8 @@ fn longest(model: &Model) -> Option<Limb> {
     (!arm.joints.is_empty()).then_some(arm)
 }
 
-/// Of many postures the one in which the tip's slowest direction is fastest, not far from the middle of the ranges, with the tip
-/// above the base.
+/// Of many postures the one in which the tip's slowest direction is fastest, not far from the middle of the ranges,
+/// with the tip above the base.
 fn elbow_bent(model: &Model, at: &State, joints: &[JointId], tip: FrameId) -> Option<State> {
     let mut random = Random(0x2545_f491_4f6c_dd1d);
     let mut data = Data::new(model);

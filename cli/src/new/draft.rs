@@ -86,39 +86,24 @@ pub(super) fn list(names: &[String]) -> String {
     format!("[{}]", names.join(", "))
 }
 
-/// `home = { joint = position, … }` in lines that are not too long: these joints, and those that are not where the robot has
-/// them anyway. Nothing if there are none.
+/// The table `[robot.home]`: these joints, and those that are not where the robot has them anyway. Nothing if there are
+/// none.
 pub(super) fn home(robot: &RobotModel, state: &State, joints: &[JointId]) -> String {
-    let model = &robot.model;
     let differs = |id: &JointId| state.q.get(id.index()) != robot.home.q.get(id.index());
-    let joints: Vec<JointId> = model
-        .joints()
-        .iter()
-        .filter_map(|joint| model.joint(&joint.name))
-        .filter(|id| joints.contains(id) || differs(id))
-        .collect();
-    if joints.is_empty() {
-        return String::new();
-    }
-    let entries: Vec<String> = joints
-        .iter()
-        .filter_map(|joint| {
-            let name = &model.joints().get(joint.index())?.name;
-            let position = rounded(*state.q.get(joint.index())?, 4);
-            Some(format!("{} = {position},", key(name)))
-        })
-        .collect();
-    let mut lines = vec!["home = {".to_owned(), "   ".to_owned()];
-    for entry in entries {
-        match lines.last_mut() {
-            Some(line) if line.chars().count() + 1 + entry.chars().count() <= WIDTH => {
-                line.push(' ');
-                line.push_str(&entry);
-            }
-            _ => lines.push(format!("    {entry}")),
+    let mut lines = vec!["[robot.home]".to_owned()];
+    for joint in robot.model.joints() {
+        let Some(id) = robot.model.joint(&joint.name) else {
+            continue;
+        };
+        if (joints.contains(&id) || differs(&id))
+            && let Some(position) = state.q.get(id.index())
+        {
+            lines.push(format!("{} = {}", key(&joint.name), rounded(*position, 4)));
         }
     }
-    lines.push("}".to_owned());
+    if lines.len() == 1 {
+        return String::new();
+    }
     lines.join("\n")
 }
 

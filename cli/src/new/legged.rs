@@ -134,8 +134,8 @@ pub(super) fn humanoid(robot: &RobotModel, has_home: bool, draft: &mut Draft) ->
         ));
     }
     draft.comment(
-        "The soles: flat on the ground, they neither slip nor tip nor turn nor pull. `size` is that of a rectangle in the \
-         axes of the ground, x forwards, `offset` its middle in the frame's axes, m.",
+        "The soles: flat on the ground, they neither slip nor tip nor turn nor pull. `size` is that of a rectangle in \
+         the axes of the ground, x forwards, `offset` its middle in the frame's axes, m.",
     );
     let soles: Vec<Sole> = legs.iter().map(|leg| Sole::of(robot, leg)).collect();
     if soles.iter().any(|sole| !sole.is_known) {
@@ -408,8 +408,8 @@ fn head(robot: &RobotModel, legs: &[Leg], posture: &Posture, draft: &mut Draft) 
         Posture::Given => {}
         Posture::Found(state) => {
             draft.comment(
-                "Where the robot stands, rad: found by bending the knees until the feet are below the hips, other joints \
-                 a little away from the ends of their ranges. Joints that are not listed are at 0.",
+                "Where the robot stands, rad: found by bending the knees until the feet are below the hips, other \
+                 joints a little away from the ends of their ranges. Joints that are not listed are at 0.",
             );
             draft.lines(&home(robot, state, &joints));
         }

@@ -1,4 +1,5 @@
-//! Which parts of a robot are legs, arms and feet: by the tree, by names, and by where they are with all joints at zero.
+//! Which parts of a robot are legs, arms and feet: by the tree, by names, and by where they are with all joints at
+//! zero.
 #![allow(non_snake_case)]
 
 use wbqp::{
@@ -73,8 +74,8 @@ pub(super) fn frames_on(model: &Model, body: BodyId) -> impl Iterator<Item = (Fr
 /// Words in the names of frames that measure and do not touch.
 const SENSORS: [&str; 5] = ["imu", "camera", "sensor", "optical", "range"];
 
-/// Of the frames on a body that are no sensors', the one whose name has the first of some words; of several the one that is farthest from the
-/// body's joint, then the shortest name.
+/// Of the frames on a body that are no sensors', the one whose name has the first of some words; of several the one
+/// that is farthest from the body's joint, then the shortest name.
 pub(super) fn named(model: &Model, body: BodyId, words: &[&str]) -> Option<FrameId> {
     words.iter().find_map(|word| {
         let with_it = frames_on(model, body).filter(|(_, name)| {

@@ -76,8 +76,8 @@ pub(super) fn multirotor(
             rotors = invented(model);
             draft.line("");
             draft.warn(&format!(
-                "no frames of `{}` have `rotor` or `prop` in their names: the number of its rotors, {}, their places and \
-                 their directions are ASSUMED. Put the true ones into the rotors' file.",
+                "no frames of `{}` have `rotor` or `prop` in their names: the number of its rotors, {}, their places \
+                 and their directions are ASSUMED. Put the true ones into the rotors' file.",
                 model.name(),
                 rotors.len()
             ));
@@ -85,8 +85,8 @@ pub(super) fn multirotor(
         if rotors.iter().any(|rotor| rotor.z.z < 0.3) {
             draft.line("");
             draft.warn(
-                "a rotor's frame does not point upwards, and thrust is along its z: give the rotor an `axis` in the rotors' \
-                 file.",
+                "a rotor's frame does not point upwards, and thrust is along its z: give the rotor an `axis` in the \
+                 rotors' file.",
             );
         }
         draft.rotors = Some(rotor_file(robot, &rotors));
@@ -104,12 +104,12 @@ pub(super) fn multirotor(
     draft.comment(if is_fully_actuated {
         "The rotors push in every direction: position and orientation of the base are followed independently."
     } else {
-        "The rotors push along one axis: the base leans to where it has to push. Its orientation follows the force that \
-         position and payload ask for (`thrust_attitude`)."
+        "The rotors push along one axis: the base leans to where it has to push. Its orientation follows the force \
+         that position and payload ask for (`thrust_attitude`)."
     });
     draft.comment(
-        "kp: stiffness, 1/s². Damping is critical and weights are usual ones unless given: `wbqp check --explain-config` \
-         lists what this file leaves to defaults.",
+        "kp: stiffness, 1/s². Damping is critical and weights are usual ones unless given: `wbqp check \
+         --explain-config` lists what this file leaves to defaults.",
     );
     draft.comment("The base stays where it is when the controller starts; give `reference` to move it, for example");
     draft.line("# reference = { type = \"min_jerk\", to = [1.0, 0.0, 1.0], duration = 4.0 }");

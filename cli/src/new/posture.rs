@@ -1,8 +1,9 @@
 //! Postures that bring a limb's end where it should be, within the joints' ranges.
 //!
 //! # Mathematics
-//! `min ‖r(q)‖² + ε ‖q − q₀‖²` by damped Gauss–Newton steps, clipped to the ranges, from many starts: a limb bends to one
-//! side or the other, and only one may be possible. `r` are the errors of the end's position and orientation that matter.
+//! `min ‖r(q)‖² + ε ‖q − q₀‖²` by damped Gauss–Newton steps, clipped to the ranges, from many starts: a limb bends to
+//! one side or the other, and only one may be possible. `r` are the errors of the end's position and orientation that
+//! matter.
 #![allow(non_snake_case)]
 
 use wbqp::{
@@ -68,8 +69,8 @@ pub(super) fn rested(model: &Model, home: &State) -> State {
     state
 }
 
-/// Moves the joints of a limb until a goal is reached; of several ways the one with the least `price`. The state keeps its
-/// joints if none is found.
+/// Moves the joints of a limb until a goal is reached; of several ways the one with the least `price`. The state keeps
+/// its joints if none is found.
 pub(super) fn reach(
     model: &Model,
     state: &mut State,

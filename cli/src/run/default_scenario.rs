@@ -6,10 +6,11 @@
 
 use std::path::Path;
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use serde::Serialize;
 use wbqp::{
     Controller, ControllerConfig,
+    actuator::{ActuatorKind, Drive},
     config::Overrides,
     contact::ContactSpec,
     dynamics::{Data, FrameKinematics, frame_motion},
@@ -24,8 +25,8 @@ use wbqp_sim::{
     sensors::ForceTorqueConfig,
 };
 
-/// Contacts that are nearer to one plane than this touch the same one, m.
-const SAME_PLANE: f64 = 1e-3;
+/// Cosine of the angle between normals that are the same.
+const SAME_NORMAL: f64 = 1.0 - 1e-6;
 /// How deep the robot's weight presses its contacts into the ground, m.
 const SINKAGE: f64 = 1e-3;
 /// Of the robot on the ground, both as a spring and a mass: it does not bounce.
@@ -105,7 +106,7 @@ pub(super) fn text(
             rpy: [roll, pitch, yaw],
             ..Initial::default()
         },
-        plant: ground.plant(),
+        plant: ground.plant()?,
         sensors: SensorsConfig {
             force_torque,
             ..SensorsConfig::default()
@@ -175,11 +176,9 @@ impl Ground<'_> {
             }));
         let point = E.p_WF + E.R_WF * offset;
         let normal = R_WC * Vector3::z();
-        let is_same = |(other, n): &&mut (Vector3<f64>, Vector3<f64>)| {
-            n.dot(&normal) > 1.0 - 1e-6 && (point - *other).dot(&normal).abs() < SAME_PLANE
-        };
+        let is_same = |(_, n): &&mut (Vector3<f64>, Vector3<f64>)| n.dot(&normal) > SAME_NORMAL;
         match self.planes.iter_mut().find(is_same) {
-            // Nothing starts behind its plane.
+            // A plane is everywhere: of parallel ones there is the lowest alone, so that nothing starts behind it.
             Some((lowest, _)) if (point - *lowest).dot(&normal) < 0.0 => *lowest = point,
             Some(_) => {}
             None => self.planes.push((point, normal)),
@@ -188,19 +187,42 @@ impl Ground<'_> {
     }
 
     /// As stiff as the robot's weight needs; the step as short as ground and joints need.
-    fn plant(self) -> PlantConfig {
+    fn plant(self) -> Result<PlantConfig> {
         let mut plant = PlantConfig::default();
         let model = &self.robot.model;
         let Some(factor) = self.data.mass_matrix().clone().cholesky() else {
             // The plant says what is wrong.
-            return plant;
+            return Ok(plant);
         };
         let mobility = factor.inverse();
         let offset = model.joint_offset();
         let joints = model.joints().iter().enumerate();
-        let rates = joints.map(|(j, joint)| joint.damping * mobility[(offset + j, offset + j)]);
-        let fastest = rates.fold(0.0, f64::max);
-        plant.step = plant.step.min(STABLE / fastest);
+        for (j, joint) in joints {
+            let motor = model
+                .joint(&joint.name)
+                .and_then(|id| self.robot.joint_actuator(id));
+            let kind = motor
+                .and_then(|i| self.robot.actuators.get(i))
+                .map(|a| &a.kind);
+            if matches!(kind, Some(ActuatorKind::Joint(motor)) if motor.drive == Drive::Velocity) {
+                // A servo does not feel it.
+                continue;
+            }
+            // How fast its damping stops a joint, 1/s.
+            let rate = joint.damping * mobility[(offset + j, offset + j)];
+            if rate * SHORTEST > 1.0 {
+                bail!(
+                    "joint `{}` cannot be simulated: its damping {} stops its inertia of {:.1e} within {:.1e} s. Take \
+                     the friction that the robot's file has away, `--set robot.options.ignore_joint_friction=true`, or \
+                     give the joint an `armature`",
+                    joint.name,
+                    joint.damping,
+                    1.0 / mobility[(offset + j, offset + j)],
+                    1.0 / rate
+                );
+            }
+            plant.step = plant.step.min(STABLE / rate);
+        }
         let mass = match model.base() {
             Base::Floating => model.mass(),
             // A contact of an arm carries nothing; this makes a wall of the usual stiffness.
@@ -232,7 +254,7 @@ impl Ground<'_> {
         });
         plant.walls = walls.collect();
         plant.contact_points = self.points;
-        plant
+        Ok(plant)
     }
 
     /// Largest `J M⁻¹ Jᵀ` of the points, 1/kg.
