@@ -30,7 +30,7 @@ use crate::{assignment::Assignment, subject::Subject};
 /// needs of each. Succeeds if the file loads; warnings are no failure.
 #[derive(Args, Debug)]
 pub struct Arguments {
-    /// A URDF, a controller ([robot]) or a scenario (controller = "…")
+    /// A URDF, a controller (`[robot]`) or a scenario (controller = "…")
     pub file: PathBuf,
     /// Prints one JSON object
     #[arg(long)]

@@ -119,7 +119,7 @@ pub(super) fn humanoid(robot: &RobotModel, has_home: bool, draft: &mut Draft) ->
             legs.len()
         ));
         return false;
-    };
+    }
     let posture = if has_home {
         Posture::Given
     } else {

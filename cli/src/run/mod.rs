@@ -35,7 +35,7 @@ use crate::{assignment::Assignment, subject::Subject};
 /// every case runs to its end.
 #[derive(Args, Debug)]
 pub struct Arguments {
-    /// A scenario (controller = "…"), or a controller ([robot])
+    /// A scenario (controller = "…"), or a controller (`[robot]`)
     pub file: PathBuf,
     /// Only this case; may be given several times
     #[arg(long = "case", value_name = "NAME")]
