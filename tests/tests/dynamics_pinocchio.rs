@@ -15,9 +15,10 @@ fn load(entry: &Value) -> Model {
     let file = entry["urdf"].as_str().expect("a path");
     let path = format!("{}/../{file}", env!("CARGO_MANIFEST_DIR"));
     let text = std::fs::read_to_string(path).expect("the robot's URDF");
-    let base = match entry["floating"].as_bool().expect("a flag") {
-        true => BaseKind::Floating,
-        false => BaseKind::Fixed,
+    let base = if entry["floating"].as_bool().expect("a flag") {
+        BaseKind::Floating
+    } else {
+        BaseKind::Fixed
     };
     let options = Options {
         base,
