@@ -167,7 +167,7 @@ fn bodies_are_judged_with_all_that_is_fixed_to_them() {
             &inertial("1e-6", ["0", "0", "0"]).replace("<mass", "<origin xyz=\"0 0.1 0\"/><mass"),
         ),
         &[
-            "r.urdf:3:18: warning: link `arm`: inertia about the centre of mass is not positive definite",
+            "r.urdf:3:18: warning: link `arm`: inertia has a principal moment that is zero to rounding",
             "taken as it is; joint `elbow` feels",
             "options `inertia` for the link, or `armature` for joint `elbow`",
         ],
@@ -200,7 +200,7 @@ fn the_triangle_inequality_is_broken_with_digits() {
         &[
             "link `odd`",
             "(by 7.0e-6)",
-            "the body that it is part of is a rigid body's",
+            "together with the links fixed to it, it is physical",
         ],
     );
 }
@@ -256,6 +256,33 @@ fn limits_that_say_nothing_are_none() {
         ),
         &["lower limit 1 is above upper limit -1: taken as unlimited"],
     );
+    let robot = warned(
+        &arm(
+            "revolute",
+            r#"<limit lower="0" upper="0" effort="0" velocity="0"/>"#,
+        ),
+        &["joint `elbow`: all limits are 0: taken as unlimited in position, velocity and effort"],
+    );
+    assert_eq!(limits(&robot).upper, f64::INFINITY);
+    warned(
+        &arm(
+            "revolute",
+            r#"<limit lower="-1" upper="1" effort="0" velocity="0"/>"#,
+        ),
+        &["velocity and effort limits are 0: taken as unlimited"],
+    );
+    warned(
+        &arm("revolute", r#"<limit effort="5" velocity="3"/>"#),
+        &["<limit> has neither `lower` nor `upper`: taken as unlimited in position"],
+    );
+    noticed(
+        &arm(
+            "continuous",
+            r#"<limit lower="-6" upper="6" effort="5" velocity="3"/>"#,
+        ),
+        Severity::Note,
+        &["a continuous joint has a range, -6 to 6: taken as unlimited in position"],
+    );
     let given = toml("velocity.elbow = 2.0\neffort.'el.*' = 4.0\nrange.elbow = [-0.5, 0.5]");
     let robot = load_with(&arm("revolute", ""), &given);
     assert!(robot.diagnostics.is_empty(), "{:#?}", robot.diagnostics);
@@ -286,7 +313,7 @@ fn a_moving_link_without_mass_needs_what_it_carries() {
         Severity::Note,
         &[
             "link `wrist`: moves on its own without mass",
-            "it carries 2.000e0 kg",
+            "it carries 2.000 kg",
         ],
     );
     let robot = load(&chain(""));
@@ -450,7 +477,10 @@ fn gripper() -> String {
 
 #[test]
 fn mimic_joints_are_coupled_unless_an_option_says_otherwise() {
-    let robot = silent(&gripper());
+    let robot = warned(
+        &gripper(),
+        &["`left_finger` keeps -0.45 to 0.55 of its range, -1 to 1"],
+    );
     assert_eq!(
         (
             robot.model.joints().len(),
@@ -474,6 +504,37 @@ fn mimic_joints_are_coupled_unless_an_option_says_otherwise() {
     let right = locked.model.frame("right").expect("still a frame");
     assert!((frame_motion(&locked.model, &data, right).p_WF.y + 0.3).abs() < 1e-15);
     assert_eq!(MimicKind::default(), MimicKind::Couple);
+}
+
+#[test]
+fn followers_that_leave_little_of_their_leaders_range_are_said() {
+    let fingers = |range: &str| {
+        gripper().replace(
+            "lower=\"-1\" upper=\"1\" effort=\"1\"",
+            &format!("{range} effort=\"1\""),
+        )
+    };
+    // −2 q + 0.1 within 0.1 … 3 leaves the leader −1 … 0.
+    let robot = warned(
+        &fingers("lower=\"0.1\" upper=\"3\""),
+        &[
+            "joint `right_finger`: follows joint `left_finger` by -2 q + 0.1",
+            "keeps -1 to 0 of its range, -1 to 1",
+        ],
+    );
+    assert_eq!(robot.model.joints()[0].limits.upper, 0.0);
+    // Never both within their ranges: still a robot.
+    let robot = warned(
+        &fingers("lower=\"5\" upper=\"6\""),
+        &[
+            "its own range is 5 to 6: its range is dropped",
+            "option `range` for either joint",
+        ],
+    );
+    assert_eq!(robot.model.joints()[0].limits.lower, -1.0);
+    let given = toml("range.right_finger = [-1.0, 1.0]");
+    let robot = load_with(&fingers("lower=\"5\" upper=\"6\""), &given);
+    assert_eq!(robot.model.joints()[0].limits.lower, -0.45);
 }
 
 #[test]

@@ -9,6 +9,8 @@ use wbqp::{
 /// The links and joints of a file, in its order.
 pub(super) struct Description {
     pub(super) name: String,
+    /// Byte offset of the element.
+    pub(super) offset: usize,
     pub(super) links: Vec<Link>,
     pub(super) joints: Vec<Joint>,
 }

@@ -45,6 +45,8 @@ pub(super) struct Motions<'d> {
     /// By name of a joint.
     state: HashMap<&'d str, f64>,
     pub(super) of_joint: Vec<Motion>,
+    /// Joints whose range counts for nothing.
+    unkept: Vec<bool>,
 }
 
 impl<'d> Motions<'d> {
@@ -81,11 +83,13 @@ impl<'d> Motions<'d> {
                 .collect(),
             state,
             of_joint: Vec::new(),
+            unkept: Vec::new(),
         };
         findings.settle(|element, quantity| motions.is_given(element, quantity));
         motions.of_joint = (0..joints.len())
             .map(|j| motions.motion(j, findings))
             .collect();
+        motions.narrow(findings);
         motions
     }
 
@@ -119,6 +123,10 @@ impl<'d> Motions<'d> {
         let given =
             |option: Option<f64>, file: Option<f64>| option.or(file).unwrap_or(f64::INFINITY);
         let range = options.and_then(|o| o.range);
+        let range = match self.unkept.get(joint) {
+            Some(true) => Some([f64::NEG_INFINITY, f64::INFINITY]),
+            _ => range,
+        };
         JointLimits {
             lower: range
                 .map(|r| r[0])
@@ -169,8 +177,7 @@ impl<'d> Motions<'d> {
             element: &label,
         };
         let Some(&leader) = self.by_name.get(mimic.leader.as_str()) else {
-            let known: Vec<&str> = self.joints.iter().map(|j| j.name.as_str()).collect();
-            let hint = suggestion(&mimic.leader, &known);
+            let hint = self.meant(index, &mimic.leader);
             findings.repair(
                 at,
                 Irregularity::warning(
@@ -228,6 +235,105 @@ impl<'d> Motions<'d> {
             leader: mimic.leader.clone(),
             multiplier: mimic.multiplier,
             offset: mimic.offset,
+        }
+    }
+
+    /// The joint whose name a leader's is part of, of several the one that is called most like the follower.
+    fn meant(&self, follower: usize, leader: &str) -> String {
+        let own = &self.joints[follower].name;
+        let alike = |name: &str| {
+            own.bytes()
+                .zip(name.bytes())
+                .take_while(|(a, b)| a == b)
+                .count()
+        };
+        let names = self.joints.iter().map(|j| j.name.as_str());
+        let near = names.filter(|name| *name != own && name.contains(leader));
+        if let Some(near) = near.max_by_key(|name| alike(name)) {
+            return format!("; did you mean `{near}`?");
+        }
+        let known: Vec<&str> = self.joints.iter().map(|j| j.name.as_str()).collect();
+        suggestion(leader, &known)
+    }
+
+    /// The joint that one follows in the end, with multiplier and offset.
+    fn led_by(&self, index: usize) -> Option<(usize, [f64; 2])> {
+        let (mut at, [mut multiplier, mut offset]) = (index, [1.0, 0.0]);
+        for _ in 0..LONGEST {
+            let Motion::Follows {
+                leader,
+                multiplier: m,
+                offset: o,
+            } = &self.of_joint[at]
+            else {
+                return (at != index).then_some((at, [multiplier, offset]));
+            };
+            offset += multiplier * o;
+            multiplier *= m;
+            at = *self.by_name.get(leader.as_str())?;
+        }
+        None
+    }
+
+    /// What followers leave of their leaders' ranges; a range that cannot be kept is dropped.
+    fn narrow(&mut self, findings: &mut Findings<'_>) {
+        let mut left: HashMap<usize, [f64; 2]> = HashMap::new();
+        self.unkept = vec![false; self.joints.len()];
+        for index in 0..self.joints.len() {
+            let Some((leader, [multiplier, offset])) = self.led_by(index) else {
+                continue;
+            };
+            let limits = self.limits(leader);
+            let before = *left.entry(leader).or_insert([limits.lower, limits.upper]);
+            let own = self.limits(index);
+            let at = |q: f64| (q - offset) / multiplier;
+            let (a, b) = (at(own.lower), at(own.upper));
+            let after = [before[0].max(a.min(b)), before[1].min(a.max(b))];
+            let name = &self.joints[leader].name;
+            let mimic = self.joints[index].mimic.as_ref().map_or(0, |m| m.at);
+            let label = self.joints[index].label();
+            let place = At {
+                offset: mimic,
+                element: &label,
+            };
+            let found = format!(
+                "follows joint `{name}` by {multiplier} q + {offset}, and its own range is {} to {}",
+                own.lower, own.upper
+            );
+            let remedy = "set the robot's option `range` for either joint, or `mimic` to \"free\" for this one";
+            if after[0] > after[1] {
+                self.unkept[index] = true;
+                findings.repair(
+                    place,
+                    Irregularity::warning(
+                        found,
+                        format!(
+                            "its range is dropped: none of it is within `{name}`'s, {} to {}",
+                            before[0], before[1]
+                        ),
+                    )
+                    .remedy(remedy),
+                );
+                continue;
+            }
+            left.insert(leader, after);
+            let (was, is) = (before[1] - before[0], after[1] - after[0]);
+            if is < 0.99 * was && was.is_finite() {
+                findings.repair(
+                    place,
+                    Irregularity::warning(
+                        found,
+                        format!(
+                            "`{name}` keeps {} to {} of its range, {} to {}",
+                            after[0] + 0.0,
+                            after[1] + 0.0,
+                            before[0],
+                            before[1]
+                        ),
+                    )
+                    .remedy(remedy),
+                );
+            }
         }
     }
 

@@ -97,20 +97,23 @@ impl Bodies<'_> {
             // Said of the joint.
             return;
         }
-        let merged = match self.links[index].len() {
-            1 => String::new(),
+        // What has no mass is a frame; the first that has is what the body is about.
+        let heavy = |&&link: &&usize| self.inertias[link].mass > 0.0;
+        let own = self.links[index].iter().find(heavy).copied().unwrap_or(own);
+        let merged = match self.links[index].iter().filter(heavy).count() {
+            0 | 1 => String::new(),
             2 => " with the link fixed to it".to_owned(),
             n => format!(" with the {} links fixed to it", n - 1),
         };
         let felt = joint.map_or_else(String::new, |joint| self.felt(joint));
         let irregularity = if inertia.mass == 0.0 && self.carried[index] > 0.0 {
             let carried = self.carried[index];
-            let done = format!("taken as it is: it carries {carried:.3e} kg{felt}");
+            let done = format!("taken as it is: it carries {} kg{felt}", rounded(carried));
             Irregularity::note(format!("moves on its own{merged} without mass"), done)
         } else if inertia.mass == 0.0 {
             let found = format!("moves on its own{merged} without mass, and carries none");
             Irregularity::warning(found, format!("taken as it is{felt}"))
-        } else if let Err(ModelError::Inertia { what, .. }) = inertia.validate("") {
+        } else if let Some(what) = defect(inertia) {
             let found = format!("inertia{merged} {what}");
             Irregularity::warning(found, format!("taken as it is{felt}"))
         } else {
@@ -146,7 +149,10 @@ impl Bodies<'_> {
             JointKind::Revolute => "kg·m²",
             JointKind::Prismatic => "kg",
         };
-        format!("; joint `{name}` feels {felt:.3e} {unit} of inertia with all that it carries")
+        format!(
+            "; joint `{name}` feels {} {unit} of inertia with all that it carries, all joints at zero",
+            rounded(felt)
+        )
     }
 }
 
@@ -162,13 +168,9 @@ fn merged_links(
         let Some(inertial) = link.inertial.filter(|_| inertia.mass > 0.0) else {
             continue;
         };
-        let Err(ModelError::Inertia { what, .. }) = inertia.validate(&link.name) else {
+        let Some(what) = defect(inertia).filter(|what| what != ROUNDED) else {
             continue;
         };
-        let moments = inertia.I_BBcm().symmetric_eigenvalues();
-        if moments.min() <= 0.0 && moments.min() > -ROUNDING * (moments.max() + inertia.mass) {
-            continue;
-        }
         let at = At {
             offset: inertial.offset,
             element: &link.label(),
@@ -177,10 +179,37 @@ fn merged_links(
             at,
             Irregularity::note(
                 format!("inertia {what}"),
-                "taken as it is: the body that it is part of is a rigid body's",
+                "taken as it is: together with the links fixed to it, it is physical",
             )
             .remedy("set the robot's option `inertia` for this link"),
         );
+    }
+}
+
+/// What no rigid body has; nothing if one could.
+fn defect(inertia: &Inertia) -> Option<String> {
+    let Err(ModelError::Inertia { what, .. }) = inertia.validate("") else {
+        return None;
+    };
+    let moments = inertia.I_BBcm().symmetric_eigenvalues();
+    let is_rounding = moments.min().abs() <= ROUNDING * (moments.max() + inertia.mass * 1e-6);
+    Some(if moments.min() <= 0.0 && is_rounding {
+        ROUNDED.to_owned()
+    } else {
+        what
+    })
+}
+
+/// What [`defect`] says of rods and of points.
+const ROUNDED: &str = "has a principal moment that is zero to rounding";
+
+/// Four digits.
+fn rounded(x: f64) -> String {
+    if (1e-3..1e4).contains(&x.abs()) {
+        let digits = 3 - x.abs().log10().floor() as i32;
+        format!("{x:.*}", digits.max(0) as usize)
+    } else {
+        format!("{x:.3e}")
     }
 }
 
@@ -304,7 +333,13 @@ fn warn_of_singular(
                      ({pivot:.1e} of inertia; with them held, {own:.1e})"
                 )
             } else {
-                "the mass matrix is not positive definite: this joint moves no mass".to_owned()
+                let followers = model.mimics().iter().filter(|m| m.leader.index() == joint).count();
+                let too = match followers {
+                    0 => String::new(),
+                    1 => ", nor does the one that follows it".to_owned(),
+                    n => format!(", nor do the {n} that follow it"),
+                };
+                format!("the mass matrix is not positive definite: this joint moves no mass{too}")
             },
             "taken as it is; simulations, and formulations that invert the mass matrix, fail",
         )

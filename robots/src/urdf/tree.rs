@@ -42,7 +42,7 @@ pub(super) fn find(
 ) -> Option<Tree> {
     let Description { links, joints, .. } = description;
     if links.is_empty() {
-        findings.refuse_file(0, "the robot has no links");
+        findings.refuse_file(description.offset, "the robot has no links");
         return None;
     }
     let by_name = unique_names(description, findings)?;

@@ -47,25 +47,86 @@ impl Reader<'_, '_> {
                 ..Limit::default()
             };
         };
-        let mut result = Limit {
-            offset: limit.range().start,
-            effort: self.largest(
-                limit,
-                Quantity::Effort,
-                &format!("a {name} joint needs {keys}"),
-            ),
-            velocity: self.largest(
-                limit,
-                Quantity::Velocity,
-                &format!("a {name} joint needs {keys}"),
-            ),
-            ..Limit::default()
-        };
-        if ranged {
-            [result.lower, result.upper] =
-                self.range(limit, &format!("a {name} joint needs {keys}"));
+        let needs = format!("a {name} joint needs {keys}");
+        if !self.findings.is_strict() && self.says_nothing(limit, ranged) {
+            return Limit {
+                offset: limit.range().start,
+                ..Limit::default()
+            };
         }
-        result
+        let [velocity, effort] = self.magnitudes(limit, &needs);
+        let [lower, upper] = match kind {
+            Kind::Revolute | Kind::Prismatic => self.range(limit, &needs),
+            Kind::Continuous => {
+                self.pass_over_range(limit);
+                [None; 2]
+            }
+            _ => [None; 2],
+        };
+        Limit {
+            offset: limit.range().start,
+            lower,
+            upper,
+            velocity,
+            effort,
+        }
+    }
+
+    /// Whether all that a `<limit>` has is zero: it was written to satisfy a reader.
+    fn says_nothing(&mut self, limit: Node<'_, '_>, ranged: bool) -> bool {
+        let keys = ["lower", "upper", "velocity", "effort"];
+        let is_zero = |key: &&str| {
+            let text = limit.attribute(*key).unwrap_or("0");
+            text.trim().parse::<f64>().is_ok_and(|value| value == 0.0)
+        };
+        if !ranged || !keys.iter().all(is_zero) {
+            return false;
+        }
+        self.repair(
+            limit,
+            Irregularity::warning(
+                "all limits are 0",
+                "taken as unlimited in position, velocity and effort",
+            )
+            .remedy("set the robot's options `range`, `velocity` and `effort` for this joint")
+            .unless_given([Quantity::Range, Quantity::Velocity, Quantity::Effort]),
+        );
+        true
+    }
+
+    /// A joint that turns for ever has no range.
+    fn pass_over_range(&mut self, limit: Node<'_, '_>) {
+        let given = |key| limit.attribute(key);
+        if let (Some(lower), Some(upper)) = (given("lower"), given("upper")) {
+            self.repair(
+                limit,
+                Irregularity::note(
+                    format!("a continuous joint has a range, {lower} to {upper}"),
+                    "taken as unlimited in position",
+                )
+                .remedy("set the robot's option `range` for this joint")
+                .unless_given([Quantity::Range]),
+            );
+        }
+    }
+
+    /// Velocity and effort limits; if neither says anything, that is said once.
+    fn magnitudes(&mut self, limit: Node<'_, '_>, needs: &str) -> [Option<f64>; 2] {
+        let is_zero = |key| {
+            let text = limit.attribute(key);
+            text.is_some_and(|text| text.trim().parse::<f64>().is_ok_and(|value| value == 0.0))
+        };
+        if !self.findings.is_strict() && is_zero("velocity") && is_zero("effort") {
+            self.repair(
+                limit,
+                Irregularity::warning("velocity and effort limits are 0", "taken as unlimited")
+                    .remedy("set the robot's options `velocity` and `effort` for this joint")
+                    .unless_given([Quantity::Velocity, Quantity::Effort]),
+            );
+            return [None; 2];
+        }
+        let effort = self.largest(limit, Quantity::Effort, needs);
+        [self.largest(limit, Quantity::Velocity, needs), effort]
     }
 
     /// A limit on a magnitude.
@@ -109,6 +170,19 @@ impl Reader<'_, '_> {
 
     fn range(&mut self, limit: Node<'_, '_>, needs: &str) -> [Option<f64>; 2] {
         let remedy = "set the robot's option `range` for this joint";
+        let is_missing = |key| !limit.has_attribute(key);
+        if !self.findings.is_strict() && is_missing("lower") && is_missing("upper") {
+            self.repair(
+                limit,
+                Irregularity::warning(
+                    "<limit> has neither `lower` nor `upper`",
+                    "taken as unlimited in position",
+                )
+                .remedy(remedy)
+                .unless_given([Quantity::Range]),
+            );
+            return [None; 2];
+        }
         let mut missing = |key: &str| {
             if limit.has_attribute(key) {
                 return false;

@@ -45,6 +45,7 @@ pub(super) fn read(document: &Document<'_>, findings: &mut Findings<'_>) -> Opti
     }
     let mut description = Description {
         name: robot_name,
+        offset: root.range().start,
         links: Vec::new(),
         joints: Vec::new(),
     };
