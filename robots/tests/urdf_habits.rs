@@ -446,6 +446,10 @@ fn what_has_no_meaning_is_refused_in_either_mode() {
             "<robot name='r' xmlns:xacro='http://www.ros.org/wiki/xacro'><xacro:arg name='a'/></robot>".to_owned(),
             "xacro robot.urdf.xacro > robot.urdf",
         ),
+        (
+            "<robot name='r'><xacro:include filename='a'/></robot>".to_owned(),
+            "<xacro>: this is a xacro file; expand it first",
+        ),
     ];
     for (text, what) in cases {
         refused(&text, &[what]);

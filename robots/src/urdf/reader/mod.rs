@@ -50,8 +50,10 @@ pub(super) fn read(document: &Document<'_>, findings: &mut Findings<'_>) -> Opti
         joints: Vec::new(),
     };
     for node in root.children().filter(Node::is_element) {
-        let namespace = node.tag_name().namespace();
-        if namespace.is_some_and(|n| n.contains("xacro")) {
+        let tag = node.tag_name();
+        // Where nothing declares the prefix, its colon is gone.
+        if tag.namespace().is_some_and(|n| n.contains("xacro")) || tag.name().starts_with("xacro_")
+        {
             let at = At {
                 offset: node.range().start,
                 element: "<xacro>",
