@@ -11,6 +11,7 @@
 //! thrust = { min = 0.25, max = 10.0 }       # N
 //! time_constant = { rise = 0.0125, fall = 0.025 }  # first-order lag, s
 //! slew = 50.0                               # largest |dF/dt|, N/s; no limit if left out
+//! frame = "base_link"                       # of rotors that are placed by `position` in one link
 //!
 //! [[rotor]]
 //! name = "front_left"                       # what commands and logs call it
@@ -50,6 +51,7 @@ struct File {
 #[derive(Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Defaults {
+    frame: Option<Spanned<String>>,
     thrust_coefficient: Option<Spanned<f64>>,
     moment_coefficient: Option<Spanned<f64>>,
     thrust: Option<Spanned<Range>>,
@@ -62,7 +64,7 @@ struct Defaults {
 #[serde(deny_unknown_fields)]
 struct Entry {
     name: Spanned<String>,
-    frame: Spanned<String>,
+    frame: Option<Spanned<String>>,
     reaction: Spanned<i64>,
     position: Option<Spanned<[f64; 3]>>,
     axis: Option<Spanned<[f64; 3]>>,
@@ -152,11 +154,12 @@ impl Checker<'_> {
                 "is defined twice; give each rotor a name of its own",
             );
         }
-        let frame_name = entry.frame.get_ref();
+        let named = self.required("frame", entry.frame.as_ref(), defaults.frame.as_ref())?;
+        let frame_name = named.get_ref();
         let Some(frame) = model.frame(frame_name) else {
             let known: Vec<&str> = model.frames().iter().map(|f| f.name.as_str()).collect();
             return self.refuse(
-                &entry.frame,
+                named,
                 format!(
                     "robot `{}` has no frame `{frame_name}`{}",
                     model.name(),
@@ -170,7 +173,7 @@ impl Checker<'_> {
         let is_placed = entry.position.is_some() || entry.axis.is_some();
         if let Some(other) = same_frame.filter(|_| !is_placed) {
             return self.refuse(
-                &entry.frame,
+                named,
                 format!(
                     "frame `{frame_name}` already carries rotor `{}`",
                     other.name

@@ -105,12 +105,37 @@ fn missing_keys() {
             ],
         );
     }
-    for key in ["name", "frame", "reaction"] {
+    let without_frame = without(ROTOR, |line| line.starts_with("frame"));
+    refused(
+        &format!("{DEFAULTS}{without_frame}"),
+        &[
+            "r.toml:6:1",
+            "rotor `left`",
+            "`frame` is missing",
+            "[defaults]",
+        ],
+    );
+    for key in ["name", "reaction"] {
         let without = without(ROTOR, |line| line.starts_with(key));
         refused(
             &format!("{DEFAULTS}{without}"),
             &["r.toml:6:", &format!("missing field `{key}`")],
         );
+    }
+}
+
+#[test]
+fn rotors_that_are_placed_in_one_link_name_it_once() {
+    let rotor = |name: &str, x: f64| {
+        format!("[[rotor]]\nname = \"{name}\"\nposition = [{x:?}, 0.0, 0.0]\nreaction = 1\n")
+    };
+    let rotors = [rotor("left", -0.2), rotor("right", 0.2)].concat();
+    let robot = load(&format!("{DEFAULTS}frame = \"base_link\"\n{rotors}")).expect("a robot");
+    let model = &robot.model;
+    for (name, x) in [("left", -0.2), ("right", 0.2)] {
+        let frame = &model.frames()[model.frame(name).expect("is there").index()];
+        assert_eq!(frame.body, model.frames()[model.base_frame().index()].body);
+        assert_eq!(frame.X_BF.translation.x, x);
     }
 }
 

@@ -74,9 +74,7 @@ fn read(
         }
         Subject::Scenario => {
             let variation = Assignment::variation(&request.set)?;
-            let scenario = Scenario::from_file(file);
-            let scenario = scenario.and_then(|s| s.varied(&variation));
-            scenario
+            Scenario::from_file_with(file, &variation)
                 .and_then(|scenario| {
                     *cases = scenario.cases().map(str::to_owned).collect();
                     let case = request.case.as_ref().or(cases.first());

@@ -62,6 +62,9 @@ pub struct RobotOptions {
     /// Rotor parameters, for a robot that flies
     #[arg(long, value_name = "FILE")]
     pub rotors: Option<PathBuf>,
+    /// Named postures, for a controller with `home = "NAME"` in `[robot]`
+    #[arg(long, value_name = "FILE")]
+    pub srdf: Option<PathBuf>,
     /// Refuses a robot's file for what is otherwise taken with a warning
     #[arg(long)]
     pub strict: bool,
@@ -100,8 +103,10 @@ impl RobotOptions {
             };
             list.push(Assignment::new("robot.base", base));
         }
-        if let Some(rotors) = &self.rotors {
-            list.push(Assignment::new("robot.rotors", text(rotors)?));
+        for (key, file) in [("robot.rotors", &self.rotors), ("robot.srdf", &self.srdf)] {
+            if let Some(file) = file {
+                list.push(Assignment::new(key, text(file)?));
+            }
         }
         if self.strict {
             list.push(Assignment::new("robot.strict", true));

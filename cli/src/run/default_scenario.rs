@@ -25,6 +25,8 @@ use wbqp_sim::{
     sensors::ForceTorqueConfig,
 };
 
+use super::soles::Soles;
+
 /// Cosine of the angle between normals that are the same.
 const SAME_NORMAL: f64 = 1.0 - 1e-6;
 /// How deep the robot's weight presses its contacts into the ground, m.
@@ -88,7 +90,7 @@ pub(super) fn text(
         if !contact.active {
             continue;
         }
-        ground.add(contact, soles.half_lengths(&contact.name));
+        ground.add(contact, &soles);
         if !force_torque.iter().any(|s| s.frame == contact.frame) {
             force_torque.push(ForceTorqueConfig {
                 cutoff: f64::INFINITY,
@@ -116,30 +118,6 @@ pub(super) fn text(
     Ok(toml::to_string(&file)?)
 }
 
-/// Half lengths of the soles, by contact.
-struct Soles(Vec<(String, [f64; 2])>);
-
-impl Soles {
-    /// From the constraints that know them.
-    fn of(config: &ControllerConfig) -> Result<Self> {
-        let file: toml::Table = config.to_toml()?.parse()?;
-        let constraints = file.get("constraint").and_then(toml::Value::as_array);
-        let sole = |entry: &toml::Value| {
-            let number = |key| entry.get(key)?.as_float();
-            let contact = entry.get("contact")?.as_str()?.to_owned();
-            let lengths = [number("half_length_x")?, number("half_length_y")?];
-            Some((contact, lengths))
-        };
-        let soles = constraints.into_iter().flatten().filter_map(sole);
-        Ok(Self(soles.collect()))
-    }
-
-    fn half_lengths(&self, contact: &str) -> Option<[f64; 2]> {
-        let found = self.0.iter().find(|(name, _)| name == contact);
-        found.map(|(_, lengths)| *lengths)
-    }
-}
-
 /// What the robot stands on.
 struct Ground<'a> {
     robot: &'a RobotModel,
@@ -151,7 +129,7 @@ struct Ground<'a> {
 }
 
 impl Ground<'_> {
-    fn add(&mut self, contact: &ContactSpec, sole: Option<[f64; 2]>) {
+    fn add(&mut self, contact: &ContactSpec, soles: &Soles) {
         let model = &self.robot.model;
         let (Some(frame), Ok(R_WC)) = (model.frame(&contact.frame), contact.surface.rotation())
         else {
@@ -160,20 +138,11 @@ impl Ground<'_> {
         let E = frame_motion(model, &self.data, frame);
         let offset = Vector3::from(contact.offset);
         let R_EC: Rotation3<f64> = E.R_WF.inverse() * R_WC;
-        let corners: Vec<Vector3<f64>> = match sole {
-            Some([x, y]) if contact.kind.has_moments() => {
-                [(1., 1.), (1., -1.), (-1., 1.), (-1., -1.)]
-                    .into_iter()
-                    .map(|(a, b)| offset + R_EC * Vector3::new(a * x, b * y, 0.0))
-                    .collect()
-            }
-            _ => vec![offset],
-        };
-        self.points
-            .extend(corners.into_iter().map(|corner| ContactPointConfig {
-                frame: contact.frame.clone(),
-                offset: corner.into(),
-            }));
+        let points = soles.points(contact, &R_EC).into_iter();
+        self.points.extend(points.map(|point| ContactPointConfig {
+            frame: contact.frame.clone(),
+            offset: point.into(),
+        }));
         let point = E.p_WF + E.R_WF * offset;
         let normal = R_WC * Vector3::z();
         let is_same = |(_, n): &&mut (Vector3<f64>, Vector3<f64>)| n.dot(&normal) > SAME_NORMAL;

@@ -2,6 +2,8 @@
 
 mod default_scenario;
 mod figures;
+mod picture;
+mod soles;
 mod summary;
 mod traces;
 
@@ -27,7 +29,7 @@ use wbqp_examples::{
 };
 use wbqp_sim::Scenario;
 
-use crate::{assignment::Assignment, subject::Subject};
+use crate::{assignment::Assignment, check::RobotOptions, subject::Subject};
 
 /// Runs a scenario in simulation: a log, figures and a summary of every case
 ///
@@ -40,13 +42,10 @@ pub struct Arguments {
     /// Only this case; may be given several times
     #[arg(long = "case", value_name = "NAME")]
     pub cases: Vec<String>,
-    /// A value of the controller's file, `task.com.kp=50`, or of the scenario's, `change.duration=2`; may be given
-    /// several times
-    #[arg(long, value_name = "KEY=VALUE")]
-    pub set: Vec<Assignment>,
-    /// Replaces `[robot] file` of the controller
-    #[arg(long, value_name = "FILE")]
-    pub urdf: Option<PathBuf>,
+    // A comment of documentation would be this command's help.
+    #[expect(missing_docs, reason = "its type says it")]
+    #[command(flatten)]
+    pub robot: RobotOptions,
     /// Simulated time of a controller without scenario, s [default: 5]
     #[arg(long, value_name = "S")]
     pub duration: Option<f64>,
@@ -94,11 +93,8 @@ impl Arguments {
     }
 
     fn scenario(&self) -> Result<Scenario> {
-        let mut set = self.set.clone();
-        if let Some(urdf) = &self.urdf {
-            let urdf = std::path::absolute(urdf)?.display().to_string();
-            set.insert(0, Assignment::new("robot.file", urdf));
-        }
+        let set = self.robot.assignments()?;
+        let variation = Assignment::variation(&set)?;
         let file = &self.file;
         let scenario = match Subject::of_file(file)? {
             Subject::Scenario => {
@@ -107,7 +103,7 @@ impl Arguments {
                         "--duration: a scenario says how long it takes; `--set change.duration=…` changes it"
                     );
                 }
-                Scenario::from_file(file)?
+                Scenario::from_file_with(file, &variation)?
             }
             Subject::Controller => {
                 let of_controller: Vec<Assignment> = set
@@ -120,18 +116,14 @@ impl Arguments {
                 let duration = self.duration.unwrap_or(DURATION);
                 let text = default_scenario::text(&name, file, &overrides, duration)?;
                 let label = format!("{} with the default plant", file.display());
-                Scenario::from_text(&text, &label, Path::new(""))?
+                Scenario::from_text_with(&text, &label, Path::new(""), &variation)?
             }
             Subject::Urdf => bail!(
                 "{}: is a robot without a controller; `wbqp new --urdf` writes one to start from",
                 file.display()
             ),
         };
-        let variation = Assignment::variation(&set)?;
-        if variation.is_empty() {
-            return Ok(scenario);
-        }
-        Ok(scenario.varied(&variation)?)
+        Ok(scenario)
     }
 
     fn run_case(
@@ -165,8 +157,10 @@ impl Arguments {
         }
         let log = Log::open(&path).with_context(|| format!("log {}", path.display()))?;
         let of_case = scenario.case(case)?;
-        let controller = of_case.make_controller(of_case.controller_config()?)?;
+        let config = of_case.controller_config()?;
+        let controller = of_case.make_controller(config.clone())?;
         figures::draw(&log, &controller, &directory.join(case))?;
+        picture::draw(&log, &controller, &config, &directory.join(case))?;
         CaseSummary::of(case, &run, &log, &controller)
     }
 }

@@ -83,12 +83,22 @@ impl Scenario {
     /// # Errors
     /// [`ScenarioError`] naming the file, the place and what is wrong.
     pub fn from_file(path: &Path) -> Result<Self, ScenarioError> {
+        Self::from_file_with(path, &Variation::default())
+    }
+
+    /// Like [`Scenario::from_file`] with other values in all cases. Unlike [`Scenario::varied`] it can mend what the
+    /// file alone would be refused for: a robot's file that is somewhere else on this machine.
+    ///
+    /// # Errors
+    /// [`ScenarioError`] naming the file or the value of the variation, the place and what is wrong.
+    pub fn from_file_with(path: &Path, variation: &Variation) -> Result<Self, ScenarioError> {
         let name = path.display().to_string();
         let contents = fs::read_to_string(path).map_err(|source| ScenarioError::Read {
             file: name.clone(),
             source,
         })?;
-        Self::from_text(&contents, &name, path.parent().unwrap_or(Path::new("")))
+        let directory = path.parent().unwrap_or(Path::new(""));
+        Self::from_text_with(&contents, &name, directory, variation)
     }
 
     /// Like [`Scenario::from_file`], from a text; relative paths count from `directory`.
@@ -96,12 +106,25 @@ impl Scenario {
     /// # Errors
     /// [`ScenarioError`] naming the file, the place and what is wrong.
     pub fn from_text(text: &str, name: &str, directory: &Path) -> Result<Self, ScenarioError> {
+        Self::from_text_with(text, name, directory, &Variation::default())
+    }
+
+    /// Like [`Scenario::from_text`] with other values in all cases, as [`Scenario::from_file_with`].
+    ///
+    /// # Errors
+    /// [`ScenarioError`] naming the file or the value of the variation, the place and what is wrong.
+    pub fn from_text_with(
+        text: &str,
+        name: &str,
+        directory: &Path,
+        variation: &Variation,
+    ) -> Result<Self, ScenarioError> {
         let source = SourceFile {
             name: name.to_owned(),
             media_type: "application/toml",
             contents: text.to_owned(),
         };
-        Self::new(source, directory, Variation::default())
+        Self::new(source, directory, variation.clone())
     }
 
     /// The same with other values in all cases, checked like a file. Of a scenario that is varied already, both
