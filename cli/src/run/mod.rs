@@ -29,6 +29,7 @@ use wbqp_examples::{
 };
 use wbqp_sim::Scenario;
 
+use self::soles::Soles;
 use crate::{assignment::Assignment, check::RobotOptions, subject::Subject};
 
 /// Runs a scenario in simulation: a log, figures and a summary of every case
@@ -158,9 +159,11 @@ impl Arguments {
         let log = Log::open(&path).with_context(|| format!("log {}", path.display()))?;
         let of_case = scenario.case(case)?;
         let config = of_case.controller_config()?;
-        let controller = of_case.make_controller(config.clone())?;
+        let soles = Soles::of(&config)?;
+        let led = picture::led(&config)?;
+        let controller = of_case.make_controller(config)?;
         figures::draw(&log, &controller, &directory.join(case))?;
-        picture::draw(&log, &controller, &config, &directory.join(case))?;
+        picture::draw(&log, &controller, &soles, &led, &directory.join(case))?;
         CaseSummary::of(case, &run, &log, &controller)
     }
 }

@@ -61,17 +61,18 @@ const FLOOR: &str = "#e3e3e3";
 const SHADOW: &str = "#b9b9b9";
 const TRACES: [&str; 4] = ["#009e73", "#e69f00", "#b264a0", "#56b4e9"];
 
-/// Draws a case as `<stem>.robot.svg`; returns the file's name.
+/// Draws a case as `<stem>.robot.svg`, with the frames that tasks lead ([`led`]); returns the file's name.
 ///
 /// # Errors
 /// A log that cannot be read, a file that cannot be written.
 pub(super) fn draw(
     log: &Log,
     controller: &Controller,
-    config: &ControllerConfig,
+    soles: &Soles,
+    led: &[String],
     stem: &Path,
 ) -> Result<Option<PathBuf>> {
-    let run = Run::of(log, controller, config)?;
+    let run = Run::of(log, controller, soles, led)?;
     if run.states.is_empty() {
         return Ok(None);
     }
@@ -88,7 +89,7 @@ struct Run<'a> {
     states: Vec<(f64, State)>,
     /// Frames that tasks and contacts name.
     ends: Vec<FrameId>,
-    /// Names of frames that tasks lead.
+    /// Frames that tasks lead.
     led: Vec<FrameId>,
     contacts: Vec<Contact>,
     /// Thrusts, one signal per rotor.
@@ -108,11 +109,11 @@ struct Contact {
 }
 
 impl<'a> Run<'a> {
-    fn of(log: &Log, controller: &'a Controller, config: &ControllerConfig) -> Result<Self> {
+    fn of(log: &Log, controller: &'a Controller, soles: &Soles, led: &[String]) -> Result<Self> {
         let robot = controller.robot();
-        let soles = Soles::of(config)?;
-        let led = led(robot, config)?;
-        let contacts = contacts(log, controller, &soles)?;
+        let led = led.iter().filter_map(|name| robot.model.frame(name));
+        let led: Vec<FrameId> = led.collect();
+        let contacts = contacts(log, controller, soles)?;
         let mut ends = led.clone();
         for contact in &contacts {
             if !ends.contains(&contact.frame) {
@@ -361,20 +362,23 @@ fn size(shapes: &[Shape]) -> f64 {
     (0..3).map(extent).fold(0.05, f64::max)
 }
 
-/// Frames that tasks lead, each once.
-fn led(robot: &RobotModel, config: &ControllerConfig) -> Result<Vec<FrameId>> {
+/// Names of the frames that tasks lead, each once.
+///
+/// # Errors
+/// A configuration that cannot be written out.
+pub(super) fn led(config: &ControllerConfig) -> Result<Vec<String>> {
     let file: toml::Table = config.to_toml()?.parse()?;
     let tasks = file.get("task").and_then(toml::Value::as_array);
-    let mut frames = Vec::new();
+    let mut names: Vec<String> = Vec::new();
     for task in tasks.into_iter().flatten() {
         let name = task.get("frame").and_then(toml::Value::as_str);
-        if let Some(frame) = name.and_then(|name| robot.model.frame(name))
-            && !frames.contains(&frame)
+        if let Some(name) = name
+            && !names.iter().any(|other| other == name)
         {
-            frames.push(frame);
+            names.push(name.to_owned());
         }
     }
-    Ok(frames)
+    Ok(names)
 }
 
 /// The plant's states, thinned.
