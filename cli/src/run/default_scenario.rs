@@ -160,8 +160,13 @@ impl Ground<'_> {
         let mut plant = PlantConfig::default();
         let model = &self.robot.model;
         let Some(factor) = self.data.mass_matrix().clone().cholesky() else {
-            // The plant says what is wrong.
-            return Ok(plant);
+            let of_it = self.robot.diagnostics.iter();
+            let of_it = of_it.filter(|each| each.found.contains("mass matrix"));
+            let lines: Vec<String> = of_it.map(ToString::to_string).collect();
+            bail!(
+                "the mass matrix is singular at home: what moves without mass cannot be simulated\n{}",
+                lines.join("\n")
+            );
         };
         let mobility = factor.inverse();
         let offset = model.joint_offset();
