@@ -4,12 +4,15 @@ pub mod acceptance;
 pub mod adversary;
 pub mod approach;
 pub mod closed_loop;
+pub mod collection;
+pub mod gallery;
 pub mod mutation;
 pub mod oracle;
 pub mod properties;
 pub mod qp_sequences;
 pub mod random_model;
 pub mod random_qp;
+pub mod robots_page;
 pub mod scenes;
 
 /// The page's code is compiled and run with the tests.

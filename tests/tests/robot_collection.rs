@@ -7,8 +7,7 @@
 
 use std::{
     collections::BTreeSet,
-    env, fs,
-    io::{Write as _, stderr},
+    fs,
     path::{Path, PathBuf},
 };
 
@@ -21,12 +20,12 @@ use wbqp::{
 };
 use wbqp_robots::{BaseKind, Options, from_files};
 use wbqp_tasks as _;
-use wbqp_tests::oracle::{Comparison, Worst, list};
-
-/// The lists below are of this version of the package.
-const VERSION: &str = "6.0.0";
-
-const FILES: usize = 69;
+use wbqp_tests::{
+    collection::{self, FILES, label},
+    gallery::workspace,
+    oracle::{Comparison, Worst, list},
+    robots_page::{Table, collection_table},
+};
 
 /// Files that do not load, on which base, and why.
 const REFUSED: [(&str, BaseKind, &str); 2] = [
@@ -53,10 +52,6 @@ struct Case {
     oracle: Option<PathBuf>,
 }
 
-fn folder() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/oracles/robot_collection")
-}
-
 fn read(path: &Path) -> Value {
     let text = fs::read_to_string(path).expect("the file is there");
     serde_json::from_str(&text).expect("is JSON")
@@ -64,40 +59,16 @@ fn read(path: &Path) -> Value {
 
 /// All files on both bases; nothing if the oracle has not been made.
 fn collection() -> Option<Vec<Case>> {
-    let index = folder().join("index.json");
-    if !index.exists() {
-        assert!(
-            env::var_os("WBQP_REQUIRE_ORACLES").is_none(),
-            "no {}: run tests/oracles/robot_collection.py",
-            index.display()
-        );
-        // Not by a macro whose output is captured: nothing is skipped in silence.
-        let note = "skipped: no target/oracles/robot_collection; tests/oracles/robot_collection.py makes it";
-        let _ = writeln!(stderr(), "{note}");
-        return None;
-    }
-    let index = read(&index);
-    assert_eq!(index["versions"]["example-robot-data"], VERSION);
-    let robots = list(&index["robots"]);
-    assert_eq!(robots.len(), FILES);
-    let text = |value: &Value| value.as_str().map(str::to_owned);
-    let cases = robots.iter().flat_map(|robot| {
+    let cases = collection::collection()?.into_iter().flat_map(|robot| {
         let bases = [BaseKind::Floating, BaseKind::Fixed].into_iter();
         bases.map(move |base| Case {
-            file: text(&robot["file"]).expect("a name"),
-            path: text(&robot["path"]).expect("a path").into(),
+            file: robot.file.clone(),
+            path: robot.path.clone(),
             base,
-            oracle: text(&robot["models"][label(base)]).map(|name| folder().join(name)),
+            oracle: robot.oracle(base).map(Path::to_owned),
         })
     });
     Some(cases.collect())
-}
-
-fn label(base: BaseKind) -> &'static str {
-    match base {
-        BaseKind::Floating => "floating",
-        BaseKind::Fixed => "fixed",
-    }
 }
 
 impl Case {
@@ -157,6 +128,19 @@ fn all_load_but_those_that_are_named() {
     }
     assert_none(&failures);
     assert_eq!(refused, REFUSED.len());
+}
+
+#[test]
+fn the_page_says_what_loads() {
+    let Some(files) = collection::collection() else {
+        return;
+    };
+    let page = fs::read_to_string(workspace("docs/robots.md")).expect("the page is there");
+    let table = Table::Collection.of(&page).expect("the table is there");
+    assert!(
+        table == collection_table(&files),
+        "docs/robots.md is not that of the code; `cargo run --release -p wbqp-tests --bin robots_page` writes it"
+    );
 }
 
 #[test]

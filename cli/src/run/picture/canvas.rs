@@ -14,6 +14,8 @@ const ELEVATION: f64 = 18.0;
 const WIDTH: f64 = 640.0;
 const HEIGHT: f64 = 560.0;
 const MARGIN: f64 = 26.0;
+/// How far joints come out of their links towards the camera, pixels.
+const JOINT: f64 = 60.0;
 /// Height of a line of text, pixels.
 const LINE: f64 = 17.0;
 
@@ -172,7 +174,12 @@ impl Canvas {
             let depth = |shape: &Shape| {
                 let points = shape.points();
                 let sum: f64 = points.iter().map(|p| view.axes[2].dot(p)).sum();
-                sum / points.len().max(1) as f64
+                // A joint is in the middle of the links that meet there: it is drawn over them.
+                let nearer = match shape {
+                    Shape::Dot { .. } => JOINT / view.scale,
+                    _ => 0.0,
+                };
+                sum / points.len().max(1) as f64 + nearer
             };
             let mut shapes: Vec<(f64, &Shape)> = layer.iter().map(|s| (depth(s), s)).collect();
             shapes.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -39,7 +39,7 @@ use crate::text::number;
 /// Postures that the traces are drawn from.
 const SAMPLES: usize = 160;
 /// Length of the longest arrow relative to the robot's size.
-const LONGEST: f64 = 0.45;
+const LONGEST: f64 = 0.3;
 /// A start that is nearer than this, relative to the robot's size, would only blur the picture.
 const APART: f64 = 0.01;
 
