@@ -34,6 +34,10 @@ pub struct Summary {
     pub held: usize,
     /// Time at which the plant diverged, s, if it did.
     pub diverged: Option<f64>,
+    /// Where the last tick's command came from.
+    pub last_rung: Rung,
+    /// Why it was not that tick's optimum, in words.
+    pub why: Option<String>,
 }
 
 /// Ticks that a dump holds.
@@ -126,6 +130,7 @@ fn run_case(
         let (_, report) = controller.tick(measurement);
         summary.ticks += 1;
         summary.held += usize::from(report.rung != Rung::Optimal);
+        summary.last_rung = report.rung;
         requests.detect(&mut controller, measurement);
         if let Some(dumps) = &mut dumps {
             dumps.write_if_changed(&mut controller)?;
@@ -146,6 +151,7 @@ fn run_case(
     }
     timeline.write(sink)?;
     progress(1.0);
+    summary.why = controller.explain().map(|why| why.to_string());
     Ok(summary)
 }
 

@@ -72,10 +72,16 @@ pub struct FirstTick {
     pub why: Option<String>,
     /// Normal forces of the contacts that are on, N.
     pub contacts: Vec<(String, f64)>,
+    /// With which the base of a robot that should stand begins to move, m/s².
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub falls: Option<f64>,
 }
 
 /// Forces below this share of the weight, and moments below this share of the weight at 1 m, are none.
 const NEGLIGIBLE: f64 = 1e-4;
+
+/// A robot whose base accelerates less at home, m/s², stands: regularisation leaves a little.
+const STANDS: f64 = 0.1;
 
 impl Holding {
     /// Of a robot alone, by the command that a controller without tasks has before its first tick.
@@ -106,8 +112,18 @@ impl Holding {
         let mut holding = Self::of_robot(controller);
         let home = controller.measurement();
         let (command, report) = controller.tick(&home);
-        let stands = report.contacts.iter().any(|contact| contact.on);
         let (effort, rung) = (command.effort.clone(), report.rung);
+        let acceleration = report
+            .vdot
+            .iter()
+            .take(3)
+            .map(|a| a * a)
+            .sum::<f64>()
+            .sqrt();
+        let ids = controller
+            .contact_names()
+            .filter_map(|name| controller.contact(name).ok());
+        let stands = ids.into_iter().any(|id| controller.contact_spec(id).active);
         if stands {
             let robot = controller.robot();
             holding.missing.clear();
@@ -125,6 +141,9 @@ impl Holding {
                 Rung::Optimal => None,
                 _ => controller.explain().map(|why| why.to_string()),
             },
+            falls: (stands && controller.robot().model.base() == Base::Floating)
+                .then_some(acceleration)
+                .filter(|a| *a > STANDS || rung != Rung::Optimal),
             contacts: on
                 .map(|(name, contact)| (name.to_owned(), contact.solution[2]))
                 .collect(),

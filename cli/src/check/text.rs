@@ -296,6 +296,14 @@ fn holding_text(holding: &Holding, out: &mut String) {
             let _ = writeln!(out, "  contact `{name}`: {} N normal force", number(*force));
         }
         let _ = writeln!(out, "  first tick at home: {}", tick.rung);
+        if let Some(acceleration) = tick.falls {
+            let _ = writeln!(
+                out,
+                "  it does NOT stand: its base accelerates by {} m/s²; are torque and force limits enough, are the contacts \
+                 below it?",
+                number(acceleration)
+            );
+        }
         if let Some(why) = &tick.why {
             out.push_str(&indented(why, "    "));
         }

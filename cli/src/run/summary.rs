@@ -28,6 +28,10 @@ pub struct CaseSummary {
     pub worst_rung: &'static str,
     /// Time at which the plant diverged, s.
     pub diverged: Option<f64>,
+    /// Where the last tick's command came from.
+    pub last_rung: Rung,
+    /// Why it was not that tick's optimum.
+    pub why: Option<String>,
     /// In the configuration's order.
     pub tasks: Vec<TaskSummary>,
     /// In the order of `u`.
@@ -100,6 +104,8 @@ impl CaseSummary {
             not_optimal: run.held,
             worst_rung: worst_rung(log)?.as_str(),
             diverged: run.diverged,
+            last_rung: run.last_rung,
+            why: run.why.clone(),
             tasks: tasks(log, controller)?,
             efforts: efforts(log, controller)?,
             contacts: contacts(log, controller)?,
@@ -107,17 +113,24 @@ impl CaseSummary {
         })
     }
 
-    /// Whether it ran to its end.
+    /// Whether it ran to its end, and the controller had a solution there.
     pub fn completed(&self) -> bool {
-        self.diverged.is_none()
+        self.diverged.is_none() && self.last_rung <= Rung::Relaxed
     }
 
     /// Tables for a terminal.
     pub fn text(&self) -> String {
         let mut out = match self.diverged {
             Some(time) => format!("{}: DIVERGED at {time:.3} s\n", self.case),
-            None => format!("{}: ran to its end\n", self.case),
+            None if self.completed() => format!("{}: ran to its end\n", self.case),
+            None => format!(
+                "{}: FAILED: the controller ended without a solution\n",
+                self.case
+            ),
         };
+        for line in self.why.iter().flat_map(|why| why.lines()) {
+            out.push_str(&format!("  at the end: {line}\n"));
+        }
         out.push_str(&format!(
             "  {} ticks, {} not optimal (worst: {}); a tick took {:.0} µs (median), {:.0} µs (99 %)\n",
             self.ticks, self.not_optimal, self.worst_rung, self.tick_time.p50, self.tick_time.p99,
