@@ -143,7 +143,7 @@ impl Holding {
             },
             falls: (stands && controller.robot().model.base() == Base::Floating)
                 .then_some(acceleration)
-                .filter(|a| *a > STANDS || rung != Rung::Optimal),
+                .filter(|a| *a > STANDS),
             contacts: on
                 .map(|(name, contact)| (name.to_owned(), contact.solution[2]))
                 .collect(),
