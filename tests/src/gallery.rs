@@ -211,7 +211,10 @@ pub fn run(scenario: &Scenario) -> Outcome {
         .collect();
     let tasks: Vec<String> = controller.task_names().map(str::to_owned).collect();
     let mut squares = vec![0.0; tasks.len()];
-    let mut outcome = Outcome::default();
+    let mut outcome = Outcome {
+        worst: Rung::Optimal,
+        ..Outcome::default()
+    };
     let ticks = case.ticks(rate);
     let end = ticks - ticks / 10;
     let mut places: Vec<Vector3<f64>> = Vec::new();
