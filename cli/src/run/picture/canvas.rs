@@ -14,8 +14,6 @@ const ELEVATION: f64 = 18.0;
 const WIDTH: f64 = 640.0;
 const HEIGHT: f64 = 560.0;
 const MARGIN: f64 = 26.0;
-/// How far joints come out of their links towards the camera, pixels.
-const JOINT: f64 = 60.0;
 /// Height of a line of text, pixels.
 const LINE: f64 = 17.0;
 
@@ -175,14 +173,12 @@ impl Canvas {
                 let points = shape.points();
                 let sum: f64 = points.iter().map(|p| view.axes[2].dot(p)).sum();
                 // A joint is in the middle of the links that meet there: it is drawn over them.
-                let nearer = match shape {
-                    Shape::Dot { .. } => JOINT / view.scale,
-                    _ => 0.0,
-                };
-                sum / points.len().max(1) as f64 + nearer
+                let is_joint = matches!(shape, Shape::Dot { .. });
+                (is_joint, sum / points.len().max(1) as f64)
             };
-            let mut shapes: Vec<(f64, &Shape)> = layer.iter().map(|s| (depth(s), s)).collect();
-            shapes.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let mut shapes: Vec<((bool, f64), &Shape)> =
+                layer.iter().map(|s| (depth(s), s)).collect();
+            shapes.sort_by(|(a, _), (b, _)| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
             for (_, shape) in shapes {
                 draw(shape, &view, &mut out);
             }

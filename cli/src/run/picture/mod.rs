@@ -287,7 +287,7 @@ impl<'a> Run<'a> {
             })
         };
         let (x, y) = (extent(|p| p.x), extent(|p| p.y));
-        let cell = round(0.2 * (x.1 - x.0).max(y.1 - y.0).max(0.3 * size));
+        let cell = round(0.25 * (x.1 - x.0).max(y.1 - y.0).max(0.3 * size));
         let cells = |(low, high): (f64, f64)| {
             let from = (low / cell - 0.2).floor() as i64;
             from..=((high / cell + 0.2).ceil() as i64)
