@@ -12,7 +12,7 @@ use super::{
     point::Point,
     working_set::WorkingSet,
 };
-use crate::qp::{Capacity, ConstraintId, Held, Qp, Solution, Status, WarmStart};
+use crate::{Capacity, ConstraintId, Held, Qp, Solution, Status, WarmStart};
 
 /// Residual of the optimality conditions, relative to their terms, that needs no refinement.
 const EXACT: f64 = 1e-14;
@@ -48,6 +48,7 @@ enum End {
 /// Storage of the method, made once.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Workspace {
+    capacity: Capacity,
     hessian: Hessian,
     set: WorkingSet,
     /// n with padding: the length of vectors of variables.
@@ -83,9 +84,24 @@ pub(super) struct Workspace {
 }
 
 impl Workspace {
+    /// Bytes of the storage for problems up to a capacity, about.
+    pub(super) fn bytes(capacity: Capacity) -> usize {
+        let Capacity { vars: n, rows: m } = capacity;
+        let square = padded(n).saturating_mul(padded(n));
+        let words = square
+            .saturating_mul(10)
+            .saturating_add((m + n).saturating_mul(16));
+        words.saturating_mul(size_of::<f64>())
+    }
+
+    pub(super) fn capacity(&self) -> Capacity {
+        self.capacity
+    }
+
     pub(super) fn new(capacity: Capacity) -> Self {
         let Capacity { vars: n, rows: m } = capacity;
         Self {
+            capacity,
             hessian: Hessian::new(n),
             set: WorkingSet::new(n),
             v: vec![0.0; padded(n)],
@@ -126,15 +142,20 @@ impl Workspace {
     pub(super) fn solve(&mut self, qp: &Qp, mut limits: Limits<'_>, out: &mut Solution) {
         clear(qp, out);
         self.iterations = 0;
-        out.status = self.run(qp, &mut limits, out);
+        out.defect = qp.defect();
+        out.status = if out.defect.is_some() {
+            Status::Invalid
+        } else {
+            self.run(qp, &mut limits, out)
+        };
         out.iterations = self.iterations;
         let (n, m) = (qp.n(), qp.m());
         let mut numbers = out.x[..n].iter().chain(&out.y[..m]).chain(&out.z[..n]);
         if !numbers.all(|v| v.is_finite()) {
             clear(qp, out);
-            out.status = Status::Failed;
+            out.status = Status::Stalled;
         }
-        if !(out.status.is_usable() || out.status == Status::Budget) {
+        if !(out.status == Status::Optimal || out.status.was_cut_short()) {
             self.previous.clear();
         }
     }
@@ -149,12 +170,12 @@ impl Workspace {
             return Status::Infeasible;
         }
         if !self.hessian.factorise(qp) {
-            return Status::Failed;
+            return Status::Stalled;
         }
         loop {
             let status = self.run_factorised(qp, limits, out);
             let is_final = status == Status::Optimal || limits.were_used_up();
-            let has_given_up = matches!(status, Status::Failed | Status::Budget);
+            let has_given_up = status == Status::Stalled;
             // What was taken for curvature may have been rounding.
             let try_again =
                 self.hessian.is_suspect() || (has_given_up && self.hessian.can_be_raised_further());
@@ -163,7 +184,7 @@ impl Workspace {
             }
             clear(qp, out);
             if !self.hessian.factorise_raised(qp) {
-                return Status::Failed;
+                return Status::Stalled;
             }
             self.previous.clear();
         }
@@ -200,7 +221,7 @@ impl Workspace {
                 End::Infeasible => return Status::Infeasible,
                 End::Budget => {
                     self.stop(qp, out);
-                    return Status::Budget;
+                    return limits.status(self.iterations);
                 }
             }
             self.refine(qp, EXACT);
@@ -223,9 +244,9 @@ impl Workspace {
                 return if self.residual < CONVERGED && self.primal.max(missed) <= allowed {
                     Status::Optimal
                 } else if self.residual.max(missed) < ALMOST {
-                    Status::AlmostOptimal
+                    Status::Stalled
                 } else {
-                    Status::Failed
+                    Status::Stalled
                 };
             }
             let is_last = correction + 1 == CORRECTIONS || matches!(end, End::Circles);
@@ -234,7 +255,7 @@ impl Workspace {
                 // To and fro at the edge of what can be computed.
                 self.remember(qp);
                 self.write(qp, out);
-                return Status::AlmostOptimal;
+                return Status::Stalled;
             }
             if is_last {
                 break;
@@ -242,7 +263,7 @@ impl Workspace {
             self.move_on(qp, forgiven);
         }
         self.stop(qp, out);
-        Status::Budget
+        Status::Stalled
     }
 
     /// Ends before the optimum: with the minimiser on what is held, from where the next solve goes on.

@@ -1,7 +1,7 @@
 //! The point that is looked at: its variables, and what the constraints' values there are made of.
 
 use super::kernels::{LANES, dot, dot_magnitudes, dots, largest_product, padded};
-use crate::qp::{Capacity, Qp};
+use crate::{Capacity, Qp};
 
 /// Largest variable, in its unit, from which on the pull of the cost is not looked at, to save the time.
 const SMALL: f64 = 1e-8;

@@ -9,7 +9,7 @@ use super::{
     },
     Workspace, add_multiplier,
 };
-use crate::qp::{Qp, Solution};
+use crate::{Qp, Solution};
 
 /// Rounding of the coefficients of a combination, relative to the largest.
 const COMBINED: f64 = 1e-14;

@@ -13,7 +13,7 @@
 use std::ops::Range;
 
 use super::kernels::{LANES, add_rows, axpy, dot, dots, padded};
-use crate::qp::Qp;
+use crate::Qp;
 
 /// A pivot below this part of its diagonal entry is rounding: Cholesky's own error is of the order n ε.
 const WEAK: f64 = 1e-13;

@@ -1,7 +1,7 @@
 //! Rows and bounds seen as one list of constraints: rows first, then one bound per variable.
 
 use super::kernels::dot;
-use crate::qp::Qp;
+use crate::Qp;
 
 /// A constraint held at one of its limits.
 #[derive(Clone, Copy, Debug, PartialEq)]

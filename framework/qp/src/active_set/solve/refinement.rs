@@ -7,7 +7,7 @@ use super::{
     },
     EXACT, Workspace,
 };
-use crate::qp::Qp;
+use crate::Qp;
 
 /// Refinements, or proximal steps, on one set of held constraints.
 const REFINEMENTS: u32 = 50;

@@ -9,7 +9,7 @@ use super::{
     },
     End, Workspace,
 };
-use crate::qp::{Qp, Solution};
+use crate::{Qp, Solution};
 
 /// Rounds in which violated constraints are held together.
 const JOINT_ROUNDS: u32 = 8;
