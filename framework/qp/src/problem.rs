@@ -339,6 +339,11 @@ impl Qp {
         &self.lower[..self.n]
     }
 
+    /// Lower and upper limits of the rows to change.
+    pub fn row_limits_mut(&mut self) -> (&mut [f64], &mut [f64]) {
+        (&mut self.row_lower[..self.m], &mut self.row_upper[..self.m])
+    }
+
     /// Upper bounds of the variables.
     pub fn upper(&self) -> &[f64] {
         &self.upper[..self.n]

@@ -69,8 +69,4 @@ impl<'a> Limits<'a> {
         }
     }
 
-    /// Whether the last answer was that they are.
-    pub(super) fn were_used_up(&self) -> bool {
-        self.is_used_up
-    }
 }

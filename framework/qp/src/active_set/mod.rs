@@ -52,17 +52,19 @@
 //! the proximal point algorithm*, SIAM J. Control Optim. 14 (1976).
 
 mod constraint;
+mod dual;
 mod hessian;
 mod kernels;
 mod limits;
 mod orthogonal;
 mod point;
-mod solve;
+mod proximal;
 mod working_set;
+mod workspace;
 
 use crate::{Budget, Capacity, Qp, QpError, QpSolver, Solution, Status, WarmStart};
 use limits::Limits;
-use solve::Workspace;
+use workspace::Workspace;
 
 /// A dense dual active-set method, warm-started from the tick before; allocates nothing.
 ///

@@ -25,6 +25,8 @@ pub(super) struct Point {
     largest: f64,
     /// The size of the numbers whose rounding a variable carries.
     sizes: Vec<f64>,
+    /// No more than this counts as the largest.
+    most: f64,
 }
 
 impl Point {
@@ -36,8 +38,14 @@ impl Point {
             unit: vec![0.0; n],
             per_unit: vec![0.0; n],
             sizes: vec![0.0; n],
+            most: f64::INFINITY,
             ..Self::default()
         }
+    }
+
+    /// No variable, in its unit, counts as larger than this where large numbers cancel.
+    pub(super) fn set_most(&mut self, most: f64) {
+        self.most = most;
     }
 
     /// For the variables and constraints of a problem.
@@ -95,7 +103,7 @@ impl Point {
             self.largest = self.largest.max(PULL * pull);
         }
         // A thousandth of the largest is what is left where large numbers cancel.
-        let left = 1e-3 * self.largest;
+        let left = 1e-3 * self.largest.min(self.most);
         for (size, (x, unit)) in self.sizes.iter_mut().zip(x.iter().zip(&self.unit)) {
             *size = x.abs() + unit * left;
         }
