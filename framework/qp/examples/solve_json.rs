@@ -61,7 +61,7 @@ fn solve(line: &str) -> Result<Value, String> {
         .map_err(|error| error.to_string())?;
     let mut solver = ActiveSet::default();
     if let Some(cap) = problem["max_iterations"].as_u64() {
-        solver.max_iterations = u32::try_from(cap).unwrap_or(u32::MAX);
+        solver.max_iterations = u32::try_from(cap).ok();
     }
     solver
         .bind(qp.capacity())

@@ -1,12 +1,12 @@
 //! Rows and bounds seen as one list of constraints: rows first, then one bound per variable.
 
-use super::kernels::dot;
+use super::kernels::{dot, largest};
 use crate::Qp;
 
 /// Largest violation at an optimum, relative to the limit and the sizes of the terms of the row's value.
 const VIOLATION: f64 = 1e-10;
-/// A violation that is none, however small the numbers that it is made of.
-const NOTHING: f64 = 1e-15;
+/// A violation that is none, however small the numbers that it is made of: rounding of the largest variable.
+const NOTHING: f64 = 4e-15;
 /// The same of a row without coefficients, which has no scale.
 const EMPTY: f64 = 1e-9;
 
@@ -64,8 +64,9 @@ pub(super) fn sum_of_sizes(qp: &Qp, index: usize, x: &[f64]) -> f64 {
     }
 }
 
-/// Whether a point satisfies every row and bound to [`VIOLATION`].
+/// Whether a point in units near one satisfies every row and bound to [`VIOLATION`].
 pub(super) fn all_hold(qp: &Qp, x: &[f64]) -> bool {
+    let rounding = NOTHING * largest(x).max(1.0);
     (0..count(qp)).all(|index| {
         let (lower, upper) = limits(qp, index);
         let value = value(qp, index, x);
@@ -76,7 +77,7 @@ pub(super) fn all_hold(qp: &Qp, x: &[f64]) -> bool {
         };
         // `!(… > …)`: infinite where there is no limit. A NaN does not hold.
         excess <= VIOLATION * limit.abs()
-            || excess <= VIOLATION * (limit.abs() + sum_of_sizes(qp, index, x)) + NOTHING
+            || excess <= VIOLATION * (limit.abs() + sum_of_sizes(qp, index, x)) + rounding
             || (excess <= EMPTY && is_empty(qp, index))
     })
 }

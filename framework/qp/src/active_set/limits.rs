@@ -68,5 +68,4 @@ impl<'a> Limits<'a> {
             Status::TimeLimit
         }
     }
-
 }

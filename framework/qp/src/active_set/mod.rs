@@ -76,8 +76,9 @@ use workspace::Workspace;
     serde(default, deny_unknown_fields)
 )]
 pub struct ActiveSet {
-    /// Cap on the number of changes of the active set, of all attempts together.
-    pub max_iterations: u32,
+    /// Cap on the number of changes of the active set, of all attempts together; if absent, ten times the number of variables
+    /// and rows of the largest problem, and at least 500.
+    pub max_iterations: Option<u32>,
     /// Violation of a row or bound that is accepted, relative to the numbers it is computed from.
     #[cfg_attr(feature = "serde", schemars(extend("x-unit" = "1")))]
     pub tolerance: f64,
@@ -92,7 +93,7 @@ pub struct ActiveSet {
 impl Default for ActiveSet {
     fn default() -> Self {
         Self {
-            max_iterations: 500,
+            max_iterations: None,
             tolerance: 1e-12,
             budget: None,
             workspace: None,
@@ -103,7 +104,7 @@ impl Default for ActiveSet {
 impl QpSolver for ActiveSet {
     fn bind(&mut self, capacity: Capacity) -> Result<(), QpError> {
         let refused = |key, problem| Err(QpError::Setting { key, problem });
-        if self.max_iterations == 0 {
+        if self.max_iterations == Some(0) {
             return refused("max_iterations", "is 0, must be at least 1".to_owned());
         }
         if !(1e-15..=1e-6).contains(&self.tolerance) {
@@ -132,13 +133,14 @@ impl QpSolver for ActiveSet {
         let workspace = self.workspace.as_deref_mut().ok_or(QpError::NotBound)?;
         qp.fits(workspace.capacity())?;
         qp.fits(out.capacity())?;
+        let Capacity { vars, rows } = workspace.capacity();
+        let most = 10 * u32::try_from(vars + rows).unwrap_or(u32::MAX / 10);
+        let most = self.max_iterations.unwrap_or(most.max(500));
         let limits = match budget {
-            Budget::Configured => Limits::new(self.tolerance, self.max_iterations),
-            Budget::Iterations(cap) => {
-                Limits::new(self.tolerance, self.max_iterations).with_cap(cap)
-            }
+            Budget::Configured => Limits::new(self.tolerance, most),
+            Budget::Iterations(cap) => Limits::new(self.tolerance, most).with_cap(cap),
             Budget::Clock(stopwatch) => {
-                Limits::new(self.tolerance, self.max_iterations).with_clock(stopwatch, self.budget)
+                Limits::new(self.tolerance, most).with_clock(stopwatch, self.budget)
             }
         };
         workspace.solve(qp, limits, out);

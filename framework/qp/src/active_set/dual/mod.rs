@@ -163,16 +163,6 @@ impl Dual {
         }
     }
 
-    /// From now on nothing is forgiven for what other variables' sizes are: in units near one.
-    pub(super) fn set_strict(&mut self) {
-        self.point.set_most(1.0);
-    }
-
-    /// As from the beginning.
-    pub(super) fn set_lenient(&mut self) {
-        self.point.set_most(f64::INFINITY);
-    }
-
     /// Whether a small pivot may have been rounding, and the solution be as large as one divided by it.
     pub(super) fn is_doubtful(&self) -> bool {
         self.hessian.is_suspect() && self.cancels()
@@ -212,6 +202,9 @@ impl Dual {
                 }
             }
             self.refine(qp, EXACT);
+            if self.point.be_strict() {
+                self.passed = f64::INFINITY;
+            }
             let allowed = VIOLATION.max(limits.tolerance);
             let missed = self.missed(qp);
             if missed > allowed && correction < TRIALS {

@@ -107,7 +107,7 @@ impl Dual {
             if excess <= 0.0 {
                 continue;
             }
-            let size = implied.limit.abs() + self.point.magnitude(qp, implied.index);
+            let size = implied.limit.abs() + self.point.magnitude_with_rounding(qp, implied.index);
             let relative = excess / size;
             // A NaN is the worst.
             if relative.is_nan() {

@@ -76,6 +76,11 @@ impl Face {
         self.curvature = (0..n).fold(0.0, |a, j| a.max(h[j * n + j]));
     }
 
+    /// Largest diagonal entry of H.
+    pub(super) fn curvature(&self) -> f64 {
+        self.curvature
+    }
+
     /// The direction that [`Face::slope`] found.
     pub(super) fn direction(&self) -> &[f64] {
         &self.direction[..self.n]

@@ -27,6 +27,9 @@ const WEIGHTS: [f64; 3] = [1e-6, 1e-4, 1e-2];
 const ROUNDS: u32 = 200;
 /// Largest residual of the stationarity conditions at an optimum, per variable, relative to the sum of its terms' sizes.
 const STATIONARY: f64 = 1e-9;
+/// A residual below this part of the largest term of all variables, and of what the largest variable could contribute, is
+/// rounding.
+const LEAST: f64 = 1e-15;
 /// Part of the sum of the sizes of its terms below which a sum is rounding.
 const ROUNDED: f64 = 1e-12;
 
@@ -91,7 +94,6 @@ impl Proximal {
             return Status::Invalid;
         }
         let mut status = Status::Stalled;
-        dual.set_strict();
         for weight in WEIGHTS {
             status = self.iterate(weight, dual, limits, out);
             if status != Status::Stalled {
@@ -99,7 +101,6 @@ impl Proximal {
             }
             dual.forget();
         }
-        dual.set_lenient();
         self.scaling.undo(n, qp.m(), out);
         if status == Status::Unbounded {
             let largest = super::kernels::largest(&out.x[..n]);
@@ -138,6 +139,8 @@ impl Proximal {
                 return status;
             }
             self.x[..n].copy_from_slice(&out.x[..n]);
+            let moved = self.x[..n].iter().zip(&self.centre);
+            let moved = moved.fold(0.0, |a: f64, (x, c)| a.max((x - c).abs()));
             if self.is_stationary(out) {
                 return if constraint::all_hold(&self.scaled, &out.x[..n]) {
                     Status::Optimal
@@ -150,6 +153,10 @@ impl Proximal {
             }
             if limits.are_used_up(out.iterations) {
                 return limits.status(out.iterations);
+            }
+            if moved == 0.0 && self.x[..n] == self.centre[..n] {
+                // Rounding is all that is left.
+                return Status::Stalled;
             }
             self.centre[..n].copy_from_slice(&self.x[..n]);
         }
@@ -189,11 +196,11 @@ impl Proximal {
                 Some(j) => self.sizes[j] += y.abs(),
             }
         }
-        let pairs = self.gradient[..n].iter().zip(&self.sizes);
+        let largest = super::kernels::largest(&self.sizes[..n]);
+        let largest = largest.max(super::kernels::largest(&self.x[..n]) * self.face.curvature());
+        let mut pairs = self.gradient[..n].iter().zip(&self.sizes);
         // `!(… > …)` would let a NaN through.
-        pairs
-            .into_iter()
-            .all(|(r, size)| r.abs() <= STATIONARY * size)
+        pairs.all(|(r, size)| r.abs() <= STATIONARY * size || r.abs() <= LEAST * largest)
     }
 
     /// Follows the cost from `x` down the face of the constraints held, and narrower ones; whether it falls for ever, along the
