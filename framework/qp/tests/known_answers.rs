@@ -5,7 +5,7 @@ mod families;
 #[path = "families/judge.rs"]
 mod judge;
 
-use families::{FAMILIES, draw};
+use families::{FAMILIES, Family, draw};
 use wbqp_qp::{ActiveSet, QpSolver, Solution};
 
 /// Exponents of the units.
@@ -17,7 +17,13 @@ fn every_answer_is_right() {
         std::env::var("WBQP_QP_PROBLEMS").map_or(300, |c| c.parse().expect("a number"));
     let first: u64 = std::env::var("WBQP_QP_FIRST").map_or(0, |c| c.parse().expect("a number"));
     let mut wrong = Vec::new();
-    for family in FAMILIES {
+    // One family alone, by its name.
+    let only = std::env::var("WBQP_QP_FAMILY").ok();
+    let is_wanted = |family: &Family| {
+        only.as_ref()
+            .is_none_or(|name| format!("{family:?}") == *name)
+    };
+    for family in FAMILIES.into_iter().filter(is_wanted) {
         for exponent in EXPONENTS {
             let (mut iterations, mut before) = (0_u64, wrong.len());
             for seed in first..first + count {

@@ -257,11 +257,12 @@ impl Proximal {
     fn first_in_the_way(&self, full: f64) -> (f64, Option<Active>) {
         let n = self.scaled.n();
         let (x, d) = (&self.x[..n], self.face.direction());
+        let rounding = ROUNDED * super::kernels::largest(d);
         let mut first = (full, None);
         for index in (0..count(&self.scaled)).filter(|&index| !self.on_face[index]) {
             let rate = value(&self.scaled, index, d);
-            let size = constraint::sum_of_sizes(&self.scaled, index, d);
-            if rate.abs() <= ROUNDED * size {
+            // In units near one, a component that is so much smaller than others is rounding.
+            if rate.abs() <= rounding {
                 continue;
             }
             let (lower, upper) = limits(&self.scaled, index);

@@ -2,14 +2,15 @@
 //!
 //! # Mathematics
 //! With `x = D x'` and `A' = R A D`, `H' = c D H D`, `g' = c D g`. D makes the diagonal of H one where it is not zero; a
-//! variable without curvature gets the unit in which its largest coefficient is that of the others. R makes the largest
+//! variable without curvature gets the unit in which its coefficients are those of others, in the geometric mean, or its bounds
+//! are one. R makes the largest
 //! coefficient of every row one. c makes the larger of H and a thousandth of g one. All are powers of two, so that nothing
 //! is rounded, and the scaled problem hardly depends on the units of the problem.
 
 use crate::{Qp, QpError, Solution};
 
 /// Passes over rows and columns without curvature.
-const PASSES: usize = 8;
+const PASSES: usize = 12;
 /// A cost with gradients up to this many times its curvature is scaled by its curvature.
 const STEEP: f64 = 1e3;
 
@@ -30,6 +31,33 @@ fn reciprocal(of: f64) -> f64 {
     }
 }
 
+/// The power of two that is nearest to the reciprocal of the geometric mean of what is not zero: with units of rows and
+/// variables by turns, whatever is a product of such units is undone (Curtis and Reid, 1972).
+fn mean(entries: impl Iterator<Item = f64>) -> f64 {
+    let (mut sum, mut count) = (0_i64, 0_i64);
+    for entry in entries.filter(|entry| *entry != 0.0) {
+        // The exponent of two.
+        sum += ((entry.to_bits() >> 52) & 0x7ff) as i64 - 1023;
+        count += 1;
+    }
+    let exponent = -sum as f64 / count.max(1) as f64;
+    f64::exp2(exponent.round().clamp(-300.0, 300.0))
+}
+
+/// The unit of a variable that appears in bounds alone.
+fn alone(qp: &Qp, j: usize) -> f64 {
+    let bounds = [qp.lower()[j].abs(), qp.upper()[j].abs()];
+    let largest = bounds
+        .into_iter()
+        .filter(|b| b.is_finite())
+        .fold(0.0, f64::max);
+    if largest > 0.0 {
+        1.0 / reciprocal(largest)
+    } else {
+        reciprocal(qp.g()[j].abs())
+    }
+}
+
 impl Scaling {
     pub(super) fn new(vars: usize, rows: usize) -> Self {
         Self {
@@ -45,23 +73,25 @@ impl Scaling {
         for (j, d) in self.variables[..n].iter_mut().enumerate() {
             *d = reciprocal(qp.h()[j * n + j].sqrt());
         }
-        for pass in 0..PASSES {
+        for _ in 0..PASSES {
             for i in 0..m {
-                let terms = qp.row(i).iter().zip(&self.variables);
-                self.rows[i] = reciprocal(terms.fold(0.0, |a: f64, (x, d)| a.max((x * d).abs())));
-            }
-            if pass + 1 == PASSES {
-                break;
+                let entries = qp.row(i).iter().zip(&self.variables);
+                self.rows[i] = mean(entries.map(|(a, d)| a * d));
             }
             for j in (0..n).filter(|j| qp.h()[j * n + j] == 0.0) {
-                let entries = (0..m).map(|i| (qp.row(i)[j] * self.rows[i]).abs());
-                let largest = entries.fold(0.0, f64::max) * self.variables[j];
-                if largest > 0.0 {
-                    self.variables[j] *= reciprocal(largest.sqrt());
-                } else {
-                    self.variables[j] = reciprocal(qp.g()[j].abs());
-                }
+                let entries = (0..m).map(|i| qp.row(i)[j] * self.rows[i]);
+                self.variables[j] = mean(entries);
             }
+        }
+        for j in 0..n {
+            let is_alone = (0..m).all(|i| qp.row(i)[j] == 0.0);
+            if is_alone && qp.h()[j * n + j] == 0.0 {
+                self.variables[j] = alone(qp, j);
+            }
+        }
+        for i in 0..m {
+            let entries = qp.row(i).iter().zip(&self.variables);
+            self.rows[i] = reciprocal(entries.fold(0.0, |a: f64, (x, d)| a.max((x * d).abs())));
         }
         let scaled = |values: f64, d: f64| (values * d).abs();
         let steepest = (0..n).fold(0.0, |a: f64, j| a.max(scaled(qp.g()[j], self.variables[j])));
