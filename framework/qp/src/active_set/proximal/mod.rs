@@ -26,7 +26,7 @@ const WEIGHTS: [f64; 3] = [1e-6, 1e-4, 1e-2];
 /// Rounds with one weight.
 const ROUNDS: u32 = 200;
 /// Largest residual of the stationarity conditions at an optimum, per variable, relative to the sum of its terms' sizes.
-const STATIONARY: f64 = 1e-9;
+const STATIONARY: f64 = 1e-11;
 /// A residual below this part of the largest term of all variables, and of what the largest variable could contribute, is
 /// rounding.
 const LEAST: f64 = 1e-15;
@@ -141,7 +141,7 @@ impl Proximal {
             self.x[..n].copy_from_slice(&out.x[..n]);
             let moved = self.x[..n].iter().zip(&self.centre);
             let moved = moved.fold(0.0, |a: f64, (x, c)| a.max((x - c).abs()));
-            if self.is_stationary(out) {
+            if self.is_stationary(weight, out) {
                 return if constraint::all_hold(&self.scaled, &out.x[..n]) {
                     Status::Optimal
                 } else {
@@ -179,9 +179,17 @@ impl Proximal {
     }
 
     /// Whether the multipliers balance the gradient.
-    fn is_stationary(&mut self, out: &Solution) -> bool {
+    fn is_stationary(&mut self, weight: f64, out: &mut Solution) -> bool {
         self.differentiate();
         let (n, m) = (self.scaled.n(), self.scaled.m());
+        let curvature = self.face.curvature() + weight;
+        let contribution = super::kernels::largest(&self.x[..n]) * curvature;
+        if super::kernels::largest(&self.gradient[..n]) <= LEAST * contribution {
+            // No cost: what the multipliers are is rounding.
+            out.y[..m].fill(0.0);
+            out.z[..n].fill(0.0);
+            return true;
+        }
         for (index, y) in out.y[..m].iter().chain(&out.z[..n]).enumerate() {
             if *y == 0.0 {
                 continue;
@@ -197,7 +205,7 @@ impl Proximal {
             }
         }
         let largest = super::kernels::largest(&self.sizes[..n]);
-        let largest = largest.max(super::kernels::largest(&self.x[..n]) * self.face.curvature());
+        let largest = largest.max(contribution);
         let mut pairs = self.gradient[..n].iter().zip(&self.sizes);
         // `!(… > …)` would let a NaN through.
         pairs.all(|(r, size)| r.abs() <= STATIONARY * size || r.abs() <= LEAST * largest)
@@ -214,15 +222,21 @@ impl Proximal {
             self.face.confine(&self.normal[..n]);
             self.on_face[held.index] = true;
         }
+        let mut has_ray = false;
         loop {
             self.differentiate();
             let slope = self.face.slope(&self.gradient[..n]);
             let d = self.face.direction();
             let falls = -dot(&self.gradient[..n], d);
-            let terms = self.sizes[..n].iter().zip(d);
-            let rounding = ROUNDED * terms.map(|(size, d)| (size * d).abs()).sum::<f64>();
+            // A direction has rounding of its largest component in all of them.
+            let (slack, mut size) = (super::kernels::largest(d), 0.0);
+            let mut rounding = 0.0;
+            for (terms, d) in self.sizes[..n].iter().zip(d) {
+                size += terms * d.abs();
+                rounding += ROUNDED * terms * (d.abs() + 1e-3 * slack);
+            }
             if slope == Slope::None || !(falls > rounding) {
-                return false;
+                return has_ray;
             }
             let full = if slope == Slope::Ray {
                 f64::INFINITY
@@ -231,10 +245,18 @@ impl Proximal {
             };
             let (length, blocking) = self.first_in_the_way(full);
             if length.is_infinite() {
-                let (n, m) = (self.scaled.n(), self.scaled.m());
-                out.x[..n].copy_from_slice(self.face.direction());
-                out.y[..m].fill(0.0);
-                out.z[..n].fill(0.0);
+                if falls <= STATIONARY * size {
+                    return has_ray;
+                }
+                self.write_ray(out);
+                has_ray = true;
+                if self.narrow_by_rounding() {
+                    // The same again, without that rounding if it can be.
+                    continue;
+                }
+                return true;
+            }
+            if has_ray {
                 return true;
             }
             axpy(&mut self.x[..n], length, self.face.direction());
@@ -251,6 +273,37 @@ impl Proximal {
                 return false;
             }
         }
+    }
+
+    /// Narrows the face by the constraints that the direction leads to at a rate that may be rounding; whether there are any.
+    fn narrow_by_rounding(&mut self) -> bool {
+        let n = self.scaled.n();
+        let mut any = false;
+        for index in 0..count(&self.scaled) {
+            let rate = value(&self.scaled, index, self.face.direction());
+            let (lower, upper) = limits(&self.scaled, index);
+            let limit = if rate > 0.0 { upper } else { lower };
+            if self.on_face[index] || rate == 0.0 || limit.is_infinite() {
+                continue;
+            }
+            self.on_face[index] = true;
+            copy_normal(&self.scaled, index, &mut self.normal[..n]);
+            any |= self.face.confine(&self.normal[..n]);
+        }
+        any
+    }
+
+    /// The direction as the solution, without what rounding moves variables whose bounds are held.
+    fn write_ray(&self, out: &mut Solution) {
+        let (n, m) = (self.scaled.n(), self.scaled.m());
+        out.x[..n].copy_from_slice(self.face.direction());
+        for (x, on_face) in out.x[..n].iter_mut().zip(&self.on_face[m..]) {
+            if *on_face {
+                *x = 0.0;
+            }
+        }
+        out.y[..m].fill(0.0);
+        out.z[..n].fill(0.0);
     }
 
     /// How far the direction can be followed from `x`, at most `full`, and what ends it.
