@@ -86,6 +86,11 @@ impl Face {
         &self.direction[..self.n]
     }
 
+    /// The direction, to be chosen.
+    pub(super) fn direction_mut(&mut self) -> &mut [f64] {
+        &mut self.direction[..self.n]
+    }
+
     /// Leaves the directions along which a constraint stays where it is; false if those before do so already.
     pub(super) fn confine(&mut self, normal: &[f64]) -> bool {
         let (n, count) = (self.n, self.count);

@@ -30,6 +30,10 @@ const STATIONARY: f64 = 1e-11;
 /// A residual below this part of the largest term of all variables, and of what the largest variable could contribute, is
 /// rounding.
 const LEAST: f64 = 1e-15;
+/// Part of a direction's largest component below which the rate at which a constraint's value changes is rounding.
+const RATE: f64 = 1e-10;
+/// Rounds after which it is assumed that they go to and fro.
+const ZIGZAG: u32 = 4;
 /// Part of the sum of the sizes of its terms below which a sum is rounding.
 const ROUNDED: f64 = 1e-12;
 
@@ -43,6 +47,8 @@ pub(super) struct Proximal {
     h: Vec<f64>,
     g: Vec<f64>,
     centre: Vec<f64>,
+    /// Where the last round's proximal step ended.
+    last: Vec<f64>,
     x: Vec<f64>,
     gradient: Vec<f64>,
     /// Sums of the sizes of the gradient's terms.
@@ -62,6 +68,7 @@ impl Proximal {
             h: vec![0.0; n * n],
             g: vec![0.0; n],
             centre: vec![0.0; n],
+            last: vec![0.0; n],
             x: vec![0.0; n],
             gradient: vec![0.0; n],
             sizes: vec![0.0; n],
@@ -129,7 +136,7 @@ impl Proximal {
             h[j * n + j] += weight;
         }
         self.centre[..n].fill(0.0);
-        for _ in 0..ROUNDS {
+        for round in 0..ROUNDS {
             let terms = self.scaled.g_mut().iter_mut().zip(&self.g);
             for ((out, g), centre) in terms.zip(&self.centre) {
                 *out = g - weight * centre;
@@ -148,6 +155,10 @@ impl Proximal {
                     Status::Stalled
                 };
             }
+            if round >= ZIGZAG && self.extrapolate(out) {
+                return Status::Unbounded;
+            }
+            self.last[..n].copy_from_slice(&out.x[..n]);
             if self.descend(dual, limits, out) {
                 return Status::Unbounded;
             }
@@ -275,6 +286,45 @@ impl Proximal {
         }
     }
 
+    /// Goes on in the direction in which the last rounds' ends moved, as far as the cost falls and nothing is in the way; whether
+    /// it falls for ever.
+    fn extrapolate(&mut self, out: &mut Solution) -> bool {
+        let n = self.scaled.n();
+        self.differentiate();
+        let d = self.face.direction_mut();
+        for (d, (x, last)) in d.iter_mut().zip(self.x.iter().zip(&self.last)) {
+            *d = x - last;
+        }
+        let largest = super::kernels::largest(d);
+        if largest == 0.0 {
+            return false;
+        }
+        d.iter_mut().for_each(|d| *d /= largest);
+        let d = self.face.direction();
+        let falls = -dot(&self.gradient[..n], d);
+        let size: f64 = (self.sizes[..n].iter().zip(d))
+            .map(|(size, d)| size * d.abs())
+            .sum();
+        if falls <= STATIONARY * size {
+            return false;
+        }
+        let products = self.h[..n * n].chunks_exact(n).zip(d);
+        let curvature: f64 = products.map(|(h, d_i)| d_i * dot(h, d)).sum();
+        let full = if curvature <= ROUNDED * self.face.curvature() {
+            f64::INFINITY
+        } else {
+            falls / curvature
+        };
+        self.on_face[..count(&self.scaled)].fill(false);
+        let (length, _) = self.first_in_the_way(full);
+        if length.is_infinite() {
+            self.write_ray(out);
+            return true;
+        }
+        axpy(&mut self.x[..n], length, self.face.direction());
+        false
+    }
+
     /// Narrows the face by the constraints that the direction leads to at a rate that may be rounding; whether there are any.
     fn narrow_by_rounding(&mut self) -> bool {
         let n = self.scaled.n();
@@ -297,8 +347,11 @@ impl Proximal {
     fn write_ray(&self, out: &mut Solution) {
         let (n, m) = (self.scaled.n(), self.scaled.m());
         out.x[..n].copy_from_slice(self.face.direction());
-        for (x, on_face) in out.x[..n].iter_mut().zip(&self.on_face[m..]) {
-            if *on_face {
+        let rounding = RATE * super::kernels::largest(&out.x[..n]);
+        let bounds = self.scaled.lower().iter().zip(self.scaled.upper());
+        for (x, (lower, upper)) in out.x[..n].iter_mut().zip(bounds) {
+            let limit = if *x > 0.0 { upper } else { lower };
+            if x.abs() <= rounding && limit.is_finite() {
                 *x = 0.0;
             }
         }
@@ -310,7 +363,7 @@ impl Proximal {
     fn first_in_the_way(&self, full: f64) -> (f64, Option<Active>) {
         let n = self.scaled.n();
         let (x, d) = (&self.x[..n], self.face.direction());
-        let rounding = ROUNDED * super::kernels::largest(d);
+        let rounding = RATE * super::kernels::largest(d);
         let mut first = (full, None);
         for index in (0..count(&self.scaled)).filter(|&index| !self.on_face[index]) {
             let rate = value(&self.scaled, index, d);
