@@ -8,8 +8,6 @@ FAILED = ("failed", None, None, None)
 
 def daqp(p):
     """DAQP 0.11 with tolerances at its own precision."""
-    import ctypes  # noqa: F401  (daqp needs it loaded)
-
     import daqp as library
 
     finite = lambda v: np.clip(v, -1e30, 1e30)  # noqa: E731
@@ -129,6 +127,75 @@ def highs(p):
 
 
 PEERS = {"daqp": daqp, "clarabel": clarabel, "piqp": piqp, "highs": highs}
+
+
+def programme(cost, A, row_lower, row_upper, lower, upper):
+    """A linear programme of HiGHS: (optimal value, x), or None."""
+    from qp_problem import Problem
+
+    n = len(cost)
+    status, x, _, _ = highs(Problem(n, len(A), np.zeros((n, n)), cost, A, row_lower, row_upper, lower, upper))
+    return (float(cost @ x), x) if status == "optimal" else None
+
+
+def unit_rows(p):
+    """The rows with limits, divided by their largest coefficient; rows of nothing keep theirs."""
+    scale = np.max(np.abs(p.A), axis=1, initial=0)
+    scale = 1 / np.where(scale > 0, scale, 1)
+    return p.A * scale[:, None], p.row_lower * scale, p.row_upper * scale
+
+
+def feasible(p):
+    """Whether some point keeps all limits but for 1e-9 of their size: HiGHS, by the least violation there can be."""
+    A, low, high = unit_rows(p)
+    n, m = p.n, p.m
+    size = lambda v: np.where(np.isfinite(v), np.abs(v), 0)  # noqa: E731
+    # x and one slack t: every row and bound may be missed by t times its size.
+    weight = np.concatenate([1 + size(low) + size(high), 1 + size(p.lower) + size(p.upper)])
+    everything = np.vstack([A, np.eye(n)])
+    lower, upper = np.concatenate([low, p.lower]), np.concatenate([high, p.upper])
+    least = np.hstack([everything, weight[:, None]])
+    most = np.hstack([everything, -weight[:, None]])
+    rows = np.vstack([least, most])
+    infinite = np.full(m + n, np.inf)
+    found = programme(np.append(np.zeros(n), 1.0), rows, np.concatenate([lower, -infinite]),
+                    np.concatenate([infinite, upper]), np.append(np.full(n, -np.inf), 0.0), np.full(n + 1, np.inf))
+    return found is None or found[0] <= 1e-9
+
+
+def farkas(p):
+    """How far below zero multipliers of size one get the weighted limits, with A'y + z = 0 (HiGHS); None if they do
+    not."""
+    A, low, high = unit_rows(p)
+    everything = np.vstack([A, np.eye(p.n)])
+    lower, upper = np.concatenate([low, p.lower]), np.concatenate([high, p.upper])
+    finite = lambda v: np.where(np.isfinite(v), v, 0.0)  # noqa: E731
+    cost = np.concatenate([finite(upper), -finite(lower)])
+    most = np.concatenate([np.isfinite(upper), np.isfinite(lower)]).astype(float)
+    rows = np.hstack([everything.T, -everything.T])
+    zero = np.zeros(p.n)
+    found = programme(cost, rows, zero, zero, np.zeros(len(cost)), most)
+    if found is None:
+        return None
+    size = float(np.abs(cost) @ found[1])
+    return -found[0] / size if size > 0 and -found[0] > 1e-9 * size else None
+
+
+def ray(p):
+    """A direction without curvature along which the cost falls for ever, no component above one (HiGHS), or None."""
+    A, low, high = unit_rows(p)
+    H = p.symmetric().astype(float)
+    scale = np.max(np.abs(H), axis=1, initial=0)
+    H = H[scale > 0] / scale[scale > 0][:, None]
+    size = np.max(np.abs(p.g), initial=0)
+    if size == 0:
+        return None
+    recession = lambda v, side: np.where(np.isfinite(v), 0.0, side * np.inf)  # noqa: E731
+    zero = np.zeros(len(H))
+    found = programme(p.g / size, np.vstack([H, A]), np.concatenate([zero, recession(low, -1)]),
+                    np.concatenate([zero, recession(high, 1)]), np.maximum(-1.0, recession(p.lower, -1)),
+                    np.minimum(1.0, recession(p.upper, 1)))
+    return found[1] if found is not None and found[0] < -1e-7 else None
 
 
 def ask(name, problem):

@@ -133,14 +133,6 @@ def stationarity(p, x, y, z):
     return residual, np.abs(H) @ np.abs(x) + np.abs(g) + np.abs(A).T @ np.abs(y) + np.abs(z)
 
 
-def multipliers_of_nothing(p, y, z):
-    """The largest multiplier on a side that has no limit, as a share of the largest on its side's kind."""
-    multipliers = np.concatenate([np.asarray(y, float), np.asarray(z, float)])
-    lower, upper = np.concatenate([p.row_lower, p.lower]), np.concatenate([p.row_upper, p.upper])
-    wrong = ((multipliers > 0) & ~np.isfinite(upper)) | ((multipliers < 0) & ~np.isfinite(lower))
-    return np.flatnonzero(wrong)
-
-
 def support(p, y, z):
     """sum over y > 0 of y u, over y < 0 of y l (rows and bounds), and the sum of the sizes of its terms."""
     multipliers = np.concatenate([np.asarray(y, LONG), np.asarray(z, LONG)])
