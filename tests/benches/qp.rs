@@ -20,7 +20,10 @@ enum Start {
 fn solves(c: &mut Criterion) {
     let sequences = [
         ("12 variables, 5 rows", aerial(TICKS, Demand::Swelling)),
-        ("60 variables, 18 equalities, 70 rows", humanoid(TICKS, Demand::Swelling)),
+        (
+            "60 variables, 18 equalities, 70 rows",
+            humanoid(TICKS, Demand::Swelling),
+        ),
     ];
     for (name, problems) in sequences {
         let mut group = c.benchmark_group(name);

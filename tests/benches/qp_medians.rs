@@ -112,5 +112,8 @@ fn quantiles(times: &mut [f64]) -> [f64; 3] {
 
 fn main() {
     race("12 variables, 5 rows", &aerial(TICKS, Demand::Swelling));
-    race("60 variables, 18 equalities, 70 rows", &humanoid(TICKS, Demand::Swelling));
+    race(
+        "60 variables, 18 equalities, 70 rows",
+        &humanoid(TICKS, Demand::Swelling),
+    );
 }

@@ -1,6 +1,7 @@
 //! Writes the problems on which `qp.sh` compares solvers: `qp_ticks FOLDER [NAME…]`.
 //!
-//! `12`, `30_18_32` and `60_18_70` are the [sequences](wbqp_tests::qp_sequences). The others are from closed loops, of
+//! Up to `humanoid_60_swelling` they are of the [sequences](wbqp_tests::qp_sequences): with 3 to 8 active limits, or, of
+//! those that are called swelling, all of the problems that the benchmarks have. The others are from closed loops, of
 //! ticks in which limits are active:
 //! * `push_away`: experiment D's contact from the beginning of the move to its release, where the force climbs to its peak
 //!   on the friction pyramid; of several runs with different noise,
@@ -22,7 +23,7 @@ use wbqp::{
 };
 use wbqp_sim::{ClosedLoop, Requests, Scenario, Variation};
 use wbqp_tests::{
-    qp_sequences::{Demand, aerial, humanoid, quadruped},
+    qp_sequences::{Demand, aerial, drifting, humanoid, quadruped},
     qp_ticks::{Tick, write},
 };
 
@@ -30,34 +31,61 @@ type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
 /// Problems per file.
 const TICKS: usize = 1000;
+/// Active limits, equalities not counted.
+const SOME: RangeInclusive<usize> = 3..=8;
+const ANY: RangeInclusive<usize> = 0..=usize::MAX;
 
 fn main() -> Result<()> {
     let mut arguments = env::args().skip(1);
     let folder = arguments.next().ok_or("qp_ticks FOLDER [NAME…]")?;
     let chosen: Vec<String> = arguments.collect();
-    let all: [(&str, fn() -> Result<Vec<Tick>>); 7] = [
-        ("12", || sequence(aerial(TICKS, Demand::Steady(1.6)), 3..=8)),
-        ("30_18_32", || sequence(quadruped(2 * TICKS, Demand::Steady(3.0)), 3..=8)),
-        ("60_18_70", || sequence(humanoid(TICKS, Demand::Swelling), 0..=usize::MAX)),
-        ("12_swelling", || sequence(aerial(TICKS, Demand::Swelling), 0..=usize::MAX)),
-        ("push_away", push_away),
-        ("quadruped_slip", || slip("quadruped_stand", &[14.0, 18.0, 22.0])),
-        ("humanoid_slip", || slip("humanoid_stand", &[140.0, 180.0, 220.0])),
+    let steady = Demand::Steady;
+    let makers: [(&str, &dyn Fn() -> Result<Vec<Tick>>); 10] = [
+        ("drifting_12", &|| {
+            sequence(drifting(2 * TICKS, 12, 0, 10, steady(0.3)), SOME)
+        }),
+        ("drifting_30", &|| {
+            sequence(drifting(2 * TICKS, 30, 18, 32, steady(0.25)), SOME)
+        }),
+        ("drifting_60", &|| {
+            sequence(drifting(2 * TICKS, 60, 18, 70, steady(0.07)), SOME)
+        }),
+        ("aerial_12", &|| sequence(aerial(TICKS, steady(1.6)), SOME)),
+        ("quadruped_30", &|| {
+            sequence(quadruped(5 * TICKS, steady(1.0)), SOME)
+        }),
+        ("aerial_12_swelling", &|| {
+            sequence(aerial(TICKS, Demand::Swelling), ANY)
+        }),
+        ("humanoid_60_swelling", &|| {
+            sequence(humanoid(TICKS, Demand::Swelling), ANY)
+        }),
+        ("push_away", &push_away),
+        ("quadruped_slip", &|| {
+            slip("quadruped_stand", &[14.0, 18.0, 22.0])
+        }),
+        ("humanoid_slip", &|| {
+            slip("humanoid_stand", &[140.0, 180.0, 220.0])
+        }),
     ];
     fs::create_dir_all(&folder)?;
-    for (name, make) in all {
+    for (name, make) in makers {
         if chosen.is_empty() || chosen.iter().any(|c| c == name) {
             let ticks = make()?;
             let path = PathBuf::from(&folder).join(format!("{name}.ticks"));
             write(&mut BufWriter::new(File::create(&path)?), &ticks)?;
             let sequences = ticks.iter().filter(|tick| tick.is_first).count();
-            println!("{}: {} problems in {sequences} sequences", path.display(), ticks.len());
+            println!(
+                "{}: {} problems in {sequences} sequences",
+                path.display(),
+                ticks.len()
+            );
         }
     }
     Ok(())
 }
 
-/// The problems of a sequence with so many active limits.
+/// The first problems of a sequence that have so many active limits.
 fn sequence(problems: Vec<Qp>, wanted: RangeInclusive<usize>) -> Result<Vec<Tick>> {
     let capacity = problems[0].capacity();
     let (mut solver, mut solution) = (ActiveSet::default(), Solution::new(capacity));
@@ -67,7 +95,10 @@ fn sequence(problems: Vec<Qp>, wanted: RangeInclusive<usize>) -> Result<Vec<Tick
         solver.solve(&qp, &mut solution);
         let keeps = wanted.contains(&active(&qp, &solution.y, &solution.z));
         if keeps && ticks.len() < TICKS {
-            ticks.push(Tick { is_first: !follows, qp });
+            ticks.push(Tick {
+                is_first: !follows,
+                qp,
+            });
         }
         follows = keeps;
     }
@@ -102,7 +133,9 @@ fn closed_loop(
         closed_loop.measure();
         let measurement = closed_loop.measurement();
         while let Some(event) = requests.due(measurement.time) {
-            event.apply(&mut controller).map_err(|what| format!("event: {what}"))?;
+            event
+                .apply(&mut controller)
+                .map_err(|what| format!("event: {what}"))?;
         }
         controller.tick(measurement);
         requests.detect(&mut controller, measurement);
@@ -115,7 +148,11 @@ fn closed_loop(
         let report = controller.report();
         let seen = Seen {
             time,
-            contacts: report.contacts.iter().filter(|c| c.on && c.alpha >= 1.0).count(),
+            contacts: report
+                .contacts
+                .iter()
+                .filter(|c| c.on && c.alpha >= 1.0)
+                .count(),
             is_optimal: report.rung == Rung::Optimal,
             active: active(qp, &controller.solution().y, &controller.solution().z),
         };
@@ -123,9 +160,15 @@ fn closed_loop(
         if keeps {
             let fits = |last: &Qp| last.rows() == qp.rows() && last.vars() == qp.vars();
             follows &= ticks.last().is_some_and(|last| fits(&last.qp));
-            let mut copy = Qp::new(Capacity { vars: qp.n(), rows: qp.m() });
+            let mut copy = Qp::new(Capacity {
+                vars: qp.n(),
+                rows: qp.m(),
+            });
             copy.copy_from(qp);
-            ticks.push(Tick { is_first: !follows, qp: copy });
+            ticks.push(Tick {
+                is_first: !follows,
+                qp: copy,
+            });
         }
         follows = keeps;
     }
@@ -135,7 +178,9 @@ fn closed_loop(
 /// Limits with a multiplier that are no equalities.
 fn active(qp: &Qp, y: &[f64], z: &[f64]) -> usize {
     let limits = qp.row_lower().iter().zip(qp.row_upper());
-    let rows = limits.zip(y).filter(|((low, high), y)| low != high && **y != 0.0);
+    let rows = limits
+        .zip(y)
+        .filter(|((low, high), y)| low != high && **y != 0.0);
     rows.count() + z.iter().take(qp.n()).filter(|z| **z != 0.0).count()
 }
 

@@ -33,7 +33,11 @@ struct Outcome {
 
 impl Outcome {
     fn of(qp: &Qp, solution: &Solution) -> Self {
-        let equal = qp.row_lower().iter().zip(qp.row_upper()).map(|(l, u)| l == u);
+        let equal = qp
+            .row_lower()
+            .iter()
+            .zip(qp.row_upper())
+            .map(|(l, u)| l == u);
         let rows = solution.y.iter().zip(equal);
         let rows = rows.filter(|(y, is_equality)| **y != 0.0 && !is_equality);
         let bounds = solution.z.iter().take(qp.n()).filter(|z| **z != 0.0);
@@ -55,7 +59,11 @@ fn solver(capacity: Capacity) -> Result<ActiveSet> {
 fn main() -> Result<()> {
     let path = env::args().nth(1).ok_or("wbqp_qp FILE")?;
     let ticks = qp_ticks::read(&mut BufReader::new(File::open(path)?))?;
-    let capacity = ticks.first().ok_or("the file has no problem")?.qp.capacity();
+    let capacity = ticks
+        .first()
+        .ok_or("the file has no problem")?
+        .qp
+        .capacity();
     // Each has its own memory: a cold solve must not disturb what the warm one starts from.
     let (mut warm, mut cold) = (solver(capacity)?, solver(capacity)?);
     let mut solution = Solution::new(capacity);
@@ -73,7 +81,11 @@ fn main() -> Result<()> {
                 let range: &[Tick] = ticks.get(from..to).ok_or("no such problems")?;
                 let mut spent = String::new();
                 for (Tick { is_first, qp }, outcome) in range.iter().zip(&mut outcomes[from..to]) {
-                    let solver = if method == "warm" { &mut warm } else { &mut cold };
+                    let solver = if method == "warm" {
+                        &mut warm
+                    } else {
+                        &mut cold
+                    };
                     if *is_first || method == "cold" {
                         solver.reset();
                     }
@@ -84,7 +96,11 @@ fn main() -> Result<()> {
                 }
                 spent
             }
-            _ => return Err(format!("`METHOD A B` or `write FILE` is expected, not `{line}`").into()),
+            _ => {
+                return Err(
+                    format!("`METHOD A B` or `write FILE` is expected, not `{line}`").into(),
+                );
+            }
         };
         writeln!(stdout(), "{answer}")?;
         stdout().flush()?;
@@ -94,7 +110,13 @@ fn main() -> Result<()> {
 
 fn write(to: &mut impl Write, outcomes: &[Outcome]) -> Result<()> {
     for o in outcomes {
-        write!(to, "{} {} {}", u8::from(o.is_optimal), o.iterations, o.active)?;
+        write!(
+            to,
+            "{} {} {}",
+            u8::from(o.is_optimal),
+            o.iterations,
+            o.active
+        )?;
         for x in &o.x {
             write!(to, " {x:e}")?;
         }

@@ -269,7 +269,10 @@ impl Standing<'_> {
             push_friction(qp, nv + 3 * point, friction, least_normal);
         }
         for i in 6..nv {
-            let (lower, upper) = (-largest_torque - self.bias[i], largest_torque - self.bias[i]);
+            let (lower, upper) = (
+                -largest_torque - self.bias[i],
+                largest_torque - self.bias[i],
+            );
             push(qp, dynamics(i), lower, upper);
         }
     }
@@ -294,6 +297,7 @@ pub fn quadruped(ticks: usize, demand: Demand) -> Vec<Qp> {
     let forces = Waves::new(rng, nf, 1, 0.0, 0.35);
     let torques = Waves::new(rng, nv, 1, 0.0, 0.35);
     let deviation = Waves::new(rng, nv, 1, 0.0, 1.0);
+    let centre = Waves::new(rng, 3, nv, 0.25, 0.05);
     let asked = Wave::new(rng, 1.0);
     let (mean_normal, largest_torque, friction) = (30.0, 6.0, 0.5);
 
@@ -316,7 +320,11 @@ pub fn quadruped(ticks: usize, demand: Demand) -> Vec<Qp> {
         let shape = forces.vector(time);
         let force = DVector::from_fn(nf, |i, _| {
             let normal = mean_normal * (1.0 + 0.5 * shape[i - i % 3 + 2]);
-            if i % 3 == 2 { normal } else { 0.35 * normal * shape[i] }
+            if i % 3 == 2 {
+                normal
+            } else {
+                0.35 * normal * shape[i]
+            }
         });
         let mut torque = torques.vector(time) * largest_torque;
         torque.rows_mut(0, 6).fill(0.0);
@@ -338,6 +346,18 @@ pub fn quadruped(ticks: usize, demand: Demand) -> Vec<Qp> {
             h[(nv + i, nv + i)] = 1e-4;
             g[nv + i] = -1e-4 * force[i];
         }
+        // The centre of mass, which the legs move as well: couples all accelerations.
+        for (axis, row) in centre.at(time).row_iter().enumerate() {
+            let row = DVector::from_fn(nv + nf, |j, _| match j {
+                0..3 => f64::from(u8::from(j == axis)),
+                3..18 => row[j],
+                _ => 0.0,
+            });
+            let wanted = row.rows(0, nv).dot(&acceleration) + 5.0 * deviation[axis];
+            h += 4.0 * &row * row.transpose();
+            g -= 4.0 * wanted * row;
+        }
+
         let mut qp = problem(nv + nf, 18 + 32);
         set_cost(&mut qp, &h, &g);
         let stand = Standing {
@@ -469,6 +489,50 @@ pub fn humanoid(ticks: usize, demand: Demand) -> Vec<Qp> {
             acceleration: &acceleration,
         };
         stand.constrain(&mut qp, friction, 0.05 * mean_normal, largest_torque);
+        qp
+    };
+    (0..ticks).map(tick).collect()
+}
+
+/// Dense problems without any structure, all of whose numbers drift: a definite cost, equalities, rows with two limits.
+/// The more is asked for, the more limits are active; with `Demand::Steady` their number varies least.
+pub fn drifting(
+    ticks: usize,
+    variables: usize,
+    equalities: usize,
+    rows: usize,
+    demand: Demand,
+) -> Vec<Qp> {
+    let rng = &mut ChaCha8Rng::seed_from_u64(1);
+    let root = Waves::new(rng, variables, variables, 1.0, 0.1);
+    let coefficients = Waves::new(rng, equalities + rows, variables, 1.0, 0.1);
+    let point = Waves::new(rng, variables, 1, 0.0, 1.0);
+    let deviation = Waves::new(rng, variables, 1, 1.0, 0.3);
+    let margins = Waves::new(rng, rows, 2, 0.0, 0.3);
+    let asked = Wave::new(rng, 1.0);
+
+    let tick = |k: usize| {
+        let time = k as f64 * PERIOD;
+        let (root, a) = (root.at(time), coefficients.at(time));
+        let (point, margins) = (point.vector(time), margins.at(time));
+        let mut h = &root * root.transpose() / variables as f64;
+        for i in 0..variables {
+            h[(i, i)] += 0.1;
+        }
+        let wanted = &point + deviation.vector(time) * demand.at(&asked, time);
+        let g = -(&h * wanted);
+        let mut qp = problem(variables, equalities + rows);
+        set_cost(&mut qp, &h, &g);
+        // Limits lie on both sides of what a point that is feasible has.
+        for (i, row) in a.row_iter().enumerate() {
+            let value = row.transpose().dot(&point);
+            let below_and_above = match i.checked_sub(equalities) {
+                None => [0.0, 0.0],
+                Some(j) => [margins[(j, 0)], margins[(j, 1)]].map(|margin| 1.0 + margin),
+            };
+            let [below, above] = below_and_above;
+            push(&mut qp, row.iter().copied(), value - below, value + above);
+        }
         qp
     };
     (0..ticks).map(tick).collect()
