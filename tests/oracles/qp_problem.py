@@ -4,8 +4,8 @@
     subject to row_lower <= A x <= row_upper,   lower <= x <= upper
 
 One object per line: `n`, `m`, `H` (n x n) and `A` (m x n) row by row, `g`, `row_lower`, `row_upper`, `lower`, `upper`;
-"inf", "-inf" and "nan" as strings. Of H the lower triangle counts. Multipliers y of rows and z of bounds are positive on
-an active upper side, negative on an active lower side: H x + g + A'y + z = 0 at the optimum.
+"inf", "-inf" and "nan" as strings. Of H the lower triangle counts. Multipliers y of rows and z of bounds are positive
+on an active upper side, negative on an active lower side: H x + g + A'y + z = 0 at the optimum.
 
 Everything below is computed in long double (64 bits of mantissa on x86-64).
 """

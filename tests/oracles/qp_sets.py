@@ -6,9 +6,9 @@
     python3 -m venv target/oracles/venv && target/oracles/venv/bin/pip install -r tests/oracles/requirements_qp.txt
     target/oracles/venv/bin/python tests/oracles/qp_sets.py FOLDER/maros FOLDER/mpc --out target/oracles/qp
 
-writes maros.jsonl: the convex problems of Maros and Meszaros with at most 300 variables and 600 rows, and mpc.jsonl: all
-of the other set (two of whose files are kept elsewhere by some clones). A row is an equality where its limits are equal;
-limits of 1e20 and more are none; constants of the cost are left out, which `objective` has not either.
+writes maros.jsonl: the convex problems of Maros and Meszaros with at most 300 variables and 600 rows, and mpc.jsonl:
+all of the other set (two of whose files are kept elsewhere by some clones). A row is an equality where its limits are
+equal; limits of 1e20 and more are none; constants of the cost are left out, which `objective` has not either.
 
 The solution whose equations, limits and gap hold best after refinement in long double is the reference; `found_by` says
 who came within 1e-6 of it. A problem whose reference misses 1e-9 is printed as doubtful.
@@ -67,16 +67,21 @@ def mpc(folder):
         lower, upper = optional("lb", np.full(n, -INF)).ravel(), optional("ub", np.full(n, INF)).ravel()
         some = np.isfinite(h)
         G, h = G[some], h[some]
-        yield Problem(n, len(b) + len(h), (H + H.T) / 2, g, np.vstack([A, G]), np.concatenate([b, np.full(len(h), -INF)]),
-                      np.concatenate([b, h]), lower, upper, name=file.stem)
+        rows, least = np.vstack([A, G]), np.concatenate([b, np.full(len(h), -INF)])
+        most = np.concatenate([b, h])
+        yield Problem(n, len(most), (H + H.T) / 2, g, rows, least, most, lower, upper, name=file.stem)
+
+
+def missed(p, x):
+    """The largest violation, relative to one more than its terms: a limit of zero and a value of 1e-17 agree."""
+    violation, size = violations(p, x)
+    return float(np.max(ratio(violation, 1 + size), initial=0))
 
 
 def errors(p, x, y, z):
     """The largest violation and equation, relative, and the gap by the cost."""
-    violation, size = violations(p, x)
     residual, terms = stationarity(p, x, y, z)
-    # By what a row of ordinary size has: a limit of zero and a value of 1e-17 agree.
-    primal = float(np.max(ratio(violation, 1 + size), initial=0))
+    primal = missed(p, x)
     dual = float(np.max(ratio(residual, 1 + terms), initial=0))
     difference, _ = gap(p, x, y, z)
     return primal, dual, float(abs(difference) / (1 + abs(p.cost(x))))
@@ -100,7 +105,7 @@ def reference(p):
         if x is None or status not in ("optimal", "almost"):
             continue
         x, y, z = usable(p, x, y, z)
-        costs[peer] = (float(p.cost(x)), float(np.max(ratio(*((lambda v, s: (v, 1 + s))(*violations(p, x)))), initial=0)))
+        costs[peer] = float(p.cost(x)), missed(p, x)
         candidates = [(x, y, z)]
         better = polished(p, x, y, z)
         if better is not None:
@@ -113,7 +118,7 @@ def reference(p):
         return None, said
     objective = float(p.cost(best[1][0]))
     allowed = RELATIVE * max(1.0, abs(objective))
-    agree = [peer for peer, (cost, violation) in costs.items() if abs(cost - objective) <= allowed and violation <= RELATIVE]
+    agree = [peer for peer, (cost, miss) in costs.items() if abs(cost - objective) <= allowed and miss <= RELATIVE]
     expected = {"status": "optimal", "objective": objective, "x": None, "relative_tolerance": RELATIVE,
                 "objective_tolerance": allowed, "found_by": agree, "reference_error": best[0]}
     return expected, said
@@ -140,7 +145,8 @@ def main():
                 expected = problem.expected
                 doubt = "  DOUBTFUL" if expected["reference_error"] > 1e-9 or len(expected["found_by"]) < 2 else ""
                 print(f"{problem.name:12} {problem.n:4} {problem.m:4} {expected['objective']:+.12e} "
-                      f"error {expected['reference_error']:.0e} by {', '.join(expected['found_by'])}{doubt}", flush=True)
+                      f"error {expected['reference_error']:.0e} by {', '.join(expected['found_by'])}{doubt}",
+                      flush=True)
                 file.write(problem.line() + "\n")
                 count += 1
         print(f"{name}: {count} problems in {arguments.out / name}.jsonl", flush=True)

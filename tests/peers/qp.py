@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """wbqp's solver, DAQP and eiquadprog on problems of ticks with active limits: qp.sh builds what this needs.
 
-    python3 tests/peers/qp.py --wbqp target/release/wbqp_qp --peer target/peers-qp/qp_peer FOLDER/*.ticks
+    python3 tests/peers/qp.py --wbqp target/release/wbqp_qp --peer target/peers-qp/qp_peer target/peers-qp/*.ticks
 
 All solvers take the same problems in the same order, in turns of BLOCK of them: what disturbs the machine disturbs all.
 Each goes through the file PASSES times; of every problem its least time counts, and of these the median and the 99th
@@ -27,14 +27,17 @@ from pathlib import Path
 import numpy as np
 
 BLOCK, PASSES = 100, 4
-# (name, which program, its method, the method of wbqp it is compared with)
+# (name, which program, its method, the method of wbqp it is compared with). `own`: with its package's own flags, which
+# let the compiler change the order of sums.
 ENTRANTS = [
     ("wbqp, warm", "wbqp", "warm", None),
     ("wbqp, cold", "wbqp", "cold", None),
     ("DAQP, warm", "peer", "daqp_warm", "wbqp, warm"),
-    ("DAQP, warm, equalities eliminated", "peer", "daqp_warm_reduced", "wbqp, warm"),
     ("DAQP, cold", "peer", "daqp_cold", "wbqp, cold"),
-    ("DAQP, cold, one call", "peer", "daqp_once", "wbqp, cold"),
+    ("DAQP, own flags, warm", "own", "daqp_warm", "wbqp, warm"),
+    ("DAQP, own flags, cold", "own", "daqp_cold", "wbqp, cold"),
+    ("DAQP, equalities eliminated, warm", "own", "daqp_warm_reduced", "wbqp, warm"),
+    ("DAQP, one call, cold", "own", "daqp_once", "wbqp, cold"),
     ("eiquadprog, cold", "peer", "eiquadprog", "wbqp, cold"),
 ]
 TITLES = {
@@ -125,8 +128,8 @@ class Ticks:
 def measure(path, programs, passes, methods):
     ticks = Ticks(path)
     count = len(ticks.problems)
-    running = {name: Program(program, path) for name, program in programs.items()}
-    entrants = [e for e in ENTRANTS if e[0] in methods]
+    running = {name: Program(program, path) for name, program in programs.items() if program}
+    entrants = [e for e in ENTRANTS if e[0] in methods and e[1] in running]
     times = {name: np.full((passes, count), np.nan) for name, *_ in entrants}
     for turn in range(passes):
         # Another one begins each time.
@@ -165,7 +168,8 @@ def measure(path, programs, passes, methods):
 
 def markdown(results):
     """The table of ratios, then times and checks."""
-    columns = [name for name, _, _, against in ENTRANTS if against]
+    measured = [result["rows"] for result in results.values()]
+    columns = [name for name, _, _, against in ENTRANTS if against and any(name in rows for rows in measured)]
     lines = [
         "| peer ÷ wbqp: p50 (p99) | variables / equalities / inequalities | " + " | ".join(columns) + " |",
         "|---" * 2 + "|---:" * len(columns) + "|",
@@ -188,16 +192,16 @@ def markdown(results):
     for name, result in results.items():
         for solver, row in result["rows"].items():
             lines.append(
-                f"| {TITLES.get(name, name)} | {solver} | {row['p50']:.2f} | {row['p99']:.2f} | {row['iterations']:.0f} "
-                f"| {row['violation']:.0e} | {row['cost']:+.0e} | {row['failed'] or ''} |"
+                f"| {TITLES.get(name, name)} | {solver} | {row['p50']:.2f} | {row['p99']:.2f} "
+                f"| {row['iterations']:.0f} | {row['violation']:.0e} | {row['cost']:+.0e} | {row['failed'] or ''} |"
             )
     return "\n".join(lines)
 
 
 def machine():
     names = re.findall(r"model name\s*: (.*)", Path("/proc/cpuinfo").read_text())
-    load = os.getloadavg()[2]
-    return f"{(names or [platform.processor()])[0]}, {os.cpu_count()} logical cores; load over the last 15 minutes {load:.1f}."
+    name, load = (names or [platform.processor()])[0], os.getloadavg()[2]
+    return f"{name}, {os.cpu_count()} logical cores; load over the last 15 minutes {load:.1f}."
 
 
 def main():
@@ -205,6 +209,7 @@ def main():
     parser.add_argument("files", nargs="+", type=Path, help="written by qp_ticks")
     parser.add_argument("--wbqp", required=True, help="the program wbqp_qp")
     parser.add_argument("--peer", required=True, help="the program qp_peer")
+    parser.add_argument("--own", help="the same program, DAQP compiled with its package's flags")
     parser.add_argument("--passes", type=int, default=PASSES)
     parser.add_argument("--only", nargs="*", metavar="METHOD", help="methods of the peer, such as daqp_warm daqp_cold")
     parser.add_argument("--json", type=Path, help="also writes the results there")
@@ -213,7 +218,7 @@ def main():
     methods = {e[0] for e in ENTRANTS if e[3] is None or not arguments.only or e[2] in arguments.only}
     results = {}
     for file in arguments.files:
-        programs = {"wbqp": arguments.wbqp, "peer": arguments.peer}
+        programs = {"wbqp": arguments.wbqp, "peer": arguments.peer, "own": arguments.own}
         results[file.stem] = measure(file, programs, arguments.passes, methods)
         print(markdown({file.stem: results[file.stem]}), end="\n\n", flush=True)
     if arguments.json:
