@@ -59,11 +59,11 @@ pub use json_schema::json_schema;
 pub use variation::Variation;
 
 use std::{
-    fs,
+    collections::HashMap,
     path::{Path, PathBuf},
 };
 
-use wbqp::{config::ControllerConfig, robot::SourceFile, suggestion::suggestion};
+use wbqp::{config::ControllerConfig, input, robot::SourceFile, suggestion::suggestion};
 
 use file::{CaseFile, Text};
 
@@ -93,7 +93,7 @@ impl Scenario {
     /// [`ScenarioError`] naming the file or the value of the variation, the place and what is wrong.
     pub fn from_file_with(path: &Path, variation: &Variation) -> Result<Self, ScenarioError> {
         let name = path.display().to_string();
-        let contents = fs::read_to_string(path).map_err(|source| ScenarioError::Read {
+        let contents = input::read_text(path).map_err(|source| ScenarioError::Read {
             file: name.clone(),
             source,
         })?;
@@ -229,8 +229,9 @@ fn check_names(file: &str, cases: &[CaseFile]) -> Result<(), ScenarioError> {
     if cases.is_empty() {
         return refuse("case: there is none; add a [[case]] with a name".into());
     }
+    let mut first = HashMap::new();
     for (i, case) in cases.iter().enumerate() {
-        if cases[..i].iter().any(|c| c.name == case.name) {
+        if first.insert(case.name.as_str(), i).is_some() {
             return refuse(format!("case[{i}]: the name `{}` is used twice", case.name));
         }
         // The name becomes the name of a log file.
