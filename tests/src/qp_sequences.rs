@@ -96,7 +96,7 @@ fn envelope(wave: &Wave, time: f64) -> f64 {
 
 fn problem(vars: usize, rows: usize) -> Qp {
     let mut qp = Qp::new(Capacity { vars, rows });
-    qp.reset((0..vars as u32).map(VarId::new));
+    qp.reset((0..vars as u32).map(VarId::new)).expect("ascends");
     qp
 }
 

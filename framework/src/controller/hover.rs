@@ -5,7 +5,12 @@
 //! that is missing; its first six components are the force and the moment on the base, in world axes.
 
 use super::Controller;
-use crate::{config::Hover, model::Base, qp::VarId, robot::RobotModel};
+use crate::{
+    config::Hover,
+    model::Base,
+    qp::{Status, VarId},
+    robot::RobotModel,
+};
 
 /// Forces below this share of the weight, and moments below this share of the weight at 1 m, count as none.
 const NEGLIGIBLE: f64 = 1e-4;
@@ -44,7 +49,8 @@ impl Controller {
         self.actuation.write(&self.world.data, &mut s, nu);
         let s = s.as_slice();
         let gravity = self.world.data.gravity();
-        self.qp.reset((0..nu).map(|i| VarId(i as u32)));
+        let made = self.qp.reset((0..nu).map(|i| VarId::new(i as u32)));
+        debug_assert!(made.is_ok(), "the efforts are among the variables");
         let (h, g) = self.qp.cost_mut();
         // A motor acts on one velocity, a rotor on those that carry it: S has few entries, and few are looked at.
         let acts_on = |i: usize| (0..nv).filter(move |k| s[k * nu + i] != 0.0);
@@ -63,8 +69,8 @@ impl Controller {
             lower[i] = actuator.lower;
             upper[i] = actuator.upper;
         }
-        self.solver.solve(&self.qp, &mut self.solution);
-        let is_solved = self.solution.status.is_usable();
+        let status = self.solver.solve(&self.qp, &mut self.solution);
+        let is_solved = status == Ok(Status::Optimal);
         if !is_solved {
             // As near to no effort as the limits allow.
             self.solution.x[..nu].fill(0.0);
@@ -78,7 +84,7 @@ impl Controller {
         }
         self.world.last.effort.copy_from_slice(&self.command.effort);
         self.solver.reset();
-        self.qp.reset([]);
+        let _ = self.qp.reset([]);
         self.world.origin = None;
         is_solved
     }

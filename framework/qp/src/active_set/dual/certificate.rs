@@ -2,14 +2,12 @@
 
 use super::{
     super::{
-        constraint::{
-            Active, add_normal, copy_normal, count, largest_normal, limits, magnitude, value,
-        },
-        kernels::{axpy, dot, largest, largest_product},
+        constraint::{Active, add_normal, copy_normal, largest_normal},
+        kernels::{axpy, largest_product},
     },
-    Workspace, add_multiplier,
+    Dual, add_multiplier,
 };
-use crate::qp::{Qp, Solution};
+use crate::{Qp, Solution};
 
 /// Rounding of the coefficients of a combination, relative to the largest.
 const COMBINED: f64 = 1e-14;
@@ -19,7 +17,7 @@ const CLOSED: f64 = 1e-13;
 /// contradictory limits together.
 const STRETCHED: f64 = 1e3;
 
-impl Workspace {
+impl Dual {
     /// Whether the limits of a dependent constraint and of those held contradict one another by more than rounding.
     pub(super) fn contradicts(&mut self, qp: &Qp, constraint: Active) -> bool {
         self.refine_combination(qp, constraint.index);
@@ -92,7 +90,7 @@ impl Workspace {
     }
 
     /// Leaves out of the refined combination what would have a multiplier of the wrong sign: rounding, else its constraint
-    /// would have been let go. If it is not, [`Workspace::is_dependent`] sees it.
+    /// would have been let go. If it is not, [`Dual::is_dependent`] sees it.
     fn drop_wrong(&mut self, side: f64) {
         for (r, held) in self.p.iter_mut().zip(self.set.active()) {
             if *r * side * held.side > 0.0 {
@@ -108,27 +106,5 @@ impl Workspace {
             add_multiplier(qp, held.index, -side * r, out);
         }
         add_multiplier(qp, index, side, out);
-    }
-
-    /// Whether the last proximal steps went along a direction in which the cost falls for ever.
-    pub(super) fn is_unbounded(&mut self, qp: &Qp) -> bool {
-        let n = qp.n();
-        let d = &mut self.w[..n];
-        for ((d, x), last) in d.iter_mut().zip(self.point.x()).zip(&self.last) {
-            *d = x - last;
-        }
-        let d = &self.w[..n];
-        let size = largest(d);
-        let flat = qp
-            .h()
-            .chunks_exact(n)
-            .all(|h| dot(h, d).abs() <= 1e-9 * size);
-        let free = (0..count(qp)).all(|index| {
-            let (lower, upper) = limits(qp, index);
-            let rate = value(qp, index, d);
-            let rounding = 1e-9 * magnitude(qp, index, d, self.point.unit(), size);
-            (upper.is_infinite() || rate <= rounding) && (lower.is_infinite() || rate >= -rounding)
-        });
-        flat && free && dot(qp.g(), d) < 0.0
     }
 }
