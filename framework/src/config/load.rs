@@ -15,7 +15,7 @@ use super::{
     document::Document,
     entry, expand,
     expand::Texts,
-    fault,
+    fault, meaning,
     overrides::Appendix,
     report::{At, Report},
     schema::Node,
@@ -95,6 +95,7 @@ impl ControllerConfig {
         }
         let texts = Texts::default();
         let (document, _) = expand::read(source, overrides, &appendix, &texts, &mut report);
+        let warnings = meaning::check(&document, &mut report);
         let parts = Parts::read(document, &mut report);
         report.finish()?;
         match parts {
@@ -107,6 +108,7 @@ impl ControllerConfig {
                 constraints: parts.constraints,
                 directory: directory.into(),
                 overrides: overrides.clone(),
+                warnings,
                 source: Some(SourceFile {
                     name: file_name.to_owned(),
                     media_type: "application/toml",

@@ -18,6 +18,7 @@ pub(super) struct Faults {
     origin: Origin,
     /// With the place of what is wrong among its kind.
     list: Vec<(usize, Fault)>,
+    is_too_large: bool,
 }
 
 impl Faults {
@@ -25,6 +26,7 @@ impl Faults {
         Self {
             origin,
             list: Vec::new(),
+            is_too_large: false,
         }
     }
 
@@ -82,6 +84,23 @@ impl Faults {
     pub(super) fn solver(&mut self, tag: &str, bound: Result<(), BindError>) {
         if let Err(error) = bound {
             self.add(Target::Solver, 0, format!("solver ({tag})"), error);
+        }
+    }
+
+    /// What takes more than it may.
+    pub(super) fn memory(&mut self, checked: Result<(), BindError>) {
+        if let Err(error) = checked {
+            self.is_too_large = true;
+            self.add(Target::Controller, 0, "controller".to_owned(), error);
+        }
+    }
+
+    /// Everything that was collected, if there is no going on without taking more than may be taken.
+    pub(super) fn stop_if_too_large(&mut self) -> Result<(), ControllerError> {
+        if self.is_too_large {
+            self.stop_if_any()
+        } else {
+            Ok(())
         }
     }
 

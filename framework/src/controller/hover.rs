@@ -57,11 +57,18 @@ impl Controller {
         let columns: Vec<Vec<usize>> = (0..nu).map(|i| acts_on(i).collect()).collect();
         for (i, column) in columns.iter().enumerate() {
             for (j, other) in columns.iter().enumerate() {
-                let shorter = if column.len() < other.len() { column } else { other };
+                let shorter = if column.len() < other.len() {
+                    column
+                } else {
+                    other
+                };
                 let products = shorter.iter().map(|k| 2.0 * s[k * nu + i] * s[k * nu + j]);
-                h[i * nu + j] = products.sum();
+                h[i * nu + j] = products.sum::<f64>() + 0.0;
             }
-            g[i] = column.iter().map(|k| -2.0 * s[k * nu + i] * gravity[*k]).sum();
+            g[i] = column
+                .iter()
+                .map(|k| -2.0 * s[k * nu + i] * gravity[*k])
+                .sum();
             h[i * nu + i] += 1e-9;
         }
         let (lower, upper) = self.qp.bounds_mut();

@@ -45,6 +45,7 @@
 
 mod case;
 mod change;
+mod check;
 mod error;
 mod event;
 mod file;
@@ -149,23 +150,27 @@ impl Scenario {
             .first()
             .map(|case| case.keys.name.clone())
             .unwrap_or_default();
-        let mut checked = Vec::new();
-        for (index, file) in cases.into_iter().enumerate() {
-            let is_plain = index == 0 && !file.is_changed;
-            let case_name = file.name.clone();
-            let case = Case::new(file, &source.name, directory);
-            case.check(&text).map_err(|error| match error {
-                error if is_plain => error,
+        let first_is_plain = cases.first().is_some_and(|case| !case.is_changed);
+        let cases = cases.into_iter();
+        let checked: Vec<Case> = cases
+            .map(|case| Case::new(case, &source.name, directory))
+            .collect();
+        let robots = check::Robots::default();
+        check::all(checked.len(), |index| {
+            let Some(case) = checked.get(index) else {
+                return Ok(());
+            };
+            case.check(&text, &robots).map_err(|error| match error {
+                error if index == 0 && first_is_plain => error,
                 // These say so themselves.
                 error @ (ScenarioError::Config { .. } | ScenarioError::Controller { .. }) => error,
                 error => ScenarioError::Case {
                     file: source.name.clone(),
-                    case: case_name,
+                    case: case.name().to_owned(),
                     source: Box::new(error),
                 },
-            })?;
-            checked.push(case);
-        }
+            })
+        })?;
         Ok(Self {
             name,
             directory: directory.to_owned(),

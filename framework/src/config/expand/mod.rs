@@ -11,7 +11,7 @@ mod long;
 mod names;
 mod robot;
 pub(crate) mod schema;
-mod value;
+pub(super) mod value;
 
 use std::cell::OnceCell;
 
