@@ -92,7 +92,7 @@ fn sequence(problems: Vec<Qp>, wanted: RangeInclusive<usize>) -> Result<Vec<Tick
     solver.bind(capacity)?;
     let (mut ticks, mut follows) = (Vec::new(), false);
     for qp in problems {
-        solver.solve(&qp, &mut solution);
+        solver.solve(&qp, &mut solution)?;
         let keeps = wanted.contains(&active(&qp, &solution.y, &solution.z));
         if keeps && ticks.len() < TICKS {
             ticks.push(Tick {
@@ -164,7 +164,7 @@ fn closed_loop(
                 vars: qp.n(),
                 rows: qp.m(),
             });
-            copy.copy_from(qp);
+            copy.copy_from(qp)?;
             ticks.push(Tick {
                 is_first: !follows,
                 qp: copy,

@@ -106,7 +106,8 @@ impl Parts {
 
     fn into_tick(self, capacity: Capacity) -> Tick {
         let mut qp = Qp::new(capacity);
-        qp.reset(self.vars.iter().map(|&id| VarId::new(id)));
+        qp.reset(self.vars.iter().map(|&id| VarId::new(id)))
+            .expect("as they were written");
         qp.h_mut().copy_from_slice(&self.h);
         qp.g_mut().copy_from_slice(&self.g);
         let n = self.vars.len();
