@@ -238,13 +238,17 @@ impl Proximal {
             self.differentiate();
             let slope = self.face.slope(&self.gradient[..n]);
             let d = self.face.direction();
-            let falls = -dot(&self.gradient[..n], d);
+            let mut falls = -dot(&self.gradient[..n], d);
             // A direction has rounding of its largest component in all of them.
             let (slack, mut size) = (super::kernels::largest(d), 0.0);
             let mut rounding = 0.0;
             for (terms, d) in self.sizes[..n].iter().zip(d) {
                 size += terms * d.abs();
                 rounding += ROUNDED * terms * (d.abs() + 1e-3 * slack);
+            }
+            if slope == Slope::Ray {
+                // Without curvature its slope does not depend on x, however large that has become.
+                (falls, size, rounding) = self.slope_of_linear_term();
             }
             if slope == Slope::None || !(falls > rounding) {
                 return has_ray;
@@ -284,6 +288,19 @@ impl Proximal {
                 return false;
             }
         }
+    }
+
+    /// How steeply `gᵀ x` falls in the direction, the sum of the terms' sizes, and what may be rounding of it.
+    fn slope_of_linear_term(&self) -> (f64, f64, f64) {
+        let d = self.face.direction();
+        let largest = super::kernels::largest(d);
+        let (mut falls, mut size, mut rounding) = (0.0, 0.0, 0.0);
+        for (g, d) in self.g.iter().zip(d) {
+            falls -= g * d;
+            size += (g * d).abs();
+            rounding += ROUNDED * g.abs() * (d.abs() + 1e-3 * largest);
+        }
+        (falls, size, rounding)
     }
 
     /// Goes on in the direction in which the last rounds' ends moved, as far as the cost falls and nothing is in the way; whether
