@@ -120,8 +120,7 @@ pub fn constraints(count: usize) -> String {
     for constraint in 0..count {
         let _ = writeln!(
             text,
-            "[[constraint]]\nname = \"w{constraint}\"\ntype = \"contact_wrench\"\ncontact = \"left\"\n\
-             half_length_x = 0.1\nhalf_length_y = 0.05\n"
+            "[[constraint]]\nname = \"w{constraint}\"\ntype = \"actuator_limits\"\n"
         );
     }
     text
