@@ -4,7 +4,7 @@
 use std::{hint::black_box, time::Instant};
 
 use wbqp::qp::{ActiveSet, Clarabel, Qp, QpSolver, Solution, Status};
-use wbqp_tests::qp_sequences::{aerial, humanoid};
+use wbqp_tests::qp_sequences::{Demand, aerial, humanoid};
 
 /// Problems per sequence.
 const TICKS: usize = 1000;
@@ -111,6 +111,9 @@ fn quantiles(times: &mut [f64]) -> [f64; 3] {
 }
 
 fn main() {
-    race("12 variables, 5 rows", &aerial(TICKS));
-    race("60 variables, 18 equalities, 70 rows", &humanoid(TICKS));
+    race("12 variables, 5 rows", &aerial(TICKS, Demand::Swelling));
+    race(
+        "60 variables, 18 equalities, 70 rows",
+        &humanoid(TICKS, Demand::Swelling),
+    );
 }

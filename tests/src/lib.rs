@@ -11,6 +11,7 @@ pub mod mutation;
 pub mod oracle;
 pub mod properties;
 pub mod qp_sequences;
+pub mod qp_ticks;
 pub mod random_model;
 pub mod random_qp;
 pub mod robots_page;

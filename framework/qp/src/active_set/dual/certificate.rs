@@ -5,12 +5,14 @@ use super::{
         constraint::{Active, add_normal, copy_normal, largest_normal},
         kernels::{axpy, largest_product},
     },
-    Dual, add_multiplier,
+    Dual, VIOLATION, add_multiplier,
 };
 use crate::{Qp, Solution};
 
 /// Rounding of the coefficients of a combination, relative to the largest.
 const COMBINED: f64 = 1e-14;
+/// A sum of limits below zero by less than this part of its terms may be rounding.
+const BEYOND: f64 = 1e-13;
 /// What is left of a dependent normal less its combination, relative to the largest term.
 const CLOSED: f64 = 1e-13;
 /// How many times larger than at present the variables would have to be for normals that are only nearly dependent to bring
@@ -29,8 +31,8 @@ impl Dual {
             sum += term;
             size += f64::abs(term);
         }
-        let is_negative = sum < -1e-9 * size;
-        if !is_negative {
+        // The sum is what the constraint is violated by wherever the others hold.
+        if sum >= -BEYOND * size || -sum <= VIOLATION * self.accepted_size(qp, constraint) {
             return false;
         }
         // Where limits are zero, the whole sum may be the rounding of a coefficient that is zero, too.
@@ -57,16 +59,20 @@ impl Dual {
             add_normal(qp, held.index, -r, rest);
         }
         largest_product(rest, self.point.unit()) <= CLOSED * largest
-            || gap > STRETCHED * self.leftover(qp)
+            || gap > STRETCHED * self.leftover()
     }
 
-    /// What the rest in `self.gradient` may come to with variables of the size that they have at the minimiser on the
-    /// constraints held.
-    fn leftover(&mut self, qp: &Qp) -> f64 {
+    /// What a violation is compared with at the minimiser on the constraints held, where it leaves the point.
+    fn accepted_size(&mut self, qp: &Qp, constraint: Active) -> f64 {
         self.set.find_targets();
         self.set.primal(&self.hessian, self.point.x_mut());
         self.point.evaluate(qp);
         self.set.take_combination(&self.p[..self.set.len()]);
+        constraint.limit.abs() + self.point.magnitude_with_rounding(qp, constraint.index)
+    }
+
+    /// What the rest in `self.gradient` may come to with variables of the size that they have at the point.
+    fn leftover(&self) -> f64 {
         let sizes = self.point.x().iter().zip(self.point.unit());
         let sizes = sizes.map(|(x, unit)| x.abs() + unit * self.point.largest());
         let rest = &self.gradient[..self.stride];
