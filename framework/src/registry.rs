@@ -55,7 +55,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::DeserializeOwned;
 use toml::de::ValueDeserializer;
 
-use crate::{constraint::Constraint, qp::QpSolver, reference::Reference, robot::Robot, task::Task};
+use crate::{constraint::Constraint, qp::Solver, reference::Reference, robot::Robot, task::Task};
 
 pub use listing::{Listing, Parameter, PluginInfo, list};
 
@@ -72,7 +72,7 @@ pub struct Plugin<P: ?Sized + 'static> {
     pub load: fn(ValueDeserializer<'_>) -> Result<Box<P>, toml::de::Error>,
 }
 
-/// One of the kinds of plug-in: `dyn Task`, `dyn Constraint`, `dyn Reference`, `dyn Robot`, `dyn QpSolver`.
+/// One of the kinds of plug-in: `dyn Task`, `dyn Constraint`, `dyn Reference`, `dyn Robot`, `dyn Solver`.
 pub trait PluginKind: 'static {
     /// What it is called in messages: `task`, `constraint`, `reference`, `robot`, `solver`.
     const NAME: &'static str;
@@ -154,7 +154,7 @@ plugin_kinds! {
     ConstraintPlugin, Constraint, constraints, "constraint";
     ReferencePlugin, Reference, references, "reference";
     RobotPlugin, Robot, robots, "robot";
-    QpSolverPlugin, QpSolver, solvers, "solver";
+    SolverPlugin, Solver, solvers, "solver";
 }
 
 fn duplicates_of<P: PluginKind + ?Sized>(all: &mut Vec<Duplicate>) {

@@ -90,8 +90,9 @@ fn main() -> Result<()> {
                         solver.reset();
                     }
                     let start = Instant::now();
-                    solver.solve(black_box(qp), &mut solution);
+                    let solved = solver.solve(black_box(qp), &mut solution);
                     spent += &format!("{} ", start.elapsed().as_nanos());
+                    solved?;
                     *outcome = Outcome::of(qp, &solution);
                 }
                 spent

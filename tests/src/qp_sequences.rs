@@ -109,7 +109,7 @@ impl Demand {
 
 fn problem(vars: usize, rows: usize) -> Qp {
     let mut qp = Qp::new(Capacity { vars, rows });
-    qp.reset((0..vars as u32).map(VarId::new));
+    qp.reset((0..vars as u32).map(VarId::new)).expect("ascends");
     qp
 }
 

@@ -191,7 +191,8 @@ impl Assembly {
         groups: &mut [Group],
         qp: &mut Qp,
     ) -> Result<(), Fault> {
-        qp.reset(self.live.vars.iter().copied());
+        let made = qp.reset(self.live.vars.iter().copied());
+        debug_assert!(made.is_ok(), "{made:?}");
         self.constants.clear();
         self.torque_rows.clear();
         self.push_dynamics(terms, qp);

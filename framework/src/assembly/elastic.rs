@@ -261,12 +261,13 @@ impl Elastic {
         let (first_slack, first_row) = (self.first_slack, self.first_row);
         let slacks = self.given.iter().map(|given| {
             let id = match given.at {
-                At::Row(_) => given.id.0,
-                At::Variable(_) | At::Torque(_) => first_row + given.id.0,
+                At::Row(_) => given.id.index() as u32,
+                At::Variable(_) | At::Torque(_) => first_row + given.id.index() as u32,
             };
-            VarId(first_slack + id)
+            VarId::new(first_slack + id)
         });
-        self.qp.reset(base.vars().iter().copied().chain(slacks));
+        let made = self.qp.reset(base.vars().iter().copied().chain(slacks));
+        debug_assert!(made.is_ok(), "{made:?}");
         self.write_cost(assembly, base);
         let mut next = 0;
         for i in 0..base.m() {
@@ -281,7 +282,11 @@ impl Elastic {
                 }
                 None => (base.row_lower()[i], base.row_upper()[i]),
             };
-            let Some(row) = self.qp.push_row(base.rows()[i], lower, upper) else {
+            let Ok(row) = self.qp.push_row(base.rows()[i], lower, upper) else {
+                debug_assert!(
+                    false,
+                    "the storage is made for all rows, in ascending order"
+                );
                 return;
             };
             row[..n].copy_from_slice(base.row(i));
@@ -291,8 +296,12 @@ impl Elastic {
             }
         }
         for (k, given) in self.given.iter().enumerate().skip(next) {
-            let id = RowId(first_row + given.id.0);
-            let Some(row) = self.qp.push_row(id, given.lower, given.upper) else {
+            let id = RowId::new(first_row + given.id.index() as u32);
+            let Ok(row) = self.qp.push_row(id, given.lower, given.upper) else {
+                debug_assert!(
+                    false,
+                    "the storage is made for all limits, in ascending order"
+                );
                 return;
             };
             match given.at {

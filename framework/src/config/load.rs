@@ -26,7 +26,7 @@ use crate::{
     constraint::Constraint,
     contact::ContactSpec,
     entry::{Entry, Hardness},
-    qp::{ActiveSet, QpSolver},
+    qp::{ActiveSet, Solver},
     registry::{self, PluginKind},
     robot::{Place, Robot, SourceFile},
     setup::BindError,
@@ -143,7 +143,7 @@ fn registry_faults() -> &'static [String] {
         reserved_keys::<dyn Constraint>(&entry, &mut faults);
         reserved_keys::<dyn crate::reference::Reference>(&["type"], &mut faults);
         reserved_keys::<dyn Robot>(&["type"], &mut faults);
-        reserved_keys::<dyn QpSolver>(&["type"], &mut faults);
+        reserved_keys::<dyn Solver>(&["type"], &mut faults);
         faults
     })
 }
@@ -168,7 +168,7 @@ fn reserved_keys<P: PluginKind + ?Sized>(reserved: &[&str], faults: &mut Vec<Str
 struct Parts {
     settings: Settings,
     robot: Box<dyn Robot>,
-    solver: Box<dyn QpSolver>,
+    solver: Box<dyn Solver>,
     contacts: Vec<ContactSpec>,
     tasks: Vec<Entry<dyn Task>>,
     constraints: Vec<Entry<dyn Constraint>>,
@@ -180,8 +180,8 @@ impl Parts {
         let robot = document
             .robot
             .and_then(|section| single::<dyn Robot>(section, report));
-        let solver: Option<Box<dyn QpSolver>> = match document.solver {
-            Some(section) => single::<dyn QpSolver>(section, report),
+        let solver: Option<Box<dyn Solver>> = match document.solver {
+            Some(section) => single::<dyn Solver>(section, report),
             None => Some(Box::new(ActiveSet::default())),
         };
         let contacts = contacts(document.contacts, report);

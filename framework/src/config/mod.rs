@@ -49,7 +49,7 @@ use crate::{
     constraint::Constraint,
     contact::ContactSpec,
     entry::Entry,
-    qp::{ActiveSet, QpSolver},
+    qp::{ActiveSet, Solver},
     robot::{Robot, RobotModel, SourceFile},
     setup::BindError,
     task::Task,
@@ -79,7 +79,7 @@ pub struct ControllerConfig {
     /// The robot.
     pub robot: Box<dyn Robot>,
     /// The solver.
-    pub solver: Box<dyn QpSolver>,
+    pub solver: Box<dyn Solver>,
     /// Contacts, in the order of their ids.
     pub contacts: Vec<ContactSpec>,
     /// Tasks, in the order of their ids.

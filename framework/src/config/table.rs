@@ -16,7 +16,7 @@ use super::{
 };
 use crate::{
     constraint::Constraint,
-    qp::QpSolver,
+    qp::Solver,
     reference::Reference,
     registry::{self, PluginKind},
     robot::Robot,
@@ -114,7 +114,7 @@ fn kind_of(tag: &str) -> Option<&'static str> {
         registry::find::<dyn Constraint>(tag).map(|_| "constraint"),
         registry::find::<dyn Reference>(tag).map(|_| "reference"),
         registry::find::<dyn Robot>(tag).map(|_| "robot"),
-        registry::find::<dyn QpSolver>(tag).map(|_| "solver"),
+        registry::find::<dyn Solver>(tag).map(|_| "solver"),
     ]
     .into_iter()
     .flatten();
@@ -328,7 +328,7 @@ impl Inspection<'_, '_> {
             "constraint" => plugin::<dyn Constraint>(section, &[], &at, report).is_some(),
             "reference" => plugin::<dyn Reference>(section, &[], &at, report).is_some(),
             "robot" => plugin::<dyn Robot>(section, &[], &at, report).is_some(),
-            "solver" => plugin::<dyn QpSolver>(section, &[], &at, report).is_some(),
+            "solver" => plugin::<dyn Solver>(section, &[], &at, report).is_some(),
             _ => true,
         }
     }

@@ -182,7 +182,7 @@ impl Controller {
                 vars: robot.nu(),
                 rows: 0,
             };
-            faults.solver(solver_tag, solver.bind(capacity));
+            faults.solver(solver_tag, solver.bind(capacity).map_err(BindError::from));
             faults.stop_if_any()?;
         }
 
@@ -207,7 +207,7 @@ impl Controller {
             vars: capacity.vars.max(robot.nu()),
             ..capacity
         };
-        faults.solver(solver_tag, solver.bind(capacity));
+        faults.solver(solver_tag, solver.bind(capacity).map_err(BindError::from));
         faults.stop_if_any()?;
 
         let frames = frame_ids
@@ -234,7 +234,7 @@ impl Controller {
         let elastic = Elastic::new(&assembly, &groups, &table, &robot.actuators, capacity);
         let relaxed = elastic.qp.capacity();
         let mut native = ActiveSet::default();
-        faults.solver("active_set", native.bind(relaxed));
+        faults.solver("active_set", native.bind(relaxed).map_err(BindError::from));
         let tags: Vec<&'static str> = (tasks.iter().map(|e| e.plugin.typetag_name()))
             .chain(constraints.iter().map(|e| e.plugin.typetag_name()))
             .collect();
@@ -544,7 +544,7 @@ fn empty_report(tasks: &[Group], world: &World, capacity: Capacity, limits: usiz
         conflict: Vec::with_capacity(capacity.vars + capacity.rows + 1),
         relaxed: Vec::with_capacity(limits),
         resolves: 0,
-        status: crate::qp::Status::Failed,
+        status: crate::qp::Status::Unsolved,
         iterations: 0,
         objective: 0.0,
         vdot: nalgebra::DVector::zeros(world.model.nv()),

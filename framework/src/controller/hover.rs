@@ -5,7 +5,12 @@
 //! that is missing; its first six components are the force and the moment on the base, in world axes.
 
 use super::Controller;
-use crate::{config::Hover, model::Base, qp::VarId, robot::RobotModel};
+use crate::{
+    config::Hover,
+    model::Base,
+    qp::{Status, VarId},
+    robot::RobotModel,
+};
 
 /// Forces below this share of the weight, and moments below this share of the weight at 1 m, count as none.
 const NEGLIGIBLE: f64 = 1e-4;
@@ -43,7 +48,8 @@ impl Controller {
         let mut s = vec![0.0; nv * nu];
         self.actuation.write(&self.world.data, &mut s, nu);
         let gravity = self.world.data.gravity();
-        self.qp.reset((0..nu).map(|i| VarId(i as u32)));
+        let made = self.qp.reset((0..nu).map(|i| VarId::new(i as u32)));
+        debug_assert!(made.is_ok(), "the efforts are among the variables");
         let (h, g) = self.qp.cost_mut();
         for i in 0..nu {
             for j in 0..nu {
@@ -57,8 +63,8 @@ impl Controller {
             lower[i] = actuator.lower;
             upper[i] = actuator.upper;
         }
-        self.solver.solve(&self.qp, &mut self.solution);
-        let is_solved = self.solution.status.is_usable();
+        let status = self.solver.solve(&self.qp, &mut self.solution);
+        let is_solved = status == Ok(Status::Optimal);
         if !is_solved {
             // As near to no effort as the limits allow.
             self.solution.x[..nu].fill(0.0);
@@ -72,7 +78,7 @@ impl Controller {
         }
         self.world.last.effort.copy_from_slice(&self.command.effort);
         self.solver.reset();
-        self.qp.reset([]);
+        let _ = self.qp.reset([]);
         self.world.origin = None;
         is_solved
     }

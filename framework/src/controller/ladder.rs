@@ -135,13 +135,12 @@ impl Ladder {
         report: &mut Report,
     ) -> Result<Fault, Fault> {
         let (n, m) = (qp.n(), qp.m());
-        if solution.status == Status::Budget {
+        if solution.status.was_cut_short() {
             return Err(Fault::Solver);
         }
         if !(self.is_native && is_proof(qp, solution)) {
             self.solver.reset();
-            self.solver.solve(qp, &mut self.solution);
-            if self.is_good(n) {
+            if self.solver.solve(qp, &mut self.solution) == Ok(Status::Optimal) {
                 self.hand_over(n, m, solution);
                 return Ok(Fault::Solver);
             }
@@ -166,10 +165,10 @@ impl Ladder {
                 self.elastic.give_up_all();
             }
             self.elastic.build(assembly, terms, groups, qp);
-            self.solver.solve(&self.elastic.qp, &mut self.solution);
+            let status = self.solver.solve(&self.elastic.qp, &mut self.solution);
             report.resolves = resolve;
             report.iterations = report.iterations.saturating_add(self.solution.iterations);
-            if self.is_good(self.elastic.qp.n()) {
+            if status == Ok(Status::Optimal) {
                 self.report_exceeded(assembly, qp, report);
                 self.hand_over(n, m, solution);
                 return Ok(Fault::Infeasible);
@@ -182,11 +181,6 @@ impl Ladder {
                 && self.elastic.give_up_more(assembly, terms.contacts, proof));
         }
         Err(Fault::Infeasible)
-    }
-
-    fn is_good(&self, n: usize) -> bool {
-        let finite = self.solution.x[..n].iter().all(|x| x.is_finite());
-        self.solution.status.is_usable() && finite
     }
 
     /// Copies what belongs to the tick's own variables and rows.

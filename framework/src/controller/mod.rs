@@ -41,7 +41,7 @@ use crate::{
     assembly::{Actuation, Assembly, Group, RowInfo, Table, VarInfo},
     config::Settings,
     constraint::Constraint,
-    qp::{Budget, Qp, QpSolver, RowId, Solution, Status, VarId},
+    qp::{Budget, Qp, RowId, Solution, Solver, Status, VarId},
     replay::{Record, Recorder},
     robot::RobotModel,
     rows::{ConstraintRows, Rows},
@@ -71,7 +71,7 @@ pub struct Controller {
     actuation: Actuation,
     qp: Qp,
     solution: Solution,
-    solver: Box<dyn QpSolver>,
+    solver: Box<dyn Solver>,
     world: World,
     command: Command,
     report: Report,
@@ -104,7 +104,7 @@ impl Controller {
         self.report.conflict.clear();
         self.report.relaxed.clear();
         self.report.resolves = 0;
-        self.report.status = Status::Failed;
+        self.report.status = Status::Unsolved;
         self.report.iterations = 0;
         self.report.objective = 0.0;
         self.report.times = StageTimes::default();
@@ -176,24 +176,26 @@ impl Controller {
             None => Budget::Clock(&mut *self.stopwatch),
             Some(record) => Budget::Iterations(record.outcome.solved_in),
         };
-        self.solver
-            .solve_within(&self.qp, budget, &mut self.solution);
+        let status = self
+            .solver
+            .solve_within(&self.qp, budget, &mut self.solution)
+            .unwrap_or_default();
         if let Some(recorder) = &mut self.recorder {
             recorder.solved_in(self.solution.iterations);
         }
-        self.report.status = self.solution.status;
+        self.report.status = status;
         self.report.iterations = self.solution.iterations;
         self.report.regularisation = self.assembly.regularisation_weight;
         let mut n = self.qp.n();
         let finite = self.solution.x[..n].iter().all(|x| x.is_finite());
-        let fault = if self.solution.status.is_usable() && finite {
+        let fault = if status == Status::Optimal && finite {
             None
         } else {
-            if self.solution.status != Status::Budget && self.assembly.has_determined() {
+            if !status.was_cut_short() && self.assembly.has_determined() {
                 // Rows that hold by substitution are part of a contradiction like all others, and may be given up.
                 self.assembly
                     .assemble_with_all_rows(&terms, &mut self.groups, &mut self.qp)?;
-                self.solution.status = Status::Failed;
+                self.solution.status = Status::Unsolved;
                 n = self.qp.n();
             }
             Some(self.ladder.relax(

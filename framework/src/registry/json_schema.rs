@@ -15,7 +15,7 @@ use crate::{
     config::{Settings, expand},
     constraint::Constraint,
     entry::{Hardness, Weight},
-    qp::QpSolver,
+    qp::Solver,
     reference::Reference,
     robot::Robot,
     task::Task,
@@ -89,7 +89,7 @@ pub fn compose(schema: &Value) -> Value {
     define::<dyn Constraint>(&mut definitions, &entry_keys(Hardness::Hard));
     define::<dyn Reference>(&mut definitions, &json!({}));
     define::<dyn Robot>(&mut definitions, &json!({}));
-    define::<dyn QpSolver>(&mut definitions, &json!({}));
+    define::<dyn Solver>(&mut definitions, &json!({}));
     let mut schema = schema.clone();
     choose(&mut schema);
     for definition in definitions.values_mut() {
@@ -301,7 +301,7 @@ fn choice(kind: &str) -> Value {
         "constraint" => tags::<dyn Constraint>(),
         "reference" => tags::<dyn Reference>(),
         "robot" => tags::<dyn Robot>(),
-        "solver" => tags::<dyn QpSolver>(),
+        "solver" => tags::<dyn Solver>(),
         _ => Vec::new(),
     };
     let definition = |tag: &&str| json!({ "$ref": format!("#/$defs/{}", name(kind, tag)) });

@@ -14,7 +14,7 @@ use super::{Duplicate, PluginKind, duplicates};
 use crate::{
     config::{expand, schema::Node},
     constraint::Constraint,
-    qp::QpSolver,
+    qp::Solver,
     reference::Reference,
     robot::Robot,
     task::Task,
@@ -80,7 +80,7 @@ pub fn list() -> Listing {
     of_kind::<dyn Constraint>(&mut plugins);
     of_kind::<dyn Reference>(&mut plugins);
     of_kind::<dyn Robot>(&mut plugins);
-    of_kind::<dyn QpSolver>(&mut plugins);
+    of_kind::<dyn Solver>(&mut plugins);
     Listing {
         plugins,
         duplicates: duplicates(),

@@ -12,7 +12,7 @@ use crate::{
     },
     constraint::Constraint,
     contact::ContactSpec,
-    qp::QpSolver,
+    qp::Solver,
     reference::Reference,
     registry::{self, PluginKind, json_schema::schema_of},
     robot::Robot,
@@ -133,7 +133,7 @@ impl Lister<'_> {
         match &document.solver {
             Some(section) => {
                 let subject = entry::subject("solver", None, section);
-                self.plugin::<dyn QpSolver>(&subject, section);
+                self.plugin::<dyn Solver>(&subject, section);
             }
             None => self.add(
                 "solver",

@@ -1,18 +1,19 @@
-//! The method's storage, and its way from the factorisation to a refined optimum.
+//! The dual method for an H that is definite, at least where the equality rows leave freedom: its storage, and its way from
+//! the factorisation to a refined optimum.
 
 mod ascent;
-mod proof;
+mod certificate;
 mod refinement;
 
 use super::{
-    constraint::{Active, copy_normal, count, equalities, limits},
+    constraint::{Active, copy_normal, count, equalities, impossible, is_empty, limits},
     hessian::Hessian,
     kernels::padded,
     limits::Limits,
     point::Point,
     working_set::WorkingSet,
 };
-use crate::qp::{Capacity, ConstraintId, Held, Qp, Solution, Status, WarmStart};
+use crate::{Capacity, ConstraintId, Held, Qp, Solution, Status, WarmStart};
 
 /// Residual of the optimality conditions, relative to their terms, that needs no refinement.
 const EXACT: f64 = 1e-14;
@@ -29,8 +30,6 @@ const FORGIVEN: [f64; 2] = [1e-11, 3e-11];
 /// Largest relative violation of an optimum, constraints that are held or implied included. What it is relative to, a limit
 /// and the terms of a value added up, is about twice the largest of them, of which this is 1e-10.
 const VIOLATION: f64 = 5e-11;
-/// The same of a point that is almost optimal, and of its multipliers' signs.
-const ALMOST: f64 = 1e-6;
 /// Times that constraints which seemed to be implied are tried again: once after each of the first corrections.
 const TRIALS: u32 = 2;
 
@@ -47,15 +46,13 @@ enum End {
 
 /// Storage of the method, made once.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Workspace {
+pub(super) struct Dual {
     hessian: Hessian,
     set: WorkingSet,
     /// n with padding: the length of vectors of variables.
     stride: usize,
     v: Vec<f64>,
     point: Point,
-    /// Where the last proximal steps began.
-    last: Vec<f64>,
     /// Which constraints are not to be checked: held, equalities, or without a remedy.
     settled: Vec<bool>,
     /// Those of them that are not held, because those held imply them, or did when it was looked at.
@@ -75,14 +72,14 @@ pub(super) struct Workspace {
     residual: f64,
     /// Of these, those of the constraints held.
     primal: f64,
-    /// The last residuals, relative to the terms of the cost alone, however large the variables are.
-    residual_in_cost: f64,
+    /// The largest `|g_j|`, in units of the variables.
+    pull: f64,
     /// The tolerance within which the point is known to violate nothing; infinite if that is not known.
     passed: f64,
     iterations: u32,
 }
 
-impl Workspace {
+impl Dual {
     pub(super) fn new(capacity: Capacity) -> Self {
         let Capacity { vars: n, rows: m } = capacity;
         Self {
@@ -90,7 +87,6 @@ impl Workspace {
             set: WorkingSet::new(n),
             v: vec![0.0; padded(n)],
             point: Point::new(capacity),
-            last: vec![0.0; n],
             settled: vec![false; m + n],
             implied: Vec::with_capacity(m + n),
             violated: Vec::with_capacity(m + n),
@@ -123,53 +119,56 @@ impl Workspace {
         self.previous.clear();
     }
 
-    pub(super) fn solve(&mut self, qp: &Qp, mut limits: Limits<'_>, out: &mut Solution) {
+    /// Solves a problem without defects. [`Status::Stalled`] says that this method does not come to an end that it can
+    /// vouch for: H is not definite, or rounding is too large.
+    pub(super) fn solve(
+        &mut self,
+        qp: &Qp,
+        limits: &mut Limits<'_>,
+        iterations: u32,
+        out: &mut Solution,
+    ) -> Status {
         clear(qp, out);
-        self.iterations = 0;
-        out.status = self.run(qp, &mut limits, out);
+        self.iterations = iterations;
+        let status = if let Some(Active { index, side, .. }) = impossible(qp) {
+            // Not a combination of constraints but one alone: its multiplier names it.
+            add_multiplier(qp, index, side, out);
+            Status::Infeasible
+        } else if qp.n() == 0 {
+            Status::Optimal
+        } else if self.hessian.factorise(qp) {
+            self.run(qp, limits, out)
+        } else {
+            Status::Stalled
+        };
         out.iterations = self.iterations;
         let (n, m) = (qp.n(), qp.m());
         let mut numbers = out.x[..n].iter().chain(&out.y[..m]).chain(&out.z[..n]);
         if !numbers.all(|v| v.is_finite()) {
             clear(qp, out);
-            out.status = Status::Failed;
+            return Status::Stalled;
         }
-        if !(out.status.is_usable() || out.status == Status::Budget) {
-            self.previous.clear();
+        status
+    }
+
+    /// The constraints held.
+    pub(super) fn held(&self) -> &[Active] {
+        self.set.active()
+    }
+
+    /// The next solve begins with this one, too.
+    pub(super) fn begin_with(&mut self, qp: &Qp, constraint: Active) {
+        if self.previous.len() < self.previous.capacity() {
+            self.previous.push(identified(qp, constraint));
         }
+    }
+
+    /// Whether a small pivot may have been rounding, and the solution be as large as one divided by it.
+    pub(super) fn is_doubtful(&self) -> bool {
+        self.hessian.is_suspect() && self.cancels()
     }
 
     fn run(&mut self, qp: &Qp, limits: &mut Limits<'_>, out: &mut Solution) -> Status {
-        if qp.n() == 0 {
-            return without_variables(qp, out);
-        }
-        if let Some(index) = crossed(qp) {
-            // Not a combination of constraints but one alone: its multiplier names it.
-            add_multiplier(qp, index, 1.0, out);
-            return Status::Infeasible;
-        }
-        if !self.hessian.factorise(qp) {
-            return Status::Failed;
-        }
-        loop {
-            let status = self.run_factorised(qp, limits, out);
-            let is_final = status == Status::Optimal || limits.were_used_up();
-            let has_given_up = matches!(status, Status::Failed | Status::Budget);
-            // What was taken for curvature may have been rounding.
-            let try_again =
-                self.hessian.is_suspect() || (has_given_up && self.hessian.can_be_raised_further());
-            if is_final || !try_again {
-                return status;
-            }
-            clear(qp, out);
-            if !self.hessian.factorise_raised(qp) {
-                return Status::Failed;
-            }
-            self.previous.clear();
-        }
-    }
-
-    fn run_factorised(&mut self, qp: &Qp, limits: &mut Limits<'_>, out: &mut Solution) -> Status {
         let n = qp.n();
         self.stride = padded(n);
         self.point.reset(qp);
@@ -186,7 +185,6 @@ impl Workspace {
             return Status::Infeasible;
         }
         self.hold_previous(qp);
-        self.last[..n].fill(0.0);
         for correction in 0..CORRECTIONS {
             let forgiven = FORGIVEN[(correction as usize / 4).min(FORGIVEN.len() - 1)];
             let end = if correction < TRUSTING {
@@ -200,49 +198,35 @@ impl Workspace {
                 End::Infeasible => return Status::Infeasible,
                 End::Budget => {
                     self.stop(qp, out);
-                    return Status::Budget;
+                    return limits.status(self.iterations);
                 }
             }
             self.refine(qp, EXACT);
-            let raised = self.hessian.is_raised();
-            if raised && self.residual_in_cost > CONVERGED {
-                if self.is_unbounded(qp) {
-                    return Status::Unbounded;
-                }
-                self.last[..n].copy_from_slice(&self.point.x()[..n]);
+            if self.point.be_strict() {
+                self.passed = f64::INFINITY;
             }
-            let far = raised && self.residual > CONVERGED && correction + 1 < CORRECTIONS;
             let allowed = VIOLATION.max(limits.tolerance);
             let missed = self.missed(qp);
             if missed > allowed && correction < TRIALS {
                 self.reconsider();
             }
-            if self.is_settled(qp, limits.tolerance, forgiven) && !far {
+            if self.is_settled(qp, limits.tolerance, forgiven) {
                 self.remember(qp);
                 self.write(qp, out);
                 return if self.residual < CONVERGED && self.primal.max(missed) <= allowed {
                     Status::Optimal
-                } else if self.residual.max(missed) < ALMOST {
-                    Status::AlmostOptimal
                 } else {
-                    Status::Failed
+                    Status::Stalled
                 };
             }
             let is_last = correction + 1 == CORRECTIONS || matches!(end, End::Circles);
-            if is_last && self.residual.max(missed) < ALMOST && self.is_settled(qp, ALMOST, ALMOST)
-            {
-                // To and fro at the edge of what can be computed.
-                self.remember(qp);
-                self.write(qp, out);
-                return Status::AlmostOptimal;
-            }
             if is_last {
                 break;
             }
             self.move_on(qp, forgiven);
         }
         self.stop(qp, out);
-        Status::Budget
+        Status::Stalled
     }
 
     /// Ends before the optimum: with the minimiser on what is held, from where the next solve goes on.
@@ -262,7 +246,7 @@ impl Workspace {
                 side: 0.0,
                 limit,
             };
-            if self.push(qp, constraint, 0.0) {
+            if self.push(qp, constraint, 0.0) || is_empty(qp, index) {
                 continue;
             }
             // Depends on those held: either implied by them, or in contradiction.
@@ -343,12 +327,7 @@ impl Workspace {
     fn remember(&mut self, qp: &Qp) {
         self.previous.clear();
         for held in self.set.active().iter().filter(|h| h.side != 0.0) {
-            let constraint = match held.index.checked_sub(qp.m()) {
-                None => ConstraintId::Row(qp.rows()[held.index]),
-                Some(j) => ConstraintId::Bound(qp.vars()[j]),
-            };
-            let side = held.side;
-            self.previous.push(Held { constraint, side });
+            self.previous.push(identified(qp, *held));
         }
     }
 
@@ -363,27 +342,15 @@ impl Workspace {
     }
 }
 
-/// Nothing to choose: each row is zero, which its limits allow or not.
-fn without_variables(qp: &Qp, out: &mut Solution) -> Status {
-    for (i, (&lower, &upper)) in qp.row_lower().iter().zip(qp.row_upper()).enumerate() {
-        if lower > 0.0 || upper < 0.0 {
-            add_multiplier(qp, i, if lower > 0.0 { -1.0 } else { 1.0 }, out);
-            return Status::Infeasible;
-        }
-    }
-    Status::Optimal
+fn identified(qp: &Qp, Active { index, side, .. }: Active) -> Held {
+    let constraint = match index.checked_sub(qp.m()) {
+        None => ConstraintId::Row(qp.rows()[index]),
+        Some(j) => ConstraintId::Bound(qp.vars()[j]),
+    };
+    Held { constraint, side }
 }
 
-/// A constraint whose lower limit is above its upper one.
-fn crossed(qp: &Qp) -> Option<usize> {
-    let crossed = |(lower, upper): (&f64, &f64)| lower > upper;
-    let mut rows = qp.row_lower().iter().zip(qp.row_upper());
-    let mut bounds = qp.lower().iter().zip(qp.upper());
-    let bound = bounds.position(crossed).map(|j| qp.m() + j);
-    rows.position(crossed).or(bound)
-}
-
-fn clear(qp: &Qp, out: &mut Solution) {
+pub(super) fn clear(qp: &Qp, out: &mut Solution) {
     let (n, m) = (qp.n(), qp.m());
     out.x[..n].fill(0.0);
     out.y[..m].fill(0.0);

@@ -11,7 +11,7 @@
 //! violated join, sides with a multiplier of the wrong sign leave, for a limited number of times. The result is taken only
 //! if it satisfies the optimality conditions, or does so better than the point it came from.
 
-use super::{Capacity, Optimality, Qp, Solution};
+use wbqp_qp::{Capacity, Optimality, Qp, Solution};
 
 /// Corrections of the active set that are tried.
 const ATTEMPTS: usize = 40;

@@ -5,24 +5,27 @@ use super::{
         constraint::{add_normal, largest_normal},
         kernels::{axpy, largest_product},
     },
-    EXACT, Workspace,
+    Dual, EXACT,
 };
-use crate::qp::Qp;
+use crate::Qp;
 
-/// Refinements, or proximal steps, on one set of held constraints.
+/// Refinements on one set of held constraints.
 const REFINEMENTS: u32 = 50;
+/// What one of them has to make the residual smaller by: else what is left is rounding.
+const GAIN: f64 = 0.3;
+/// Terms of `H x` that are so many times larger than their sum and than g are those of a variable that is the quotient of
+/// g and rounding.
+const CANCELLED: f64 = 1e6;
 
-impl Workspace {
+impl Dual {
     /// Corrects `x` and the multipliers by the residuals of the optimality conditions on the held constraints, until
     /// these are exact or only rounding is left.
     pub(super) fn refine(&mut self, qp: &Qp, exact: f64) {
         let k = self.set.len();
-        // A proximal step may gain slowly, a refinement gains at once or not at all.
-        let stalled = if self.hessian.is_raised() { 0.95 } else { 0.3 };
         let mut before = f64::INFINITY;
         for _ in 0..REFINEMENTS {
             let residual = self.residuals(qp);
-            if residual <= exact || residual > stalled * before {
+            if residual <= exact || residual > GAIN * before {
                 return;
             }
             before = residual;
@@ -44,12 +47,8 @@ impl Workspace {
         self.hessian.product(qp, point.x(), gradient);
         gradient[qp.n()..].fill(0.0);
         let unit = point.unit();
-        let mut size = largest_product(gradient, unit).max(largest_product(qp.g(), unit));
+        let size = largest_product(gradient, unit).max(largest_product(qp.g(), unit));
         axpy(gradient, 1.0, qp.g());
-        if self.hessian.is_raised() {
-            // The size of a proximal term.
-            size = size.max(1e-6 * point.largest());
-        }
         let mut primal = 0.0_f64;
         let held = self.set.active().iter().zip(&self.set.multipliers);
         for ((held, &m), p) in held.zip(&mut self.p) {
@@ -65,8 +64,13 @@ impl Workspace {
         self.size = size.max(point.largest()).max(f64::MIN_POSITIVE);
         self.primal = primal;
         self.residual = primal.max(stationarity / self.size);
-        self.residual_in_cost = primal.max(stationarity / size.max(f64::MIN_POSITIVE));
-        self.residual_in_cost
+        self.pull = largest_product(qp.g(), unit);
+        primal.max(stationarity / size.max(f64::MIN_POSITIVE))
+    }
+
+    /// Whether the terms of `H x` are so large beside g that what they leave of one another may be rounding.
+    pub(super) fn cancels(&self) -> bool {
+        self.size > CANCELLED * self.pull
     }
 
     /// Whether the refined point violates nothing and holds nothing with a multiplier of the wrong sign, beyond what is
@@ -103,7 +107,7 @@ impl Workspace {
             if excess <= 0.0 {
                 continue;
             }
-            let size = implied.limit.abs() + self.point.magnitude(qp, implied.index);
+            let size = implied.limit.abs() + self.point.magnitude_with_rounding(qp, implied.index);
             let relative = excess / size;
             // A NaN is the worst.
             if relative.is_nan() {

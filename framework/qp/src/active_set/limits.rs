@@ -1,6 +1,6 @@
 //! What ends a solve.
 
-use crate::controller::Stopwatch;
+use crate::{Status, Stopwatch};
 
 /// Accuracy asked for, and what may be used up for it.
 #[derive(Debug)]
@@ -8,6 +8,8 @@ pub(super) struct Limits<'a> {
     /// Accepted violation, relative to the numbers that are added up.
     pub(super) tolerance: f64,
     max_iterations: u32,
+    /// The cap on iterations that is configured.
+    configured: u32,
     clock: Option<Clock<'a>>,
     is_used_up: bool,
 }
@@ -23,9 +25,16 @@ impl<'a> Limits<'a> {
         Self {
             tolerance,
             max_iterations,
+            configured: max_iterations,
             clock: None,
             is_used_up: false,
         }
+    }
+
+    /// Ends after a number of iterations that is not the one configured.
+    pub(super) fn with_cap(mut self, cap: u32) -> Self {
+        self.max_iterations = cap;
+        self
     }
 
     /// Ends after some seconds from now, if any are given.
@@ -51,8 +60,12 @@ impl<'a> Limits<'a> {
         self.is_used_up
     }
 
-    /// Whether the last answer was that they are.
-    pub(super) fn were_used_up(&self) -> bool {
-        self.is_used_up
+    /// What the status is when they are. A cap below the configured one stands for a clock that ended a solve there.
+    pub(super) fn status(&self, iterations: u32) -> Status {
+        if iterations >= self.configured {
+            Status::IterationLimit
+        } else {
+            Status::TimeLimit
+        }
     }
 }

@@ -2,14 +2,14 @@
 
 use super::{
     super::{
-        constraint::{Active, copy_normal},
+        constraint::{Active, copy_normal, is_empty},
         kernels::{dot, largest},
         limits::Limits,
         working_set::WorkingSet,
     },
-    End, Workspace,
+    Dual, End,
 };
-use crate::qp::{Qp, Solution};
+use crate::{Qp, Solution};
 
 /// Rounds in which violated constraints are held together.
 const JOINT_ROUNDS: u32 = 8;
@@ -25,7 +25,7 @@ const ROUNDING: f64 = 1e-8;
 /// Iterations with every point refined, after which they must be going in circles.
 const REFINED_ROUNDS: u32 = 100;
 
-impl Workspace {
+impl Dual {
     /// The dual iteration.
     pub(super) fn ascend(
         &mut self,
@@ -236,6 +236,11 @@ impl Workspace {
         let Some((_, constraint)) = worst else {
             return true;
         };
+        if is_empty(qp, constraint.index) {
+            // Nothing can be done about it, and little is wrong with it: else it would be impossible.
+            self.settled[constraint.index] = true;
+            return true;
+        }
         let mut multiplier = 0.0;
         while !self.push(qp, constraint, multiplier) {
             self.set.combine(&self.w);

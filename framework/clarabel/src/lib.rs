@@ -10,6 +10,9 @@
 //! has no warm start. The last digits come from solving for the active set that the interior point suggests
 //! (module `polish`).
 
+mod polish;
+mod scaling;
+
 use clarabel::{
     algebra::CscMatrix,
     solver::{
@@ -17,43 +20,35 @@ use clarabel::{
         SupportedConeT,
     },
 };
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use wbqp_qp::{Budget, Capacity, Optimality, Qp, QpError, QpSolver, Solution, Status};
 
-use super::{
-    Capacity, Optimality, Qp, QpSolver, Solution, Status, polish::Polish, scaling::Jacobi,
-};
-use crate::setup::BindError;
+use polish::Polish;
+use scaling::Jacobi;
 
 /// The interior-point solver Clarabel, made exact by a polish; allocates in every solve.
 ///
 /// `min ½xᵀHx + gᵀx` subject to `l ≤ A x ≤ u`.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema),
+    serde(default, deny_unknown_fields)
+)]
 pub struct Clarabel {
     /// Tolerance on the duality gap, feasibility and infeasibility certificates.
-    #[serde(default = "default_tolerance")]
-    #[schemars(extend("x-unit" = "1"))]
+    #[cfg_attr(feature = "serde", schemars(extend("x-unit" = "1")))]
     pub tolerance: f64,
     /// Iteration cap.
-    #[serde(default = "default_max_iterations")]
     pub max_iterations: u32,
-    #[serde(skip)]
+    #[cfg_attr(feature = "serde", serde(skip))]
     workspace: Workspace,
-}
-
-fn default_tolerance() -> f64 {
-    1e-12
-}
-fn default_max_iterations() -> u32 {
-    200
 }
 
 impl Default for Clarabel {
     fn default() -> Self {
         Self {
-            tolerance: default_tolerance(),
-            max_iterations: default_max_iterations(),
+            tolerance: 1e-12,
+            max_iterations: 200,
             workspace: Workspace::default(),
         }
     }
@@ -104,18 +99,20 @@ impl std::fmt::Debug for Workspace {
     }
 }
 
-#[crate::solver("clarabel")]
 impl QpSolver for Clarabel {
-    fn bind(&mut self, capacity: Capacity) -> Result<(), BindError> {
+    fn bind(&mut self, capacity: Capacity) -> Result<(), QpError> {
         if !(self.tolerance > 0.0 && self.tolerance < 1.0) {
             let problem = format!("is {}, must be between 0 and 1", self.tolerance);
-            return Err(BindError::value("tolerance", problem));
+            return Err(QpError::Setting {
+                key: "tolerance",
+                problem,
+            });
         }
         if self.max_iterations == 0 {
-            return Err(BindError::value(
-                "max_iterations",
-                "is 0, must be at least 1",
-            ));
+            return Err(QpError::Setting {
+                key: "max_iterations",
+                problem: "is 0, must be at least 1".to_owned(),
+            });
         }
         let Capacity { vars, rows } = capacity;
         let sides = 2 * (vars + rows);
@@ -135,14 +132,35 @@ impl QpSolver for Clarabel {
         Ok(())
     }
 
-    fn solve(&mut self, qp: &Qp, out: &mut Solution) {
-        let Some(mut jacobi) = self.workspace.jacobi.take() else {
-            out.status = Status::Failed;
-            return;
-        };
-        self.solve_scaled(jacobi.scale(qp), out);
-        jacobi.unscale(out);
+    fn memory(&self, capacity: Capacity) -> usize {
+        let Capacity { vars, rows } = capacity;
+        // Clarabel's own: the KKT matrix of the sides as they come, and its factors.
+        let sides = 2 * (vars + rows);
+        let words = 6 * vars.saturating_mul(vars) + 8 * sides.saturating_mul(vars);
+        words.saturating_mul(size_of::<f64>())
+    }
+
+    /// Cannot be interrupted: the budget is ignored.
+    fn solve_within(
+        &mut self,
+        qp: &Qp,
+        _budget: Budget<'_>,
+        out: &mut Solution,
+    ) -> Result<Status, QpError> {
+        out.status = Status::Unsolved;
+        let mut jacobi = self.workspace.jacobi.take().ok_or(QpError::NotBound)?;
+        let outcome = qp.fits(jacobi.capacity()).and(qp.fits(out.capacity()));
+        if outcome.is_ok() {
+            out.defect = qp.defect();
+            if out.defect.is_some() {
+                out.status = Status::Invalid;
+            } else {
+                self.solve_scaled(jacobi.scale(qp), out);
+                jacobi.unscale(out);
+            }
+        }
         self.workspace.jacobi = Some(jacobi);
+        outcome.map(|()| out.status)
     }
 
     fn reset(&mut self) {
@@ -177,7 +195,7 @@ impl Clarabel {
             self.attempt(regularisation, qp, out);
             match out.status {
                 Status::Infeasible | Status::Unbounded => return,
-                Status::Optimal | Status::AlmostOptimal => {
+                Status::Optimal | Status::Stalled => {
                     let error = Optimality::of(qp, out).worst();
                     if error < EXACT {
                         return;
@@ -189,7 +207,7 @@ impl Clarabel {
                         point.copy_from(out);
                     }
                 }
-                Status::Budget | Status::Failed => {}
+                _ => {}
             }
             // The next attempt begins with a solver object of its own.
             self.reset();
@@ -212,7 +230,7 @@ impl Clarabel {
         let left = self.max_iterations.saturating_sub(out.iterations);
         let settings = self.settings(regularisation, left.max(1));
         let w = &mut self.workspace;
-        out.status = Status::Failed;
+        out.status = Status::Unsolved;
         out.x[..qp.n()].fill(0.0);
         out.y[..qp.m()].fill(0.0);
         out.z[..qp.n()].fill(0.0);
@@ -227,16 +245,13 @@ impl Clarabel {
         out.iterations += solution.iterations;
         let status = match solution.status {
             SolverStatus::Solved => Status::Optimal,
-            SolverStatus::AlmostSolved => Status::AlmostOptimal,
             SolverStatus::PrimalInfeasible | SolverStatus::AlmostPrimalInfeasible => {
                 Status::Infeasible
             }
             SolverStatus::DualInfeasible | SolverStatus::AlmostDualInfeasible => Status::Unbounded,
             // Out of digits, iterations or time, but with a point: judged by its errors below.
-            SolverStatus::InsufficientProgress
-            | SolverStatus::MaxIterations
-            | SolverStatus::MaxTime => Status::Budget,
-            _ => Status::Failed,
+            SolverStatus::MaxIterations => Status::IterationLimit,
+            _ => Status::Stalled,
         };
         if !solution.x.iter().chain(&solution.z).all(|v| v.is_finite()) {
             return;
@@ -265,10 +280,8 @@ impl Clarabel {
         let error = Optimality::of(qp, out).worst();
         if error < 1e-9 {
             out.status = Status::Optimal;
-        } else if error < 1e-6 {
-            out.status = Status::AlmostOptimal;
-        } else if status.is_usable() {
-            out.status = Status::Budget;
+        } else if status == Status::Optimal {
+            out.status = Status::Stalled;
         }
     }
 

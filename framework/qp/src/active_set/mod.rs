@@ -52,108 +52,117 @@
 //! the proximal point algorithm*, SIAM J. Control Optim. 14 (1976).
 
 mod constraint;
+mod dual;
 mod hessian;
 mod kernels;
 mod limits;
 mod orthogonal;
 mod point;
-mod solve;
+mod proximal;
 mod working_set;
+mod workspace;
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
-use super::{Budget, Capacity, Qp, QpSolver, Solution, WarmStart};
-use crate::setup::BindError;
+use crate::{Budget, Capacity, Qp, QpError, QpSolver, Solution, Status, WarmStart};
 use limits::Limits;
-use solve::Workspace;
+use workspace::Workspace;
 
 /// A dense dual active-set method, warm-started from the tick before; allocates nothing.
 ///
 /// `min ½xᵀHx + gᵀx` subject to `l ≤ A x ≤ u`.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema),
+    serde(default, deny_unknown_fields)
+)]
 pub struct ActiveSet {
-    /// Cap on the number of changes of the active set, of all attempts together.
-    #[serde(default = "default_max_iterations")]
-    pub max_iterations: u32,
+    /// Cap on the number of changes of the active set, of all attempts together; if absent, ten times the number of variables
+    /// and rows of the largest problem, and at least 500.
+    pub max_iterations: Option<u32>,
     /// Violation of a row or bound that is accepted, relative to the numbers it is computed from.
-    #[serde(default = "default_tolerance")]
-    #[schemars(extend("x-unit" = "1"))]
+    #[cfg_attr(feature = "serde", schemars(extend("x-unit" = "1")))]
     pub tolerance: f64,
     /// Time that a solve may take before it ends without a solution, s; unlimited if absent. Needs a clock: without
     /// the caller's stopwatch it has no effect.
-    #[serde(default)]
-    #[schemars(extend("x-unit" = "s"))]
+    #[cfg_attr(feature = "serde", schemars(extend("x-unit" = "s")))]
     pub budget: Option<f64>,
-    #[serde(skip)]
-    workspace: Workspace,
-}
-
-fn default_max_iterations() -> u32 {
-    500
-}
-
-fn default_tolerance() -> f64 {
-    1e-12
+    #[cfg_attr(feature = "serde", serde(skip))]
+    workspace: Option<Box<Workspace>>,
 }
 
 impl Default for ActiveSet {
     fn default() -> Self {
         Self {
-            max_iterations: default_max_iterations(),
-            tolerance: default_tolerance(),
+            max_iterations: None,
+            tolerance: 1e-12,
             budget: None,
-            workspace: Workspace::default(),
+            workspace: None,
         }
     }
 }
 
-#[crate::solver("active_set")]
 impl QpSolver for ActiveSet {
-    fn bind(&mut self, capacity: Capacity) -> Result<(), BindError> {
-        if self.max_iterations == 0 {
-            return Err(BindError::value(
-                "max_iterations",
-                "is 0, must be at least 1",
-            ));
+    fn bind(&mut self, capacity: Capacity) -> Result<(), QpError> {
+        let refused = |key, problem| Err(QpError::Setting { key, problem });
+        if self.max_iterations == Some(0) {
+            return refused("max_iterations", "is 0, must be at least 1".to_owned());
         }
         if !(1e-15..=1e-6).contains(&self.tolerance) {
             let problem = format!("is {}, must be between 1e-15 and 1e-6", self.tolerance);
-            return Err(BindError::value("tolerance", problem));
+            return refused("tolerance", problem);
         }
         if let Some(budget) = self.budget.filter(|b| !(*b > 0.0 && b.is_finite())) {
             let problem = format!("is {budget}, must be positive and finite");
-            return Err(BindError::value("budget", problem));
+            return refused("budget", problem);
         }
-        self.workspace = Workspace::new(capacity);
+        self.workspace = Some(Box::new(Workspace::new(capacity)));
         Ok(())
     }
 
-    fn solve(&mut self, qp: &Qp, out: &mut Solution) {
-        let limits = Limits::new(self.tolerance, self.max_iterations);
-        self.workspace.solve(qp, limits, out);
+    fn memory(&self, capacity: Capacity) -> usize {
+        Workspace::bytes(capacity)
     }
 
-    fn solve_within(&mut self, qp: &Qp, budget: Budget<'_>, out: &mut Solution) {
+    fn solve_within(
+        &mut self,
+        qp: &Qp,
+        budget: Budget<'_>,
+        out: &mut Solution,
+    ) -> Result<Status, QpError> {
+        out.status = Status::Unsolved;
+        let workspace = self.workspace.as_deref_mut().ok_or(QpError::NotBound)?;
+        qp.fits(workspace.capacity())?;
+        qp.fits(out.capacity())?;
+        let Capacity { vars, rows } = workspace.capacity();
+        let most = 10 * u32::try_from(vars + rows).unwrap_or(u32::MAX / 10);
+        let most = self.max_iterations.unwrap_or(most.max(500));
         let limits = match budget {
-            Budget::Iterations(cap) => Limits::new(self.tolerance, cap),
+            Budget::Configured => Limits::new(self.tolerance, most),
+            Budget::Iterations(cap) => Limits::new(self.tolerance, most).with_cap(cap),
             Budget::Clock(stopwatch) => {
-                Limits::new(self.tolerance, self.max_iterations).with_clock(stopwatch, self.budget)
+                Limits::new(self.tolerance, most).with_clock(stopwatch, self.budget)
             }
         };
-        self.workspace.solve(qp, limits, out);
+        workspace.solve(qp, limits, out);
+        Ok(out.status)
     }
 
     fn reset(&mut self) {
-        self.workspace.forget();
+        if let Some(workspace) = &mut self.workspace {
+            workspace.forget();
+        }
     }
 
     fn warm_start(&self, out: &mut WarmStart) {
-        self.workspace.warm_start(out);
+        match &self.workspace {
+            Some(workspace) => workspace.warm_start(out),
+            None => out.clear(),
+        }
     }
 
     fn start_from(&mut self, warm_start: &WarmStart) {
-        self.workspace.start_from(warm_start);
+        if let Some(workspace) = &mut self.workspace {
+            workspace.start_from(warm_start);
+        }
     }
 }

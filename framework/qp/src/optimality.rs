@@ -4,7 +4,7 @@
 //! At an optimum `H x + g + Aᵀ y + z = 0`, all rows and bounds hold, and a multiplier is zero unless its side is
 //! at its limit. The three errors below are zero there, and only there.
 
-use super::{Qp, Solution};
+use crate::{Qp, Solution};
 
 /// Errors of a primal-dual point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -1,12 +1,17 @@
 //! The point that is looked at: its variables, and what the constraints' values there are made of.
 
 use super::kernels::{LANES, dot, dot_magnitudes, dots, largest_product, padded};
-use crate::qp::{Capacity, Qp};
+use crate::{Capacity, Qp};
 
 /// Largest variable, in its unit, from which on the pull of the cost is not looked at, to save the time.
 const SMALL: f64 = 1e-8;
 /// Part of that pull, the largest `|g_j|/√h_jj`, that the rounding of smaller variables is relative to.
 const PULL: f64 = 1e-6;
+
+/// The part of the largest variable that is left where large numbers cancel, as long as the last digits do not count.
+const LEFT: f64 = 1e-3;
+/// Rounding of the largest variable, beside the accepted violation.
+const ROUNDED: f64 = 1e-5;
 
 /// Variables and the values of all constraints.
 #[derive(Clone, Debug, Default)]
@@ -25,6 +30,8 @@ pub(super) struct Point {
     largest: f64,
     /// The size of the numbers whose rounding a variable carries.
     sizes: Vec<f64>,
+    /// No more than this counts as the largest.
+    most: f64,
 }
 
 impl Point {
@@ -36,13 +43,42 @@ impl Point {
             unit: vec![0.0; n],
             per_unit: vec![0.0; n],
             sizes: vec![0.0; n],
+            most: f64::INFINITY,
             ..Self::default()
+        }
+    }
+
+    /// From here on what is left where large numbers cancel counts as rounding of a variable only if that is of its own size,
+    /// or nothing in its unit: the last violations are found, whatever the size of other variables. False if it is so already.
+    pub(super) fn be_strict(&mut self) -> bool {
+        if self.most == 1.0 {
+            return false;
+        }
+        self.most = 1.0;
+        self.weigh();
+        true
+    }
+
+    /// `|a|ᵀ` times the variables, and what rounding of the largest leaves of them: what a dependent constraint's violation is
+    /// compared with, which no other choice could make smaller.
+    pub(super) fn magnitude_with_rounding(&self, qp: &Qp, index: usize) -> f64 {
+        let of =
+            |j: usize, a: f64| a.abs() * (self.x[j].abs() + ROUNDED * self.unit[j] * self.largest);
+        match index.checked_sub(self.m) {
+            None => qp
+                .row(index)
+                .iter()
+                .enumerate()
+                .map(|(j, a)| of(j, *a))
+                .sum(),
+            Some(j) => of(j, 1.0),
         }
     }
 
     /// For the variables and constraints of a problem.
     pub(super) fn reset(&mut self, qp: &Qp) {
         (self.n, self.m) = (qp.n(), qp.m());
+        self.most = f64::INFINITY;
         let diagonal = qp.h().iter().step_by(self.n + 1);
         for (per_unit, &h) in self.per_unit.iter_mut().zip(diagonal) {
             *per_unit = if h > 0.0 { h } else { 1.0 };
@@ -94,8 +130,12 @@ impl Point {
             let pull = largest_product(qp.g(), &self.unit);
             self.largest = self.largest.max(PULL * pull);
         }
-        // A thousandth of the largest is what is left where large numbers cancel.
-        let left = 1e-3 * self.largest;
+        self.weigh();
+    }
+
+    /// Computes the sizes of the numbers whose rounding the variables carry.
+    fn weigh(&mut self) {
+        let (x, left) = (&self.x[..self.n], LEFT * self.largest.min(self.most));
         for (size, (x, unit)) in self.sizes.iter_mut().zip(x.iter().zip(&self.unit)) {
             *size = x.abs() + unit * left;
         }

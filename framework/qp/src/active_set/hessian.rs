@@ -2,27 +2,19 @@
 //!
 //! # Mathematics
 //! With `z = U x` the cost is `½ ‖z + U⁻ᵀ g‖²` up to a constant. H only has to be positive definite where the
-//! constraints leave freedom. If a pivot is as good as zero,
-//! 1. `Σ σ_i a_iᵀ a_i` over the equality rows is added, with `−σ_i b_i a_i` in the linear term: on the feasible set
-//!    this changes neither cost nor solution nor multipliers, and the accelerations of an explicit formulation,
-//!    which may have no cost of their own, become definite through their dynamics;
-//! 2. a pivot that is still as good as zero is raised, which adds a diagonal E there. The solver then runs the
-//!    proximal iteration `x⁺ = argmin f(x) + ½ (x − x_k)ᵀ E (x − x_k)`, whose fixed points are the solutions of the
-//!    problem itself (Rockafellar 1976).
+//! equality rows leave freedom. If a pivot is as good as zero, `Σ σ_i a_iᵀ a_i` over these rows is added, with
+//! `−σ_i b_i a_i` in the linear term: on the feasible set this changes neither cost nor solution nor multipliers, and the
+//! accelerations of an explicit formulation, which may have no cost of their own, become definite through their dynamics.
 
 use std::ops::Range;
 
 use super::kernels::{LANES, add_rows, axpy, dot, dots, padded};
-use crate::qp::Qp;
+use crate::Qp;
 
 /// A pivot below this part of its diagonal entry is rounding: Cholesky's own error is of the order n ε.
 const WEAK: f64 = 1e-13;
-/// Once pivots have to be raised, those below this are suspected to be what rounding left of a zero.
+/// A pivot below this part of its diagonal entry may be what rounding left of a zero.
 const SUSPECT: f64 = 1e-9;
-/// What such a pivot is raised to, relative to the diagonal entry: at first little, so that proximal steps are long.
-const RAISED: [f64; 2] = [1e-8, 1e-6];
-/// The same for a variable without any cost.
-const RAISED_WITHOUT_COST: f64 = 1e-6;
 
 /// The factor and what was added to H to get it.
 ///
@@ -44,8 +36,6 @@ pub(super) struct Hessian {
     inverses: Vec<[[f64; LANES]; LANES]>,
     /// Diagonal of what is factorised.
     diagonal: Vec<f64>,
-    /// How much, if weak pivots were raised: an index into the list.
-    raised: Option<usize>,
     /// Whether a pivot is so small that it may be what rounding left of a zero.
     has_small_pivot: bool,
     /// `−Σ σ_i b_i a_i`, if equality rows were added.
@@ -67,54 +57,26 @@ impl Hessian {
         }
     }
 
-    /// Factorises; false if H has numbers that are not finite.
+    /// Factorises; false if H is not definite, or has no finite factor.
     pub(super) fn factorise(&mut self, qp: &Qp) -> bool {
         self.n = qp.n();
         self.stride = padded(self.n);
-        self.raised = None;
         self.is_shifted = false;
         self.load(qp);
-        if self.eliminate(None) {
+        if self.eliminate() {
             return true;
         }
-        if has_equalities(qp) {
-            self.load(qp);
-            self.add_equalities(qp);
-            if self.eliminate(None) {
-                return true;
-            }
-        }
-        self.factorise_raised(qp)
-    }
-
-    /// Factorises with all suspect pivots raised, by more than before if they were; false if H has numbers that are not
-    /// finite, or if they cannot be raised any further.
-    pub(super) fn factorise_raised(&mut self, qp: &Qp) -> bool {
-        let level = self.raised.map_or(0, |level| level + 1);
-        if level >= RAISED.len() {
+        if !has_equalities(qp) {
             return false;
         }
         self.load(qp);
-        if has_equalities(qp) {
-            self.add_equalities(qp);
-        }
-        self.raised = Some(level);
-        self.eliminate(Some(RAISED[level]))
+        self.add_equalities(qp);
+        self.eliminate()
     }
 
     /// Whether a pivot is so small that it may be what rounding left of a zero.
     pub(super) fn is_suspect(&self) -> bool {
-        self.raised.is_none() && self.has_small_pivot
-    }
-
-    /// Whether the proximal iteration is needed.
-    pub(super) fn is_raised(&self) -> bool {
-        self.raised.is_some()
-    }
-
-    /// Whether weak pivots can be raised by more than they are.
-    pub(super) fn can_be_raised_further(&self) -> bool {
-        self.raised.is_some_and(|level| level + 1 < RAISED.len())
+        self.has_small_pivot
     }
 
     /// Adds to a linear term what belongs to the added equality rows.
@@ -189,15 +151,15 @@ impl Hessian {
         }
     }
 
-    /// Right-looking Cholesky by blocks of four rows; false at the first weak pivot unless those are to be raised.
-    fn eliminate(&mut self, raise: Option<f64>) -> bool {
+    /// Right-looking Cholesky by blocks of four rows; false at the first weak pivot.
+    fn eliminate(&mut self) -> bool {
         let (n, stride) = (self.n, self.stride);
         for (k, d) in self.diagonal[..n].iter_mut().enumerate() {
             *d = self.u[k * stride + k];
         }
         self.has_small_pivot = false;
         for first in (0..n).step_by(LANES) {
-            if !self.eliminate_within(first, raise) {
+            if !self.eliminate_within(first) {
                 return false;
             }
             let end = self.ends[first / LANES];
@@ -234,7 +196,7 @@ impl Hessian {
     }
 
     /// The rows of U of one block.
-    fn eliminate_within(&mut self, first: usize, raise: Option<f64>) -> bool {
+    fn eliminate_within(&mut self, first: usize) -> bool {
         let stride = self.stride;
         let rows = &mut self.u[first * stride..(first + LANES) * stride];
         let mut u = [
@@ -247,17 +209,9 @@ impl Hessian {
         for p in 0..LANES.min(self.n - first) {
             let diagonal = self.diagonal[first + p];
             // `!(pivot > …)`: a NaN is weak, too.
-            let weak = raise.map_or(WEAK, |_| SUSPECT);
-            let strong = u[p][p] > weak * diagonal;
+            let strong = u[p][p] > WEAK * diagonal;
             if !strong {
-                let Some(raised) = raise.filter(|_| u[p][p].is_finite()) else {
-                    return false;
-                };
-                u[p][p] = if diagonal > 0.0 {
-                    raised * diagonal
-                } else {
-                    RAISED_WITHOUT_COST
-                };
+                return false;
             }
             self.has_small_pivot |= u[p][p] < SUSPECT * diagonal;
             reciprocal[p] = 1.0 / u[p][p].sqrt();

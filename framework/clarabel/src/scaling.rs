@@ -6,7 +6,7 @@
 //! relative to the largest eigenvalue is needed (that one would drown weights like 1e-5). Rows become `A D`,
 //! bounds `D⁻¹ x`; row multipliers do not change and bound multipliers become `z = D⁻¹ z_y`.
 
-use super::{Capacity, Qp, Solution};
+use wbqp_qp::{Capacity, Qp, Solution};
 
 /// The diagonal `D` and the scaled problem.
 #[derive(Clone, Debug)]
@@ -24,10 +24,16 @@ impl Jacobi {
         }
     }
 
+    /// The largest problem that fits.
+    pub(super) fn capacity(&self) -> Capacity {
+        self.scaled.capacity()
+    }
+
     /// Scales a problem and hands out the scaled one.
     pub(super) fn scale(&mut self, qp: &Qp) -> &Qp {
         let (n, m) = (qp.n(), qp.m());
-        self.scaled.copy_from(qp);
+        // Made for the same capacity.
+        let _ = self.scaled.copy_from(qp);
         for i in 0..n {
             let h = qp.h()[i * n + i];
             // A variable without cost of its own (the accelerations' slack, say) keeps its unit.

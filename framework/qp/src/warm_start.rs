@@ -1,19 +1,25 @@
 //! What a solver remembers from one solve to the next.
 
-use serde::{Deserialize, Serialize};
-
-use super::{RowId, VarId};
+use crate::{RowId, VarId};
 
 /// Constraints to begin with, by identity, so that it survives rows being switched on and off.
-#[derive(Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(transparent)]
+#[derive(Debug, Default, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(transparent)
+)]
 pub struct WarmStart {
     held: Vec<Held>,
 }
 
 /// A constraint held at a limit.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields)
+)]
 pub struct Held {
     /// Which.
     pub constraint: ConstraintId,
@@ -22,8 +28,12 @@ pub struct Held {
 }
 
 /// A row, or the bound of a variable.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case")
+)]
 pub enum ConstraintId {
     /// A row.
     Row(RowId),

@@ -2,24 +2,24 @@
 
 use super::{
     super::{
-        constraint::{
-            Active, add_normal, copy_normal, count, largest_normal, limits, magnitude, value,
-        },
-        kernels::{axpy, dot, largest, largest_product},
+        constraint::{Active, add_normal, copy_normal, largest_normal},
+        kernels::{axpy, largest_product},
     },
-    Workspace, add_multiplier,
+    Dual, VIOLATION, add_multiplier,
 };
-use crate::qp::{Qp, Solution};
+use crate::{Qp, Solution};
 
 /// Rounding of the coefficients of a combination, relative to the largest.
 const COMBINED: f64 = 1e-14;
+/// A sum of limits below zero by less than this part of its terms may be rounding.
+const BEYOND: f64 = 1e-13;
 /// What is left of a dependent normal less its combination, relative to the largest term.
 const CLOSED: f64 = 1e-13;
 /// How many times larger than at present the variables would have to be for normals that are only nearly dependent to bring
 /// contradictory limits together.
 const STRETCHED: f64 = 1e3;
 
-impl Workspace {
+impl Dual {
     /// Whether the limits of a dependent constraint and of those held contradict one another by more than rounding.
     pub(super) fn contradicts(&mut self, qp: &Qp, constraint: Active) -> bool {
         self.refine_combination(qp, constraint.index);
@@ -31,8 +31,8 @@ impl Workspace {
             sum += term;
             size += f64::abs(term);
         }
-        let is_negative = sum < -1e-9 * size;
-        if !is_negative {
+        // The sum is what the constraint is violated by wherever the others hold.
+        if sum >= -BEYOND * size || -sum <= VIOLATION * self.accepted_size(qp, constraint) {
             return false;
         }
         // Where limits are zero, the whole sum may be the rounding of a coefficient that is zero, too.
@@ -59,16 +59,20 @@ impl Workspace {
             add_normal(qp, held.index, -r, rest);
         }
         largest_product(rest, self.point.unit()) <= CLOSED * largest
-            || gap > STRETCHED * self.leftover(qp)
+            || gap > STRETCHED * self.leftover()
     }
 
-    /// What the rest in `self.gradient` may come to with variables of the size that they have at the minimiser on the
-    /// constraints held.
-    fn leftover(&mut self, qp: &Qp) -> f64 {
+    /// What a violation is compared with at the minimiser on the constraints held, where it leaves the point.
+    fn accepted_size(&mut self, qp: &Qp, constraint: Active) -> f64 {
         self.set.find_targets();
         self.set.primal(&self.hessian, self.point.x_mut());
         self.point.evaluate(qp);
         self.set.take_combination(&self.p[..self.set.len()]);
+        constraint.limit.abs() + self.point.magnitude_with_rounding(qp, constraint.index)
+    }
+
+    /// What the rest in `self.gradient` may come to with variables of the size that they have at the point.
+    fn leftover(&self) -> f64 {
         let sizes = self.point.x().iter().zip(self.point.unit());
         let sizes = sizes.map(|(x, unit)| x.abs() + unit * self.point.largest());
         let rest = &self.gradient[..self.stride];
@@ -92,7 +96,7 @@ impl Workspace {
     }
 
     /// Leaves out of the refined combination what would have a multiplier of the wrong sign: rounding, else its constraint
-    /// would have been let go. If it is not, [`Workspace::is_dependent`] sees it.
+    /// would have been let go. If it is not, [`Dual::is_dependent`] sees it.
     fn drop_wrong(&mut self, side: f64) {
         for (r, held) in self.p.iter_mut().zip(self.set.active()) {
             if *r * side * held.side > 0.0 {
@@ -108,27 +112,5 @@ impl Workspace {
             add_multiplier(qp, held.index, -side * r, out);
         }
         add_multiplier(qp, index, side, out);
-    }
-
-    /// Whether the last proximal steps went along a direction in which the cost falls for ever.
-    pub(super) fn is_unbounded(&mut self, qp: &Qp) -> bool {
-        let n = qp.n();
-        let d = &mut self.w[..n];
-        for ((d, x), last) in d.iter_mut().zip(self.point.x()).zip(&self.last) {
-            *d = x - last;
-        }
-        let d = &self.w[..n];
-        let size = largest(d);
-        let flat = qp
-            .h()
-            .chunks_exact(n)
-            .all(|h| dot(h, d).abs() <= 1e-9 * size);
-        let free = (0..count(qp)).all(|index| {
-            let (lower, upper) = limits(qp, index);
-            let rate = value(qp, index, d);
-            let rounding = 1e-9 * magnitude(qp, index, d, self.point.unit(), size);
-            (upper.is_infinite() || rate <= rounding) && (lower.is_infinite() || rate >= -rounding)
-        });
-        flat && free && dot(qp.g(), d) < 0.0
     }
 }

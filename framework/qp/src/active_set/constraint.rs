@@ -1,7 +1,14 @@
 //! Rows and bounds seen as one list of constraints: rows first, then one bound per variable.
 
-use super::kernels::dot;
-use crate::qp::Qp;
+use super::kernels::{dot, largest};
+use crate::Qp;
+
+/// Largest violation at an optimum, relative to the limit and the sizes of the terms of the row's value.
+const VIOLATION: f64 = 1e-10;
+/// A violation that is none, however small the numbers that it is made of: rounding of the largest variable.
+const NOTHING: f64 = 4e-15;
+/// The same of a row without coefficients, which has no scale.
+const EMPTY: f64 = 1e-9;
 
 /// A constraint held at one of its limits.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,18 +53,60 @@ pub(super) fn value(qp: &Qp, index: usize, x: &[f64]) -> f64 {
     }
 }
 
-/// The size of the numbers whose rounding a value carries: `|a|ᵀ |x|`, and a thousandth of `|a|ᵀ` times the largest
-/// variable, which is what is left where large numbers cancel. `unit` holds the variables' units, in which they compare,
-/// and `largest` the largest variable in these.
-pub(super) fn magnitude(qp: &Qp, index: usize, x: &[f64], unit: &[f64], largest: f64) -> f64 {
-    let of = |x: f64, unit: f64| x.abs() + 1e-3 * unit * largest;
+/// `|a|ᵀ |x|`.
+pub(super) fn sum_of_sizes(qp: &Qp, index: usize, x: &[f64]) -> f64 {
     match index.checked_sub(qp.m()) {
         None => {
-            let terms = qp.row(index).iter().zip(x.iter().zip(unit));
-            terms.map(|(a, (&x, &unit))| a.abs() * of(x, unit)).sum()
+            let terms = qp.row(index).iter().zip(x);
+            terms.map(|(a, x)| (a * x).abs()).sum()
         }
-        Some(j) => of(x[j], unit[j]),
+        Some(j) => x[j].abs(),
     }
+}
+
+/// Whether a point in units near one satisfies every row and bound to [`VIOLATION`].
+pub(super) fn all_hold(qp: &Qp, x: &[f64]) -> bool {
+    let rounding = NOTHING * largest(x).max(1.0);
+    (0..count(qp)).all(|index| {
+        let (lower, upper) = limits(qp, index);
+        let value = value(qp, index, x);
+        let (excess, limit) = if value > upper {
+            (value - upper, upper)
+        } else {
+            (lower - value, lower)
+        };
+        // `!(… > …)`: infinite where there is no limit. A NaN does not hold.
+        excess <= VIOLATION * limit.abs()
+            || excess <= VIOLATION * (limit.abs() + sum_of_sizes(qp, index, x)) + rounding
+            || (excess <= EMPTY && is_empty(qp, index))
+    })
+}
+
+/// A constraint that nothing satisfies: its lower limit is above its upper one by more than rounding, or it has no
+/// coefficients, and limits that zero is not between.
+pub(super) fn impossible(qp: &Qp) -> Option<Active> {
+    (0..count(qp)).find_map(|index| {
+        let (lower, upper) = limits(qp, index);
+        if lower > upper && lower - upper > VIOLATION * (lower.abs() + upper.abs()) + NOTHING {
+            // Both limits; the multiplier names one.
+            return Some(Active {
+                index,
+                side: 1.0,
+                limit: upper,
+            });
+        }
+        let (side, limit, excess) = if upper < 0.0 {
+            (1.0, upper, -upper)
+        } else {
+            (-1.0, lower, lower)
+        };
+        (excess > EMPTY && is_empty(qp, index)).then_some(Active { index, side, limit })
+    })
+}
+
+/// Whether a row has no coefficients.
+pub(super) fn is_empty(qp: &Qp, index: usize) -> bool {
+    index < qp.m() && qp.row(index).iter().all(|a| *a == 0.0)
 }
 
 /// Largest entry of a normal, the variables in their units.
