@@ -4,6 +4,7 @@
     python3 tests/peers/qp.py --wbqp target/release/wbqp_qp --peer target/peers-qp/qp_peer target/peers-qp/*.ticks
 
 All solvers take the same problems in the same order, in turns of BLOCK of them: what disturbs the machine disturbs all.
+Every problem is read once before its clock starts, as a controller has its problem in the caches.
 Each goes through the file PASSES times; of every problem its least time counts, and of these the median and the 99th
 percentile are printed, and the peer's divided by wbqp's. A ratio below 1 is a problem on which the peer is faster.
 
