@@ -218,12 +218,21 @@ def certificate(p, y, z):
     return residual, float(-weighted / sizes) if sizes > 0 else -1.0
 
 
+def without_noise(p, y):
+    """Multipliers of rows set to zero that vanish beside what another row has of some variable. What proves
+    infeasibility without them proves it."""
+    shares = np.abs(p.A) * np.abs(y)[:, None]
+    terms = shares.sum(axis=0)
+    vanishes = np.any((shares > 0) & (shares <= 1e-14 * terms), axis=1)
+    return np.where(vanishes, 0.0, y)
+
+
 def judge_infeasible(p, a):
     crossing = crossed(p)
     if crossing > BEYOND:
         return Verdict("right" if crossing > MARGIN else "doubtful", "limits cross", margin=crossing)
     if a.has(p, "y", "z"):
-        residual, margin = certificate(p, a.y, a.z)
+        residual, margin = min(certificate(p, a.y, a.z), certificate(p, without_noise(p, a.y), a.z))
         if residual <= ROUNDED and margin > MARGIN:
             return Verdict("right", residual=residual, margin=margin)
         if residual <= COARSER * ROUNDED and margin > BEYOND:
@@ -356,6 +365,7 @@ def main():
     parser.add_argument("--answers", type=Path, help="what it has answered")
     parser.add_argument("--peers", nargs="*", default=[], choices=sorted(PEERS), help="judged beside it")
     parser.add_argument("--all", action="store_true", help="prints right answers as well")
+    parser.add_argument("--quiet", action="store_true", help="prints none but wrong and unsolved ones")
     arguments = parser.parse_args()
     lines, problems = zip(*read(arguments.problems))
     entrants = {}
@@ -373,7 +383,8 @@ def main():
             counts[verdict.kind] += 1
             is_solved = solved(p, a) if p is not None else None
             good, known = good + bool(is_solved), known + (is_solved is not None)
-            if arguments.all or verdict.kind != "right" or is_solved is False:
+            shown = ("wrong", "unsolved") if arguments.quiet else ("wrong", "unsolved", "doubtful", "unproven")
+            if arguments.all or verdict.kind in shown or is_solved is False:
                 label = (p.name if p is not None else "") or f"line {index + 1}"
                 mark = "" if is_solved is not False else "  NOT SOLVED"
                 count = "" if a.iterations is None else f"{a.iterations:5} it."

@@ -149,11 +149,15 @@ def feasible(p):
     """Whether some point keeps all limits but for 1e-9 of their size: HiGHS, by the least violation there can be."""
     A, low, high = unit_rows(p)
     n, m = p.n, p.m
+    # Units of variables in which no coefficient is above one; powers of two, so that nothing is rounded.
+    unit = np.max(np.abs(A), axis=0, initial=0)
+    unit = 2.0 ** np.round(np.log2(np.where(unit > 0, unit, 1)))
+    A, own_lower, own_upper = A / unit, p.lower * unit, p.upper * unit
     size = lambda v: np.where(np.isfinite(v), np.abs(v), 0)  # noqa: E731
     # x and one slack t: every row and bound may be missed by t times its size.
-    weight = np.concatenate([1 + size(low) + size(high), 1 + size(p.lower) + size(p.upper)])
+    weight = np.concatenate([1 + size(low) + size(high), 1 + size(own_lower) + size(own_upper)])
     everything = np.vstack([A, np.eye(n)])
-    lower, upper = np.concatenate([low, p.lower]), np.concatenate([high, p.upper])
+    lower, upper = np.concatenate([low, own_lower]), np.concatenate([high, own_upper])
     least = np.hstack([everything, weight[:, None]])
     most = np.hstack([everything, -weight[:, None]])
     rows = np.vstack([least, most])
