@@ -23,6 +23,7 @@ import subprocess
 import sys
 import tempfile
 from array import array
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
@@ -105,9 +106,10 @@ class Ticks:
         self.first = np.array([p[0] for p in self.problems])
 
     def shape(self):
-        _, h, _, a, lower, upper, *_ = max(self.problems, key=lambda p: p[1].shape[0] + p[3].shape[0])
-        equal = int(np.sum(lower == upper))
-        return h.shape[0], equal, a.shape[0] - equal
+        """Variables, equalities and inequalities of most of them."""
+        sizes = Counter((len(h), int(np.sum(low == high)), len(a)) for _, h, _, a, low, high, *_ in self.problems)
+        (n, equal, rows), _ = sizes.most_common(1)[0]
+        return n, equal, rows - equal
 
     def judged(self, outcomes, references):
         """(largest violation, largest difference of costs in size, not optimal)."""
