@@ -1,9 +1,10 @@
 //! What a file is: a robot's URDF, a controller or a scenario.
 
-use std::{fs, path::Path};
+use std::path::Path;
 
 use anyhow::{Context, Result, bail};
 use serde::Serialize;
+use wbqp::input;
 
 /// The kinds of files that the command reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -24,7 +25,8 @@ impl Subject {
     /// A file that cannot be read, or that is none of these.
     pub fn of_file(path: &Path) -> Result<Self> {
         let name = path.display();
-        let bytes = fs::read(path).with_context(|| format!("{name}: cannot be read"))?;
+        let bytes = input::read(path, input::LARGEST_TEXT)
+            .with_context(|| format!("{name}: cannot be read"))?;
         let Ok(text) = String::from_utf8(bytes) else {
             bail!("{name}: is not text: it should be a URDF, a controller or a scenario");
         };

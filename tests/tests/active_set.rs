@@ -332,13 +332,13 @@ fn a_warm_start_survives_rows_that_come_and_go() {
 fn a_cap_on_iterations_is_kept() {
     let known = random_qp(Family::Degenerate, 44, 24);
     let mut active_set = ActiveSet::default();
-    active_set.max_iterations = 2;
+    active_set.max_iterations = Some(2);
     active_set.bind(known.qp.capacity()).expect("is good");
     let mut solution = Solution::new(known.qp.capacity());
     active_set.solve(&known.qp, &mut solution).expect("fits");
     assert_eq!(solution.status, Status::IterationLimit);
     assert!(solution.x.iter().all(|x| x.is_finite()));
-    active_set.max_iterations = 0;
+    active_set.max_iterations = Some(0);
     assert!(active_set.bind(known.qp.capacity()).is_err());
 }
 

@@ -93,22 +93,18 @@ impl Elastic {
     ) -> Self {
         let mut levels = Vec::new();
         let mut level_of = vec![None; table.rows.len()];
-        let mut limits = 0;
+        let limits = Self::limits_of(groups, assembly.normal_rows.len());
         for of_tasks in [true, false] {
             for (index, group) in groups.iter().enumerate().rev() {
                 if group.is_task != of_tasks {
                     continue;
                 }
-                let rows = match group.treatment {
-                    Treatment::Hard if !group.layout.of_the_world => group.rows.as_slice(),
-                    _ => &[],
-                };
+                let rows = given_up(group);
                 if rows.is_empty() && group.bounds.is_empty() {
                     continue;
                 }
                 for id in rows.iter().chain(&group.bounds) {
                     level_of[id.index()] = Some(levels.len());
-                    limits += 1;
                 }
                 levels.push(Level::Entry(index));
             }
@@ -116,12 +112,8 @@ impl Elastic {
         for (contact, id) in assembly.normal_rows.iter().enumerate().rev() {
             level_of[id.index()] = Some(levels.len());
             levels.push(Level::Contact(contact));
-            limits += 1;
         }
-        let capacity = Capacity {
-            vars: capacity.vars + limits,
-            rows: capacity.rows + limits,
-        };
+        let capacity = Self::capacity(groups, assembly.normal_rows.len(), capacity);
         Self {
             given_up: vec![false; levels.len()],
             levels,
@@ -133,6 +125,21 @@ impl Elastic {
             bound_owner: vec![[None; 2]; capacity.vars],
             qp: Qp::new(capacity),
         }
+    }
+
+    /// The largest problem with all limits given up, of one with so many bounds on normal forces.
+    pub(crate) fn capacity(groups: &[Group], normals: usize, problem: Capacity) -> Capacity {
+        let limits = Self::limits_of(groups, normals);
+        Capacity {
+            vars: problem.vars + limits,
+            rows: problem.rows + limits,
+        }
+    }
+
+    /// How many limits there are to give up.
+    fn limits_of(groups: &[Group], normals: usize) -> usize {
+        let of_groups = groups.iter().map(|g| given_up(g).len() + g.bounds.len());
+        of_groups.sum::<usize>() + normals
     }
 
     /// Nothing is given up.
@@ -530,6 +537,14 @@ impl Elastic {
     /// The most entries that [`Elastic::exceeded`] may give.
     pub(crate) fn limits(&self) -> usize {
         2 * self.given.capacity()
+    }
+}
+
+/// The rows of an entry that are given up with it.
+fn given_up(group: &Group) -> &[RowId] {
+    match group.treatment {
+        Treatment::Hard if !group.layout.of_the_world => &group.rows,
+        _ => &[],
     }
 }
 

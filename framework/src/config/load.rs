@@ -1,7 +1,6 @@
 //! From the text of a file to a [`ControllerConfig`].
 
 use std::{
-    fs,
     path::{Path, PathBuf},
     sync::OnceLock,
 };
@@ -16,7 +15,7 @@ use super::{
     document::Document,
     entry, expand,
     expand::Texts,
-    fault,
+    fault, meaning,
     overrides::Appendix,
     report::{At, Report},
     schema::Node,
@@ -26,6 +25,7 @@ use crate::{
     constraint::Constraint,
     contact::ContactSpec,
     entry::{Entry, Hardness},
+    input,
     qp::{ActiveSet, Solver},
     registry::{self, PluginKind},
     robot::{Place, Robot, SourceFile},
@@ -52,7 +52,7 @@ impl ControllerConfig {
     ) -> Result<Self, ConfigErrors> {
         let path = path.as_ref();
         let name = path.display().to_string();
-        let source = fs::read_to_string(path).map_err(|error| {
+        let source = input::read_text(path).map_err(|error| {
             ConfigErrors::new(vec![ConfigError {
                 kind: Kind::Read,
                 place: Some(Place::file(&name)),
@@ -95,6 +95,7 @@ impl ControllerConfig {
         }
         let texts = Texts::default();
         let (document, _) = expand::read(source, overrides, &appendix, &texts, &mut report);
+        let warnings = meaning::check(&document, &mut report);
         let parts = Parts::read(document, &mut report);
         report.finish()?;
         match parts {
@@ -107,6 +108,7 @@ impl ControllerConfig {
                 constraints: parts.constraints,
                 directory: directory.into(),
                 overrides: overrides.clone(),
+                warnings,
                 source: Some(SourceFile {
                     name: file_name.to_owned(),
                     media_type: "application/toml",
@@ -150,7 +152,7 @@ fn registry_faults() -> &'static [String] {
 
 fn reserved_keys<P: PluginKind + ?Sized>(reserved: &[&str], faults: &mut Vec<String>) {
     for plugin in P::plugins() {
-        let schema = (plugin.schema)();
+        let schema = plugin.described();
         for key in Node::root(schema.as_value()).property_names() {
             if reserved.contains(&key) {
                 faults.push(format!(
@@ -220,6 +222,12 @@ fn schema_of<T: schemars::JsonSchema>() -> Json {
         .to_value()
 }
 
+/// The same for every contact of every file.
+fn contact_schema() -> &'static Json {
+    static SCHEMA: OnceLock<Json> = OnceLock::new();
+    SCHEMA.get_or_init(schema_of::<ContactSpec>)
+}
+
 fn settings(section: Option<Section<'_>>, report: &mut Report<'_>) -> Option<Settings> {
     let section = section?;
     let at = At::subject("controller");
@@ -271,11 +279,10 @@ fn contact(
     if let Some(name) = section.keys.get("name") {
         names.check("contact", name, expand::remedy(&section), &at, report);
     }
-    let schema = schema_of::<ContactSpec>();
     let keys = section.clone();
     let load = ContactSpec::deserialize::<toml::de::ValueDeserializer<'_>>;
     let short = &expand::schema::SHORT_KEYS;
-    let spec: ContactSpec = table::read(section, &schema, short, load, &at, report)?;
+    let spec: ContactSpec = table::read(section, contact_schema(), short, load, &at, report)?;
     if let Err(error) = spec.validate() {
         fault::report(&error, Some(&keys), &at, report);
         return None;

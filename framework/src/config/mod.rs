@@ -33,6 +33,7 @@ mod error;
 pub(crate) mod expand;
 mod fault;
 mod load;
+mod meaning;
 mod overrides;
 mod report;
 mod save;
@@ -50,7 +51,7 @@ use crate::{
     contact::ContactSpec,
     entry::Entry,
     qp::{ActiveSet, Solver},
-    robot::{Robot, RobotModel, SourceFile},
+    robot::{Diagnostic, Robot, RobotModel, SourceFile},
     setup::BindError,
     task::Task,
 };
@@ -92,6 +93,8 @@ pub struct ControllerConfig {
     pub source: Option<SourceFile>,
     /// What replaced the file's values.
     pub(crate) overrides: Overrides,
+    /// What may be a mistake in it.
+    pub(crate) warnings: Vec<Diagnostic>,
 }
 
 /// The `[controller]` table.
@@ -129,6 +132,11 @@ pub struct Settings {
     /// plausible.
     #[serde(default)]
     pub max_first_error: FirstError,
+    /// The most memory that the problem of a tick and its solvers may take, MiB. What they take is known from the numbers of
+    /// variables and rows; a controller that needs more is refused before any of it is allocated.
+    #[serde(default = "default_max_memory")]
+    #[schemars(extend("x-unit" = "MiB"))]
+    pub max_memory: f64,
 }
 
 /// Where references begin that have no value of their own.
@@ -190,6 +198,9 @@ fn default_regularisation() -> f64 {
 fn default_extrapolation() -> f64 {
     0.02
 }
+fn default_max_memory() -> f64 {
+    1024.0
+}
 fn default_velocity_leak() -> f64 {
     0.5
 }
@@ -206,6 +217,7 @@ impl Settings {
             hover: Hover::default(),
             start: StartFrom::default(),
             max_first_error: FirstError::default(),
+            max_memory: default_max_memory(),
         }
     }
 
@@ -242,6 +254,12 @@ impl Settings {
                 self.extrapolation,
                 self.extrapolation >= 0.0,
                 "not negative",
+            ),
+            (
+                "max_memory",
+                self.max_memory,
+                self.max_memory > 0.0,
+                "positive",
             ),
         ]
         .into_iter()
@@ -318,6 +336,13 @@ impl ControllerConfig {
             directory: PathBuf::new(),
             source: None,
             overrides: Overrides::new(),
+            warnings: Vec::new(),
         }
+    }
+
+    /// What may be a mistake in the file and was taken as it is: numbers that no robot has, weights too far apart. They go with
+    /// the robot's own into [`RobotModel::diagnostics`] of the controller's robot, into logs and dumps.
+    pub fn warnings(&self) -> &[Diagnostic] {
+        &self.warnings
     }
 }

@@ -99,7 +99,7 @@ pub(super) fn plugin<P: PluginKind + ?Sized>(
     known.extend_from_slice(entry_keys);
     read(
         section,
-        (plugin.schema)().as_value(),
+        plugin.described().as_value(),
         &known,
         plugin.load,
         at,

@@ -12,6 +12,7 @@ use super::{
     handle::Stamp,
     home,
     ladder::{Age, Clock, Ladder},
+    memory::{Need, Stored},
     recording::MadeFrom,
     report::{ContactReport, OnRung, Report, Rung, TaskReport},
     safe::SafeLaw,
@@ -101,8 +102,10 @@ impl Controller {
             mut constraints,
             source,
             overrides,
+            warnings,
             directory: _,
         } = config;
+        robot.diagnostics.extend(warnings);
         let mut faults = Faults::new(Origin::new(source, overrides));
         faults.settings(&settings);
         faults.robot(robot_plugin.typetag_name(), robot.problems());
@@ -153,6 +156,7 @@ impl Controller {
         let mut table = Table::default();
         let problem_rows = ProblemRows::new(formulation, &names, &mut table);
         let mut groups = Vec::new();
+        let mut stored = Stored::default();
         for (index, entry) in tasks.iter_mut().enumerate() {
             let mut setup = Setup::new(&robot, &contacts, period, &mut frame_ids);
             let layout = entry.plugin.bind(&mut setup);
@@ -160,7 +164,11 @@ impl Controller {
                 make_group(true, entry, layout, &sizes, frame_ids.len(), &mut table)
             });
             match group {
-                Ok(group) => groups.push(group),
+                Ok(group) => {
+                    faults.memory(stored.add(&group, settings.max_memory));
+                    faults.stop_if_too_large()?;
+                    groups.push(group);
+                }
                 Err(error) => faults.task(index, entry, error),
             }
         }
@@ -171,7 +179,11 @@ impl Controller {
                 make_group(false, entry, layout, &sizes, frame_ids.len(), &mut table)
             });
             match group {
-                Ok(group) => groups.push(group),
+                Ok(group) => {
+                    faults.memory(stored.add(&group, settings.max_memory));
+                    faults.stop_if_too_large()?;
+                    groups.push(group);
+                }
                 Err(error) => faults.constraint(index, entry, error),
             }
         }
@@ -190,6 +202,21 @@ impl Controller {
             faults.contact(index, &contacts[index].name, error);
         }
         let partition = Partition::new(formulation, &robot, &contacts, &frame_ids);
+        let mut native = ActiveSet::default();
+        let need = Need::of(
+            &partition,
+            &groups,
+            [
+                problem_rows.dynamics_rows(),
+                contacts.len(),
+                robot.nu(),
+                frame_ids.len(),
+            ],
+            &*solver,
+            &native,
+        );
+        faults.memory(need.check(settings.max_memory));
+        faults.stop_if_too_large()?;
         let kept = partition.kept.iter().map(|&i| &robot.actuators[i]);
         let kept = Actuation::new(&model, kept);
         let assembly = Assembly::new(
@@ -201,12 +228,8 @@ impl Controller {
             &mut groups,
             &mut table,
         );
-        let capacity = assembly.capacity(&groups);
-        // The hover problem below has only the efforts.
-        let capacity = Capacity {
-            vars: capacity.vars.max(robot.nu()),
-            ..capacity
-        };
+        debug_assert!(assembly.capacity(&groups).vars <= need.problem.vars);
+        let capacity = need.problem;
         faults.solver(solver_tag, solver.bind(capacity).map_err(BindError::from));
         faults.stop_if_any()?;
 
@@ -233,7 +256,6 @@ impl Controller {
         };
         let elastic = Elastic::new(&assembly, &groups, &table, &robot.actuators, capacity);
         let relaxed = elastic.qp.capacity();
-        let mut native = ActiveSet::default();
         faults.solver("active_set", native.bind(relaxed).map_err(BindError::from));
         let tags: Vec<&'static str> = (tasks.iter().map(|e| e.plugin.typetag_name()))
             .chain(constraints.iter().map(|e| e.plugin.typetag_name()))

@@ -47,15 +47,28 @@ impl Controller {
         let (nv, nu) = (self.robot.model.nv(), self.robot.nu());
         let mut s = vec![0.0; nv * nu];
         self.actuation.write(&self.world.data, &mut s, nu);
+        let s = s.as_slice();
         let gravity = self.world.data.gravity();
         let made = self.qp.reset((0..nu).map(|i| VarId::new(i as u32)));
         debug_assert!(made.is_ok(), "the efforts are among the variables");
         let (h, g) = self.qp.cost_mut();
-        for i in 0..nu {
-            for j in 0..nu {
-                h[i * nu + j] = (0..nv).map(|k| 2.0 * s[k * nu + i] * s[k * nu + j]).sum();
+        // A motor acts on one velocity, a rotor on those that carry it: S has few entries, and few are looked at.
+        let acts_on = |i: usize| (0..nv).filter(move |k| s[k * nu + i] != 0.0);
+        let columns: Vec<Vec<usize>> = (0..nu).map(|i| acts_on(i).collect()).collect();
+        for (i, column) in columns.iter().enumerate() {
+            for (j, other) in columns.iter().enumerate() {
+                let shorter = if column.len() < other.len() {
+                    column
+                } else {
+                    other
+                };
+                let products = shorter.iter().map(|k| 2.0 * s[k * nu + i] * s[k * nu + j]);
+                h[i * nu + j] = products.sum::<f64>() + 0.0;
             }
-            g[i] = (0..nv).map(|k| -2.0 * s[k * nu + i] * gravity[k]).sum();
+            g[i] = column
+                .iter()
+                .map(|k| -2.0 * s[k * nu + i] * gravity[*k])
+                .sum();
             h[i * nu + i] += 1e-9;
         }
         let (lower, upper) = self.qp.bounds_mut();

@@ -15,6 +15,7 @@ mod home;
 mod hover;
 mod ladder;
 mod measurement;
+mod memory;
 mod recording;
 mod rehearsal;
 mod report;

@@ -161,7 +161,7 @@ fn entry_keys(default: Hardness) -> Value {
 /// A definition per plug-in of a kind, with the keys that every one of them has.
 fn define<P: PluginKind + ?Sized>(definitions: &mut Map<String, Value>, common: &Value) {
     for plugin in P::plugins() {
-        let root = (plugin.schema)().to_value();
+        let root = plugin.described().clone().to_value();
         let mut schema = root.clone();
         inline(&mut schema, &root, 0);
         let Some(table) = schema.as_object_mut() else {

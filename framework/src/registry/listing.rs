@@ -154,8 +154,8 @@ fn one_line(text: &str) -> String {
 }
 
 fn of_kind<P: PluginKind + ?Sized>(all: &mut Vec<PluginInfo>) {
-    all.extend(P::plugins().into_iter().map(|plugin| {
-        let schema: Schema = (plugin.schema)();
+    all.extend(P::plugins().iter().map(|plugin| {
+        let schema: &Schema = plugin.described();
         let root = schema.as_value();
         let mut parameters = Vec::new();
         collect(Node::root(root), "", &mut parameters);

@@ -6,7 +6,7 @@ use crate::Qp;
 /// Largest violation at an optimum, relative to the limit and the sizes of the terms of the row's value.
 const VIOLATION: f64 = 1e-10;
 /// A violation that is none, however small the numbers that it is made of: rounding of the largest variable.
-const NOTHING: f64 = 4e-15;
+const NOTHING: f64 = 1e-13;
 /// The same of a row without coefficients, which has no scale.
 const EMPTY: f64 = 1e-9;
 

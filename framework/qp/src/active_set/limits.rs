@@ -11,7 +11,10 @@ pub(super) struct Limits<'a> {
     /// The cap on iterations that is configured.
     configured: u32,
     clock: Option<Clock<'a>>,
-    is_used_up: bool,
+    /// Iterations after which another method is tried.
+    attempt: u32,
+    /// Whether these alone are used up.
+    has_attempt_ended: bool,
 }
 
 #[derive(Debug)]
@@ -27,7 +30,8 @@ impl<'a> Limits<'a> {
             max_iterations,
             configured: max_iterations,
             clock: None,
-            is_used_up: false,
+            attempt: u32::MAX,
+            has_attempt_ended: false,
         }
     }
 
@@ -55,14 +59,22 @@ impl<'a> Limits<'a> {
     /// The count that is passed grows from call to call, so that a cap on it ends a solve exactly where the clock did.
     pub(super) fn are_used_up(&mut self, iterations: u32) -> bool {
         let is_late = |clock: &mut Clock<'_>| clock.stopwatch.now() > clock.end;
-        self.is_used_up =
+        let are_used_up =
             iterations >= self.max_iterations || self.clock.as_mut().is_some_and(is_late);
-        self.is_used_up
+        self.has_attempt_ended = !are_used_up && iterations >= self.attempt;
+        are_used_up || self.has_attempt_ended
+    }
+
+    /// From here on one method may take so many iterations, counted from the first of the solve.
+    pub(super) fn attempt_until(&mut self, iterations: u32) {
+        self.attempt = iterations;
     }
 
     /// What the status is when they are. A cap below the configured one stands for a clock that ended a solve there.
     pub(super) fn status(&self, iterations: u32) -> Status {
-        if iterations >= self.configured {
+        if self.has_attempt_ended {
+            Status::Stalled
+        } else if iterations >= self.configured {
             Status::IterationLimit
         } else {
             Status::TimeLimit

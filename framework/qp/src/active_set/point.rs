@@ -11,7 +11,7 @@ const PULL: f64 = 1e-6;
 /// The part of the largest variable that is left where large numbers cancel, as long as the last digits do not count.
 const LEFT: f64 = 1e-3;
 /// Rounding of the largest variable, beside the accepted violation.
-const ROUNDED: f64 = 1e-5;
+const ROUNDED: f64 = 1e-2;
 
 /// Variables and the values of all constraints.
 #[derive(Clone, Debug, Default)]

@@ -7,6 +7,9 @@ use super::{
 };
 use crate::{Capacity, Qp, Solution, Status, WarmStart};
 
+/// Iterations of the dual method, besides two for each variable and row, after which what it does is taken for rounding.
+const PATIENCE: u32 = 100;
+
 /// Storage of the method, made once.
 #[derive(Clone, Debug)]
 pub(super) struct Workspace {
@@ -55,7 +58,10 @@ impl Workspace {
     }
 
     fn run(&mut self, qp: &Qp, limits: &mut Limits<'_>, out: &mut Solution) -> Status {
+        let size = u32::try_from(qp.n() + qp.m()).unwrap_or(u32::MAX);
+        limits.attempt_until(size.saturating_mul(2).saturating_add(PATIENCE));
         let status = self.dual.solve(qp, limits, 0, out);
+        limits.attempt_until(u32::MAX);
         let is_answer = match status {
             Status::Optimal => !self.dual.is_doubtful(),
             Status::Stalled => false,

@@ -168,17 +168,18 @@ fn is_ray(known: &Known, s: &Solution) -> Result<(), String> {
     if !(dot(qp.g(), d) < -1e-9 * terms) {
         return Err(format!("slope {:e} of {terms:e}", dot(qp.g(), d)));
     }
-    for j in 0..n {
-        let row = &qp.h()[j * n..(j + 1) * n];
-        let terms: f64 = row.iter().zip(d).map(|(h, d)| (h * d).abs()).sum();
-        if dot(row, d).abs() > VANISHES * terms {
-            return Err(format!("curvature {:e} of {terms:e}", dot(row, d)));
-        }
-    }
     let largest = d
         .iter()
         .zip(&known.variable_units)
         .fold(0.0_f64, |a, (d, u)| a.max(d.abs() / u));
+    for j in 0..n {
+        let row = &qp.h()[j * n..(j + 1) * n];
+        let terms: f64 = row.iter().zip(d).map(|(h, d)| (h * d).abs()).sum();
+        let rounding = ROUNDING * known.cost_unit * largest / known.variable_units[j];
+        if dot(row, d).abs() > VANISHES * terms + rounding {
+            return Err(format!("curvature {:e} of {terms:e}", dot(row, d)));
+        }
+    }
     for (index, (rate, size, [lower, upper], unit)) in constraints(known, d).enumerate() {
         let allowed = VANISHES * size + ROUNDING * unit * largest;
         if (rate > allowed && upper.is_finite()) || (rate < -allowed && lower.is_finite()) {

@@ -384,11 +384,19 @@ fn with_limits(
 
 /// The part of a vector that is orthogonal to another.
 fn without(a: &mut [f64], d: &[f64]) {
+    let size = dot(a, a);
     for _ in 0..2 {
         let along = dot(a, d) / dot(d, d);
         for (a, d) in a.iter_mut().zip(d) {
             *a -= along * d;
         }
+    }
+    if dot(a, a) < 1e-12 * size {
+        // What is left is rounding.
+        a.fill(0.0);
+    }
+    for a in a.iter_mut().filter(|a| a.abs() < 1e-13) {
+        *a = 0.0;
     }
 }
 

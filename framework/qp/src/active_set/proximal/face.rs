@@ -11,10 +11,12 @@
 
 use super::super::kernels::{axpy, dot};
 
-/// Curvature below this part of the largest is rounding.
-const FLAT: f64 = 1e-12;
+/// Curvature below this part of the largest, for each direction of the face, is rounding.
+const FLAT: f64 = 4e-15;
 /// A negative pivot, or an entry beside a pivot of zero, beyond this part of the largest curvature is no rounding.
 const INDEFINITE: f64 = 1e-9;
+/// Corrections of a ray by the curvature that rounding left along it.
+const REFINEMENTS: u32 = 2;
 /// Sine of the angle to the constraints held below which a constraint depends on them.
 const DEPENDENT: f64 = 1e-9;
 
@@ -84,6 +86,11 @@ impl Face {
     /// The direction that [`Face::slope`] found.
     pub(super) fn direction(&self) -> &[f64] {
         &self.direction[..self.n]
+    }
+
+    /// The direction, to be chosen.
+    pub(super) fn direction_mut(&mut self) -> &mut [f64] {
+        &mut self.direction[..self.n]
     }
 
     /// Leaves the directions along which a constraint stays where it is; false if those before do so already.
@@ -171,14 +178,39 @@ impl Face {
         } else {
             w[rank..].fill(0.0);
         }
-        for k in (0..rank).rev() {
-            let row = &self.factor[k * n..k * n + count];
-            w[k] = (w[k] - dot(&row[k + 1..rank], &w[k + 1..rank])) / row[k];
+        solve_upper(&self.factor, n, rank, w);
+        if is_ray {
+            for _ in 0..REFINEMENTS {
+                self.flatten(rank);
+            }
         }
+        let w = &self.work[..count];
         for (w, &p) in w.iter().zip(&self.pivots) {
             axpy(&mut self.direction[..n], *w, &self.z[p * n..(p + 1) * n]);
         }
         if is_ray { Slope::Ray } else { Slope::Step }
+    }
+
+    /// Corrects the curved part of the direction in `work` by the curvature that is left along it.
+    fn flatten(&mut self, rank: usize) {
+        let (n, count) = (self.n, self.count);
+        let (w, rest) = (&mut self.work[..count], &mut self.reduced[..count]);
+        for (k, rest) in rest[..rank].iter_mut().enumerate() {
+            let row = &self.m[self.pivots[k] * n..];
+            *rest = -w
+                .iter()
+                .zip(&self.pivots)
+                .map(|(w, &p)| w * row[p])
+                .sum::<f64>();
+        }
+        for k in 0..rank {
+            let row = &self.factor[k * n..k * n + rank];
+            rest[k] /= row[k];
+            let value = rest[k];
+            axpy(&mut rest[k + 1..rank], -value, &row[k + 1..]);
+        }
+        solve_upper(&self.factor, n, rank, rest);
+        axpy(&mut w[..rank], 1.0, &rest[..rank]);
     }
 
     /// `P M Pᵀ = Lᵀ L` with the largest diagonal first; returns how many pivots are more than rounding.
@@ -196,7 +228,7 @@ impl Face {
         {
             factor[..count].copy_from_slice(&m[..count]);
         }
-        let least = FLAT * self.curvature;
+        let least = FLAT * count as f64 * self.curvature;
         let f = &mut self.factor;
         for k in 0..count {
             let best = (k..count).max_by(|&a, &b| f[a * n + a].total_cmp(&f[b * n + b]));
@@ -225,6 +257,14 @@ impl Face {
             }
         }
         count
+    }
+}
+
+/// Replaces the first entries of `w` by `L⁻¹` of them; L is upper triangular.
+fn solve_upper(factor: &[f64], stride: usize, rank: usize, w: &mut [f64]) {
+    for k in (0..rank).rev() {
+        let row = &factor[k * stride..k * stride + rank];
+        w[k] = (w[k] - dot(&row[k + 1..], &w[k + 1..rank])) / row[k];
     }
 }
 

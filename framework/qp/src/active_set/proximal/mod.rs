@@ -26,10 +26,14 @@ const WEIGHTS: [f64; 3] = [1e-6, 1e-4, 1e-2];
 /// Rounds with one weight.
 const ROUNDS: u32 = 200;
 /// Largest residual of the stationarity conditions at an optimum, per variable, relative to the sum of its terms' sizes.
-const STATIONARY: f64 = 1e-9;
+const STATIONARY: f64 = 1e-11;
 /// A residual below this part of the largest term of all variables, and of what the largest variable could contribute, is
 /// rounding.
 const LEAST: f64 = 1e-15;
+/// Part of a direction's largest component below which the rate at which a constraint's value changes is rounding.
+const RATE: f64 = 1e-10;
+/// Rounds after which it is assumed that they go to and fro.
+const ZIGZAG: u32 = 4;
 /// Part of the sum of the sizes of its terms below which a sum is rounding.
 const ROUNDED: f64 = 1e-12;
 
@@ -43,6 +47,8 @@ pub(super) struct Proximal {
     h: Vec<f64>,
     g: Vec<f64>,
     centre: Vec<f64>,
+    /// Where the last round's proximal step ended.
+    last: Vec<f64>,
     x: Vec<f64>,
     gradient: Vec<f64>,
     /// Sums of the sizes of the gradient's terms.
@@ -62,6 +68,7 @@ impl Proximal {
             h: vec![0.0; n * n],
             g: vec![0.0; n],
             centre: vec![0.0; n],
+            last: vec![0.0; n],
             x: vec![0.0; n],
             gradient: vec![0.0; n],
             sizes: vec![0.0; n],
@@ -129,7 +136,7 @@ impl Proximal {
             h[j * n + j] += weight;
         }
         self.centre[..n].fill(0.0);
-        for _ in 0..ROUNDS {
+        for round in 0..ROUNDS {
             let terms = self.scaled.g_mut().iter_mut().zip(&self.g);
             for ((out, g), centre) in terms.zip(&self.centre) {
                 *out = g - weight * centre;
@@ -141,13 +148,17 @@ impl Proximal {
             self.x[..n].copy_from_slice(&out.x[..n]);
             let moved = self.x[..n].iter().zip(&self.centre);
             let moved = moved.fold(0.0, |a: f64, (x, c)| a.max((x - c).abs()));
-            if self.is_stationary(out) {
+            if self.is_stationary(weight, out) {
                 return if constraint::all_hold(&self.scaled, &out.x[..n]) {
                     Status::Optimal
                 } else {
                     Status::Stalled
                 };
             }
+            if round >= ZIGZAG && self.extrapolate(out) {
+                return Status::Unbounded;
+            }
+            self.last[..n].copy_from_slice(&out.x[..n]);
             if self.descend(dual, limits, out) {
                 return Status::Unbounded;
             }
@@ -179,9 +190,17 @@ impl Proximal {
     }
 
     /// Whether the multipliers balance the gradient.
-    fn is_stationary(&mut self, out: &Solution) -> bool {
+    fn is_stationary(&mut self, weight: f64, out: &mut Solution) -> bool {
         self.differentiate();
         let (n, m) = (self.scaled.n(), self.scaled.m());
+        let curvature = self.face.curvature() + weight;
+        let contribution = super::kernels::largest(&self.x[..n]) * curvature;
+        if super::kernels::largest(&self.gradient[..n]) <= LEAST * contribution {
+            // No cost: what the multipliers are is rounding.
+            out.y[..m].fill(0.0);
+            out.z[..n].fill(0.0);
+            return true;
+        }
         for (index, y) in out.y[..m].iter().chain(&out.z[..n]).enumerate() {
             if *y == 0.0 {
                 continue;
@@ -197,7 +216,7 @@ impl Proximal {
             }
         }
         let largest = super::kernels::largest(&self.sizes[..n]);
-        let largest = largest.max(super::kernels::largest(&self.x[..n]) * self.face.curvature());
+        let largest = largest.max(contribution);
         let mut pairs = self.gradient[..n].iter().zip(&self.sizes);
         // `!(… > …)` would let a NaN through.
         pairs.all(|(r, size)| r.abs() <= STATIONARY * size || r.abs() <= LEAST * largest)
@@ -214,15 +233,25 @@ impl Proximal {
             self.face.confine(&self.normal[..n]);
             self.on_face[held.index] = true;
         }
+        let mut has_ray = false;
         loop {
             self.differentiate();
             let slope = self.face.slope(&self.gradient[..n]);
             let d = self.face.direction();
-            let falls = -dot(&self.gradient[..n], d);
-            let terms = self.sizes[..n].iter().zip(d);
-            let rounding = ROUNDED * terms.map(|(size, d)| (size * d).abs()).sum::<f64>();
+            let mut falls = -dot(&self.gradient[..n], d);
+            // A direction has rounding of its largest component in all of them.
+            let (slack, mut size) = (super::kernels::largest(d), 0.0);
+            let mut rounding = 0.0;
+            for (terms, d) in self.sizes[..n].iter().zip(d) {
+                size += terms * d.abs();
+                rounding += ROUNDED * terms * (d.abs() + 1e-3 * slack);
+            }
+            if slope == Slope::Ray {
+                // Without curvature its slope does not depend on x, however large that has become.
+                (falls, size, rounding) = self.slope_of_linear_term();
+            }
             if slope == Slope::None || !(falls > rounding) {
-                return false;
+                return has_ray;
             }
             let full = if slope == Slope::Ray {
                 f64::INFINITY
@@ -231,10 +260,18 @@ impl Proximal {
             };
             let (length, blocking) = self.first_in_the_way(full);
             if length.is_infinite() {
-                let (n, m) = (self.scaled.n(), self.scaled.m());
-                out.x[..n].copy_from_slice(self.face.direction());
-                out.y[..m].fill(0.0);
-                out.z[..n].fill(0.0);
+                if falls <= STATIONARY * size {
+                    return has_ray;
+                }
+                self.write_ray(out);
+                has_ray = true;
+                if self.narrow_by_rounding() {
+                    // The same again, without that rounding if it can be.
+                    continue;
+                }
+                return true;
+            }
+            if has_ray {
                 return true;
             }
             axpy(&mut self.x[..n], length, self.face.direction());
@@ -253,11 +290,97 @@ impl Proximal {
         }
     }
 
+    /// How steeply `gᵀ x` falls in the direction, the sum of the terms' sizes, and what may be rounding of it.
+    fn slope_of_linear_term(&self) -> (f64, f64, f64) {
+        let d = self.face.direction();
+        let largest = super::kernels::largest(d);
+        let (mut falls, mut size, mut rounding) = (0.0, 0.0, 0.0);
+        for (g, d) in self.g.iter().zip(d) {
+            falls -= g * d;
+            size += (g * d).abs();
+            rounding += ROUNDED * g.abs() * (d.abs() + 1e-3 * largest);
+        }
+        (falls, size, rounding)
+    }
+
+    /// Goes on in the direction in which the last rounds' ends moved, as far as the cost falls and nothing is in the way; whether
+    /// it falls for ever.
+    fn extrapolate(&mut self, out: &mut Solution) -> bool {
+        let n = self.scaled.n();
+        self.differentiate();
+        let d = self.face.direction_mut();
+        for (d, (x, last)) in d.iter_mut().zip(self.x.iter().zip(&self.last)) {
+            *d = x - last;
+        }
+        let largest = super::kernels::largest(d);
+        if largest == 0.0 {
+            return false;
+        }
+        d.iter_mut().for_each(|d| *d /= largest);
+        let d = self.face.direction();
+        let falls = -dot(&self.gradient[..n], d);
+        let size: f64 = (self.sizes[..n].iter().zip(d))
+            .map(|(size, d)| size * d.abs())
+            .sum();
+        if falls <= STATIONARY * size {
+            return false;
+        }
+        let products = self.h[..n * n].chunks_exact(n).zip(d);
+        let curvature: f64 = products.map(|(h, d_i)| d_i * dot(h, d)).sum();
+        let full = if curvature <= ROUNDED * self.face.curvature() {
+            f64::INFINITY
+        } else {
+            falls / curvature
+        };
+        self.on_face[..count(&self.scaled)].fill(false);
+        let (length, _) = self.first_in_the_way(full);
+        if length.is_infinite() {
+            self.write_ray(out);
+            return true;
+        }
+        axpy(&mut self.x[..n], length, self.face.direction());
+        false
+    }
+
+    /// Narrows the face by the constraints that the direction leads to at a rate that may be rounding; whether there are any.
+    fn narrow_by_rounding(&mut self) -> bool {
+        let n = self.scaled.n();
+        let mut any = false;
+        for index in 0..count(&self.scaled) {
+            let rate = value(&self.scaled, index, self.face.direction());
+            let (lower, upper) = limits(&self.scaled, index);
+            let limit = if rate > 0.0 { upper } else { lower };
+            if self.on_face[index] || rate == 0.0 || limit.is_infinite() {
+                continue;
+            }
+            self.on_face[index] = true;
+            copy_normal(&self.scaled, index, &mut self.normal[..n]);
+            any |= self.face.confine(&self.normal[..n]);
+        }
+        any
+    }
+
+    /// The direction as the solution, without what rounding moves variables whose bounds are held.
+    fn write_ray(&self, out: &mut Solution) {
+        let (n, m) = (self.scaled.n(), self.scaled.m());
+        out.x[..n].copy_from_slice(self.face.direction());
+        let rounding = RATE * super::kernels::largest(&out.x[..n]);
+        let bounds = self.scaled.lower().iter().zip(self.scaled.upper());
+        for (x, (lower, upper)) in out.x[..n].iter_mut().zip(bounds) {
+            let limit = if *x > 0.0 { upper } else { lower };
+            if x.abs() <= rounding && limit.is_finite() {
+                *x = 0.0;
+            }
+        }
+        out.y[..m].fill(0.0);
+        out.z[..n].fill(0.0);
+    }
+
     /// How far the direction can be followed from `x`, at most `full`, and what ends it.
     fn first_in_the_way(&self, full: f64) -> (f64, Option<Active>) {
         let n = self.scaled.n();
         let (x, d) = (&self.x[..n], self.face.direction());
-        let rounding = ROUNDED * super::kernels::largest(d);
+        let rounding = RATE * super::kernels::largest(d);
         let mut first = (full, None);
         for index in (0..count(&self.scaled)).filter(|&index| !self.on_face[index]) {
             let rate = value(&self.scaled, index, d);

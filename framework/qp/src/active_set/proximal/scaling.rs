@@ -20,6 +20,9 @@ pub(super) struct Scaling {
     variables: Vec<f64>,
     rows: Vec<f64>,
     cost: f64,
+    /// Which variables are connected, and sums over each such set.
+    labels: Vec<usize>,
+    sums: Vec<(f64, f64)>,
 }
 
 /// The power of two that is nearest to the reciprocal of a number, within what can be squared.
@@ -31,31 +34,26 @@ fn reciprocal(of: f64) -> f64 {
     }
 }
 
+/// The sum of the exponents of two of what is finite and not zero, and how many that are.
+fn exponents(numbers: impl Iterator<Item = f64>) -> (f64, f64) {
+    let (mut sum, mut count) = (0_i64, 0_i64);
+    for number in numbers.filter(|number| number.is_finite() && *number != 0.0) {
+        sum += ((number.to_bits() >> 52) & 0x7ff) as i64 - 1023;
+        count += 1;
+    }
+    (sum as f64, count as f64)
+}
+
 /// The power of two that is nearest to the reciprocal of the geometric mean of what is not zero: with units of rows and
 /// variables by turns, whatever is a product of such units is undone (Curtis and Reid, 1972).
 fn mean(entries: impl Iterator<Item = f64>) -> f64 {
-    let (mut sum, mut count) = (0_i64, 0_i64);
-    for entry in entries.filter(|entry| *entry != 0.0) {
-        // The exponent of two.
-        sum += ((entry.to_bits() >> 52) & 0x7ff) as i64 - 1023;
-        count += 1;
-    }
-    let exponent = -sum as f64 / count.max(1) as f64;
-    f64::exp2(exponent.round().clamp(-300.0, 300.0))
+    let (sum, count) = exponents(entries);
+    power(-sum / count.max(1.0))
 }
 
-/// The unit of a variable that appears in bounds alone.
-fn alone(qp: &Qp, j: usize) -> f64 {
-    let bounds = [qp.lower()[j].abs(), qp.upper()[j].abs()];
-    let largest = bounds
-        .into_iter()
-        .filter(|b| b.is_finite())
-        .fold(0.0, f64::max);
-    if largest > 0.0 {
-        1.0 / reciprocal(largest)
-    } else {
-        reciprocal(qp.g()[j].abs())
-    }
+/// A power of two within what can be squared.
+fn power(exponent: f64) -> f64 {
+    f64::exp2(exponent.round().clamp(-300.0, 300.0))
 }
 
 impl Scaling {
@@ -64,6 +62,8 @@ impl Scaling {
             variables: vec![1.0; vars],
             rows: vec![1.0; rows],
             cost: 1.0,
+            labels: vec![0; vars],
+            sums: vec![(0.0, 0.0); vars],
         }
     }
 
@@ -83,12 +83,7 @@ impl Scaling {
                 self.variables[j] = mean(entries);
             }
         }
-        for j in 0..n {
-            let is_alone = (0..m).all(|i| qp.row(i)[j] == 0.0);
-            if is_alone && qp.h()[j * n + j] == 0.0 {
-                self.variables[j] = alone(qp, j);
-            }
-        }
+        self.anchor(qp);
         for i in 0..m {
             let entries = qp.row(i).iter().zip(&self.variables);
             self.rows[i] = reciprocal(entries.fold(0.0, |a: f64, (x, d)| a.max((x * d).abs())));
@@ -103,6 +98,62 @@ impl Scaling {
         } else {
             reciprocal(steepest)
         };
+    }
+
+    /// Where rows connect variables without curvature alone, nothing says what their common unit is against that of the rows:
+    /// the one in which their limits are near one, in the geometric mean.
+    fn anchor(&mut self, qp: &Qp) {
+        let (n, m) = (qp.n(), qp.m());
+        // What is connected has the label of its first variable; n is that of what curvature anchors.
+        for (j, label) in self.labels[..n].iter_mut().enumerate() {
+            *label = if qp.h()[j * n + j] == 0.0 { j } else { n };
+        }
+        let is_in = |i: usize, j: usize| qp.row(i)[j] != 0.0;
+        let label_of = |labels: &[usize], i: usize| {
+            let connected = (0..n).filter(|&j| is_in(i, j)).map(|j| labels[j]);
+            let is_anchored = connected.clone().any(|label| label == n);
+            if is_anchored {
+                Some(n)
+            } else {
+                connected.min()
+            }
+        };
+        for _ in 0..=n {
+            let mut changes = false;
+            for i in 0..m {
+                let Some(label) = label_of(&self.labels, i) else {
+                    continue;
+                };
+                for j in (0..n).filter(|&j| is_in(i, j)) {
+                    changes |= self.labels[j] != label;
+                    self.labels[j] = label;
+                }
+            }
+            if !changes {
+                break;
+            }
+        }
+        self.sums[..n].fill((0.0, 0.0));
+        for j in (0..n).filter(|&j| self.labels[j] < n) {
+            let d = self.variables[j];
+            let (sum, count) = exponents([qp.lower()[j] / d, qp.upper()[j] / d].into_iter());
+            let total = &mut self.sums[self.labels[j]];
+            *total = (total.0 + sum, total.1 + count);
+        }
+        for i in 0..m {
+            let Some(label) = label_of(&self.labels, i).filter(|&label| label < n) else {
+                continue;
+            };
+            let r = self.rows[i];
+            let (sum, count) =
+                exponents([qp.row_lower()[i] * r, qp.row_upper()[i] * r].into_iter());
+            let total = &mut self.sums[label];
+            *total = (total.0 + sum, total.1 + count);
+        }
+        for j in (0..n).filter(|&j| self.labels[j] < n) {
+            let (sum, count) = self.sums[self.labels[j]];
+            self.variables[j] *= power(sum / count.max(1.0));
+        }
     }
 
     /// Writes the scaled problem, which has the same identities.

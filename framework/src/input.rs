@@ -1,0 +1,181 @@
+//! Reading files that somebody else wrote: regular ones, up to a stated size.
+//!
+//! A path may lead to anything: a device that never ends, a pipe that nobody writes into, a log of a day where a controller's
+//! file was meant. All of them are refused with words, and whatever a file system says of a file's size, no more than the
+//! limit is ever read.
+
+use std::{
+    fs::{self, File, FileType},
+    io::{self, ErrorKind, Read as _},
+    path::Path,
+};
+
+/// The largest text that is read, bytes: controllers, scenarios, robots, rotors, postures. A hundred times the largest of
+/// them that anybody has shown.
+pub const LARGEST_TEXT: u64 = 16 << 20;
+/// The largest file of dumped ticks or of results that is read, bytes.
+pub const LARGEST_RECORD: u64 = 256 << 20;
+/// The largest log that is read, bytes: all of it is in memory at once.
+pub const LARGEST_LOG: u64 = 16 << 30;
+
+/// The bytes of a regular file of at most `largest` bytes.
+///
+/// # Errors
+/// What is no regular file, what is too large, and what the system refuses; the words go behind "cannot be read: ".
+pub fn read(path: &Path, largest: u64) -> io::Result<Vec<u8>> {
+    // Before it is opened: opening a pipe waits for somebody who writes.
+    regular(fs::metadata(path)?.file_type())?;
+    let file = File::open(path)?;
+    let metadata = file.metadata()?;
+    regular(metadata.file_type())?;
+    if metadata.len() > largest {
+        return Err(too_large(largest));
+    }
+    let mut bytes = Vec::new();
+    // Some of the system's files are longer than they say.
+    file.take(largest + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > largest {
+        return Err(too_large(largest));
+    }
+    Ok(bytes)
+}
+
+/// The text of a file of at most [`LARGEST_TEXT`] bytes.
+///
+/// # Errors
+/// As [`read`], and what is not UTF-8.
+pub fn read_text(path: &Path) -> io::Result<String> {
+    text(read(path, LARGEST_TEXT)?)
+}
+
+/// Bytes as text.
+///
+/// # Errors
+/// What is not UTF-8, with the line.
+pub fn text(bytes: Vec<u8>) -> io::Result<String> {
+    String::from_utf8(bytes).map_err(|error| {
+        let valid = error.utf8_error().valid_up_to();
+        let before = error.as_bytes().get(..valid).unwrap_or_default();
+        let line = before.iter().filter(|byte| **byte == b'\n').count() + 1;
+        let what = format!("is not text: line {line} is not UTF-8");
+        io::Error::new(ErrorKind::InvalidData, what)
+    })
+}
+
+fn too_large(largest: u64) -> io::Error {
+    let what = format!("is larger than {}, the most that is read", size(largest));
+    io::Error::new(ErrorKind::FileTooLarge, what)
+}
+
+/// A number of bytes in words: `3 KiB`, `1.5 GiB`.
+pub fn size(bytes: u64) -> String {
+    let units = [(30, "GiB"), (20, "MiB"), (10, "KiB")];
+    let Some((shift, unit)) = units.into_iter().find(|(shift, _)| bytes >> shift > 0) else {
+        return format!("{bytes} bytes");
+    };
+    let amount = bytes as f64 / (1_u64 << shift) as f64;
+    if amount >= 10.0 || amount.fract() == 0.0 {
+        format!("{amount:.0} {unit}")
+    } else {
+        format!("{amount:.1} {unit}")
+    }
+}
+
+fn regular(kind: FileType) -> io::Result<()> {
+    if kind.is_file() {
+        return Ok(());
+    }
+    let (error, what) = if kind.is_dir() {
+        (ErrorKind::IsADirectory, "is a folder")
+    } else {
+        (ErrorKind::InvalidInput, special(kind))
+    };
+    let words = format!("{what}: only regular files are read");
+    Err(io::Error::new(error, words))
+}
+
+#[cfg(unix)]
+fn special(kind: FileType) -> &'static str {
+    use std::os::unix::fs::FileTypeExt as _;
+    if kind.is_fifo() {
+        "is a pipe"
+    } else if kind.is_socket() {
+        "is a socket"
+    } else {
+        "is a device"
+    }
+}
+
+#[cfg(not(unix))]
+fn special(_: FileType) -> &'static str {
+    "is a device"
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn file(name: &str, contents: &[u8]) -> std::path::PathBuf {
+        let path = std::env::temp_dir().join(format!("wbqp_input_{}_{name}", std::process::id()));
+        fs::write(&path, contents).expect("can be written");
+        path
+    }
+
+    fn refusal<T>(result: io::Result<T>) -> String {
+        match result {
+            Ok(_) => String::new(),
+            Err(error) => error.to_string(),
+        }
+    }
+
+    #[test]
+    fn the_limit_is_the_last_byte_that_is_read() {
+        let path = file("limit", b"12345678");
+        assert_eq!(read(&path, 8).ok(), Some(b"12345678".to_vec()));
+        assert_eq!(
+            refusal(read(&path, 7)),
+            "is larger than 7 bytes, the most that is read"
+        );
+        fs::remove_file(path).expect("is there");
+    }
+
+    #[test]
+    fn what_is_no_text_is_told_with_its_line() {
+        let path = file("text", b"a\nb\n\xff");
+        assert_eq!(
+            refusal(read_text(&path)),
+            "is not text: line 3 is not UTF-8"
+        );
+        fs::remove_file(path).expect("is there");
+    }
+
+    #[test]
+    fn a_folder_is_no_file() {
+        let words = "is a folder: only regular files are read";
+        assert_eq!(refusal(read_text(&std::env::temp_dir())), words);
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn devices_pipes_and_files_that_lie_about_their_size_end() {
+        let device = "is a device: only regular files are read";
+        for path in ["/dev/zero", "/dev/null"] {
+            assert_eq!(refusal(read_text(Path::new(path))), device);
+        }
+        // Says that it is empty.
+        let path = Path::new("/proc/self/status");
+        assert_eq!(
+            refusal(read(path, 16)),
+            "is larger than 16 bytes, the most that is read"
+        );
+        assert!(read(path, LARGEST_TEXT).is_ok_and(|bytes| !bytes.is_empty()));
+    }
+
+    #[test]
+    fn sizes_are_told_in_the_unit_of_people() {
+        assert_eq!(size(7), "7 bytes");
+        assert_eq!(size(3 << 10), "3 KiB");
+        assert_eq!(size((3 << 30) / 2), "1.5 GiB");
+        assert_eq!(size(437 << 20), "437 MiB");
+    }
+}
