@@ -72,7 +72,7 @@ pub(super) struct Dual {
     residual: f64,
     /// Of these, those of the constraints held.
     primal: f64,
-    /// The largest `|g_j|`, in units of the variables.
+    /// The largest entry of `H x` and of g, in units of the variables.
     pull: f64,
     /// The tolerance within which the point is known to violate nothing; infinite if that is not known.
     passed: f64,
@@ -163,9 +163,9 @@ impl Dual {
         }
     }
 
-    /// Whether a small pivot may have been rounding, and the solution be as large as one divided by it.
+    /// Whether a pivot may have been rounding, and the solution be as large as one divided by it.
     pub(super) fn is_doubtful(&self) -> bool {
-        self.hessian.is_suspect() && self.cancels()
+        self.cancels()
     }
 
     fn run(&mut self, qp: &Qp, limits: &mut Limits<'_>, out: &mut Solution) -> Status {

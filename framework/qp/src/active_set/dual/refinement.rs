@@ -64,13 +64,14 @@ impl Dual {
         self.size = size.max(point.largest()).max(f64::MIN_POSITIVE);
         self.primal = primal;
         self.residual = primal.max(stationarity / self.size);
-        self.pull = largest_product(qp.g(), unit);
+        self.pull = size;
         primal.max(stationarity / size.max(f64::MIN_POSITIVE))
     }
 
-    /// Whether the terms of `H x` are so large beside g that what they leave of one another may be rounding.
+    /// Whether the variables are so large beside `H x` and g that what is left of the terms may be rounding: then x is g
+    /// divided by a pivot that ought to be zero.
     pub(super) fn cancels(&self) -> bool {
-        self.size > CANCELLED * self.pull
+        self.point.largest() > CANCELLED * self.pull
     }
 
     /// Whether the refined point violates nothing and holds nothing with a multiplier of the wrong sign, beyond what is

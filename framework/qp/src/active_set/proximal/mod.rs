@@ -32,6 +32,8 @@ const STATIONARY: f64 = 1e-11;
 const LEAST: f64 = 1e-15;
 /// Part of a direction's largest component below which the rate at which a constraint's value changes is rounding.
 const RATE: f64 = 1e-10;
+/// A ray is not followed by more than so many times the largest variable, or one, at once.
+const FAR: f64 = 1e6;
 /// Rounds after which it is assumed that they go to and fro.
 const ZIGZAG: u32 = 4;
 /// Part of the sum of the sizes of its terms below which a sum is rounding.
@@ -53,6 +55,8 @@ pub(super) struct Proximal {
     gradient: Vec<f64>,
     /// Sums of the sizes of the gradient's terms.
     sizes: Vec<f64>,
+    /// The sizes of g, `H x` and the multipliers' terms.
+    terms: Vec<f64>,
     normal: Vec<f64>,
     /// What the face is made of, and constraints that depend on it.
     on_face: Vec<bool>,
@@ -72,6 +76,7 @@ impl Proximal {
             x: vec![0.0; n],
             gradient: vec![0.0; n],
             sizes: vec![0.0; n],
+            terms: vec![0.0; n],
             normal: vec![0.0; n],
             on_face: vec![false; n + m],
             face: Face::new(n),
@@ -201,6 +206,11 @@ impl Proximal {
             out.z[..n].fill(0.0);
             return true;
         }
+        // Of `H x` only what it comes to counts: where the cost is flat its terms grow with x.
+        let sums = self.gradient[..n].iter().zip(&self.g);
+        for (term, (gradient, g)) in self.terms.iter_mut().zip(sums) {
+            *term = g.abs() + (gradient - g).abs();
+        }
         for (index, y) in out.y[..m].iter().chain(&out.z[..n]).enumerate() {
             if *y == 0.0 {
                 continue;
@@ -208,18 +218,18 @@ impl Proximal {
             add_normal(&self.scaled, index, *y, &mut self.gradient[..n]);
             match index.checked_sub(m) {
                 None => {
-                    for (size, a) in self.sizes.iter_mut().zip(self.scaled.row(index)) {
-                        *size += (a * y).abs();
+                    for (term, a) in self.terms.iter_mut().zip(self.scaled.row(index)) {
+                        *term += (a * y).abs();
                     }
                 }
-                Some(j) => self.sizes[j] += y.abs(),
+                Some(j) => self.terms[j] += y.abs(),
             }
         }
         let largest = super::kernels::largest(&self.sizes[..n]);
         let largest = largest.max(contribution);
-        let mut pairs = self.gradient[..n].iter().zip(&self.sizes);
+        let mut pairs = self.gradient[..n].iter().zip(&self.terms);
         // `!(… > …)` would let a NaN through.
-        pairs.all(|(r, size)| r.abs() <= STATIONARY * size || r.abs() <= LEAST * largest)
+        pairs.all(|(r, term)| r.abs() <= STATIONARY * term || r.abs() <= LEAST * largest)
     }
 
     /// Follows the cost from `x` down the face of the constraints held, and narrower ones; whether it falls for ever, along the
@@ -274,13 +284,18 @@ impl Proximal {
             if has_ray {
                 return true;
             }
-            axpy(&mut self.x[..n], length, self.face.direction());
+            let reach = FAR * super::kernels::largest(&self.x[..n]).max(1.0);
+            let is_far = slope == Slope::Ray && length * slack > reach;
+            if !is_far {
+                axpy(&mut self.x[..n], length, self.face.direction());
+            }
             let Some(blocking) = blocking else {
                 return false;
             };
             self.on_face[blocking.index] = true;
             copy_normal(&self.scaled, blocking.index, &mut self.normal[..n]);
-            if self.face.confine(&self.normal[..n]) {
+            // What is so far in the way may be so by rounding: the ray may go past it.
+            if self.face.confine(&self.normal[..n]) && !is_far {
                 dual.begin_with(&self.scaled, blocking);
             }
             out.iterations += 1;
