@@ -45,6 +45,8 @@ COARSER = 100.0
 ROUNDED, BEYOND = 1e-12, 1e-12
 # A row of coefficients of size one may be missed by this, and any row by the second: limits of 1e-17 are rounding.
 UNIT, NOTHING = 1e-12, 1e-15
+# A row without coefficients that is missed by more than this is infeasible without doubt.
+EMPTY = 1e-9
 # Of the largest curvature times the largest variable: multipliers of this size are those of a cost that is flat.
 VANISHING = 1e-20
 # Infeasible by less than this share of its limits: within tolerances of feasibility.
@@ -97,7 +99,9 @@ def primal_error(p, x):
     """The largest violation as a share of |limit| + sum |a_j x_j|."""
     violation, size = violations(p, x)
     largest = np.concatenate([np.max(np.abs(p.A), axis=1, initial=0), np.ones(p.n)])
-    return graded(violation, size, PRIMAL, UNIT * largest + NOTHING, PRIMAL * largest)
+    # A row without coefficients has no scale: what its limits are is known by its neighbours alone.
+    coarse = np.where(largest > 0, PRIMAL * largest, EMPTY)
+    return graded(violation, size, PRIMAL, UNIT * largest + NOTHING, coarse)
 
 
 def dual_error(p, x, y, z):
@@ -178,6 +182,10 @@ def judge_optimal(p, a):
     found, figures = ("wrong", {"primal": primal})
     if a.has(p, "y", "z"):
         found, figures = proven_optimal(p, a.x, a.y, a.z)
+        if found != "right":
+            # Multipliers that are rounding: without them it has to be right by itself.
+            without = proven_optimal(p, a.x, np.zeros(p.m), np.zeros(p.n))
+            found, figures = without if without[0] == "right" else (found, figures)
         suspect = huge(p, a.x, a.y, a.z)
         if suspect and ray(p) is not None:
             return Verdict("wrong", "the cost is unbounded", **figures)
@@ -211,11 +219,20 @@ def certificate(p, y, z):
     A = p.A.astype(LONG)
     combined, terms = A.T @ y, np.abs(A).T @ np.abs(y) + np.abs(z)
     exact = -combined
-    bounded = np.where(exact > 0, np.isfinite(p.upper), np.isfinite(p.lower))
+    bounded = np.where(exact > 0, np.isfinite(p.upper), np.isfinite(p.lower)) | (exact == 0)
     z = np.where(bounded, exact, z)
     residual = worst(ratio(np.abs(combined + z), np.where(bounded, 1, terms)))
     weighted, sizes = support(p, y, z)
     return residual, float(-weighted / sizes) if sizes > 0 else -1.0
+
+
+def without_noise(p, y):
+    """Multipliers of rows set to zero that vanish beside what another row has of some variable. What proves
+    infeasibility without them proves it."""
+    shares = np.abs(p.A) * np.abs(y)[:, None]
+    terms = shares.sum(axis=0)
+    vanishes = np.any((shares > 0) & (shares <= 1e-14 * terms), axis=1)
+    return np.where(vanishes, 0.0, y)
 
 
 def judge_infeasible(p, a):
@@ -223,7 +240,7 @@ def judge_infeasible(p, a):
     if crossing > BEYOND:
         return Verdict("right" if crossing > MARGIN else "doubtful", "limits cross", margin=crossing)
     if a.has(p, "y", "z"):
-        residual, margin = certificate(p, a.y, a.z)
+        residual, margin = min(certificate(p, a.y, a.z), certificate(p, without_noise(p, a.y), a.z))
         if residual <= ROUNDED and margin > MARGIN:
             return Verdict("right", residual=residual, margin=margin)
         if residual <= COARSER * ROUNDED and margin > BEYOND:
@@ -356,6 +373,7 @@ def main():
     parser.add_argument("--answers", type=Path, help="what it has answered")
     parser.add_argument("--peers", nargs="*", default=[], choices=sorted(PEERS), help="judged beside it")
     parser.add_argument("--all", action="store_true", help="prints right answers as well")
+    parser.add_argument("--quiet", action="store_true", help="prints none but wrong and unsolved ones")
     arguments = parser.parse_args()
     lines, problems = zip(*read(arguments.problems))
     entrants = {}
@@ -373,7 +391,8 @@ def main():
             counts[verdict.kind] += 1
             is_solved = solved(p, a) if p is not None else None
             good, known = good + bool(is_solved), known + (is_solved is not None)
-            if arguments.all or verdict.kind != "right" or is_solved is False:
+            shown = ("wrong", "unsolved") if arguments.quiet else ("wrong", "unsolved", "doubtful", "unproven")
+            if arguments.all or verdict.kind in shown or is_solved is False:
                 label = (p.name if p is not None else "") or f"line {index + 1}"
                 mark = "" if is_solved is not False else "  NOT SOLVED"
                 count = "" if a.iterations is None else f"{a.iterations:5} it."
