@@ -35,7 +35,7 @@ import time
 from pathlib import Path
 
 import numpy as np
-from qp_peers import PEERS, ask, farkas, feasible, ray
+from qp_peers import PEERS, ask, farkas, feasible, ray, units
 from qp_problem import LONG, Problem, gap, numbers, polished, ratio, stationarity, support, violations
 
 PRIMAL, DUAL, GAP = 1e-9, 1e-8, 1e-8
@@ -99,8 +99,10 @@ def primal_error(p, x):
     """The largest violation as a share of |limit| + sum |a_j x_j|."""
     violation, size = violations(p, x)
     largest = np.concatenate([np.max(np.abs(p.A), axis=1, initial=0), np.ones(p.n)])
-    # A row without coefficients has no scale: what its limits are is known by its neighbours alone.
-    coarse = np.where(largest > 0, PRIMAL * largest, EMPTY)
+    # A limit of zero says nothing of its variable's unit; a row without coefficients has no scale at all.
+    unit = np.maximum(1, units(p))
+    reach = np.concatenate([np.max(np.abs(p.A) * unit, axis=1, initial=0), unit])
+    coarse = np.where(largest > 0, PRIMAL * reach, EMPTY)
     return graded(violation, size, PRIMAL, UNIT * largest + NOTHING, coarse)
 
 
@@ -298,7 +300,10 @@ def recession(p, d):
 def judge_unbounded(p, a):
     figures = {}
     if a.has(p, "x") and np.any(a.x != 0):
-        curvature, violation, descent = recession(p, a.x)
+        own = np.abs(a.x) / units(p)
+        clean = np.where(own <= 1e-13 * worst(own), 0.0, a.x)
+        # Components that are rounding of others count only if the ray is none without them.
+        curvature, violation, descent = min(recession(p, a.x), recession(p, clean), key=lambda r: (r[1] > ROUNDED, r[0]))
         figures = {"curvature": curvature, "leaving": violation, "descent": descent}
         if curvature <= COARSER * ROUNDED and violation <= COARSER * ROUNDED and descent > BEYOND:
             if not feasible(p):
