@@ -303,7 +303,8 @@ def judge_unbounded(p, a):
         own = np.abs(a.x) / units(p)
         clean = np.where(own <= 1e-13 * worst(own), 0.0, a.x)
         # Components that are rounding of others count only if the ray is none without them.
-        curvature, violation, descent = min(recession(p, a.x), recession(p, clean), key=lambda r: (r[1] > ROUNDED, r[0]))
+        both = recession(p, a.x), recession(p, clean)
+        curvature, violation, descent = min(both, key=lambda found: (found[1] > ROUNDED, found[0]))
         figures = {"curvature": curvature, "leaving": violation, "descent": descent}
         if curvature <= COARSER * ROUNDED and violation <= COARSER * ROUNDED and descent > BEYOND:
             if not feasible(p):
