@@ -10,6 +10,12 @@ use std::{
     path::Path,
 };
 
+use toml_parser::{
+    ErrorSink, Span,
+    decoder::Encoding,
+    parser::{EventReceiver, RecursionGuard, parse_document},
+};
+
 /// The largest text that is read, bytes: controllers, scenarios, robots, rotors, postures. A hundred times the largest of
 /// them that anybody has shown.
 pub const LARGEST_TEXT: u64 = 16 << 20;
@@ -65,6 +71,88 @@ pub fn text(bytes: Vec<u8>) -> io::Result<String> {
 fn too_large(largest: u64) -> io::Error {
     let what = format!("is larger than {}, the most that is read", size(largest));
     io::Error::new(ErrorKind::FileTooLarge, what)
+}
+
+/// Bytes that a table with few keys, a key, and an element of a list take while a text is read, about: measured.
+const TABLE: usize = 1400;
+const KEY: usize = 450;
+const ELEMENT: usize = 600;
+/// What the tables of a TOML text may take: so many times the text, and so much in any case.
+const TIMES: usize = 20;
+const IN_ANY_CASE: usize = 64 << 20;
+/// The deepest nesting that is looked into; parsers of the format refuse more.
+const DEEPEST: u32 = 80;
+
+/// Refuses a TOML text whose tables would take far more memory than the text: a table takes as much as a line of a hundred
+/// words, and a few characters make one.
+///
+/// # Errors
+/// How many tables there are, and what they would take, in words that go behind the file's name.
+pub fn check_toml(text: &str) -> Result<(), String> {
+    // The smallest table is `a.b=1`; most texts are too short for too many of them.
+    if text.len() / 4 * TABLE <= IN_ANY_CASE {
+        return Ok(());
+    }
+    let tokens = toml_parser::Source::new(text).lex().into_vec();
+    let mut count = Count::default();
+    let mut guard = RecursionGuard::new(&mut count, DEEPEST);
+    parse_document(&tokens, &mut guard, &mut ());
+    let Count {
+        tables,
+        keys,
+        elements,
+        ..
+    } = count;
+    let takes = tables * TABLE + keys * KEY + elements * ELEMENT;
+    let most = TIMES * text.len() + IN_ANY_CASE;
+    if takes <= most {
+        return Ok(());
+    }
+    let [takes, most] = [takes, most].map(|bytes| size(bytes as u64));
+    Err(format!(
+        "has {tables} tables, {keys} keys and {elements} elements of lists: reading them would take {takes} of memory, more \
+         than the {most} that a text of this length may"
+    ))
+}
+
+/// What a text has.
+#[derive(Default)]
+struct Count {
+    tables: usize,
+    keys: usize,
+    elements: usize,
+    /// Of lists.
+    depth: usize,
+}
+
+impl EventReceiver for Count {
+    fn std_table_open(&mut self, _: Span, _: &mut dyn ErrorSink) {
+        self.tables += 1;
+    }
+    fn array_table_open(&mut self, _: Span, _: &mut dyn ErrorSink) {
+        self.tables += 1;
+    }
+    fn inline_table_open(&mut self, _: Span, _: &mut dyn ErrorSink) -> bool {
+        self.tables += 1;
+        true
+    }
+    // `a.b` is a table `a`.
+    fn key_sep(&mut self, _: Span, _: &mut dyn ErrorSink) {
+        self.tables += 1;
+    }
+    fn simple_key(&mut self, _: Span, _: Option<Encoding>, _: &mut dyn ErrorSink) {
+        self.keys += 1;
+    }
+    fn scalar(&mut self, _: Span, _: Option<Encoding>, _: &mut dyn ErrorSink) {
+        self.elements += usize::from(self.depth > 0);
+    }
+    fn array_open(&mut self, _: Span, _: &mut dyn ErrorSink) -> bool {
+        self.depth += 1;
+        true
+    }
+    fn array_close(&mut self, _: Span, _: &mut dyn ErrorSink) {
+        self.depth = self.depth.saturating_sub(1);
+    }
 }
 
 /// A number of bytes in words: `3 KiB`, `1.5 GiB`.
@@ -169,6 +257,22 @@ mod tests {
             "is larger than 16 bytes, the most that is read"
         );
         assert!(read(path, LARGEST_TEXT).is_ok_and(|bytes| !bytes.is_empty()));
+    }
+
+    #[test]
+    fn tables_that_take_far_more_than_their_text_are_refused() {
+        let dotted: String = (0..200_000)
+            .map(|key| format!("a.k{key}.b = 1\n"))
+            .collect();
+        let what = check_toml(&dotted).expect_err("is refused");
+        assert!(what.starts_with("has 400000 tables"), "{what}");
+        let flat: String = (0..50_000).map(|key| format!("k{key} = [1.5]\n")).collect();
+        assert_eq!(check_toml(&flat), Ok(()));
+        let nested = format!("x = {}", "[".repeat(300_000));
+        assert_eq!(check_toml(&nested), Ok(()));
+        let tasks =
+            "[[task]]\nname = \"t\"\ntype = \"com\"\nweight = 1.0\nkp = 30.0\n".repeat(20_000);
+        assert_eq!(check_toml(&tasks), Ok(()));
     }
 
     #[test]

@@ -12,37 +12,59 @@ pub struct HostileFile {
     pub text: String,
     /// s, of the whole command on a quiet machine.
     pub seconds: f64,
+    /// Whether there is nothing wrong with it.
+    pub loads: bool,
 }
 
-fn file(name: &'static str, seconds: f64, text: String) -> HostileFile {
+fn good(name: &'static str, seconds: f64, text: String) -> HostileFile {
     HostileFile {
         name,
         text,
         seconds,
+        loads: true,
+    }
+}
+
+fn wrong(name: &'static str, seconds: f64, text: String) -> HostileFile {
+    HostileFile {
+        loads: false,
+        ..good(name, seconds, text)
     }
 }
 
 /// The files of the table of load times, and the controller that the scenarios among them name.
 pub fn files() -> Vec<HostileFile> {
     vec![
-        file("chain_1000.urdf", 1.0, chain(1000)),
-        file("star_1000.urdf", 1.0, star(1000)),
-        file("tasks_10000.controller.toml", 2.0, tasks(10_000)),
-        file("wrong_tasks_3000.controller.toml", 0.5, wrong_tasks(3000)),
-        file("unknown_tasks_3000.controller.toml", 0.5, unknown_tasks(3000)),
-        file("misfits_3000.controller.toml", 0.5, misfits(3000)),
-        file("cases_2000.toml", 1.0, cases(2000)),
-        file("set_cases_2000.toml", 1.0, set_cases(2000)),
-        file("attributes_100000.urdf", 1.0, attributes(100_000)),
-        file("children_100000.urdf", 1.0, children(100_000)),
-        file("nested_100000.urdf", 1.0, nested_elements(100_000)),
-        file("keys_200000.controller.toml", 1.0, keys(200_000)),
-        file("task_keys_200000.controller.toml", 1.0, task_keys(200_000)),
-        file("dotted_keys_200000.controller.toml", 1.0, dotted_keys(200_000)),
-        file("repeated_keys_200000.controller.toml", 1.0, repeated_keys(200_000)),
-        file("nested_100000.controller.toml", 1.0, nested_lists(100_000)),
-        file("numbers_200000.controller.toml", 1.0, numbers(200_000)),
-        file("stand.controller.toml", 1.0, stand()),
+        good("chain_1000.urdf", 1.0, chain(1000)),
+        good("star_1000.urdf", 1.0, star(1000)),
+        good("tasks_10000.controller.toml", 2.0, tasks(10_000)),
+        wrong("wrong_tasks_3000.controller.toml", 0.5, wrong_tasks(3000)),
+        wrong(
+            "unknown_tasks_3000.controller.toml",
+            0.5,
+            unknown_tasks(3000),
+        ),
+        wrong("misfits_3000.controller.toml", 0.5, misfits(3000)),
+        good("cases_2000.toml", 1.0, cases(2000)),
+        good("set_cases_2000.toml", 1.0, set_cases(2000)),
+        wrong("attributes_100000.urdf", 1.0, attributes(100_000)),
+        wrong("children_100000.urdf", 1.0, children(100_000)),
+        wrong("nested_100000.urdf", 1.0, nested_elements(100_000)),
+        wrong("keys_200000.controller.toml", 1.0, keys(200_000)),
+        wrong("task_keys_200000.controller.toml", 1.0, task_keys(200_000)),
+        wrong(
+            "dotted_keys_200000.controller.toml",
+            1.0,
+            dotted_keys(200_000),
+        ),
+        wrong(
+            "repeated_keys_200000.controller.toml",
+            1.0,
+            repeated_keys(200_000),
+        ),
+        wrong("nested_100000.controller.toml", 1.0, nested_lists(100_000)),
+        wrong("numbers_200000.controller.toml", 1.0, numbers(200_000)),
+        good("stand.controller.toml", 1.0, stand()),
     ]
 }
 
@@ -87,6 +109,21 @@ pub fn stand() -> String {
         "{HEAD}{CONTACTS}[[task]]\ntype = \"com\"\nkp = 100.0\n\n[[task]]\ntype = \"base_orientation\"\nkp = 100.0\n\n\
          [[task]]\ntype = \"posture\"\nkp = 30.0\n"
     )
+}
+
+/// Constraints that are right and have many rows.
+pub fn constraints(count: usize) -> String {
+    let mut text = format!(
+        "{}[[contact]]\nname = \"left\"\nframe = \"left_sole\"\nsize = [0.2, 0.1]\nmotion = \"hard\"\n\n",
+        HEAD.replace("quadruped", "humanoid")
+    );
+    for constraint in 0..count {
+        let _ = writeln!(
+            text,
+            "[[constraint]]\nname = \"w{constraint}\"\ntype = \"actuator_limits\"\n"
+        );
+    }
+    text
 }
 
 /// Tasks that are right.
@@ -140,7 +177,8 @@ pub fn misfits(count: usize) -> String {
 }
 
 fn scenario(cases: usize, case: impl Fn(usize) -> String) -> String {
-    let mut text = "name = \"s\"\ncontroller = \"stand.controller.toml\"\nduration = 1.0\n\n".to_owned();
+    let mut text =
+        "name = \"s\"\ncontroller = \"stand.controller.toml\"\nduration = 1.0\n\n".to_owned();
     for foot in ["fl", "fr", "hl", "hr"] {
         let _ = writeln!(text, "[[plant.contact_point]]\nframe = \"{foot}_foot\"\n");
     }
@@ -155,7 +193,10 @@ fn scenario(cases: usize, case: impl Fn(usize) -> String) -> String {
 /// Cases that change the plant.
 pub fn cases(count: usize) -> String {
     scenario(count, |case| {
-        format!("change.plant.mismatch.mass_scale = {}\n", 1.0 + 1e-4 * case as f64)
+        format!(
+            "change.plant.mismatch.mass_scale = {}\n",
+            1.0 + 1e-4 * case as f64
+        )
     })
 }
 

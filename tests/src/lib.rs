@@ -6,6 +6,7 @@ pub mod approach;
 pub mod closed_loop;
 pub mod collection;
 pub mod gallery;
+pub mod hostile;
 pub mod mutation;
 pub mod oracle;
 pub mod properties;

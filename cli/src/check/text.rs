@@ -317,6 +317,14 @@ fn holding_text(holding: &Holding, out: &mut String) {
         for (name, force) in &tick.contacts {
             let _ = writeln!(out, "  contact `{name}`: {} N normal force", number(*force));
         }
+        for (name, above) in &tick.off_surface {
+            let _ = writeln!(
+                out,
+                "  contact `{name}` is {} m above its surface at home, where the others on parallel surfaces are: it does not \
+                 touch; is its frame the right one?",
+                number(*above)
+            );
+        }
         let _ = writeln!(out, "  first tick at home: {}", tick.rung);
         if let Some(acceleration) = tick.falls {
             let _ = writeln!(

@@ -24,6 +24,11 @@
 //! In a loop, make [`Qp`], [`ActiveSet`] and [`Solution`] once for the largest [`Capacity`] and use them again: each solve
 //! begins with the constraints that were active in the one before.
 
+/// The readme's examples.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
+
 mod active_set;
 mod budget;
 mod error;

@@ -15,6 +15,9 @@ use super::{
 };
 use crate::suggestion::suggestion;
 
+/// Syntax errors with words: the rest is not told.
+const SHOWN: usize = 100;
+
 const TABLES: [&str; 3] = ["controller", "robot", "solver"];
 const REQUIRED: [&str; 2] = ["controller", "robot"];
 const LISTS: [&str; 3] = ["contact", "task", "constraint"];
@@ -49,7 +52,7 @@ impl<'t> Document<'t> {
         } else {
             repeated_tables(source)
         };
-        for error in errors {
+        for (index, error) in errors.into_iter().enumerate() {
             let mut span = error.span().unwrap_or(source.len()..source.len());
             let said = error.message();
             let repeated = said
@@ -58,15 +61,21 @@ impl<'t> Document<'t> {
             let message = if let Some((start, name)) = repeated.flatten() {
                 span = start..start + name.len();
                 format!("syntax: `[{name}]` is there twice; write `[[{name}]]`, for each of them")
-            } else {
+            } else if index < SHOWN {
                 format!("syntax: {said}{}", excerpt(source, span.start))
+            } else {
+                String::new()
             };
             report.add(Kind::Syntax, Some(span), &At::default(), message);
         }
         let at = At::subject("top level");
         let mut document = Self::default();
         let mut starts = Vec::new();
-        let mut seen = Vec::new();
+        let is_there = |name: &&str| root.get_ref().contains_key(*name);
+        let missing: Vec<&str> = REQUIRED
+            .into_iter()
+            .filter(|name| !is_there(name))
+            .collect();
         for (key, value) in root.into_inner() {
             let name: &str = key.get_ref();
             let span = value.span();
@@ -86,13 +95,10 @@ impl<'t> Document<'t> {
                 }
             }
             starts.push(span.start);
-            seen.push(name.to_owned());
         }
-        for name in REQUIRED {
-            if !seen.contains(&name.to_owned()) {
-                let message = format!("table `[{name}]` is missing");
-                report.add(Kind::MissingKey, None, &at, message);
-            }
+        for name in missing {
+            let message = format!("table `[{name}]` is missing");
+            report.add(Kind::MissingKey, None, &at, message);
         }
         starts.extend(document.sections().map(|section| section.span.start));
         report.set_sections(starts);

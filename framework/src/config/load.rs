@@ -87,6 +87,14 @@ impl ControllerConfig {
         directory: impl Into<PathBuf>,
         overrides: &Overrides,
     ) -> Result<Self, ConfigErrors> {
+        if let Err(what) = input::check_toml(source) {
+            return Err(ConfigErrors::new(vec![ConfigError {
+                kind: Kind::Read,
+                place: Some(Place::file(file_name)),
+                subject: String::new(),
+                message: what,
+            }]));
+        }
         let appendix = Appendix::new(overrides, source.len());
         let mut report = Report::new(file_name, source, appendix.applied(overrides));
         for message in registry_faults() {

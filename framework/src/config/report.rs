@@ -8,6 +8,9 @@ use crate::robot::Place;
 /// Syntax errors that are told: one slip makes a parser stumble over what follows.
 const SYNTAX_ERRORS: usize = 3;
 
+/// Errors that are told of a file: nobody reads more, and each takes memory.
+const MOST: usize = 10_000;
+
 /// Bytes of the text that is read: the file, and behind its end the values of the overrides.
 pub(super) type Span = Range<usize>;
 
@@ -140,6 +143,8 @@ pub(super) struct Report<'a> {
     /// Starts of the tables of the file, sorted.
     sections: Vec<usize>,
     problems: Vec<Problem>,
+    /// Problems beyond those that are told.
+    untold: usize,
 }
 
 impl<'a> Report<'a> {
@@ -151,6 +156,7 @@ impl<'a> Report<'a> {
             lines: lines(text),
             sections: Vec::new(),
             problems: Vec::new(),
+            untold: 0,
         }
     }
 
@@ -166,6 +172,11 @@ impl<'a> Report<'a> {
         at: &At,
         message: impl Into<String>,
     ) {
+        // What a parser stumbles over says which of the others do not count.
+        if self.problems.len() >= MOST && kind != ConfigErrorKind::Syntax {
+            self.untold += 1;
+            return;
+        }
         self.problems.push(Problem {
             kind,
             span,
@@ -176,7 +187,7 @@ impl<'a> Report<'a> {
 
     /// Number of problems so far: tells whether a step found any.
     pub(super) fn len(&self) -> usize {
-        self.problems.len()
+        self.problems.len() + self.untold
     }
 
     pub(super) fn place(&self, span: &Span) -> Place {
@@ -251,6 +262,14 @@ impl<'a> Report<'a> {
             .map(|problem| self.error(problem))
             .collect();
         errors.dedup();
+        if self.untold > 0 {
+            errors.push(ConfigError {
+                kind: ConfigErrorKind::Value,
+                place: Some(Place::file(self.file)),
+                subject: String::new(),
+                message: format!("{} more errors are not told", self.untold),
+            });
+        }
         Err(ConfigErrors::new(errors))
     }
 

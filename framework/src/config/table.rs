@@ -242,7 +242,10 @@ impl Inspection<'_, '_> {
                 let mut known = keys.known.clone();
                 known.extend_from_slice(other_keys);
                 known.sort_unstable();
-                let hint = suggestion(name, &known);
+                let hint = match inner_table(node, name) {
+                    Some(table) => format!("; it belongs into `{table}`: `{table}.{name} = …`"),
+                    None => suggestion(name, &known),
+                };
                 let message = format!("unknown key `{name}`{hint}");
                 self.report
                     .add(Kind::UnknownKey, Some(key.span()), &at, message);
@@ -332,6 +335,16 @@ impl Inspection<'_, '_> {
             _ => true,
         }
     }
+}
+
+/// The table of a table that has a key.
+fn inner_table<'s>(node: Node<'s>, key: &str) -> Option<&'s str> {
+    let mut properties = node.properties()?.iter();
+    properties.find_map(|(table, about)| {
+        let inner = node.at(about);
+        let is_there = inner.plugin().is_none() && inner.keys()?.known.contains(&key);
+        is_there.then_some(table.as_str())
+    })
 }
 
 /// The innermost value, or the key, that contains a span.

@@ -71,7 +71,7 @@ pub fn repair(from: &Path, to: &Path) -> Result<Repaired, LogError> {
     saved.log.finish()?;
     Ok(Repaired {
         messages: saved.messages,
-        end: saved.end as f64 * 1e-9,
+        end: saved.end as f64 / 1e9,
         lost,
         was_whole: was_whole && lost == 0,
     })

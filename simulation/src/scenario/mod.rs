@@ -143,6 +143,10 @@ impl Scenario {
         directory: &Path,
         variation: Variation,
     ) -> Result<Self, ScenarioError> {
+        input::check_toml(&source.contents).map_err(|message| ScenarioError::Syntax {
+            place: source.name.clone(),
+            message,
+        })?;
         let text = Text::new(&source.name, &source.contents, &variation);
         let cases = text.cases(&variation)?;
         check_names(&source.name, &cases)?;

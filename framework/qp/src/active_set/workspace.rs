@@ -70,6 +70,8 @@ impl Workspace {
         if is_answer {
             return status;
         }
+        // The count that the limits see grows from look to look.
+        out.iterations += 1;
         self.proximal.solve(qp, &mut self.dual, limits, out)
     }
 
