@@ -5,8 +5,8 @@
     target/oracles/venv/bin/python tests/oracles/qp_judge.py target/oracles/qp/random.jsonl \\
         --solver target/release/examples/solve_json --quiet
 
-The kinds follow one another, the note has the kind and the seed, with which a problem can be made alone (`--only`). Where
-the construction leaves no doubt, `expected` has the status. Coefficients are often small whole numbers: ties,
+The kinds follow one another, the note has the kind and the seed, with which a problem can be made alone (`--only`).
+Where the construction leaves no doubt, `expected` has the status. Coefficients are often small whole numbers: ties,
 degeneracy and dependent rows are then exact.
 """
 

@@ -35,7 +35,7 @@ import time
 from pathlib import Path
 
 import numpy as np
-from qp_peers import PEERS, ask, farkas, feasible, ray
+from qp_peers import PEERS, ask, farkas, feasible, ray, units
 from qp_problem import LONG, Problem, gap, numbers, polished, ratio, stationarity, support, violations
 
 PRIMAL, DUAL, GAP = 1e-9, 1e-8, 1e-8
@@ -99,8 +99,10 @@ def primal_error(p, x):
     """The largest violation as a share of |limit| + sum |a_j x_j|."""
     violation, size = violations(p, x)
     largest = np.concatenate([np.max(np.abs(p.A), axis=1, initial=0), np.ones(p.n)])
-    # A row without coefficients has no scale: what its limits are is known by its neighbours alone.
-    coarse = np.where(largest > 0, PRIMAL * largest, EMPTY)
+    # A limit of zero says nothing of its variable's unit; a row without coefficients has no scale at all.
+    unit = np.maximum(1, units(p))
+    reach = np.concatenate([np.max(np.abs(p.A) * unit, axis=1, initial=0), unit])
+    coarse = np.where(largest > 0, PRIMAL * reach, EMPTY)
     return graded(violation, size, PRIMAL, UNIT * largest + NOTHING, coarse)
 
 
@@ -126,8 +128,30 @@ def without_nothing(p, y, z):
     return y, z
 
 
+def settled(p, x, y, z):
+    """z with what its equation leaves over put in, where that is rounding (of the largest term, or of the cost) and a
+    limit takes it: multipliers that prove an optimum prove it whoever has found them."""
+    residual, terms = stationarity(p, x, y, z)
+    exact = -(p.symmetric() @ np.asarray(x, LONG) + p.g.astype(LONG) + p.A.astype(LONG).T @ np.asarray(y, LONG))
+    takes = np.where(exact > 0, np.isfinite(p.upper), np.isfinite(p.lower)) | (exact == 0)
+    finite = lambda v: np.where(np.isfinite(v), np.abs(v), 0)  # noqa: E731
+    reach = np.maximum(np.abs(x), np.maximum(finite(p.lower), finite(p.upper)))
+    _, sizes = gap(p, x, *without_nothing(p, y, z))
+    rounding = (residual <= 1e-10 * worst(terms)) | ((reach > 0) & (residual * reach <= 1e-13 * sizes))
+    return np.where(takes & rounding, exact, z)
+
+
 def proven_optimal(p, x, y, z):
     """(grade, numbers) by the conditions of an optimum alone."""
+    first = conditions(p, x, y, z)
+    return first if first[0] == "right" else min(first, conditions(p, x, y, settled(p, x, y, z)), key=severity)
+
+
+def severity(found):
+    return ("right", "doubtful", "wrong").index(found[0])
+
+
+def conditions(p, x, y, z):
     primal = primal_error(p, x)
     kept = without_nothing(p, y, z)
     # With and without them: then they are nothing themselves.
@@ -139,7 +163,8 @@ def proven_optimal(p, x, y, z):
     flat = VANISHING * worst(np.abs(p.symmetric())) * worst(np.abs(x)) ** 2
     coarse = UNIT * float(np.abs(p.g).sum()) + 1e4 * floor + flat
     share = graded(np.abs([difference]), np.array([sizes]), GAP, floor, coarse)
-    return grade([(primal, PRIMAL), (dual, DUAL), (share, GAP)]), {"primal": primal, "dual": dual, "gap": share}
+    figures = {"primal": primal, "dual": dual, "gap": share}
+    return grade([(primal, PRIMAL), (dual, DUAL), (share, GAP)]), figures
 
 
 def huge(p, x, y, z):
@@ -275,7 +300,11 @@ def recession(p, d):
 def judge_unbounded(p, a):
     figures = {}
     if a.has(p, "x") and np.any(a.x != 0):
-        curvature, violation, descent = recession(p, a.x)
+        own = np.abs(a.x) / units(p)
+        clean = np.where(own <= 1e-13 * worst(own), 0.0, a.x)
+        # Components that are rounding of others count only if the ray is none without them.
+        both = recession(p, a.x), recession(p, clean)
+        curvature, violation, descent = min(both, key=lambda found: (found[1] > ROUNDED, found[0]))
         figures = {"curvature": curvature, "leaving": violation, "descent": descent}
         if curvature <= COARSER * ROUNDED and violation <= COARSER * ROUNDED and descent > BEYOND:
             if not feasible(p):
