@@ -85,23 +85,45 @@ pub(super) fn all_hold(qp: &Qp, x: &[f64]) -> bool {
 /// A constraint that nothing satisfies: its lower limit is above its upper one by more than rounding, or it has no
 /// coefficients, and limits that zero is not between.
 pub(super) fn impossible(qp: &Qp) -> Option<Active> {
-    (0..count(qp)).find_map(|index| {
-        let (lower, upper) = limits(qp, index);
-        if lower > upper && lower - upper > VIOLATION * (lower.abs() + upper.abs()) + NOTHING {
-            // Both limits; the multiplier names one.
-            return Some(Active {
-                index,
-                side: 1.0,
-                limit: upper,
-            });
+    let rows = || qp.row_lower().iter().zip(qp.row_upper());
+    let bounds = qp.lower().iter().zip(qp.upper());
+    // Nothing to decide on the way: most problems have nothing of the kind.
+    let is_crossed = |any: bool, (lower, upper): (&f64, &f64)| any | (lower > upper);
+    let is_away =
+        |any: bool, (lower, upper): (&f64, &f64)| any | (*lower > EMPTY) | (*upper < -EMPTY);
+    if rows().chain(bounds).fold(false, is_crossed) {
+        if let Some(crossed) = (0..count(qp)).find_map(|index| crossed(qp, index)) {
+            return Some(crossed);
         }
-        let (side, limit, excess) = if upper < 0.0 {
-            (1.0, upper, -upper)
-        } else {
-            (-1.0, lower, lower)
-        };
-        (excess > EMPTY && is_empty(qp, index)).then_some(Active { index, side, limit })
+    }
+    if rows().fold(false, is_away) {
+        return (0..qp.m()).find_map(|index| beyond_zero(qp, index));
+    }
+    None
+}
+
+/// A constraint whose limits are crossed by more than rounding.
+fn crossed(qp: &Qp, index: usize) -> Option<Active> {
+    let (lower, upper) = limits(qp, index);
+    let is_crossed =
+        lower > upper && lower - upper > VIOLATION * (lower.abs() + upper.abs()) + NOTHING;
+    // Both limits; the multiplier names one.
+    is_crossed.then_some(Active {
+        index,
+        side: 1.0,
+        limit: upper,
     })
+}
+
+/// A row without coefficients that zero does not satisfy.
+fn beyond_zero(qp: &Qp, index: usize) -> Option<Active> {
+    let (lower, upper) = limits(qp, index);
+    let (side, limit, excess) = if upper < 0.0 {
+        (1.0, upper, -upper)
+    } else {
+        (-1.0, lower, lower)
+    };
+    (excess > EMPTY && is_empty(qp, index)).then_some(Active { index, side, limit })
 }
 
 /// Whether a row has no coefficients.

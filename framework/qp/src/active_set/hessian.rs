@@ -25,13 +25,13 @@ pub(super) struct Hessian {
     n: usize,
     /// n with padding.
     stride: usize,
-    /// Row-major. Valid from the diagonal on; what is left of it has no meaning.
+    /// Row-major. Valid from the diagonal on; what is left of it has no meaning. One on the diagonal of the padding.
     u: Vec<f64>,
     /// Per block of rows, the columns of H with entries.
     columns: Vec<(usize, usize)>,
     /// Per block of rows, where the entries of U end, in whole lanes.
     ends: Vec<usize>,
-    /// Inverses of the blocks on the diagonal of U, zero in the padding: with them the entries of a block do not wait for
+    /// Inverses of the blocks on the diagonal of U: with them the entries of a block do not wait for
     /// one another.
     inverses: Vec<[[f64; LANES]; LANES]>,
     /// Diagonal of what is factorised.
@@ -51,7 +51,7 @@ impl Hessian {
             columns: vec![(0, 0); stride / LANES],
             ends: vec![0; stride / LANES],
             inverses: vec![[[0.0; LANES]; LANES]; stride / LANES],
-            diagonal: vec![0.0; n],
+            diagonal: vec![0.0; stride],
             shift: vec![0.0; n],
             ..Self::default()
         }
@@ -103,8 +103,13 @@ impl Hessian {
             for (row, h) in rows.chunks_exact_mut(stride).zip(source.chunks_exact(n)) {
                 row[first..used].copy_from_slice(&h[first..used]);
             }
-            for row in rows.chunks_exact_mut(stride).skip(source.len() / n) {
+            for (k, row) in rows
+                .chunks_exact_mut(stride)
+                .enumerate()
+                .skip(source.len() / n)
+            {
                 row[first..*end].fill(0.0);
+                row[first + k] = 1.0;
             }
         }
         // H is symmetric.
@@ -153,19 +158,35 @@ impl Hessian {
 
     /// Right-looking Cholesky by blocks of four rows; false at the first weak pivot.
     fn eliminate(&mut self) -> bool {
-        let (n, stride) = (self.n, self.stride);
-        for (k, d) in self.diagonal[..n].iter_mut().enumerate() {
-            *d = self.u[k * stride + k];
+        // Loops of a length that the compiler knows take half the time.
+        match self.stride {
+            8 => self.eliminate_with(8),
+            12 => self.eliminate_with(12),
+            16 => self.eliminate_with(16),
+            stride => self.eliminate_with(stride),
         }
+    }
+
+    #[expect(clippy::inline_always, reason = "the stride is to be known")]
+    #[inline(always)]
+    fn eliminate_with(&mut self, stride: usize) -> bool {
+        let n = self.n;
         self.has_small_pivot = false;
+        let diagonal = self.diagonal[..stride].iter_mut();
+        for (k, (d, row)) in diagonal.zip(self.u.chunks_exact(stride)).enumerate() {
+            *d = row[k];
+        }
         for first in (0..n).step_by(LANES) {
-            if !self.eliminate_within(first) {
-                return false;
-            }
-            let end = self.ends[first / LANES];
-            let next = first + LANES;
+            let (end, next) = (self.ends[first / LANES], first + LANES);
             let (above, below) = self.u.split_at_mut(next * stride);
-            let rows = &above[first * stride..];
+            let rows = &mut above[first * stride..];
+            let Some(pivots) =
+                eliminate_within(rows, stride, first..end, &self.diagonal[first..next])
+            else {
+                return false;
+            };
+            self.has_small_pivot |= pivots.has_small;
+            let reciprocal = pivots.values.map(|pivot| 1.0 / pivot);
             for (b, targets) in below.chunks_exact_mut(LANES * stride).enumerate() {
                 let at = next + b * LANES;
                 if at >= end {
@@ -186,66 +207,16 @@ impl Hessian {
                         target[*filled..end].fill(0.0);
                     }
                     let [f0, f1, f2, f3] = factors;
-                    let alpha = [-f0[q], -f1[q], -f2[q], -f3[q]];
+                    let [r0, r1, r2, r3] = reciprocal;
+                    let alpha = [-f0[q] * r0, -f1[q] * r1, -f2[q] * r2, -f3[q] * r3];
                     add_rows(&mut target[at..end], alpha, &rows[at..], stride);
                 }
                 *filled = (*filled).max(end);
             }
-        }
-        true
-    }
-
-    /// The rows of U of one block.
-    fn eliminate_within(&mut self, first: usize) -> bool {
-        let stride = self.stride;
-        let rows = &mut self.u[first * stride..(first + LANES) * stride];
-        let mut u = [
-            block(rows, first),
-            block(rows, stride + first),
-            block(rows, 2 * stride + first),
-            block(rows, 3 * stride + first),
-        ];
-        let mut reciprocal = [0.0; LANES];
-        for p in 0..LANES.min(self.n - first) {
-            let diagonal = self.diagonal[first + p];
-            // `!(pivot > …)`: a NaN is weak, too.
-            let strong = u[p][p] > WEAK * diagonal;
-            if !strong {
+            let Some(inverse) = divide_by_roots(rows, stride, first..end, pivots.values) else {
                 return false;
-            }
-            self.has_small_pivot |= u[p][p] < SUSPECT * diagonal;
-            reciprocal[p] = 1.0 / u[p][p].sqrt();
-            for u in &mut u[p][p..] {
-                *u *= reciprocal[p];
-            }
-            for i in p + 1..LANES {
-                for q in i..LANES {
-                    u[i][q] -= u[p][i] * u[p][q];
-                }
-            }
-        }
-        if !reciprocal.iter().all(|r| r.is_finite()) {
-            return false;
-        }
-        let inverse = inverse_of_triangle(&u, reciprocal);
-        self.inverses[first / LANES] = inverse;
-        let end = self.ends[first / LANES];
-        let (r0, rest) = rows.split_at_mut(stride);
-        let (r1, rest) = rest.split_at_mut(stride);
-        let (r2, r3) = rest.split_at_mut(stride);
-        let (a, b) = (
-            right_of(r0, u[0], first, end),
-            right_of(r1, u[1], first, end),
-        );
-        let (c, d) = (
-            right_of(r2, u[2], first, end),
-            right_of(r3, u[3], first, end),
-        );
-        for (((a, b), c), d) in a.iter_mut().zip(b).zip(c).zip(d) {
-            for l in 0..LANES {
-                let w = transposed_product(&inverse, [a[l], b[l], c[l], d[l]]);
-                [a[l], b[l], c[l], d[l]] = w;
-            }
+            };
+            self.inverses[first / LANES] = inverse;
         }
         true
     }
@@ -324,6 +295,65 @@ impl Hessian {
     }
 }
 
+/// The pivots of a block of rows.
+struct Pivots {
+    values: [f64; LANES],
+    /// Whether one is so small that it may be what rounding left of a zero.
+    has_small: bool,
+}
+
+/// Gaussian elimination within a block of rows, from its diagonal to `columns.end`; nothing if a pivot is weak. Rows are not
+/// yet divided by the roots of their pivots, so that a pivot waits for a division and no root.
+#[expect(clippy::inline_always, reason = "the stride is to be known")]
+#[inline(always)]
+fn eliminate_within(
+    rows: &mut [f64],
+    stride: usize,
+    columns: Range<usize>,
+    diagonal: &[f64],
+) -> Option<Pivots> {
+    let first = columns.start;
+    let [p0, a1, a2, a3] = block(rows, first);
+    let [_, b1, b2, b3] = block(rows, stride + first);
+    let [_, _, c2, c3] = block(rows, 2 * stride + first);
+    let [_, _, _, d3] = block(rows, 3 * stride + first);
+    let r0 = 1.0 / p0;
+    let (f01, f02, f03) = (a1 * r0, a2 * r0, a3 * r0);
+    let (p1, b2, b3) = (b1 - f01 * a1, b2 - f01 * a2, b3 - f01 * a3);
+    let (c2, c3, d3) = (c2 - f02 * a2, c3 - f02 * a3, d3 - f03 * a3);
+    let r1 = 1.0 / p1;
+    let (f12, f13) = (b2 * r1, b3 * r1);
+    let (p2, c3, d3) = (c2 - f12 * b2, c3 - f12 * b3, d3 - f13 * b3);
+    let f23 = c3 / p2;
+    let p3 = d3 - f23 * c3;
+    let values = [p0, p1, p2, p3];
+    let (mut is_strong, mut has_small) = (true, false);
+    for (pivot, diagonal) in values.iter().zip(diagonal) {
+        // `pivot > …`: a NaN is weak, too.
+        is_strong &= *pivot > WEAK * diagonal;
+        has_small |= *pivot < SUSPECT * diagonal;
+    }
+    if !is_strong {
+        return None;
+    }
+    let [a, b, c, d] = four_rows(rows, stride, columns);
+    b[0] = [0.0, p1, b2, b3];
+    c[0] = [0.0, 0.0, p2, c3];
+    d[0] = [0.0, 0.0, 0.0, p3];
+    let right = a[1..]
+        .iter()
+        .zip(&mut b[1..])
+        .zip(&mut c[1..])
+        .zip(&mut d[1..]);
+    for (((a, b), c), d) in right {
+        for l in 0..LANES {
+            b[l] -= f01 * a[l];
+            c[l] = (c[l] - f02 * a[l]) - f12 * b[l];
+            d[l] = ((d[l] - f03 * a[l]) - f13 * b[l]) - f23 * c[l];
+        }
+    }
+    Some(Pivots { values, has_small })
+}
 /// Length without the zeros at the end.
 fn used(row: &[f64]) -> usize {
     let (lanes, rest) = row.as_chunks::<LANES>();
@@ -364,11 +394,40 @@ fn transposed_product(inverse: &[[f64; LANES]; LANES], a: [f64; LANES]) -> [f64;
     ]
 }
 
-/// Puts the diagonal block of a row of U in place, and hands out what is right of it.
-fn right_of(row: &mut [f64], u: [f64; LANES], first: usize, end: usize) -> &mut [[f64; LANES]] {
-    let (diagonal, right) = row[first..end].split_at_mut(LANES);
-    diagonal.copy_from_slice(&u);
-    right.as_chunks_mut().0
+/// Some columns of a block of rows.
+#[expect(clippy::inline_always, reason = "the stride is to be known")]
+#[inline(always)]
+fn four_rows(rows: &mut [f64], stride: usize, columns: Range<usize>) -> [&mut [[f64; LANES]]; 4] {
+    let (a, rest) = rows[..LANES * stride].split_at_mut(stride);
+    let (b, rest) = rest.split_at_mut(stride);
+    let (c, d) = rest.split_at_mut(stride);
+    [a, b, c, d].map(|row| row[columns.clone()].as_chunks_mut().0)
+}
+
+/// The rows of U of a block that is eliminated, given its pivots, and the inverse of its diagonal block; nothing if that is not
+/// finite.
+#[expect(clippy::inline_always, reason = "the stride is to be known")]
+#[inline(always)]
+fn divide_by_roots(
+    rows: &mut [f64],
+    stride: usize,
+    columns: Range<usize>,
+    pivots: [f64; LANES],
+) -> Option<[[f64; LANES]; LANES]> {
+    // Side by side: none waits for another.
+    let reciprocals = pivots.map(|pivot| 1.0 / pivot.sqrt());
+    if !reciprocals.iter().all(|r| r.is_finite()) {
+        return None;
+    }
+    let rows = four_rows(rows, stride, columns);
+    let mut triangle = [[0.0; LANES]; LANES];
+    for ((row, r), diagonal) in rows.into_iter().zip(reciprocals).zip(&mut triangle) {
+        for u in row.as_flattened_mut() {
+            *u *= r;
+        }
+        *diagonal = row[0];
+    }
+    Some(inverse_of_triangle(&triangle, reciprocals))
 }
 
 /// Four numbers that follow one another.
