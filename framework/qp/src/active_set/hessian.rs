@@ -15,6 +15,8 @@ use crate::Qp;
 const WEAK: f64 = 1e-13;
 /// A pivot below this part of its diagonal entry may be what rounding left of a zero.
 const SUSPECT: f64 = 1e-9;
+/// Up to this stride zeros are not looked for: the loops have a length that the compiler knows.
+const SMALL: usize = 16;
 
 /// The factor and what was added to H to get it.
 ///
@@ -86,8 +88,23 @@ impl Hessian {
         }
     }
 
+    /// Where the entries of a block of rows of U end.
+    #[expect(clippy::inline_always, reason = "the stride is to be known")]
+    #[inline(always)]
+    fn end(&self, block: usize, stride: usize) -> usize {
+        if stride <= SMALL {
+            stride
+        } else {
+            self.ends[block]
+        }
+    }
+
     fn load(&mut self, qp: &Qp) {
         let (n, stride) = (self.n, self.stride);
+        if stride <= SMALL {
+            self.load_all(qp);
+            return;
+        }
         let blocks = self.columns.iter_mut().zip(&mut self.ends);
         let rows = self.u.chunks_exact_mut(LANES * stride);
         let sources = qp.h().chunks(LANES * n);
@@ -118,6 +135,22 @@ impl Hessian {
             let above = self.columns[..b].iter().position(reaches);
             self.columns[b].0 = above.unwrap_or(b) * LANES;
         }
+    }
+
+    /// Loads H of a problem so small that zeros are not worth looking for.
+    fn load_all(&mut self, qp: &Qp) {
+        let (n, stride) = (self.n, self.stride);
+        let rows = self.u.chunks_exact_mut(stride);
+        for (row, h) in rows.zip(qp.h().chunks_exact(n)) {
+            row[..n].copy_from_slice(h);
+            row[n..].fill(0.0);
+        }
+        for k in n..stride {
+            self.u[k * stride..(k + 1) * stride].fill(0.0);
+            self.u[k * stride + k] = 1.0;
+        }
+        self.columns[..stride / LANES].fill((0, n));
+        self.ends[..stride / LANES].fill(stride);
     }
 
     fn add_equalities(&mut self, qp: &Qp) {
@@ -170,15 +203,14 @@ impl Hessian {
     #[expect(clippy::inline_always, reason = "the stride is to be known")]
     #[inline(always)]
     fn eliminate_with(&mut self, stride: usize) -> bool {
-        let n = self.n;
         self.has_small_pivot = false;
         let diagonal = self.diagonal[..stride].iter_mut();
         for (k, (d, row)) in diagonal.zip(self.u.chunks_exact(stride)).enumerate() {
             *d = row[k];
         }
-        for first in (0..n).step_by(LANES) {
-            let (end, next) = (self.ends[first / LANES], first + LANES);
-            let (above, below) = self.u.split_at_mut(next * stride);
+        for first in (0..stride).step_by(LANES) {
+            let (end, next) = (self.end(first / LANES, stride), first + LANES);
+            let (above, below) = self.u[..stride * stride].split_at_mut(next * stride);
             let rows = &mut above[first * stride..];
             let Some(pivots) =
                 eliminate_within(rows, stride, first..end, &self.diagonal[first..next])
@@ -198,20 +230,24 @@ impl Hessian {
                     block(rows, 2 * stride + at),
                     block(rows, 3 * stride + at),
                 ];
-                if factors.as_flattened().iter().all(|f| *f == 0.0) {
-                    continue;
-                }
-                let filled = &mut self.ends[at / LANES];
-                for (q, target) in targets.chunks_exact_mut(stride).enumerate() {
-                    if *filled < end {
-                        target[*filled..end].fill(0.0);
+                if stride > SMALL {
+                    if factors.as_flattened().iter().all(|f| *f == 0.0) {
+                        continue;
                     }
+                    let filled = &mut self.ends[at / LANES];
+                    for target in targets.chunks_exact_mut(stride) {
+                        if *filled < end {
+                            target[*filled..end].fill(0.0);
+                        }
+                    }
+                    *filled = (*filled).max(end);
+                }
+                for (q, target) in targets.chunks_exact_mut(stride).enumerate() {
                     let [f0, f1, f2, f3] = factors;
                     let [r0, r1, r2, r3] = reciprocal;
                     let alpha = [-f0[q] * r0, -f1[q] * r1, -f2[q] * r2, -f3[q] * r3];
                     add_rows(&mut target[at..end], alpha, &rows[at..], stride);
                 }
-                *filled = (*filled).max(end);
             }
             let Some(inverse) = divide_by_roots(rows, stride, first..end, pivots.values) else {
                 return false;
@@ -223,20 +259,32 @@ impl Hessian {
 
     /// Replaces `a` by `w = U⁻ᵀ a`; returns which components of w may differ from zero, in whole lanes.
     pub(super) fn solve_transposed(&self, a: &mut [f64]) -> Range<usize> {
-        let stride = self.stride;
+        match self.stride {
+            8 => self.solve_transposed_with(8, a),
+            12 => self.solve_transposed_with(12, a),
+            16 => self.solve_transposed_with(16, a),
+            stride => self.solve_transposed_with(stride, a),
+        }
+    }
+
+    #[expect(clippy::inline_always, reason = "the stride is to be known")]
+    #[inline(always)]
+    fn solve_transposed_with(&self, stride: usize, a: &mut [f64]) -> Range<usize> {
+        let (u, a) = (&self.u[..stride * stride], &mut a[..stride]);
+        let inverses = &self.inverses[..stride / LANES];
         let mut range = stride..0;
-        for (b, &end) in self.ends[..stride / LANES].iter().enumerate() {
-            let first = b * LANES;
+        for (b, inverse) in inverses.iter().enumerate() {
+            let (first, end) = (b * LANES, self.end(b, stride));
             let next = first + LANES;
             let (head, tail) = a.split_at_mut(next);
             let w = &mut head[first..];
-            if w.iter().all(|w| *w == 0.0) {
+            if stride > SMALL && w.iter().all(|w| *w == 0.0) {
                 continue;
             }
             range = range.start.min(first)..range.end.max(end);
-            let block = transposed_product(&self.inverses[b], [w[0], w[1], w[2], w[3]]);
+            let block = transposed_product(inverse, [w[0], w[1], w[2], w[3]]);
             w.copy_from_slice(&block);
-            let rows = &self.u[first * stride..];
+            let rows = &u[first * stride..];
             let alpha = [-block[0], -block[1], -block[2], -block[3]];
             add_rows(&mut tail[..end - next], alpha, &rows[next..], stride);
         }
@@ -245,12 +293,24 @@ impl Hessian {
 
     /// Replaces `z` by `x = U⁻¹ z`.
     pub(super) fn solve(&self, z: &mut [f64]) {
-        let stride = self.stride;
-        for (b, &end) in self.ends[..stride / LANES].iter().enumerate().rev() {
-            let first = b * LANES;
+        match self.stride {
+            8 => self.solve_with(8, z),
+            12 => self.solve_with(12, z),
+            16 => self.solve_with(16, z),
+            stride => self.solve_with(stride, z),
+        }
+    }
+
+    #[expect(clippy::inline_always, reason = "the stride is to be known")]
+    #[inline(always)]
+    fn solve_with(&self, stride: usize, z: &mut [f64]) {
+        let (u, z) = (&self.u[..stride * stride], &mut z[..stride]);
+        let inverses = &self.inverses[..stride / LANES];
+        for (b, [i0, i1, i2, i3]) in inverses.iter().enumerate().rev() {
+            let (first, end) = (b * LANES, self.end(b, stride));
             let next = first + LANES;
             let (head, tail) = z.split_at_mut(next);
-            let rows = &self.u[first * stride..];
+            let rows = &u[first * stride..];
             let known = dots(&rows[next..], stride, &tail[..end - next]);
             let x = &mut head[first..];
             let [b0, b1, b2, b3] = [
@@ -259,7 +319,6 @@ impl Hessian {
                 x[2] - known[2],
                 x[3] - known[3],
             ];
-            let [i0, i1, i2, i3] = &self.inverses[b];
             x[0] = (i0[0] * b0 + i0[1] * b1) + (i0[2] * b2 + i0[3] * b3);
             x[1] = i1[1] * b1 + (i1[2] * b2 + i1[3] * b3);
             x[2] = i2[2] * b2 + i2[3] * b3;
