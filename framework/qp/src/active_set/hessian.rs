@@ -8,15 +8,13 @@
 
 use std::ops::Range;
 
-use super::kernels::{LANES, add_rows, axpy, dot, dots, padded};
+use super::kernels::{LANES, SMALL, add_rows, axpy, dot, dots, padded};
 use crate::Qp;
 
 /// A pivot below this part of its diagonal entry is rounding: Cholesky's own error is of the order n ε.
 const WEAK: f64 = 1e-13;
 /// A pivot below this part of its diagonal entry may be what rounding left of a zero.
 const SUSPECT: f64 = 1e-9;
-/// Up to this stride zeros are not looked for: the loops have a length that the compiler knows.
-const SMALL: usize = 16;
 
 /// The factor and what was added to H to get it.
 ///

@@ -16,7 +16,7 @@ use std::ops::Range;
 use super::{
     constraint::Active,
     hessian::Hessian,
-    kernels::{LANES, add_rows, axpy, dot, dots, padded},
+    kernels::{LANES, add_rows, axpy, dot, dots, padded, squares_after},
     orthogonal::Orthogonal,
 };
 
@@ -105,9 +105,9 @@ impl WorkingSet {
         if k == self.n {
             return false;
         }
-        let rest = dot(&w[k + 1..], &w[k + 1..]);
+        let rest = squares_after(k, w);
         let beyond = w[k] * w[k] + rest;
-        let size = dot(&w[..k], &w[..k]) + beyond;
+        let size = dot(w, w);
         // `!(beyond > …)`: a NaN depends, too.
         let independent = beyond > DEPENDENT * DEPENDENT * size;
         if !independent {
@@ -191,11 +191,13 @@ impl WorkingSet {
         for first in (0..whole).step_by(LANES).rev() {
             let (head, t) = self.targets.split_at_mut(first);
             let at = first * stride;
-            for i in (0..LANES).rev() {
-                let (before, t) = t.split_at_mut(i);
-                t[0] *= self.reciprocal[first + i];
-                axpy(before, -t[0], &r[at + i * stride + first..]);
-            }
+            let [_, r1, r2, r3] = [0, 1, 2, 3].map(|i| &r[at + i * stride + first..][..LANES]);
+            let by = &self.reciprocal[first..first + LANES];
+            let t = &mut t[..LANES];
+            t[3] *= by[3];
+            t[2] = (t[2] - r3[2] * t[3]) * by[2];
+            t[1] = ((t[1] - r3[1] * t[3]) - r2[1] * t[2]) * by[1];
+            t[0] = (((t[0] - r3[0] * t[3]) - r2[0] * t[2]) - r1[0] * t[1]) * by[0];
             let alpha = [-t[0], -t[1], -t[2], -t[3]];
             add_rows(head, alpha, &r[at..], stride);
         }
