@@ -11,11 +11,12 @@ use super::{
 };
 use crate::{Qp, Solution};
 
-/// Rounds in which violated constraints are held together.
-const JOINT_ROUNDS: u32 = 8;
-/// In these, how far away a constraint is, relative to the farthest, to be held with it. Constraints that are nearer are
-/// often satisfied once those are held, and would have to be let go one by one.
-const FAR: f64 = 0.7;
+/// Violated constraints are held together in one round for so many variables, and in the first in any case. More would hold
+/// what has to be let go again.
+const JOINT_VARIABLES: usize = 10;
+/// In the first of these, how far away a constraint is, relative to the farthest, to be held with it, and in the others.
+/// Constraints that are nearer are often satisfied once those are held, and would have to be let go one by one.
+const FAR: [f64; 2] = [0.3, 0.8];
 /// Rounds in which all constraints with a multiplier of the wrong sign are let go together, before any was exact.
 const GUESS_ROUNDS: u32 = 6;
 /// Iterations after which larger violations, too, are taken for rounding.
@@ -35,10 +36,11 @@ impl Dual {
         out: &mut Solution,
     ) -> End {
         let (mut guess_rounds, mut joint_rounds) = if is_first {
-            (GUESS_ROUNDS, JOINT_ROUNDS)
+            (GUESS_ROUNDS, (qp.n() / JOINT_VARIABLES).max(1))
         } else {
             (0, 0)
         };
+        let mut far = FAR[0];
         let mut tolerance = limits.tolerance;
         loop {
             if limits.are_used_up(self.iterations) {
@@ -74,7 +76,9 @@ impl Dual {
             let farthest = self.measure_violated(qp);
             if joint_rounds > 0 && self.violated.len() > 1 {
                 joint_rounds -= 1;
-                if self.hold_far(qp, FAR * farthest) {
+                let held_any = self.hold_far(qp, far * farthest);
+                far = FAR[1];
+                if held_any {
                     continue;
                 }
             }
