@@ -29,6 +29,8 @@ pub(super) struct WorkingSet {
     /// n with padding.
     stride: usize,
     active: Vec<Active>,
+    /// Per held constraint `‖w‖²`.
+    squares: Vec<f64>,
     q: Orthogonal,
     /// Row k holds column k of R: k + 1 entries.
     r: Vec<f64>,
@@ -51,6 +53,7 @@ impl WorkingSet {
             n: 0,
             stride: 0,
             active: Vec::with_capacity(n + 1),
+            squares: Vec::with_capacity(n + 1),
             q: Orthogonal::new(n, 3 * n + 4, 8 * n * n + 16),
             r: vec![0.0; padded(n) * n],
             reciprocal: vec![0.0; n],
@@ -67,6 +70,7 @@ impl WorkingSet {
         self.n = n;
         self.stride = v.len();
         self.active.clear();
+        self.squares.clear();
         self.multipliers.clear();
         self.q.reset(self.n);
         self.v[..v.len()].copy_from_slice(v);
@@ -118,6 +122,7 @@ impl WorkingSet {
         self.r[at..=at + k].copy_from_slice(&w[..=k]);
         self.reciprocal[k] = 1.0 / w[k];
         self.active.push(constraint);
+        self.squares.push(size);
         self.multipliers.push(multiplier);
         true
     }
@@ -126,6 +131,7 @@ impl WorkingSet {
     pub(super) fn remove(&mut self, j: usize) -> Active {
         let n = self.stride;
         let removed = self.active.remove(j);
+        self.squares.remove(j);
         self.multipliers.remove(j);
         let k = self.len();
         for i in j..k {
@@ -215,6 +221,11 @@ impl WorkingSet {
         let range = hessian.solve_transposed(a);
         self.q.transposed(range, a);
         self.combine(a);
+    }
+
+    /// Lengths of the held constraints' normals in the metric of H: a combination's parts, times these, can be compared.
+    pub(super) fn lengths(&self) -> impl Iterator<Item = f64> {
+        self.squares.iter().map(|square| square.sqrt())
     }
 
     /// Takes a combination that was corrected.

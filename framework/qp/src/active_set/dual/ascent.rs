@@ -3,7 +3,7 @@
 use super::{
     super::{
         constraint::{Active, copy_normal, is_empty},
-        kernels::{dot, largest},
+        kernels::dot,
         limits::Limits,
         working_set::WorkingSet,
     },
@@ -23,6 +23,8 @@ const GUESS_ROUNDS: u32 = 6;
 const LONG: u32 = 200;
 /// A violation below this, relative to the numbers that are added up, may be the rounding of an `x` that is not refined.
 const ROUNDING: f64 = 1e-8;
+/// A part of a combination of normals, all of unit length in the metric of H, below this of the largest is rounding.
+const ROUNDED_RATE: f64 = 1e-11;
 /// Iterations with every point refined, after which they must be going in circles.
 const REFINED_ROUNDS: u32 = 100;
 
@@ -248,14 +250,16 @@ impl Dual {
         let mut multiplier = 0.0;
         while !self.push(qp, constraint, multiplier) {
             self.set.combine(&self.w);
+            let parts = || self.set.computed().iter().zip(self.set.lengths());
+            let largest = parts().fold(0.0, |a: f64, (r, length)| a.max((r * length).abs()));
             let held = self.set.active().iter().zip(&self.set.multipliers);
-            let rounding = 1e-11 * largest(self.set.computed());
             let mut first: Option<(f64, f64, usize)> = None;
-            for (j, ((held, &multiplier), &r)) in held.zip(self.set.computed()).enumerate() {
+            for (j, ((held, &multiplier), (&r, length))) in held.zip(parts()).enumerate() {
                 // Along the ray this multiplier changes by −side · r per unit.
                 let rate = held.side * constraint.side * r;
-                if rate > rounding {
+                if rate * length > ROUNDED_RATE * largest {
                     let step = (multiplier * held.side).max(0.0) / rate;
+                    let rate = rate * length;
                     if first.is_none_or(|(s, q, _)| step < s || (step == s && rate > q)) {
                         first = Some((step, rate, j));
                     }
