@@ -336,9 +336,24 @@ impl Hessian {
 
     /// `H x`, of H itself.
     pub(super) fn product(&self, qp: &Qp, x: &[f64], hx: &mut [f64]) {
-        let n = self.n;
+        match self.n {
+            8 => self.product_with(8, qp, x, hx),
+            12 => self.product_with(12, qp, x, hx),
+            16 => self.product_with(16, qp, x, hx),
+            n => self.product_with(n, qp, x, hx),
+        }
+    }
+
+    #[expect(
+        clippy::inline_always,
+        reason = "the number of variables is to be known"
+    )]
+    #[inline(always)]
+    fn product_with(&self, n: usize, qp: &Qp, x: &[f64], hx: &mut [f64]) {
+        let x = &x[..n];
         let blocks = qp.h().chunks(LANES * n).zip(hx[..n].chunks_mut(LANES));
-        for (&(begin, end), (rows, hx)) in self.columns.iter().zip(blocks) {
+        for (&columns, (rows, hx)) in self.columns.iter().zip(blocks) {
+            let (begin, end) = if n <= SMALL { (0, n) } else { columns };
             if begin >= end {
                 hx.fill(0.0);
             } else if hx.len() == LANES {

@@ -267,8 +267,10 @@ impl WorkingSet {
     /// Solves `[H̃ A_aᵀ; A_a 0] [dx; dλ] = [−d; p]`: replaces `d` by `dx` and `p` (one entry per held constraint) by `dλ`.
     pub(super) fn correct(&mut self, hessian: &Hessian, d: &mut [f64], p: &mut [f64]) {
         let k = self.len();
-        let range = hessian.solve_transposed(d);
-        self.q.transposed(range, d);
+        if d.iter().any(|d| *d != 0.0) {
+            let range = hessian.solve_transposed(d);
+            self.q.transposed(range, d);
+        }
         solve_rows(0, &self.r, self.stride, &self.reciprocal[..k], p);
         for (t, (p, d)) in self.targets.iter_mut().zip(p.iter().zip(&*d)) {
             *t = -(p + d);

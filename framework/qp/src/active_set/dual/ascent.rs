@@ -67,7 +67,6 @@ impl Dual {
             self.point.evaluate(qp);
             let worst = self.find_violated(qp, tolerance);
             if self.violated.is_empty() {
-                self.passed = tolerance;
                 return End::Optimal;
             }
             if worst < ROUNDING || (worst < 1e3 * ROUNDING && self.iterations > LONG) {
@@ -121,7 +120,6 @@ impl Dual {
             }
             self.find_violated(qp, tolerance);
             if self.violated.is_empty() {
-                self.passed = tolerance;
                 return End::Optimal;
             }
             self.measure_violated(qp);
@@ -160,10 +158,11 @@ impl Dual {
         any
     }
 
-    /// Collects what the point violates by more than a tolerance, relative to the numbers that are added up; returns the
-    /// largest relative violation.
+    /// Collects what the point violates by more than a tolerance, relative to the numbers that are added up, and notes whether
+    /// it passes; returns the largest relative violation.
     pub(super) fn find_violated(&mut self, qp: &Qp, tolerance: f64) -> f64 {
         self.violated.clear();
+        self.passed = 0.0;
         let mut worst = 0.0_f64;
         // One after the other: a chain of the two is slow to walk.
         let rows = (0, self.point.row_values(), qp.row_lower(), qp.row_upper());
@@ -181,12 +180,16 @@ impl Dual {
                     (lower - value, -1.0, lower)
                 };
                 let index = first + i;
+                self.passed = tolerance;
                 let relative = excess / (limit.abs() + self.point.magnitude(qp, index));
                 if relative > tolerance {
                     worst = worst.max(relative);
                     self.violated.push((excess, Active { index, side, limit }));
                 }
             }
+        }
+        if !self.violated.is_empty() {
+            self.passed = f64::INFINITY;
         }
         worst
     }

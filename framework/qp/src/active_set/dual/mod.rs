@@ -8,7 +8,7 @@ mod refinement;
 use super::{
     constraint::{Active, copy_normal, count, equalities, impossible, is_empty, limits},
     hessian::Hessian,
-    kernels::padded,
+    kernels::{largest_product, padded},
     limits::Limits,
     point::Point,
     working_set::WorkingSet,
@@ -72,9 +72,12 @@ pub(super) struct Dual {
     residual: f64,
     /// Of these, those of the constraints held.
     primal: f64,
+    /// The largest `|g_j|`, in units of the variables.
+    steepest: f64,
     /// The largest entry of `H x` and of g, in units of the variables.
     pull: f64,
-    /// The tolerance within which the point is known to violate nothing; infinite if that is not known.
+    /// The tolerance within which the point is known to violate nothing, zero if it is so to the last digit; infinite if that is
+    /// not known.
     passed: f64,
     iterations: u32,
 }
@@ -172,6 +175,7 @@ impl Dual {
         let n = qp.n();
         self.stride = padded(n);
         self.point.reset(qp);
+        self.steepest = largest_product(qp.g(), self.point.unit());
         let v = &mut self.v[..self.stride];
         v[..n].copy_from_slice(qp.g());
         v[n..].fill(0.0);
@@ -202,7 +206,7 @@ impl Dual {
                 }
             }
             self.refine(qp, EXACT);
-            if self.point.be_strict() {
+            if self.point.be_strict() && self.passed > 0.0 {
                 self.passed = f64::INFINITY;
             }
             let allowed = VIOLATION.max(limits.tolerance);
