@@ -2,8 +2,7 @@
 
 use super::{
     super::{
-        constraint::{Active, copy_normal, is_empty},
-        kernels::dot,
+        constraint::{Active, is_empty},
         limits::Limits,
         working_set::WorkingSet,
     },
@@ -201,14 +200,9 @@ impl Dual {
         }
         let mut farthest = 0.0_f64;
         for (excess, constraint) in &mut self.violated {
-            let reciprocal = &mut self.reciprocal_lengths[constraint.index];
-            if *reciprocal == 0.0 {
-                let w = &mut self.w[..self.stride];
-                copy_normal(qp, constraint.index, w);
-                self.hessian.solve_transposed(w);
-                *reciprocal = 1.0 / dot(w, w).sqrt();
-            }
-            *excess *= *reciprocal;
+            *excess *= self
+                .normals
+                .reciprocal_length(qp, &self.hessian, constraint.index);
             farthest = farthest.max(*excess);
         }
         farthest

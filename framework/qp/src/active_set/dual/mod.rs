@@ -6,10 +6,11 @@ mod certificate;
 mod refinement;
 
 use super::{
-    constraint::{Active, copy_normal, count, equalities, impossible, is_empty, limits},
+    constraint::{Active, count, equalities, impossible, is_empty, limits},
     hessian::Hessian,
     kernels::{largest_product, padded},
     limits::Limits,
+    normals::Normals,
     point::Point,
     working_set::WorkingSet,
 };
@@ -64,8 +65,7 @@ pub(super) struct Dual {
     previous: Vec<Held>,
     /// Multipliers before a step.
     before: Vec<f64>,
-    /// Per constraint `1/‖U⁻ᵀ a‖`, or zero where nobody asked.
-    reciprocal_lengths: Vec<f64>,
+    normals: Normals,
     /// Size of the terms of the gradient at the last residuals, in units of the variables.
     size: f64,
     /// The last residuals, relative to it.
@@ -98,7 +98,7 @@ impl Dual {
             p: vec![0.0; n],
             previous: Vec::with_capacity(n),
             before: Vec::with_capacity(n + 1),
-            reciprocal_lengths: vec![0.0; m + n],
+            normals: Normals::new(capacity),
             ..Self::default()
         }
     }
@@ -184,7 +184,7 @@ impl Dual {
         self.set.reset(n, v);
         self.settled[..count(qp)].fill(false);
         self.implied.clear();
-        self.reciprocal_lengths[..count(qp)].fill(0.0);
+        self.normals.forget(qp);
         if !self.hold_equalities(qp, out) {
             return Status::Infeasible;
         }
@@ -296,8 +296,7 @@ impl Dual {
             self.rebuild(qp);
         }
         let w = &mut self.w[..self.stride];
-        copy_normal(qp, constraint.index, w);
-        let range = self.hessian.solve_transposed(w);
+        let range = self.normals.copy(qp, &self.hessian, constraint.index, w);
         self.set.push(constraint, multiplier, range, w)
     }
 
@@ -314,8 +313,7 @@ impl Dual {
         for i in 0..count {
             let (multiplier, held) = self.violated[i];
             let w = &mut self.w[..self.stride];
-            copy_normal(qp, held.index, w);
-            let range = self.hessian.solve_transposed(w);
+            let range = self.normals.copy(qp, &self.hessian, held.index, w);
             if !self.set.push(held, multiplier, range, w) {
                 self.settled[held.index] = held.side == 0.0;
             }
