@@ -54,7 +54,7 @@ impl WorkingSet {
             stride: 0,
             active: Vec::with_capacity(n + 1),
             squares: Vec::with_capacity(n + 1),
-            q: Orthogonal::new(n, 3 * n + 4, 8 * n * n + 16),
+            q: Orthogonal::new(n, n + n / 2 + 4, 8 * n * n + 16),
             r: vec![0.0; padded(n) * n],
             reciprocal: vec![0.0; n],
             v: vec![0.0; padded(n)],
