@@ -2,7 +2,7 @@
 
 use super::{
     super::{
-        constraint::{Active, is_empty},
+        constraint::{Active, is_empty, limits},
         limits::Limits,
         working_set::WorkingSet,
     },
@@ -161,36 +161,46 @@ impl Dual {
     /// it passes; returns the largest relative violation.
     pub(super) fn find_violated(&mut self, qp: &Qp, tolerance: f64) -> f64 {
         self.violated.clear();
-        self.passed = 0.0;
+        let outside = self.find_outside(qp);
+        self.passed = if outside == 0 { 0.0 } else { tolerance };
         let mut worst = 0.0_f64;
-        // One after the other: a chain of the two is slow to walk.
-        let rows = (0, self.point.row_values(), qp.row_lower(), qp.row_upper());
-        let bounds = (qp.m(), self.point.x(), qp.lower(), qp.upper());
-        for (first, values, lower, upper) in [rows, bounds] {
-            let limits = lower.iter().zip(upper);
-            let constraints = values.iter().zip(limits).zip(&self.settled[first..]);
-            for (i, ((&value, (&lower, &upper)), &settled)) in constraints.enumerate() {
-                if settled || (lower <= value && value <= upper) {
-                    continue;
-                }
-                let (excess, side, limit) = if value > upper {
-                    (value - upper, 1.0, upper)
-                } else {
-                    (lower - value, -1.0, lower)
-                };
-                let index = first + i;
-                self.passed = tolerance;
-                let relative = excess / (limit.abs() + self.point.magnitude(qp, index));
-                if relative > tolerance {
-                    worst = worst.max(relative);
-                    self.violated.push((excess, Active { index, side, limit }));
-                }
+        for &index in &self.outside[..outside] {
+            let (value, (lower, upper)) = (self.point.value(index), limits(qp, index));
+            let (excess, side, limit) = if value > upper {
+                (value - upper, 1.0, upper)
+            } else {
+                (lower - value, -1.0, lower)
+            };
+            let relative = excess / (limit.abs() + self.point.magnitude(qp, index));
+            if relative > tolerance {
+                worst = worst.max(relative);
+                self.violated.push((excess, Active { index, side, limit }));
             }
         }
         if !self.violated.is_empty() {
             self.passed = f64::INFINITY;
         }
         worst
+    }
+
+    /// Collects the constraints that are to be checked and whose value is outside of the limits; returns how many.
+    fn find_outside(&mut self, qp: &Qp) -> usize {
+        let rows = (0, self.point.row_values(), qp.row_lower(), qp.row_upper());
+        let bounds = (qp.m(), self.point.x(), qp.lower(), qp.upper());
+        let mut count = 0;
+        // One after the other: a chain of the two is slow to walk. Each is written down and counted only if it is outside: which
+        // ones are cannot be foreseen.
+        for (first, values, lower, upper) in [rows, bounds] {
+            let limits = lower.iter().zip(upper);
+            let constraints = values.iter().zip(limits).zip(&self.settled[first..]);
+            for (i, ((value, (lower, upper)), settled)) in constraints.enumerate() {
+                self.outside[count] = first + i;
+                // A NaN is outside.
+                let is_within = (lower <= value) & (value <= upper);
+                count += usize::from(!(is_within | settled));
+            }
+        }
+        count
     }
 
     /// Turns the excesses of what is violated into distances in the metric of H; returns the largest.

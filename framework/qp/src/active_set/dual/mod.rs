@@ -58,6 +58,8 @@ pub(super) struct Dual {
     settled: Vec<bool>,
     /// Those of them that are not held, because those held imply them, or did when it was looked at.
     implied: Vec<Active>,
+    /// Indices of constraints to be looked at, with one place to spare.
+    outside: Vec<usize>,
     violated: Vec<(f64, Active)>,
     w: Vec<f64>,
     gradient: Vec<f64>,
@@ -92,6 +94,7 @@ impl Dual {
             point: Point::new(capacity),
             settled: vec![false; m + n],
             implied: Vec::with_capacity(m + n),
+            outside: vec![0; m + n + 1],
             violated: Vec::with_capacity(m + n),
             w: vec![0.0; padded(n)],
             gradient: vec![0.0; padded(n)],
