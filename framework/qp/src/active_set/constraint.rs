@@ -85,21 +85,21 @@ pub(super) fn all_hold(qp: &Qp, x: &[f64]) -> bool {
 /// A constraint that nothing satisfies: its lower limit is above its upper one by more than rounding, or it has no
 /// coefficients, and limits that zero is not between.
 pub(super) fn impossible(qp: &Qp) -> Option<Active> {
-    let rows = || qp.row_lower().iter().zip(qp.row_upper());
+    let rows = qp.row_lower().iter().zip(qp.row_upper());
     let bounds = qp.lower().iter().zip(qp.upper());
-    // Nothing to decide on the way: most problems have nothing of the kind.
-    let is_crossed = |any: bool, (lower, upper): (&f64, &f64)| any | (lower > upper);
-    let is_away =
-        |any: bool, (lower, upper): (&f64, &f64)| any | (*lower > EMPTY) | (*upper < -EMPTY);
-    if rows().chain(bounds).fold(false, is_crossed) {
-        if let Some(crossed) = (0..count(qp)).find_map(|index| crossed(qp, index)) {
-            return Some(crossed);
-        }
+    // Counted, which decides nothing on the way: most problems have nothing of the kind.
+    let crossed_limits = |(lower, upper): &(&f64, &f64)| lower > upper;
+    let away_from_zero = |(lower, upper): &(&f64, &f64)| **lower > EMPTY || **upper < -EMPTY;
+    let any_crossed =
+        rows.clone().filter(crossed_limits).count() + bounds.filter(crossed_limits).count() > 0;
+    let any_away = rows.filter(away_from_zero).count() > 0;
+    let crossed = || (0..count(qp)).find_map(|index| crossed(qp, index));
+    let beyond = || (0..qp.m()).find_map(|index| beyond_zero(qp, index));
+    let first = if any_crossed { crossed() } else { None };
+    if first.is_none() && any_away {
+        return beyond();
     }
-    if rows().fold(false, is_away) {
-        return (0..qp.m()).find_map(|index| beyond_zero(qp, index));
-    }
-    None
+    first
 }
 
 /// A constraint whose limits are crossed by more than rounding.

@@ -184,6 +184,10 @@ impl Dual {
     }
 
     /// Collects the constraints that are to be checked and whose value is outside of the limits; returns how many.
+    #[expect(
+        clippy::needless_bitwise_bool,
+        reason = "lazy operators are branches, which cannot be foreseen here"
+    )]
     fn find_outside(&mut self, qp: &Qp) -> usize {
         let rows = (0, self.point.row_values(), qp.row_lower(), qp.row_upper());
         let bounds = (qp.m(), self.point.x(), qp.lower(), qp.upper());
