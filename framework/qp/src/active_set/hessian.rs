@@ -13,8 +13,6 @@ use crate::Qp;
 
 /// A pivot below this part of its diagonal entry is rounding: Cholesky's own error is of the order n ε.
 const WEAK: f64 = 1e-13;
-/// A pivot below this part of its diagonal entry may be what rounding left of a zero.
-const SUSPECT: f64 = 1e-9;
 
 /// The factor and what was added to H to get it.
 ///
@@ -36,8 +34,6 @@ pub(super) struct Hessian {
     inverses: Vec<[[f64; LANES]; LANES]>,
     /// Diagonal of what is factorised.
     diagonal: Vec<f64>,
-    /// Whether a pivot is so small that it may be what rounding left of a zero.
-    has_small_pivot: bool,
     /// `−Σ σ_i b_i a_i`, if equality rows were added.
     shift: Vec<f64>,
     is_shifted: bool,
@@ -72,11 +68,6 @@ impl Hessian {
         self.load(qp);
         self.add_equalities(qp);
         self.eliminate()
-    }
-
-    /// Whether a pivot is so small that it may be what rounding left of a zero.
-    pub(super) fn is_suspect(&self) -> bool {
-        self.has_small_pivot
     }
 
     /// Adds to a linear term what belongs to the added equality rows.
@@ -201,7 +192,6 @@ impl Hessian {
     #[expect(clippy::inline_always, reason = "the stride is to be known")]
     #[inline(always)]
     fn eliminate_with(&mut self, stride: usize) -> bool {
-        self.has_small_pivot = false;
         let diagonal = self.diagonal[..stride].iter_mut();
         for (k, (d, row)) in diagonal.zip(self.u.chunks_exact(stride)).enumerate() {
             *d = row[k];
@@ -215,8 +205,7 @@ impl Hessian {
             else {
                 return false;
             };
-            self.has_small_pivot |= pivots.has_small;
-            let reciprocal = pivots.values.map(|pivot| 1.0 / pivot);
+            let reciprocal = pivots.map(|pivot| 1.0 / pivot);
             for (b, targets) in below.chunks_exact_mut(LANES * stride).enumerate() {
                 let at = next + b * LANES;
                 if at >= end {
@@ -247,7 +236,7 @@ impl Hessian {
                     add_rows(&mut target[at..end], alpha, &rows[at..], stride);
                 }
             }
-            let Some(inverse) = divide_by_roots(rows, stride, first..end, pivots.values) else {
+            let Some(inverse) = divide_by_roots(rows, stride, first..end, pivots) else {
                 return false;
             };
             self.inverses[first / LANES] = inverse;
@@ -367,14 +356,7 @@ impl Hessian {
     }
 }
 
-/// The pivots of a block of rows.
-struct Pivots {
-    values: [f64; LANES],
-    /// Whether one is so small that it may be what rounding left of a zero.
-    has_small: bool,
-}
-
-/// Gaussian elimination within a block of rows, from its diagonal to `columns.end`; nothing if a pivot is weak. Rows are not
+/// Gaussian elimination within a block of rows, from its diagonal to `columns.end`; returns the pivots, nothing if one is weak. Rows are not
 /// yet divided by the roots of their pivots, so that a pivot waits for a division and no root.
 #[expect(clippy::inline_always, reason = "the stride is to be known")]
 #[inline(always)]
@@ -383,7 +365,7 @@ fn eliminate_within(
     stride: usize,
     columns: Range<usize>,
     diagonal: &[f64],
-) -> Option<Pivots> {
+) -> Option<[f64; LANES]> {
     let first = columns.start;
     let [p0, a1, a2, a3] = block(rows, first);
     let [_, b1, b2, b3] = block(rows, stride + first);
@@ -399,13 +381,9 @@ fn eliminate_within(
     let f23 = c3 / p2;
     let p3 = d3 - f23 * c3;
     let values = [p0, p1, p2, p3];
-    let (mut is_strong, mut has_small) = (true, false);
-    for (pivot, diagonal) in values.iter().zip(diagonal) {
-        // `pivot > …`: a NaN is weak, too.
-        is_strong &= *pivot > WEAK * diagonal;
-        has_small |= *pivot < SUSPECT * diagonal;
-    }
-    if !is_strong {
+    // `pivot > …`: a NaN is weak, too.
+    let mut pairs = values.iter().zip(diagonal);
+    if !pairs.all(|(pivot, diagonal)| *pivot > WEAK * diagonal) {
         return None;
     }
     let [a, b, c, d] = four_rows(rows, stride, columns);
@@ -424,7 +402,7 @@ fn eliminate_within(
             d[l] = ((d[l] - f03 * a[l]) - f13 * b[l]) - f23 * c[l];
         }
     }
-    Some(Pivots { values, has_small })
+    Some(values)
 }
 /// Length without the zeros at the end.
 fn used(row: &[f64]) -> usize {
