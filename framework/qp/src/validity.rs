@@ -31,7 +31,14 @@ impl Qp {
 
     fn asymmetry(&self) -> Option<Defect> {
         let (n, h) = (self.n(), self.h());
-        if is_nearly_symmetric(h, n) {
+        let is_nearly_symmetric = match n {
+            // Loops of a length that the compiler knows.
+            8 => is_nearly_symmetric(h, 8),
+            12 => is_nearly_symmetric(h, 12),
+            16 => is_nearly_symmetric(h, 16),
+            n => is_nearly_symmetric(h, n),
+        };
+        if is_nearly_symmetric {
             return None;
         }
         let root = |j: usize| h[j * n + j].sqrt();
@@ -68,7 +75,13 @@ impl Qp {
 
 /// Whether no two entries differ by more than is allowed beside the smallest diagonal entry, for which no root is needed, and
 /// nothing to decide on the way.
+#[expect(
+    clippy::inline_always,
+    reason = "the number of variables is to be known"
+)]
+#[inline(always)]
 fn is_nearly_symmetric(h: &[f64], n: usize) -> bool {
+    let h = &h[..n * n];
     let mut differences = [0.0; 4];
     let mut smallest = f64::INFINITY;
     for row in 0..n {

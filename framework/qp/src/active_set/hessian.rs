@@ -356,7 +356,7 @@ impl Hessian {
     }
 }
 
-/// Gaussian elimination within a block of rows, from its diagonal to `columns.end`; nothing if a pivot is weak. Rows are not
+/// Gaussian elimination within a block of rows, from its diagonal to `columns.end`; returns the pivots, nothing if one is weak. Rows are not
 /// yet divided by the roots of their pivots, so that a pivot waits for a division and no root.
 #[expect(clippy::inline_always, reason = "the stride is to be known")]
 #[inline(always)]
@@ -381,12 +381,9 @@ fn eliminate_within(
     let f23 = c3 / p2;
     let p3 = d3 - f23 * c3;
     let values = [p0, p1, p2, p3];
-    let mut is_strong = true;
-    for (pivot, diagonal) in values.iter().zip(diagonal) {
-        // `pivot > …`: a NaN is weak, too.
-        is_strong &= *pivot > WEAK * diagonal;
-    }
-    if !is_strong {
+    // `pivot > …`: a NaN is weak, too.
+    let mut pairs = values.iter().zip(diagonal);
+    if !pairs.all(|(pivot, diagonal)| *pivot > WEAK * diagonal) {
         return None;
     }
     let [a, b, c, d] = four_rows(rows, stride, columns);

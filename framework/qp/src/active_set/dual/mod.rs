@@ -75,9 +75,9 @@ pub(super) struct Dual {
     /// Of these, those of the constraints held.
     primal: f64,
     /// The largest `|g_j|`, in units of the variables.
+    steepest: f64,
+    /// The largest entry of `H x` and of g, in units of the variables.
     pull: f64,
-    /// The largest entry of `H x` and of g at the last residuals, in the same units.
-    cost_size: f64,
     /// The tolerance within which the point is known to violate nothing, zero if it is so to the last digit; infinite if that is
     /// not known.
     passed: f64,
@@ -178,7 +178,7 @@ impl Dual {
         let n = qp.n();
         self.stride = padded(n);
         self.point.reset(qp);
-        self.pull = largest_product(qp.g(), self.point.unit());
+        self.steepest = largest_product(qp.g(), self.point.unit());
         let v = &mut self.v[..self.stride];
         v[..n].copy_from_slice(qp.g());
         v[n..].fill(0.0);

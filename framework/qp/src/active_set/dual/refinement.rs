@@ -58,7 +58,7 @@ impl Dual {
         self.hessian.product(qp, point.x(), gradient);
         gradient[qp.n()..].fill(0.0);
         let unit = point.unit();
-        let size = largest_product(gradient, unit).max(self.pull);
+        let size = largest_product(gradient, unit).max(self.steepest);
         axpy(gradient, 1.0, qp.g());
         for (held, &m) in self.set.active().iter().zip(&self.set.multipliers) {
             add_normal(qp, held.index, m, gradient);
@@ -67,7 +67,7 @@ impl Dual {
         // The entries of H x may be small differences of large terms, none of which exceeds the largest variable.
         self.size = size.max(point.largest()).max(f64::MIN_POSITIVE);
         self.residual = stationarity / self.size;
-        self.cost_size = size;
+        self.pull = size;
         stationarity / size.max(f64::MIN_POSITIVE)
     }
 
@@ -89,7 +89,7 @@ impl Dual {
     /// Whether the variables are so large beside `H x` and g that what is left of the terms may be rounding: then x is g
     /// divided by a pivot that ought to be zero.
     pub(super) fn cancels(&self) -> bool {
-        self.point.largest() > CANCELLED * self.cost_size
+        self.point.largest() > CANCELLED * self.pull
     }
 
     /// Whether the refined point violates nothing and holds nothing with a multiplier of the wrong sign, beyond what is
