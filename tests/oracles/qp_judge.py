@@ -35,7 +35,7 @@ import time
 from pathlib import Path
 
 import numpy as np
-from qp_peers import PEERS, ask, farkas, feasible, ray
+from qp_peers import PEERS, ask, farkas, feasible, ray, units
 from qp_problem import LONG, Problem, gap, numbers, polished, ratio, stationarity, support, violations
 
 PRIMAL, DUAL, GAP = 1e-9, 1e-8, 1e-8
@@ -45,6 +45,8 @@ COARSER = 100.0
 ROUNDED, BEYOND = 1e-12, 1e-12
 # A row of coefficients of size one may be missed by this, and any row by the second: limits of 1e-17 are rounding.
 UNIT, NOTHING = 1e-12, 1e-15
+# A row without coefficients that is missed by more than this is infeasible without doubt.
+EMPTY = 1e-9
 # Of the largest curvature times the largest variable: multipliers of this size are those of a cost that is flat.
 VANISHING = 1e-20
 # Infeasible by less than this share of its limits: within tolerances of feasibility.
@@ -97,7 +99,11 @@ def primal_error(p, x):
     """The largest violation as a share of |limit| + sum |a_j x_j|."""
     violation, size = violations(p, x)
     largest = np.concatenate([np.max(np.abs(p.A), axis=1, initial=0), np.ones(p.n)])
-    return graded(violation, size, PRIMAL, UNIT * largest + NOTHING, PRIMAL * largest)
+    # A limit of zero says nothing of its variable's unit; a row without coefficients has no scale at all.
+    unit = np.maximum(1, units(p))
+    reach = np.concatenate([np.max(np.abs(p.A) * unit, axis=1, initial=0), unit])
+    coarse = np.where(largest > 0, PRIMAL * reach, EMPTY)
+    return graded(violation, size, PRIMAL, UNIT * largest + NOTHING, coarse)
 
 
 def dual_error(p, x, y, z):
@@ -122,8 +128,30 @@ def without_nothing(p, y, z):
     return y, z
 
 
+def settled(p, x, y, z):
+    """z with what its equation leaves over put in, where that is rounding (of the largest term, or of the cost) and a
+    limit takes it: multipliers that prove an optimum prove it whoever has found them."""
+    residual, terms = stationarity(p, x, y, z)
+    exact = -(p.symmetric() @ np.asarray(x, LONG) + p.g.astype(LONG) + p.A.astype(LONG).T @ np.asarray(y, LONG))
+    takes = np.where(exact > 0, np.isfinite(p.upper), np.isfinite(p.lower)) | (exact == 0)
+    finite = lambda v: np.where(np.isfinite(v), np.abs(v), 0)  # noqa: E731
+    reach = np.maximum(np.abs(x), np.maximum(finite(p.lower), finite(p.upper)))
+    _, sizes = gap(p, x, *without_nothing(p, y, z))
+    rounding = (residual <= 1e-10 * worst(terms)) | ((reach > 0) & (residual * reach <= 1e-13 * sizes))
+    return np.where(takes & rounding, exact, z)
+
+
 def proven_optimal(p, x, y, z):
     """(grade, numbers) by the conditions of an optimum alone."""
+    first = conditions(p, x, y, z)
+    return first if first[0] == "right" else min(first, conditions(p, x, y, settled(p, x, y, z)), key=severity)
+
+
+def severity(found):
+    return ("right", "doubtful", "wrong").index(found[0])
+
+
+def conditions(p, x, y, z):
     primal = primal_error(p, x)
     kept = without_nothing(p, y, z)
     # With and without them: then they are nothing themselves.
@@ -135,7 +163,8 @@ def proven_optimal(p, x, y, z):
     flat = VANISHING * worst(np.abs(p.symmetric())) * worst(np.abs(x)) ** 2
     coarse = UNIT * float(np.abs(p.g).sum()) + 1e4 * floor + flat
     share = graded(np.abs([difference]), np.array([sizes]), GAP, floor, coarse)
-    return grade([(primal, PRIMAL), (dual, DUAL), (share, GAP)]), {"primal": primal, "dual": dual, "gap": share}
+    figures = {"primal": primal, "dual": dual, "gap": share}
+    return grade([(primal, PRIMAL), (dual, DUAL), (share, GAP)]), figures
 
 
 def huge(p, x, y, z):
@@ -178,6 +207,10 @@ def judge_optimal(p, a):
     found, figures = ("wrong", {"primal": primal})
     if a.has(p, "y", "z"):
         found, figures = proven_optimal(p, a.x, a.y, a.z)
+        if found != "right":
+            # Multipliers that are rounding: without them it has to be right by itself.
+            without = proven_optimal(p, a.x, np.zeros(p.m), np.zeros(p.n))
+            found, figures = without if without[0] == "right" else (found, figures)
         suspect = huge(p, a.x, a.y, a.z)
         if suspect and ray(p) is not None:
             return Verdict("wrong", "the cost is unbounded", **figures)
@@ -211,11 +244,20 @@ def certificate(p, y, z):
     A = p.A.astype(LONG)
     combined, terms = A.T @ y, np.abs(A).T @ np.abs(y) + np.abs(z)
     exact = -combined
-    bounded = np.where(exact > 0, np.isfinite(p.upper), np.isfinite(p.lower))
+    bounded = np.where(exact > 0, np.isfinite(p.upper), np.isfinite(p.lower)) | (exact == 0)
     z = np.where(bounded, exact, z)
     residual = worst(ratio(np.abs(combined + z), np.where(bounded, 1, terms)))
     weighted, sizes = support(p, y, z)
     return residual, float(-weighted / sizes) if sizes > 0 else -1.0
+
+
+def without_noise(p, y):
+    """Multipliers of rows set to zero that vanish beside what another row has of some variable. What proves
+    infeasibility without them proves it."""
+    shares = np.abs(p.A) * np.abs(y)[:, None]
+    terms = shares.sum(axis=0)
+    vanishes = np.any((shares > 0) & (shares <= 1e-14 * terms), axis=1)
+    return np.where(vanishes, 0.0, y)
 
 
 def judge_infeasible(p, a):
@@ -223,7 +265,7 @@ def judge_infeasible(p, a):
     if crossing > BEYOND:
         return Verdict("right" if crossing > MARGIN else "doubtful", "limits cross", margin=crossing)
     if a.has(p, "y", "z"):
-        residual, margin = certificate(p, a.y, a.z)
+        residual, margin = min(certificate(p, a.y, a.z), certificate(p, without_noise(p, a.y), a.z))
         if residual <= ROUNDED and margin > MARGIN:
             return Verdict("right", residual=residual, margin=margin)
         if residual <= COARSER * ROUNDED and margin > BEYOND:
@@ -258,7 +300,11 @@ def recession(p, d):
 def judge_unbounded(p, a):
     figures = {}
     if a.has(p, "x") and np.any(a.x != 0):
-        curvature, violation, descent = recession(p, a.x)
+        own = np.abs(a.x) / units(p)
+        clean = np.where(own <= 1e-13 * worst(own), 0.0, a.x)
+        # Components that are rounding of others count only if the ray is none without them.
+        both = recession(p, a.x), recession(p, clean)
+        curvature, violation, descent = min(both, key=lambda found: (found[1] > ROUNDED, found[0]))
         figures = {"curvature": curvature, "leaving": violation, "descent": descent}
         if curvature <= COARSER * ROUNDED and violation <= COARSER * ROUNDED and descent > BEYOND:
             if not feasible(p):
@@ -356,6 +402,7 @@ def main():
     parser.add_argument("--answers", type=Path, help="what it has answered")
     parser.add_argument("--peers", nargs="*", default=[], choices=sorted(PEERS), help="judged beside it")
     parser.add_argument("--all", action="store_true", help="prints right answers as well")
+    parser.add_argument("--quiet", action="store_true", help="prints none but wrong and unsolved ones")
     arguments = parser.parse_args()
     lines, problems = zip(*read(arguments.problems))
     entrants = {}
@@ -373,7 +420,8 @@ def main():
             counts[verdict.kind] += 1
             is_solved = solved(p, a) if p is not None else None
             good, known = good + bool(is_solved), known + (is_solved is not None)
-            if arguments.all or verdict.kind != "right" or is_solved is False:
+            shown = ("wrong", "unsolved") if arguments.quiet else ("wrong", "unsolved", "doubtful", "unproven")
+            if arguments.all or verdict.kind in shown or is_solved is False:
                 label = (p.name if p is not None else "") or f"line {index + 1}"
                 mark = "" if is_solved is not False else "  NOT SOLVED"
                 count = "" if a.iterations is None else f"{a.iterations:5} it."

@@ -149,11 +149,15 @@ def feasible(p):
     """Whether some point keeps all limits but for 1e-9 of their size: HiGHS, by the least violation there can be."""
     A, low, high = unit_rows(p)
     n, m = p.n, p.m
+    # Units of variables in which no coefficient is above one; powers of two, so that nothing is rounded.
+    unit = np.max(np.abs(A), axis=0, initial=0)
+    unit = 2.0 ** np.round(np.log2(np.where(unit > 0, unit, 1)))
+    A, own_lower, own_upper = A / unit, p.lower * unit, p.upper * unit
     size = lambda v: np.where(np.isfinite(v), np.abs(v), 0)  # noqa: E731
     # x and one slack t: every row and bound may be missed by t times its size.
-    weight = np.concatenate([1 + size(low) + size(high), 1 + size(p.lower) + size(p.upper)])
+    weight = np.concatenate([1 + size(low) + size(high), 1 + size(own_lower) + size(own_upper)])
     everything = np.vstack([A, np.eye(n)])
-    lower, upper = np.concatenate([low, p.lower]), np.concatenate([high, p.upper])
+    lower, upper = np.concatenate([low, own_lower]), np.concatenate([high, own_upper])
     least = np.hstack([everything, weight[:, None]])
     most = np.hstack([everything, -weight[:, None]])
     rows = np.vstack([least, most])
@@ -181,21 +185,40 @@ def farkas(p):
     return -found[0] / size if size > 0 and -found[0] > 1e-9 * size else None
 
 
+def units(p):
+    """Powers of two for the variables in which H has no row larger than another by much, nor a column of A."""
+    H, A = np.abs(p.symmetric().astype(float)), np.abs(p.A)
+    unit = np.ones(p.n)
+    for _ in range(8):
+        row = np.max(A * unit, axis=1, initial=0)
+        rows = A * unit / np.where(row > 0, row, 1)[:, None]
+        whole = np.max(H * unit * unit[:, None], initial=0)
+        largest = np.max(H * unit * unit[:, None], axis=1, initial=0) / (whole if whole > 0 else 1)
+        # Of a variable without curvature, its coefficients.
+        largest = np.where(largest > 0, np.sqrt(largest), np.max(rows, axis=0, initial=0))
+        unit = unit / np.sqrt(np.where(largest > 0, largest, 1))
+    return 2.0 ** np.round(np.log2(unit))
+
+
 def ray(p):
-    """A direction without curvature along which the cost falls for ever, no component above one (HiGHS), or None."""
-    A, low, high = unit_rows(p)
-    H = p.symmetric().astype(float)
+    """A direction without curvature along which the cost falls for ever, no component above one in the variables' own
+    units (HiGHS), or None."""
+    from qp_problem import Problem
+
+    unit = units(p)
+    A, low, high = unit_rows(Problem(p.n, p.m, p.H, p.g, p.A * unit, p.row_lower, p.row_upper, p.lower, p.upper))
+    H = p.symmetric().astype(float) * unit * unit[:, None]
     scale = np.max(np.abs(H), axis=1, initial=0)
-    H = H[scale > 0] / scale[scale > 0][:, None]
-    size = np.max(np.abs(p.g), initial=0)
+    H, g = H[scale > 0] / scale[scale > 0][:, None], p.g * unit
+    size = np.max(np.abs(g), initial=0)
     if size == 0:
         return None
     recession = lambda v, side: np.where(np.isfinite(v), 0.0, side * np.inf)  # noqa: E731
     zero = np.zeros(len(H))
-    found = programme(p.g / size, np.vstack([H, A]), np.concatenate([zero, recession(low, -1)]),
-                    np.concatenate([zero, recession(high, 1)]), np.maximum(-1.0, recession(p.lower, -1)),
-                    np.minimum(1.0, recession(p.upper, 1)))
-    return found[1] if found is not None and found[0] < -1e-7 else None
+    found = programme(g / size, np.vstack([H, A]), np.concatenate([zero, recession(low, -1)]),
+                      np.concatenate([zero, recession(high, 1)]), np.maximum(-1.0, recession(p.lower, -1)),
+                      np.minimum(1.0, recession(p.upper, 1)))
+    return found[1] * unit if found is not None and found[0] < -1e-7 else None
 
 
 def ask(name, problem):

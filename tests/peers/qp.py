@@ -4,6 +4,7 @@
     python3 tests/peers/qp.py --wbqp target/release/wbqp_qp --peer target/peers-qp/qp_peer target/peers-qp/*.ticks
 
 All solvers take the same problems in the same order, in turns of BLOCK of them: what disturbs the machine disturbs all.
+Every problem is read once before its clock starts, as a controller has its problem in the caches.
 Each goes through the file PASSES times; of every problem its least time counts, and of these the median and the 99th
 percentile are printed, and the peer's divided by wbqp's. A ratio below 1 is a problem on which the peer is faster.
 
@@ -22,6 +23,7 @@ import subprocess
 import sys
 import tempfile
 from array import array
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
@@ -104,9 +106,10 @@ class Ticks:
         self.first = np.array([p[0] for p in self.problems])
 
     def shape(self):
-        _, h, _, a, lower, upper, *_ = max(self.problems, key=lambda p: p[1].shape[0] + p[3].shape[0])
-        equal = int(np.sum(lower == upper))
-        return h.shape[0], equal, a.shape[0] - equal
+        """Variables, equalities and inequalities of most of them."""
+        sizes = Counter((len(h), int(np.sum(low == high)), len(a)) for _, h, _, a, low, high, *_ in self.problems)
+        (n, equal, rows), _ = sizes.most_common(1)[0]
+        return n, equal, rows - equal
 
     def judged(self, outcomes, references):
         """(largest violation, largest difference of costs in size, not optimal)."""

@@ -29,6 +29,8 @@ use wbqp_tests::{
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
+type Maker<'a> = &'a dyn Fn() -> Result<Vec<Tick>>;
+
 /// Problems per file.
 const TICKS: usize = 1000;
 /// Active limits, equalities not counted.
@@ -40,7 +42,7 @@ fn main() -> Result<()> {
     let folder = arguments.next().ok_or("qp_ticks FOLDER [NAME…]")?;
     let chosen: Vec<String> = arguments.collect();
     let steady = Demand::Steady;
-    let makers: [(&str, &dyn Fn() -> Result<Vec<Tick>>); 10] = [
+    let makers: [(&str, Maker<'_>); 10] = [
         ("drifting_12", &|| {
             sequence(drifting(2 * TICKS, 12, 0, 10, steady(0.3)), SOME)
         }),

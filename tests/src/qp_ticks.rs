@@ -7,7 +7,7 @@
 
 use std::io::{self, Error, ErrorKind, Read, Write};
 
-use wbqp::qp::{Capacity, Qp, RowId, VarId};
+use wbqp::qp::{Capacity, Qp, QpError, RowId, VarId};
 
 const MAGIC: &[u8; 8] = b"WBQPTK01";
 /// More variables or rows than any problem here has.
@@ -66,7 +66,7 @@ pub fn read(from: &mut impl Read) -> io::Result<Vec<Tick>> {
         vars: parts.iter().map(|p| p.vars.len()).max().unwrap_or(0),
         rows: parts.iter().map(|p| p.rows.len()).max().unwrap_or(0),
     };
-    Ok(parts.into_iter().map(|p| p.into_tick(capacity)).collect())
+    parts.into_iter().map(|p| p.into_tick(capacity)).collect()
 }
 
 /// A problem as the file has it.
@@ -104,25 +104,25 @@ impl Parts {
         })
     }
 
-    fn into_tick(self, capacity: Capacity) -> Tick {
+    fn into_tick(self, capacity: Capacity) -> io::Result<Tick> {
         let mut qp = Qp::new(capacity);
-        qp.reset(self.vars.iter().map(|&id| VarId::new(id)))
-            .expect("as they were written");
+        let vars = self.vars.iter().map(|&id| VarId::new(id));
+        qp.reset(vars).map_err(refused)?;
         qp.h_mut().copy_from_slice(&self.h);
         qp.g_mut().copy_from_slice(&self.g);
         let n = self.vars.len();
         for (i, &id) in self.rows.iter().enumerate() {
             let row = qp.push_row(RowId::new(id), self.row_lower[i], self.row_upper[i]);
-            let row = row.expect("the capacity is that of the largest");
+            let row = row.map_err(refused)?;
             row.copy_from_slice(&self.a[i * n..(i + 1) * n]);
         }
         let (lower, upper) = qp.bounds_mut();
         lower.copy_from_slice(&self.lower);
         upper.copy_from_slice(&self.upper);
-        Tick {
+        Ok(Tick {
             is_first: self.is_first,
             qp,
-        }
+        })
     }
 }
 
@@ -139,6 +139,10 @@ fn numbers(from: &mut impl Read, count: usize) -> io::Result<Vec<f64>> {
         Ok(f64::from_le_bytes(bytes))
     };
     (0..count).map(|_| number()).collect()
+}
+
+fn refused(error: QpError) -> Error {
+    Error::new(ErrorKind::InvalidData, error)
 }
 
 fn invalid(what: &str) -> Error {

@@ -18,11 +18,16 @@
 //! let (h, g) = ([1.0, 0.0, 0.0, 1.0], [0.0, 0.0]);
 //! let solution = solve(&h, &g, &[1.0, 1.0], (&[3.0], &[inf]), (&[-inf, -inf], &[1.0, inf]))?;
 //! assert_eq!(solution.status, Status::Optimal);
-//! assert_eq!(solution.x, [1.0, 2.0]);
+//! assert!((solution.x[0] - 1.0).abs() < 1e-12 && (solution.x[1] - 2.0).abs() < 1e-12);
 //! # Ok::<(), wbqp_qp::QpError>(())
 //! ```
 //! In a loop, make [`Qp`], [`ActiveSet`] and [`Solution`] once for the largest [`Capacity`] and use them again: each solve
 //! begins with the constraints that were active in the one before.
+
+/// The readme's examples.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
 
 mod active_set;
 mod budget;

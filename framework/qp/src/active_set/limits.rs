@@ -15,6 +15,7 @@ pub(super) struct Limits<'a> {
     attempt: u32,
     /// Whether these alone are used up.
     has_attempt_ended: bool,
+    were_used_up: bool,
 }
 
 #[derive(Debug)]
@@ -32,6 +33,7 @@ impl<'a> Limits<'a> {
             clock: None,
             attempt: u32::MAX,
             has_attempt_ended: false,
+            were_used_up: false,
         }
     }
 
@@ -62,7 +64,13 @@ impl<'a> Limits<'a> {
         let are_used_up =
             iterations >= self.max_iterations || self.clock.as_mut().is_some_and(is_late);
         self.has_attempt_ended = !are_used_up && iterations >= self.attempt;
-        are_used_up || self.has_attempt_ended
+        self.were_used_up = are_used_up || self.has_attempt_ended;
+        self.were_used_up
+    }
+
+    /// What the last answer was.
+    pub(super) fn were_used_up(&self) -> bool {
+        self.were_used_up
     }
 
     /// From here on one method may take so many iterations, counted from the first of the solve.

@@ -56,6 +56,7 @@ mod dual;
 mod hessian;
 mod kernels;
 mod limits;
+mod normals;
 mod orthogonal;
 mod point;
 mod proximal;
@@ -77,7 +78,7 @@ use workspace::Workspace;
 )]
 pub struct ActiveSet {
     /// Cap on the number of changes of the active set, of all attempts together; if absent, ten times the number of variables
-    /// and rows of the largest problem, and at least 500.
+    /// and rows of the largest problem, and at least 1000.
     pub max_iterations: Option<u32>,
     /// Violation of a row or bound that is accepted, relative to the numbers it is computed from.
     #[cfg_attr(feature = "serde", schemars(extend("x-unit" = "1")))]
@@ -135,7 +136,7 @@ impl QpSolver for ActiveSet {
         qp.fits(out.capacity())?;
         let Capacity { vars, rows } = workspace.capacity();
         let most = 10 * u32::try_from(vars + rows).unwrap_or(u32::MAX / 10);
-        let most = self.max_iterations.unwrap_or(most.max(500));
+        let most = self.max_iterations.unwrap_or(most.max(1000));
         let limits = match budget {
             Budget::Configured => Limits::new(self.tolerance, most),
             Budget::Iterations(cap) => Limits::new(self.tolerance, most).with_cap(cap),

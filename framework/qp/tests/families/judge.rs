@@ -4,9 +4,9 @@ use wbqp_qp::{Qp, Solution, Status};
 
 use super::families::{Known, Truth, dot};
 
-/// Of a row: its limit and its value's terms. As documented, and for rounding some parts in 1e15 of what was one.
+/// Of a row: its limit and its value's terms. As documented, and for rounding a part of what was one.
 const VIOLATION: f64 = 1e-10;
-const ROUNDING: f64 = 1e-13;
+const ROUNDING: f64 = 1e-12;
 /// Of the cost above the least, and of what multipliers say of it: relative to the cost's terms.
 const COST: f64 = 1e-8;
 /// Of a sum that has to vanish, relative to its terms.
@@ -140,12 +140,13 @@ fn proves_infeasibility(known: &Known, s: &Solution) -> Result<(), String> {
         return Err(format!("limits sum to {sum:e} of {size:e}"));
     }
     // What is left of the combination needs variables of that size.
-    let mut least = f64::INFINITY;
+    let (mut least, mut largest) = (f64::INFINITY, 0.0_f64);
     for j in 0..n {
         let column = || (0..m).map(|i| qp.row(i)[j] * s.y[i]).chain([s.z[j]]);
         let rest = column().sum::<f64>().abs();
         let terms: f64 = column().map(f64::abs).sum();
-        if rest > VANISHES * terms {
+        largest = largest.max(terms * known.variable_units[j]);
+        if rest > VANISHES * terms && rest * known.variable_units[j] > ROUNDING * largest {
             return Err(format!("column {j}: {rest:e} of {terms:e}"));
         }
         least = least.min(-sum / (rest * known.variable_units[j]));

@@ -20,17 +20,6 @@ const REFINEMENTS: u32 = 2;
 /// Sine of the angle to the constraints held below which a constraint depends on them.
 const DEPENDENT: f64 = 1e-9;
 
-/// Where the cost falls.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Slope {
-    /// Towards the minimiser on the face, which is one step away.
-    Step,
-    /// For ever.
-    Ray,
-    /// Nowhere: there is no direction.
-    None,
-}
-
 #[derive(Clone, Debug)]
 pub(super) struct Face {
     n: usize,
@@ -42,6 +31,8 @@ pub(super) struct Face {
     m: Vec<f64>,
     factor: Vec<f64>,
     pivots: Vec<usize>,
+    /// How many of them have curvature, if the factor is that of M.
+    rank: Option<usize>,
     /// `Zᵀ a`, gradients and steps.
     reduced: Vec<f64>,
     work: Vec<f64>,
@@ -60,6 +51,7 @@ impl Face {
             m: vec![0.0; n * n],
             factor: vec![0.0; n * n],
             pivots: vec![0; n],
+            rank: None,
             reduced: vec![0.0; n],
             work: vec![0.0; n],
             direction: vec![0.0; n],
@@ -70,6 +62,7 @@ impl Face {
     /// All of the space.
     pub(super) fn reset(&mut self, n: usize, h: &[f64]) {
         (self.n, self.count) = (n, n);
+        self.rank = None;
         self.z[..n * n].fill(0.0);
         for j in 0..n {
             self.z[j * n + j] = 1.0;
@@ -140,55 +133,72 @@ impl Face {
             self.m.copy_within(from..from + last, i * n);
         }
         self.count = last;
+        self.rank = None;
         true
     }
 
-    /// Where the cost falls, given its gradient; the direction is kept.
-    pub(super) fn slope(&mut self, gradient: &[f64]) -> Slope {
+    /// Whether there is a direction without curvature along which the cost may fall, given its gradient: [`Face::direction`].
+    pub(super) fn ray(&mut self, gradient: &[f64]) -> bool {
         let (n, count) = (self.n, self.count);
-        self.direction[..n].fill(0.0);
-        if count == 0 {
-            return Slope::None;
+        let rank = self.eliminate(gradient);
+        let w = &mut self.work[..count];
+        if w[rank..].iter().all(|w| *w == 0.0) {
+            return false;
         }
-        let r = &mut self.reduced[..count];
-        for (r, z) in r.iter_mut().zip(self.z.chunks_exact(n)) {
-            *r = -dot(z, gradient);
+        // The curved part follows the flat one so that the curvature is zero: L₁₁ p₁ = −L₁₂ p₂.
+        let (head, tail) = w.split_at_mut(rank);
+        for (k, head) in head.iter_mut().enumerate() {
+            *head = -dot(&self.factor[k * n + rank..k * n + count], tail);
         }
-        let rank = self.factorise();
-        let (r, w) = (&mut self.reduced[..count], &mut self.work[..count]);
+        solve_upper(&self.factor, n, rank, w);
+        for _ in 0..REFINEMENTS {
+            self.flatten(rank);
+        }
+        self.combine();
+        true
+    }
+
+    /// Whether there is a step to where the cost is least along all directions with curvature, given its gradient:
+    /// [`Face::direction`].
+    pub(super) fn step(&mut self, gradient: &[f64]) -> bool {
+        let rank = self.eliminate(gradient);
+        let w = &mut self.work[..self.count];
+        w[rank..].fill(0.0);
+        solve_upper(&self.factor, self.n, rank, w);
+        self.combine();
+        rank > 0
+    }
+
+    /// Solves with Lᵀ for the slope along the directions, as far as there is curvature: what is left of it, in `work`, is the
+    /// slope of what is flat. Returns how many have curvature.
+    fn eliminate(&mut self, gradient: &[f64]) -> usize {
+        let (n, count) = (self.n, self.count);
+        let rank = match self.rank {
+            Some(rank) => rank,
+            None => self.factorise(),
+        };
+        self.rank = Some(rank);
+        let z = &self.z;
+        let w = &mut self.work[..count];
         for (w, &p) in w.iter_mut().zip(&self.pivots) {
-            *w = r[p];
+            *w = -dot(&z[p * n..(p + 1) * n], gradient);
         }
-        // Lᵀ forward, as far as there is curvature; the rest of the right-hand side is the slope of what is flat.
         for k in 0..rank {
             let row = &self.factor[k * n..k * n + count];
             w[k] /= row[k];
             let value = w[k];
             axpy(&mut w[k + 1..], -value, &row[k + 1..]);
         }
-        let flat = w[rank..].iter().fold(0.0, |a: f64, w| a.max(w.abs()));
-        let curved = r.iter().fold(0.0, |a: f64, r| a.max(r.abs()));
-        let is_ray = flat > 1e-13 * curved && flat > 0.0;
-        if is_ray {
-            // The curved part follows the flat one so that the curvature is zero: L₁₁ p₁ = −L₁₂ p₂.
-            let (head, tail) = w.split_at_mut(rank);
-            for (k, head) in head.iter_mut().enumerate() {
-                *head = -dot(&self.factor[k * n + rank..k * n + count], tail);
-            }
-        } else {
-            w[rank..].fill(0.0);
-        }
-        solve_upper(&self.factor, n, rank, w);
-        if is_ray {
-            for _ in 0..REFINEMENTS {
-                self.flatten(rank);
-            }
-        }
-        let w = &self.work[..count];
-        for (w, &p) in w.iter().zip(&self.pivots) {
+        rank
+    }
+
+    /// The direction from its components in `work`.
+    fn combine(&mut self) {
+        let n = self.n;
+        self.direction[..n].fill(0.0);
+        for (w, &p) in self.work[..self.count].iter().zip(&self.pivots) {
             axpy(&mut self.direction[..n], *w, &self.z[p * n..(p + 1) * n]);
         }
-        if is_ray { Slope::Ray } else { Slope::Step }
     }
 
     /// Corrects the curved part of the direction in `work` by the curvature that is left along it.

@@ -14,11 +14,11 @@ mod scaling;
 use super::{
     constraint::{self, Active, add_normal, copy_normal, count, limits, value},
     dual::{Dual, clear},
-    kernels::{axpy, dot},
+    kernels::{axpy, dot, largest},
     limits::Limits,
 };
 use crate::{Capacity, Defect, Qp, Solution, Status};
-use face::{Face, Slope};
+use face::Face;
 use scaling::Scaling;
 
 /// Weights of the proximal term beside a curvature of one: the next if rounding leads nowhere with one.
@@ -32,10 +32,51 @@ const STATIONARY: f64 = 1e-11;
 const LEAST: f64 = 1e-15;
 /// Part of a direction's largest component below which the rate at which a constraint's value changes is rounding.
 const RATE: f64 = 1e-10;
+/// A ray is not followed by more than so many times the largest variable, or one, at once.
+const FAR: f64 = 1e6;
 /// Rounds after which it is assumed that they go to and fro.
 const ZIGZAG: u32 = 4;
 /// Part of the sum of the sizes of its terms below which a sum is rounding.
 const ROUNDED: f64 = 1e-12;
+
+/// How a cost falls in a direction.
+#[derive(Clone, Copy, Debug)]
+struct Fall {
+    by: f64,
+    /// The sum of the sizes of its terms.
+    size: f64,
+    /// What of it may be rounding.
+    rounding: f64,
+}
+
+impl Fall {
+    /// From slopes along the variables and the sizes of their terms.
+    fn new(direction: &[f64], slopes: impl Iterator<Item = (f64, f64)>) -> Self {
+        // A direction has rounding of its largest component in all of them.
+        let spread = 1e-3 * largest(direction);
+        let mut fall = Self {
+            by: 0.0,
+            size: 0.0,
+            rounding: 0.0,
+        };
+        for ((slope, size), d) in slopes.zip(direction) {
+            fall.by -= slope * d;
+            fall.size += size * d.abs();
+            fall.rounding += ROUNDED * size * (d.abs() + spread);
+        }
+        fall
+    }
+
+    /// Beyond rounding: a step may be tried.
+    fn is_beyond_rounding(&self) -> bool {
+        self.by > self.rounding
+    }
+
+    /// So far beyond it that a status can be said.
+    fn is_certain(&self) -> bool {
+        self.by > STATIONARY * self.size && self.is_beyond_rounding()
+    }
+}
 
 /// Storage of the method, made once.
 #[derive(Clone, Debug)]
@@ -53,6 +94,8 @@ pub(super) struct Proximal {
     gradient: Vec<f64>,
     /// Sums of the sizes of the gradient's terms.
     sizes: Vec<f64>,
+    /// The sizes of g, `H x` and the multipliers' terms.
+    terms: Vec<f64>,
     normal: Vec<f64>,
     /// What the face is made of, and constraints that depend on it.
     on_face: Vec<bool>,
@@ -72,6 +115,7 @@ impl Proximal {
             x: vec![0.0; n],
             gradient: vec![0.0; n],
             sizes: vec![0.0; n],
+            terms: vec![0.0; n],
             normal: vec![0.0; n],
             on_face: vec![false; n + m],
             face: Face::new(n),
@@ -110,8 +154,8 @@ impl Proximal {
         }
         self.scaling.undo(n, qp.m(), out);
         if status == Status::Unbounded {
-            let largest = super::kernels::largest(&out.x[..n]);
-            out.x[..n].iter_mut().for_each(|x| *x /= largest);
+            let longest = largest(&out.x[..n]);
+            out.x[..n].iter_mut().for_each(|x| *x /= longest);
         }
         let finite = |a: &[f64]| a.iter().all(|x| x.is_finite());
         if !(finite(&out.x[..n]) && finite(&out.y[..qp.m()]) && finite(&out.z[..n])) {
@@ -162,7 +206,7 @@ impl Proximal {
             if self.descend(dual, limits, out) {
                 return Status::Unbounded;
             }
-            if limits.are_used_up(out.iterations) {
+            if limits.were_used_up() {
                 return limits.status(out.iterations);
             }
             if moved == 0.0 && self.x[..n] == self.centre[..n] {
@@ -194,12 +238,17 @@ impl Proximal {
         self.differentiate();
         let (n, m) = (self.scaled.n(), self.scaled.m());
         let curvature = self.face.curvature() + weight;
-        let contribution = super::kernels::largest(&self.x[..n]) * curvature;
-        if super::kernels::largest(&self.gradient[..n]) <= LEAST * contribution {
+        let contribution = largest(&self.x[..n]) * curvature;
+        if largest(&self.gradient[..n]) <= LEAST * contribution {
             // No cost: what the multipliers are is rounding.
             out.y[..m].fill(0.0);
             out.z[..n].fill(0.0);
             return true;
+        }
+        // Of `H x` only what it comes to counts: where the cost is flat its terms grow with x.
+        let sums = self.gradient[..n].iter().zip(&self.g);
+        for (term, (gradient, g)) in self.terms.iter_mut().zip(sums) {
+            *term = g.abs() + (gradient - g).abs();
         }
         for (index, y) in out.y[..m].iter().chain(&out.z[..n]).enumerate() {
             if *y == 0.0 {
@@ -208,18 +257,17 @@ impl Proximal {
             add_normal(&self.scaled, index, *y, &mut self.gradient[..n]);
             match index.checked_sub(m) {
                 None => {
-                    for (size, a) in self.sizes.iter_mut().zip(self.scaled.row(index)) {
-                        *size += (a * y).abs();
+                    for (term, a) in self.terms.iter_mut().zip(self.scaled.row(index)) {
+                        *term += (a * y).abs();
                     }
                 }
-                Some(j) => self.sizes[j] += y.abs(),
+                Some(j) => self.terms[j] += y.abs(),
             }
         }
-        let largest = super::kernels::largest(&self.sizes[..n]);
-        let largest = largest.max(contribution);
-        let mut pairs = self.gradient[..n].iter().zip(&self.sizes);
+        let most = largest(&self.sizes[..n]).max(contribution);
+        let mut pairs = self.gradient[..n].iter().zip(&self.terms);
         // `!(… > …)` would let a NaN through.
-        pairs.all(|(r, size)| r.abs() <= STATIONARY * size || r.abs() <= LEAST * largest)
+        pairs.all(|(r, term)| r.abs() <= STATIONARY * term || r.abs() <= LEAST * most)
     }
 
     /// Follows the cost from `x` down the face of the constraints held, and narrower ones; whether it falls for ever, along the
@@ -234,33 +282,20 @@ impl Proximal {
             self.on_face[held.index] = true;
         }
         let mut has_ray = false;
-        loop {
+        // The count that the limits see grows from look to look.
+        while !limits.are_used_up(out.iterations) {
+            out.iterations += 1;
             self.differentiate();
-            let slope = self.face.slope(&self.gradient[..n]);
-            let d = self.face.direction();
-            let mut falls = -dot(&self.gradient[..n], d);
-            // A direction has rounding of its largest component in all of them.
-            let (slack, mut size) = (super::kernels::largest(d), 0.0);
-            let mut rounding = 0.0;
-            for (terms, d) in self.sizes[..n].iter().zip(d) {
-                size += terms * d.abs();
-                rounding += ROUNDED * terms * (d.abs() + 1e-3 * slack);
-            }
-            if slope == Slope::Ray {
-                // Without curvature its slope does not depend on x, however large that has become.
-                (falls, size, rounding) = self.slope_of_linear_term();
-            }
-            if slope == Slope::None || !(falls > rounding) {
+            let is_ray = self.face.ray(&self.gradient[..n])
+                && self.fall_of_linear_term().is_beyond_rounding();
+            if !is_ray && !(self.face.step(&self.gradient[..n]) && self.fall().is_beyond_rounding())
+            {
                 return has_ray;
             }
-            let full = if slope == Slope::Ray {
-                f64::INFINITY
-            } else {
-                1.0
-            };
+            let full = if is_ray { f64::INFINITY } else { 1.0 };
             let (length, blocking) = self.first_in_the_way(full);
             if length.is_infinite() {
-                if falls <= STATIONARY * size {
+                if !self.fall_of_linear_term().is_certain() {
                     return has_ray;
                 }
                 self.write_ray(out);
@@ -274,33 +309,36 @@ impl Proximal {
             if has_ray {
                 return true;
             }
-            axpy(&mut self.x[..n], length, self.face.direction());
+            let reach = FAR * largest(&self.x[..n]).max(1.0);
+            let longest = largest(self.face.direction());
+            let is_far = is_ray && length * longest > reach;
+            if !is_far {
+                axpy(&mut self.x[..n], length, self.face.direction());
+            }
             let Some(blocking) = blocking else {
                 return false;
             };
             self.on_face[blocking.index] = true;
             copy_normal(&self.scaled, blocking.index, &mut self.normal[..n]);
-            if self.face.confine(&self.normal[..n]) {
+            // What is so far in the way may be so by rounding: the ray may go past it.
+            if self.face.confine(&self.normal[..n]) && !is_far {
                 dual.begin_with(&self.scaled, blocking);
             }
-            out.iterations += 1;
-            if limits.are_used_up(out.iterations) {
-                return false;
-            }
         }
+        has_ray
     }
 
-    /// How steeply `gᵀ x` falls in the direction, the sum of the terms' sizes, and what may be rounding of it.
-    fn slope_of_linear_term(&self) -> (f64, f64, f64) {
-        let d = self.face.direction();
-        let largest = super::kernels::largest(d);
-        let (mut falls, mut size, mut rounding) = (0.0, 0.0, 0.0);
-        for (g, d) in self.g.iter().zip(d) {
-            falls -= g * d;
-            size += (g * d).abs();
-            rounding += ROUNDED * g.abs() * (d.abs() + 1e-3 * largest);
-        }
-        (falls, size, rounding)
+    /// How the cost falls in the direction from `x`.
+    fn fall(&self) -> Fall {
+        let n = self.scaled.n();
+        let pairs = self.gradient[..n].iter().zip(&self.sizes);
+        Fall::new(self.face.direction(), pairs.map(|(g, size)| (*g, *size)))
+    }
+
+    /// How `gᵀ x` falls in the direction: without curvature that does not depend on x, however large x has become.
+    fn fall_of_linear_term(&self) -> Fall {
+        let pairs = self.g.iter().map(|g| (*g, g.abs()));
+        Fall::new(self.face.direction(), pairs)
     }
 
     /// Goes on in the direction in which the last rounds' ends moved, as far as the cost falls and nothing is in the way; whether
@@ -312,25 +350,22 @@ impl Proximal {
         for (d, (x, last)) in d.iter_mut().zip(self.x.iter().zip(&self.last)) {
             *d = x - last;
         }
-        let largest = super::kernels::largest(d);
-        if largest == 0.0 {
+        let longest = largest(d);
+        if longest == 0.0 {
             return false;
         }
-        d.iter_mut().for_each(|d| *d /= largest);
+        d.iter_mut().for_each(|d| *d /= longest);
+        let fall = self.fall();
+        if !fall.is_certain() {
+            return false;
+        }
         let d = self.face.direction();
-        let falls = -dot(&self.gradient[..n], d);
-        let size: f64 = (self.sizes[..n].iter().zip(d))
-            .map(|(size, d)| size * d.abs())
-            .sum();
-        if falls <= STATIONARY * size {
-            return false;
-        }
         let products = self.h[..n * n].chunks_exact(n).zip(d);
         let curvature: f64 = products.map(|(h, d_i)| d_i * dot(h, d)).sum();
         let full = if curvature <= ROUNDED * self.face.curvature() {
             f64::INFINITY
         } else {
-            falls / curvature
+            fall.by / curvature
         };
         self.on_face[..count(&self.scaled)].fill(false);
         let (length, _) = self.first_in_the_way(full);
@@ -364,7 +399,7 @@ impl Proximal {
     fn write_ray(&self, out: &mut Solution) {
         let (n, m) = (self.scaled.n(), self.scaled.m());
         out.x[..n].copy_from_slice(self.face.direction());
-        let rounding = RATE * super::kernels::largest(&out.x[..n]);
+        let rounding = RATE * largest(&out.x[..n]);
         let bounds = self.scaled.lower().iter().zip(self.scaled.upper());
         for (x, (lower, upper)) in out.x[..n].iter_mut().zip(bounds) {
             let limit = if *x > 0.0 { upper } else { lower };
@@ -380,7 +415,7 @@ impl Proximal {
     fn first_in_the_way(&self, full: f64) -> (f64, Option<Active>) {
         let n = self.scaled.n();
         let (x, d) = (&self.x[..n], self.face.direction());
-        let rounding = RATE * super::kernels::largest(d);
+        let rounding = RATE * largest(d);
         let mut first = (full, None);
         for index in (0..count(&self.scaled)).filter(|&index| !self.on_face[index]) {
             let rate = value(&self.scaled, index, d);
