@@ -220,7 +220,7 @@ impl Dual {
             if self.is_settled(qp, limits.tolerance, forgiven) {
                 self.remember(qp);
                 self.write(qp, out);
-                return if self.residual < CONVERGED && self.primal.max(missed) <= allowed {
+                return if self.has_converged(qp) && self.primal.max(missed) <= allowed {
                     Status::Optimal
                 } else {
                     Status::Stalled

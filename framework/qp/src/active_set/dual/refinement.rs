@@ -5,7 +5,7 @@ use super::{
         constraint::{add_normal, largest_normal},
         kernels::{axpy, largest_product},
     },
-    Dual, EXACT,
+    CONVERGED, Dual, EXACT,
 };
 use crate::Qp;
 
@@ -84,6 +84,19 @@ impl Dual {
         }
         self.primal = primal;
         primal
+    }
+
+    /// Whether the gradient vanishes beside its terms. Those of the multipliers, which may be large and cancel one another, are
+    /// looked at only if it matters.
+    pub(super) fn has_converged(&self, qp: &Qp) -> bool {
+        if self.residual < CONVERGED {
+            return true;
+        }
+        let unit = self.point.unit();
+        let held = self.set.active().iter().zip(&self.set.multipliers);
+        let terms = held.map(|(held, m)| m.abs() * largest_normal(qp, held.index, unit));
+        let largest = terms.fold(self.size, f64::max);
+        self.primal < CONVERGED && self.residual * self.size < CONVERGED * largest
     }
 
     /// Whether the variables are so large beside `H x` and g that what is left of the terms may be rounding: then x is g

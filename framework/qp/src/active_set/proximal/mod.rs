@@ -29,7 +29,10 @@ const ROUNDS: u32 = 200;
 const STATIONARY: f64 = 1e-11;
 /// A residual below this part of the largest term of all variables, and of what the largest variable could contribute, is
 /// rounding.
-const LEAST: f64 = 1e-15;
+const LEAST: f64 = 1e-14;
+/// Rounds after which what is left of the gradient at [`STATIONARY`] beside its largest term is taken for rounding: rays and
+/// steps would have been found.
+const LATE: u32 = 12;
 /// Part of a direction's largest component below which the rate at which a constraint's value changes is rounding.
 const RATE: f64 = 1e-10;
 /// A ray is not followed by more than so many times the largest variable, or one, at once.
@@ -192,7 +195,8 @@ impl Proximal {
             self.x[..n].copy_from_slice(&out.x[..n]);
             let moved = self.x[..n].iter().zip(&self.centre);
             let moved = moved.fold(0.0, |a: f64, (x, c)| a.max((x - c).abs()));
-            if self.is_stationary(weight, out) {
+            let rounding = if round < LATE { LEAST } else { STATIONARY };
+            if self.is_stationary(weight, rounding, out) {
                 return if constraint::all_hold(&self.scaled, &out.x[..n]) {
                     Status::Optimal
                 } else {
@@ -233,8 +237,8 @@ impl Proximal {
         }
     }
 
-    /// Whether the multipliers balance the gradient.
-    fn is_stationary(&mut self, weight: f64, out: &mut Solution) -> bool {
+    /// Whether the multipliers balance the gradient, up to its terms' accepted part or to rounding of the largest term.
+    fn is_stationary(&mut self, weight: f64, rounding: f64, out: &mut Solution) -> bool {
         self.differentiate();
         let (n, m) = (self.scaled.n(), self.scaled.m());
         let curvature = self.face.curvature() + weight;
@@ -267,7 +271,7 @@ impl Proximal {
         let most = largest(&self.sizes[..n]).max(contribution);
         let mut pairs = self.gradient[..n].iter().zip(&self.terms);
         // `!(… > …)` would let a NaN through.
-        pairs.all(|(r, term)| r.abs() <= STATIONARY * term || r.abs() <= LEAST * most)
+        pairs.all(|(r, term)| r.abs() <= STATIONARY * term || r.abs() <= rounding * most)
     }
 
     /// Follows the cost from `x` down the face of the constraints held, and narrower ones; whether it falls for ever, along the
