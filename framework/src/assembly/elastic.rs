@@ -12,8 +12,8 @@
 //! by a small share of what they ask for. Variables with no cost of their own, or next to none (accelerations, where a
 //! formulation keeps them), have no such bound; there the largest weight that is on takes its place if it is larger.
 //!
-//! What is never given up are the limits of the world: the dynamics; each actuator's own limits; a normal force that does
-//! not pull; and the rows of constraints that say so
+//! What is never given up are the limits of the world: the dynamics; each actuator's own limits and slew; a normal force that
+//! does not pull; and the rows of constraints that say so
 //! ([`Layout::of_the_world`](crate::layout::Layout::of_the_world)), such as friction. No effort beyond what is needed to
 //! stay within the actuators' limits, and no contact force at all, satisfies them: with everything else given up
 //! the problem is feasible unless a plug-in contradicts that.
@@ -73,7 +73,7 @@ pub(crate) struct Elastic {
     level_of: Vec<Option<usize>>,
     first_slack: u32,
     first_row: u32,
-    /// Own limits of the actuators.
+    /// Own limits of the actuators in this tick: what they can bear, and how fast they can go there.
     efforts: Vec<[f64; 2]>,
     given: Vec<Given>,
     /// Who set the lower and the upper bound of each variable.
@@ -135,9 +135,10 @@ impl Elastic {
         }
     }
 
-    /// Nothing is given up.
-    pub(crate) fn restore(&mut self) {
+    /// Nothing is given up; each actuator may go where its own limits and its slew allow.
+    pub(crate) fn restore(&mut self, efforts: &[[f64; 2]]) {
         self.given_up.fill(false);
+        self.efforts.copy_from_slice(efforts);
     }
 
     /// Everything that can be given up is.

@@ -9,6 +9,7 @@ use super::{
     explanation::owners,
     faults::Faults,
     first::FirstTick,
+    gate::Gate,
     handle::Stamp,
     home,
     ladder::{Age, Clock, Ladder},
@@ -216,6 +217,8 @@ impl Controller {
             .collect();
         let world = World {
             period,
+            elapsed: period,
+            slew_time: period,
             time: 0.0,
             origin: None,
             state: robot.home.clone(),
@@ -268,6 +271,7 @@ impl Controller {
             tasks: tasks.into_iter().map(|e| e.plugin).collect(),
             constraints: constraints.into_iter().map(|e| e.plugin).collect(),
             command: Command::new(&robot),
+            gate: Gate::new(&robot),
             groups,
             table,
             assembly,
@@ -543,6 +547,7 @@ fn empty_report(tasks: &[Group], world: &World, capacity: Capacity, limits: usiz
         fault: None,
         conflict: Vec::with_capacity(capacity.vars + capacity.rows + 1),
         relaxed: Vec::with_capacity(limits),
+        cut: None,
         resolves: 0,
         status: crate::qp::Status::Failed,
         iterations: 0,

@@ -123,14 +123,15 @@ impl Age {
 }
 
 impl Ladder {
-    /// Looks for the optimum with limits given up. On success the solution's first variables are the tick's; the error
-    /// says why there is none.
+    /// Looks for the optimum with limits given up. `efforts` is where each actuator may go, which is not given up. On success
+    /// the solution's first variables are the tick's; the error says why there is none.
     pub(super) fn relax(
         &mut self,
         assembly: &Assembly,
         terms: &DynamicsTerms<'_>,
         groups: &[Group],
         qp: &Qp,
+        efforts: &[[f64; 2]],
         solution: &mut Solution,
         report: &mut Report,
     ) -> Result<Fault, Fault> {
@@ -152,7 +153,7 @@ impl Ladder {
             self.hand_over(n, m, solution);
         }
         write_conflict(assembly, qp, solution, &mut report.conflict);
-        self.elastic.restore();
+        self.elastic.restore(efforts);
         if !self
             .elastic
             .give_up_in(assembly, terms.contacts, qp, solution)

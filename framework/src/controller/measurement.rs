@@ -2,7 +2,9 @@
 
 use nalgebra::Vector6;
 
-use crate::{contact::ContactId, robot::RobotModel, state::State};
+use crate::{
+    actuator::ActuatorId, contact::ContactId, model::JointId, robot::RobotModel, state::State,
+};
 
 /// The inputs of a tick.
 #[derive(Clone, Debug)]
@@ -125,6 +127,11 @@ pub enum Fault {
     Infeasible,
     /// The solver gave no usable solution; its status is in the report.
     Solver,
+    /// The solution's effort of this actuator is not what was sent: beyond its limits, or further from the last one than its
+    /// `slew` allows. By how much is in the report ([`Report::cut`](super::Report::cut)).
+    CutEffort(ActuatorId),
+    /// The velocity reference of this joint was not a number, and stays what it was.
+    CutVelocity(JointId),
 }
 
 impl std::fmt::Display for Fault {
@@ -145,6 +152,16 @@ impl std::fmt::Display for Fault {
             Self::Dynamics => f.write_str("the equations of motion are not finite at this state"),
             Self::Infeasible => f.write_str("limits contradict one another"),
             Self::Solver => f.write_str("the solver gave no usable solution"),
+            Self::CutEffort(actuator) => write!(
+                f,
+                "the effort of actuator {} had to be cut to its limits",
+                actuator.index()
+            ),
+            Self::CutVelocity(joint) => write!(
+                f,
+                "the velocity reference of joint {} is not finite",
+                joint.index()
+            ),
         }
     }
 }

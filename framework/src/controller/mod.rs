@@ -6,10 +6,12 @@
 
 pub(crate) mod bind;
 mod command;
+mod elapsed;
 mod error;
 mod explanation;
 mod faults;
 mod first;
+mod gate;
 mod handle;
 mod home;
 mod hover;
@@ -27,6 +29,7 @@ pub(crate) mod world;
 pub use command::Command;
 pub use error::{ControllerError, RequestError};
 pub use explanation::{Explanation, Limit};
+pub use gate::CutEffort;
 pub use handle::{EntryId, EntryKey, EntryMut};
 pub use measurement::{Fault, Measurement, Quantity};
 pub use rehearsal::PlannedForce;
@@ -48,7 +51,9 @@ use crate::{
     task::Task,
     tick::EntryState,
 };
+use elapsed::elapsed;
 use first::FirstTick;
+use gate::Gate;
 use handle::Stamp;
 use ladder::Ladder;
 use recording::MadeFrom;
@@ -74,6 +79,7 @@ pub struct Controller {
     solver: Box<dyn QpSolver>,
     world: World,
     command: Command,
+    gate: Gate,
     report: Report,
     ladder: Ladder,
     /// Where dumps find what the controller was made from.
@@ -89,8 +95,8 @@ pub struct Controller {
 impl Controller {
     /// One control period: from a measurement to a command.
     ///
-    /// Always returns a finite command within the actuators' limits: the optimum, or what the [`Rung`] of the report says, with
-    /// the reason beside it. Does not allocate (unless the solver does), lock, block or read a clock.
+    /// Always returns a finite command within the actuators' limits, and within their `slew` of the last one: the optimum, or
+    /// what the [`Rung`] of the report says, with the reason beside it. Does not allocate (unless the solver does), lock, block or read a clock.
     pub fn tick(&mut self, measurement: &Measurement) -> (&Command, &Report) {
         self.run(measurement, None);
         (&self.command, &self.report)
@@ -112,24 +118,35 @@ impl Controller {
         self.ladder.without_state.pass();
         let mut last = self.ladder.without_state.time();
         let period = self.world.period;
+        let since_last_tick = elapsed(measurement.time, self.ladder.clock.previous, period);
         if self.ladder.clock.was_set(measurement.time, last, period) {
             self.world.rebase(measurement.time);
             last = None;
         }
+        self.world.elapsed = elapsed(measurement.time, last, period);
+        self.world.slew_time = since_last_tick.min(period);
+        self.gate
+            .open(&self.robot, &self.command, self.world.slew_time);
         let fault = measurement.fault(&self.robot, self.world.contacts.len(), last);
         let outcome = match fault {
             Some(fault) => Err(fault),
             None => self.solve(measurement, recorded),
         };
-        self.report.fault = match outcome {
-            Ok(None) => None,
-            Ok(Some(fault)) | Err(fault) => Some(fault),
-        };
-        let rung = match outcome {
+        let mut rung = match outcome {
             Ok(None) => Rung::Optimal,
             Ok(Some(_)) => Rung::Relaxed,
-            Err(_) => self.fall_back(measurement.time),
+            Err(_) => self.fall_back(measurement.time, since_last_tick),
         };
+        let cut = self.gate.pass(&self.robot, &mut self.command);
+        self.world.last.effort.copy_from_slice(&self.command.effort);
+        self.report.cut = cut.effort;
+        self.report.fault = match outcome {
+            Ok(None) => cut.fault(),
+            Ok(Some(fault)) | Err(fault) => Some(fault),
+        };
+        if rung == Rung::Optimal && self.report.fault.is_some() {
+            rung = Rung::Relaxed;
+        }
         let changed = rung != self.report.rung;
         let is_first = self.report.on_rung.ticks == 0;
         self.report.on_rung.step(changed, measurement, last);
@@ -201,6 +218,7 @@ impl Controller {
                 &terms,
                 &self.groups,
                 &self.qp,
+                self.gate.window(),
                 &mut self.solution,
                 &mut self.report,
             )?)
@@ -214,6 +232,8 @@ impl Controller {
             return Err(Fault::Dynamics);
         }
         self.report.vdot.copy_from_slice(vdot);
+        let cut = self.gate.first_cut(&self.robot, effort);
+        let fault = fault.or(cut.map(|cut| Fault::CutEffort(cut.actuator)));
         let rung = match fault {
             None => Rung::Optimal,
             Some(_) => Rung::Relaxed,
@@ -232,7 +252,7 @@ impl Controller {
     }
 
     /// A command without a solution.
-    fn fall_back(&mut self, time: f64) -> Rung {
+    fn fall_back(&mut self, time: f64, since_last_tick: f64) -> Rung {
         let period = self.world.period;
         let age = self.ladder.without_solution.seconds(time, period);
         // Periods do not add up exactly.
@@ -250,7 +270,7 @@ impl Controller {
             self.command.coast(
                 model,
                 &self.world.state,
-                period,
+                since_last_tick,
                 self.settings.velocity_leak,
             );
             return rung;
@@ -261,9 +281,8 @@ impl Controller {
         }
         let age = self.ladder.without_state.seconds(time, period);
         safe.update(&self.robot, &self.world, &self.actuation, age);
-        self.command.take_efforts(&self.robot, &safe.effort);
+        self.command.effort.copy_from_slice(&safe.effort);
         self.command.stop_joints();
-        self.world.last.effort.copy_from_slice(&self.command.effort);
         rung
     }
 
@@ -314,9 +333,7 @@ impl Controller {
         let tasks = &self.groups[..self.tasks.len()];
         let asked = self.world.last.virtual_input.as_mut_slice();
         self.assembly.collect_asked(tasks, asked);
-        self.command
-            .take_efforts(&self.robot, self.assembly.effort());
-        self.world.last.effort.copy_from_slice(&self.command.effort);
+        self.command.effort.copy_from_slice(self.assembly.effort());
         if self.report.rung != rung || self.report.on_rung.ticks == 0 {
             // Velocity references start anew from the measured velocities.
             self.command.engage(&self.robot.model, &self.world.state);
@@ -325,7 +342,7 @@ impl Controller {
             &self.robot.model,
             &self.world.state,
             self.world.last.vdot.as_slice(),
-            self.world.period,
+            self.world.elapsed,
             self.settings.velocity_leak,
         );
         for (i, contact) in self.world.contacts.iter_mut().enumerate() {

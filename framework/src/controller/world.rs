@@ -26,6 +26,10 @@ use crate::{
 pub(crate) struct World {
     pub(crate) model: Arc<Model>,
     pub(crate) period: f64,
+    /// Time that this tick stands for, s, see [`elapsed`](super::elapsed).
+    pub(crate) elapsed: f64,
+    /// Time for which `slew` counts in this tick, s.
+    pub(crate) slew_time: f64,
     /// Time since the first tick, s.
     pub(crate) time: f64,
     /// The measurement's time at the first tick.
@@ -56,8 +60,9 @@ pub(crate) struct ContactBinding {
     /// Low-passed force in the free directions, C axes, N.
     filtered: Vector3<f64>,
     motion: SurfaceMotion,
-    /// Share of a new sample in the low-pass.
+    /// Share of a new sample in the low-pass, one period after the one before.
     gain: f64,
+    period: f64,
 }
 
 impl ContactBinding {
@@ -82,7 +87,8 @@ impl ContactBinding {
                 spec.surface.rotation()?,
                 Vector3::from(spec.surface.origin),
             ),
-            gain: 1.0 - (-std::f64::consts::TAU * spec.free_force_cutoff * period).exp(),
+            gain: low_pass(spec.free_force_cutoff, period),
+            period,
             spec: spec.clone(),
         })
     }
@@ -139,6 +145,7 @@ impl ContactBinding {
     fn update(
         &mut self,
         time: f64,
+        elapsed: f64,
         model: &Model,
         data: &Data,
         wrench: &Vector6<f64>,
@@ -178,7 +185,12 @@ impl ContactBinding {
             - Vector3::from(self.spec.offset).cross(&force);
         let (force, moment) = (c.R_CE * force, c.R_CE * moment);
         c.measured = Vector6::new(force.x, force.y, force.z, moment.x, moment.y, moment.z);
-        self.filtered += (force - self.filtered) * self.gain;
+        let gain = if elapsed == self.period {
+            self.gain
+        } else {
+            low_pass(self.spec.free_force_cutoff, elapsed)
+        };
+        self.filtered += (force - self.filtered) * gain;
         self.settle(time, c);
         c.alpha = self.switch.alpha(time);
         c.live = self.switch.is_live(time);
@@ -203,6 +215,11 @@ impl ContactBinding {
             c.set_point = Vector3::zeros();
         }
     }
+}
+
+/// Share of a new sample in a low-pass with this cutoff, Hz, so many seconds after the one before.
+fn low_pass(cutoff: f64, seconds: f64) -> f64 {
+    1.0 - (-std::f64::consts::TAU * cutoff * seconds).exp()
 }
 
 /// For records of ticks.
@@ -248,6 +265,7 @@ impl World {
         for (contact, binding) in contacts {
             binding.update(
                 self.time,
+                self.period,
                 &self.model,
                 &self.data,
                 &Vector6::zeros(),
@@ -276,7 +294,14 @@ impl World {
             .zip(&mut self.contacts)
             .zip(&m.wrenches)
         {
-            binding.update(self.time, &self.model, &self.data, wrench, contact);
+            binding.update(
+                self.time,
+                self.elapsed,
+                &self.model,
+                &self.data,
+                wrench,
+                contact,
+            );
         }
     }
 
@@ -298,6 +323,8 @@ impl World {
         Tick {
             time: self.time,
             period: self.period,
+            elapsed: self.elapsed,
+            slew_time: self.slew_time,
             model: &self.model,
             state: &self.state,
             dynamics: &self.data,

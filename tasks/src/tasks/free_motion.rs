@@ -301,7 +301,7 @@ impl Task for FreeMotion {
             let given = row.iter().zip(&tick.last.vdot).map(|(j, a)| j * a).sum();
             let integral = self
                 .integral
-                .step(k, settings.law(k), error, given, tick.period);
+                .step(k, settings.law(k), error, given, tick.elapsed);
             let asked = component(&self.sample.acceleration, k)
                 - self.kd.axis(k) * rate
                 - self.kp.axis(k) * error
