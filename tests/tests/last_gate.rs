@@ -6,7 +6,7 @@
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use wbqp::{
-    config::Formulation,
+    config::{Formulation, MeasurementLimits},
     constraint::Constraint,
     controller::{Command, Controller, Fault, Measurement, Rung},
     entry::{Entry, Hardness, Weight},
@@ -183,6 +183,10 @@ fn live(scene: &Scene, rng: &mut ChaCha8Rng, changes: &[Change], from: usize) ->
         let is_other = |entry: &Entry<dyn Constraint>| entry.name != "limits";
         config.constraints.retain(is_other);
     }
+    if rng.random() {
+        // Everything goes on into the problem.
+        config.measurement = MeasurementLimits::ANY;
+    }
     let robot = with_slew(scene, rng);
     let mut controller = Controller::with_robot(config, robot).expect("the scene is valid");
     let start = scene.measurement();
@@ -257,6 +261,7 @@ fn sizes_at_which_solutions_stop_being_right() {
                 let mut rng = ChaCha8Rng::seed_from_u64(seed);
                 let mut scene = Scene::new(kind, seed, u32::MAX, u32::MAX);
                 scene.formulation = Formulation::Auto;
+                // Another half of the seeds takes anything that is measured.
                 live(&scene, &mut rng, &[(what, power)], 3);
             }
         }

@@ -13,6 +13,7 @@ use super::{
     handle::Stamp,
     home,
     ladder::{Age, Clock, Ladder},
+    plausible::Plausible,
     recording::MadeFrom,
     report::{ContactReport, OnRung, Report, Rung, TaskReport},
     safe::SafeLaw,
@@ -97,6 +98,7 @@ impl Controller {
             settings,
             robot: robot_plugin,
             mut solver,
+            measurement,
             contacts,
             mut tasks,
             mut constraints,
@@ -106,6 +108,7 @@ impl Controller {
         } = config;
         let mut faults = Faults::new(Origin::new(source, overrides));
         faults.settings(&settings);
+        faults.measurement(&measurement);
         faults.robot(robot_plugin.typetag_name(), robot.problems());
         // Plug-ins rely on a sound robot and a sound rate.
         faults.stop_if_any()?;
@@ -272,6 +275,7 @@ impl Controller {
             constraints: constraints.into_iter().map(|e| e.plugin).collect(),
             command: Command::new(&robot),
             gate: Gate::new(&robot),
+            plausible: Plausible::new(&measurement, &robot, &contacts, period),
             groups,
             table,
             assembly,

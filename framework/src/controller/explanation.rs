@@ -290,6 +290,10 @@ impl Controller {
                     None => fault.to_string(),
                 }
             }
+            Fault::Implausible(implausible) => implausible.text(&self.robot.model, |contact| {
+                let binding = self.world.bindings.get(contact.index());
+                binding.map(|binding| binding.spec.name.as_str())
+            }),
             Fault::CutEffort(actuator) => match self.robot.actuators.get(actuator.index()) {
                 Some(actuator) => {
                     let name = &actuator.name;

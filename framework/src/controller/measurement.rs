@@ -2,6 +2,7 @@
 
 use nalgebra::Vector6;
 
+use super::plausible::Implausible;
 use crate::{
     actuator::ActuatorId, contact::ContactId, model::JointId, robot::RobotModel, state::State,
 };
@@ -103,7 +104,7 @@ pub enum Quantity {
 }
 
 /// Why a tick's command is not the optimum of its problem.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Fault {
     /// A measured number is NaN or infinite.
@@ -114,6 +115,8 @@ pub enum Fault {
     NotLater,
     /// The base's quaternion is not of unit length, nor near it.
     NotARotation,
+    /// A measured number, or its change since the last usable measurement, is beyond what the table `[measurement]` allows.
+    Implausible(Implausible),
     /// In the first tick the error of this task (its position among the tasks) is larger than `max_first_error` of the settings
     /// allows: nothing moves, and the next tick counts as the first.
     FirstError(usize),
@@ -143,6 +146,7 @@ impl std::fmt::Display for Fault {
             Self::NotARotation => {
                 f.write_str("measurement: the base orientation is not a unit quaternion")
             }
+            Self::Implausible(implausible) => implausible.fmt(f),
             Self::FirstError(task) => write!(
                 f,
                 "the error of task {task} in the first tick is larger than `max_first_error` allows"

@@ -17,10 +17,12 @@ mod home;
 mod hover;
 mod ladder;
 mod measurement;
+mod plausible;
 mod recording;
 mod rehearsal;
 mod report;
 mod requests;
+mod restart;
 mod safe;
 mod stopwatch;
 pub(crate) mod switch;
@@ -32,6 +34,7 @@ pub use explanation::{Explanation, Limit};
 pub use gate::CutEffort;
 pub use handle::{EntryId, EntryKey, EntryMut};
 pub use measurement::{Fault, Measurement, Quantity};
+pub use plausible::{Implausible, Measured};
 pub use rehearsal::PlannedForce;
 pub use report::{
     ActiveRow, ConflictRow, ContactReport, OnRung, RelaxedRow, Report, Rung, Side, TaskReport,
@@ -42,7 +45,7 @@ use nalgebra::DVector;
 
 use crate::{
     assembly::{Actuation, Assembly, Group, RowInfo, Table, VarInfo},
-    config::Settings,
+    config::{MeasurementLimits, Settings},
     constraint::Constraint,
     qp::{Budget, Qp, QpSolver, RowId, Solution, Status, VarId},
     replay::{Record, Recorder},
@@ -56,8 +59,12 @@ use first::FirstTick;
 use gate::Gate;
 use handle::Stamp;
 use ladder::Ladder;
+use plausible::Plausible;
 use recording::MadeFrom;
 use world::World;
+
+/// How near a limit a value is at it, in the unit of the limit, and as a share of the limit where that is larger than one.
+const AT_LIMIT: f64 = 1e-9;
 
 /// A whole-body controller bound to a robot.
 ///
@@ -80,6 +87,7 @@ pub struct Controller {
     world: World,
     command: Command,
     gate: Gate,
+    plausible: Plausible,
     report: Report,
     ladder: Ladder,
     /// Where dumps find what the controller was made from.
@@ -121,6 +129,8 @@ impl Controller {
         let since_last_tick = elapsed(measurement.time, self.ladder.clock.previous, period);
         if self.ladder.clock.was_set(measurement.time, last, period) {
             self.world.rebase(measurement.time);
+            let unseen = self.ladder.without_state.seconds(f64::NAN, period);
+            self.plausible.restart(measurement.time - unseen);
             last = None;
         }
         self.world.elapsed = elapsed(measurement.time, last, period);
@@ -128,6 +138,7 @@ impl Controller {
         self.gate
             .open(&self.robot, &self.command, self.world.slew_time);
         let fault = measurement.fault(&self.robot, self.world.contacts.len(), last);
+        let fault = fault.or_else(|| self.plausible.fault(measurement, &self.world.state));
         let outcome = match fault {
             Some(fault) => Err(fault),
             None => self.solve(measurement, recorded),
@@ -400,21 +411,28 @@ impl Controller {
         }
     }
 
-    /// Collects inequality rows and bounds at a limit that have a multiplier.
+    /// Collects inequality rows and bounds that are active: at a limit, with a multiplier or without.
     fn report_active(&mut self) {
         let qp = &self.qp;
         let Solution { x, y, z, .. } = &self.solution;
         let scale = qp.g().iter().fold(1.0_f64, |a, g| a.max(g.abs()));
-        let has_price = |multiplier: f64| multiplier.abs() > 1e-9 * scale;
-        let is_at = |distance: f64, limit: f64| distance <= 1e-6 * (1.0 + limit.abs());
+        // Solvers end near a limit that pushes, and leave next to nothing of a multiplier where it does not.
+        let is_active = |distance: f64, limit: f64, multiplier: f64| {
+            let near = if multiplier.abs() > 1e-9 * scale {
+                1e-6
+            } else {
+                AT_LIMIT
+            };
+            distance <= near * (1.0 + limit.abs())
+        };
         for (i, &row) in qp.rows().iter().enumerate() {
             let (lower, upper) = (qp.row_lower()[i], qp.row_upper()[i]);
-            if lower == upper || !has_price(y[i]) {
+            if lower == upper || qp.row(i).iter().all(|a| *a == 0.0) {
                 continue;
             }
             let ax: f64 = qp.row(i).iter().zip(x).map(|(a, x)| a * x).sum();
             let (side, limit) = near(ax, lower, upper);
-            if is_at((ax - limit).abs(), limit) {
+            if is_active((ax - limit).abs(), limit, y[i]) {
                 self.report.active.push(ActiveRow {
                     row,
                     side,
@@ -422,11 +440,11 @@ impl Controller {
                 });
             }
         }
-        for j in (0..qp.n()).filter(|&j| has_price(z[j])) {
+        for j in 0..qp.n() {
             let (side, limit) = near(x[j], qp.lower()[j], qp.upper()[j]);
             let owner = self.assembly.bound_owner[j][usize::from(side == Side::Upper)];
             if let Some(row) = owner
-                && is_at((x[j] - limit).abs(), limit)
+                && is_active((x[j] - limit).abs(), limit, z[j])
             {
                 self.report.active.push(ActiveRow {
                     row,
@@ -483,6 +501,12 @@ impl Controller {
     /// A measurement of the right sizes: the home posture at rest at time 0, no force. For drivers to write into.
     pub fn measurement(&self) -> Measurement {
         Measurement::home(&self.robot, self.world.contacts.len())
+    }
+
+    /// What a measurement may be: the bounds of the configuration, and those derived from the robot where it says nothing; of
+    /// joints and contacts the largest.
+    pub fn measurement_limits(&self) -> MeasurementLimits {
+        self.plausible.limits()
     }
 
     /// Name and unit of a row.

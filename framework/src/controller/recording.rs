@@ -7,6 +7,7 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector6};
 use super::{
     Command, Controller, Measurement,
     ladder::{Age, Clock, Ladder},
+    plausible::Seen,
 };
 use crate::{
     config::ControllerConfig,
@@ -147,6 +148,8 @@ impl Controller {
         before.rung = self.report.rung;
         before.on_rung_since = self.report.on_rung.since;
         before.on_rung_ticks = self.report.on_rung.ticks;
+        before.seen = self.plausible.seen.last;
+        before.unseen = self.plausible.seen.gap;
         self.ladder.remember(before);
         self.solver.warm_start(&mut before.warm);
     }
@@ -231,6 +234,10 @@ impl Controller {
         self.report.rung = before.rung;
         self.report.on_rung.since = before.on_rung_since;
         self.report.on_rung.ticks = before.on_rung_ticks;
+        self.plausible.seen = Seen {
+            last: before.seen,
+            gap: before.unseen,
+        };
         self.ladder.recall(before);
         self.solver.start_from(&before.warm);
     }

@@ -111,7 +111,9 @@ pub struct Report {
     pub tasks: Vec<TaskReport>,
     /// One per contact, in the configuration's order.
     pub contacts: Vec<ContactReport>,
-    /// Inequality rows and bounds at a limit, with their multipliers.
+    /// All inequality rows and bounds that are active: at a limit, within 1e-9 of it (of one unit where it is smaller than that),
+    /// or next to it with a multiplier that says that the solver holds it. Limits that were given up are in
+    /// [`Report::relaxed`] instead.
     pub active: Vec<ActiveRow>,
     /// Index of the first entry (tasks, then constraints) that wrote a block it had not declared.
     pub undeclared: Option<usize>,
@@ -154,9 +156,9 @@ pub struct ContactReport {
 /// The side of a limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
-    /// At the lower limit; the multiplier is negative.
+    /// At the lower limit; the multiplier is negative or zero.
     Lower,
-    /// At the upper limit; the multiplier is positive.
+    /// At the upper limit; the multiplier is positive or zero.
     Upper,
 }
 
@@ -177,6 +179,7 @@ pub struct ActiveRow {
     pub row: RowId,
     /// Which side.
     pub side: Side,
-    /// The price of the limit: change of the cost per unit of the row.
+    /// The price of the limit: change of the cost per unit of the row; zero, or next to it, where the optimum touches the limit
+    /// and would not go beyond it.
     pub multiplier: f64,
 }

@@ -142,15 +142,8 @@ impl ContactBinding {
         self.motion = *motion;
     }
 
-    fn update(
-        &mut self,
-        time: f64,
-        elapsed: f64,
-        model: &Model,
-        data: &Data,
-        wrench: &Vector6<f64>,
-        c: &mut ContactState,
-    ) {
+    /// Where the contact is, and how it moves.
+    fn place(&mut self, model: &Model, data: &Data, c: &mut ContactState) {
         let k = &mut self.kinematics;
         k.update_at(model, data, self.body, &self.X_BC);
         c.R_WC = self.motion.R_WC;
@@ -179,12 +172,30 @@ impl ContactBinding {
                 rotate(&Vector6::from(*column)).into()
             };
         }
+    }
+
+    /// The measured force and moment, in C axes about the contact point.
+    fn sense(&self, wrench: &Vector6<f64>, c: &mut ContactState) -> Vector3<f64> {
         // The sensor speaks in E about E's origin; the contact point is the offset away.
         let force = Vector3::new(wrench[0], wrench[1], wrench[2]);
         let moment = Vector3::new(wrench[3], wrench[4], wrench[5])
             - Vector3::from(self.spec.offset).cross(&force);
         let (force, moment) = (c.R_CE * force, c.R_CE * moment);
         c.measured = Vector6::new(force.x, force.y, force.z, moment.x, moment.y, moment.z);
+        force
+    }
+
+    fn update(
+        &mut self,
+        time: f64,
+        elapsed: f64,
+        model: &Model,
+        data: &Data,
+        wrench: &Vector6<f64>,
+        c: &mut ContactState,
+    ) {
+        self.place(model, data, c);
+        let force = self.sense(wrench, c);
         let gain = if elapsed == self.period {
             self.gain
         } else {
@@ -302,6 +313,18 @@ impl World {
                 wrench,
                 contact,
             );
+        }
+    }
+
+    /// The robot is elsewhere: everything that depends on its state, and filters without a past.
+    pub(crate) fn restart(&mut self, m: &Measurement) {
+        self.state.copy_from(&m.state);
+        self.state.R_WR = UnitQuaternion::new_normalize(*m.state.R_WR.quaternion());
+        self.update_bodies();
+        let contacts = self.contacts.iter_mut().zip(&mut self.bindings);
+        for ((contact, binding), wrench) in contacts.zip(&m.wrenches) {
+            binding.place(&self.model, &self.data, contact);
+            binding.filtered = binding.sense(wrench, contact);
         }
     }
 
