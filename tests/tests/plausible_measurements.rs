@@ -248,7 +248,7 @@ fn a_jump_is_a_fault_until_it_is_said_to_be_meant() {
     for kind in KINDS {
         let (mut controller, mut measurement) = started(kind, |_| ());
         let before = measurement.clone();
-        measurement.state.p_WR.x += 5.0;
+        measurement.state.p_WR.x += 50.0;
         for tick in 1..1000 {
             measurement.time = f64::from(tick) * PERIOD;
             controller.tick(&measurement);
@@ -347,6 +347,31 @@ fn reset_takes_a_clock_that_was_set_and_refuses_what_is_not_plausible() {
         controller.tick(&m);
         assert_eq!(controller.report().fault, None, "tick {tick}");
     }
+}
+
+/// A foot that strikes the ground changes its joint's speed at once; a measurement that is refused for it must not be the
+/// first of many because the robot has moved on.
+#[test]
+fn a_blow_that_is_not_believed_is_over_when_it_is_over() {
+    let limits = MeasurementLimits {
+        max_joint_acceleration: Some(1e3),
+        max_joint_jump: Some(0.05),
+        max_joint_velocity: Some(1e3),
+        ..MeasurementLimits::ANY
+    };
+    let (mut controller, mut m) = started(Kind::Quadruped, |config| config.measurement = limits);
+    let model = controller.robot().model.clone();
+    let joint = model.joint_offset() + 1;
+    // 10 rad/s from one measurement to the next: 2500 rad/s², and 0.04 rad in each of the following.
+    m.state.v[joint] += 10.0;
+    let mut faults = 0;
+    for tick in 1..100 {
+        m.time = f64::from(tick) * PERIOD;
+        m.state.q[1] += 0.04;
+        controller.tick(&m);
+        faults += usize::from(implausible(&controller).is_some());
+    }
+    assert_eq!(faults, 2, "at 2500 and 1250 rad/s²");
 }
 
 /// What `reset` changes between two ticks, and what is remembered of having seen the robot, is in the records.

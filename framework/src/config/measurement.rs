@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct MeasurementLimits {
-    /// Largest speed of a floating base, m/s. Default: ten times the speed of a limb's end, and of a fall from 5 m, at least.
+    /// Largest speed of a floating base, m/s. Default: ten times the speed of a limb's end, at least 100.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "m/s"))]
     pub max_linear_velocity: Option<f64>,
@@ -23,19 +23,19 @@ pub struct MeasurementLimits {
     #[schemars(extend("x-unit" = "rad/s or m/s"))]
     pub max_joint_velocity: Option<f64>,
     /// Largest acceleration of a floating base, from one measurement to the next, m/s². Default: to the largest speed within
-    /// 10 ms.
+    /// 1 ms.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "m/s²"))]
     pub max_linear_acceleration: Option<f64>,
-    /// Largest angular acceleration of a floating base, rad/s². Default: to the largest speed within 10 ms.
+    /// Largest angular acceleration of a floating base, rad/s². Default: to the largest speed within 1 ms.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "rad/s²"))]
     pub max_angular_acceleration: Option<f64>,
-    /// Largest acceleration of each joint, rad/s² or m/s². Default: to its largest speed within 10 ms.
+    /// Largest acceleration of each joint, rad/s² or m/s². Default: to its largest speed within 1 ms.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "rad/s² or m/s²"))]
     pub max_joint_acceleration: Option<f64>,
-    /// Largest change of the base's position in a period, m. Default: the largest speed times the period.
+    /// Largest change of the base's position in a period in which it is not seen, m. Default: the largest speed times the period.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "m"))]
     pub max_position_jump: Option<f64>,

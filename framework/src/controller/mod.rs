@@ -138,7 +138,7 @@ impl Controller {
         self.gate
             .open(&self.robot, &self.command, self.world.slew_time);
         let fault = measurement.fault(&self.robot, self.world.contacts.len(), last);
-        let fault = fault.or_else(|| self.plausible.fault(measurement, &self.world.state));
+        let fault = fault.or_else(|| self.plausible.fault(measurement, &self.world.state, last));
         let outcome = match fault {
             Some(fault) => Err(fault),
             None => self.solve(measurement, recorded),

@@ -1,19 +1,20 @@
 //! Whether a measurement can be true of the robot.
 //!
 //! # What is compared
-//! Speeds and forces with a bound each. Positions and velocities, besides, with those of the last usable measurement: they
-//! may have changed by a bound per period, for as many periods as the robot was not seen.
+//! Speeds and forces with a bound each. Positions and velocities, besides, with those of the last usable measurement. Positions
+//! may have changed by a bound per period, for as many periods as the robot was not seen, and while it was seen by twice what its speed
+//! explains. Velocities may have changed by a bound for all the time in between.
 //!
 //! A robot is seen by every measurement whose speeds and forces are plausible, also by one that has jumped. So after an outage
-//! the robot may be as far away as it could have come in that time; but where measurements go on regularly and lie
-//! elsewhere, waiting does not make the jump plausible: it has to be said that it is meant
-//! ([`Controller::reset`](super::Controller::reset)), or to end.
+//! the robot may be as far away as it could have come in that time, and a blow too hard to be believed is over when it is over; but
+//! where measurements go on regularly, and lie elsewhere than their own speeds could have brought the robot, waiting does
+//! not make the jump plausible: it has to be said that it is meant ([`Controller::reset`](super::Controller::reset)), or to end.
 //!
 //! # Where the bounds come from
-//! With `c` = 10 for "ten times what is possible", per revolute joint `V = c max(q̇_max, 10 rad/s)`, per prismatic joint
-//! `c max(q̇_max, 1 m/s)`; a limit above [`FASTEST`] says nothing, as no limit, and counts as 100 rad/s or 10 m/s. The base turns as fast as the
-//! fastest revolute joint, `Ω`, and moves with `max(c · 10 m/s, Ω r)`, where r is the reach: how far from the base's origin
-//! anything can be. Accelerations go to the largest speed within [`REACTION`]. Forces go to
+//! With `c` = 10 for "ten times what is possible", per revolute joint `c max(q̇_max, 50 rad/s)`, per prismatic joint
+//! `c max(q̇_max, 5 m/s)`; a limit above [`FASTEST`] says nothing, as no limit, and counts as 100 rad/s or 10 m/s. The base turns as fast as the
+//! fastest revolute joint, and moves with `c max(10 m/s, q̇_max r)`, with the largest limit and the reach r: how far from the base's
+//! origin anything can be. Accelerations go to the largest speed within [`REACTION`]. Forces go to
 //! `c (m g + Σ thrust + Σ torque / r)` and moments to that times r, at least 0.1 m. A contact whose `force_max` is larger is taken at its word.
 
 use nalgebra::UnitQuaternion;
@@ -23,7 +24,7 @@ use crate::{
     actuator::ActuatorKind,
     config::MeasurementLimits,
     contact::{ContactId, ContactSpec},
-    model::{JointId, JointKind, Model},
+    model::{Joint, JointId, JointKind, Model},
     robot::RobotModel,
     state::State,
 };
@@ -33,7 +34,7 @@ const MARGIN: f64 = 10.0;
 /// A limit on a joint's speed above this says nothing, rad/s or m/s.
 const FASTEST: f64 = 1000.0;
 /// Time within which anything may reach its largest speed, s.
-const REACTION: f64 = 0.01;
+const REACTION: f64 = 0.001;
 /// Gravity where there is none, m/s².
 const GRAVITY: f64 = 9.81;
 
@@ -232,18 +233,12 @@ impl Plausible {
         period: f64,
     ) -> Self {
         let model = &robot.model;
-        let joint = |joint: &crate::model::Joint| {
-            let (least, unlimited) = match joint.kind {
-                JointKind::Revolute => (10.0, 100.0),
-                JointKind::Prismatic => (1.0, 10.0),
+        let joint = |joint: &Joint| {
+            let least = match joint.kind {
+                JointKind::Revolute => 50.0,
+                JointKind::Prismatic => 5.0,
             };
-            let speed = joint.limits.velocity;
-            let speed = if speed > 0.0 && speed <= FASTEST {
-                speed
-            } else {
-                unlimited
-            };
-            let own = MARGIN * f64::max(speed, least);
+            let own = MARGIN * f64::max(speed_of(joint), least);
             let velocity = limits.max_joint_velocity.unwrap_or(own);
             JointBounds {
                 velocity,
@@ -252,13 +247,17 @@ impl Plausible {
             }
         };
         let joints: Vec<JointBounds> = model.joints().iter().map(joint).collect();
-        let turning = model.joints().iter().zip(&joints);
-        let turning = turning.filter(|(joint, _)| joint.kind == JointKind::Revolute);
-        let fastest = turning.map(|(_, bounds)| bounds.velocity);
-        let fastest = fastest.filter(|v| v.is_finite()).fold(100.0, f64::max);
+        let turning = || {
+            let joints = model.joints().iter().zip(&joints);
+            joints.filter(|(joint, _)| joint.kind == JointKind::Revolute)
+        };
+        let bounds = turning().map(|(_, bounds)| bounds.velocity);
+        let fastest = bounds.filter(|v| v.is_finite()).fold(500.0, f64::max);
+        let limit = turning().map(|(joint, _)| speed_of(joint));
+        let limit = limit.fold(0.0, f64::max);
         let reach = reach(model).max(0.1);
         let angular_velocity = limits.max_angular_velocity.unwrap_or(fastest);
-        let own = f64::max(MARGIN * 10.0, fastest * reach);
+        let own = MARGIN * f64::max(10.0, limit * reach);
         let linear_velocity = limits.max_linear_velocity.unwrap_or(own);
         let power = MARGIN * strength(robot, reach);
         let wrench = |contact: &ContactSpec| {
@@ -309,11 +308,19 @@ impl Plausible {
         }
     }
 
-    /// What of a measurement is not plausible, if anything; all its numbers are finite. `last` is the last usable state.
-    pub(super) fn fault(&mut self, measurement: &Measurement, last: &State) -> Option<Fault> {
+    /// What of a measurement is not plausible, if anything; all its numbers are finite. `last` is the last usable state, and
+    /// `stamp` its time.
+    pub(super) fn fault(
+        &mut self,
+        measurement: &Measurement,
+        last: &State,
+        stamp: Option<f64>,
+    ) -> Option<Fault> {
+        let now = measurement.time;
         let fault = self.in_itself(measurement).or_else(|| {
-            let seen = self.see(measurement.time);
-            seen.and_then(|unseen| self.since(&measurement.state, last, unseen))
+            let unseen = self.see(now)?;
+            let passed = stamp.map_or(unseen, |stamp| unseen.max(now - stamp));
+            self.since(&measurement.state, last, [unseen, passed])
         });
         if fault.is_none() {
             self.seen.gap = 0.0;
@@ -368,55 +375,77 @@ impl Plausible {
         joints.next().or_else(|| wrenches.next())
     }
 
-    /// What has changed too much since a state, within a time.
-    fn since(&self, now: &State, last: &State, seconds: f64) -> Option<Implausible> {
-        let periods = seconds / self.period;
+    /// What has changed too much since a state that is `passed` seconds old, of which the robot was not seen for so many.
+    fn since(&self, now: &State, last: &State, [unseen, passed]: [f64; 2]) -> Option<Implausible> {
+        let periods = unseen / self.period;
+        // Nothing in an ordinary tick.
+        let seen = 2.0 * (passed - unseen);
+        let (base, joint_speeds) = split(now.v.as_slice(), now.q.len());
+        let (base_before, speeds_before) = split(last.v.as_slice(), last.q.len());
+        let speed = |i: usize| {
+            let [now, before] = [base, base_before].map(|v| v.map_or(0.0, |v| norm(v[i])));
+            now.max(before)
+        };
         let jump = norm((now.p_WR - last.p_WR).into());
-        let fault = beyond(Measured::PositionJump, jump, self.position_jump * periods);
+        let most = self.position_jump * periods + seen * speed(0);
+        let fault = beyond(Measured::PositionJump, jump, most);
         let fault = fault.or_else(|| {
             let angle = last
                 .R_WR
                 .angle_to(&UnitQuaternion::new_normalize(*now.R_WR));
-            beyond(Measured::RotationJump, angle, self.rotation_jump * periods)
+            let most = self.rotation_jump * periods + seen * speed(1);
+            beyond(Measured::RotationJump, angle, most)
         });
         if fault.is_some() {
             return fault;
         }
-        let (joints, before) = (now.q.iter(), last.q.iter());
-        let mut jumps = joints.zip(before).zip(&self.joints).enumerate();
-        let fault = jumps.find_map(|(i, ((q, before), bounds))| {
-            let joint = Measured::JointJump(JointId(i as u32));
-            beyond(joint, (q - before).abs(), bounds.jump * periods)
+        let speeds = joint_speeds.iter().zip(speeds_before);
+        let joints = now.q.iter().zip(last.q.iter()).zip(speeds);
+        let mut joints = joints.zip(&self.joints).enumerate();
+        let fault = joints.find_map(|(i, (((q, q_before), (v, v_before)), bounds))| {
+            let joint = JointId(i as u32);
+            let most = bounds.jump * periods + seen * v.abs().max(v_before.abs());
+            beyond(Measured::JointJump(joint), (q - q_before).abs(), most).or_else(|| {
+                let rate = (v - v_before).abs() / passed;
+                beyond(
+                    Measured::JointAcceleration(joint),
+                    rate,
+                    bounds.acceleration,
+                )
+            })
         });
-        if fault.is_some() {
+        let (Some(base), Some(base_before)) = (base, base_before) else {
             return fault;
-        }
-        let (base, joints) = split(now.v.as_slice(), now.q.len());
-        let (base_before, joints_before) = split(last.v.as_slice(), last.q.len());
-        if let (Some([linear, angular]), Some([linear_before, angular_before])) =
-            (base, base_before)
-        {
-            let rate = |now: [f64; 3], before: [f64; 3]| {
-                norm(std::array::from_fn(|i| now[i] - before[i])) / seconds
-            };
-            let (linear, most) = (rate(linear, linear_before), self.linear_acceleration);
-            let fault = beyond(Measured::LinearAcceleration, linear, most).or_else(|| {
-                let (angular, most) = (rate(angular, angular_before), self.angular_acceleration);
-                beyond(Measured::AngularAcceleration, angular, most)
-            });
-            if fault.is_some() {
-                return fault;
-            }
-        }
-        let mut joints = joints
-            .iter()
-            .zip(joints_before)
-            .zip(&self.joints)
-            .enumerate();
-        joints.find_map(|(i, ((v, before), bounds))| {
-            let joint = Measured::JointAcceleration(JointId(i as u32));
-            beyond(joint, (v - before).abs() / seconds, bounds.acceleration)
-        })
+        };
+        let rate = |i: usize| {
+            let (now, before): ([f64; 3], [f64; 3]) = (base[i], base_before[i]);
+            norm(std::array::from_fn(|k| now[k] - before[k])) / passed
+        };
+        let linear = || {
+            beyond(
+                Measured::LinearAcceleration,
+                rate(0),
+                self.linear_acceleration,
+            )
+        };
+        let angular = || {
+            beyond(
+                Measured::AngularAcceleration,
+                rate(1),
+                self.angular_acceleration,
+            )
+        };
+        fault.or_else(linear).or_else(angular)
+    }
+}
+
+/// A joint's limit on its speed, as far as it says something.
+fn speed_of(joint: &Joint) -> f64 {
+    let limit = joint.limits.velocity;
+    match joint.kind {
+        _ if limit > 0.0 && limit <= FASTEST => limit,
+        JointKind::Revolute => 100.0,
+        JointKind::Prismatic => 10.0,
     }
 }
 
