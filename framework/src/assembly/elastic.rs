@@ -23,13 +23,18 @@ use crate::{
     actuator::Actuator,
     contact::ContactState,
     layout::BoundTarget,
-    qp::{Capacity, Qp, RowId, Solution, VarId},
+    qp::{Capacity, ConstraintId, Qp, RowId, Solution, VarId, WarmStart},
 };
 
 /// Share of what the tasks ask for by which a limit gives more than it must, inverted.
 const PRICE: f64 = 1e4;
 /// Factors of the levels, the first to go first; those of the rest are the last.
 const STEPS: [f64; 5] = [1.0, 1e1, 1e2, 1e3, 1e4];
+
+/// How far beyond a limit a solution is that needs to be, in the limit's unit or as a share of it.
+const NEEDED: f64 = 1e-2;
+/// Size of the multipliers of a proof's constraints, as a multiple of what the cost asks for.
+const PUSH: f64 = 1e3;
 
 /// What is given up together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -69,6 +74,8 @@ pub(crate) struct Elastic {
     levels: Vec<Level>,
     /// By level.
     given_up: Vec<bool>,
+    /// Those that were needed in the tick before.
+    pub(crate) needed: Vec<bool>,
     /// The level of each row and bound, by id.
     level_of: Vec<Option<usize>>,
     first_slack: u32,
@@ -124,6 +131,7 @@ impl Elastic {
         };
         Self {
             given_up: vec![false; levels.len()],
+            needed: vec![false; levels.len()],
             levels,
             level_of,
             first_slack: table.vars.len() as u32,
@@ -139,6 +147,85 @@ impl Elastic {
     pub(crate) fn restore(&mut self, efforts: &[[f64; 2]]) {
         self.given_up.fill(false);
         self.efforts.copy_from_slice(efforts);
+    }
+
+    /// Gives up what was needed in the tick before, if what is given up now is part of that.
+    pub(crate) fn give_up_as_before(&mut self) {
+        let mut both = self.given_up.iter().zip(&self.needed);
+        if both.all(|(now, before)| *before || !now) {
+            self.given_up.copy_from_slice(&self.needed);
+        }
+    }
+
+    /// Takes down what was needed: the levels of which a solution is beyond a limit by more than tasks pull it there.
+    pub(crate) fn remember(&mut self, assembly: &Assembly, base: &Qp, x: &[f64]) {
+        let mut needed = std::mem::take(&mut self.needed);
+        needed.fill(false);
+        for (id, _, limit, by) in self.exceeded(assembly, base, x) {
+            if by > NEEDED * (1.0 + limit.abs())
+                && let Some(level) = self.level_of.get(id.index()).copied().flatten()
+            {
+                needed[level] = true;
+            }
+        }
+        self.needed = needed;
+    }
+
+    /// Builds a problem with the constraints of another that has no solution if that has none, and whose optimum on the
+    /// constraints of a proof has multipliers of the right sign: a dual method that begins there finds a proof near it.
+    pub(crate) fn prove(&mut self, base: &Qp, proof: &WarmStart) {
+        let n = base.n();
+        self.qp.reset(base.vars().iter().copied());
+        for i in 0..base.m() {
+            let (lower, upper) = (base.row_lower()[i], base.row_upper()[i]);
+            let Some(row) = self.qp.push_row(base.rows()[i], lower, upper) else {
+                return;
+            };
+            row.copy_from_slice(base.row(i));
+        }
+        let (lower, upper) = self.qp.bounds_mut();
+        lower.copy_from_slice(base.lower());
+        upper.copy_from_slice(base.upper());
+        let (h, g) = self.qp.cost_mut();
+        h.copy_from_slice(base.h());
+        g.fill(0.0);
+        let diagonal = |j: usize| {
+            let h = base.h()[j * n + j];
+            if h > 0.0 { h } else { 1.0 }
+        };
+        let size: f64 = base
+            .g()
+            .iter()
+            .enumerate()
+            .map(|(j, g)| g * g / diagonal(j))
+            .sum();
+        let size = PUSH * (1.0 + size.sqrt());
+        for held in proof.iter() {
+            match held.constraint {
+                ConstraintId::Row(id) => {
+                    let Ok(i) = base.rows().binary_search(&id) else {
+                        continue;
+                    };
+                    let row = base.row(i);
+                    let length: f64 = row
+                        .iter()
+                        .enumerate()
+                        .map(|(j, a)| a * a / diagonal(j))
+                        .sum();
+                    if length > 0.0 {
+                        let multiplier = held.side * size / length.sqrt();
+                        for (g, a) in g.iter_mut().zip(row) {
+                            *g -= multiplier * a;
+                        }
+                    }
+                }
+                ConstraintId::Bound(id) => {
+                    if let Ok(j) = base.vars().binary_search(&id) {
+                        g[j] -= held.side * size * diagonal(j).sqrt();
+                    }
+                }
+            }
+        }
     }
 
     /// Everything that can be given up is.

@@ -122,6 +122,7 @@ impl Controller {
         self.report.iterations = 0;
         self.report.objective = 0.0;
         self.report.times = StageTimes::default();
+        self.ladder.is_proven = false;
         self.ladder.without_solution.pass();
         self.ladder.without_state.pass();
         let mut last = self.ladder.without_state.time();
@@ -191,12 +192,27 @@ impl Controller {
         }
         let written = self.stopwatch.now();
         let terms = Self::terms(&self.world);
-        let assembled = self
-            .assembly
-            .assemble(&terms, &mut self.groups, &mut self.qp);
-        let built = self.stopwatch.now();
+        let is_alert = self.ladder.is_alert();
+        let assembled = if is_alert {
+            // Rows that hold by substitution are part of a contradiction like all others.
+            self.assembly
+                .assemble_with_all_rows(&terms, &mut self.groups, &mut self.qp)
+        } else {
+            self.assembly
+                .assemble(&terms, &mut self.groups, &mut self.qp)
+        };
+        let mut built = self.stopwatch.now();
         assembled?;
-        if self.report.rung != Rung::Optimal {
+        let is_proven = is_alert
+            && self
+                .ladder
+                .is_still_infeasible(&self.qp, &mut self.solution);
+        if is_alert && !is_proven {
+            self.assembly
+                .assemble(&terms, &mut self.groups, &mut self.qp)?;
+            built = self.stopwatch.now();
+        }
+        if !self.report.rung.is_solved() {
             // What was active some time ago is no good guess.
             self.solver.reset();
         }
@@ -204,8 +220,10 @@ impl Controller {
             None => Budget::Clock(&mut *self.stopwatch),
             Some(record) => Budget::Iterations(record.outcome.solved_in),
         };
-        self.solver
-            .solve_within(&self.qp, budget, &mut self.solution);
+        if !is_proven {
+            self.solver
+                .solve_within(&self.qp, budget, &mut self.solution);
+        }
         if let Some(recorder) = &mut self.recorder {
             recorder.solved_in(self.solution.iterations);
         }
@@ -215,10 +233,11 @@ impl Controller {
         let mut n = self.qp.n();
         let finite = self.solution.x[..n].iter().all(|x| x.is_finite());
         let fault = if self.solution.status.is_usable() && finite {
+            self.ladder.calm();
             None
         } else {
             if self.solution.status != Status::Budget && self.assembly.has_determined() {
-                // Rows that hold by substitution are part of a contradiction like all others, and may be given up.
+                // They may be given up.
                 self.assembly
                     .assemble_with_all_rows(&terms, &mut self.groups, &mut self.qp)?;
                 self.solution.status = Status::Failed;

@@ -74,6 +74,13 @@ pub(crate) struct Memory {
     pub(crate) held: Vec<f64>,
     pub(crate) warm: WarmStart,
     pub(crate) relaxed_warm: WarmStart,
+    /// The limits that contradicted one another last, but for one; how many ticks ago; which levels had to be given up.
+    #[serde(default)]
+    pub(crate) proof: WarmStart,
+    #[serde(default)]
+    pub(crate) since_proof: u32,
+    #[serde(default)]
+    pub(crate) needed: Vec<bool>,
 }
 
 fn is_behind() -> bool {
