@@ -3,6 +3,7 @@
 
 pub mod assignment;
 pub mod check;
+pub mod log;
 pub mod new;
 pub mod run;
 pub mod subject;

@@ -1,12 +1,13 @@
 //! The command `wbqp`.
 
-use std::{alloc::System, process::ExitCode};
+use std::{alloc::System, io, process::ExitCode};
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
-use wbqp_cli::{check, new, run};
+use wbqp_cli::{check, log, new, run};
 use wbqp_examples::commands::{plugins, replay, replicate, schema, tick_stats};
+use wbqp_examples::complain;
 
 // `tick-stats` counts allocations.
 #[global_allocator]
@@ -28,6 +29,7 @@ enum Command {
     Check(check::Arguments),
     New(new::Arguments),
     Run(run::Arguments),
+    Log(log::Arguments),
     Replay(replay::Arguments),
     Plugins(plugins::Arguments),
     Schema(schema::Arguments),
@@ -42,6 +44,7 @@ impl Command {
             Self::Check(arguments) => arguments.run(),
             Self::New(arguments) => arguments.run(),
             Self::Run(arguments) => arguments.run(),
+            Self::Log(arguments) => arguments.run(),
             Self::Replay(arguments) => arguments.run(),
             Self::Replicate(arguments) => arguments.run(),
             Self::Plugins(arguments) => arguments.run().map(succeeded),
@@ -60,11 +63,20 @@ fn allocations() -> usize {
 fn main() -> ExitCode {
     match CommandLine::parse().command.run() {
         Ok(code) => code,
+        // Whoever reads has enough: the status of a program that a closed pipe ends.
+        Err(error) if is_closed_pipe(&error) => ExitCode::from(141),
         Err(error) => {
-            eprintln!("error: {}", text(&error));
+            complain!("error: {}", text(&error));
             ExitCode::FAILURE
         }
     }
+}
+
+fn is_closed_pipe(error: &anyhow::Error) -> bool {
+    let mut causes = error
+        .chain()
+        .filter_map(|cause| cause.downcast_ref::<io::Error>());
+    causes.any(|error| error.kind() == io::ErrorKind::BrokenPipe)
 }
 
 /// The error and its causes; many messages have that of their cause in them.

@@ -1,9 +1,11 @@
 //! What a file is: a robot's URDF, a controller or a scenario.
 
-use std::{fs, path::Path};
+use std::path::Path;
 
 use anyhow::{Context, Result, bail};
 use serde::Serialize;
+use toml::de::DeTable;
+use wbqp::input;
 
 /// The kinds of files that the command reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -24,7 +26,8 @@ impl Subject {
     /// A file that cannot be read, or that is none of these.
     pub fn of_file(path: &Path) -> Result<Self> {
         let name = path.display();
-        let bytes = fs::read(path).with_context(|| format!("{name}: cannot be read"))?;
+        let bytes = input::read(path, input::LARGEST_TEXT)
+            .with_context(|| format!("{name}: cannot be read"))?;
         let Ok(text) = String::from_utf8(bytes) else {
             bail!("{name}: is not text: it should be a URDF, a controller or a scenario");
         };
@@ -76,14 +79,20 @@ fn of_toml(text: &str) -> Option<Subject> {
         let word = line.split(['=', '#', ']']).next().unwrap_or_default();
         word.trim().to_owned()
     };
-    let (names_a_controller, has_robot) = match text.parse::<toml::Table>() {
-        Ok(table) => (
-            table.get("controller").is_some_and(toml::Value::is_str),
-            ["robot", "controller", "task"]
-                .iter()
-                .any(|key| table.contains_key(*key)),
-        ),
-        Err(_) => (
+    let is_small = input::check_toml(text).is_ok();
+    let (names_a_controller, has_robot) = match is_small.then(|| DeTable::parse(text)) {
+        Some(Ok(table)) => {
+            let table = table.get_ref();
+            (
+                table
+                    .get("controller")
+                    .is_some_and(|value| value.get_ref().is_str()),
+                ["robot", "controller", "task"]
+                    .iter()
+                    .any(|key| table.contains_key(*key)),
+            )
+        }
+        Some(Err(_)) | None => (
             text.lines()
                 .map(key)
                 .take_while(|key| !key.starts_with('['))

@@ -9,6 +9,24 @@ use std::{
 use clap::Args;
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 
+/// A line on standard output, as `println!`. A reader that has enough (`| head`) is no reason to stop.
+#[macro_export]
+macro_rules! say {
+    ($($words:tt)*) => {{
+        use ::std::io::Write as _;
+        let _ = ::std::writeln!(::std::io::stdout(), $($words)*);
+    }};
+}
+
+/// The same on standard error.
+#[macro_export]
+macro_rules! complain {
+    ($($words:tt)*) => {{
+        use ::std::io::Write as _;
+        let _ = ::std::writeln!(::std::io::stderr(), $($words)*);
+    }};
+}
+
 /// Options of every example.
 #[derive(Args, Clone, Debug)]
 pub struct Common {
@@ -57,7 +75,7 @@ impl ProgressBars {
     pub fn say(&self, line: &str) {
         let shown = self.bars.as_ref().map(|bars| bars.println(line));
         if !matches!(shown, Some(Ok(()))) {
-            eprintln!("{line}");
+            complain!("{line}");
         }
     }
 
@@ -100,7 +118,7 @@ impl Progress {
         }
         let reached = (f64::from(self.lines) * fraction + 1e-9) as u32;
         if reached > self.printed.fetch_max(reached, Ordering::Relaxed) {
-            eprintln!("{}: {} %", self.name, 100 * reached / self.lines);
+            complain!("{}: {} %", self.name, 100 * reached / self.lines);
         }
     }
 

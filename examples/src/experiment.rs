@@ -1,5 +1,6 @@
 //! What all experiments share: run the cases of a scenario, then measure and draw from the logs alone.
 
+use crate::{complain, say};
 use std::{
     path::{Path, PathBuf},
     process::ExitCode,
@@ -210,18 +211,18 @@ impl Outcome {
     /// Prints title and table, and what went wrong on standard error.
     pub fn print(&self) {
         let name = self.experiment.name;
-        println!("\n{}", self.experiment.title);
-        println!("{}", results::table(&self.rows));
+        say!("\n{}", self.experiment.title);
+        say!("{}", results::table(&self.rows));
         for held in self.runs.held() {
-            eprintln!("{name}/{held}");
+            complain!("{name}/{held}");
         }
         for (case, time) in self.runs.diverged() {
-            eprintln!("{name}/{case}: diverged at {time:.3} s");
+            complain!("{name}/{case}: diverged at {time:.3} s");
         }
         for breach in &self.breaches {
-            eprintln!("{name}: {breach}");
+            complain!("{name}: {breach}");
         }
-        println!(
+        say!(
             "logs, figures and results: {}",
             self.runs.directory().display()
         );

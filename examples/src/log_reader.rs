@@ -2,13 +2,13 @@
 
 use std::{
     collections::BTreeMap,
-    fs,
     path::{Path, PathBuf},
     sync::Arc,
 };
 
 use mcap::{McapError, MessageStream, read::LinearReader, records::Record};
 use wbqp::{
+    input,
     log::{ChannelId, LogError, LogSink, Timeline},
     serde_json::{self, Value},
 };
@@ -304,7 +304,7 @@ impl Log {
 }
 
 fn read(path: &Path) -> Result<Vec<u8>, ReadError> {
-    fs::read(path).map_err(|source| ReadError::File {
+    input::read(path, input::LARGEST_LOG).map_err(|source| ReadError::File {
         path: path.to_owned(),
         source,
     })

@@ -1,5 +1,6 @@
 //! Runs experiments side by side. What a run does depends on its scenario and seed alone, not on what runs beside it.
 
+use crate::say;
 use std::{path::Path, process::ExitCode};
 
 use anyhow::{Context, Result};
@@ -43,10 +44,10 @@ pub fn conclude(outcomes: &[Outcome]) -> ExitCode {
     let failed = outcomes.iter().filter(|o| !o.is_as_promised());
     let failed: Vec<&str> = failed.map(|o| o.experiment.name).collect();
     if failed.is_empty() {
-        println!("\nAll promised rows are met: {promised}.");
+        say!("\nAll promised rows are met: {promised}.");
         ExitCode::SUCCESS
     } else {
-        println!("\nNot as promised: {}.", failed.join(", "));
+        say!("\nNot as promised: {}.", failed.join(", "));
         ExitCode::FAILURE
     }
 }

@@ -188,6 +188,7 @@ pub mod contact;
 pub mod controller;
 pub mod dynamics;
 pub mod entry;
+pub mod input;
 pub mod layout;
 pub mod log;
 pub mod model;

@@ -51,11 +51,16 @@
 pub mod json_schema;
 mod listing;
 
+use std::{
+    collections::BTreeMap,
+    sync::{OnceLock, PoisonError, RwLock},
+};
+
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::DeserializeOwned;
 use toml::de::ValueDeserializer;
 
-use crate::{constraint::Constraint, qp::QpSolver, reference::Reference, robot::Robot, task::Task};
+use crate::{constraint::Constraint, qp::Solver, reference::Reference, robot::Robot, task::Task};
 
 pub use listing::{Listing, Parameter, PluginInfo, list};
 
@@ -66,24 +71,44 @@ pub struct Plugin<P: ?Sized + 'static> {
     pub tag: &'static str,
     /// Crate, file and line of the registration.
     pub origin: &'static str,
-    /// JSON Schema of the plug-in's own keys.
+    /// Makes the JSON Schema of the plug-in's own keys; [`Plugin::described`] does so once.
     pub schema: fn() -> Schema,
     /// Makes the plug-in from its own keys.
     pub load: fn(ValueDeserializer<'_>) -> Result<Box<P>, toml::de::Error>,
 }
 
-/// One of the kinds of plug-in: `dyn Task`, `dyn Constraint`, `dyn Reference`, `dyn Robot`, `dyn QpSolver`.
+impl<P: ?Sized + 'static> Plugin<P> {
+    /// The JSON Schema of the plug-in's own keys, made when it is first asked for: a file may name a plug-in ten thousand
+    /// times.
+    pub fn described(&self) -> &'static Schema {
+        // A plug-in is a constant, which can hold no memory of its own. Made once each, for as long as the program.
+        static MADE: RwLock<BTreeMap<[&str; 2], &Schema>> = RwLock::new(BTreeMap::new());
+        let key = [self.tag, self.origin];
+        let made = MADE.read().unwrap_or_else(PoisonError::into_inner);
+        if let Some(schema) = made.get(&key) {
+            return schema;
+        }
+        drop(made);
+        let schema = Box::leak(Box::new((self.schema)()));
+        let mut made = MADE.write().unwrap_or_else(PoisonError::into_inner);
+        made.entry(key).or_insert(schema)
+    }
+}
+
+/// One of the kinds of plug-in: `dyn Task`, `dyn Constraint`, `dyn Reference`, `dyn Robot`, `dyn Solver`.
 pub trait PluginKind: 'static {
     /// What it is called in messages: `task`, `constraint`, `reference`, `robot`, `solver`.
     const NAME: &'static str;
 
     /// All linked plug-ins of the kind, sorted by tag.
-    fn plugins() -> Vec<&'static Plugin<Self>>;
+    fn plugins() -> &'static [&'static Plugin<Self>];
 }
 
 /// The linked plug-in of that tag, if there is one; of several with the same tag the first by origin.
 pub fn find<P: PluginKind + ?Sized>(tag: &str) -> Option<&'static Plugin<P>> {
-    P::plugins().into_iter().find(|plugin| plugin.tag == tag)
+    let all = P::plugins();
+    let first = all.partition_point(|plugin| plugin.tag < tag);
+    all.get(first).copied().filter(|plugin| plugin.tag == tag)
 }
 
 /// A tag that more than one linked plug-in of a kind claims: no configuration can name it.
@@ -127,16 +152,20 @@ macro_rules! plugin_kinds {
             impl PluginKind for dyn $kind {
                 const NAME: &'static str = $what;
 
-                fn plugins() -> Vec<&'static Plugin<Self>> {
+                fn plugins() -> &'static [&'static Plugin<Self>] {
                     $list()
                 }
             }
 
             #[doc = concat!("All linked ", $what, "s, sorted by tag.")]
-            pub fn $list() -> Vec<&'static Plugin<dyn $kind>> {
-                let mut all: Vec<_> = inventory::iter::<$wrapper>.into_iter().map(|p| &p.0).collect();
-                all.sort_by_key(|p| (p.tag, p.origin));
-                all
+            pub fn $list() -> &'static [&'static Plugin<dyn $kind>] {
+                static ALL: OnceLock<Vec<&'static Plugin<dyn $kind>>> = OnceLock::new();
+                ALL.get_or_init(|| {
+                    let linked = inventory::iter::<$wrapper>.into_iter();
+                    let mut all: Vec<_> = linked.map(|p| &p.0).collect();
+                    all.sort_by_key(|p| (p.tag, p.origin));
+                    all
+                })
             }
         )*
 
@@ -154,7 +183,7 @@ plugin_kinds! {
     ConstraintPlugin, Constraint, constraints, "constraint";
     ReferencePlugin, Reference, references, "reference";
     RobotPlugin, Robot, robots, "robot";
-    QpSolverPlugin, QpSolver, solvers, "solver";
+    SolverPlugin, Solver, solvers, "solver";
 }
 
 fn duplicates_of<P: PluginKind + ?Sized>(all: &mut Vec<Duplicate>) {

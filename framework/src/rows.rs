@@ -68,6 +68,16 @@ impl RowStore {
     }
 }
 
+impl RowStore {
+    /// Numbers that it stores.
+    pub(crate) fn numbers(&self) -> usize {
+        let forces: usize = self.forces.iter().map(Vec::len).sum();
+        let limits = 3 * self.lower.len() + 2 * self.bound_lower.len();
+        let blocks = self.vdot.len() + self.effort.len() + forces;
+        blocks + limits + self.scratch.len() + self.nf.len()
+    }
+}
+
 /// The coefficient blocks of an entry, for tasks and constraints alike.
 #[derive(Debug)]
 struct Blocks<'a> {

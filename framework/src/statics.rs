@@ -33,7 +33,7 @@ use crate::{
     contact::ContactSpec,
     dynamics::{Data, FrameKinematics},
     model::{Base, FrameId},
-    qp::{ActiveSet, Capacity, Qp, QpSolver, RowId, Solution, VarId},
+    qp::{ActiveSet, Capacity, Qp, QpSolver, RowId, Solution, Status, VarId},
     robot::RobotModel,
     setup::{BindError, unknown},
     state::State,
@@ -224,7 +224,7 @@ impl<'a> Problem<'a> {
         let n = self.qp.capacity().vars;
 
         let qp = &mut self.qp;
-        qp.reset((0..n).map(|i| VarId(i as u32)));
+        qp.reset((0..n).map(|i| VarId::new(i as u32))).ok()?;
         let (h, g) = qp.cost_mut();
         for i in 0..n {
             h[i * n + i] = 2.0 * RIDGE;
@@ -243,7 +243,7 @@ impl<'a> Problem<'a> {
             (lower[normal], upper[normal]) = (least, spec.force_max);
         }
         for k in 0..nv {
-            let row = qp.push_row(RowId(k as u32), known[k], known[k])?;
+            let row = qp.push_row(RowId::new(k as u32), known[k], known[k]).ok()?;
             row[..nu].copy_from_slice(&S[k * nu..(k + 1) * nu]);
             for (support, J) in self.supports.iter().zip(&jacobians) {
                 let components = support.spec.kind.constrained();
@@ -258,14 +258,14 @@ impl<'a> Problem<'a> {
                 continue;
             };
             for (axis, sign) in [(0, 1.0), (0, -1.0), (1, 1.0), (1, -1.0)] {
-                let row = qp.push_row(RowId(id), f64::NEG_INFINITY, 0.0)?;
+                let row = qp.push_row(RowId::new(id), f64::NEG_INFINITY, 0.0).ok()?;
                 row[first + tangential[axis]] = sign;
                 row[first + spec.kind.normal()] = -spec.friction * FRAC_1_SQRT_2;
                 id += 1;
             }
         }
-        self.solver.solve(&self.qp, &mut self.solution);
-        if !self.solution.status.is_usable() {
+        let status = self.solver.solve(&self.qp, &mut self.solution);
+        if status != Ok(Status::Optimal) {
             return None;
         }
         let x = &self.solution.x;

@@ -37,11 +37,17 @@ fn did_you_mean<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
     if name.len() > COMPARED {
         return None;
     }
-    let (distance, nearest) = known
+    let most = 1 + name.len() / 4;
+    let letters = Letters::of(name);
+    let nearest = known
         .iter()
+        // A long list has few that are worth a comparison.
+        .filter(|k| letters.differences(k) <= most)
         .map(|k| (strsim::damerau_levenshtein(name, k), *k))
-        .min()?;
-    if distance <= 1 + name.len() / 4 {
+        .min();
+    if let Some((distance, nearest)) = nearest
+        && distance <= most
+    {
         return Some(nearest);
     }
     // A part of a name, or too much of it.
@@ -49,6 +55,35 @@ fn did_you_mean<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
         name.len() >= PART && k.len() >= PART && (k.contains(name) || name.contains(**k))
     });
     related.next().copied()
+}
+
+/// The characters of a name: how many, and which, each in one of 64 classes.
+struct Letters {
+    count: usize,
+    classes: u64,
+}
+
+impl Letters {
+    fn of(name: &str) -> Self {
+        let none = Self {
+            count: 0,
+            classes: 0,
+        };
+        name.chars().fold(none, |all, letter| Self {
+            count: all.count + 1,
+            classes: all.classes | 1 << (u32::from(letter) % 64),
+        })
+    }
+
+    /// A number that the distance of two names is never below.
+    fn differences(&self, name: &str) -> usize {
+        let other = Self::of(name);
+        let own = (self.classes & !other.classes).count_ones();
+        let others = (other.classes & !self.classes).count_ones();
+        self.count
+            .abs_diff(other.count)
+            .max(own.max(others) as usize)
+    }
 }
 
 /// Bytes from which on a part of a name says which is meant.

@@ -27,6 +27,7 @@ pub mod rotors;
 mod source;
 mod srdf;
 pub mod urdf;
+mod xml;
 
 pub use library::{
     RobotFiles, from_files, from_sources, humanoid, othex, othex_vertical, quadruped,

@@ -1,10 +1,11 @@
 //! Robots from files, and the robots that ship with the crate.
 
-use std::{collections::BTreeMap, fs, path::Path, sync::Arc};
+use std::{collections::BTreeMap, path::Path, sync::Arc};
 
 use wbqp::{
     actuator::{Actuator, ActuatorKind, Drive, JointMotor},
     dynamics::{Data, frame_motion},
+    input,
     robot::{RobotError, RobotModel, SourceFile},
 };
 
@@ -269,7 +270,7 @@ fn othex_options(thrust_max: Option<f64>) -> Options {
 
 fn read(path: &Path, media_type: &'static str) -> Result<SourceFile, RobotError> {
     let name = path.display().to_string();
-    let bytes = match fs::read(path) {
+    let bytes = match input::read(path, input::LARGEST_TEXT) {
         Ok(bytes) => bytes,
         Err(source) => return Err(RobotError::Read { file: name, source }),
     };

@@ -31,6 +31,7 @@ use serde::Deserialize;
 use toml::Spanned;
 use wbqp::{
     actuator::{Actuator, ActuatorKind, Reaction, Rotor},
+    input,
     model::{FrameId, Model},
     nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3},
     robot::{Place, RobotError},
@@ -101,6 +102,10 @@ pub fn attach(
     mut model: Model,
 ) -> Result<(Model, Vec<Actuator>), RobotError> {
     let source = Source::new(file, text);
+    input::check_toml(text).map_err(|what| RobotError::Syntax {
+        place: Place::file(file),
+        what,
+    })?;
     let parsed: File = toml::from_str(text).map_err(|e| RobotError::Syntax {
         place: e
             .span()

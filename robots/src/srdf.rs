@@ -13,7 +13,7 @@ use wbqp::{
     suggestion::suggestion,
 };
 
-use crate::source::Source;
+use crate::{source::Source, xml};
 
 /// A posture.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -28,6 +28,7 @@ pub(crate) struct GroupState {
 pub(crate) fn state(file: &str, text: &str, name: &str) -> Result<GroupState, RobotError> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let source = Source::new(file, text);
+    xml::check(&source)?;
     let document = Document::parse(text).map_err(|e| RobotError::Syntax {
         place: Place::at(file, e.pos().row as usize, e.pos().col as usize),
         what: format!("malformed XML: {e}"),

@@ -448,6 +448,10 @@ def number(value, form="{:.1f}"):
     return "" if value is None else form.format(value)
 
 
+# Measured in C, by qp.py: what its Python interface takes says little about it.
+ELSEWHERE = ("daqp",)
+
+
 def markdown(workload, rows):
     reference = next(r for r in rows if r["solver"] == "wbqp")["warm"]
     lines = [
@@ -457,6 +461,8 @@ def markdown(workload, rows):
     for r in rows:
         taken = r["warm"] or r["cold"]
         ratio = max(r["own"] or 0.0, taken - (r["call"] or 0.0)) / reference if taken else None
+        if r["solver"] in ELSEWHERE:
+            ratio = None
         lines.append(
             f"| {r['solver']} | {number(r['warm'])} | {number(r['cold'])} | {number(r['own'])} | {number(r['call'])} "
             f"| {number(ratio)} | {number(r['cost'], '{:.0e}')} | {number(r['primal'], '{:.0e}')} "

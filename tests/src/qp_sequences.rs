@@ -89,14 +89,27 @@ impl Mass {
     }
 }
 
-/// How much of the deviation from what is feasible the tasks ask for, from hardly any to all of it.
-fn envelope(wave: &Wave, time: f64) -> f64 {
-    0.5 + 0.5 * wave.at(time).clamp(-0.9, 1.0)
+/// How much of the deviation from what is feasible the tasks ask for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Demand {
+    /// From hardly any to all of it, now and then.
+    Swelling,
+    /// So much all the time: some limits are active in every problem.
+    Steady(f64),
+}
+
+impl Demand {
+    fn at(self, wave: &Wave, time: f64) -> f64 {
+        match self {
+            Self::Swelling => 0.5 + 0.5 * wave.at(time).clamp(-0.9, 1.0),
+            Self::Steady(share) => share,
+        }
+    }
 }
 
 fn problem(vars: usize, rows: usize) -> Qp {
     let mut qp = Qp::new(Capacity { vars, rows });
-    qp.reset((0..vars as u32).map(VarId::new));
+    qp.reset((0..vars as u32).map(VarId::new)).expect("ascends");
     qp
 }
 
@@ -134,7 +147,7 @@ fn push_friction(qp: &mut Qp, at: usize, friction: f64, least: f64) {
 ///
 /// # Panics
 /// Never: mass matrices are definite.
-pub fn aerial(ticks: usize) -> Vec<Qp> {
+pub fn aerial(ticks: usize, demand: Demand) -> Vec<Qp> {
     let rng = &mut ChaCha8Rng::seed_from_u64(1);
     let (nv, nu) = (9, 9);
     let mass = Mass {
@@ -192,7 +205,7 @@ pub fn aerial(ticks: usize) -> Vec<Qp> {
             .rows_mut(6, 3)
             .copy_from(&(tip.at(time) + &translation));
         tasks.view_mut((9, 6), (3, 3)).fill_with_identity();
-        let deviation = deviation.vector(time) * envelope(&asked, time);
+        let deviation = deviation.vector(time) * demand.at(&asked, time);
         let wanted = DVector::from_fn(12, |i, _| {
             let more = if i < nv { scale[i] * deviation[i] } else { 0.0 };
             tasks.row(i).transpose().dot(&acceleration) + more
@@ -223,6 +236,143 @@ pub fn aerial(ticks: usize) -> Vec<Qp> {
     (0..ticks).map(tick).collect()
 }
 
+/// What the constraints of a robot on its feet are made of.
+struct Standing<'a> {
+    mass: &'a DMatrix<f64>,
+    /// Jacobian of the points that bear forces.
+    contact: &'a DMatrix<f64>,
+    /// Jacobian of what is at rest.
+    motion: &'a DMatrix<f64>,
+    bias: &'a DVector<f64>,
+    /// One that is feasible.
+    acceleration: &'a DVector<f64>,
+}
+
+impl Standing<'_> {
+    /// Dynamics of the base and feet at rest as equalities; friction and torque limits.
+    fn constrain(&self, qp: &mut Qp, friction: f64, least_normal: f64, largest_torque: f64) {
+        let (nv, nf) = (self.mass.nrows(), self.contact.nrows());
+        let dynamics = |i: usize| {
+            let forces = self.contact.column(i).into_owned();
+            let row = self.mass.row(i).transpose();
+            (0..nv + nf).map(move |j| if j < nv { row[j] } else { -forces[j - nv] })
+        };
+        for i in 0..6 {
+            push(qp, dynamics(i), -self.bias[i], -self.bias[i]);
+        }
+        let at_rest = self.motion * self.acceleration;
+        for (row, at_rest) in self.motion.row_iter().zip(&at_rest) {
+            let row = row.iter().copied().chain(std::iter::repeat_n(0.0, nf));
+            push(qp, row, *at_rest, *at_rest);
+        }
+        for point in 0..nf / 3 {
+            push_friction(qp, nv + 3 * point, friction, least_normal);
+        }
+        for i in 6..nv {
+            let (lower, upper) = (
+                -largest_torque - self.bias[i],
+                largest_torque - self.bias[i],
+            );
+            push(qp, dynamics(i), lower, upper);
+        }
+    }
+}
+
+/// A quadruped on four point feet without its torques: 30 variables (18 accelerations, 12 components of four forces), 18
+/// equalities (the base's dynamics, the feet at rest), 32 rows (friction, torque limits).
+pub fn quadruped(ticks: usize, demand: Demand) -> Vec<Qp> {
+    let rng = &mut ChaCha8Rng::seed_from_u64(1);
+    let (nv, nf) = (18, 12);
+    let mass = Mass {
+        diagonal: DVector::from_fn(nv, |i, _| match i {
+            0..3 => 12.0,
+            3..6 => 0.3,
+            _ => 0.03 * rng.random_range(0.3..1.5),
+        }),
+        coupling: Waves::new(rng, nv, nv, 0.0, 0.04),
+        coupled: |low, high| high >= 3 && (low < 6 || (low - 6) / 3 == (high - 6) / 3),
+    };
+    let legs = Waves::new(rng, nf, 3, 0.2, 0.05);
+    let acceleration = Waves::new(rng, nv, 1, 0.0, 1.0);
+    let forces = Waves::new(rng, nf, 1, 0.0, 0.35);
+    let torques = Waves::new(rng, nv, 1, 0.0, 0.35);
+    let deviation = Waves::new(rng, nv, 1, 0.0, 1.0);
+    let centre = Waves::new(rng, 3, nv, 0.25, 0.05);
+    let asked = Wave::new(rng, 1.0);
+    let (mean_normal, largest_torque, friction) = (30.0, 6.0, 0.5);
+
+    let tick = |k: usize| {
+        let time = k as f64 * PERIOD;
+        let mass = mass.at(time);
+        let legs = legs.at(time);
+        let mut contact = DMatrix::zeros(nf, nv);
+        for foot in 0..4 {
+            let x = if foot < 2 { 0.19 } else { -0.19 };
+            let y = if foot % 2 == 0 { 0.15 } else { -0.15 };
+            let arm: Matrix3<f64> = -Vector3::new(x, y, -0.24).cross_matrix();
+            let at = 3 * foot;
+            contact.view_mut((at, 0), (3, 3)).fill_with_identity();
+            contact.view_mut((at, 3), (3, 3)).copy_from(&arm);
+            let own = legs.rows(at, 3) + Matrix3::from_diagonal_element(0.2);
+            contact.view_mut((at, 6 + at), (3, 3)).copy_from(&own);
+        }
+        let acceleration = acceleration.vector(time);
+        let shape = forces.vector(time);
+        let force = DVector::from_fn(nf, |i, _| {
+            let normal = mean_normal * (1.0 + 0.5 * shape[i - i % 3 + 2]);
+            if i % 3 == 2 {
+                normal
+            } else {
+                0.35 * normal * shape[i]
+            }
+        });
+        let mut torque = torques.vector(time) * largest_torque;
+        torque.rows_mut(0, 6).fill(0.0);
+        let bias = &torque + contact.transpose() * &force - &mass * &acceleration;
+
+        let mut h = DMatrix::zeros(nv + nf, nv + nf);
+        let mut g = DVector::zeros(nv + nf);
+        let deviation = deviation.vector(time) * demand.at(&asked, time);
+        for i in 0..nv {
+            let (weight, scale) = match i {
+                0..3 => (10.0, 5.0),
+                3..6 => (5.0, 5.0),
+                _ => (0.1, 40.0),
+            };
+            h[(i, i)] = weight + 1e-5;
+            g[i] = -weight * (acceleration[i] + scale * deviation[i]);
+        }
+        for i in 0..nf {
+            h[(nv + i, nv + i)] = 1e-4;
+            g[nv + i] = -1e-4 * force[i];
+        }
+        // The centre of mass, which the legs move as well: couples all accelerations.
+        for (axis, row) in centre.at(time).row_iter().enumerate() {
+            let row = DVector::from_fn(nv + nf, |j, _| match j {
+                0..3 => f64::from(u8::from(j == axis)),
+                3..18 => row[j],
+                _ => 0.0,
+            });
+            let wanted = row.rows(0, nv).dot(&acceleration) + 5.0 * deviation[axis];
+            h += 4.0 * &row * row.transpose();
+            g -= 4.0 * wanted * row;
+        }
+
+        let mut qp = problem(nv + nf, 18 + 32);
+        set_cost(&mut qp, &h, &g);
+        let stand = Standing {
+            mass: &mass,
+            contact: &contact,
+            motion: &contact,
+            bias: &bias,
+            acceleration: &acceleration,
+        };
+        stand.constrain(&mut qp, friction, 0.05 * mean_normal, largest_torque);
+        qp
+    };
+    (0..ticks).map(tick).collect()
+}
+
 /// The humanoid's base, left leg, right leg or upper body.
 fn part(i: usize) -> usize {
     match i {
@@ -235,7 +385,7 @@ fn part(i: usize) -> usize {
 
 /// A humanoid on two feet without its torques: 60 variables (36 accelerations, 24 components of eight point forces), 18
 /// equalities (the base's dynamics, both feet at rest), 70 rows (friction, torque limits).
-pub fn humanoid(ticks: usize) -> Vec<Qp> {
+pub fn humanoid(ticks: usize, demand: Demand) -> Vec<Qp> {
     let rng = &mut ChaCha8Rng::seed_from_u64(1);
     let (nv, points) = (36, 8);
     let nf = 3 * points;
@@ -304,8 +454,7 @@ pub fn humanoid(ticks: usize) -> Vec<Qp> {
 
         let mut h = DMatrix::zeros(nv + nf, nv + nf);
         let mut g = DVector::zeros(nv + nf);
-        let envelope = envelope(&asked, time);
-        let deviation = deviation.vector(time) * envelope;
+        let deviation = deviation.vector(time) * demand.at(&asked, time);
         for i in 0..nv {
             let (weight, scale) = match i {
                 0..3 => (10.0, 5.0),
@@ -332,25 +481,57 @@ pub fn humanoid(ticks: usize) -> Vec<Qp> {
 
         let mut qp = problem(nv + nf, 18 + 70);
         set_cost(&mut qp, &h, &g);
-        let dynamics = |i: usize| {
-            let forces = contact.column(i).into_owned();
-            let row = mass.row(i).transpose();
-            (0..nv + nf).map(move |j| if j < nv { row[j] } else { -forces[j - nv] })
+        let stand = Standing {
+            mass: &mass,
+            contact: &contact,
+            motion: &motion,
+            bias: &bias,
+            acceleration: &acceleration,
         };
-        for i in 0..6 {
-            push(&mut qp, dynamics(i), -bias[i], -bias[i]);
+        stand.constrain(&mut qp, friction, 0.05 * mean_normal, largest_torque);
+        qp
+    };
+    (0..ticks).map(tick).collect()
+}
+
+/// Dense problems without any structure, all of whose numbers drift: a definite cost, equalities, rows with two limits.
+/// The more is asked for, the more limits are active; with `Demand::Steady` their number varies least.
+pub fn drifting(
+    ticks: usize,
+    variables: usize,
+    equalities: usize,
+    rows: usize,
+    demand: Demand,
+) -> Vec<Qp> {
+    let rng = &mut ChaCha8Rng::seed_from_u64(1);
+    let root = Waves::new(rng, variables, variables, 1.0, 0.1);
+    let coefficients = Waves::new(rng, equalities + rows, variables, 1.0, 0.1);
+    let point = Waves::new(rng, variables, 1, 0.0, 1.0);
+    let deviation = Waves::new(rng, variables, 1, 1.0, 0.3);
+    let margins = Waves::new(rng, rows, 2, 0.0, 0.3);
+    let asked = Wave::new(rng, 1.0);
+
+    let tick = |k: usize| {
+        let time = k as f64 * PERIOD;
+        let (root, a) = (root.at(time), coefficients.at(time));
+        let (point, margins) = (point.vector(time), margins.at(time));
+        let mut h = &root * root.transpose() / variables as f64;
+        for i in 0..variables {
+            h[(i, i)] += 0.1;
         }
-        let at_rest = &motion * &acceleration;
-        for (row, at_rest) in motion.row_iter().zip(&at_rest) {
-            let row = row.iter().copied().chain([0.0; 24]);
-            push(&mut qp, row, *at_rest, *at_rest);
-        }
-        for point in 0..points {
-            push_friction(&mut qp, nv + 3 * point, friction, 0.05 * mean_normal);
-        }
-        for i in 6..nv {
-            let (lower, upper) = (-largest_torque - bias[i], largest_torque - bias[i]);
-            push(&mut qp, dynamics(i), lower, upper);
+        let wanted = &point + deviation.vector(time) * demand.at(&asked, time);
+        let g = -(&h * wanted);
+        let mut qp = problem(variables, equalities + rows);
+        set_cost(&mut qp, &h, &g);
+        // Limits lie on both sides of what a point that is feasible has.
+        for (i, row) in a.row_iter().enumerate() {
+            let value = row.transpose().dot(&point);
+            let below_and_above = match i.checked_sub(equalities) {
+                None => [0.0, 0.0],
+                Some(j) => [margins[(j, 0)], margins[(j, 1)]].map(|margin| 1.0 + margin),
+            };
+            let [below, above] = below_and_above;
+            push(&mut qp, row.iter().copied(), value - below, value + above);
         }
         qp
     };

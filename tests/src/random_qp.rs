@@ -218,7 +218,7 @@ pub fn random_qp(family: Family, seed: u64, largest: usize) -> Known {
         vars: n,
         rows: rows.len(),
     });
-    qp.reset((0..n as u32).map(VarId::new));
+    qp.reset((0..n as u32).map(VarId::new)).expect("ascends");
     let row_units: Vec<f64> = rows.iter().map(|_| unit(rng)).collect();
     for (id, (row, r)) in rows.iter().zip(&row_units).enumerate() {
         let out = qp

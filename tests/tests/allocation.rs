@@ -17,11 +17,10 @@ use wbqp::{
     controller::{Fault, Rung},
     entry::{Entry, Weight},
     nalgebra::UnitQuaternion,
-    qp::{Capacity, Clarabel, Qp, QpSolver, Solution},
+    qp::{Budget, Capacity, Clarabel, Qp, QpError, QpSolver, Solution, Solver, Status},
     schemars,
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
-    setup::BindError,
 };
 use wbqp_robots::Othex;
 use wbqp_tasks::{
@@ -48,15 +47,27 @@ struct Bracketed {
 }
 
 #[wbqp::solver("test.bracketed")]
+impl Solver for Bracketed {}
+
 impl QpSolver for Bracketed {
-    fn bind(&mut self, capacity: Capacity) -> Result<(), BindError> {
+    fn bind(&mut self, capacity: Capacity) -> Result<(), QpError> {
         self.inner.bind(capacity)
     }
 
-    fn solve(&mut self, qp: &Qp, out: &mut Solution) {
+    fn memory(&self, capacity: Capacity) -> usize {
+        self.inner.memory(capacity)
+    }
+
+    fn solve_within(
+        &mut self,
+        qp: &Qp,
+        budget: Budget<'_>,
+        out: &mut Solution,
+    ) -> Result<Status, QpError> {
         let before = allocations();
-        self.inner.solve(qp, out);
+        let status = self.inner.solve_within(qp, budget, out);
         IN_SOLVER.fetch_add(allocations() - before, Ordering::Relaxed);
+        status
     }
 
     fn reset(&mut self) {
@@ -87,7 +98,7 @@ fn main() {
 }
 
 /// With the default solver, or another.
-fn a_tick_allocates_nothing(solver: Option<fn() -> Box<dyn QpSolver>>) {
+fn a_tick_allocates_nothing(solver: Option<fn() -> Box<dyn Solver>>) {
     for kind in KINDS {
         for formulation in [
             Formulation::Condensed,

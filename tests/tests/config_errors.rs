@@ -124,7 +124,7 @@ fn settings() {
             "x.toml:2:8: controller: rate: invalid type: string \"fast\", expected a number",
             "x.toml:3:15: controller: formulation: unknown value `dense`, expected one of `auto`, `condensed`, `torque_eliminated`, `explicit`",
             "x.toml:4:1: controller: unknown key `regularization`; did you mean `regularisation`? \
-             (known: extrapolation, formulation, hover, max_first_error, rate, regularisation, start, velocity_leak)",
+             (known: extrapolation, formulation, hover, max_first_error, max_memory, rate, regularisation, start, velocity_leak)",
         ]
     );
     assert_eq!(

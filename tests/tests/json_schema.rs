@@ -94,7 +94,7 @@ fn what_is_saved_satisfies_it() {
 }
 
 /// What only a robot, or arithmetic, can tell.
-const BEYOND_A_SCHEMA: [&str; 27] = [
+const BEYOND_A_SCHEMA: [&str; 33] = [
     "base_task_on_fixed_robot",
     "cannot_hover",
     "contact_axis_along_normal",
@@ -102,11 +102,16 @@ const BEYOND_A_SCHEMA: [&str; 27] = [
     "contact_normal_zero",
     "contact_without_any",
     "exact_penalty_on_a_task",
+    "file_is_a_device",
     "floats_without_rotors",
+    "gain_beyond_any_loop",
     "gain_is_negative",
     "gain_is_not_a_number",
     "gain_list_too_short",
     "hard_inequality_with_transition",
+    "memory_too_small",
+    "normal_force_without_end",
+    "ramp_longer_than_the_world",
     "rate_zero",
     "reference_of_wrong_length",
     "rotor_task_without_rotors",
@@ -120,6 +125,7 @@ const BEYOND_A_SCHEMA: [&str; 27] = [
     "urdf_not_there",
     "urdf_option_names_no_joint",
     "waypoints_out_of_order",
+    "weight_beyond_all_numbers",
     "weight_list_too_long",
     "weight_negative_in_list",
 ];

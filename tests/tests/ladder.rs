@@ -462,7 +462,7 @@ fn is_feasible(n: usize, members: &[&Member]) -> bool {
         rows: members.len(),
     };
     let mut qp = Qp::new(capacity);
-    qp.reset((0..n as u32).map(VarId::new));
+    qp.reset((0..n as u32).map(VarId::new)).expect("ascend");
     for i in 0..n {
         qp.h_mut()[i * n + i] = 1.0;
     }
@@ -474,7 +474,7 @@ fn is_feasible(n: usize, members: &[&Member]) -> bool {
     let mut solver = ActiveSet::default();
     solver.bind(capacity).expect("is valid");
     let mut solution = Solution::new(capacity);
-    solver.solve(&qp, &mut solution);
+    solver.solve(&qp, &mut solution).expect("fits");
     match solution.status {
         Status::Optimal => true,
         Status::Infeasible => false,
@@ -503,7 +503,7 @@ fn the_proof_of_the_active_set_solver_is_irreducible() {
         let mut solver = ActiveSet::default();
         solver.bind(qp.capacity()).expect("is valid");
         let mut solution = Solution::new(qp.capacity());
-        solver.solve(qp, &mut solution);
+        solver.solve(qp, &mut solution).expect("fits");
         assert_eq!(solution.status, Status::Infeasible);
         let mut members = Vec::new();
         for i in 0..m + n {

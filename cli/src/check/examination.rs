@@ -182,9 +182,7 @@ impl Robot {
             nu: robot.nu(),
             total_mass: model.mass(),
             diagnostics: robot.diagnostics.clone(),
-            bodies: (0..model.bodies().len())
-                .filter_map(|i| BodyFacts::new(model, i))
-                .collect(),
+            bodies: BodyFacts::all(model),
             joints: joints
                 .map(|(i, joint)| JointFacts::new(robot, i, joint))
                 .collect(),
@@ -227,29 +225,40 @@ fn leader(model: &Model, joint: JointId) -> String {
 }
 
 impl BodyFacts {
-    fn new(model: &Model, index: usize) -> Option<Self> {
-        let body = model.bodies().get(index)?;
-        let carries = |joint: &&Joint| {
-            let id = model.joint(&joint.name);
-            id.is_some_and(|id| model.body_of(id).index() == index)
-        };
-        let joint = model.joints().iter().find(carries);
-        let mimic = model.mimics().iter().find(|m| m.body.index() == index);
-        let joint = joint.or(mimic.map(|m| &m.joint));
-        let parent = model.bodies().get(body.parent.index());
-        Some(Self {
-            name: body.name.clone(),
-            parent: parent.filter(|_| index > 0).map(|p| p.name.clone()),
-            joint: joint.map(|j| j.name.clone()),
-            mass: body.inertia.mass,
-            center_of_mass: body.inertia.com().into(),
-            merged: model
-                .frames()
-                .iter()
-                .filter(|f| f.body.index() == index && f.name != body.name)
-                .map(|f| f.name.clone())
-                .collect(),
-        })
+    /// In the model's order.
+    fn all(model: &Model) -> Vec<Self> {
+        let bodies = model.bodies().iter().enumerate();
+        let mut all: Vec<Self> = bodies
+            .map(|(index, body)| {
+                let parent = model.bodies().get(body.parent.index());
+                Self {
+                    name: body.name.clone(),
+                    parent: parent.filter(|_| index > 0).map(|p| p.name.clone()),
+                    joint: None,
+                    mass: body.inertia.mass,
+                    center_of_mass: body.inertia.com().into(),
+                    merged: Vec::new(),
+                }
+            })
+            .collect();
+        let mimics = model.mimics().iter().map(|m| (m.body, &m.joint));
+        let joints = model.joints().iter().filter_map(|joint| {
+            let id = model.joint(&joint.name)?;
+            Some((model.body_of(id), joint))
+        });
+        for (body, joint) in mimics.chain(joints) {
+            if let Some(facts) = all.get_mut(body.index()) {
+                facts.joint = Some(joint.name.clone());
+            }
+        }
+        for frame in model.frames() {
+            if let Some(facts) = all.get_mut(frame.body.index())
+                && facts.name != frame.name
+            {
+                facts.merged.push(frame.name.clone());
+            }
+        }
+        all
     }
 }
 

@@ -1,7 +1,14 @@
 //! What holding still at home needs of each actuator.
 
 use serde::Serialize;
-use wbqp::{Controller, controller::Rung, model::Base, robot::RobotModel};
+use wbqp::{
+    Controller,
+    controller::Rung,
+    dynamics::{Data, frame_motion},
+    model::Base,
+    nalgebra::Vector3,
+    robot::RobotModel,
+};
 
 use super::examination::effort_unit;
 
@@ -75,7 +82,15 @@ pub struct FirstTick {
     /// With which the base of a robot that should stand begins to move, m/s².
     #[serde(skip_serializing_if = "Option::is_none")]
     pub falls: Option<f64>,
+    /// Contacts that are on and away from their surface at home, with how far they are above it, m.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub off_surface: Vec<(String, f64)>,
 }
+
+/// Contacts nearer to their surface than this, m, touch it.
+const TOUCHES: f64 = 0.02;
+/// Cosine from which on two surfaces are parallel.
+const PARALLEL: f64 = 0.999;
 
 /// Forces below this share of the weight, and moments below this share of the weight at 1 m, are none.
 const NEGLIGIBLE: f64 = 1e-4;
@@ -147,6 +162,7 @@ impl Holding {
             contacts: on
                 .map(|(name, contact)| (name.to_owned(), contact.solution[2]))
                 .collect(),
+            off_surface: off_surface(controller),
         });
         holding
     }
@@ -156,6 +172,37 @@ impl Holding {
         let known = self.efforts.iter().filter(|e| e.share.is_some());
         known.max_by(|a, b| a.share.unwrap_or(0.0).total_cmp(&b.share.unwrap_or(0.0)))
     }
+}
+
+/// Contacts that are on at the start and are not where the others on parallel surfaces are, at home: their frame may be a wrong
+/// one. The lowest of them touches.
+fn off_surface(controller: &Controller) -> Vec<(String, f64)> {
+    let robot = controller.robot();
+    let mut data = Data::new(&robot.model);
+    data.update(&robot.model, &robot.home);
+    let names = controller.contact_names();
+    let ids = names.filter_map(|name| controller.contact(name).ok());
+    let specs = ids.map(|id| controller.contact_spec(id));
+    let heights: Vec<(&str, Vector3<f64>, f64)> = specs
+        .filter(|spec| spec.active)
+        .filter_map(|spec| {
+            let frame = frame_motion(&robot.model, &data, robot.model.frame(&spec.frame)?);
+            let normal = spec.surface.rotation().ok()? * Vector3::z();
+            let point = frame.p_WF + frame.R_WF * Vector3::from(spec.offset);
+            let height = (point - Vector3::from(spec.surface.origin)).dot(&normal);
+            Some((spec.name.as_str(), normal, height))
+        })
+        .collect();
+    let lowest = |normal: &Vector3<f64>| {
+        let parallel = heights.iter().filter(|(_, n, _)| n.dot(normal) > PARALLEL);
+        parallel
+            .map(|(_, _, height)| *height)
+            .fold(f64::INFINITY, f64::min)
+    };
+    let above = heights
+        .iter()
+        .map(|(name, normal, height)| ((*name).to_owned(), height - lowest(normal)));
+    above.filter(|(_, above)| *above > TOUCHES).collect()
 }
 
 fn efforts(robot: &RobotModel, command: &[f64]) -> Vec<Effort> {

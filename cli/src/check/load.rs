@@ -110,6 +110,10 @@ fn with_config(
     }
     match Controller::with_robot(config, robot) {
         Ok(mut controller) => {
+            // With what was noticed in the controller's file.
+            if let Some(shown) = &mut examination.robot {
+                shown.diagnostics = controller.robot().diagnostics.clone();
+            }
             examination.holding = Some(match kind {
                 Subject::Urdf => Holding::of_robot(&controller),
                 Subject::Controller | Subject::Scenario => Holding::of_controller(&mut controller),

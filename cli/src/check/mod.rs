@@ -11,6 +11,7 @@ pub use examination::{
 };
 pub use holding::{Effort, FirstTick, Holding, Means, Missing};
 pub use load::{Request, configuration, examine, robot_of};
+use wbqp_examples::complain;
 
 use std::{
     io::{self, Write},
@@ -140,7 +141,7 @@ impl Arguments {
             write!(out, "{}", text::text(&examination))?;
         }
         for error in &examination.errors {
-            eprintln!("error: {error}");
+            complain!("error: {error}");
         }
         Ok(if examination.errors.is_empty() {
             ExitCode::SUCCESS

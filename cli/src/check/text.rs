@@ -1,11 +1,11 @@
 //! An examination for a terminal.
 
-use std::{fmt::Write as _, path::Path};
+use std::{collections::HashMap, fmt::Write as _, path::Path};
 
 use wbqp::robot::{Diagnostic, Place, Severity};
 
 use super::{
-    examination::{BodyFacts, ControllerFacts, Examination, JointFacts, Robot},
+    examination::{BodyFacts, ControllerFacts, Examination, JointFacts, MimicFacts, Robot},
     holding::{Holding, Means},
 };
 use crate::text::{indented, number, per_cent, quantity, table, wrapped};
@@ -135,6 +135,20 @@ fn short_place(place: &Place) -> Place {
     }
 }
 
+/// Columns from which on branches are not drawn any further to the right.
+const DEEPEST: usize = 60;
+
+/// By name of a body, those that it carries.
+fn children(robot: &Robot) -> HashMap<&str, Vec<usize>> {
+    let mut children: HashMap<&str, Vec<usize>> = HashMap::new();
+    for (index, body) in robot.bodies.iter().enumerate() {
+        if let Some(parent) = &body.parent {
+            children.entry(parent).or_default().push(index);
+        }
+    }
+    children
+}
+
 /// The tree by bodies: a child that is the only one stands below its parent, several are drawn as branches.
 fn tree_text(robot: &Robot, out: &mut String) {
     let mut rows = table(
@@ -143,14 +157,25 @@ fn tree_text(robot: &Robot, out: &mut String) {
         ],
         &[1],
     );
+    let children = children(robot);
+    let carried = robot
+        .joints
+        .iter()
+        .map(|joint| (joint.body.as_str(), joint));
+    let joints: HashMap<&str, &JointFacts> = carried.collect();
+    let followers = robot
+        .mimics
+        .iter()
+        .map(|mimic| (mimic.body.as_str(), mimic));
+    let mimics: HashMap<&str, &MimicFacts> = followers.collect();
     let mut stack: Vec<(usize, String, String)> = vec![(0, String::new(), String::new())];
     while let Some((index, prefix, below)) = stack.pop() {
         let Some(body) = robot.bodies.get(index) else {
             continue;
         };
-        let joint = robot.joints.iter().find(|j| j.body == body.name);
+        let joint = joints.get(body.name.as_str()).copied();
         let mut cells = row(body, joint, &prefix);
-        if let Some(mimic) = robot.mimics.iter().find(|m| m.body == body.name) {
+        if let Some(mimic) = mimics.get(body.name.as_str()) {
             let mut law = format!("{} × {}", number(mimic.multiplier), mimic.leader);
             if mimic.offset != 0.0 {
                 let _ = write!(law, " + {}", number(mimic.offset));
@@ -158,17 +183,14 @@ fn tree_text(robot: &Robot, out: &mut String) {
             cells.extend([mimic.name.clone(), "mimic".to_owned(), law]);
         }
         rows.add_row(cells);
-        let children: Vec<usize> = robot
-            .bodies
-            .iter()
-            .enumerate()
-            .filter(|(_, other)| other.parent.as_ref() == Some(&body.name))
-            .map(|(i, _)| i)
-            .collect();
+        let children = children.get(body.name.as_str());
+        let children = children.map_or(&[][..], Vec::as_slice);
         let count = children.len();
-        for (i, child) in children.into_iter().enumerate().rev() {
+        let is_deep = below.chars().count() >= DEEPEST;
+        for (i, &child) in children.iter().enumerate().rev() {
             let (mark, line) = match (count, i + 1 == count) {
                 (1, _) => ("", ""),
+                _ if is_deep => ("", ""),
                 (_, true) => ("└ ", "  "),
                 (_, false) => ("├ ", "│ "),
             };
@@ -294,6 +316,14 @@ fn holding_text(holding: &Holding, out: &mut String) {
     if let Some(tick) = &holding.first_tick {
         for (name, force) in &tick.contacts {
             let _ = writeln!(out, "  contact `{name}`: {} N normal force", number(*force));
+        }
+        for (name, above) in &tick.off_surface {
+            let _ = writeln!(
+                out,
+                "  contact `{name}` is {} m above its surface at home, where the others on parallel surfaces are: it does not \
+                 touch; is its frame the right one?",
+                number(*above)
+            );
         }
         let _ = writeln!(out, "  first tick at home: {}", tick.rung);
         if let Some(acceleration) = tick.falls {

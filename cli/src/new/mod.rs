@@ -14,6 +14,7 @@ use std::{
     path::{Path, PathBuf},
     process::ExitCode,
 };
+use wbqp_examples::{complain, say};
 
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
@@ -109,20 +110,20 @@ impl Arguments {
             bail!("{urdf}: {}", draft.warnings.join("; "));
         }
         self.write(&output, &draft.text)?;
-        println!("controller: {}", output.display());
+        say!("controller: {}", output.display());
         if let Some(rotors) = &draft.rotors {
             self.write(&rotor_output, rotors)?;
-            println!("rotors: {}", rotor_output.display());
+            say!("rotors: {}", rotor_output.display());
         }
         for warning in &draft.warnings {
-            eprintln!("warning: {warning}");
+            complain!("warning: {warning}");
         }
         let ticks = verify::tick(&output);
         match &ticks {
-            Ok(()) => println!("{} ticks from home, all optimal", verify::TICKS),
-            Err(why) => eprintln!("warning: {why}"),
+            Ok(()) => say!("{} ticks from home, all optimal", verify::TICKS),
+            Err(why) => complain!("warning: {why}"),
         }
-        println!("next: wbqp check {0}; wbqp run {0}", output.display());
+        say!("next: wbqp check {0}; wbqp run {0}", output.display());
         Ok(if draft.warnings.is_empty() && ticks.is_ok() {
             ExitCode::SUCCESS
         } else {

@@ -8,9 +8,9 @@ mod summary;
 mod traces;
 
 pub use summary::{CaseSummary, ContactSummary, EffortSummary, TaskSummary, TickTime};
+use wbqp_examples::say;
 
 use std::{
-    fs,
     path::{Path, PathBuf},
     process::ExitCode,
 };
@@ -21,7 +21,6 @@ use rayon::prelude::*;
 use wbqp::{
     log::{LogSink, McapLog},
     replay::DumpFolder,
-    serde_json,
 };
 use wbqp_examples::{
     cli::{Common, ProgressBars},
@@ -80,12 +79,12 @@ impl Arguments {
             .map(|case| self.run_case(&scenario, case, &directory, &bars))
             .collect::<Result<Vec<CaseSummary>>>()?;
         for summary in &summaries {
-            println!("\n{}", summary.text().trim_end());
+            say!("\n{}", summary.text().trim_end());
         }
         let file = directory.join("summary.json");
-        let text = serde_json::to_string_pretty(&summaries)?;
-        fs::write(&file, text).with_context(|| file.display().to_string())?;
-        println!("\nlogs, figures and summary.json: {}", directory.display());
+        let order: Vec<&str> = scenario.cases().collect();
+        summary::write(&file, &summaries, &order)?;
+        say!("\nlogs, figures and summary.json: {}", directory.display());
         Ok(if summaries.iter().all(CaseSummary::completed) {
             ExitCode::SUCCESS
         } else {

@@ -1,8 +1,17 @@
 //! What is told of a finished run, measured from its log.
 
-use anyhow::Result;
+use std::{fs, path::Path, thread, time::Duration};
+
+use anyhow::{Context, Result};
 use serde::Serialize;
-use wbqp::{Controller, actuator::ActuatorKind, controller::Rung};
+use wbqp::{
+    Controller,
+    actuator::ActuatorKind,
+    controller::Rung,
+    input,
+    log::{LogError, RunLock},
+    serde_json::{self, Value},
+};
 use wbqp_examples::log_reader::Log;
 use wbqp_sim::Summary;
 
@@ -11,6 +20,54 @@ use crate::{
     check::effort_unit,
     text::{indented, number, per_cent, quantity, table},
 };
+
+/// Times that another run's summary is waited for, and for how long each time.
+const PATIENCE: (u32, Duration) = (500, Duration::from_millis(10));
+
+/// Writes the summaries of the cases that were run into a file. Cases of the same scenario that others ran, or that were run
+/// before, stay in it; `order` are all of the scenario's.
+///
+/// # Errors
+/// A file that cannot be written.
+pub(super) fn write(file: &Path, summaries: &[CaseSummary], order: &[&str]) -> Result<()> {
+    let _lock = lock(file)?;
+    let case = |summary: &Value| {
+        summary
+            .get("case")
+            .and_then(Value::as_str)
+            .map(str::to_owned)
+    };
+    let of_own = |name: &str| summaries.iter().any(|summary| summary.case == name);
+    let mut all: Vec<Value> = match input::read_text(file) {
+        // What is no summary is replaced.
+        Ok(text) => serde_json::from_str(&text).unwrap_or_default(),
+        Err(_) => Vec::new(),
+    };
+    all.retain(|old| case(old).is_some_and(|name| !of_own(&name)));
+    for summary in summaries {
+        all.push(serde_json::to_value(summary)?);
+    }
+    let rank = |name: &str| order.iter().position(|other| *other == name);
+    all.retain(|summary| case(summary).is_some_and(|name| rank(&name).is_some()));
+    all.sort_by_key(|summary| case(summary).and_then(|name| rank(&name)));
+    let text = serde_json::to_string_pretty(&all)?;
+    // A reader finds the old or the new file, never half of one.
+    let new = file.with_extension("json.new");
+    fs::write(&new, text)
+        .and_then(|()| fs::rename(&new, file))
+        .with_context(|| file.display().to_string())
+}
+
+fn lock(file: &Path) -> Result<RunLock, LogError> {
+    let (times, pause) = PATIENCE;
+    for _ in 0..times {
+        match RunLock::take(file) {
+            Err(LogError::Taken { .. }) => thread::sleep(pause),
+            done => return done,
+        }
+    }
+    RunLock::take(file)
+}
 
 /// Part of the run that "at the end" means.
 const END: f64 = 0.1;

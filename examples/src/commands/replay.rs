@@ -1,5 +1,6 @@
 //! Runs dumped ticks again and prints problem, rows by name, solution and active set.
 
+use crate::say;
 use std::{path::PathBuf, process::ExitCode};
 
 use anyhow::{Context, Result};
@@ -37,7 +38,7 @@ impl Arguments {
         let replayed = dump.replay(index, self.directory.as_deref())?;
         let controller = &replayed.controller;
         let report = controller.report();
-        println!(
+        say!(
             "tick {tick} of {last}, t = {} s, robot {}, {} Hz, written by wbqp {}",
             report.time,
             controller.robot().model.name(),
@@ -45,31 +46,31 @@ impl Arguments {
             dump.wbqp,
         );
         match controller.explain() {
-            Some(explanation) => println!("{explanation}\n"),
-            None => println!("{}\n", report.rung.as_str()),
+            Some(explanation) => say!("{explanation}\n"),
+            None => say!("{}\n", report.rung.as_str()),
         }
         let matrices = if self.matrices {
             Matrices::Shown
         } else {
             Matrices::Hidden
         };
-        println!("{}", ProblemTable::new(controller, matrices));
-        println!("command");
+        say!("{}", ProblemTable::new(controller, matrices));
+        say!("command");
         for (actuator, effort) in controller
             .robot()
             .actuators
             .iter()
             .zip(&controller.command().effort)
         {
-            println!("  {:20} {effort:.9}", actuator.name);
+            say!("  {:20} {effort:.9}", actuator.name);
         }
         if replayed.differences.is_empty() {
-            println!("\nthe same as recorded, to the bit");
+            say!("\nthe same as recorded, to the bit");
             return Ok(ExitCode::SUCCESS);
         }
-        println!("\nNOT the same as recorded:");
+        say!("\nNOT the same as recorded:");
         for difference in &replayed.differences {
-            println!("  {difference}");
+            say!("  {difference}");
         }
         Ok(ExitCode::FAILURE)
     }

@@ -1,5 +1,6 @@
 //! Replicates the paper's experiments.
 
+use crate::say;
 use std::{path::PathBuf, process::ExitCode};
 
 use anyhow::Result;
@@ -48,7 +49,7 @@ impl Arguments {
         }
         if let Some(page) = docs {
             markdown::write(&outcomes, page)?;
-            println!("page: {}", page.display());
+            say!("page: {}", page.display());
         }
         if *sweep {
             let found = sweep::run(
@@ -56,11 +57,11 @@ impl Arguments {
                 &sweep::plan(*combinations, common.seed),
                 common.seed,
             )?;
-            println!("{}", sweep::text(&found));
-            println!("sweep: {}", found.write(&common.out)?.display());
+            say!("{}", sweep::text(&found));
+            say!("sweep: {}", found.write(&common.out)?.display());
         }
         let report = report::write(&outcomes, &common.out)?;
-        println!("report: {}", report.display());
+        say!("report: {}", report.display());
         Ok(replication::conclude(&outcomes))
     }
 }

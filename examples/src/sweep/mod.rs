@@ -7,6 +7,7 @@ mod factor;
 mod plan;
 mod summary;
 
+use crate::say;
 use std::{
     fs,
     path::{Path, PathBuf},
@@ -88,7 +89,7 @@ pub fn run(experiments: &[Experiment], points: &[Point], seed: u64) -> Result<Sw
     }
     let per_point: usize = prepared.iter().map(|p| p.cases.len()).sum();
     let runs = per_point * points.len();
-    println!(
+    say!(
         "\nSweep: {} variations, {runs} runs. One quantity at a time, and random combinations: {}.",
         points.len(),
         points.iter().filter(|p| p.is_combination()).count()

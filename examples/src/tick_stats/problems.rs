@@ -16,11 +16,11 @@
 
 use std::time::Instant;
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Result, ensure};
 use serde::{Deserialize, Serialize};
 use wbqp::{
     Controller,
-    qp::{ActiveSet, Capacity, Clarabel, Optimality, Qp, QpSolver, RowId, Solution, VarId},
+    qp::{ActiveSet, Capacity, Clarabel, Optimality, Qp, QpSolver, RowId, Solution, Status, VarId},
 };
 
 use super::{Quantiles, workload::Workload};
@@ -105,14 +105,13 @@ impl Problem {
             "a list's length does not fit n = {n}, m = {m}"
         );
         let mut qp = Qp::new(self.capacity());
-        qp.reset(self.vars.iter().map(|&id| VarId::new(id)));
+        qp.reset(self.vars.iter().map(|&id| VarId::new(id)))?;
         qp.h_mut().copy_from_slice(&self.h);
         qp.g_mut().copy_from_slice(&self.g);
         let limits = self.row_lower.iter().zip(&self.row_upper);
         for (row, (&id, (lower, upper))) in self.rows.iter().zip(limits).enumerate() {
             let (lower, upper) = (below(*lower), above(*upper));
-            let coefficients = qp.push_row(RowId::new(id), lower, upper);
-            let coefficients = coefficients.context("the capacity is the problem's size")?;
+            let coefficients = qp.push_row(RowId::new(id), lower, upper)?;
             coefficients.copy_from_slice(&self.a[row * n..(row + 1) * n]);
         }
         let (lower, upper) = qp.bounds_mut();
@@ -268,9 +267,9 @@ impl Timing {
     /// Duration in ns.
     fn solve(&mut self, problem: &Problem, qp: &Qp) -> u32 {
         let start = Instant::now();
-        self.solver.solve(qp, &mut self.solution);
+        let status = self.solver.solve(qp, &mut self.solution);
         let spent = start.elapsed();
-        if self.solution.status.is_usable() {
+        if status == Ok(Status::Optimal) {
             let objective = qp.objective(&self.solution.x[..qp.n()]);
             let error = (objective - problem.objective).abs() / (1.0 + problem.objective.abs());
             self.objective_error = self.objective_error.max(error);

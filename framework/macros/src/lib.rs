@@ -30,10 +30,10 @@ pub fn robot(tag: TokenStream, item: TokenStream) -> TokenStream {
     register("Robot", tag, &item)
 }
 
-/// Registers an `impl QpSolver for …` under the given tag.
+/// Registers an `impl Solver for …` under the given tag.
 #[proc_macro_attribute]
 pub fn solver(tag: TokenStream, item: TokenStream) -> TokenStream {
-    register("QpSolver", tag, &item)
+    register("Solver", tag, &item)
 }
 
 /// Emits the implementation with its typetag name, and a registration of the implementing type.

@@ -124,18 +124,34 @@ impl Assembly {
 
     /// The largest problem that can come up.
     pub(crate) fn capacity(&self, groups: &[Group]) -> Capacity {
+        Self::capacity_for(&self.partition, groups, self.dynamics_rows.len())
+    }
+
+    /// The same before there is an assembly.
+    pub(crate) fn capacity_for(
+        partition: &Partition,
+        groups: &[Group],
+        dynamics_rows: usize,
+    ) -> Capacity {
         let is_row = |target: &BoundTarget| match *target {
             BoundTarget::Effort(i) => {
-                matches!(self.partition.efforts[i], EffortPlace::Eliminated(_))
+                matches!(partition.efforts[i], EffortPlace::Eliminated(_))
             }
             BoundTarget::Force(..) => false,
         };
         let bounds = |g: &Group| g.layout.bounds.iter().filter(|(_, t)| is_row(t)).count();
         let rows: usize = groups.iter().map(|g| g.row_capacity() + bounds(g)).sum();
         Capacity {
-            vars: self.row.len() - self.partition.substituted,
-            rows: rows + self.dynamics_rows.len(),
+            vars: Self::natural_variables(partition, groups) - partition.substituted,
+            rows: rows + dynamics_rows,
         }
+    }
+
+    /// Accelerations, kept efforts, forces and slacks.
+    pub(crate) fn natural_variables(partition: &Partition, groups: &[Group]) -> usize {
+        let slacks = groups.iter().filter(|g| g.treatment == Treatment::Slack);
+        let forces: usize = partition.nf.iter().sum();
+        partition.nv + partition.kept.len() + forces + slacks.count()
     }
 
     /// Builds the problem of this tick.
@@ -191,7 +207,8 @@ impl Assembly {
         groups: &mut [Group],
         qp: &mut Qp,
     ) -> Result<(), Fault> {
-        qp.reset(self.live.vars.iter().copied());
+        let made = qp.reset(self.live.vars.iter().copied());
+        debug_assert!(made.is_ok(), "{made:?}");
         self.constants.clear();
         self.torque_rows.clear();
         self.push_dynamics(terms, qp);

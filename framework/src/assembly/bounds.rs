@@ -51,7 +51,7 @@ impl Assembly {
             row.copy_from_slice(tail);
             let constant = known + self.relations.substitute(head, row);
             let limits = (lower - constant, upper - constant);
-            if let Some(out) = qp.push_row(group.bounds[b], limits.0, limits.1) {
+            if let Ok(out) = qp.push_row(group.bounds[b], limits.0, limits.1) {
                 self.constants.push(constant);
                 self.torque_rows.push(TorqueRow {
                     id: group.bounds[b],

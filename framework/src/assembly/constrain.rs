@@ -11,7 +11,7 @@ impl Assembly {
         let mass = terms.data.mass_matrix();
         for (i, &id) in self.dynamics_rows.iter().enumerate() {
             let (forcing, known) = self.relations.forcing(i);
-            let Some(row) = qp.push_row(id, known, known) else {
+            let Ok(row) = qp.push_row(id, known, known) else {
                 return;
             };
             self.constants.push(0.0);
@@ -69,7 +69,7 @@ impl Assembly {
                     } else {
                         (lower, f64::INFINITY)
                     };
-                    if let Some(out) = qp.push_row(id, limits.0, limits.1) {
+                    if let Ok(out) = qp.push_row(id, limits.0, limits.1) {
                         constants.push(constant);
                         out.copy_from_slice(x);
                         if let Some(slack) = slack {
@@ -80,7 +80,7 @@ impl Assembly {
             } else {
                 // Tasks and equalities write one right-hand side, into the lower limit.
                 let upper = if equality { lower } else { upper };
-                if let Some(out) = qp.push_row(group.rows[k], lower, upper) {
+                if let Ok(out) = qp.push_row(group.rows[k], lower, upper) {
                     constants.push(constant);
                     out.copy_from_slice(x);
                 }
@@ -105,7 +105,7 @@ impl Assembly {
             if !(usable(lower) && usable(upper) && is_finite(group, &self.partition, k)) {
                 return false;
             }
-            let Some(row) = qp.push_row(group.rows[k], lower, upper) else {
+            let Ok(row) = qp.push_row(group.rows[k], lower, upper) else {
                 continue;
             };
             self.constants.push(0.0);

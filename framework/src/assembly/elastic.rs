@@ -100,22 +100,18 @@ impl Elastic {
     ) -> Self {
         let mut levels = Vec::new();
         let mut level_of = vec![None; table.rows.len()];
-        let mut limits = 0;
+        let limits = Self::limits_of(groups, assembly.normal_rows.len());
         for of_tasks in [true, false] {
             for (index, group) in groups.iter().enumerate().rev() {
                 if group.is_task != of_tasks {
                     continue;
                 }
-                let rows = match group.treatment {
-                    Treatment::Hard if !group.layout.of_the_world => group.rows.as_slice(),
-                    _ => &[],
-                };
+                let rows = given_up(group);
                 if rows.is_empty() && group.bounds.is_empty() {
                     continue;
                 }
                 for id in rows.iter().chain(&group.bounds) {
                     level_of[id.index()] = Some(levels.len());
-                    limits += 1;
                 }
                 levels.push(Level::Entry(index));
             }
@@ -123,12 +119,8 @@ impl Elastic {
         for (contact, id) in assembly.normal_rows.iter().enumerate().rev() {
             level_of[id.index()] = Some(levels.len());
             levels.push(Level::Contact(contact));
-            limits += 1;
         }
-        let capacity = Capacity {
-            vars: capacity.vars + limits,
-            rows: capacity.rows + limits,
-        };
+        let capacity = Self::capacity(groups, assembly.normal_rows.len(), capacity);
         Self {
             given_up: vec![false; levels.len()],
             needed: vec![false; levels.len()],
@@ -141,6 +133,21 @@ impl Elastic {
             bound_owner: vec![[None; 2]; capacity.vars],
             qp: Qp::new(capacity),
         }
+    }
+
+    /// The largest problem with all limits given up, of one with so many bounds on normal forces.
+    pub(crate) fn capacity(groups: &[Group], normals: usize, problem: Capacity) -> Capacity {
+        let limits = Self::limits_of(groups, normals);
+        Capacity {
+            vars: problem.vars + limits,
+            rows: problem.rows + limits,
+        }
+    }
+
+    /// How many limits there are to give up.
+    fn limits_of(groups: &[Group], normals: usize) -> usize {
+        let of_groups = groups.iter().map(|g| given_up(g).len() + g.bounds.len());
+        of_groups.sum::<usize>() + normals
     }
 
     /// Nothing is given up; each actuator may go where its own limits and its slew allow.
@@ -175,10 +182,12 @@ impl Elastic {
     /// constraints of a proof has multipliers of the right sign: a dual method that begins there finds a proof near it.
     pub(crate) fn prove(&mut self, base: &Qp, proof: &WarmStart) {
         let n = base.n();
-        self.qp.reset(base.vars().iter().copied());
+        if self.qp.reset(base.vars().iter().copied()).is_err() {
+            return;
+        }
         for i in 0..base.m() {
             let (lower, upper) = (base.row_lower()[i], base.row_upper()[i]);
-            let Some(row) = self.qp.push_row(base.rows()[i], lower, upper) else {
+            let Ok(row) = self.qp.push_row(base.rows()[i], lower, upper) else {
                 return;
             };
             row.copy_from_slice(base.row(i));
@@ -349,12 +358,13 @@ impl Elastic {
         let (first_slack, first_row) = (self.first_slack, self.first_row);
         let slacks = self.given.iter().map(|given| {
             let id = match given.at {
-                At::Row(_) => given.id.0,
-                At::Variable(_) | At::Torque(_) => first_row + given.id.0,
+                At::Row(_) => given.id.index() as u32,
+                At::Variable(_) | At::Torque(_) => first_row + given.id.index() as u32,
             };
-            VarId(first_slack + id)
+            VarId::new(first_slack + id)
         });
-        self.qp.reset(base.vars().iter().copied().chain(slacks));
+        let made = self.qp.reset(base.vars().iter().copied().chain(slacks));
+        debug_assert!(made.is_ok(), "{made:?}");
         self.write_cost(assembly, base);
         let mut next = 0;
         for i in 0..base.m() {
@@ -369,7 +379,11 @@ impl Elastic {
                 }
                 None => (base.row_lower()[i], base.row_upper()[i]),
             };
-            let Some(row) = self.qp.push_row(base.rows()[i], lower, upper) else {
+            let Ok(row) = self.qp.push_row(base.rows()[i], lower, upper) else {
+                debug_assert!(
+                    false,
+                    "the storage is made for all rows, in ascending order"
+                );
                 return;
             };
             row[..n].copy_from_slice(base.row(i));
@@ -379,8 +393,12 @@ impl Elastic {
             }
         }
         for (k, given) in self.given.iter().enumerate().skip(next) {
-            let id = RowId(first_row + given.id.0);
-            let Some(row) = self.qp.push_row(id, given.lower, given.upper) else {
+            let id = RowId::new(first_row + given.id.index() as u32);
+            let Ok(row) = self.qp.push_row(id, given.lower, given.upper) else {
+                debug_assert!(
+                    false,
+                    "the storage is made for all limits, in ascending order"
+                );
                 return;
             };
             match given.at {
@@ -609,6 +627,14 @@ impl Elastic {
     /// The most entries that [`Elastic::exceeded`] may give.
     pub(crate) fn limits(&self) -> usize {
         2 * self.given.capacity()
+    }
+}
+
+/// The rows of an entry that are given up with it.
+fn given_up(group: &Group) -> &[RowId] {
+    match group.treatment {
+        Treatment::Hard if !group.layout.of_the_world => &group.rows,
+        _ => &[],
     }
 }
 

@@ -50,16 +50,16 @@ impl Live {
         self.vars.clear();
         let kept = &partition.velocities[partition.substituted..];
         self.vars
-            .extend(kept.iter().map(|&v| VarId(first.vdot + v as u32)));
+            .extend(kept.iter().map(|&v| VarId::new(first.vdot + v as u32)));
         let efforts = &partition.kept;
         self.vars
-            .extend(efforts.iter().map(|&u| VarId(first.effort + u as u32)));
+            .extend(efforts.iter().map(|&u| VarId::new(first.effort + u as u32)));
         let mut column = partition.first_force();
         for (contact, force) in self.forces.iter_mut().enumerate() {
             *force = contact_is_live(contact).then_some(column);
             if force.is_some() {
                 let (id, count) = (first.force[contact], partition.nf[contact]);
-                self.vars.extend((id..id + count as u32).map(VarId));
+                self.vars.extend((id..id + count as u32).map(VarId::new));
                 column += count;
             }
         }

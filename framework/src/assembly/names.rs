@@ -40,6 +40,11 @@ impl ProblemRows {
             .collect();
         Self { dynamics, normals }
     }
+
+    /// How many equations of motion are rows.
+    pub(crate) fn dynamics_rows(&self) -> usize {
+        self.dynamics.len()
+    }
 }
 
 const FORCE_LABELS: [(&str, &str); 6] = [

@@ -23,6 +23,8 @@
 //! frame's Jacobian is zero unless it carries the frame. Both are properties of the tree alone, known here once and for all (branch-induced sparsity:
 //! R. Featherstone, *Efficient factorization of the joint-space inertia matrix for branched kinematic trees*, IJRR 2005).
 
+use std::collections::HashMap;
+
 use super::{Motions, Support};
 use crate::{
     actuator::ActuatorKind,
@@ -116,15 +118,21 @@ impl Partition {
             Formulation::TorqueEliminated => eliminable(robot),
             _ => Vec::new(),
         };
+        let mut is_eliminated = vec![false; nv];
+        let mut torque_of = vec![None; robot.nu()];
+        for (index, torque) in torques.iter().enumerate() {
+            is_eliminated[torque.velocity] = true;
+            torque_of[torque.actuator] = Some(index);
+        }
         let is_substituted = |velocity: usize| match formulation {
             Formulation::Explicit => false,
-            _ => torques.iter().all(|t| t.velocity != velocity),
+            _ => !is_eliminated[velocity],
         };
         let velocities: Vec<usize> = (0..nv).filter(|&v| is_substituted(v)).collect();
         let substituted = velocities.len();
         let mut kept = Vec::new();
-        let place = |actuator| {
-            if let Some(torque) = torques.iter().position(|t| t.actuator == actuator) {
+        let place = |actuator: usize| {
+            if let Some(torque) = torque_of[actuator] {
                 return EffortPlace::Eliminated(torque);
             }
             kept.push(actuator);
@@ -217,40 +225,52 @@ impl Partition {
 
     fn find_branches(&self, robot: &RobotModel, related: &[Vec<usize>]) -> Vec<Branch> {
         let model = &robot.model;
+        let mut above: Vec<Vec<usize>> = vec![Vec::new(); self.nv];
+        for (high, below) in related.iter().enumerate() {
+            below.iter().for_each(|&low| above[low].push(high));
+        }
+        // What can push at each velocity: a second motor at the same joint, and rotors on what it carries.
+        let mut efforts_at: Vec<Vec<usize>> = vec![Vec::new(); self.nv];
+        for (k, &actuator) in self.kept.iter().enumerate() {
+            match &robot.actuators[actuator].kind {
+                ActuatorKind::Joint(motor) => {
+                    efforts_at[model.velocity_index(motor.joint)].push(k);
+                }
+                ActuatorKind::Rotor(rotor) => {
+                    let body = model.frames()[rotor.frame.index()].body;
+                    for velocity in carriers(model, body) {
+                        efforts_at[velocity].push(k);
+                    }
+                }
+            }
+        }
+        let mut contacts_at: Vec<Vec<usize>> = vec![Vec::new(); self.nv];
+        for (c, support) in self.contacts.iter().enumerate() {
+            for &velocity in &support.velocities {
+                contacts_at[velocity].push(c);
+            }
+        }
         let mut branches: Vec<Branch> = Vec::new();
+        let mut known = HashMap::new();
         for (index, torque) in self.torques.iter().enumerate() {
             let own = torque.velocity;
-            let is_related = |velocity: usize| {
-                velocity == own || related[own.max(velocity)].contains(&own.min(velocity))
-            };
-            let velocities: Vec<_> = (0..self.nv).filter(|&v| is_related(v)).collect();
-            let efforts: Vec<_> = (0..self.kept.len())
-                .filter(|&k| match &robot.actuators[self.kept[k]].kind {
-                    // A second motor at the same joint.
-                    ActuatorKind::Joint(motor) => {
-                        model.velocity_index(motor.joint) == torque.velocity
-                    }
-                    ActuatorKind::Rotor(rotor) => {
-                        let body = model.frames()[rotor.frame.index()].body;
-                        carriers(model, body).contains(&torque.velocity)
-                    }
-                })
-                .collect();
-            let contacts: Vec<_> = (0..self.contacts.len())
-                .filter(|&c| self.contacts[c].velocities.contains(&torque.velocity))
-                .collect();
-            let same = branches.iter_mut().find(|b| {
-                b.support.velocities == velocities && b.efforts == efforts && b.contacts == contacts
-            });
-            match same {
-                Some(branch) => branch.torques.push(index),
-                None => branches.push(Branch {
-                    torques: vec![index],
-                    support: Support::new(velocities),
-                    efforts,
-                    contacts,
-                }),
+            let below = related[own].iter().rev();
+            let velocities: Vec<_> = below.chain([&own]).chain(&above[own]).copied().collect();
+            let (efforts, contacts) = (efforts_at[own].clone(), contacts_at[own].clone());
+            let key = (velocities, efforts, contacts);
+            if let Some(&same) = known.get(&key) {
+                let same: &mut Branch = &mut branches[same];
+                same.torques.push(index);
+                continue;
             }
+            known.insert(key.clone(), branches.len());
+            let (velocities, efforts, contacts) = key;
+            branches.push(Branch {
+                torques: vec![index],
+                support: Support::new(velocities),
+                efforts,
+                contacts,
+            });
         }
         branches
     }
@@ -264,10 +284,11 @@ impl Partition {
 /// The first motor of every joint that has one.
 fn eliminable(robot: &RobotModel) -> Vec<Torque> {
     let mut torques: Vec<Torque> = Vec::new();
+    let mut has_motor = vec![false; robot.model.nv()];
     for (actuator, kind) in robot.actuators.iter().map(|a| &a.kind).enumerate() {
         if let ActuatorKind::Joint(motor) = kind {
             let velocity = robot.model.velocity_index(motor.joint);
-            if torques.iter().all(|t| t.velocity != velocity) {
+            if !std::mem::replace(&mut has_motor[velocity], true) {
                 torques.push(Torque { velocity, actuator });
             }
         }
@@ -278,10 +299,11 @@ fn eliminable(robot: &RobotModel) -> Vec<Torque> {
 /// The velocities that move a body, each once: nearest first, but for those of mimic joints.
 fn carriers(model: &Model, body: BodyId) -> Vec<usize> {
     let mut list = Vec::new();
+    let mut is_listed = vec![false; model.nv()];
     let mut body = body;
     while let Some(joint) = model.joint_of(body) {
         let velocity = model.velocity_index(joint);
-        if !list.contains(&velocity) {
+        if !std::mem::replace(&mut is_listed[velocity], true) {
             list.push(velocity);
         }
         body = model.bodies()[body.index()].parent;
@@ -306,35 +328,92 @@ fn related(model: &Model) -> Vec<Vec<usize>> {
         let own = model.velocity_index(joint);
         for other in carriers(model, body) {
             let (high, low) = (own.max(other), own.min(other));
-            if high != low && !related[high].contains(&low) {
+            if high != low {
                 related[high].push(low);
             }
         }
     }
     for list in &mut related {
         list.sort_unstable_by(|a, b| b.cmp(a));
+        list.dedup();
     }
     related
 }
 
 /// The same for the part of M in some velocities, numbered as columns, with what its factorisation `Lᵀ D L` fills in: nothing where
 /// M has a tree's sparsity.
+///
+/// What column `k` fills in belongs to the nearest of its ancestors first, which hands it on to its own: the elimination tree
+/// (J. W. H. Liu, *The role of elimination trees in sparse factorization*, SIAM J. Matrix Anal. Appl. 11 (1990)).
 fn ancestors(related: &[Vec<usize>], velocities: &[usize]) -> Vec<Vec<usize>> {
-    let column = |velocity: &usize| velocities.iter().position(|v| v == velocity);
+    let mut column = vec![None; related.len()];
+    for (index, &velocity) in velocities.iter().enumerate() {
+        column[velocity] = Some(index);
+    }
     let mut ancestors: Vec<Vec<usize>> = velocities
         .iter()
-        .map(|&velocity| related[velocity].iter().filter_map(column).collect())
+        .map(|&velocity| {
+            related[velocity]
+                .iter()
+                .filter_map(|&v| column[v])
+                .collect()
+        })
         .collect();
     for k in (0..ancestors.len()).rev() {
-        let list = ancestors[k].clone();
-        for (depth, &i) in list.iter().enumerate() {
-            for &j in &list[depth + 1..] {
-                if !ancestors[i].contains(&j) {
-                    ancestors[i].push(j);
-                    ancestors[i].sort_unstable_by(|a, b| b.cmp(a));
-                }
-            }
+        let (before, rest) = ancestors.split_at_mut(k);
+        let Some((&nearest, others)) = rest.first().and_then(|list| list.split_first()) else {
+            continue;
+        };
+        let list = &mut before[nearest];
+        // Where M is a tree's, nothing is new.
+        if list.as_slice() != others {
+            list.extend_from_slice(others);
+            list.sort_unstable_by(|a, b| b.cmp(a));
+            list.dedup();
         }
     }
     ancestors
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every pair of a column's ancestors is filled in, one by one.
+    fn filled_in(related: &[Vec<usize>]) -> Vec<Vec<usize>> {
+        let mut ancestors = related.to_vec();
+        for k in (0..ancestors.len()).rev() {
+            let list = ancestors[k].clone();
+            for (depth, &i) in list.iter().enumerate() {
+                for &j in &list[depth + 1..] {
+                    if !ancestors[i].contains(&j) {
+                        ancestors[i].push(j);
+                        ancestors[i].sort_unstable_by(|a, b| b.cmp(a));
+                    }
+                }
+            }
+        }
+        ancestors
+    }
+
+    #[test]
+    fn fill_in_by_the_elimination_tree_is_that_of_every_pair() {
+        let mut number = 12345_u64;
+        let mut next = |most: usize| {
+            number = number
+                .wrapping_mul(6364136223846793005)
+                .wrapping_add(1442695040888963407);
+            (number >> 33) as usize % most
+        };
+        for size in 1..40 {
+            let mut related: Vec<Vec<usize>> = vec![Vec::new(); size];
+            for (k, list) in related.iter_mut().enumerate().skip(1) {
+                *list = (0..next(4)).map(|_| next(k)).collect();
+                list.sort_unstable_by(|a, b| b.cmp(a));
+                list.dedup();
+            }
+            let all: Vec<usize> = (0..size).collect();
+            assert_eq!(ancestors(&related, &all), filled_in(&related));
+        }
+    }
 }

@@ -50,7 +50,7 @@ impl Table {
             label: label.to_owned(),
             unit: unit.to_owned(),
         });
-        RowId(self.rows.len() as u32 - 1)
+        RowId::new(self.rows.len() as u32 - 1)
     }
 
     pub(crate) fn add_var(&mut self, owner: &str, label: &str, unit: &str) -> VarId {
@@ -59,6 +59,6 @@ impl Table {
             label: label.to_owned(),
             unit: unit.to_owned(),
         });
-        VarId(self.vars.len() as u32 - 1)
+        VarId::new(self.vars.len() as u32 - 1)
     }
 }

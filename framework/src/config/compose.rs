@@ -13,7 +13,7 @@ use crate::{
     contact::{ContactSpec, ShortContact},
     controller::{Controller, ControllerError},
     entry::Entry,
-    qp::QpSolver,
+    qp::Solver,
     robot::Robot,
     task::Task,
 };
@@ -97,7 +97,7 @@ impl ControllerConfig {
     }
 
     /// Takes another solver.
-    pub fn with_solver(mut self, solver: impl QpSolver) -> Self {
+    pub fn with_solver(mut self, solver: impl Solver) -> Self {
         self.solver = Box::new(solver);
         self
     }

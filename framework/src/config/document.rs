@@ -1,5 +1,7 @@
 //! The tables of a controller's file, before anything in them is read.
 
+use std::collections::HashMap;
+
 use toml::{
     Spanned,
     de::{DeTable, DeValue},
@@ -12,6 +14,9 @@ use super::{
     table::Section,
 };
 use crate::suggestion::suggestion;
+
+/// Syntax errors with words: the rest is not told.
+const SHOWN: usize = 100;
 
 const TABLES: [&str; 4] = ["controller", "robot", "solver", "measurement"];
 const REQUIRED: [&str; 2] = ["controller", "robot"];
@@ -31,28 +36,47 @@ pub(super) struct Document<'t> {
     pub(super) is_short: bool,
 }
 
+/// Where entries are in their lists.
+#[derive(Debug, Default)]
+pub(super) struct Directory {
+    contacts: HashMap<String, usize>,
+    tasks: HashMap<String, usize>,
+    constraints: HashMap<String, usize>,
+}
+
 impl<'t> Document<'t> {
     /// Parses a file, reporting every syntax error and every table that does not belong there.
     pub(super) fn parse(source: &'t str, report: &mut Report<'_>) -> Self {
         let (root, errors) = DeTable::parse_recoverable(source);
-        for error in errors {
+        let repeated_tables = if errors.is_empty() {
+            Vec::new()
+        } else {
+            repeated_tables(source)
+        };
+        for (index, error) in errors.into_iter().enumerate() {
             let mut span = error.span().unwrap_or(source.len()..source.len());
             let said = error.message();
             let repeated = said
                 .contains("duplicate key")
-                .then(|| repeated_table(source, span.start));
+                .then(|| of_repeated(&repeated_tables, span.start));
             let message = if let Some((start, name)) = repeated.flatten() {
                 span = start..start + name.len();
                 format!("syntax: `[{name}]` is there twice; write `[[{name}]]`, for each of them")
-            } else {
+            } else if index < SHOWN {
                 format!("syntax: {said}{}", excerpt(source, span.start))
+            } else {
+                String::new()
             };
             report.add(Kind::Syntax, Some(span), &At::default(), message);
         }
         let at = At::subject("top level");
         let mut document = Self::default();
         let mut starts = Vec::new();
-        let mut seen = Vec::new();
+        let is_there = |name: &&str| root.get_ref().contains_key(*name);
+        let missing: Vec<&str> = REQUIRED
+            .into_iter()
+            .filter(|name| !is_there(name))
+            .collect();
         for (key, value) in root.into_inner() {
             let name: &str = key.get_ref();
             let span = value.span();
@@ -73,13 +97,10 @@ impl<'t> Document<'t> {
                 }
             }
             starts.push(span.start);
-            seen.push(name.to_owned());
         }
-        for name in REQUIRED {
-            if !seen.contains(&name.to_owned()) {
-                let message = format!("table `[{name}]` is missing");
-                report.add(Kind::MissingKey, None, &at, message);
-            }
+        for name in missing {
+            let message = format!("table `[{name}]` is missing");
+            report.add(Kind::MissingKey, None, &at, message);
         }
         starts.extend(document.sections().map(|section| section.span.start));
         report.set_sections(starts);
@@ -106,44 +127,61 @@ impl<'t> Document<'t> {
             .chain(&self.constraints)
     }
 
-    /// The table that an override goes to, or the names there are.
-    pub(super) fn target(&mut self, target: &Target) -> Result<&mut Section<'t>, Vec<&str>> {
+    /// Where the entries of the lists are, by name.
+    pub(super) fn directory(&self) -> Directory {
+        Directory {
+            contacts: positions(&self.contacts),
+            tasks: positions(&self.tasks),
+            constraints: positions(&self.constraints),
+        }
+    }
+
+    /// The table that an override goes to, or the names there are. The directory is this document's.
+    pub(super) fn target(
+        &mut self,
+        target: &Target,
+        directory: &Directory,
+    ) -> Result<&mut Section<'t>, Vec<&str>> {
         match target {
             Target::Controller => self.controller.as_mut().ok_or_else(Vec::new),
             Target::Robot => self.robot.as_mut().ok_or_else(Vec::new),
             Target::Solver => Ok(self.solver.get_or_insert_with(default_solver)),
             Target::Measurement => Ok(self.measurement.get_or_insert_with(no_keys)),
-            Target::Contact(name) => named(&mut self.contacts, name),
-            Target::Task(name) => named(&mut self.tasks, name),
-            Target::Constraint(name) => named(&mut self.constraints, name),
+            Target::Contact(name) => named(&mut self.contacts, &directory.contacts, name),
+            Target::Task(name) => named(&mut self.tasks, &directory.tasks, name),
+            Target::Constraint(name) => named(&mut self.constraints, &directory.constraints, name),
         }
     }
 }
 
-/// Where the table of an offset begins and what it is called, if it is an entry of a list, written like a table, and not
-/// the first: its keys are taken for those of the first.
-fn repeated_table(source: &str, offset: usize) -> Option<(usize, &'static str)> {
+/// Where a table begins; with its name, if it is an entry of a list, written like a table, and not the first: its keys are
+/// taken for those of the first.
+type Header = (usize, Option<&'static str>);
+
+fn repeated_tables(source: &str) -> Vec<Header> {
     let header = |line: &str| {
         let (name, _) = line.trim_start().strip_prefix('[')?.split_once(']')?;
         LISTS.into_iter().find(|list| *list == name.trim())
     };
     let mut start = 0;
     let mut seen = Vec::new();
-    let mut table = None;
+    let mut tables = Vec::new();
     for line in source.split_inclusive('\n') {
-        if start > offset {
-            break;
-        }
         if line.trim_start().starts_with('[') {
             let name = header(line);
-            table = name
-                .filter(|name| seen.contains(name))
-                .map(|name| (start, name));
-            seen.extend(name);
+            tables.push((start, name.filter(|name| seen.contains(name))));
+            seen.extend(name.filter(|name| !seen.contains(name)));
         }
         start += line.len();
     }
-    table
+    tables
+}
+
+/// The table of an offset, if its list is written like a table.
+fn of_repeated(tables: &[Header], offset: usize) -> Option<(usize, &'static str)> {
+    let index = tables.partition_point(|(start, _)| *start <= offset);
+    let &(start, name) = tables.get(index.checked_sub(1)?)?;
+    Some((start, name?))
 }
 
 /// The line of an offset, to be seen beside what is wrong with it.
@@ -182,15 +220,24 @@ fn name_of<'a>(section: &'a Section<'_>) -> Option<&'a str> {
     section.keys.get("name")?.get_ref().as_str()
 }
 
+/// The first section of each name.
+fn positions(sections: &[Section<'_>]) -> HashMap<String, usize> {
+    let mut positions = HashMap::new();
+    for (index, section) in sections.iter().enumerate() {
+        if let Some(name) = name_of(section) {
+            positions.entry(name.to_owned()).or_insert(index);
+        }
+    }
+    positions
+}
+
 fn named<'a, 't>(
     sections: &'a mut [Section<'t>],
+    positions: &HashMap<String, usize>,
     name: &str,
 ) -> Result<&'a mut Section<'t>, Vec<&'a str>> {
-    match sections
-        .iter()
-        .position(|section| name_of(section) == Some(name))
-    {
-        Some(index) => sections.get_mut(index).ok_or_else(Vec::new),
+    match positions.get(name) {
+        Some(&index) => sections.get_mut(index).ok_or_else(Vec::new),
         None => Err(sections.iter().filter_map(name_of).collect()),
     }
 }

@@ -1,5 +1,7 @@
 //! Reads a task or constraint: the framework's keys, and the plug-in among them.
 
+use std::collections::HashMap;
+
 use serde::{Deserialize, de::DeserializeOwned};
 use toml::{
     Spanned,
@@ -164,7 +166,7 @@ pub(super) fn subject(kind: &str, index: Option<usize>, section: &Section<'_>) -
 
 /// The names given so far, with their places.
 #[derive(Default)]
-pub(super) struct Names(Vec<(String, Place)>);
+pub(super) struct Names(HashMap<String, Place>);
 
 impl Names {
     pub(super) fn check(
@@ -188,7 +190,7 @@ impl Names {
             );
             return;
         }
-        if let Some((_, first)) = self.0.iter().find(|(known, _)| known == name) {
+        if let Some(first) = self.0.get(name) {
             let others = match kind {
                 "contact" => "contact",
                 _ => "task or constraint",
@@ -197,7 +199,7 @@ impl Names {
             report.add(Kind::Duplicate, Some(span), at, message);
         } else {
             let place = report.place(&span);
-            self.0.push((name.to_owned(), place));
+            self.0.insert(name.to_owned(), place);
         }
     }
 }

@@ -10,7 +10,7 @@ use toml::{
 
 use super::{
     ConfigError, ConfigErrorKind as Kind, ConfigErrors, Overrides, Target,
-    document::Document,
+    document::{Directory, Document},
     expand::{self, Texts},
     overrides::Appendix,
     report::{At, Path, Report, Span, Step},
@@ -61,8 +61,9 @@ impl Origin {
             return ConfigErrors::new(faults.into_iter().map(without_place).collect());
         };
         self.with_document(source, |document, report| {
+            let directory = document.directory();
             for fault in &faults {
-                let section = document.target(&fault.target).ok();
+                let section = document.target(&fault.target, &directory).ok();
                 let at = At::subject(&fault.subject);
                 report_as(fault.kind, &fault.error, section.as_deref(), &at, report);
             }
@@ -73,7 +74,7 @@ impl Origin {
     pub(crate) fn robot_place(&self, error: &RobotError) -> Option<Place> {
         let source = self.source.as_ref()?;
         let errors = self.with_document(source, |document, report| {
-            let Ok(section) = document.target(&Target::Robot) else {
+            let Ok(section) = document.target(&Target::Robot, &Directory::default()) else {
                 return;
             };
             let path = match error {

@@ -1,7 +1,6 @@
 //! From the text of a file to a [`ControllerConfig`].
 
 use std::{
-    fs,
     path::{Path, PathBuf},
     sync::OnceLock,
 };
@@ -16,7 +15,7 @@ use super::{
     document::Document,
     entry, expand,
     expand::Texts,
-    fault,
+    fault, meaning,
     overrides::Appendix,
     report::{At, Report},
     schema::Node,
@@ -26,7 +25,8 @@ use crate::{
     constraint::Constraint,
     contact::ContactSpec,
     entry::{Entry, Hardness},
-    qp::{ActiveSet, QpSolver},
+    input,
+    qp::{ActiveSet, Solver},
     registry::{self, PluginKind},
     robot::{Place, Robot, SourceFile},
     setup::BindError,
@@ -52,7 +52,7 @@ impl ControllerConfig {
     ) -> Result<Self, ConfigErrors> {
         let path = path.as_ref();
         let name = path.display().to_string();
-        let source = fs::read_to_string(path).map_err(|error| {
+        let source = input::read_text(path).map_err(|error| {
             ConfigErrors::new(vec![ConfigError {
                 kind: Kind::Read,
                 place: Some(Place::file(&name)),
@@ -87,6 +87,14 @@ impl ControllerConfig {
         directory: impl Into<PathBuf>,
         overrides: &Overrides,
     ) -> Result<Self, ConfigErrors> {
+        if let Err(what) = input::check_toml(source) {
+            return Err(ConfigErrors::new(vec![ConfigError {
+                kind: Kind::Read,
+                place: Some(Place::file(file_name)),
+                subject: String::new(),
+                message: what,
+            }]));
+        }
         let appendix = Appendix::new(overrides, source.len());
         let mut report = Report::new(file_name, source, appendix.applied(overrides));
         for message in registry_faults() {
@@ -95,6 +103,7 @@ impl ControllerConfig {
         }
         let texts = Texts::default();
         let (document, _) = expand::read(source, overrides, &appendix, &texts, &mut report);
+        let warnings = meaning::check(&document, &mut report);
         let parts = Parts::read(document, &mut report);
         report.finish()?;
         match parts {
@@ -108,6 +117,7 @@ impl ControllerConfig {
                 constraints: parts.constraints,
                 directory: directory.into(),
                 overrides: overrides.clone(),
+                warnings,
                 source: Some(SourceFile {
                     name: file_name.to_owned(),
                     media_type: "application/toml",
@@ -144,14 +154,14 @@ fn registry_faults() -> &'static [String] {
         reserved_keys::<dyn Constraint>(&entry, &mut faults);
         reserved_keys::<dyn crate::reference::Reference>(&["type"], &mut faults);
         reserved_keys::<dyn Robot>(&["type"], &mut faults);
-        reserved_keys::<dyn QpSolver>(&["type"], &mut faults);
+        reserved_keys::<dyn Solver>(&["type"], &mut faults);
         faults
     })
 }
 
 fn reserved_keys<P: PluginKind + ?Sized>(reserved: &[&str], faults: &mut Vec<String>) {
     for plugin in P::plugins() {
-        let schema = (plugin.schema)();
+        let schema = plugin.described();
         for key in Node::root(schema.as_value()).property_names() {
             if reserved.contains(&key) {
                 faults.push(format!(
@@ -169,7 +179,7 @@ fn reserved_keys<P: PluginKind + ?Sized>(reserved: &[&str], faults: &mut Vec<Str
 struct Parts {
     settings: Settings,
     robot: Box<dyn Robot>,
-    solver: Box<dyn QpSolver>,
+    solver: Box<dyn Solver>,
     measurement: MeasurementLimits,
     contacts: Vec<ContactSpec>,
     tasks: Vec<Entry<dyn Task>>,
@@ -182,8 +192,8 @@ impl Parts {
         let robot = document
             .robot
             .and_then(|section| single::<dyn Robot>(section, report));
-        let solver: Option<Box<dyn QpSolver>> = match document.solver {
-            Some(section) => single::<dyn QpSolver>(section, report),
+        let solver: Option<Box<dyn Solver>> = match document.solver {
+            Some(section) => single::<dyn Solver>(section, report),
             None => Some(Box::new(ActiveSet::default())),
         };
         let measurement = match document.measurement {
@@ -225,6 +235,12 @@ fn schema_of<T: schemars::JsonSchema>() -> Json {
     SchemaGenerator::default()
         .into_root_schema_for::<T>()
         .to_value()
+}
+
+/// The same for every contact of every file.
+fn contact_schema() -> &'static Json {
+    static SCHEMA: OnceLock<Json> = OnceLock::new();
+    SCHEMA.get_or_init(schema_of::<ContactSpec>)
 }
 
 fn settings(section: Option<Section<'_>>, report: &mut Report<'_>) -> Option<Settings> {
@@ -292,11 +308,10 @@ fn contact(
     if let Some(name) = section.keys.get("name") {
         names.check("contact", name, expand::remedy(&section), &at, report);
     }
-    let schema = schema_of::<ContactSpec>();
     let keys = section.clone();
     let load = ContactSpec::deserialize::<toml::de::ValueDeserializer<'_>>;
     let short = &expand::schema::SHORT_KEYS;
-    let spec: ContactSpec = table::read(section, &schema, short, load, &at, report)?;
+    let spec: ContactSpec = table::read(section, contact_schema(), short, load, &at, report)?;
     if let Err(error) = spec.validate() {
         fault::report(&error, Some(&keys), &at, report);
         return None;

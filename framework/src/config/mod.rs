@@ -34,6 +34,7 @@ mod error;
 pub(crate) mod expand;
 mod fault;
 mod load;
+mod meaning;
 mod measurement;
 mod overrides;
 mod report;
@@ -51,8 +52,8 @@ use crate::{
     constraint::Constraint,
     contact::ContactSpec,
     entry::Entry,
-    qp::{ActiveSet, QpSolver},
-    robot::{Robot, RobotModel, SourceFile},
+    qp::{ActiveSet, Solver},
+    robot::{Diagnostic, Robot, RobotModel, SourceFile},
     setup::BindError,
     task::Task,
 };
@@ -82,7 +83,7 @@ pub struct ControllerConfig {
     /// The robot.
     pub robot: Box<dyn Robot>,
     /// The solver.
-    pub solver: Box<dyn QpSolver>,
+    pub solver: Box<dyn Solver>,
     /// What a measurement may be.
     pub measurement: MeasurementLimits,
     /// Contacts, in the order of their ids.
@@ -97,6 +98,8 @@ pub struct ControllerConfig {
     pub source: Option<SourceFile>,
     /// What replaced the file's values.
     pub(crate) overrides: Overrides,
+    /// What may be a mistake in it.
+    pub(crate) warnings: Vec<Diagnostic>,
 }
 
 /// The `[controller]` table.
@@ -134,6 +137,11 @@ pub struct Settings {
     /// plausible.
     #[serde(default)]
     pub max_first_error: FirstError,
+    /// The most memory that the problem of a tick and its solvers may take, MiB. What they take is known from the numbers of
+    /// variables and rows; a controller that needs more is refused before any of it is allocated.
+    #[serde(default = "default_max_memory")]
+    #[schemars(extend("x-unit" = "MiB"))]
+    pub max_memory: f64,
 }
 
 /// Where references begin that have no value of their own.
@@ -195,6 +203,9 @@ fn default_regularisation() -> f64 {
 fn default_extrapolation() -> f64 {
     0.02
 }
+fn default_max_memory() -> f64 {
+    1024.0
+}
 fn default_velocity_leak() -> f64 {
     0.5
 }
@@ -211,6 +222,7 @@ impl Settings {
             hover: Hover::default(),
             start: StartFrom::default(),
             max_first_error: FirstError::default(),
+            max_memory: default_max_memory(),
         }
     }
 
@@ -247,6 +259,12 @@ impl Settings {
                 self.extrapolation,
                 self.extrapolation >= 0.0,
                 "not negative",
+            ),
+            (
+                "max_memory",
+                self.max_memory,
+                self.max_memory > 0.0,
+                "positive",
             ),
         ]
         .into_iter()
@@ -324,6 +342,13 @@ impl ControllerConfig {
             directory: PathBuf::new(),
             source: None,
             overrides: Overrides::new(),
+            warnings: Vec::new(),
         }
+    }
+
+    /// What may be a mistake in the file and was taken as it is: numbers that no robot has, weights too far apart. They go with
+    /// the robot's own into [`RobotModel::diagnostics`] of the controller's robot, into logs and dumps.
+    pub fn warnings(&self) -> &[Diagnostic] {
+        &self.warnings
     }
 }

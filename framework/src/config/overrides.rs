@@ -294,6 +294,7 @@ impl Appendix {
         // A replaced plug-in first: it takes its keys with it.
         let mut order: Vec<_> = overrides.iter().enumerate().zip(&self.applied).collect();
         order.sort_by_key(|((_, each), _)| each.key != "type");
+        let directory = document.directory();
         for ((index, each), span) in order {
             let Some(value) = values.remove(format!("o{index}").as_str()) else {
                 continue;
@@ -306,7 +307,7 @@ impl Appendix {
                 refuse("the name of an entry cannot be overridden".to_owned());
                 continue;
             }
-            match document.target(&each.target) {
+            match document.target(&each.target, &directory) {
                 Ok(section) => replace(section, each, span, value),
                 Err(_) if name.is_some() => pending.push(Pending {
                     index,
@@ -326,11 +327,12 @@ impl Appendix {
         document: &mut Document<'t>,
         report: &mut Report<'_>,
     ) {
+        let directory = document.directory();
         for Pending { index, span, value } in rest {
             let Some(each) = overrides.list.get(index) else {
                 continue;
             };
-            match document.target(&each.target) {
+            match document.target(&each.target, &directory) {
                 Ok(section) => replace(section, each, &span, value),
                 Err(known) => {
                     let (kind, name) = each.target.parts();

@@ -8,6 +8,9 @@ use crate::robot::Place;
 /// Syntax errors that are told: one slip makes a parser stumble over what follows.
 const SYNTAX_ERRORS: usize = 3;
 
+/// Errors that are told of a file: nobody reads more, and each takes memory.
+const MOST: usize = 10_000;
+
 /// Bytes of the text that is read: the file, and behind its end the values of the overrides.
 pub(super) type Span = Range<usize>;
 
@@ -67,14 +70,81 @@ struct Problem {
     message: String,
 }
 
+fn lines(text: &str) -> Vec<usize> {
+    let ends = text.match_indices('\n').map(|(at, _)| at + 1);
+    std::iter::once(0).chain(ends).collect()
+}
+
+/// What a parser could not read.
+struct Broken {
+    /// By start.
+    spans: Vec<Span>,
+    /// The largest end of the spans up to each.
+    ends: Vec<usize>,
+    /// The lines on which they begin, sorted.
+    lines: Vec<usize>,
+}
+
+impl Broken {
+    fn new(spans: impl Iterator<Item = Span>, line: impl Fn(usize) -> usize) -> Self {
+        let mut spans: Vec<Span> = spans.collect();
+        spans.sort_unstable_by_key(|span| (span.start, span.end));
+        let mut largest = 0;
+        let ends = spans.iter().map(|span| {
+            largest = largest.max(span.end);
+            largest
+        });
+        Self {
+            ends: ends.collect(),
+            lines: spans.iter().map(|span| line(span.start)).collect(),
+            spans,
+        }
+    }
+
+    fn is_empty(&self) -> bool {
+        self.spans.is_empty()
+    }
+
+    /// Whether one of them begins on a line.
+    fn line(&self, line: usize) -> bool {
+        self.lines.binary_search(&line).is_ok()
+    }
+
+    /// Whether one of them touches a span.
+    fn touch(&self, span: &Span) -> bool {
+        let before = self
+            .spans
+            .partition_point(|broken| broken.start <= span.end);
+        before > 0
+            && self
+                .ends
+                .get(before - 1)
+                .is_some_and(|end| span.start <= *end)
+    }
+
+    /// Whether one of them begins in a range, its end included.
+    fn begins_in(&self, range: Span) -> bool {
+        let first = self
+            .spans
+            .partition_point(|broken| broken.start < range.start);
+        self.spans
+            .get(first)
+            .is_some_and(|broken| broken.start <= range.end)
+    }
+}
+
 /// The text, and what is wrong with it so far.
 pub(super) struct Report<'a> {
     file: &'a str,
     text: &'a str,
     overrides: Vec<Applied>,
+    /// Where each line of the text begins.
+    lines: Vec<usize>,
     /// Starts of the tables of the file, sorted.
     sections: Vec<usize>,
     problems: Vec<Problem>,
+    /// Problems beyond those that are told.
+    untold: usize,
 }
 
 impl<'a> Report<'a> {
@@ -83,8 +153,10 @@ impl<'a> Report<'a> {
             file,
             text,
             overrides,
+            lines: lines(text),
             sections: Vec::new(),
             problems: Vec::new(),
+            untold: 0,
         }
     }
 
@@ -100,6 +172,11 @@ impl<'a> Report<'a> {
         at: &At,
         message: impl Into<String>,
     ) {
+        // What a parser stumbles over says which of the others do not count.
+        if self.problems.len() >= MOST && kind != ConfigErrorKind::Syntax {
+            self.untold += 1;
+            return;
+        }
         self.problems.push(Problem {
             kind,
             span,
@@ -110,7 +187,7 @@ impl<'a> Report<'a> {
 
     /// Number of problems so far: tells whether a step found any.
     pub(super) fn len(&self) -> usize {
-        self.problems.len()
+        self.problems.len() + self.untold
     }
 
     pub(super) fn place(&self, span: &Span) -> Place {
@@ -122,9 +199,11 @@ impl<'a> Report<'a> {
     }
 
     fn applied(&self, span: &Span) -> Option<&Applied> {
-        self.overrides
-            .iter()
-            .find(|applied| applied.span.start <= span.start && span.start < applied.span.end)
+        // They follow one another behind the end of the file.
+        let after = |applied: &Applied| applied.span.start <= span.start;
+        let index = self.overrides.partition_point(after).checked_sub(1)?;
+        let applied = self.overrides.get(index)?;
+        (span.start < applied.span.end).then_some(applied)
     }
 
     /// Line and column in characters, from 1.
@@ -133,16 +212,15 @@ impl<'a> Report<'a> {
         while !self.text.is_char_boundary(end) {
             end -= 1;
         }
-        let before = self.text.get(..end).unwrap_or_default();
-        let line = before.matches('\n').count() + 1;
-        let start = before.rfind('\n').map_or(0, |newline| newline + 1);
-        let column = before.get(start..).unwrap_or_default().chars().count() + 1;
-        (line, column)
+        let line = self.lines.partition_point(|start| *start <= end).max(1);
+        let start = self.lines.get(line - 1).copied().unwrap_or(0);
+        let before = self.text.get(start..end).unwrap_or_default();
+        (line, before.chars().count() + 1)
     }
 
     /// A broken line breaks what is read from it: those problems go away with it.
-    fn is_follow_up(&self, problem: &Problem, syntax: &[Span]) -> bool {
-        if problem.kind == ConfigErrorKind::Syntax || syntax.is_empty() {
+    fn is_follow_up(&self, problem: &Problem, broken: &Broken) -> bool {
+        if problem.kind == ConfigErrorKind::Syntax || broken.is_empty() {
             return false;
         }
         let Some(span) = &problem.span else {
@@ -151,34 +229,24 @@ impl<'a> Report<'a> {
         if self.applied(span).is_some() {
             return false;
         }
-        let line = self.position(span.start).0;
-        let touched = syntax.iter().any(|broken| {
-            (broken.start <= span.end && span.start <= broken.end)
-                || self.position(broken.start).0 == line
-        });
-        let end = self
-            .sections
-            .iter()
-            .copied()
-            .find(|start| *start > span.start)
-            .unwrap_or(usize::MAX);
-        let missing = problem.kind == ConfigErrorKind::MissingKey
-            && syntax
-                .iter()
-                .any(|broken| broken.start >= span.start && broken.start <= end);
-        touched || missing
+        if broken.touch(span) || broken.line(self.position(span.start).0) {
+            return true;
+        }
+        let next = self.sections.partition_point(|start| *start <= span.start);
+        let end = self.sections.get(next).copied().unwrap_or(usize::MAX);
+        problem.kind == ConfigErrorKind::MissingKey && broken.begins_in(span.start..end)
     }
 
     /// The errors, sorted by position; nothing if there are none.
     pub(super) fn finish(mut self) -> Result<(), ConfigErrors> {
-        let syntax: Vec<Span> = self
-            .problems
-            .iter()
-            .filter(|problem| problem.kind == ConfigErrorKind::Syntax)
-            .filter_map(|problem| problem.span.clone())
-            .collect();
+        let syntax = self.problems.iter();
+        let syntax = syntax.filter(|problem| problem.kind == ConfigErrorKind::Syntax);
+        let broken = Broken::new(
+            syntax.filter_map(|problem| problem.span.clone()),
+            |offset| self.position(offset).0,
+        );
         let mut problems = std::mem::take(&mut self.problems);
-        problems.retain(|problem| !self.is_follow_up(problem, &syntax));
+        problems.retain(|problem| !self.is_follow_up(problem, &broken));
         if problems.is_empty() {
             return Ok(());
         }
@@ -194,6 +262,14 @@ impl<'a> Report<'a> {
             .map(|problem| self.error(problem))
             .collect();
         errors.dedup();
+        if self.untold > 0 {
+            errors.push(ConfigError {
+                kind: ConfigErrorKind::Value,
+                place: Some(Place::file(self.file)),
+                subject: String::new(),
+                message: format!("{} more errors are not told", self.untold),
+            });
+        }
         Err(ConfigErrors::new(errors))
     }
 

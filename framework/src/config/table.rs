@@ -16,7 +16,7 @@ use super::{
 };
 use crate::{
     constraint::Constraint,
-    qp::QpSolver,
+    qp::Solver,
     reference::Reference,
     registry::{self, PluginKind},
     robot::Robot,
@@ -99,7 +99,7 @@ pub(super) fn plugin<P: PluginKind + ?Sized>(
     known.extend_from_slice(entry_keys);
     read(
         section,
-        (plugin.schema)().as_value(),
+        plugin.described().as_value(),
         &known,
         plugin.load,
         at,
@@ -114,7 +114,7 @@ fn kind_of(tag: &str) -> Option<&'static str> {
         registry::find::<dyn Constraint>(tag).map(|_| "constraint"),
         registry::find::<dyn Reference>(tag).map(|_| "reference"),
         registry::find::<dyn Robot>(tag).map(|_| "robot"),
-        registry::find::<dyn QpSolver>(tag).map(|_| "solver"),
+        registry::find::<dyn Solver>(tag).map(|_| "solver"),
     ]
     .into_iter()
     .flatten();
@@ -242,7 +242,10 @@ impl Inspection<'_, '_> {
                 let mut known = keys.known.clone();
                 known.extend_from_slice(other_keys);
                 known.sort_unstable();
-                let hint = suggestion(name, &known);
+                let hint = match inner_table(node, name) {
+                    Some(table) => format!("; it belongs into `{table}`: `{table}.{name} = …`"),
+                    None => suggestion(name, &known),
+                };
                 let message = format!("unknown key `{name}`{hint}");
                 self.report
                     .add(Kind::UnknownKey, Some(key.span()), &at, message);
@@ -328,10 +331,20 @@ impl Inspection<'_, '_> {
             "constraint" => plugin::<dyn Constraint>(section, &[], &at, report).is_some(),
             "reference" => plugin::<dyn Reference>(section, &[], &at, report).is_some(),
             "robot" => plugin::<dyn Robot>(section, &[], &at, report).is_some(),
-            "solver" => plugin::<dyn QpSolver>(section, &[], &at, report).is_some(),
+            "solver" => plugin::<dyn Solver>(section, &[], &at, report).is_some(),
             _ => true,
         }
     }
+}
+
+/// The table of a table that has a key.
+fn inner_table<'s>(node: Node<'s>, key: &str) -> Option<&'s str> {
+    let mut properties = node.properties()?.iter();
+    properties.find_map(|(table, about)| {
+        let inner = node.at(about);
+        let is_there = inner.plugin().is_none() && inner.keys()?.known.contains(&key);
+        is_there.then_some(table.as_str())
+    })
 }
 
 /// The innermost value, or the key, that contains a span.

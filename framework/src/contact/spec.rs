@@ -216,6 +216,7 @@ impl ContactSpec {
         for (key, value) in [
             ("friction", self.friction),
             ("force_min", self.force_min),
+            ("force_max", self.force_max),
             ("free_force_limit", self.free_force_limit),
             ("transition", self.transition),
         ] {
@@ -232,7 +233,7 @@ impl ContactSpec {
                 format!("is {} Hz, must be positive", self.free_force_cutoff),
             ));
         }
-        if self.force_max.is_nan() || self.force_max <= self.force_min {
+        if self.force_max <= self.force_min {
             return Err(BindError::value(
                 "force_max",
                 format!(

@@ -13,6 +13,7 @@ use super::{
     handle::Stamp,
     home,
     ladder::{Age, Clock, Ladder},
+    memory::{Need, Stored},
     plausible::Plausible,
     recording::MadeFrom,
     report::{ContactReport, OnRung, Report, Rung, TaskReport},
@@ -104,8 +105,10 @@ impl Controller {
             mut constraints,
             source,
             overrides,
+            warnings,
             directory: _,
         } = config;
+        robot.diagnostics.extend(warnings);
         let mut faults = Faults::new(Origin::new(source, overrides));
         faults.settings(&settings);
         faults.measurement(&measurement);
@@ -157,6 +160,7 @@ impl Controller {
         let mut table = Table::default();
         let problem_rows = ProblemRows::new(formulation, &names, &mut table);
         let mut groups = Vec::new();
+        let mut stored = Stored::default();
         for (index, entry) in tasks.iter_mut().enumerate() {
             let mut setup = Setup::new(&robot, &contacts, period, &mut frame_ids);
             let layout = entry.plugin.bind(&mut setup);
@@ -164,7 +168,11 @@ impl Controller {
                 make_group(true, entry, layout, &sizes, frame_ids.len(), &mut table)
             });
             match group {
-                Ok(group) => groups.push(group),
+                Ok(group) => {
+                    faults.memory(stored.add(&group, settings.max_memory));
+                    faults.stop_if_too_large()?;
+                    groups.push(group);
+                }
                 Err(error) => faults.task(index, entry, error),
             }
         }
@@ -175,7 +183,11 @@ impl Controller {
                 make_group(false, entry, layout, &sizes, frame_ids.len(), &mut table)
             });
             match group {
-                Ok(group) => groups.push(group),
+                Ok(group) => {
+                    faults.memory(stored.add(&group, settings.max_memory));
+                    faults.stop_if_too_large()?;
+                    groups.push(group);
+                }
                 Err(error) => faults.constraint(index, entry, error),
             }
         }
@@ -186,7 +198,7 @@ impl Controller {
                 vars: robot.nu(),
                 rows: 0,
             };
-            faults.solver(solver_tag, solver.bind(capacity));
+            faults.solver(solver_tag, solver.bind(capacity).map_err(BindError::from));
             faults.stop_if_any()?;
         }
 
@@ -194,6 +206,21 @@ impl Controller {
             faults.contact(index, &contacts[index].name, error);
         }
         let partition = Partition::new(formulation, &robot, &contacts, &frame_ids);
+        let mut native = ActiveSet::default();
+        let need = Need::of(
+            &partition,
+            &groups,
+            [
+                problem_rows.dynamics_rows(),
+                contacts.len(),
+                robot.nu(),
+                frame_ids.len(),
+            ],
+            &*solver,
+            &native,
+        );
+        faults.memory(need.check(settings.max_memory));
+        faults.stop_if_too_large()?;
         let kept = partition.kept.iter().map(|&i| &robot.actuators[i]);
         let kept = Actuation::new(&model, kept);
         let assembly = Assembly::new(
@@ -205,13 +232,9 @@ impl Controller {
             &mut groups,
             &mut table,
         );
-        let capacity = assembly.capacity(&groups);
-        // The hover problem below has only the efforts.
-        let capacity = Capacity {
-            vars: capacity.vars.max(robot.nu()),
-            ..capacity
-        };
-        faults.solver(solver_tag, solver.bind(capacity));
+        debug_assert!(assembly.capacity(&groups).vars <= need.problem.vars);
+        let capacity = need.problem;
+        faults.solver(solver_tag, solver.bind(capacity).map_err(BindError::from));
         faults.stop_if_any()?;
 
         let frames = frame_ids
@@ -239,8 +262,7 @@ impl Controller {
         };
         let elastic = Elastic::new(&assembly, &groups, &table, &robot.actuators, capacity);
         let relaxed = elastic.qp.capacity();
-        let mut native = ActiveSet::default();
-        faults.solver("active_set", native.bind(relaxed));
+        faults.solver("active_set", native.bind(relaxed).map_err(BindError::from));
         let tags: Vec<&'static str> = (tasks.iter().map(|e| e.plugin.typetag_name()))
             .chain(constraints.iter().map(|e| e.plugin.typetag_name()))
             .collect();
@@ -557,7 +579,7 @@ fn empty_report(tasks: &[Group], world: &World, capacity: Capacity, limits: usiz
         relaxed: Vec::with_capacity(limits),
         cut: None,
         resolves: 0,
-        status: crate::qp::Status::Failed,
+        status: crate::qp::Status::Unsolved,
         iterations: 0,
         objective: 0.0,
         vdot: nalgebra::DVector::zeros(world.model.nv()),

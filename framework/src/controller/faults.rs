@@ -1,5 +1,7 @@
 //! Collects what does not fit the robot, so that all of it is reported at once.
 
+use std::collections::HashMap;
+
 use super::ControllerError;
 use crate::{
     config::{ConfigErrorKind, Fault, MeasurementLimits, Origin, Settings, Target},
@@ -16,6 +18,7 @@ pub(super) struct Faults {
     origin: Origin,
     /// With the place of what is wrong among its kind.
     list: Vec<(usize, Fault)>,
+    is_too_large: bool,
 }
 
 impl Faults {
@@ -23,6 +26,7 @@ impl Faults {
         Self {
             origin,
             list: Vec::new(),
+            is_too_large: false,
         }
     }
 
@@ -91,6 +95,23 @@ impl Faults {
         }
     }
 
+    /// What takes more than it may.
+    pub(super) fn memory(&mut self, checked: Result<(), BindError>) {
+        if let Err(error) = checked {
+            self.is_too_large = true;
+            self.add(Target::Controller, 0, "controller".to_owned(), error);
+        }
+    }
+
+    /// Everything that was collected, if there is no going on without taking more than may be taken.
+    pub(super) fn stop_if_too_large(&mut self) -> Result<(), ControllerError> {
+        if self.is_too_large {
+            self.stop_if_any()
+        } else {
+            Ok(())
+        }
+    }
+
     pub(super) fn contact(&mut self, index: usize, name: &str, error: BindError) {
         let subject = format!("contact[{index}] `{name}`");
         self.add(Target::Contact(name.to_owned()), index, subject, error);
@@ -122,18 +143,19 @@ impl Faults {
     ) {
         let taken = |by: &str| BindError::value("name", format!("is taken by {by}"));
         let empty = || BindError::value("name", "must not be empty");
+        let first_contact = first_of(contacts.iter().map(|contact| contact.name.as_str()));
         for (index, contact) in contacts.iter().enumerate() {
+            let first = first_contact.get(contact.name.as_str()).copied();
             if contact.name.is_empty() {
                 self.contact(index, "", empty());
-            } else if let Some(first) = contacts[..index]
-                .iter()
-                .position(|c| c.name == contact.name)
-            {
+            } else if let Some(first) = first.filter(|&first| first < index) {
                 let by = format!("contact[{first}]");
                 self.contact(index, &contact.name, taken(&by));
             }
         }
-        let first_task = |name: &str| tasks.iter().position(|task| task.name == name);
+        let first_task = first_of(tasks.iter().map(|task| task.name.as_str()));
+        let first_task = |name: &str| first_task.get(name).copied();
+        let first_constraint = first_of(constraints.iter().map(|one| one.name.as_str()));
         for (index, entry) in tasks.iter().enumerate() {
             if entry.name.is_empty() {
                 self.task(index, entry, empty());
@@ -142,14 +164,24 @@ impl Faults {
             }
         }
         for (index, entry) in constraints.iter().enumerate() {
-            let mut before = constraints[..index].iter();
             if entry.name.is_empty() {
                 self.constraint(index, entry, empty());
             } else if let Some(first) = first_task(&entry.name) {
                 self.constraint(index, entry, taken(&format!("task[{first}]")));
-            } else if let Some(first) = before.position(|c| c.name == entry.name) {
+            } else if let Some(&first) = first_constraint.get(entry.name.as_str())
+                && first < index
+            {
                 self.constraint(index, entry, taken(&format!("constraint[{first}]")));
             }
         }
     }
+}
+
+/// The first place of each name.
+fn first_of<'a>(names: impl Iterator<Item = &'a str>) -> HashMap<&'a str, usize> {
+    let mut first = HashMap::new();
+    for (index, name) in names.enumerate() {
+        first.entry(name).or_insert(index);
+    }
+    first
 }

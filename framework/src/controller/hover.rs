@@ -5,7 +5,12 @@
 //! that is missing; its first six components are the force and the moment on the base, in world axes.
 
 use super::Controller;
-use crate::{config::Hover, model::Base, qp::VarId, robot::RobotModel};
+use crate::{
+    config::Hover,
+    model::Base,
+    qp::{Status, VarId},
+    robot::RobotModel,
+};
 
 /// Forces below this share of the weight, and moments below this share of the weight at 1 m, count as none.
 const NEGLIGIBLE: f64 = 1e-4;
@@ -42,14 +47,28 @@ impl Controller {
         let (nv, nu) = (self.robot.model.nv(), self.robot.nu());
         let mut s = vec![0.0; nv * nu];
         self.actuation.write(&self.world.data, &mut s, nu);
+        let s = s.as_slice();
         let gravity = self.world.data.gravity();
-        self.qp.reset((0..nu).map(|i| VarId(i as u32)));
+        let made = self.qp.reset((0..nu).map(|i| VarId::new(i as u32)));
+        debug_assert!(made.is_ok(), "the efforts are among the variables");
         let (h, g) = self.qp.cost_mut();
-        for i in 0..nu {
-            for j in 0..nu {
-                h[i * nu + j] = (0..nv).map(|k| 2.0 * s[k * nu + i] * s[k * nu + j]).sum();
+        // A motor acts on one velocity, a rotor on those that carry it: S has few entries, and few are looked at.
+        let acts_on = |i: usize| (0..nv).filter(move |k| s[k * nu + i] != 0.0);
+        let columns: Vec<Vec<usize>> = (0..nu).map(|i| acts_on(i).collect()).collect();
+        for (i, column) in columns.iter().enumerate() {
+            for (j, other) in columns.iter().enumerate() {
+                let shorter = if column.len() < other.len() {
+                    column
+                } else {
+                    other
+                };
+                let products = shorter.iter().map(|k| 2.0 * s[k * nu + i] * s[k * nu + j]);
+                h[i * nu + j] = products.sum::<f64>() + 0.0;
             }
-            g[i] = (0..nv).map(|k| -2.0 * s[k * nu + i] * gravity[k]).sum();
+            g[i] = column
+                .iter()
+                .map(|k| -2.0 * s[k * nu + i] * gravity[*k])
+                .sum();
             h[i * nu + i] += 1e-9;
         }
         let (lower, upper) = self.qp.bounds_mut();
@@ -57,9 +76,9 @@ impl Controller {
             lower[i] = actuator.lower;
             upper[i] = actuator.upper;
         }
-        self.solver.solve(&self.qp, &mut self.solution);
+        let status = self.solver.solve(&self.qp, &mut self.solution);
         let finite = self.solution.x[..nu].iter().all(|x| x.is_finite());
-        let is_solved = self.solution.status.is_usable() && finite;
+        let is_solved = status == Ok(Status::Optimal) && finite;
         if !is_solved {
             // As near to no effort as the limits allow.
             self.solution.x[..nu].fill(0.0);
@@ -73,7 +92,7 @@ impl Controller {
         }
         self.world.last.effort.copy_from_slice(&self.command.effort);
         self.solver.reset();
-        self.qp.reset([]);
+        let _ = self.qp.reset([]);
         self.world.origin = None;
         is_solved
     }

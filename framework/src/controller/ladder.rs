@@ -154,15 +154,14 @@ impl Ladder {
     ) -> Result<Fault, Fault> {
         let (n, m) = (qp.n(), qp.m());
         let goes_on = self.is_alert();
-        if solution.status == Status::Budget {
+        if solution.status.was_cut_short() {
             return Err(Fault::Solver);
         }
         let is_native = self.is_native || self.is_proven;
         if !(is_native && is_proof(qp, solution)) {
             if !self.is_still_infeasible(qp, solution) {
                 self.solver.reset();
-                self.solver.solve(qp, &mut self.solution);
-                if self.is_good(n) {
+                if self.solver.solve(qp, &mut self.solution) == Ok(Status::Optimal) {
                     self.hand_over(n, m, solution);
                     return Ok(Fault::Solver);
                 }
@@ -195,10 +194,10 @@ impl Ladder {
             }
             self.elastic.build(assembly, terms, groups, qp);
             self.solver.start_from(&self.warm);
-            self.solver.solve(&self.elastic.qp, &mut self.solution);
+            let status = self.solver.solve(&self.elastic.qp, &mut self.solution);
             report.resolves = resolve;
             report.iterations = report.iterations.saturating_add(self.solution.iterations);
-            if self.is_good(self.elastic.qp.n()) {
+            if status == Ok(Status::Optimal) {
                 self.report_exceeded(assembly, qp, report);
                 self.hand_over(n, m, solution);
                 self.solver.warm_start(&mut self.warm);
@@ -233,18 +232,13 @@ impl Ladder {
         }
         self.elastic.prove(qp, &self.proof);
         self.solver.start_from(&self.proof);
-        self.solver.solve(&self.elastic.qp, &mut self.solution);
+        let status = self.solver.solve(&self.elastic.qp, &mut self.solution);
         solution.iterations = self.solution.iterations;
-        self.is_proven = is_proof(qp, &self.solution);
+        self.is_proven = status == Ok(Status::Infeasible) && is_proof(qp, &self.solution);
         if self.is_proven {
             self.hand_over(qp.n(), qp.m(), solution);
         }
         self.is_proven
-    }
-
-    fn is_good(&self, n: usize) -> bool {
-        let finite = self.solution.x[..n].iter().all(|x| x.is_finite());
-        self.solution.status.is_usable() && finite
     }
 
     /// Copies what belongs to the tick's own variables and rows.

@@ -17,6 +17,7 @@ mod home;
 mod hover;
 mod ladder;
 mod measurement;
+mod memory;
 mod plausible;
 mod recording;
 mod rehearsal;
@@ -47,7 +48,7 @@ use crate::{
     assembly::{Actuation, Assembly, Group, RowInfo, Table, VarInfo},
     config::{MeasurementLimits, Settings},
     constraint::Constraint,
-    qp::{Budget, Qp, QpSolver, RowId, Solution, Status, VarId},
+    qp::{Budget, Qp, RowId, Solution, Solver, Status, VarId},
     replay::{Record, Recorder},
     robot::RobotModel,
     rows::{ConstraintRows, Rows},
@@ -83,7 +84,7 @@ pub struct Controller {
     actuation: Actuation,
     qp: Qp,
     solution: Solution,
-    solver: Box<dyn QpSolver>,
+    solver: Box<dyn Solver>,
     world: World,
     command: Command,
     gate: Gate,
@@ -118,7 +119,7 @@ impl Controller {
         self.report.conflict.clear();
         self.report.relaxed.clear();
         self.report.resolves = 0;
-        self.report.status = Status::Failed;
+        self.report.status = Status::Unsolved;
         self.report.iterations = 0;
         self.report.objective = 0.0;
         self.report.times = StageTimes::default();
@@ -220,27 +221,30 @@ impl Controller {
             None => Budget::Clock(&mut *self.stopwatch),
             Some(record) => Budget::Iterations(record.outcome.solved_in),
         };
-        if !is_proven {
+        let status = if is_proven {
+            Status::Infeasible
+        } else {
             self.solver
-                .solve_within(&self.qp, budget, &mut self.solution);
-        }
+                .solve_within(&self.qp, budget, &mut self.solution)
+                .unwrap_or_default()
+        };
         if let Some(recorder) = &mut self.recorder {
             recorder.solved_in(self.solution.iterations);
         }
-        self.report.status = self.solution.status;
+        self.report.status = status;
         self.report.iterations = self.solution.iterations;
         self.report.regularisation = self.assembly.regularisation_weight;
         let mut n = self.qp.n();
         let finite = self.solution.x[..n].iter().all(|x| x.is_finite());
-        let fault = if self.solution.status.is_usable() && finite {
+        let fault = if status == Status::Optimal && finite {
             self.ladder.calm();
             None
         } else {
-            if self.solution.status != Status::Budget && self.assembly.has_determined() {
-                // They may be given up.
+            if !status.was_cut_short() && self.assembly.has_determined() {
+                // Rows that hold by substitution are part of a contradiction like all others, and may be given up.
                 self.assembly
                     .assemble_with_all_rows(&terms, &mut self.groups, &mut self.qp)?;
-                self.solution.status = Status::Failed;
+                self.solution.status = Status::Unsolved;
                 n = self.qp.n();
             }
             Some(self.ladder.relax(

@@ -1,12 +1,6 @@
 //! Time of the stages of a tick, from a clock that the caller owns: the library reads none.
 
-use std::fmt::Debug;
-
-/// A monotonic clock given by the caller.
-pub trait Stopwatch: Send + Debug {
-    /// Seconds since any fixed moment.
-    fn now(&mut self) -> f64;
-}
+pub use wbqp_qp::Stopwatch;
 
 /// No clock: all stage times are zero.
 #[derive(Clone, Copy, Debug, Default)]

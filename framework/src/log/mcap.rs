@@ -12,7 +12,7 @@ use std::{
 use mcap::{Attachment, Compression, McapError, WriteOptions, Writer, records};
 use serde_json::Value;
 
-use super::{ChannelId, LogError, LogSink};
+use super::{ChannelId, LogError, LogSink, RunLock};
 
 /// A sink that writes an MCAP file: JSON messages, jsonschema schemas, zstd chunks. Log time is the message's time in
 /// ns.
@@ -22,7 +22,15 @@ pub struct McapLog<W: Write + Seek + Send = BufWriter<File>> {
     /// Gone once the log is finished.
     writer: Option<Writer<W>>,
     channels: Vec<Channel>,
+    /// When the chunk began that is being written, ns.
+    chunk: Option<u64>,
+    /// Of the file, if it is one.
+    _lock: Option<RunLock>,
 }
+
+/// The longest time that the messages of a chunk span, ns. What a run that is killed has not written yet is at most this, and
+/// what is in memory.
+const CHUNK: u64 = 500_000_000;
 
 struct Channel {
     topic: String,
@@ -31,22 +39,22 @@ struct Channel {
 }
 
 impl McapLog {
-    /// Makes the file, and its directory if there is none.
+    /// Makes the file, and its directory if there is none. Nobody else can until this is dropped: another run, of this process
+    /// or another, is refused ([`RunLock`]).
     ///
     /// # Errors
-    /// [`LogError::Create`].
+    /// [`LogError::Create`]; [`LogError::Taken`] if another run writes it.
     pub fn create(path: &Path) -> Result<Self, LogError> {
-        let create = || {
-            if let Some(directory) = path.parent() {
-                std::fs::create_dir_all(directory)?;
-            }
-            File::create(path)
-        };
-        let file = create().map_err(|source| LogError::Create {
+        let lock = RunLock::take(path)?;
+        let file = File::create(path).map_err(|source| LogError::Create {
             path: path.to_owned(),
             source,
         })?;
-        Self::new(BufWriter::new(file))
+        let log = Self::new(BufWriter::new(file))?;
+        Ok(Self {
+            _lock: Some(lock),
+            ..log
+        })
     }
 }
 
@@ -62,7 +70,49 @@ impl<W: Write + Seek + Send> McapLog<W> {
         Ok(Self {
             writer: Some(options.create(output).map_err(failed)?),
             channels: Vec::new(),
+            chunk: None,
+            _lock: None,
         })
+    }
+
+    /// Opens a channel of another file; gives its id here. The schema is its name, encoding and text.
+    pub(super) fn copy_channel(
+        &mut self,
+        channel: &records::Channel,
+        schema: Option<(&str, &str, &[u8])>,
+    ) -> Result<u16, LogError> {
+        let writer = self.writer()?;
+        let schema = match schema {
+            Some((name, encoding, text)) => {
+                writer.add_schema(name, encoding, text).map_err(failed)?
+            }
+            None => 0,
+        };
+        let (topic, encoding) = (&channel.topic, &channel.message_encoding);
+        let id = writer.add_channel(schema, topic, encoding, &channel.metadata);
+        id.map_err(failed)
+    }
+
+    /// Writes a message of another file; the header has the channel's id here.
+    pub(super) fn copy_message(
+        &mut self,
+        header: &records::MessageHeader,
+        data: &[u8],
+    ) -> Result<(), LogError> {
+        self.begin_chunk(header.log_time)?;
+        let writer = self.writer()?;
+        writer.write_to_known_channel(header, data).map_err(failed)
+    }
+
+    /// Ends the chunk if a message at this time, ns, would make it too long.
+    fn begin_chunk(&mut self, time: u64) -> Result<(), LogError> {
+        let is_full = |begin: &u64| time.abs_diff(*begin) >= CHUNK;
+        if self.chunk.as_ref().is_some_and(is_full) {
+            self.writer()?.flush().map_err(failed)?;
+            self.chunk = None;
+        }
+        self.chunk.get_or_insert(time);
+        Ok(())
     }
 
     fn writer(&mut self) -> Result<&mut Writer<W>, LogError> {
@@ -104,12 +154,13 @@ impl<W: Write + Seek + Send> LogSink for McapLog<W> {
         if !(time.is_finite() && time >= 0.0) {
             return Err(LogError::Time(time));
         }
+        let nanoseconds = (time * 1e9).round() as u64;
+        self.begin_chunk(nanoseconds)?;
         let writer = self.writer.as_mut().ok_or(LogError::Finished)?;
         let entry = self
             .channels
             .get_mut(channel.index())
             .ok_or(LogError::Channel(channel))?;
-        let nanoseconds = (time * 1e9).round() as u64;
         let header = records::MessageHeader {
             channel_id: entry.id,
             sequence: entry.sequence,

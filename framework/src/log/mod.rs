@@ -25,18 +25,24 @@
 
 mod controller;
 mod json;
+mod lock;
 #[cfg(feature = "mcap")]
 mod mcap;
 mod memory;
+#[cfg(feature = "mcap")]
+mod repair;
 mod run;
 pub mod schema;
 mod state;
 
 pub use controller::{ControllerLog, TrueContact};
 pub use json::Object;
+pub use lock::RunLock;
 #[cfg(feature = "mcap")]
 pub use mcap::McapLog;
 pub use memory::MemoryLog;
+#[cfg(feature = "mcap")]
+pub use repair::{Repaired, repair};
 pub use run::{Timeline, configuration_hash, write_diagnostics, write_rotors, write_run};
 pub use state::{state_message, state_schema};
 
@@ -106,6 +112,25 @@ pub enum LogError {
         /// The file.
         path: PathBuf,
         /// What the operating system says.
+        source: std::io::Error,
+    },
+    /// Another run writes it.
+    #[error(
+        "log {}: another run is writing it: {by}; wait for it, end it, or write somewhere else",
+        path.display()
+    )]
+    Taken {
+        /// What both would write.
+        path: PathBuf,
+        /// Process, start and command of the other run.
+        by: String,
+    },
+    /// A file cannot be read.
+    #[error("log {}: cannot be read: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
         source: std::io::Error,
     },
     /// The sink cannot write.

@@ -6,7 +6,7 @@ use nalgebra::{Isometry3, Unit, Vector3};
 
 use super::{
     Base, Body, BodyId, Carrier, Frame, FrameId, Inertia, Joint, JointId, JointKind, JointLimits,
-    Mimic, Model, ModelError,
+    Mimic, Model, ModelError, Names,
 };
 
 /// Builds a [`Model`]. Parents are added before children; fixed links are merged with
@@ -40,6 +40,7 @@ impl ModelBuilder {
                     X_BF: Isometry3::identity(),
                 }],
                 gravity: Vector3::new(0.0, 0.0, -9.81),
+                names: Names::default(),
             },
             leaders: Vec::new(),
         }
@@ -195,6 +196,7 @@ impl ModelBuilder {
         for joint in joints() {
             validate_joint(joint)?;
         }
+        self.model.index_names();
         self.couple()?;
         let model = self.model;
         unique("frame", model.frames.iter().map(|f| &f.name))?;

@@ -22,6 +22,8 @@ pub use error::ModelError;
 pub use inertia::Inertia;
 pub use mimic::Mimic;
 
+use std::collections::HashMap;
+
 use nalgebra::{Isometry3, Unit, Vector3};
 
 /// How the root body is attached to the world.
@@ -146,6 +148,15 @@ pub struct Model {
     mimics: Vec<Mimic>,
     frames: Vec<Frame>,
     gravity: Vector3<f64>,
+    /// Of joints and frames, made when the tree is complete.
+    names: Names,
+}
+
+/// Where names are: files ask for every joint and every frame by name.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Names {
+    joints: HashMap<String, JointId>,
+    frames: HashMap<String, FrameId>,
 }
 
 impl Model {
@@ -224,14 +235,22 @@ impl Model {
 
     /// The joint of that name.
     pub fn joint(&self, name: &str) -> Option<JointId> {
-        let i = self.joints.iter().position(|j| j.name == name)?;
-        Some(JointId(i as u32))
+        self.names.joints.get(name).copied()
     }
 
     /// The frame of that name.
     pub fn frame(&self, name: &str) -> Option<FrameId> {
-        let i = self.frames.iter().position(|f| f.name == name)?;
-        Some(FrameId(i as u32))
+        self.names.frames.get(name).copied()
+    }
+
+    /// Makes the index of names.
+    fn index_names(&mut self) {
+        let joints = (0..).map(JointId).zip(&self.joints);
+        let frames = (0..).map(FrameId).zip(&self.frames);
+        self.names = Names {
+            joints: joints.map(|(id, joint)| (joint.name.clone(), id)).collect(),
+            frames: frames.map(|(id, frame)| (frame.name.clone(), id)).collect(),
+        };
     }
 
     /// The base's own frame R.
@@ -268,6 +287,7 @@ impl Model {
             body,
             X_BF: X_BF * X_FG,
         });
+        self.names.frames.insert(name.to_owned(), id);
         Ok((self, id))
     }
 

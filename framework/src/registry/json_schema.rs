@@ -15,7 +15,7 @@ use crate::{
     config::{MeasurementLimits, Settings, expand},
     constraint::Constraint,
     entry::{Hardness, Weight},
-    qp::QpSolver,
+    qp::Solver,
     reference::Reference,
     robot::Robot,
     task::Task,
@@ -90,7 +90,7 @@ pub fn compose(schema: &Value) -> Value {
     define::<dyn Constraint>(&mut definitions, &entry_keys(Hardness::Hard));
     define::<dyn Reference>(&mut definitions, &json!({}));
     define::<dyn Robot>(&mut definitions, &json!({}));
-    define::<dyn QpSolver>(&mut definitions, &json!({}));
+    define::<dyn Solver>(&mut definitions, &json!({}));
     let mut schema = schema.clone();
     choose(&mut schema);
     for definition in definitions.values_mut() {
@@ -162,7 +162,7 @@ fn entry_keys(default: Hardness) -> Value {
 /// A definition per plug-in of a kind, with the keys that every one of them has.
 fn define<P: PluginKind + ?Sized>(definitions: &mut Map<String, Value>, common: &Value) {
     for plugin in P::plugins() {
-        let root = (plugin.schema)().to_value();
+        let root = plugin.described().clone().to_value();
         let mut schema = root.clone();
         inline(&mut schema, &root, 0);
         let Some(table) = schema.as_object_mut() else {
@@ -302,7 +302,7 @@ fn choice(kind: &str) -> Value {
         "constraint" => tags::<dyn Constraint>(),
         "reference" => tags::<dyn Reference>(),
         "robot" => tags::<dyn Robot>(),
-        "solver" => tags::<dyn QpSolver>(),
+        "solver" => tags::<dyn Solver>(),
         _ => Vec::new(),
     };
     let definition = |tag: &&str| json!({ "$ref": format!("#/$defs/{}", name(kind, tag)) });

@@ -14,7 +14,7 @@ use super::{Duplicate, PluginKind, duplicates};
 use crate::{
     config::{expand, schema::Node},
     constraint::Constraint,
-    qp::QpSolver,
+    qp::Solver,
     reference::Reference,
     robot::Robot,
     task::Task,
@@ -80,7 +80,7 @@ pub fn list() -> Listing {
     of_kind::<dyn Constraint>(&mut plugins);
     of_kind::<dyn Reference>(&mut plugins);
     of_kind::<dyn Robot>(&mut plugins);
-    of_kind::<dyn QpSolver>(&mut plugins);
+    of_kind::<dyn Solver>(&mut plugins);
     Listing {
         plugins,
         duplicates: duplicates(),
@@ -154,8 +154,8 @@ fn one_line(text: &str) -> String {
 }
 
 fn of_kind<P: PluginKind + ?Sized>(all: &mut Vec<PluginInfo>) {
-    all.extend(P::plugins().into_iter().map(|plugin| {
-        let schema: Schema = (plugin.schema)();
+    all.extend(P::plugins().iter().map(|plugin| {
+        let schema: &Schema = plugin.described();
         let root = schema.as_value();
         let mut parameters = Vec::new();
         collect(Node::root(root), "", &mut parameters);

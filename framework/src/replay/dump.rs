@@ -5,7 +5,7 @@ use std::{fs, io, path::Path};
 use serde::{Deserialize, Serialize};
 
 use super::record::Record;
-use crate::{config::ConfigErrors, controller::ControllerError, robot::RobotModel};
+use crate::{config::ConfigErrors, controller::ControllerError, input, robot::RobotModel};
 
 /// The file format's version; a file of another one is refused.
 const FORMAT: u32 = 1;
@@ -134,10 +134,13 @@ impl Dump {
     /// [`DumpError::Read`], [`DumpError::Format`].
     pub fn load(file: &Path) -> Result<Self, DumpError> {
         let name = || file.display().to_string();
-        let text = fs::read_to_string(file).map_err(|source| DumpError::Read {
-            file: name(),
-            source,
-        })?;
+        let bytes = input::read(file, input::LARGEST_RECORD);
+        let text = bytes
+            .and_then(input::text)
+            .map_err(|source| DumpError::Read {
+                file: name(),
+                source,
+            })?;
         let refused = |problem: String| DumpError::Format {
             file: name(),
             problem,

@@ -182,7 +182,7 @@ fn schema<P: Subject + ?Sized>(given: &Table, report: &mut Report) {
     let Some(plugin) = registry::find::<P>(tag) else {
         return;
     };
-    let schema = (plugin.schema)();
+    let schema = plugin.described();
     let schema = schema.as_value();
     let mut fail = |message: String| report.fail(Check::Schema, "", message);
     if !schema["description"].is_string() {

@@ -27,6 +27,11 @@ impl Names<'_> {
         }
         let Self { robot, kind, known } = self;
         let is_plain = regex::escape(key).replace("\\-", "-") == key;
+        if is_plain {
+            let hint = suggestion(key, known);
+            let what = format!("robot `{robot}` has no {kind} `{key}`{hint}");
+            return Err(refuse(option, what));
+        }
         let expression = RegexBuilder::new(&format!("^(?:{key})$"))
             .size_limit(LARGEST)
             .build();
@@ -41,13 +46,9 @@ impl Names<'_> {
                 let hint = suggestion(key, known);
                 Err(refuse(
                     option,
-                    if is_plain {
-                        format!("robot `{robot}` has no {kind} `{key}`{hint}")
-                    } else {
-                        format!(
-                            "robot `{robot}` has no {kind} whose whole name the expression `{key}` matches{hint}"
-                        )
-                    },
+                    format!(
+                        "robot `{robot}` has no {kind} whose whole name the expression `{key}` matches{hint}"
+                    ),
                 ))
             }
             Err(error) => {

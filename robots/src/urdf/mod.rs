@@ -49,6 +49,7 @@ use crate::{
     options::{JointOptions, Names, Options},
     source::Source,
     srdf::GroupState,
+    xml,
 };
 use description::Description;
 use findings::{At, Findings, Irregularity, Mode};
@@ -98,6 +99,7 @@ pub(crate) fn robot(
     let mut findings = Findings::new(&source, mode);
     findings.refuse_all(options.wrong_numbers());
     findings.stop_if_any()?;
+    xml::check(&source)?;
     let mended: Cow<'_, str> = match mode {
         Mode::Strict => text.into(),
         Mode::Liberal => reader::forgiving(text).into(),
@@ -185,6 +187,14 @@ fn inertias(
         .collect()
 }
 
+/// By name, where a joint is in the file.
+fn positions(description: &Description) -> HashMap<&str, usize> {
+    let joints = description.joints.iter().enumerate();
+    joints
+        .map(|(index, joint)| (joint.name.as_str(), index))
+        .collect()
+}
+
 /// The named posture by the file's joints; others are noted.
 fn known_joints<'d>(
     description: &'d Description,
@@ -193,10 +203,11 @@ fn known_joints<'d>(
 ) -> HashMap<&'d str, f64> {
     let mut postures = HashMap::new();
     let mut unknown = Vec::new();
+    let known = positions(description);
     for (name, &q) in &state.joints {
-        match description.joints.iter().find(|j| j.name == *name) {
-            Some(joint) => {
-                postures.insert(joint.name.as_str(), q);
+        match known.get_key_value(name.as_str()) {
+            Some((name, _)) => {
+                postures.insert(*name, q);
             }
             None => unknown.push(format!("`{name}`")),
         }
@@ -228,12 +239,14 @@ fn home(
     findings: &mut Findings<'_>,
 ) -> State {
     let mut home = State::neutral(model);
+    let positions = positions(description);
     for (q, joint) in home.q.iter_mut().zip(model.joints()) {
         let limits = joint.limits;
         let within = |q: f64| q.max(limits.lower).min(limits.upper);
         *q = within(0.0);
-        let index = description.joints.iter().position(|j| j.name == joint.name);
-        let Some(index) = index else { continue };
+        let Some(&index) = positions.get(joint.name.as_str()) else {
+            continue;
+        };
         let Some(given) = motions.given_home(index) else {
             continue;
         };
@@ -275,12 +288,13 @@ fn moving(model: &Model, description: &Description, motions: &Motions<'_>) -> Ve
         servo: options.servo,
         passive: options.passive,
     };
+    let positions = positions(description);
     let joints = model.joints().iter();
     joints
         .map(|joint| {
-            let index = description.joints.iter().position(|j| j.name == joint.name);
+            let index = positions.get(joint.name.as_str());
             index
-                .and_then(|i| motions.options(i))
+                .and_then(|&i| motions.options(i))
                 .map_or(Moving::default(), of)
         })
         .collect()

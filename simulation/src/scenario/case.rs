@@ -1,7 +1,7 @@
 //! One case of a scenario, with everything that the file, its changes and a variation say.
 
 use std::{
-    collections::BTreeMap,
+    collections::{BTreeMap, HashSet},
     ops::Range,
     path::{Path, PathBuf},
 };
@@ -21,6 +21,7 @@ use wbqp::{
 
 use super::{
     Event, ScenarioError,
+    check::Robots,
     file::{CaseFile, Keys, Text},
 };
 use crate::{Plant, PlantConfig, PlantError, Sensors, SensorsConfig};
@@ -208,14 +209,21 @@ impl Case {
     }
 
     /// Makes everything once.
-    pub(super) fn check(&self, text: &Text<'_>) -> Result<(), ScenarioError> {
+    pub(super) fn check(&self, text: &Text<'_>, robots: &Robots) -> Result<(), ScenarioError> {
         if !(self.duration.is_finite() && self.duration > 0.0) {
             return Err(self.refuse(&format!(
                 "duration: is {} s, must be positive and finite",
                 self.duration
             )));
         }
-        let mut controller = self.make_controller(self.controller_config()?)?;
+        let make = || {
+            let config = self.controller_config()?;
+            let controller = robots
+                .load(&config)
+                .and_then(|robot| Controller::with_robot(config, robot));
+            controller.map_err(|source| self.controller_error(source))
+        };
+        let mut controller = make()?;
         let plant = self.make_plant(controller.robot())?;
         self.make_sensors(&plant, 0)?;
         let [detectors, events] = &self.places;
@@ -238,7 +246,8 @@ impl Case {
         }
         let rate = controller.settings().rate;
         let last_tick = self.ticks(rate).saturating_sub(1) as f64 / rate;
-        for (i, (event, span)) in self.events.iter().zip(events).enumerate() {
+        let mut marks = HashSet::new();
+        for (event, span) in self.events.iter().zip(events) {
             let refuse = |what: String| ScenarioError::Value {
                 place: text.place(span.start),
                 what: match &event.mark {
@@ -253,14 +262,18 @@ impl Case {
                     "would never happen: the last tick is at {last_tick:.3} s"
                 )));
             }
-            let earlier = &self.events[..i];
-            if event.mark.is_some() && earlier.iter().any(|e| e.mark == event.mark) {
+            if let Some(mark) = &event.mark
+                && !marks.insert(mark.as_str())
+            {
                 return Err(refuse("another event has the same mark".into()));
             }
         }
         let mut events: Vec<&Event> = self.events.iter().collect();
         events.sort_by(|a, b| a.at.total_cmp(&b.at));
-        let mut controller = self.make_controller(self.controller_config()?)?;
+        if !events.is_empty() {
+            // Without what happens later.
+            controller = make()?;
+        }
         self.check_pushes(&mut controller, &events)
     }
 

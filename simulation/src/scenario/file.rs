@@ -129,13 +129,14 @@ impl<'a> Text<'a> {
         let varied = DeTable::parse(&self.changes).map_err(|e| self.error(&e))?;
         let (span, mut root) = (root.span(), root.into_inner());
         let mut tables = Vec::new();
-        if let Some(cases) = root.get("case") {
-            let DeValue::Array(cases) = cases.get_ref() else {
+        // Taken out: each case has a copy of the rest.
+        if let Some(cases) = root.remove("case") {
+            let span = cases.span();
+            let DeValue::Array(cases) = cases.into_inner() else {
                 let message = "`case` must be a list of tables, each `[[case]]`".to_owned();
-                let span = cases.span();
                 return Err(self.refusal(Refusal { span, message }));
             };
-            tables.extend(cases.iter().cloned());
+            tables.extend(cases);
         }
         let mut cases = Vec::new();
         for table in &tables {

@@ -45,6 +45,7 @@
 
 mod case;
 mod change;
+mod check;
 mod error;
 mod event;
 mod file;
@@ -59,11 +60,11 @@ pub use json_schema::json_schema;
 pub use variation::Variation;
 
 use std::{
-    fs,
+    collections::HashMap,
     path::{Path, PathBuf},
 };
 
-use wbqp::{config::ControllerConfig, robot::SourceFile, suggestion::suggestion};
+use wbqp::{config::ControllerConfig, input, robot::SourceFile, suggestion::suggestion};
 
 use file::{CaseFile, Text};
 
@@ -93,7 +94,7 @@ impl Scenario {
     /// [`ScenarioError`] naming the file or the value of the variation, the place and what is wrong.
     pub fn from_file_with(path: &Path, variation: &Variation) -> Result<Self, ScenarioError> {
         let name = path.display().to_string();
-        let contents = fs::read_to_string(path).map_err(|source| ScenarioError::Read {
+        let contents = input::read_text(path).map_err(|source| ScenarioError::Read {
             file: name.clone(),
             source,
         })?;
@@ -142,6 +143,10 @@ impl Scenario {
         directory: &Path,
         variation: Variation,
     ) -> Result<Self, ScenarioError> {
+        input::check_toml(&source.contents).map_err(|message| ScenarioError::Syntax {
+            place: source.name.clone(),
+            message,
+        })?;
         let text = Text::new(&source.name, &source.contents, &variation);
         let cases = text.cases(&variation)?;
         check_names(&source.name, &cases)?;
@@ -149,23 +154,27 @@ impl Scenario {
             .first()
             .map(|case| case.keys.name.clone())
             .unwrap_or_default();
-        let mut checked = Vec::new();
-        for (index, file) in cases.into_iter().enumerate() {
-            let is_plain = index == 0 && !file.is_changed;
-            let case_name = file.name.clone();
-            let case = Case::new(file, &source.name, directory);
-            case.check(&text).map_err(|error| match error {
-                error if is_plain => error,
+        let first_is_plain = cases.first().is_some_and(|case| !case.is_changed);
+        let cases = cases.into_iter();
+        let checked: Vec<Case> = cases
+            .map(|case| Case::new(case, &source.name, directory))
+            .collect();
+        let robots = check::Robots::default();
+        check::all(checked.len(), |index| {
+            let Some(case) = checked.get(index) else {
+                return Ok(());
+            };
+            case.check(&text, &robots).map_err(|error| match error {
+                error if index == 0 && first_is_plain => error,
                 // These say so themselves.
                 error @ (ScenarioError::Config { .. } | ScenarioError::Controller { .. }) => error,
                 error => ScenarioError::Case {
                     file: source.name.clone(),
-                    case: case_name,
+                    case: case.name().to_owned(),
                     source: Box::new(error),
                 },
-            })?;
-            checked.push(case);
-        }
+            })
+        })?;
         Ok(Self {
             name,
             directory: directory.to_owned(),
@@ -229,8 +238,9 @@ fn check_names(file: &str, cases: &[CaseFile]) -> Result<(), ScenarioError> {
     if cases.is_empty() {
         return refuse("case: there is none; add a [[case]] with a name".into());
     }
+    let mut first = HashMap::new();
     for (i, case) in cases.iter().enumerate() {
-        if cases[..i].iter().any(|c| c.name == case.name) {
+        if first.insert(case.name.as_str(), i).is_some() {
             return refuse(format!("case[{i}]: the name `{}` is used twice", case.name));
         }
         // The name becomes the name of a log file.

@@ -9,6 +9,8 @@
 //! Its cone is a `friction_pyramid` if it is of kind `point`, and a `contact_wrench` if it has a sole. What the file lists
 //! itself, an entry of the same type for the same contact, is not brought a second time.
 
+use std::collections::HashSet;
+
 use toml::{Spanned, de::DeValue};
 
 use super::{List, Notes, Span, Texts, names, value};
@@ -44,9 +46,9 @@ const FORCE_MAX: &str = "1e4";
 #[derive(Debug, Default)]
 pub(in crate::config) struct Listed {
     /// Types of constraints with the contact that they are for; without one, the empty string.
-    pub(in crate::config) constraints: Vec<(String, String)>,
+    pub(in crate::config) constraints: HashSet<(String, String)>,
     /// Names of tasks and constraints.
-    pub(in crate::config) names: Vec<String>,
+    pub(in crate::config) names: HashSet<String>,
 }
 
 impl Listed {
@@ -64,8 +66,12 @@ impl Listed {
     }
 
     fn has(&self, tag: &str, contact: &str) -> bool {
-        let mut constraints = self.constraints.iter();
-        constraints.any(|(t, c)| t == tag && (contact.is_empty() || c == contact))
+        if contact.is_empty() {
+            // Asked once of a file.
+            return self.constraints.iter().any(|(t, _)| t == tag);
+        }
+        let asked = (tag.to_owned(), contact.to_owned());
+        self.constraints.contains(&asked)
     }
 }
 

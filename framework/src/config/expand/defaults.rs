@@ -72,7 +72,7 @@ fn of_all<P: PluginKind + ?Sized>(
         let Some(plugin) = registry::find::<P>(tag) else {
             continue;
         };
-        let schema = (plugin.schema)();
+        let schema = plugin.described();
         let node = Node::root(schema.as_value());
         // In the header: an error of the table as a whole is not one of this value.
         let start = section.span.start;

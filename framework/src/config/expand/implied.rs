@@ -12,7 +12,7 @@ use crate::{
     },
     constraint::Constraint,
     contact::ContactSpec,
-    qp::QpSolver,
+    qp::Solver,
     reference::Reference,
     registry::{self, PluginKind, json_schema::schema_of},
     robot::Robot,
@@ -133,7 +133,7 @@ impl Lister<'_> {
         match &document.solver {
             Some(section) => {
                 let subject = entry::subject("solver", None, section);
-                self.plugin::<dyn QpSolver>(&subject, section);
+                self.plugin::<dyn Solver>(&subject, section);
             }
             None => self.add(
                 "solver",
@@ -184,8 +184,7 @@ impl Lister<'_> {
 
     /// What short forms brought, unless an override said otherwise.
     fn noted(&mut self, list: List, index: usize, subject: &str, section: &Section<'_>) {
-        let notes = self.notes.0.iter();
-        for note in notes.filter(|note| note.list == list && note.index == index) {
+        for note in self.notes.of(list, index) {
             if let Some(value) = section.keys.get(note.key.as_str())
                 && !(self.is_said)(&value.span())
             {
@@ -198,7 +197,7 @@ impl Lister<'_> {
     fn plugin<P: PluginKind + ?Sized>(&mut self, subject: &str, section: &Section<'_>) {
         let tag = value::string(section, "type").unwrap_or_default();
         if let Some(plugin) = registry::find::<P>(tag) {
-            self.defaults(subject, (plugin.schema)().as_value(), section);
+            self.defaults(subject, plugin.described().as_value(), section);
         }
     }
 
@@ -233,7 +232,7 @@ impl Lister<'_> {
     fn reference(&mut self, subject: &str, prefix: &str, keys: &toml::de::DeTable<'_>) {
         let tag = keys.get("type").and_then(|tag| tag.get_ref().as_str());
         if let Some(plugin) = tag.and_then(registry::find::<dyn Reference>) {
-            let schema = (plugin.schema)();
+            let schema = plugin.described();
             self.table(subject, prefix, Node::root(schema.as_value()), keys);
         }
     }

@@ -11,7 +11,7 @@ mod long;
 mod names;
 mod robot;
 pub(crate) mod schema;
-mod value;
+pub(super) mod value;
 
 use std::cell::OnceCell;
 
@@ -51,7 +51,7 @@ struct Note {
 }
 
 /// A kind of table.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum List {
     Robot,
     Contact,
@@ -67,6 +67,24 @@ impl Notes {
             key: key.into(),
             why: why.into(),
         });
+    }
+
+    /// By table, in the order in which they came: so that those of a table are found.
+    fn sort(&mut self) {
+        self.0.sort_by_key(Note::table);
+    }
+
+    /// Those of a table, after they are sorted.
+    fn of(&self, list: List, index: usize) -> impl Iterator<Item = &Note> {
+        let first = self.0.partition_point(|note| note.table() < (list, index));
+        let rest = self.0.iter().skip(first);
+        rest.take_while(move |note| note.table() == (list, index))
+    }
+}
+
+impl Note {
+    fn table(&self) -> (List, usize) {
+        (self.list, self.index)
     }
 }
 
@@ -89,6 +107,7 @@ pub(super) fn read<'t>(
     contact::write_out(&mut document, &listed, texts, &mut notes, report);
     Appendix::apply_rest(rest, overrides, &mut document, report);
     defaults::fill(&mut document, texts, &mut notes);
+    notes.sort();
     (document, notes)
 }
 

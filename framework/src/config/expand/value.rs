@@ -46,7 +46,8 @@ pub(super) fn numbers(value: &DeValue<'_>) -> Option<Vec<f64>> {
     }
 }
 
-fn number(value: &DeValue<'_>) -> Option<f64> {
+/// A number, whole or not.
+pub(in crate::config) fn number(value: &DeValue<'_>) -> Option<f64> {
     match value {
         // Digits may be grouped.
         DeValue::Float(x) => x.as_str().replace('_', "").parse().ok(),

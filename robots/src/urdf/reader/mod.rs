@@ -18,11 +18,8 @@ use super::{
     description::{Description, Inertial, Joint, Kind, Limit, Link, Mimic},
     findings::{At, Findings, Irregularity, Quantity},
 };
-use crate::source::Source;
+use crate::{source::Source, xml::DEEPEST};
 use element::Reader;
-
-/// Deepest nesting of elements. URDF itself needs six.
-const DEEPEST: usize = 64;
 
 /// Reads links and joints; what is wrong goes to `findings`. Nothing if there is no robot.
 pub(super) fn read(document: &Document<'_>, findings: &mut Findings<'_>) -> Option<Description> {

@@ -1,0 +1,143 @@
+//! Rows and bounds seen as one list of constraints: rows first, then one bound per variable.
+
+use super::kernels::{dot, largest};
+use crate::Qp;
+
+/// Largest violation at an optimum, relative to the limit and the sizes of the terms of the row's value.
+const VIOLATION: f64 = 1e-10;
+/// A violation that is none, however small the numbers that it is made of: rounding of the largest variable.
+const NOTHING: f64 = 1e-13;
+/// The same of a row without coefficients, which has no scale.
+const EMPTY: f64 = 1e-9;
+
+/// A constraint held at one of its limits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Active {
+    /// Index of the row, or m + index of the variable.
+    pub(super) index: usize,
+    /// +1 at the upper limit, −1 at the lower one, 0 for an equality, whose multiplier may have any sign.
+    pub(super) side: f64,
+    /// Value of that limit.
+    pub(super) limit: f64,
+}
+
+/// Number of constraints.
+pub(super) fn count(qp: &Qp) -> usize {
+    qp.m() + qp.n()
+}
+
+/// Equality rows and fixed variables with their values.
+pub(super) fn equalities(qp: &Qp) -> impl Iterator<Item = (usize, f64)> {
+    let rows = qp.row_lower().iter().zip(qp.row_upper());
+    let limits = rows.chain(qp.lower().iter().zip(qp.upper()));
+    let equal = |(_, (lower, upper)): &(usize, (&f64, &f64))| lower == upper;
+    limits
+        .enumerate()
+        .filter(equal)
+        .map(|(index, (&limit, _))| (index, limit))
+}
+
+/// Lower and upper limit.
+pub(super) fn limits(qp: &Qp, index: usize) -> (f64, f64) {
+    match index.checked_sub(qp.m()) {
+        None => (qp.row_lower()[index], qp.row_upper()[index]),
+        Some(j) => (qp.lower()[j], qp.upper()[j]),
+    }
+}
+
+/// `aᵀ x`.
+pub(super) fn value(qp: &Qp, index: usize, x: &[f64]) -> f64 {
+    match index.checked_sub(qp.m()) {
+        None => dot(qp.row(index), x),
+        Some(j) => x[j],
+    }
+}
+
+/// `|a|ᵀ |x|`.
+pub(super) fn sum_of_sizes(qp: &Qp, index: usize, x: &[f64]) -> f64 {
+    match index.checked_sub(qp.m()) {
+        None => {
+            let terms = qp.row(index).iter().zip(x);
+            terms.map(|(a, x)| (a * x).abs()).sum()
+        }
+        Some(j) => x[j].abs(),
+    }
+}
+
+/// Whether a point in units near one satisfies every row and bound to [`VIOLATION`].
+pub(super) fn all_hold(qp: &Qp, x: &[f64]) -> bool {
+    let rounding = NOTHING * largest(x).max(1.0);
+    (0..count(qp)).all(|index| {
+        let (lower, upper) = limits(qp, index);
+        let value = value(qp, index, x);
+        let (excess, limit) = if value > upper {
+            (value - upper, upper)
+        } else {
+            (lower - value, lower)
+        };
+        // `!(… > …)`: infinite where there is no limit. A NaN does not hold.
+        excess <= VIOLATION * limit.abs()
+            || excess <= VIOLATION * (limit.abs() + sum_of_sizes(qp, index, x)) + rounding
+            || (excess <= EMPTY && is_empty(qp, index))
+    })
+}
+
+/// A constraint that nothing satisfies: its lower limit is above its upper one by more than rounding, or it has no
+/// coefficients, and limits that zero is not between.
+pub(super) fn impossible(qp: &Qp) -> Option<Active> {
+    (0..count(qp)).find_map(|index| {
+        let (lower, upper) = limits(qp, index);
+        if lower > upper && lower - upper > VIOLATION * (lower.abs() + upper.abs()) + NOTHING {
+            // Both limits; the multiplier names one.
+            return Some(Active {
+                index,
+                side: 1.0,
+                limit: upper,
+            });
+        }
+        let (side, limit, excess) = if upper < 0.0 {
+            (1.0, upper, -upper)
+        } else {
+            (-1.0, lower, lower)
+        };
+        (excess > EMPTY && is_empty(qp, index)).then_some(Active { index, side, limit })
+    })
+}
+
+/// Whether a row has no coefficients.
+pub(super) fn is_empty(qp: &Qp, index: usize) -> bool {
+    index < qp.m() && qp.row(index).iter().all(|a| *a == 0.0)
+}
+
+/// Largest entry of a normal, the variables in their units.
+pub(super) fn largest_normal(qp: &Qp, index: usize, unit: &[f64]) -> f64 {
+    match index.checked_sub(qp.m()) {
+        None => {
+            let entries = qp.row(index).iter().zip(unit);
+            entries.fold(0.0, |largest, (a, unit)| largest.max((a * unit).abs()))
+        }
+        Some(j) => unit[j],
+    }
+}
+
+/// Copies `a`, with zeros in the padding.
+pub(super) fn copy_normal(qp: &Qp, index: usize, out: &mut [f64]) {
+    match index.checked_sub(qp.m()) {
+        None => {
+            out[..qp.n()].copy_from_slice(qp.row(index));
+            out[qp.n()..].fill(0.0);
+        }
+        Some(j) => {
+            out.fill(0.0);
+            out[j] = 1.0;
+        }
+    }
+}
+
+/// `out += α a`.
+pub(super) fn add_normal(qp: &Qp, index: usize, alpha: f64, out: &mut [f64]) {
+    match index.checked_sub(qp.m()) {
+        None => super::kernels::axpy(out, alpha, qp.row(index)),
+        Some(j) => out[j] += alpha,
+    }
+}

@@ -1,0 +1,294 @@
+//! The dual iteration: from the constraints held so far to those of the optimum.
+
+use super::{
+    super::{
+        constraint::{Active, copy_normal, is_empty},
+        kernels::{dot, largest},
+        limits::Limits,
+        working_set::WorkingSet,
+    },
+    Dual, End,
+};
+use crate::{Qp, Solution};
+
+/// Rounds in which violated constraints are held together.
+const JOINT_ROUNDS: u32 = 8;
+/// In these, how far away a constraint is, relative to the farthest, to be held with it. Constraints that are nearer are
+/// often satisfied once those are held, and would have to be let go one by one.
+const FAR: f64 = 0.7;
+/// Rounds in which all constraints with a multiplier of the wrong sign are let go together, before any was exact.
+const GUESS_ROUNDS: u32 = 6;
+/// Iterations after which larger violations, too, are taken for rounding.
+const LONG: u32 = 200;
+/// A violation below this, relative to the numbers that are added up, may be the rounding of an `x` that is not refined.
+const ROUNDING: f64 = 1e-8;
+/// Iterations with every point refined, after which they must be going in circles.
+const REFINED_ROUNDS: u32 = 100;
+
+impl Dual {
+    /// The dual iteration.
+    pub(super) fn ascend(
+        &mut self,
+        qp: &Qp,
+        limits: &mut Limits<'_>,
+        is_first: bool,
+        out: &mut Solution,
+    ) -> End {
+        let (mut guess_rounds, mut joint_rounds) = if is_first {
+            (GUESS_ROUNDS, JOINT_ROUNDS)
+        } else {
+            (0, 0)
+        };
+        let mut tolerance = limits.tolerance;
+        loop {
+            if limits.are_used_up(self.iterations) {
+                return End::Budget;
+            }
+            self.iterations += 1;
+            self.set.find_targets();
+            if guess_rounds > 0 {
+                // All multipliers are zero as yet, so that any of these constraints may go.
+                guess_rounds -= 1;
+                if self.release_wrong() {
+                    continue;
+                }
+                guess_rounds = 0;
+            } else if let Some((alpha, j)) = blocking(&self.set) {
+                self.set.approach_targets(alpha);
+                self.release(j);
+                continue;
+            }
+            self.set.accept_targets();
+            self.set.primal(&self.hessian, self.point.x_mut());
+            self.point.evaluate(qp);
+            let worst = self.find_violated(qp, tolerance);
+            if self.violated.is_empty() {
+                self.passed = tolerance;
+                return End::Optimal;
+            }
+            if worst < ROUNDING || (worst < 1e3 * ROUNDING && self.iterations > LONG) {
+                // May be rounding of x: constraints that are held and let go for that would never come to an end.
+                // What is refined later is checked again.
+                tolerance *= 2.0;
+            }
+            let farthest = self.measure_violated(qp);
+            if joint_rounds > 0 && self.violated.len() > 1 {
+                joint_rounds -= 1;
+                if self.hold_far(qp, FAR * farthest) {
+                    continue;
+                }
+            }
+            if !self.hold_worst(qp, out) {
+                return End::Infeasible;
+            }
+        }
+    }
+
+    /// The dual iteration with every point and its multipliers refined, which takes several times as long per iteration and
+    /// decides by numbers that are exact.
+    pub(super) fn ascend_refined(
+        &mut self,
+        qp: &Qp,
+        limits: &mut Limits<'_>,
+        forgiven: f64,
+        out: &mut Solution,
+    ) -> End {
+        let tolerance = limits.tolerance.max(forgiven);
+        for _ in 0..REFINED_ROUNDS {
+            if limits.are_used_up(self.iterations) {
+                return End::Budget;
+            }
+            self.iterations += 1;
+            self.before.clear();
+            self.before.extend_from_slice(&self.set.multipliers);
+            self.set.find_targets();
+            self.set.accept_targets();
+            self.set.primal(&self.hessian, self.point.x_mut());
+            self.point.evaluate(qp);
+            self.refine(qp, 0.0);
+            if let Some((alpha, j)) = self.blocking_refined(qp, forgiven) {
+                for (m, before) in self.set.multipliers.iter_mut().zip(&self.before) {
+                    *m = before + alpha * (*m - before);
+                }
+                self.release(j);
+                continue;
+            }
+            self.find_violated(qp, tolerance);
+            if self.violated.is_empty() {
+                self.passed = tolerance;
+                return End::Optimal;
+            }
+            self.measure_violated(qp);
+            if !self.hold_worst(qp, out) {
+                return End::Infeasible;
+            }
+        }
+        self.passed = f64::INFINITY;
+        End::Circles
+    }
+
+    /// The first multiplier that becomes wrong on the way from those before to the refined ones, and after which part of it.
+    fn blocking_refined(&self, qp: &Qp, forgiven: f64) -> Option<(f64, usize)> {
+        let steps = self.set.multipliers.iter().zip(&self.before);
+        let wrong = steps
+            .enumerate()
+            .filter(|(j, _)| self.is_wrong(qp, *j, forgiven));
+        let parts = wrong.map(|(j, (target, before))| {
+            let side = self.set.active()[j].side;
+            let before = (before * side).max(0.0);
+            (before / (before - target * side), j)
+        });
+        parts.reduce(|first, next| if next.0 < first.0 { next } else { first })
+    }
+
+    /// Lets all constraints go whose multiplier would have the wrong sign; whether there were any.
+    fn release_wrong(&mut self) -> bool {
+        let mut any = false;
+        for j in (0..self.set.len()).rev() {
+            let side = self.set.active()[j].side;
+            if self.set.computed()[j] * side < 0.0 {
+                self.release(j);
+                any = true;
+            }
+        }
+        any
+    }
+
+    /// Collects what the point violates by more than a tolerance, relative to the numbers that are added up; returns the
+    /// largest relative violation.
+    pub(super) fn find_violated(&mut self, qp: &Qp, tolerance: f64) -> f64 {
+        self.violated.clear();
+        let mut worst = 0.0_f64;
+        // One after the other: a chain of the two is slow to walk.
+        let rows = (0, self.point.row_values(), qp.row_lower(), qp.row_upper());
+        let bounds = (qp.m(), self.point.x(), qp.lower(), qp.upper());
+        for (first, values, lower, upper) in [rows, bounds] {
+            let limits = lower.iter().zip(upper);
+            let constraints = values.iter().zip(limits).zip(&self.settled[first..]);
+            for (i, ((&value, (&lower, &upper)), &settled)) in constraints.enumerate() {
+                if settled || (lower <= value && value <= upper) {
+                    continue;
+                }
+                let (excess, side, limit) = if value > upper {
+                    (value - upper, 1.0, upper)
+                } else {
+                    (lower - value, -1.0, lower)
+                };
+                let index = first + i;
+                let relative = excess / (limit.abs() + self.point.magnitude(qp, index));
+                if relative > tolerance {
+                    worst = worst.max(relative);
+                    self.violated.push((excess, Active { index, side, limit }));
+                }
+            }
+        }
+        worst
+    }
+
+    /// Turns the excesses of what is violated into distances in the metric of H; returns the largest.
+    fn measure_violated(&mut self, qp: &Qp) -> f64 {
+        if self.violated.len() == 1 {
+            return f64::INFINITY;
+        }
+        let mut farthest = 0.0_f64;
+        for (excess, constraint) in &mut self.violated {
+            let reciprocal = &mut self.reciprocal_lengths[constraint.index];
+            if *reciprocal == 0.0 {
+                let w = &mut self.w[..self.stride];
+                copy_normal(qp, constraint.index, w);
+                self.hessian.solve_transposed(w);
+                *reciprocal = 1.0 / dot(w, w).sqrt();
+            }
+            *excess *= *reciprocal;
+            farthest = farthest.max(*excess);
+        }
+        farthest
+    }
+
+    /// Holds the violated constraints that are so far away and independent; whether there are any.
+    fn hold_far(&mut self, qp: &Qp, far: f64) -> bool {
+        let mut any = false;
+        for i in 0..self.violated.len() {
+            let (distance, constraint) = self.violated[i];
+            if distance < far {
+                continue;
+            }
+            if !self.set.has_room() {
+                // `violated` is needed to make room.
+                break;
+            }
+            if self.push(qp, constraint, 0.0) {
+                self.settled[constraint.index] = true;
+                any = true;
+            }
+        }
+        any
+    }
+
+    /// Holds the violated constraint that is farthest away; false if that is impossible.
+    fn hold_worst(&mut self, qp: &Qp, out: &mut Solution) -> bool {
+        let mut worst: Option<(f64, Active)> = None;
+        for &(distance, constraint) in &self.violated {
+            if worst.is_none_or(|(d, _)| distance > d) {
+                worst = Some((distance, constraint));
+            }
+        }
+        let Some((_, constraint)) = worst else {
+            return true;
+        };
+        if is_empty(qp, constraint.index) {
+            // Nothing can be done about it, and little is wrong with it: else it would be impossible.
+            self.settled[constraint.index] = true;
+            return true;
+        }
+        let mut multiplier = 0.0;
+        while !self.push(qp, constraint, multiplier) {
+            self.set.combine(&self.w);
+            let held = self.set.active().iter().zip(&self.set.multipliers);
+            let rounding = 1e-11 * largest(self.set.computed());
+            let mut first: Option<(f64, f64, usize)> = None;
+            for (j, ((held, &multiplier), &r)) in held.zip(self.set.computed()).enumerate() {
+                // Along the ray this multiplier changes by −side · r per unit.
+                let rate = held.side * constraint.side * r;
+                if rate > rounding {
+                    let step = (multiplier * held.side).max(0.0) / rate;
+                    if first.is_none_or(|(s, q, _)| step < s || (step == s && rate > q)) {
+                        first = Some((step, rate, j));
+                    }
+                }
+            }
+            let Some((step, _, j)) = first else {
+                if self.contradicts(qp, constraint) {
+                    self.certify(qp, constraint.index, constraint.side, out);
+                    return false;
+                }
+                // Implied by those held up to rounding, which is what the violation is.
+                self.settled[constraint.index] = true;
+                self.implied.push(constraint);
+                return true;
+            };
+            multiplier += step * constraint.side;
+            self.set.follow_ray(step * constraint.side);
+            self.release(j);
+            self.iterations += 1;
+        }
+        self.settled[constraint.index] = true;
+        true
+    }
+}
+
+/// The first multiplier that changes its sign on the way to the targets, and after which part of the way.
+fn blocking(set: &WorkingSet) -> Option<(f64, usize)> {
+    let mut first: Option<(f64, usize)> = None;
+    let multipliers = set.multipliers.iter().zip(set.computed());
+    for (j, (held, (m, t))) in set.active().iter().zip(multipliers).enumerate() {
+        let (m, t) = ((m * held.side).max(0.0), t * held.side);
+        if t < 0.0 {
+            let alpha = m / (m - t);
+            if first.is_none_or(|(a, _)| alpha < a) {
+                first = Some((alpha, j));
+            }
+        }
+    }
+    first
+}

@@ -1,0 +1,365 @@
+//! The dual method for an H that is definite, at least where the equality rows leave freedom: its storage, and its way from
+//! the factorisation to a refined optimum.
+
+mod ascent;
+mod certificate;
+mod refinement;
+
+use super::{
+    constraint::{Active, copy_normal, count, equalities, impossible, is_empty, limits},
+    hessian::Hessian,
+    kernels::padded,
+    limits::Limits,
+    point::Point,
+    working_set::WorkingSet,
+};
+use crate::{Capacity, ConstraintId, Held, Qp, Solution, Status, WarmStart};
+
+/// Residual of the optimality conditions, relative to their terms, that needs no refinement.
+const EXACT: f64 = 1e-14;
+/// Relative residual of an optimum.
+const CONVERGED: f64 = 1e-9;
+/// Times that a refined point may turn out to violate a constraint, or to hold one too many.
+const CORRECTIONS: u32 = 50;
+/// How many of these trust points that are not refined.
+const TRUSTING: u32 = 2;
+
+/// Relative violation, or multiplier of the wrong sign, that a refined point may have: the second after a few corrections,
+/// which only degenerate problems need.
+const FORGIVEN: [f64; 2] = [1e-11, 3e-11];
+/// Largest relative violation of an optimum, constraints that are held or implied included. What it is relative to, a limit
+/// and the terms of a value added up, is about twice the largest of them, of which this is 1e-10.
+const VIOLATION: f64 = 5e-11;
+/// Times that constraints which seemed to be implied are tried again: once after each of the first corrections.
+const TRIALS: u32 = 2;
+
+/// Why the dual iteration stopped.
+enum End {
+    /// Nothing is violated.
+    Optimal,
+    /// The certificate is in the solution.
+    Infeasible,
+    Budget,
+    /// It goes in circles even with refined points.
+    Circles,
+}
+
+/// Storage of the method, made once.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Dual {
+    hessian: Hessian,
+    set: WorkingSet,
+    /// n with padding: the length of vectors of variables.
+    stride: usize,
+    v: Vec<f64>,
+    point: Point,
+    /// Which constraints are not to be checked: held, equalities, or without a remedy.
+    settled: Vec<bool>,
+    /// Those of them that are not held, because those held imply them, or did when it was looked at.
+    implied: Vec<Active>,
+    violated: Vec<(f64, Active)>,
+    w: Vec<f64>,
+    gradient: Vec<f64>,
+    p: Vec<f64>,
+    previous: Vec<Held>,
+    /// Multipliers before a step.
+    before: Vec<f64>,
+    /// Per constraint `1/‖U⁻ᵀ a‖`, or zero where nobody asked.
+    reciprocal_lengths: Vec<f64>,
+    /// Size of the terms of the gradient at the last residuals, in units of the variables.
+    size: f64,
+    /// The last residuals, relative to it.
+    residual: f64,
+    /// Of these, those of the constraints held.
+    primal: f64,
+    /// The largest entry of `H x` and of g, in units of the variables.
+    pull: f64,
+    /// The tolerance within which the point is known to violate nothing; infinite if that is not known.
+    passed: f64,
+    iterations: u32,
+}
+
+impl Dual {
+    pub(super) fn new(capacity: Capacity) -> Self {
+        let Capacity { vars: n, rows: m } = capacity;
+        Self {
+            hessian: Hessian::new(n),
+            set: WorkingSet::new(n),
+            v: vec![0.0; padded(n)],
+            point: Point::new(capacity),
+            settled: vec![false; m + n],
+            implied: Vec::with_capacity(m + n),
+            violated: Vec::with_capacity(m + n),
+            w: vec![0.0; padded(n)],
+            gradient: vec![0.0; padded(n)],
+            p: vec![0.0; n],
+            previous: Vec::with_capacity(n),
+            before: Vec::with_capacity(n + 1),
+            reciprocal_lengths: vec![0.0; m + n],
+            ..Self::default()
+        }
+    }
+
+    pub(super) fn warm_start(&self, out: &mut WarmStart) {
+        out.clear();
+        for held in &self.previous {
+            out.push(held.constraint, held.side);
+        }
+    }
+
+    /// The next solve begins with these; those beyond the capacity are forgotten.
+    pub(super) fn start_from(&mut self, warm_start: &WarmStart) {
+        self.previous.clear();
+        let room = self.previous.capacity();
+        self.previous.extend(warm_start.iter().take(room));
+    }
+
+    /// The next solve begins without any constraint held.
+    pub(super) fn forget(&mut self) {
+        self.previous.clear();
+    }
+
+    /// Solves a problem without defects. [`Status::Stalled`] says that this method does not come to an end that it can
+    /// vouch for: H is not definite, or rounding is too large.
+    pub(super) fn solve(
+        &mut self,
+        qp: &Qp,
+        limits: &mut Limits<'_>,
+        iterations: u32,
+        out: &mut Solution,
+    ) -> Status {
+        clear(qp, out);
+        self.iterations = iterations;
+        let status = if let Some(Active { index, side, .. }) = impossible(qp) {
+            // Not a combination of constraints but one alone: its multiplier names it.
+            add_multiplier(qp, index, side, out);
+            Status::Infeasible
+        } else if qp.n() == 0 {
+            Status::Optimal
+        } else if self.hessian.factorise(qp) {
+            self.run(qp, limits, out)
+        } else {
+            Status::Stalled
+        };
+        out.iterations = self.iterations;
+        let (n, m) = (qp.n(), qp.m());
+        let mut numbers = out.x[..n].iter().chain(&out.y[..m]).chain(&out.z[..n]);
+        if !numbers.all(|v| v.is_finite()) {
+            clear(qp, out);
+            return Status::Stalled;
+        }
+        status
+    }
+
+    /// The constraints held.
+    pub(super) fn held(&self) -> &[Active] {
+        self.set.active()
+    }
+
+    /// The next solve begins with this one, too.
+    pub(super) fn begin_with(&mut self, qp: &Qp, constraint: Active) {
+        if self.previous.len() < self.previous.capacity() {
+            self.previous.push(identified(qp, constraint));
+        }
+    }
+
+    /// Whether a pivot may have been rounding, and the solution be as large as one divided by it.
+    pub(super) fn is_doubtful(&self) -> bool {
+        self.cancels()
+    }
+
+    fn run(&mut self, qp: &Qp, limits: &mut Limits<'_>, out: &mut Solution) -> Status {
+        let n = qp.n();
+        self.stride = padded(n);
+        self.point.reset(qp);
+        let v = &mut self.v[..self.stride];
+        v[..n].copy_from_slice(qp.g());
+        v[n..].fill(0.0);
+        self.hessian.shift(v);
+        self.hessian.solve_transposed(v);
+        self.set.reset(n, v);
+        self.settled[..count(qp)].fill(false);
+        self.implied.clear();
+        self.reciprocal_lengths[..count(qp)].fill(0.0);
+        if !self.hold_equalities(qp, out) {
+            return Status::Infeasible;
+        }
+        self.hold_previous(qp);
+        for correction in 0..CORRECTIONS {
+            let forgiven = FORGIVEN[(correction as usize / 4).min(FORGIVEN.len() - 1)];
+            let end = if correction < TRUSTING {
+                self.ascend(qp, limits, correction == 0, out)
+            } else {
+                // Rounding leads that back to where it came from.
+                self.ascend_refined(qp, limits, forgiven, out)
+            };
+            match end {
+                End::Optimal | End::Circles => {}
+                End::Infeasible => return Status::Infeasible,
+                End::Budget => {
+                    self.stop(qp, out);
+                    return limits.status(self.iterations);
+                }
+            }
+            self.refine(qp, EXACT);
+            if self.point.be_strict() {
+                self.passed = f64::INFINITY;
+            }
+            let allowed = VIOLATION.max(limits.tolerance);
+            let missed = self.missed(qp);
+            if missed > allowed && correction < TRIALS {
+                self.reconsider();
+            }
+            if self.is_settled(qp, limits.tolerance, forgiven) {
+                self.remember(qp);
+                self.write(qp, out);
+                return if self.residual < CONVERGED && self.primal.max(missed) <= allowed {
+                    Status::Optimal
+                } else {
+                    Status::Stalled
+                };
+            }
+            let is_last = correction + 1 == CORRECTIONS || matches!(end, End::Circles);
+            if is_last {
+                break;
+            }
+            self.move_on(qp, forgiven);
+        }
+        self.stop(qp, out);
+        Status::Stalled
+    }
+
+    /// Ends before the optimum: with the minimiser on what is held, from where the next solve goes on.
+    fn stop(&mut self, qp: &Qp, out: &mut Solution) {
+        self.set.find_targets();
+        self.set.primal(&self.hessian, self.point.x_mut());
+        self.remember(qp);
+        self.write(qp, out);
+    }
+
+    /// Holds all equality rows and fixed variables; false if they contradict one another.
+    fn hold_equalities(&mut self, qp: &Qp, out: &mut Solution) -> bool {
+        for (index, limit) in equalities(qp) {
+            self.settled[index] = true;
+            let constraint = Active {
+                index,
+                side: 0.0,
+                limit,
+            };
+            if self.push(qp, constraint, 0.0) || is_empty(qp, index) {
+                continue;
+            }
+            // Depends on those held: either implied by them, or in contradiction.
+            self.set.combine(&self.w);
+            for side in [1.0, -1.0] {
+                if self.contradicts(qp, Active { side, ..constraint }) {
+                    self.certify(qp, index, side, out);
+                    return false;
+                }
+            }
+            self.implied.push(constraint);
+        }
+        true
+    }
+
+    /// Holds what was held at the end of the last solve and still exists.
+    fn hold_previous(&mut self, qp: &Qp) {
+        for i in 0..self.previous.len() {
+            let Held { constraint, side } = self.previous[i];
+            let found = match constraint {
+                ConstraintId::Row(id) => qp.rows().binary_search(&id).ok(),
+                ConstraintId::Bound(id) => qp.vars().binary_search(&id).ok().map(|j| qp.m() + j),
+            };
+            let Some(index) = found.filter(|&i| !self.settled[i]) else {
+                continue;
+            };
+            let (lower, upper) = limits(qp, index);
+            let (side, limit) = if side > 0.0 {
+                (1.0, upper)
+            } else {
+                (-1.0, lower)
+            };
+            let constraint = Active { index, side, limit };
+            if limit.is_finite() && self.push(qp, constraint, 0.0) {
+                self.settled[index] = true;
+            }
+        }
+    }
+
+    /// Holds a constraint, with `w` in `self.w`.
+    fn push(&mut self, qp: &Qp, constraint: Active, multiplier: f64) -> bool {
+        if !self.set.has_room() {
+            self.rebuild(qp);
+        }
+        let w = &mut self.w[..self.stride];
+        copy_normal(qp, constraint.index, w);
+        let range = self.hessian.solve_transposed(w);
+        self.set.push(constraint, multiplier, range, w)
+    }
+
+    /// Factorises the held constraints anew, when the product of reflections and rotations has become too long.
+    fn rebuild(&mut self, qp: &Qp) {
+        let n = qp.n();
+        let count = self.set.len();
+        self.violated.clear();
+        for (&held, &multiplier) in self.set.active().iter().zip(&self.set.multipliers) {
+            self.violated.push((multiplier, held));
+        }
+        self.set.linear_term(&mut self.v[..self.stride]);
+        self.set.reset(n, &self.v[..self.stride]);
+        for i in 0..count {
+            let (multiplier, held) = self.violated[i];
+            let w = &mut self.w[..self.stride];
+            copy_normal(qp, held.index, w);
+            let range = self.hessian.solve_transposed(w);
+            if !self.set.push(held, multiplier, range, w) {
+                self.settled[held.index] = held.side == 0.0;
+            }
+        }
+    }
+
+    /// Lets the j-th constraint held go.
+    fn release(&mut self, j: usize) {
+        let released = self.set.remove(j);
+        self.settled[released.index] = false;
+    }
+
+    fn remember(&mut self, qp: &Qp) {
+        self.previous.clear();
+        for held in self.set.active().iter().filter(|h| h.side != 0.0) {
+            self.previous.push(identified(qp, *held));
+        }
+    }
+
+    fn write(&self, qp: &Qp, out: &mut Solution) {
+        out.x[..qp.n()].copy_from_slice(&self.point.x()[..qp.n()]);
+        for (held, &m) in self.set.active().iter().zip(&self.set.multipliers) {
+            // One of the wrong sign is rounding.
+            if m * held.side >= 0.0 {
+                add_multiplier(qp, held.index, m, out);
+            }
+        }
+    }
+}
+
+fn identified(qp: &Qp, Active { index, side, .. }: Active) -> Held {
+    let constraint = match index.checked_sub(qp.m()) {
+        None => ConstraintId::Row(qp.rows()[index]),
+        Some(j) => ConstraintId::Bound(qp.vars()[j]),
+    };
+    Held { constraint, side }
+}
+
+pub(super) fn clear(qp: &Qp, out: &mut Solution) {
+    let (n, m) = (qp.n(), qp.m());
+    out.x[..n].fill(0.0);
+    out.y[..m].fill(0.0);
+    out.z[..n].fill(0.0);
+}
+
+fn add_multiplier(qp: &Qp, index: usize, multiplier: f64, out: &mut Solution) {
+    match index.checked_sub(qp.m()) {
+        None => out.y[index] += multiplier,
+        Some(j) => out.z[j] += multiplier,
+    }
+}

@@ -1,0 +1,148 @@
+//! What makes a point and its multipliers exact, and says whether they are.
+
+use super::{
+    super::{
+        constraint::{add_normal, largest_normal},
+        kernels::{axpy, largest_product},
+    },
+    Dual, EXACT,
+};
+use crate::Qp;
+
+/// Refinements on one set of held constraints.
+const REFINEMENTS: u32 = 50;
+/// What one of them has to make the residual smaller by: else what is left is rounding.
+const GAIN: f64 = 0.3;
+/// Terms of `H x` that are so many times larger than their sum and than g are those of a variable that is the quotient of
+/// g and rounding.
+const CANCELLED: f64 = 1e6;
+
+impl Dual {
+    /// Corrects `x` and the multipliers by the residuals of the optimality conditions on the held constraints, until
+    /// these are exact or only rounding is left.
+    pub(super) fn refine(&mut self, qp: &Qp, exact: f64) {
+        let k = self.set.len();
+        let mut before = f64::INFINITY;
+        for _ in 0..REFINEMENTS {
+            let residual = self.residuals(qp);
+            if residual <= exact || residual > GAIN * before {
+                return;
+            }
+            before = residual;
+            let (d, p) = (&mut self.gradient[..self.stride], &mut self.p[..k]);
+            self.set.correct(&self.hessian, d, p);
+            axpy(self.point.x_mut(), 1.0, d);
+            self.passed = f64::INFINITY;
+            axpy(&mut self.set.multipliers, 1.0, p);
+            self.point.evaluate(qp);
+        }
+        self.residuals(qp);
+    }
+
+    /// `H x + g + N λ` into `self.gradient`, `b − Nᵀ x` into `self.p`; returns the larger of the two relative to what it
+    /// is the difference of.
+    fn residuals(&mut self, qp: &Qp) -> f64 {
+        let point = &self.point;
+        let gradient = &mut self.gradient[..self.stride];
+        self.hessian.product(qp, point.x(), gradient);
+        gradient[qp.n()..].fill(0.0);
+        let unit = point.unit();
+        let size = largest_product(gradient, unit).max(largest_product(qp.g(), unit));
+        axpy(gradient, 1.0, qp.g());
+        let mut primal = 0.0_f64;
+        let held = self.set.active().iter().zip(&self.set.multipliers);
+        for ((held, &m), p) in held.zip(&mut self.p) {
+            add_normal(qp, held.index, m, gradient);
+            *p = held.limit - point.value(held.index);
+            // Else exact whatever the magnitude.
+            if p.abs() > EXACT * held.limit.abs() {
+                primal = primal.max(p.abs() / (held.limit.abs() + point.magnitude(qp, held.index)));
+            }
+        }
+        let stationarity = largest_product(gradient, unit);
+        // The entries of H x may be small differences of large terms, none of which exceeds the largest variable.
+        self.size = size.max(point.largest()).max(f64::MIN_POSITIVE);
+        self.primal = primal;
+        self.residual = primal.max(stationarity / self.size);
+        self.pull = size;
+        primal.max(stationarity / size.max(f64::MIN_POSITIVE))
+    }
+
+    /// Whether the variables are so large beside `H x` and g that what is left of the terms may be rounding: then x is g
+    /// divided by a pivot that ought to be zero.
+    pub(super) fn cancels(&self) -> bool {
+        self.point.largest() > CANCELLED * self.pull
+    }
+
+    /// Whether the refined point violates nothing and holds nothing with a multiplier of the wrong sign, beyond what is
+    /// forgiven.
+    pub(super) fn is_settled(&mut self, qp: &Qp, tolerance: f64, forgiven: f64) -> bool {
+        let tolerance = tolerance.max(forgiven);
+        if self.passed > tolerance {
+            self.find_violated(qp, tolerance);
+            if !self.violated.is_empty() {
+                return false;
+            }
+        }
+        (0..self.set.len()).all(|j| !self.is_wrong(qp, j, forgiven))
+    }
+
+    /// Whether the multiplier of the j-th constraint held has the wrong sign by more than is forgiven.
+    pub(super) fn is_wrong(&self, qp: &Qp, j: usize, forgiven: f64) -> bool {
+        let held = self.set.active()[j];
+        let wrong = -self.set.multipliers[j] * held.side;
+        wrong > 0.0
+            && wrong * largest_normal(qp, held.index, self.point.unit()) > forgiven * self.size
+    }
+
+    /// The largest violation, relative to the numbers that are added up, of the constraints that were found to be implied.
+    pub(super) fn missed(&self, qp: &Qp) -> f64 {
+        let mut worst = 0.0_f64;
+        for implied in &self.implied {
+            let away = self.point.value(implied.index) - implied.limit;
+            let excess = if implied.side == 0.0 {
+                away.abs()
+            } else {
+                away * implied.side
+            };
+            if excess <= 0.0 {
+                continue;
+            }
+            let size = implied.limit.abs() + self.point.magnitude_with_rounding(qp, implied.index);
+            let relative = excess / size;
+            // A NaN is the worst.
+            if relative.is_nan() {
+                return f64::INFINITY;
+            }
+            worst = worst.max(relative);
+        }
+        worst
+    }
+
+    /// Has the constraints checked again that were found to be implied: those held may be others now. Equalities stay: what
+    /// implies them is never let go.
+    pub(super) fn reconsider(&mut self) {
+        let settled = &mut self.settled;
+        self.implied.retain(|implied| {
+            settled[implied.index] = implied.side == 0.0;
+            implied.side == 0.0
+        });
+        self.passed = f64::INFINITY;
+    }
+
+    /// The next proximal step, or another look at a point that was refined: what is wrongly held is let go.
+    pub(super) fn move_on(&mut self, qp: &Qp, forgiven: f64) {
+        let w = &mut self.w[..self.stride];
+        self.set.centre(&self.hessian, self.point.x(), w);
+        for j in (0..self.set.len()).rev() {
+            if self.is_wrong(qp, j, forgiven) {
+                self.release(j);
+            }
+        }
+        for (held, m) in self.set.held_mut() {
+            if *m * held.side < 0.0 {
+                *m = 0.0;
+            }
+        }
+    }
+}

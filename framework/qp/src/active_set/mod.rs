@@ -1,0 +1,168 @@
+//! A dense dual active-set solver, warm-started: the default.
+//!
+//! # Mathematics
+//! The problem is `min ½xᵀHx + gᵀx` subject to `l ≤ A x ≤ u` with rows and bounds of variables alike. For the
+//! constraints that are *held* at a limit, with normals N and limits b, the minimiser and its multipliers solve
+//! ```text
+//! H x + N λ = −g,   Nᵀ x = b
+//! ```
+//! (`working_set` says how). The method goes through pairs (held constraints, λ) that are dual feasible: λ ≥ 0 at
+//! upper, ≤ 0 at lower limits. From λ it moves towards the multipliers λ* of the minimiser. If one of them would change
+//! its sign on the way, the step ends there and that constraint is let go; at λ* the minimiser x is checked, and
+//! constraints that it violates are held next, with λ = 0. Every step raises the dual cost, so it ends: with
+//! nothing violated, which is the optimum, or with a violated constraint whose normal is a combination `a = N r` of those
+//! held. Then λ moves along `(−r, 1)`, which leaves x where it is, until a multiplier reaches zero and its constraint is
+//! let go. If none does, `(−r, 1)` is the proof that no point satisfies these constraints together (Farkas):
+//! `Aᵀ y + z = 0` while the limits weighted with the multipliers have a negative sum.
+//!
+//! Of several violated constraints the one is taken that is farthest away in the metric of H,
+//! `violation / ‖U⁻ᵀ a‖` with `H = UᵀU`, the distance that z has to go; in the first rounds those that are nearly as far are
+//! taken with it. At the end the pair is refined: residuals of the optimality conditions in the problem's own numbers,
+//! corrected with the factors at hand. If the refined pair is no optimum after all, the iteration goes on; should that
+//! happen again, with every pair refined, so that rounding cannot lead it in circles.
+//!
+//! An optimum violates nothing, held or not, by more than 1e-10 of the numbers that are added up, or by more than the
+//! tolerance if that is larger. Constraints that depend on those held and disagree with them by more than that, but by too
+//! little for a proof, leave it almost optimal.
+//!
+//! The next solve begins with the constraints held last, found again by their [`RowId`](super::RowId) and
+//! [`VarId`](super::VarId), with λ = 0, which is dual feasible whatever has changed in between. Those with a λ* of the
+//! wrong sign are let go at once.
+//!
+//! Nothing depends on the scale of rows or variables: a pivot is compared with its diagonal entry, a violation with
+//! the numbers that were added up, dependence is an angle, and the choice of constraints is in the metric of H.
+//!
+//! # Cost
+//! For n variables and k held constraints a warm solve is a Cholesky factorisation (n³/3 multiplications and additions
+//! each), `W = U⁻ᵀ N` (k n²/2), its orthogonal factorisation (k² (n − k/3)), and a few products of the order n². All of them run in
+//! blocks of four rows or four reflections, and skip the blocks of zeros of a cost that falls apart, and of constraints on a
+//! part of the variables. The order of every sum is fixed in the code, without fused multiply-add: results are equal to
+//! the bit whatever the processor's vectors.
+//!
+//! # When it stops
+//! A solve ends after a number of iterations, or, if the caller lends a clock, after a time: with the minimiser on
+//! the constraints held so far, from which the next solve goes on. The count of iterations that it reports repeats it to the
+//! bit ([`Budget::Iterations`]).
+//!
+//! # Sources
+//! D. Goldfarb, A. Idnani, *A numerically stable dual method for solving strictly convex quadratic programs*,
+//! Mathematical Programming 27 (1983), for the dual steps and the factorisation. D. Arnström, A. Bemporad, D. Axehill,
+//! *A dual active-set solver for embedded quadratic programming using recursive LDLᵀ updates*, IEEE TAC 67 (2022), for
+//! multipliers computed anew in every step, warm starts, and proximal steps. R. T. Rockafellar, *Monotone operators and
+//! the proximal point algorithm*, SIAM J. Control Optim. 14 (1976).
+
+mod constraint;
+mod dual;
+mod hessian;
+mod kernels;
+mod limits;
+mod orthogonal;
+mod point;
+mod proximal;
+mod working_set;
+mod workspace;
+
+use crate::{Budget, Capacity, Qp, QpError, QpSolver, Solution, Status, WarmStart};
+use limits::Limits;
+use workspace::Workspace;
+
+/// A dense dual active-set method, warm-started from the tick before; allocates nothing.
+///
+/// `min ½xᵀHx + gᵀx` subject to `l ≤ A x ≤ u`.
+#[derive(Clone, Debug)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema),
+    serde(default, deny_unknown_fields)
+)]
+pub struct ActiveSet {
+    /// Cap on the number of changes of the active set, of all attempts together; if absent, ten times the number of variables
+    /// and rows of the largest problem, and at least 1000.
+    pub max_iterations: Option<u32>,
+    /// Violation of a row or bound that is accepted, relative to the numbers it is computed from.
+    #[cfg_attr(feature = "serde", schemars(extend("x-unit" = "1")))]
+    pub tolerance: f64,
+    /// Time that a solve may take before it ends without a solution, s; unlimited if absent. Needs a clock: without
+    /// the caller's stopwatch it has no effect.
+    #[cfg_attr(feature = "serde", schemars(extend("x-unit" = "s")))]
+    pub budget: Option<f64>,
+    #[cfg_attr(feature = "serde", serde(skip))]
+    workspace: Option<Box<Workspace>>,
+}
+
+impl Default for ActiveSet {
+    fn default() -> Self {
+        Self {
+            max_iterations: None,
+            tolerance: 1e-12,
+            budget: None,
+            workspace: None,
+        }
+    }
+}
+
+impl QpSolver for ActiveSet {
+    fn bind(&mut self, capacity: Capacity) -> Result<(), QpError> {
+        let refused = |key, problem| Err(QpError::Setting { key, problem });
+        if self.max_iterations == Some(0) {
+            return refused("max_iterations", "is 0, must be at least 1".to_owned());
+        }
+        if !(1e-15..=1e-6).contains(&self.tolerance) {
+            let problem = format!("is {}, must be between 1e-15 and 1e-6", self.tolerance);
+            return refused("tolerance", problem);
+        }
+        if let Some(budget) = self.budget.filter(|b| !(*b > 0.0 && b.is_finite())) {
+            let problem = format!("is {budget}, must be positive and finite");
+            return refused("budget", problem);
+        }
+        self.workspace = Some(Box::new(Workspace::new(capacity)));
+        Ok(())
+    }
+
+    fn memory(&self, capacity: Capacity) -> usize {
+        Workspace::bytes(capacity)
+    }
+
+    fn solve_within(
+        &mut self,
+        qp: &Qp,
+        budget: Budget<'_>,
+        out: &mut Solution,
+    ) -> Result<Status, QpError> {
+        out.status = Status::Unsolved;
+        let workspace = self.workspace.as_deref_mut().ok_or(QpError::NotBound)?;
+        qp.fits(workspace.capacity())?;
+        qp.fits(out.capacity())?;
+        let Capacity { vars, rows } = workspace.capacity();
+        let most = 10 * u32::try_from(vars + rows).unwrap_or(u32::MAX / 10);
+        let most = self.max_iterations.unwrap_or(most.max(1000));
+        let limits = match budget {
+            Budget::Configured => Limits::new(self.tolerance, most),
+            Budget::Iterations(cap) => Limits::new(self.tolerance, most).with_cap(cap),
+            Budget::Clock(stopwatch) => {
+                Limits::new(self.tolerance, most).with_clock(stopwatch, self.budget)
+            }
+        };
+        workspace.solve(qp, limits, out);
+        Ok(out.status)
+    }
+
+    fn reset(&mut self) {
+        if let Some(workspace) = &mut self.workspace {
+            workspace.forget();
+        }
+    }
+
+    fn warm_start(&self, out: &mut WarmStart) {
+        match &self.workspace {
+            Some(workspace) => workspace.warm_start(out),
+            None => out.clear(),
+        }
+    }
+
+    fn start_from(&mut self, warm_start: &WarmStart) {
+        if let Some(workspace) = &mut self.workspace {
+            workspace.start_from(warm_start);
+        }
+    }
+}

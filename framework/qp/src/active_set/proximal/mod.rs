@@ -1,0 +1,422 @@
+//! The method for every convex problem: linear, flat in some directions, unbounded, badly scaled.
+//!
+//! # Mathematics
+//! The proximal iteration `x⁺ = argmin f(x) + ½ ρ ‖x − c‖²` over the feasible set, of a problem in units near one (`scaling`),
+//! is one definite problem after another for the dual method, and its fixed points `x⁺ = c` are the solutions (Rockafellar
+//! 1976). Where the cost is flat it alone would go in small steps. So after each, from x⁺, the cost is followed down the
+//! face of the constraints held (`face`): to the minimiser on it, or along a ray, until a further constraint is in the
+//! way, which narrows the face; the next centre c is where that ends. A ray without an end proves that the problem is unbounded.
+//! Every round ends at a minimiser on a face, lower than the one before; there are finitely many faces.
+
+mod face;
+mod scaling;
+
+use super::{
+    constraint::{self, Active, add_normal, copy_normal, count, limits, value},
+    dual::{Dual, clear},
+    kernels::{axpy, dot},
+    limits::Limits,
+};
+use crate::{Capacity, Defect, Qp, Solution, Status};
+use face::{Face, Slope};
+use scaling::Scaling;
+
+/// Weights of the proximal term beside a curvature of one: the next if rounding leads nowhere with one.
+const WEIGHTS: [f64; 3] = [1e-6, 1e-4, 1e-2];
+/// Rounds with one weight.
+const ROUNDS: u32 = 200;
+/// Largest residual of the stationarity conditions at an optimum, per variable, relative to the sum of its terms' sizes.
+const STATIONARY: f64 = 1e-11;
+/// A residual below this part of the largest term of all variables, and of what the largest variable could contribute, is
+/// rounding.
+const LEAST: f64 = 1e-15;
+/// Part of a direction's largest component below which the rate at which a constraint's value changes is rounding.
+const RATE: f64 = 1e-10;
+/// A ray is not followed by more than so many times the largest variable, or one, at once.
+const FAR: f64 = 1e6;
+/// Rounds after which it is assumed that they go to and fro.
+const ZIGZAG: u32 = 4;
+/// Part of the sum of the sizes of its terms below which a sum is rounding.
+const ROUNDED: f64 = 1e-12;
+
+/// Storage of the method, made once.
+#[derive(Clone, Debug)]
+pub(super) struct Proximal {
+    scaling: Scaling,
+    /// In units near one, with the proximal term in H and g.
+    scaled: Qp,
+    /// H and g without it.
+    h: Vec<f64>,
+    g: Vec<f64>,
+    centre: Vec<f64>,
+    /// Where the last round's proximal step ended.
+    last: Vec<f64>,
+    x: Vec<f64>,
+    gradient: Vec<f64>,
+    /// Sums of the sizes of the gradient's terms.
+    sizes: Vec<f64>,
+    /// The sizes of g, `H x` and the multipliers' terms.
+    terms: Vec<f64>,
+    normal: Vec<f64>,
+    /// What the face is made of, and constraints that depend on it.
+    on_face: Vec<bool>,
+    face: Face,
+}
+
+impl Proximal {
+    pub(super) fn new(capacity: Capacity) -> Self {
+        let Capacity { vars: n, rows: m } = capacity;
+        Self {
+            scaling: Scaling::new(n, m),
+            scaled: Qp::new(capacity),
+            h: vec![0.0; n * n],
+            g: vec![0.0; n],
+            centre: vec![0.0; n],
+            last: vec![0.0; n],
+            x: vec![0.0; n],
+            gradient: vec![0.0; n],
+            sizes: vec![0.0; n],
+            terms: vec![0.0; n],
+            normal: vec![0.0; n],
+            on_face: vec![false; n + m],
+            face: Face::new(n),
+        }
+    }
+
+    /// Solves a problem with variables and without defects but an indefinite H, which is found here.
+    pub(super) fn solve(
+        &mut self,
+        qp: &Qp,
+        dual: &mut Dual,
+        limits: &mut Limits<'_>,
+        out: &mut Solution,
+    ) -> Status {
+        let n = qp.n();
+        self.scaling.choose(qp);
+        if self.scaling.apply(qp, &mut self.scaled).is_err() {
+            // Made for the same capacity.
+            return Status::Stalled;
+        }
+        self.h[..n * n].copy_from_slice(self.scaled.h());
+        self.g[..n].copy_from_slice(self.scaled.g());
+        self.face.reset(n, &self.h[..n * n]);
+        if let Some(variable) = self.face.indefinite() {
+            clear(qp, out);
+            out.defect = Some(Defect::Indefinite { variable });
+            return Status::Invalid;
+        }
+        let mut status = Status::Stalled;
+        for weight in WEIGHTS {
+            status = self.iterate(weight, dual, limits, out);
+            if status != Status::Stalled {
+                break;
+            }
+            dual.forget();
+        }
+        self.scaling.undo(n, qp.m(), out);
+        if status == Status::Unbounded {
+            let largest = super::kernels::largest(&out.x[..n]);
+            out.x[..n].iter_mut().for_each(|x| *x /= largest);
+        }
+        let finite = |a: &[f64]| a.iter().all(|x| x.is_finite());
+        if !(finite(&out.x[..n]) && finite(&out.y[..qp.m()]) && finite(&out.z[..n])) {
+            clear(qp, out);
+            return Status::Stalled;
+        }
+        status
+    }
+
+    /// The iteration with one weight, in units near one.
+    fn iterate(
+        &mut self,
+        weight: f64,
+        dual: &mut Dual,
+        limits: &mut Limits<'_>,
+        out: &mut Solution,
+    ) -> Status {
+        let n = self.scaled.n();
+        let h = self.scaled.h_mut();
+        h.copy_from_slice(&self.h[..n * n]);
+        for j in 0..n {
+            h[j * n + j] += weight;
+        }
+        self.centre[..n].fill(0.0);
+        for round in 0..ROUNDS {
+            let terms = self.scaled.g_mut().iter_mut().zip(&self.g);
+            for ((out, g), centre) in terms.zip(&self.centre) {
+                *out = g - weight * centre;
+            }
+            let status = dual.solve(&self.scaled, limits, out.iterations, out);
+            if status != Status::Optimal {
+                return status;
+            }
+            self.x[..n].copy_from_slice(&out.x[..n]);
+            let moved = self.x[..n].iter().zip(&self.centre);
+            let moved = moved.fold(0.0, |a: f64, (x, c)| a.max((x - c).abs()));
+            if self.is_stationary(weight, out) {
+                return if constraint::all_hold(&self.scaled, &out.x[..n]) {
+                    Status::Optimal
+                } else {
+                    Status::Stalled
+                };
+            }
+            if round >= ZIGZAG && self.extrapolate(out) {
+                return Status::Unbounded;
+            }
+            self.last[..n].copy_from_slice(&out.x[..n]);
+            if self.descend(dual, limits, out) {
+                return Status::Unbounded;
+            }
+            if limits.are_used_up(out.iterations) {
+                return limits.status(out.iterations);
+            }
+            if moved == 0.0 && self.x[..n] == self.centre[..n] {
+                // Rounding is all that is left.
+                return Status::Stalled;
+            }
+            self.centre[..n].copy_from_slice(&self.x[..n]);
+        }
+        Status::Stalled
+    }
+
+    /// The gradient at `x`, without the proximal term, and the sizes of its terms.
+    fn differentiate(&mut self) {
+        let n = self.scaled.n();
+        let x = &self.x[..n];
+        let rows = self.h[..n * n].chunks_exact(n).zip(&self.g);
+        for ((row, g), (gradient, size)) in rows.zip(self.gradient.iter_mut().zip(&mut self.sizes))
+        {
+            *gradient = g + dot(row, x);
+            *size = row
+                .iter()
+                .zip(x)
+                .fold(g.abs(), |a, (h, x)| a + (h * x).abs());
+        }
+    }
+
+    /// Whether the multipliers balance the gradient.
+    fn is_stationary(&mut self, weight: f64, out: &mut Solution) -> bool {
+        self.differentiate();
+        let (n, m) = (self.scaled.n(), self.scaled.m());
+        let curvature = self.face.curvature() + weight;
+        let contribution = super::kernels::largest(&self.x[..n]) * curvature;
+        if super::kernels::largest(&self.gradient[..n]) <= LEAST * contribution {
+            // No cost: what the multipliers are is rounding.
+            out.y[..m].fill(0.0);
+            out.z[..n].fill(0.0);
+            return true;
+        }
+        // Of `H x` only what it comes to counts: where the cost is flat its terms grow with x.
+        let sums = self.gradient[..n].iter().zip(&self.g);
+        for (term, (gradient, g)) in self.terms.iter_mut().zip(sums) {
+            *term = g.abs() + (gradient - g).abs();
+        }
+        for (index, y) in out.y[..m].iter().chain(&out.z[..n]).enumerate() {
+            if *y == 0.0 {
+                continue;
+            }
+            add_normal(&self.scaled, index, *y, &mut self.gradient[..n]);
+            match index.checked_sub(m) {
+                None => {
+                    for (term, a) in self.terms.iter_mut().zip(self.scaled.row(index)) {
+                        *term += (a * y).abs();
+                    }
+                }
+                Some(j) => self.terms[j] += y.abs(),
+            }
+        }
+        let largest = super::kernels::largest(&self.sizes[..n]);
+        let largest = largest.max(contribution);
+        let mut pairs = self.gradient[..n].iter().zip(&self.terms);
+        // `!(… > …)` would let a NaN through.
+        pairs.all(|(r, term)| r.abs() <= STATIONARY * term || r.abs() <= LEAST * largest)
+    }
+
+    /// Follows the cost from `x` down the face of the constraints held, and narrower ones; whether it falls for ever, along the
+    /// direction that is then in the solution.
+    fn descend(&mut self, dual: &mut Dual, limits: &mut Limits<'_>, out: &mut Solution) -> bool {
+        let (n, all) = (self.scaled.n(), count(&self.scaled));
+        self.face.reset(n, &self.h[..n * n]);
+        self.on_face[..all].fill(false);
+        for held in dual.held() {
+            copy_normal(&self.scaled, held.index, &mut self.normal[..n]);
+            self.face.confine(&self.normal[..n]);
+            self.on_face[held.index] = true;
+        }
+        let mut has_ray = false;
+        loop {
+            self.differentiate();
+            let slope = self.face.slope(&self.gradient[..n]);
+            let d = self.face.direction();
+            let mut falls = -dot(&self.gradient[..n], d);
+            // A direction has rounding of its largest component in all of them.
+            let (slack, mut size) = (super::kernels::largest(d), 0.0);
+            let mut rounding = 0.0;
+            for (terms, d) in self.sizes[..n].iter().zip(d) {
+                size += terms * d.abs();
+                rounding += ROUNDED * terms * (d.abs() + 1e-3 * slack);
+            }
+            if slope == Slope::Ray {
+                // Without curvature its slope does not depend on x, however large that has become.
+                (falls, size, rounding) = self.slope_of_linear_term();
+            }
+            if slope == Slope::None || !(falls > rounding) {
+                return has_ray;
+            }
+            let full = if slope == Slope::Ray {
+                f64::INFINITY
+            } else {
+                1.0
+            };
+            let (length, blocking) = self.first_in_the_way(full);
+            if length.is_infinite() {
+                if falls <= STATIONARY * size {
+                    return has_ray;
+                }
+                self.write_ray(out);
+                has_ray = true;
+                if self.narrow_by_rounding() {
+                    // The same again, without that rounding if it can be.
+                    continue;
+                }
+                return true;
+            }
+            if has_ray {
+                return true;
+            }
+            let reach = FAR * super::kernels::largest(&self.x[..n]).max(1.0);
+            let is_far = slope == Slope::Ray && length * slack > reach;
+            if !is_far {
+                axpy(&mut self.x[..n], length, self.face.direction());
+            }
+            let Some(blocking) = blocking else {
+                return false;
+            };
+            self.on_face[blocking.index] = true;
+            copy_normal(&self.scaled, blocking.index, &mut self.normal[..n]);
+            // What is so far in the way may be so by rounding: the ray may go past it.
+            if self.face.confine(&self.normal[..n]) && !is_far {
+                dual.begin_with(&self.scaled, blocking);
+            }
+            out.iterations += 1;
+            if limits.are_used_up(out.iterations) {
+                return false;
+            }
+        }
+    }
+
+    /// How steeply `gᵀ x` falls in the direction, the sum of the terms' sizes, and what may be rounding of it.
+    fn slope_of_linear_term(&self) -> (f64, f64, f64) {
+        let d = self.face.direction();
+        let largest = super::kernels::largest(d);
+        let (mut falls, mut size, mut rounding) = (0.0, 0.0, 0.0);
+        for (g, d) in self.g.iter().zip(d) {
+            falls -= g * d;
+            size += (g * d).abs();
+            rounding += ROUNDED * g.abs() * (d.abs() + 1e-3 * largest);
+        }
+        (falls, size, rounding)
+    }
+
+    /// Goes on in the direction in which the last rounds' ends moved, as far as the cost falls and nothing is in the way; whether
+    /// it falls for ever.
+    fn extrapolate(&mut self, out: &mut Solution) -> bool {
+        let n = self.scaled.n();
+        self.differentiate();
+        let d = self.face.direction_mut();
+        for (d, (x, last)) in d.iter_mut().zip(self.x.iter().zip(&self.last)) {
+            *d = x - last;
+        }
+        let largest = super::kernels::largest(d);
+        if largest == 0.0 {
+            return false;
+        }
+        d.iter_mut().for_each(|d| *d /= largest);
+        let d = self.face.direction();
+        let falls = -dot(&self.gradient[..n], d);
+        let size: f64 = (self.sizes[..n].iter().zip(d))
+            .map(|(size, d)| size * d.abs())
+            .sum();
+        if falls <= STATIONARY * size {
+            return false;
+        }
+        let products = self.h[..n * n].chunks_exact(n).zip(d);
+        let curvature: f64 = products.map(|(h, d_i)| d_i * dot(h, d)).sum();
+        let full = if curvature <= ROUNDED * self.face.curvature() {
+            f64::INFINITY
+        } else {
+            falls / curvature
+        };
+        self.on_face[..count(&self.scaled)].fill(false);
+        let (length, _) = self.first_in_the_way(full);
+        if length.is_infinite() {
+            self.write_ray(out);
+            return true;
+        }
+        axpy(&mut self.x[..n], length, self.face.direction());
+        false
+    }
+
+    /// Narrows the face by the constraints that the direction leads to at a rate that may be rounding; whether there are any.
+    fn narrow_by_rounding(&mut self) -> bool {
+        let n = self.scaled.n();
+        let mut any = false;
+        for index in 0..count(&self.scaled) {
+            let rate = value(&self.scaled, index, self.face.direction());
+            let (lower, upper) = limits(&self.scaled, index);
+            let limit = if rate > 0.0 { upper } else { lower };
+            if self.on_face[index] || rate == 0.0 || limit.is_infinite() {
+                continue;
+            }
+            self.on_face[index] = true;
+            copy_normal(&self.scaled, index, &mut self.normal[..n]);
+            any |= self.face.confine(&self.normal[..n]);
+        }
+        any
+    }
+
+    /// The direction as the solution, without what rounding moves variables whose bounds are held.
+    fn write_ray(&self, out: &mut Solution) {
+        let (n, m) = (self.scaled.n(), self.scaled.m());
+        out.x[..n].copy_from_slice(self.face.direction());
+        let rounding = RATE * super::kernels::largest(&out.x[..n]);
+        let bounds = self.scaled.lower().iter().zip(self.scaled.upper());
+        for (x, (lower, upper)) in out.x[..n].iter_mut().zip(bounds) {
+            let limit = if *x > 0.0 { upper } else { lower };
+            if x.abs() <= rounding && limit.is_finite() {
+                *x = 0.0;
+            }
+        }
+        out.y[..m].fill(0.0);
+        out.z[..n].fill(0.0);
+    }
+
+    /// How far the direction can be followed from `x`, at most `full`, and what ends it.
+    fn first_in_the_way(&self, full: f64) -> (f64, Option<Active>) {
+        let n = self.scaled.n();
+        let (x, d) = (&self.x[..n], self.face.direction());
+        let rounding = RATE * super::kernels::largest(d);
+        let mut first = (full, None);
+        for index in (0..count(&self.scaled)).filter(|&index| !self.on_face[index]) {
+            let rate = value(&self.scaled, index, d);
+            // In units near one, a component that is so much smaller than others is rounding.
+            if rate.abs() <= rounding {
+                continue;
+            }
+            let (lower, upper) = limits(&self.scaled, index);
+            let (side, limit) = if rate > 0.0 {
+                (1.0, upper)
+            } else {
+                (-1.0, lower)
+            };
+            if limit.is_infinite() {
+                continue;
+            }
+            let length = ((limit - value(&self.scaled, index, x)) / rate).max(0.0);
+            if length < first.0 {
+                first = (length, Some(Active { index, side, limit }));
+            }
+        }
+        first
+    }
+}

@@ -1,0 +1,201 @@
+//! Units in which a problem's numbers are near one.
+//!
+//! # Mathematics
+//! With `x = D x'` and `A' = R A D`, `H' = c D H D`, `g' = c D g`. D makes the diagonal of H one where it is not zero; a
+//! variable without curvature gets the unit in which its coefficients are those of others, in the geometric mean, or its bounds
+//! are one. R makes the largest
+//! coefficient of every row one. c makes the larger of H and a thousandth of g one. All are powers of two, so that nothing
+//! is rounded, and the scaled problem hardly depends on the units of the problem.
+
+use crate::{Qp, QpError, Solution};
+
+/// Passes over rows and columns without curvature.
+const PASSES: usize = 12;
+/// A cost with gradients up to this many times its curvature is scaled by its curvature.
+const STEEP: f64 = 1e3;
+
+/// Exponents of two.
+#[derive(Clone, Debug)]
+pub(super) struct Scaling {
+    variables: Vec<f64>,
+    rows: Vec<f64>,
+    cost: f64,
+    /// Which variables are connected, and sums over each such set.
+    labels: Vec<usize>,
+    sums: Vec<(f64, f64)>,
+}
+
+/// The power of two that is nearest to the reciprocal of a number, within what can be squared.
+fn reciprocal(of: f64) -> f64 {
+    if of > 0.0 {
+        f64::exp2(-of.log2().round().clamp(-300.0, 300.0))
+    } else {
+        1.0
+    }
+}
+
+/// The sum of the exponents of two of what is finite and not zero, and how many that are.
+fn exponents(numbers: impl Iterator<Item = f64>) -> (f64, f64) {
+    let (mut sum, mut count) = (0_i64, 0_i64);
+    for number in numbers.filter(|number| number.is_finite() && *number != 0.0) {
+        sum += ((number.to_bits() >> 52) & 0x7ff) as i64 - 1023;
+        count += 1;
+    }
+    (sum as f64, count as f64)
+}
+
+/// The power of two that is nearest to the reciprocal of the geometric mean of what is not zero: with units of rows and
+/// variables by turns, whatever is a product of such units is undone (Curtis and Reid, 1972).
+fn mean(entries: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = exponents(entries);
+    power(-sum / count.max(1.0))
+}
+
+/// A power of two within what can be squared.
+fn power(exponent: f64) -> f64 {
+    f64::exp2(exponent.round().clamp(-300.0, 300.0))
+}
+
+impl Scaling {
+    pub(super) fn new(vars: usize, rows: usize) -> Self {
+        Self {
+            variables: vec![1.0; vars],
+            rows: vec![1.0; rows],
+            cost: 1.0,
+            labels: vec![0; vars],
+            sums: vec![(0.0, 0.0); vars],
+        }
+    }
+
+    /// Chooses the units.
+    pub(super) fn choose(&mut self, qp: &Qp) {
+        let (n, m) = (qp.n(), qp.m());
+        for (j, d) in self.variables[..n].iter_mut().enumerate() {
+            *d = reciprocal(qp.h()[j * n + j].sqrt());
+        }
+        for _ in 0..PASSES {
+            for i in 0..m {
+                let entries = qp.row(i).iter().zip(&self.variables);
+                self.rows[i] = mean(entries.map(|(a, d)| a * d));
+            }
+            for j in (0..n).filter(|j| qp.h()[j * n + j] == 0.0) {
+                let entries = (0..m).map(|i| qp.row(i)[j] * self.rows[i]);
+                self.variables[j] = mean(entries);
+            }
+        }
+        self.anchor(qp);
+        for i in 0..m {
+            let entries = qp.row(i).iter().zip(&self.variables);
+            self.rows[i] = reciprocal(entries.fold(0.0, |a: f64, (x, d)| a.max((x * d).abs())));
+        }
+        let scaled = |values: f64, d: f64| (values * d).abs();
+        let steepest = (0..n).fold(0.0, |a: f64, j| a.max(scaled(qp.g()[j], self.variables[j])));
+        let curved = (0..n).fold(0.0, |a: f64, j| {
+            a.max(scaled(qp.h()[j * n + j], self.variables[j].powi(2)))
+        });
+        self.cost = if curved > 0.0 {
+            reciprocal(curved.max(steepest / STEEP))
+        } else {
+            reciprocal(steepest)
+        };
+    }
+
+    /// Where rows connect variables without curvature alone, nothing says what their common unit is against that of the rows:
+    /// the one in which their limits are near one, in the geometric mean.
+    fn anchor(&mut self, qp: &Qp) {
+        let (n, m) = (qp.n(), qp.m());
+        // What is connected has the label of its first variable; n is that of what curvature anchors.
+        for (j, label) in self.labels[..n].iter_mut().enumerate() {
+            *label = if qp.h()[j * n + j] == 0.0 { j } else { n };
+        }
+        let is_in = |i: usize, j: usize| qp.row(i)[j] != 0.0;
+        let label_of = |labels: &[usize], i: usize| {
+            let connected = (0..n).filter(|&j| is_in(i, j)).map(|j| labels[j]);
+            let is_anchored = connected.clone().any(|label| label == n);
+            if is_anchored {
+                Some(n)
+            } else {
+                connected.min()
+            }
+        };
+        for _ in 0..=n {
+            let mut changes = false;
+            for i in 0..m {
+                let Some(label) = label_of(&self.labels, i) else {
+                    continue;
+                };
+                for j in (0..n).filter(|&j| is_in(i, j)) {
+                    changes |= self.labels[j] != label;
+                    self.labels[j] = label;
+                }
+            }
+            if !changes {
+                break;
+            }
+        }
+        self.sums[..n].fill((0.0, 0.0));
+        for j in (0..n).filter(|&j| self.labels[j] < n) {
+            let d = self.variables[j];
+            let (sum, count) = exponents([qp.lower()[j] / d, qp.upper()[j] / d].into_iter());
+            let total = &mut self.sums[self.labels[j]];
+            *total = (total.0 + sum, total.1 + count);
+        }
+        for i in 0..m {
+            let Some(label) = label_of(&self.labels, i).filter(|&label| label < n) else {
+                continue;
+            };
+            let r = self.rows[i];
+            let (sum, count) =
+                exponents([qp.row_lower()[i] * r, qp.row_upper()[i] * r].into_iter());
+            let total = &mut self.sums[label];
+            *total = (total.0 + sum, total.1 + count);
+        }
+        for j in (0..n).filter(|&j| self.labels[j] < n) {
+            let (sum, count) = self.sums[self.labels[j]];
+            self.variables[j] *= power(sum / count.max(1.0));
+        }
+    }
+
+    /// Writes the scaled problem, which has the same identities.
+    pub(super) fn apply(&self, qp: &Qp, scaled: &mut Qp) -> Result<(), QpError> {
+        let n = qp.n();
+        scaled.copy_from(qp)?;
+        let (d, c) = (&self.variables[..n], self.cost);
+        let (h, g) = scaled.cost_mut();
+        for (row, (g, d_i)) in h.chunks_exact_mut(n).zip(g.iter_mut().zip(d)) {
+            for (h, d_j) in row.iter_mut().zip(d) {
+                *h *= c * d_i * d_j;
+            }
+            *g *= c * d_i;
+        }
+        for i in 0..qp.m() {
+            let r = self.rows[i];
+            for (a, d) in scaled.row_mut(i).iter_mut().zip(d) {
+                *a *= r * d;
+            }
+        }
+        let (lower, upper) = scaled.row_limits_mut();
+        for ((lower, upper), r) in lower.iter_mut().zip(upper).zip(&self.rows) {
+            *lower *= r;
+            *upper *= r;
+        }
+        let (lower, upper) = scaled.bounds_mut();
+        for ((lower, upper), d) in lower.iter_mut().zip(upper).zip(d) {
+            *lower /= d;
+            *upper /= d;
+        }
+        Ok(())
+    }
+
+    /// Turns a solution of the scaled problem into one of the original.
+    pub(super) fn undo(&self, n: usize, m: usize, solution: &mut Solution) {
+        let numbers = solution.x[..n].iter_mut().zip(&mut solution.z[..n]);
+        for ((x, z), d) in numbers.zip(&self.variables) {
+            *x *= d;
+            *z /= d * self.cost;
+        }
+        for (y, r) in solution.y[..m].iter_mut().zip(&self.rows) {
+            *y *= r / self.cost;
+        }
+    }
+}

@@ -1,0 +1,87 @@
+//! The storage of a solver, and which of its two methods answers.
+
+use super::{
+    dual::{Dual, clear},
+    limits::Limits,
+    proximal::Proximal,
+};
+use crate::{Capacity, Qp, Solution, Status, WarmStart};
+
+/// Iterations of the dual method, besides two for each variable and row, after which what it does is taken for rounding.
+const PATIENCE: u32 = 100;
+
+/// Storage of the method, made once.
+#[derive(Clone, Debug)]
+pub(super) struct Workspace {
+    capacity: Capacity,
+    dual: Dual,
+    proximal: Proximal,
+}
+
+impl Workspace {
+    pub(super) fn new(capacity: Capacity) -> Self {
+        Self {
+            capacity,
+            dual: Dual::new(capacity),
+            proximal: Proximal::new(capacity),
+        }
+    }
+
+    /// Bytes of the storage for problems up to a capacity, about.
+    pub(super) fn bytes(capacity: Capacity) -> usize {
+        let Capacity { vars, rows } = capacity;
+        // The dual method: factor, reflections, R; the other: H twice, A, directions, M and its factor.
+        let words = vars
+            .saturating_mul(vars)
+            .saturating_mul(15)
+            .saturating_add(rows.saturating_mul(vars))
+            .saturating_add(vars.saturating_add(rows).saturating_mul(24));
+        words.saturating_mul(size_of::<f64>())
+    }
+
+    pub(super) fn capacity(&self) -> Capacity {
+        self.capacity
+    }
+
+    pub(super) fn solve(&mut self, qp: &Qp, mut limits: Limits<'_>, out: &mut Solution) {
+        out.iterations = 0;
+        out.defect = qp.defect();
+        out.status = if out.defect.is_some() {
+            clear(qp, out);
+            Status::Invalid
+        } else {
+            self.run(qp, &mut limits, out)
+        };
+        if !(out.status == Status::Optimal || out.status.was_cut_short()) {
+            self.dual.forget();
+        }
+    }
+
+    fn run(&mut self, qp: &Qp, limits: &mut Limits<'_>, out: &mut Solution) -> Status {
+        let size = u32::try_from(qp.n() + qp.m()).unwrap_or(u32::MAX);
+        limits.attempt_until(size.saturating_mul(2).saturating_add(PATIENCE));
+        let status = self.dual.solve(qp, limits, 0, out);
+        limits.attempt_until(u32::MAX);
+        let is_answer = match status {
+            Status::Optimal => !self.dual.is_doubtful(),
+            Status::Stalled => false,
+            _ => true,
+        };
+        if is_answer {
+            return status;
+        }
+        self.proximal.solve(qp, &mut self.dual, limits, out)
+    }
+
+    pub(super) fn warm_start(&self, out: &mut WarmStart) {
+        self.dual.warm_start(out);
+    }
+
+    pub(super) fn start_from(&mut self, warm_start: &WarmStart) {
+        self.dual.start_from(warm_start);
+    }
+
+    pub(super) fn forget(&mut self) {
+        self.dual.forget();
+    }
+}

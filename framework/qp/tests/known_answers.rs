@@ -1,0 +1,57 @@
+//! Random problems whose answers are known by construction. `WBQP_QP_PROBLEMS` sets how many of each family and range of units.
+
+#[path = "families/mod.rs"]
+mod families;
+#[path = "families/judge.rs"]
+mod judge;
+
+use families::{FAMILIES, Family, draw};
+use wbqp_qp::{ActiveSet, QpSolver, Solution};
+
+/// Exponents of the units.
+const EXPONENTS: [f64; 3] = [0.0, 4.0, 8.0];
+
+#[test]
+fn every_answer_is_right() {
+    let count: u64 =
+        std::env::var("WBQP_QP_PROBLEMS").map_or(300, |c| c.parse().expect("a number"));
+    let first: u64 = std::env::var("WBQP_QP_FIRST").map_or(0, |c| c.parse().expect("a number"));
+    let mut wrong = Vec::new();
+    // One family alone, by its name.
+    let only = std::env::var("WBQP_QP_FAMILY").ok();
+    let is_wanted = |family: &Family| {
+        only.as_ref()
+            .is_none_or(|name| format!("{family:?}") == *name)
+    };
+    for family in FAMILIES.into_iter().filter(is_wanted) {
+        for exponent in EXPONENTS {
+            let (mut iterations, mut before) = (0_u64, wrong.len());
+            for seed in first..first + count {
+                let known = draw(family, seed, 16, exponent);
+                let mut solver = ActiveSet::default();
+                solver.bind(known.qp.capacity()).expect("is good");
+                let mut solution = Solution::new(known.qp.capacity());
+                solver.solve(&known.qp, &mut solution).expect("fits");
+                iterations += u64::from(solution.iterations);
+                if let Err(what) = judge::judge(&known, &solution) {
+                    let (n, m) = (known.qp.n(), known.qp.m());
+                    wrong.push(format!(
+                        "{family:?} 1e±{exponent} {seed} (n {n}, m {m}): {what}"
+                    ));
+                }
+            }
+            before = wrong.len() - before;
+            eprintln!(
+                "{family:?} 1e±{exponent}: {before} wrong, {:.1} iterations",
+                iterations as f64 / count as f64
+            );
+        }
+    }
+    let shown = wrong
+        .iter()
+        .take(60)
+        .cloned()
+        .collect::<Vec<_>>()
+        .join("\n");
+    assert!(wrong.is_empty(), "{} wrong:\n{shown}", wrong.len());
+}

@@ -1,0 +1,285 @@
+//! Reading files that somebody else wrote: regular ones, up to a stated size.
+//!
+//! A path may lead to anything: a device that never ends, a pipe that nobody writes into, a log of a day where a controller's
+//! file was meant. All of them are refused with words, and whatever a file system says of a file's size, no more than the
+//! limit is ever read.
+
+use std::{
+    fs::{self, File, FileType},
+    io::{self, ErrorKind, Read as _},
+    path::Path,
+};
+
+use toml_parser::{
+    ErrorSink, Span,
+    decoder::Encoding,
+    parser::{EventReceiver, RecursionGuard, parse_document},
+};
+
+/// The largest text that is read, bytes: controllers, scenarios, robots, rotors, postures. A hundred times the largest of
+/// them that anybody has shown.
+pub const LARGEST_TEXT: u64 = 16 << 20;
+/// The largest file of dumped ticks or of results that is read, bytes.
+pub const LARGEST_RECORD: u64 = 256 << 20;
+/// The largest log that is read, bytes: all of it is in memory at once.
+pub const LARGEST_LOG: u64 = 16 << 30;
+
+/// The bytes of a regular file of at most `largest` bytes.
+///
+/// # Errors
+/// What is no regular file, what is too large, and what the system refuses; the words go behind "cannot be read: ".
+pub fn read(path: &Path, largest: u64) -> io::Result<Vec<u8>> {
+    // Before it is opened: opening a pipe waits for somebody who writes.
+    regular(fs::metadata(path)?.file_type())?;
+    let file = File::open(path)?;
+    let metadata = file.metadata()?;
+    regular(metadata.file_type())?;
+    if metadata.len() > largest {
+        return Err(too_large(largest));
+    }
+    let mut bytes = Vec::new();
+    // Some of the system's files are longer than they say.
+    file.take(largest + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > largest {
+        return Err(too_large(largest));
+    }
+    Ok(bytes)
+}
+
+/// The text of a file of at most [`LARGEST_TEXT`] bytes.
+///
+/// # Errors
+/// As [`read`], and what is not UTF-8.
+pub fn read_text(path: &Path) -> io::Result<String> {
+    text(read(path, LARGEST_TEXT)?)
+}
+
+/// Bytes as text.
+///
+/// # Errors
+/// What is not UTF-8, with the line.
+pub fn text(bytes: Vec<u8>) -> io::Result<String> {
+    String::from_utf8(bytes).map_err(|error| {
+        let valid = error.utf8_error().valid_up_to();
+        let before = error.as_bytes().get(..valid).unwrap_or_default();
+        let line = before.iter().filter(|byte| **byte == b'\n').count() + 1;
+        let what = format!("is not text: line {line} is not UTF-8");
+        io::Error::new(ErrorKind::InvalidData, what)
+    })
+}
+
+fn too_large(largest: u64) -> io::Error {
+    let what = format!("is larger than {}, the most that is read", size(largest));
+    io::Error::new(ErrorKind::FileTooLarge, what)
+}
+
+/// Bytes that a table with few keys, a key, and an element of a list take while a text is read, about: measured.
+const TABLE: usize = 1400;
+const KEY: usize = 450;
+const ELEMENT: usize = 600;
+/// What the tables of a TOML text may take: so many times the text, and so much in any case.
+const TIMES: usize = 20;
+const IN_ANY_CASE: usize = 64 << 20;
+/// The deepest nesting that is looked into; parsers of the format refuse more.
+const DEEPEST: u32 = 80;
+
+/// Refuses a TOML text whose tables would take far more memory than the text: a table takes as much as a line of a hundred
+/// words, and a few characters make one.
+///
+/// # Errors
+/// How many tables there are, and what they would take, in words that go behind the file's name.
+pub fn check_toml(text: &str) -> Result<(), String> {
+    // The smallest table is `a.b=1`; most texts are too short for too many of them.
+    if text.len() / 4 * TABLE <= IN_ANY_CASE {
+        return Ok(());
+    }
+    let tokens = toml_parser::Source::new(text).lex().into_vec();
+    let mut count = Count::default();
+    let mut guard = RecursionGuard::new(&mut count, DEEPEST);
+    parse_document(&tokens, &mut guard, &mut ());
+    let Count {
+        tables,
+        keys,
+        elements,
+        ..
+    } = count;
+    let takes = tables * TABLE + keys * KEY + elements * ELEMENT;
+    let most = TIMES * text.len() + IN_ANY_CASE;
+    if takes <= most {
+        return Ok(());
+    }
+    let [takes, most] = [takes, most].map(|bytes| size(bytes as u64));
+    Err(format!(
+        "has {tables} tables, {keys} keys and {elements} elements of lists: reading them would take {takes} of memory, more \
+         than the {most} that a text of this length may"
+    ))
+}
+
+/// What a text has.
+#[derive(Default)]
+struct Count {
+    tables: usize,
+    keys: usize,
+    elements: usize,
+    /// Of lists.
+    depth: usize,
+}
+
+impl EventReceiver for Count {
+    fn std_table_open(&mut self, _: Span, _: &mut dyn ErrorSink) {
+        self.tables += 1;
+    }
+    fn array_table_open(&mut self, _: Span, _: &mut dyn ErrorSink) {
+        self.tables += 1;
+    }
+    fn inline_table_open(&mut self, _: Span, _: &mut dyn ErrorSink) -> bool {
+        self.tables += 1;
+        true
+    }
+    // `a.b` is a table `a`.
+    fn key_sep(&mut self, _: Span, _: &mut dyn ErrorSink) {
+        self.tables += 1;
+    }
+    fn simple_key(&mut self, _: Span, _: Option<Encoding>, _: &mut dyn ErrorSink) {
+        self.keys += 1;
+    }
+    fn scalar(&mut self, _: Span, _: Option<Encoding>, _: &mut dyn ErrorSink) {
+        self.elements += usize::from(self.depth > 0);
+    }
+    fn array_open(&mut self, _: Span, _: &mut dyn ErrorSink) -> bool {
+        self.depth += 1;
+        true
+    }
+    fn array_close(&mut self, _: Span, _: &mut dyn ErrorSink) {
+        self.depth = self.depth.saturating_sub(1);
+    }
+}
+
+/// A number of bytes in words: `3 KiB`, `1.5 GiB`.
+pub fn size(bytes: u64) -> String {
+    let units = [(30, "GiB"), (20, "MiB"), (10, "KiB")];
+    let Some((shift, unit)) = units.into_iter().find(|(shift, _)| bytes >> shift > 0) else {
+        return format!("{bytes} bytes");
+    };
+    let amount = bytes as f64 / (1_u64 << shift) as f64;
+    if amount >= 10.0 || amount.fract() == 0.0 {
+        format!("{amount:.0} {unit}")
+    } else {
+        format!("{amount:.1} {unit}")
+    }
+}
+
+fn regular(kind: FileType) -> io::Result<()> {
+    if kind.is_file() {
+        return Ok(());
+    }
+    let (error, what) = if kind.is_dir() {
+        (ErrorKind::IsADirectory, "is a folder")
+    } else {
+        (ErrorKind::InvalidInput, special(kind))
+    };
+    let words = format!("{what}: only regular files are read");
+    Err(io::Error::new(error, words))
+}
+
+#[cfg(unix)]
+fn special(kind: FileType) -> &'static str {
+    use std::os::unix::fs::FileTypeExt as _;
+    if kind.is_fifo() {
+        "is a pipe"
+    } else if kind.is_socket() {
+        "is a socket"
+    } else {
+        "is a device"
+    }
+}
+
+#[cfg(not(unix))]
+fn special(_: FileType) -> &'static str {
+    "is a device"
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn file(name: &str, contents: &[u8]) -> std::path::PathBuf {
+        let path = std::env::temp_dir().join(format!("wbqp_input_{}_{name}", std::process::id()));
+        fs::write(&path, contents).expect("can be written");
+        path
+    }
+
+    fn refusal<T>(result: io::Result<T>) -> String {
+        match result {
+            Ok(_) => String::new(),
+            Err(error) => error.to_string(),
+        }
+    }
+
+    #[test]
+    fn the_limit_is_the_last_byte_that_is_read() {
+        let path = file("limit", b"12345678");
+        assert_eq!(read(&path, 8).ok(), Some(b"12345678".to_vec()));
+        assert_eq!(
+            refusal(read(&path, 7)),
+            "is larger than 7 bytes, the most that is read"
+        );
+        fs::remove_file(path).expect("is there");
+    }
+
+    #[test]
+    fn what_is_no_text_is_told_with_its_line() {
+        let path = file("text", b"a\nb\n\xff");
+        assert_eq!(
+            refusal(read_text(&path)),
+            "is not text: line 3 is not UTF-8"
+        );
+        fs::remove_file(path).expect("is there");
+    }
+
+    #[test]
+    fn a_folder_is_no_file() {
+        let words = "is a folder: only regular files are read";
+        assert_eq!(refusal(read_text(&std::env::temp_dir())), words);
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn devices_pipes_and_files_that_lie_about_their_size_end() {
+        let device = "is a device: only regular files are read";
+        for path in ["/dev/zero", "/dev/null"] {
+            assert_eq!(refusal(read_text(Path::new(path))), device);
+        }
+        // Says that it is empty.
+        let path = Path::new("/proc/self/status");
+        assert_eq!(
+            refusal(read(path, 16)),
+            "is larger than 16 bytes, the most that is read"
+        );
+        assert!(read(path, LARGEST_TEXT).is_ok_and(|bytes| !bytes.is_empty()));
+    }
+
+    #[test]
+    fn tables_that_take_far_more_than_their_text_are_refused() {
+        let dotted: String = (0..200_000)
+            .map(|key| format!("a.k{key}.b = 1\n"))
+            .collect();
+        let what = check_toml(&dotted).expect_err("is refused");
+        assert!(what.starts_with("has 400000 tables"), "{what}");
+        let flat: String = (0..50_000).map(|key| format!("k{key} = [1.5]\n")).collect();
+        assert_eq!(check_toml(&flat), Ok(()));
+        let nested = format!("x = {}", "[".repeat(300_000));
+        assert_eq!(check_toml(&nested), Ok(()));
+        let tasks =
+            "[[task]]\nname = \"t\"\ntype = \"com\"\nweight = 1.0\nkp = 30.0\n".repeat(20_000);
+        assert_eq!(check_toml(&tasks), Ok(()));
+    }
+
+    #[test]
+    fn sizes_are_told_in_the_unit_of_people() {
+        assert_eq!(size(7), "7 bytes");
+        assert_eq!(size(3 << 10), "3 KiB");
+        assert_eq!(size((3 << 30) / 2), "1.5 GiB");
+        assert_eq!(size(437 << 20), "437 MiB");
+    }
+}
