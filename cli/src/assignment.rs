@@ -19,10 +19,11 @@ pub struct Assignment {
 }
 
 /// Tables of a controller's file.
-const OF_A_CONTROLLER: [&str; 6] = [
+const OF_A_CONTROLLER: [&str; 7] = [
     "controller",
     "robot",
     "solver",
+    "measurement",
     "contact",
     "task",
     "constraint",

@@ -6,6 +6,17 @@
 
 use crate::model::{FrameId, JointId, Model};
 
+/// Index of an actuator, in the order of the efforts `u`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct ActuatorId(pub(crate) u32);
+
+impl ActuatorId {
+    /// Position in the robot's list.
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
 /// One column of `S(q)` with its limits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Actuator {

@@ -20,8 +20,13 @@ pub struct FrameHandle(pub(crate) usize);
 pub struct Tick<'a> {
     /// Time since the controller's first tick, s.
     pub time: f64,
-    /// Control period, s.
+    /// Control period, s: what looks ahead looks so far.
     pub period: f64,
+    /// Time that this tick stands for, s: what integrals and filters grow by. The time since the last usable measurement, four
+    /// periods at the most; exactly the period in a loop that keeps its rate, and in the first tick.
+    pub elapsed: f64,
+    /// Time for which an actuator's `slew` counts in this tick, s: since the tick before, a period at the most.
+    pub slew_time: f64,
     /// The robot.
     pub model: &'a Model,
     /// Measured state; velocities world-aligned.

@@ -96,15 +96,15 @@ impl Integral {
         self.0.fill(Axis::default());
     }
 
-    /// One period of one axis: its error and the acceleration `a_QP` that the last solution gave, in the sense of the
-    /// task's row. Gives ξ, to be subtracted from the acceleration.
+    /// One tick of one axis: its error and the acceleration `a_QP` that the last solution gave, in the sense of the
+    /// task's row, and the seconds that the tick stands for. Gives ξ, to be subtracted from the acceleration.
     pub(crate) fn step(
         &mut self,
         axis: usize,
         law: Law,
         error: f64,
         given: f64,
-        period: f64,
+        elapsed: f64,
     ) -> f64 {
         let Some(Axis { term, asked }) = self.0.get_mut(axis) else {
             return 0.0;
@@ -115,7 +115,9 @@ impl Integral {
             return 0.0;
         }
         let excess = asked.map_or(0.0, |asked| asked - given);
-        let next = *term + period * (law.ki * error + law.anti_windup * excess);
+        // After a gap no more is taken back than there is to take back.
+        let anti_windup = law.anti_windup.min(1.0 / elapsed);
+        let next = *term + elapsed * (law.ki * error + anti_windup * excess);
         if next.is_finite() {
             // `max` and `min` rather than `clamp`, which panics if the limit was set to NaN.
             *term = next.min(law.limit).max(-law.limit);

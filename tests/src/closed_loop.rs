@@ -64,10 +64,19 @@ impl ClosedLoop {
     /// # Errors
     /// What the plant refuses.
     pub fn step(&mut self) -> Result<(), PlantError> {
+        self.step_with(|_| ())
+    }
+
+    /// As [`ClosedLoop::step`], with something done to what is measured.
+    ///
+    /// # Errors
+    /// What the plant refuses.
+    pub fn step_with(&mut self, spoil: impl FnOnce(&mut Measurement)) -> Result<(), PlantError> {
         let reading = self.sensors.sample(&self.plant);
         self.measurement.time = self.tick as f64 / self.controller.settings().rate;
         self.measurement.state.copy_from(&reading.state);
         self.measurement.wrenches[0] = reading.wrenches[0];
+        spoil(&mut self.measurement);
         self.controller.tick(&self.measurement);
         self.computed
             .take(self.controller.robot(), self.controller.command());

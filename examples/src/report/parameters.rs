@@ -184,7 +184,7 @@ fn flatten(table: &Table, path: &str, lines: &mut Vec<String>) {
 /// The tables of a controller's file in the order in which people write them.
 fn parts(file: &Table) -> Vec<Part> {
     let mut parts = Vec::new();
-    for kind in ["controller", "robot", "solver"] {
+    for kind in ["controller", "robot", "solver", "measurement"] {
         if let Some(Value::Table(table)) = file.get(kind) {
             parts.push(part(kind.to_owned(), table, &[]));
         }

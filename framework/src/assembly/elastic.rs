@@ -12,8 +12,8 @@
 //! by a small share of what they ask for. Variables with no cost of their own, or next to none (accelerations, where a
 //! formulation keeps them), have no such bound; there the largest weight that is on takes its place if it is larger.
 //!
-//! What is never given up are the limits of the world: the dynamics; each actuator's own limits; a normal force that does
-//! not pull; and the rows of constraints that say so
+//! What is never given up are the limits of the world: the dynamics; each actuator's own limits and slew; a normal force that
+//! does not pull; and the rows of constraints that say so
 //! ([`Layout::of_the_world`](crate::layout::Layout::of_the_world)), such as friction. No effort beyond what is needed to
 //! stay within the actuators' limits, and no contact force at all, satisfies them: with everything else given up
 //! the problem is feasible unless a plug-in contradicts that.
@@ -23,13 +23,18 @@ use crate::{
     actuator::Actuator,
     contact::ContactState,
     layout::BoundTarget,
-    qp::{Capacity, Qp, RowId, Solution, VarId},
+    qp::{Capacity, ConstraintId, Qp, RowId, Solution, VarId, WarmStart},
 };
 
 /// Share of what the tasks ask for by which a limit gives more than it must, inverted.
 const PRICE: f64 = 1e4;
 /// Factors of the levels, the first to go first; those of the rest are the last.
 const STEPS: [f64; 5] = [1.0, 1e1, 1e2, 1e3, 1e4];
+
+/// How far beyond a limit a solution is that needs to be, in the limit's unit or as a share of it.
+const NEEDED: f64 = 1e-2;
+/// Size of the multipliers of a proof's constraints, as a multiple of what the cost asks for.
+const PUSH: f64 = 1e3;
 
 /// What is given up together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -69,11 +74,13 @@ pub(crate) struct Elastic {
     levels: Vec<Level>,
     /// By level.
     given_up: Vec<bool>,
+    /// Those that were needed in the tick before.
+    pub(crate) needed: Vec<bool>,
     /// The level of each row and bound, by id.
     level_of: Vec<Option<usize>>,
     first_slack: u32,
     first_row: u32,
-    /// Own limits of the actuators.
+    /// Own limits of the actuators in this tick: what they can bear, and how fast they can go there.
     efforts: Vec<[f64; 2]>,
     given: Vec<Given>,
     /// Who set the lower and the upper bound of each variable.
@@ -116,6 +123,7 @@ impl Elastic {
         let capacity = Self::capacity(groups, assembly.normal_rows.len(), capacity);
         Self {
             given_up: vec![false; levels.len()],
+            needed: vec![false; levels.len()],
             levels,
             level_of,
             first_slack: table.vars.len() as u32,
@@ -142,9 +150,91 @@ impl Elastic {
         of_groups.sum::<usize>() + normals
     }
 
-    /// Nothing is given up.
-    pub(crate) fn restore(&mut self) {
+    /// Nothing is given up; each actuator may go where its own limits and its slew allow.
+    pub(crate) fn restore(&mut self, efforts: &[[f64; 2]]) {
         self.given_up.fill(false);
+        self.efforts.copy_from_slice(efforts);
+    }
+
+    /// Gives up what was needed in the tick before, if what is given up now is part of that.
+    pub(crate) fn give_up_as_before(&mut self) {
+        let mut both = self.given_up.iter().zip(&self.needed);
+        if both.all(|(now, before)| *before || !now) {
+            self.given_up.copy_from_slice(&self.needed);
+        }
+    }
+
+    /// Takes down what was needed: the levels of which a solution is beyond a limit by more than tasks pull it there.
+    pub(crate) fn remember(&mut self, assembly: &Assembly, base: &Qp, x: &[f64]) {
+        let mut needed = std::mem::take(&mut self.needed);
+        needed.fill(false);
+        for (id, _, limit, by) in self.exceeded(assembly, base, x) {
+            if by > NEEDED * (1.0 + limit.abs())
+                && let Some(level) = self.level_of.get(id.index()).copied().flatten()
+            {
+                needed[level] = true;
+            }
+        }
+        self.needed = needed;
+    }
+
+    /// Builds a problem with the constraints of another that has no solution if that has none, and whose optimum on the
+    /// constraints of a proof has multipliers of the right sign: a dual method that begins there finds a proof near it.
+    pub(crate) fn prove(&mut self, base: &Qp, proof: &WarmStart) {
+        let n = base.n();
+        if self.qp.reset(base.vars().iter().copied()).is_err() {
+            return;
+        }
+        for i in 0..base.m() {
+            let (lower, upper) = (base.row_lower()[i], base.row_upper()[i]);
+            let Ok(row) = self.qp.push_row(base.rows()[i], lower, upper) else {
+                return;
+            };
+            row.copy_from_slice(base.row(i));
+        }
+        let (lower, upper) = self.qp.bounds_mut();
+        lower.copy_from_slice(base.lower());
+        upper.copy_from_slice(base.upper());
+        let (h, g) = self.qp.cost_mut();
+        h.copy_from_slice(base.h());
+        g.fill(0.0);
+        let diagonal = |j: usize| {
+            let h = base.h()[j * n + j];
+            if h > 0.0 { h } else { 1.0 }
+        };
+        let size: f64 = base
+            .g()
+            .iter()
+            .enumerate()
+            .map(|(j, g)| g * g / diagonal(j))
+            .sum();
+        let size = PUSH * (1.0 + size.sqrt());
+        for held in proof.iter() {
+            match held.constraint {
+                ConstraintId::Row(id) => {
+                    let Ok(i) = base.rows().binary_search(&id) else {
+                        continue;
+                    };
+                    let row = base.row(i);
+                    let length: f64 = row
+                        .iter()
+                        .enumerate()
+                        .map(|(j, a)| a * a / diagonal(j))
+                        .sum();
+                    if length > 0.0 {
+                        let multiplier = held.side * size / length.sqrt();
+                        for (g, a) in g.iter_mut().zip(row) {
+                            *g -= multiplier * a;
+                        }
+                    }
+                }
+                ConstraintId::Bound(id) => {
+                    if let Ok(j) = base.vars().binary_search(&id) {
+                        g[j] -= held.side * size * diagonal(j).sqrt();
+                    }
+                }
+            }
+        }
     }
 
     /// Everything that can be given up is.

@@ -1,7 +1,7 @@
 //! Putting a configuration together in code, without a file.
 
 use super::{
-    ConfigErrors, ControllerConfig, Settings,
+    ConfigErrors, ControllerConfig, MeasurementLimits, Settings,
     document::Document,
     entry::Names,
     expand::{self, Listed, Notes, Texts},
@@ -99,6 +99,12 @@ impl ControllerConfig {
     /// Takes another solver.
     pub fn with_solver(mut self, solver: impl Solver) -> Self {
         self.solver = Box::new(solver);
+        self
+    }
+
+    /// Takes other bounds on what is measured.
+    pub fn with_measurement_limits(mut self, limits: MeasurementLimits) -> Self {
+        self.measurement = limits;
         self
     }
 

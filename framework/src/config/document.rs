@@ -18,7 +18,7 @@ use crate::suggestion::suggestion;
 /// Syntax errors with words: the rest is not told.
 const SHOWN: usize = 100;
 
-const TABLES: [&str; 3] = ["controller", "robot", "solver"];
+const TABLES: [&str; 4] = ["controller", "robot", "solver", "measurement"];
 const REQUIRED: [&str; 2] = ["controller", "robot"];
 const LISTS: [&str; 3] = ["contact", "task", "constraint"];
 
@@ -28,6 +28,7 @@ pub(super) struct Document<'t> {
     pub(super) controller: Option<Section<'t>>,
     pub(super) robot: Option<Section<'t>>,
     pub(super) solver: Option<Section<'t>>,
+    pub(super) measurement: Option<Section<'t>>,
     pub(super) contacts: Vec<Section<'t>>,
     pub(super) tasks: Vec<Section<'t>>,
     pub(super) constraints: Vec<Section<'t>>,
@@ -83,11 +84,12 @@ impl<'t> Document<'t> {
                 "controller" => document.controller = table(name, value, &at, report),
                 "robot" => document.robot = table(name, value, &at, report),
                 "solver" => document.solver = table(name, value, &at, report),
+                "measurement" => document.measurement = table(name, value, &at, report),
                 "contact" => document.contacts = list(name, value, &at, report),
                 "task" => document.tasks = list(name, value, &at, report),
                 "constraint" => document.constraints = list(name, value, &at, report),
                 _ => {
-                    let mut known = [TABLES, LISTS].concat();
+                    let mut known = [&TABLES[..], &LISTS].concat();
                     known.sort_unstable();
                     let hint = suggestion(name, &known);
                     let message = format!("unknown key `{name}`{hint}");
@@ -117,8 +119,8 @@ impl<'t> Document<'t> {
     }
 
     fn sections(&self) -> impl Iterator<Item = &Section<'t>> {
-        [&self.controller, &self.robot, &self.solver]
-            .into_iter()
+        let tables = [&self.controller, &self.robot, &self.solver];
+        (tables.into_iter().chain([&self.measurement]))
             .flatten()
             .chain(&self.contacts)
             .chain(&self.tasks)
@@ -144,6 +146,7 @@ impl<'t> Document<'t> {
             Target::Controller => self.controller.as_mut().ok_or_else(Vec::new),
             Target::Robot => self.robot.as_mut().ok_or_else(Vec::new),
             Target::Solver => Ok(self.solver.get_or_insert_with(default_solver)),
+            Target::Measurement => Ok(self.measurement.get_or_insert_with(no_keys)),
             Target::Contact(name) => named(&mut self.contacts, &directory.contacts, name),
             Target::Task(name) => named(&mut self.tasks, &directory.tasks, name),
             Target::Constraint(name) => named(&mut self.constraints, &directory.constraints, name),
@@ -203,6 +206,14 @@ fn default_solver<'t>() -> Section<'t> {
         Spanned::new(0..0, DeValue::String("active_set".into())),
     );
     Section { span: 0..0, keys }
+}
+
+/// What a file without `[measurement]` stands for.
+fn no_keys<'t>() -> Section<'t> {
+    Section {
+        span: 0..0,
+        keys: DeTable::new(),
+    }
 }
 
 fn name_of<'a>(section: &'a Section<'_>) -> Option<&'a str> {

@@ -10,8 +10,8 @@ use serde::Deserialize;
 use serde_json::Value as Json;
 
 use super::{
-    ConfigError, ConfigErrorKind as Kind, ConfigErrors, ControllerConfig, ENTRY_KEYS, Overrides,
-    Settings,
+    ConfigError, ConfigErrorKind as Kind, ConfigErrors, ControllerConfig, ENTRY_KEYS,
+    MeasurementLimits, Overrides, Settings,
     document::Document,
     entry, expand,
     expand::Texts,
@@ -111,6 +111,7 @@ impl ControllerConfig {
                 settings: parts.settings,
                 robot: parts.robot,
                 solver: parts.solver,
+                measurement: parts.measurement,
                 contacts: parts.contacts,
                 tasks: parts.tasks,
                 constraints: parts.constraints,
@@ -179,6 +180,7 @@ struct Parts {
     settings: Settings,
     robot: Box<dyn Robot>,
     solver: Box<dyn Solver>,
+    measurement: MeasurementLimits,
     contacts: Vec<ContactSpec>,
     tasks: Vec<Entry<dyn Task>>,
     constraints: Vec<Entry<dyn Constraint>>,
@@ -194,6 +196,10 @@ impl Parts {
             Some(section) => single::<dyn Solver>(section, report),
             None => Some(Box::new(ActiveSet::default())),
         };
+        let measurement = match document.measurement {
+            Some(section) => measurement(section, report),
+            None => Some(MeasurementLimits::default()),
+        };
         let contacts = contacts(document.contacts, report);
         let mut names = entry::Names::default();
         let tasks = each(document.tasks, |index, section| {
@@ -204,6 +210,7 @@ impl Parts {
             settings: settings?,
             robot: robot?,
             solver: solver?,
+            measurement: measurement?,
             contacts: contacts?,
             tasks: tasks?,
             constraints: constraints?,
@@ -249,6 +256,20 @@ fn settings(section: Option<Section<'_>>, report: &mut Report<'_>) -> Option<Set
         valid = false;
     }
     valid.then_some(settings)
+}
+
+fn measurement(section: Section<'_>, report: &mut Report<'_>) -> Option<MeasurementLimits> {
+    let at = At::subject("measurement");
+    let schema = schema_of::<MeasurementLimits>();
+    let keys = section.clone();
+    let load = MeasurementLimits::deserialize::<toml::de::ValueDeserializer<'_>>;
+    let limits = table::read(section, &schema, &[], load, &at, report)?;
+    let mut valid = true;
+    for (key, problem) in limits.problems() {
+        fault::report(&BindError::value(key, problem), Some(&keys), &at, report);
+        valid = false;
+    }
+    valid.then_some(limits)
 }
 
 /// `[robot]` and `[solver]`: a plug-in without an entry.

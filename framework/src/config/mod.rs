@@ -1,6 +1,7 @@
 //! The configuration of a controller: what a TOML file says, or what code puts together.
 //!
-//! A file has the tables `[controller]` ([`Settings`]), `[robot]`, `[solver]` (optional) and any number of
+//! A file has the tables `[controller]` ([`Settings`]), `[robot]`, `[solver]` and `[measurement]` ([`MeasurementLimits`]; both
+//! optional), and any number of
 //! `[[contact]]` ([`ContactSpec`]), `[[task]]` and `[[constraint]]`:
 //! ```toml
 //! [[task]]
@@ -34,6 +35,7 @@ pub(crate) mod expand;
 mod fault;
 mod load;
 mod meaning;
+mod measurement;
 mod overrides;
 mod report;
 mod save;
@@ -59,6 +61,7 @@ use crate::{
 pub use error::{ConfigError, ConfigErrorKind, ConfigErrors};
 pub use expand::{Implied, ImpliedValue, expand};
 pub(crate) use fault::{Fault, Origin};
+pub use measurement::MeasurementLimits;
 pub use overrides::{Override, Overrides, Target};
 pub use save::SaveError;
 
@@ -81,6 +84,8 @@ pub struct ControllerConfig {
     pub robot: Box<dyn Robot>,
     /// The solver.
     pub solver: Box<dyn Solver>,
+    /// What a measurement may be.
+    pub measurement: MeasurementLimits,
     /// Contacts, in the order of their ids.
     pub contacts: Vec<ContactSpec>,
     /// Tasks, in the order of their ids.
@@ -330,6 +335,7 @@ impl ControllerConfig {
             settings,
             robot,
             solver: Box::new(ActiveSet::default()),
+            measurement: MeasurementLimits::default(),
             contacts: Vec::new(),
             tasks: Vec::new(),
             constraints: Vec::new(),

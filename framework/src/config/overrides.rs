@@ -27,6 +27,8 @@ pub enum Target {
     Robot,
     /// `[solver]`.
     Solver,
+    /// `[measurement]`.
+    Measurement,
     /// The `[[contact]]` of that name.
     Contact(String),
     /// The `[[task]]` of that name.
@@ -41,6 +43,7 @@ impl Target {
             Self::Controller => ("controller", None),
             Self::Robot => ("robot", None),
             Self::Solver => ("solver", None),
+            Self::Measurement => ("measurement", None),
             Self::Contact(name) => ("contact", Some(name)),
             Self::Task(name) => ("task", Some(name)),
             Self::Constraint(name) => ("constraint", Some(name)),
@@ -168,6 +171,9 @@ struct Tables {
     #[serde(default, skip_serializing_if = "Table::is_empty")]
     #[schemars(with = "AnyTable")]
     solver: Table,
+    #[serde(default, skip_serializing_if = "Table::is_empty")]
+    #[schemars(with = "AnyTable")]
+    measurement: Table,
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     #[schemars(with = "BTreeMap<String, AnyTable>")]
     contact: BTreeMap<String, Table>,
@@ -190,6 +196,7 @@ impl From<Tables> for Overrides {
         push(&Target::Controller, tables.controller);
         push(&Target::Robot, tables.robot);
         push(&Target::Solver, tables.solver);
+        push(&Target::Measurement, tables.measurement);
         for (name, table) in tables.contact {
             push(&Target::Contact(name), table);
         }
@@ -209,6 +216,7 @@ impl From<Overrides> for Tables {
             controller: Table::new(),
             robot: Table::new(),
             solver: Table::new(),
+            measurement: Table::new(),
             contact: BTreeMap::new(),
             task: BTreeMap::new(),
             constraint: BTreeMap::new(),
@@ -218,6 +226,7 @@ impl From<Overrides> for Tables {
                 Target::Controller => &mut tables.controller,
                 Target::Robot => &mut tables.robot,
                 Target::Solver => &mut tables.solver,
+                Target::Measurement => &mut tables.measurement,
                 Target::Contact(name) => tables.contact.entry(name).or_default(),
                 Target::Task(name) => tables.task.entry(name).or_default(),
                 Target::Constraint(name) => tables.constraint.entry(name).or_default(),

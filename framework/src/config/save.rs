@@ -5,7 +5,7 @@ use std::ops::Range;
 use serde::Serialize;
 use toml::{de::DeTable, ser::ValueSerializer};
 
-use super::ControllerConfig;
+use super::{ControllerConfig, MeasurementLimits};
 use crate::entry::{Entry, Hardness, Weight};
 
 /// Why a configuration could not be written.
@@ -33,6 +33,9 @@ impl ControllerConfig {
         section(&mut text, "[controller]", "controller", &self.settings)?;
         section(&mut text, "[robot]", "robot", &self.robot)?;
         section(&mut text, "[solver]", "solver", &self.solver)?;
+        if self.measurement != MeasurementLimits::default() {
+            section(&mut text, "[measurement]", "measurement", &self.measurement)?;
+        }
         for contact in &self.contacts {
             let subject = format!("contact `{}`", contact.name);
             section(&mut text, "[[contact]]", &subject, contact)?;

@@ -9,10 +9,12 @@ use super::{
     explanation::owners,
     faults::Faults,
     first::FirstTick,
+    gate::Gate,
     handle::Stamp,
     home,
     ladder::{Age, Clock, Ladder},
     memory::{Need, Stored},
+    plausible::Plausible,
     recording::MadeFrom,
     report::{ContactReport, OnRung, Report, Rung, TaskReport},
     safe::SafeLaw,
@@ -32,7 +34,7 @@ use crate::{
     entry::{Entry, Hardness},
     layout::{BoundTarget, Layout, Relation, VdotBlock},
     model::{Base, JointKind, Model},
-    qp::{ActiveSet, Capacity, Qp, QpSolver as _, Solution},
+    qp::{ActiveSet, Capacity, Qp, QpSolver as _, Solution, WarmStart},
     robot::{RobotError, RobotModel},
     rows::RowStore,
     setup::{BindError, Setup},
@@ -97,6 +99,7 @@ impl Controller {
             settings,
             robot: robot_plugin,
             mut solver,
+            measurement,
             contacts,
             mut tasks,
             mut constraints,
@@ -108,6 +111,7 @@ impl Controller {
         robot.diagnostics.extend(warnings);
         let mut faults = Faults::new(Origin::new(source, overrides));
         faults.settings(&settings);
+        faults.measurement(&measurement);
         faults.robot(robot_plugin.typetag_name(), robot.problems());
         // Plug-ins rely on a sound robot and a sound rate.
         faults.stop_if_any()?;
@@ -239,6 +243,8 @@ impl Controller {
             .collect();
         let world = World {
             period,
+            elapsed: period,
+            slew_time: period,
             time: 0.0,
             origin: None,
             state: robot.home.clone(),
@@ -265,6 +271,10 @@ impl Controller {
         let ladder = Ladder {
             safe: SafeLaw::new(&robot, &world, &actuation, &vec![0.0; sizes.nu]),
             solution: Solution::new(relaxed),
+            warm: WarmStart::with_capacity(relaxed.vars),
+            proof: WarmStart::with_capacity(relaxed.vars + 1),
+            since_proof: 0,
+            is_proven: false,
             solver: native,
             is_native,
             owners: owners(&table, &groups, &tags, &contact_names),
@@ -290,6 +300,8 @@ impl Controller {
             tasks: tasks.into_iter().map(|e| e.plugin).collect(),
             constraints: constraints.into_iter().map(|e| e.plugin).collect(),
             command: Command::new(&robot),
+            gate: Gate::new(&robot),
+            plausible: Plausible::new(&measurement, &robot, &contacts, period),
             groups,
             table,
             assembly,
@@ -565,6 +577,7 @@ fn empty_report(tasks: &[Group], world: &World, capacity: Capacity, limits: usiz
         fault: None,
         conflict: Vec::with_capacity(capacity.vars + capacity.rows + 1),
         relaxed: Vec::with_capacity(limits),
+        cut: None,
         resolves: 0,
         status: crate::qp::Status::Unsolved,
         iterations: 0,

@@ -3,7 +3,8 @@
 //! # Mathematics
 //! A servoed joint receives a velocity reference that integrates the commanded acceleration and leaks to the
 //! measured velocity with time constant `τ_ℓ`:
-//! `v_ref⁺ = sat(v_ref + T v̇_A* − (T/τ_ℓ)(v_ref − v_meas))`. The leak is the anti-windup; drift of the position is
+//! `v_ref⁺ = sat(v_ref + T v̇_A* − (T/τ_ℓ)(v_ref − v_meas))`, where T is the time that the tick stands for
+//! ([`Tick::elapsed`](crate::tick::Tick::elapsed)). The leak is the anti-windup; drift of the position is
 //! removed by the posture task.
 
 use crate::{actuator::ActuatorKind, model::Model, robot::RobotModel, state::State};
@@ -32,8 +33,9 @@ impl Command {
         }
     }
 
-    /// Takes efforts over, clipped to the actuators' limits, and converts thrusts to rotor speeds.
-    pub(crate) fn take_efforts(&mut self, robot: &RobotModel, effort: &[f64]) {
+    /// Takes efforts over, clipped to the actuators' limits, and converts thrusts to rotor speeds: for the command before the first
+    /// tick. Those of ticks go through the [`Gate`](super::gate::Gate).
+    pub(crate) fn hover(&mut self, robot: &RobotModel, effort: &[f64]) {
         for (i, actuator) in robot.actuators.iter().enumerate() {
             let u = effort[i].max(actuator.lower).min(actuator.upper);
             self.effort[i] = u;
@@ -43,36 +45,45 @@ impl Command {
         }
     }
 
-    /// Takes accelerations over and integrates the velocity references.
+    /// Takes over another command of the same robot.
+    pub(crate) fn copy_from(&mut self, other: &Self) {
+        self.effort.copy_from_slice(&other.effort);
+        self.rotor_speed.copy_from_slice(&other.rotor_speed);
+        self.joint_acceleration
+            .copy_from_slice(&other.joint_acceleration);
+        self.joint_velocity.copy_from_slice(&other.joint_velocity);
+    }
+
+    /// Takes accelerations over and integrates the velocity references over the time that the tick stands for.
     pub(crate) fn integrate(
         &mut self,
         model: &Model,
         state: &State,
         vdot: &[f64],
-        period: f64,
+        seconds: f64,
         leak: f64,
     ) {
         let offset = model.joint_offset();
+        let share = leaked(seconds, leak);
         for (i, joint) in model.joints().iter().enumerate() {
             let acceleration = vdot[offset + i];
             let measured = state.v[offset + i];
             let reference = self.joint_velocity[i];
             let limit = joint.limits.velocity;
-            let next = reference + period * acceleration - period / leak * (reference - measured);
+            let next = reference + seconds * acceleration - share * (reference - measured);
             self.joint_acceleration[i] = acceleration;
-            if next.is_finite() {
-                self.joint_velocity[i] = next.clamp(-limit, limit);
-            }
+            self.joint_velocity[i] = next.clamp(-limit, limit);
         }
     }
 
     /// Integrates the velocity references without acceleration: they leak to the measured velocities.
-    pub(crate) fn coast(&mut self, model: &Model, state: &State, period: f64, leak: f64) {
+    pub(crate) fn coast(&mut self, model: &Model, state: &State, seconds: f64, leak: f64) {
         let offset = model.joint_offset();
+        let share = leaked(seconds, leak);
         for (i, joint) in model.joints().iter().enumerate() {
             let (reference, measured) = (self.joint_velocity[i], state.v[offset + i]);
             let limit = joint.limits.velocity;
-            let next = reference - period / leak * (reference - measured);
+            let next = reference - share * (reference - measured);
             self.joint_acceleration[i] = 0.0;
             self.joint_velocity[i] = next.clamp(-limit, limit);
         }
@@ -92,4 +103,9 @@ impl Command {
             self.joint_velocity[i] = state.v[offset + i].clamp(-limit, limit);
         }
     }
+}
+
+/// Share of the distance from the measured velocity that leaks away in a time; never more than all of it.
+fn leaked(seconds: f64, leak: f64) -> f64 {
+    (seconds / leak).min(1.0)
 }

@@ -290,6 +290,28 @@ impl Controller {
                     None => fault.to_string(),
                 }
             }
+            Fault::Implausible(implausible) => implausible.text(&self.robot.model, |contact| {
+                let binding = self.world.bindings.get(contact.index());
+                binding.map(|binding| binding.spec.name.as_str())
+            }),
+            Fault::CutEffort(actuator) => match self.robot.actuators.get(actuator.index()) {
+                Some(actuator) => {
+                    let name = &actuator.name;
+                    let cut = self.report.cut.map_or_else(String::new, |cut| {
+                        let (asked, sent) = (Rounded(cut.asked), Rounded(cut.sent));
+                        format!(": {asked} asked, {sent} sent")
+                    });
+                    format!("the effort of actuator `{name}` had to be cut to its limits{cut}")
+                }
+                None => fault.to_string(),
+            },
+            Fault::CutVelocity(joint) => match self.robot.model.joints().get(joint.index()) {
+                Some(joint) => format!(
+                    "the velocity reference of joint `{}` is not finite",
+                    joint.name
+                ),
+                None => fault.to_string(),
+            },
             _ => fault.to_string(),
         }
     }

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use super::ControllerError;
 use crate::{
-    config::{ConfigErrorKind, Fault, Origin, Settings, Target},
+    config::{ConfigErrorKind, Fault, MeasurementLimits, Origin, Settings, Target},
     constraint::Constraint,
     contact::ContactSpec,
     entry::Entry,
@@ -44,9 +44,10 @@ impl Faults {
             Target::Controller => 0,
             Target::Robot => 1,
             Target::Solver => 2,
-            Target::Contact(_) => 3,
-            Target::Task(_) => 4,
-            Target::Constraint(_) => 5,
+            Target::Measurement => 3,
+            Target::Contact(_) => 4,
+            Target::Task(_) => 5,
+            Target::Constraint(_) => 6,
         };
         let mut list = std::mem::take(&mut self.list);
         list.sort_by_key(|(index, fault)| (rank(&fault.target), *index));
@@ -62,6 +63,13 @@ impl Faults {
         for (key, problem) in settings.problems() {
             let error = BindError::value(key, problem);
             self.add(Target::Controller, 0, "controller".to_owned(), error);
+        }
+    }
+
+    pub(super) fn measurement(&mut self, limits: &MeasurementLimits) {
+        for (key, problem) in limits.problems() {
+            let error = BindError::value(key, problem);
+            self.add(Target::Measurement, 0, "measurement".to_owned(), error);
         }
     }
 

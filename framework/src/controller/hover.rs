@@ -77,12 +77,13 @@ impl Controller {
             upper[i] = actuator.upper;
         }
         let status = self.solver.solve(&self.qp, &mut self.solution);
-        let is_solved = status == Ok(Status::Optimal);
+        let finite = self.solution.x[..nu].iter().all(|x| x.is_finite());
+        let is_solved = status == Ok(Status::Optimal) && finite;
         if !is_solved {
             // As near to no effort as the limits allow.
             self.solution.x[..nu].fill(0.0);
         }
-        self.command.take_efforts(&self.robot, &self.solution.x);
+        self.command.hover(&self.robot, &self.solution.x);
         for k in 0..nv {
             let su: f64 = (0..nu)
                 .map(|j| s[k * nu + j] * self.command.effort[j])

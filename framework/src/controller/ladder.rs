@@ -15,6 +15,13 @@
 //! which ends it: a tick solves at most [`RESOLVES`] + 2 problems (its own, its own again by the active-set method if another
 //! solver gave no proof, and those).
 //!
+//! # From one tick to the next
+//! A contradiction mostly lasts. For some ticks after one, the next tick begins with the proof: a problem with the tick's
+//! constraints, and with a cost of which the constraints of the last proof have the right multipliers, so that the dual method finds
+//! the proof of this tick in a few steps from there, or a point that satisfies everything; only then the optimum is
+//! looked for. The relaxed problem begins with the constraints held in the last one, and with what had to be given up there, if
+//! what goes first is part of that. A level of which no limit was exceeded by more than tasks pull it is tried again.
+//!
 //! The relaxed problems have a solver of their own, the active-set method, so that a solver that is configured and fails
 //! does not fail twice, and the warm start of each is its own. A solver that ran out of its budget is not given more
 //! time: the tick goes to the next rung.
@@ -27,9 +34,11 @@ use super::{
 };
 use crate::{
     assembly::{Assembly, DynamicsTerms, Elastic, Group},
-    qp::{ActiveSet, Qp, QpSolver, Solution, Status},
+    qp::{ActiveSet, ConstraintId, Qp, QpSolver, Solution, Status, WarmStart},
 };
 
+/// For how many ticks after a contradiction the next one is looked for before the optimum.
+const ALERT: u32 = 50;
 /// The most relaxed problems in a tick.
 const RESOLVES: u32 = 4;
 
@@ -39,6 +48,14 @@ pub(super) struct Ladder {
     pub(super) elastic: Elastic,
     pub(super) solver: ActiveSet,
     pub(super) solution: Solution,
+    /// What the relaxed problem of the last tick held, if it had one.
+    pub(super) warm: WarmStart,
+    /// The limits that contradicted one another last, but for one; none if none ever did.
+    pub(super) proof: WarmStart,
+    /// Ticks since then.
+    pub(super) since_proof: u32,
+    /// Whether the solution of this tick is a proof by the active-set method.
+    pub(super) is_proven: bool,
     /// Whether the configured solver is the active-set method, whose proofs are irreducible.
     pub(super) is_native: bool,
     pub(super) safe: SafeLaw,
@@ -123,40 +140,51 @@ impl Age {
 }
 
 impl Ladder {
-    /// Looks for the optimum with limits given up. On success the solution's first variables are the tick's; the error
-    /// says why there is none.
+    /// Looks for the optimum with limits given up. `efforts` is where each actuator may go, which is not given up. On success
+    /// the solution's first variables are the tick's; the error says why there is none.
     pub(super) fn relax(
         &mut self,
         assembly: &Assembly,
         terms: &DynamicsTerms<'_>,
         groups: &[Group],
         qp: &Qp,
+        efforts: &[[f64; 2]],
         solution: &mut Solution,
         report: &mut Report,
     ) -> Result<Fault, Fault> {
         let (n, m) = (qp.n(), qp.m());
+        let goes_on = self.is_alert();
         if solution.status.was_cut_short() {
             return Err(Fault::Solver);
         }
-        if !(self.is_native && is_proof(qp, solution)) {
-            self.solver.reset();
-            if self.solver.solve(qp, &mut self.solution) == Ok(Status::Optimal) {
+        let is_native = self.is_native || self.is_proven;
+        if !(is_native && is_proof(qp, solution)) {
+            if !self.is_still_infeasible(qp, solution) {
+                self.solver.reset();
+                if self.solver.solve(qp, &mut self.solution) == Ok(Status::Optimal) {
+                    self.hand_over(n, m, solution);
+                    return Ok(Fault::Solver);
+                }
+                if !is_proof(qp, &self.solution) {
+                    return Err(Fault::Solver);
+                }
                 self.hand_over(n, m, solution);
-                return Ok(Fault::Solver);
             }
-            if !is_proof(qp, &self.solution) {
-                return Err(Fault::Solver);
-            }
+            report.iterations = report.iterations.saturating_add(self.solution.iterations);
             report.status = Status::Infeasible;
-            self.hand_over(n, m, solution);
         }
         write_conflict(assembly, qp, solution, &mut report.conflict);
-        self.elastic.restore();
+        write_proof(qp, solution, &mut self.proof);
+        self.since_proof = 0;
+        self.elastic.restore(efforts);
         if !self
             .elastic
             .give_up_in(assembly, terms.contacts, qp, solution)
         {
             return Err(Fault::Infeasible);
+        }
+        if goes_on {
+            self.elastic.give_up_as_before();
         }
         let mut is_last = false;
         for resolve in 1..=RESOLVES {
@@ -165,12 +193,15 @@ impl Ladder {
                 self.elastic.give_up_all();
             }
             self.elastic.build(assembly, terms, groups, qp);
+            self.solver.start_from(&self.warm);
             let status = self.solver.solve(&self.elastic.qp, &mut self.solution);
             report.resolves = resolve;
             report.iterations = report.iterations.saturating_add(self.solution.iterations);
             if status == Ok(Status::Optimal) {
                 self.report_exceeded(assembly, qp, report);
                 self.hand_over(n, m, solution);
+                self.solver.warm_start(&mut self.warm);
+                self.elastic.remember(assembly, qp, &self.solution.x);
                 return Ok(Fault::Infeasible);
             }
             if is_last {
@@ -181,6 +212,33 @@ impl Ladder {
                 && self.elastic.give_up_more(assembly, terms.contacts, proof));
         }
         Err(Fault::Infeasible)
+    }
+
+    /// Whether limits contradicted one another a short time ago.
+    pub(super) fn is_alert(&self) -> bool {
+        self.since_proof < ALERT && self.proof.iter().next().is_some()
+    }
+
+    /// A tick without a contradiction.
+    pub(super) fn calm(&mut self) {
+        self.since_proof = self.since_proof.saturating_add(1);
+    }
+
+    /// Whether limits contradict one another as they did last; if so, the proof is in the solution. Begins with the last proof,
+    /// and does not look for an optimum. False says nothing.
+    pub(super) fn is_still_infeasible(&mut self, qp: &Qp, solution: &mut Solution) -> bool {
+        if self.proof.iter().next().is_none() {
+            return false;
+        }
+        self.elastic.prove(qp, &self.proof);
+        self.solver.start_from(&self.proof);
+        let status = self.solver.solve(&self.elastic.qp, &mut self.solution);
+        solution.iterations = self.solution.iterations;
+        self.is_proven = status == Ok(Status::Infeasible) && is_proof(qp, &self.solution);
+        if self.is_proven {
+            self.hand_over(qp.n(), qp.m(), solution);
+        }
+        self.is_proven
     }
 
     /// Copies what belongs to the tick's own variables and rows.
@@ -201,6 +259,28 @@ impl Ladder {
                     by,
                 });
             }
+        }
+    }
+}
+
+/// Takes down the limits of a proof but for one of them, an inequality if there is one: the rest can be met together.
+fn write_proof(qp: &Qp, proof: &Solution, out: &mut WarmStart) {
+    out.clear();
+    let (rows, bounds) = (&proof.y[..qp.m()], &proof.z[..qp.n()]);
+    let last_bound = bounds.iter().rposition(|z| *z != 0.0);
+    let is_inequality = |i: &usize| rows[*i] != 0.0 && qp.row_lower()[*i] != qp.row_upper()[*i];
+    let last_row = match last_bound {
+        Some(_) => None,
+        None => (0..qp.m()).rev().find(is_inequality),
+    };
+    for (i, (y, id)) in rows.iter().zip(qp.rows()).enumerate() {
+        if *y != 0.0 && Some(i) != last_row {
+            out.push(ConstraintId::Row(*id), y.signum());
+        }
+    }
+    for (j, (z, id)) in bounds.iter().zip(qp.vars()).enumerate() {
+        if *z != 0.0 && Some(j) != last_bound {
+            out.push(ConstraintId::Bound(*id), z.signum());
         }
     }
 }

@@ -2,7 +2,10 @@
 
 use nalgebra::Vector6;
 
-use crate::{contact::ContactId, robot::RobotModel, state::State};
+use super::plausible::Implausible;
+use crate::{
+    actuator::ActuatorId, contact::ContactId, model::JointId, robot::RobotModel, state::State,
+};
 
 /// The inputs of a tick.
 #[derive(Clone, Debug)]
@@ -101,7 +104,7 @@ pub enum Quantity {
 }
 
 /// Why a tick's command is not the optimum of its problem.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Fault {
     /// A measured number is NaN or infinite.
@@ -112,6 +115,8 @@ pub enum Fault {
     NotLater,
     /// The base's quaternion is not of unit length, nor near it.
     NotARotation,
+    /// A measured number, or its change since the last usable measurement, is beyond what the table `[measurement]` allows.
+    Implausible(Implausible),
     /// In the first tick the error of this task (its position among the tasks) is larger than `max_first_error` of the settings
     /// allows: nothing moves, and the next tick counts as the first.
     FirstError(usize),
@@ -125,6 +130,11 @@ pub enum Fault {
     Infeasible,
     /// The solver gave no usable solution; its status is in the report.
     Solver,
+    /// The solution's effort of this actuator is not what was sent: beyond its limits, or further from the last one than its
+    /// `slew` allows. By how much is in the report ([`Report::cut`](super::Report::cut)).
+    CutEffort(ActuatorId),
+    /// The velocity reference of this joint was not a number, and stays what it was.
+    CutVelocity(JointId),
 }
 
 impl std::fmt::Display for Fault {
@@ -136,6 +146,7 @@ impl std::fmt::Display for Fault {
             Self::NotARotation => {
                 f.write_str("measurement: the base orientation is not a unit quaternion")
             }
+            Self::Implausible(implausible) => implausible.fmt(f),
             Self::FirstError(task) => write!(
                 f,
                 "the error of task {task} in the first tick is larger than `max_first_error` allows"
@@ -145,6 +156,16 @@ impl std::fmt::Display for Fault {
             Self::Dynamics => f.write_str("the equations of motion are not finite at this state"),
             Self::Infeasible => f.write_str("limits contradict one another"),
             Self::Solver => f.write_str("the solver gave no usable solution"),
+            Self::CutEffort(actuator) => write!(
+                f,
+                "the effort of actuator {} had to be cut to its limits",
+                actuator.index()
+            ),
+            Self::CutVelocity(joint) => write!(
+                f,
+                "the velocity reference of joint {} is not finite",
+                joint.index()
+            ),
         }
     }
 }

@@ -6,20 +6,24 @@
 
 pub(crate) mod bind;
 mod command;
+mod elapsed;
 mod error;
 mod explanation;
 mod faults;
 mod first;
+mod gate;
 mod handle;
 mod home;
 mod hover;
 mod ladder;
 mod measurement;
 mod memory;
+mod plausible;
 mod recording;
 mod rehearsal;
 mod report;
 mod requests;
+mod restart;
 mod safe;
 mod stopwatch;
 pub(crate) mod switch;
@@ -28,8 +32,10 @@ pub(crate) mod world;
 pub use command::Command;
 pub use error::{ControllerError, RequestError};
 pub use explanation::{Explanation, Limit};
+pub use gate::CutEffort;
 pub use handle::{EntryId, EntryKey, EntryMut};
 pub use measurement::{Fault, Measurement, Quantity};
+pub use plausible::{Implausible, Measured};
 pub use rehearsal::PlannedForce;
 pub use report::{
     ActiveRow, ConflictRow, ContactReport, OnRung, RelaxedRow, Report, Rung, Side, TaskReport,
@@ -40,7 +46,7 @@ use nalgebra::DVector;
 
 use crate::{
     assembly::{Actuation, Assembly, Group, RowInfo, Table, VarInfo},
-    config::Settings,
+    config::{MeasurementLimits, Settings},
     constraint::Constraint,
     qp::{Budget, Qp, RowId, Solution, Solver, Status, VarId},
     replay::{Record, Recorder},
@@ -49,11 +55,17 @@ use crate::{
     task::Task,
     tick::EntryState,
 };
+use elapsed::elapsed;
 use first::FirstTick;
+use gate::Gate;
 use handle::Stamp;
 use ladder::Ladder;
+use plausible::Plausible;
 use recording::MadeFrom;
 use world::World;
+
+/// How near a limit a value is at it, in the unit of the limit, and as a share of the limit where that is larger than one.
+const AT_LIMIT: f64 = 1e-9;
 
 /// A whole-body controller bound to a robot.
 ///
@@ -75,6 +87,8 @@ pub struct Controller {
     solver: Box<dyn Solver>,
     world: World,
     command: Command,
+    gate: Gate,
+    plausible: Plausible,
     report: Report,
     ladder: Ladder,
     /// Where dumps find what the controller was made from.
@@ -90,8 +104,8 @@ pub struct Controller {
 impl Controller {
     /// One control period: from a measurement to a command.
     ///
-    /// Always returns a finite command within the actuators' limits: the optimum, or what the [`Rung`] of the report says, with
-    /// the reason beside it. Does not allocate (unless the solver does), lock, block or read a clock.
+    /// Always returns a finite command within the actuators' limits, and within their `slew` of the last one: the optimum, or
+    /// what the [`Rung`] of the report says, with the reason beside it. Does not allocate (unless the solver does), lock, block or read a clock.
     pub fn tick(&mut self, measurement: &Measurement) -> (&Command, &Report) {
         self.run(measurement, None);
         (&self.command, &self.report)
@@ -109,28 +123,43 @@ impl Controller {
         self.report.iterations = 0;
         self.report.objective = 0.0;
         self.report.times = StageTimes::default();
+        self.ladder.is_proven = false;
         self.ladder.without_solution.pass();
         self.ladder.without_state.pass();
         let mut last = self.ladder.without_state.time();
         let period = self.world.period;
+        let since_last_tick = elapsed(measurement.time, self.ladder.clock.previous, period);
         if self.ladder.clock.was_set(measurement.time, last, period) {
             self.world.rebase(measurement.time);
+            let unseen = self.ladder.without_state.seconds(f64::NAN, period);
+            self.plausible.restart(measurement.time - unseen);
             last = None;
         }
+        self.world.elapsed = elapsed(measurement.time, last, period);
+        self.world.slew_time = since_last_tick.min(period);
+        self.gate
+            .open(&self.robot, &self.command, self.world.slew_time);
         let fault = measurement.fault(&self.robot, self.world.contacts.len(), last);
+        let fault = fault.or_else(|| self.plausible.fault(measurement, &self.world.state, last));
         let outcome = match fault {
             Some(fault) => Err(fault),
             None => self.solve(measurement, recorded),
         };
-        self.report.fault = match outcome {
-            Ok(None) => None,
-            Ok(Some(fault)) | Err(fault) => Some(fault),
-        };
-        let rung = match outcome {
+        let mut rung = match outcome {
             Ok(None) => Rung::Optimal,
             Ok(Some(_)) => Rung::Relaxed,
-            Err(_) => self.fall_back(measurement.time),
+            Err(_) => self.fall_back(measurement.time, since_last_tick),
         };
+        let cut = self.gate.pass(&self.robot, &mut self.command);
+        self.world.last.effort.copy_from_slice(&self.command.effort);
+        self.report.cut = cut.effort;
+        self.report.fault = match outcome {
+            Ok(None) => cut.fault(),
+            Ok(Some(fault)) | Err(fault) => Some(fault),
+        };
+        if rung == Rung::Optimal && self.report.fault.is_some() {
+            rung = Rung::Relaxed;
+        }
         let changed = rung != self.report.rung;
         let is_first = self.report.on_rung.ticks == 0;
         self.report.on_rung.step(changed, measurement, last);
@@ -164,12 +193,27 @@ impl Controller {
         }
         let written = self.stopwatch.now();
         let terms = Self::terms(&self.world);
-        let assembled = self
-            .assembly
-            .assemble(&terms, &mut self.groups, &mut self.qp);
-        let built = self.stopwatch.now();
+        let is_alert = self.ladder.is_alert();
+        let assembled = if is_alert {
+            // Rows that hold by substitution are part of a contradiction like all others.
+            self.assembly
+                .assemble_with_all_rows(&terms, &mut self.groups, &mut self.qp)
+        } else {
+            self.assembly
+                .assemble(&terms, &mut self.groups, &mut self.qp)
+        };
+        let mut built = self.stopwatch.now();
         assembled?;
-        if self.report.rung != Rung::Optimal {
+        let is_proven = is_alert
+            && self
+                .ladder
+                .is_still_infeasible(&self.qp, &mut self.solution);
+        if is_alert && !is_proven {
+            self.assembly
+                .assemble(&terms, &mut self.groups, &mut self.qp)?;
+            built = self.stopwatch.now();
+        }
+        if !self.report.rung.is_solved() {
             // What was active some time ago is no good guess.
             self.solver.reset();
         }
@@ -177,10 +221,13 @@ impl Controller {
             None => Budget::Clock(&mut *self.stopwatch),
             Some(record) => Budget::Iterations(record.outcome.solved_in),
         };
-        let status = self
-            .solver
-            .solve_within(&self.qp, budget, &mut self.solution)
-            .unwrap_or_default();
+        let status = if is_proven {
+            Status::Infeasible
+        } else {
+            self.solver
+                .solve_within(&self.qp, budget, &mut self.solution)
+                .unwrap_or_default()
+        };
         if let Some(recorder) = &mut self.recorder {
             recorder.solved_in(self.solution.iterations);
         }
@@ -190,6 +237,7 @@ impl Controller {
         let mut n = self.qp.n();
         let finite = self.solution.x[..n].iter().all(|x| x.is_finite());
         let fault = if status == Status::Optimal && finite {
+            self.ladder.calm();
             None
         } else {
             if !status.was_cut_short() && self.assembly.has_determined() {
@@ -204,6 +252,7 @@ impl Controller {
                 &terms,
                 &self.groups,
                 &self.qp,
+                self.gate.window(),
                 &mut self.solution,
                 &mut self.report,
             )?)
@@ -217,6 +266,8 @@ impl Controller {
             return Err(Fault::Dynamics);
         }
         self.report.vdot.copy_from_slice(vdot);
+        let cut = self.gate.first_cut(&self.robot, effort);
+        let fault = fault.or(cut.map(|cut| Fault::CutEffort(cut.actuator)));
         let rung = match fault {
             None => Rung::Optimal,
             Some(_) => Rung::Relaxed,
@@ -235,7 +286,7 @@ impl Controller {
     }
 
     /// A command without a solution.
-    fn fall_back(&mut self, time: f64) -> Rung {
+    fn fall_back(&mut self, time: f64, since_last_tick: f64) -> Rung {
         let period = self.world.period;
         let age = self.ladder.without_solution.seconds(time, period);
         // Periods do not add up exactly.
@@ -253,7 +304,7 @@ impl Controller {
             self.command.coast(
                 model,
                 &self.world.state,
-                period,
+                since_last_tick,
                 self.settings.velocity_leak,
             );
             return rung;
@@ -264,9 +315,8 @@ impl Controller {
         }
         let age = self.ladder.without_state.seconds(time, period);
         safe.update(&self.robot, &self.world, &self.actuation, age);
-        self.command.take_efforts(&self.robot, &safe.effort);
+        self.command.effort.copy_from_slice(&safe.effort);
         self.command.stop_joints();
-        self.world.last.effort.copy_from_slice(&self.command.effort);
         rung
     }
 
@@ -317,9 +367,7 @@ impl Controller {
         let tasks = &self.groups[..self.tasks.len()];
         let asked = self.world.last.virtual_input.as_mut_slice();
         self.assembly.collect_asked(tasks, asked);
-        self.command
-            .take_efforts(&self.robot, self.assembly.effort());
-        self.world.last.effort.copy_from_slice(&self.command.effort);
+        self.command.effort.copy_from_slice(self.assembly.effort());
         if self.report.rung != rung || self.report.on_rung.ticks == 0 {
             // Velocity references start anew from the measured velocities.
             self.command.engage(&self.robot.model, &self.world.state);
@@ -328,7 +376,7 @@ impl Controller {
             &self.robot.model,
             &self.world.state,
             self.world.last.vdot.as_slice(),
-            self.world.period,
+            self.world.elapsed,
             self.settings.velocity_leak,
         );
         for (i, contact) in self.world.contacts.iter_mut().enumerate() {
@@ -386,21 +434,28 @@ impl Controller {
         }
     }
 
-    /// Collects inequality rows and bounds at a limit that have a multiplier.
+    /// Collects inequality rows and bounds that are active: at a limit, with a multiplier or without.
     fn report_active(&mut self) {
         let qp = &self.qp;
         let Solution { x, y, z, .. } = &self.solution;
         let scale = qp.g().iter().fold(1.0_f64, |a, g| a.max(g.abs()));
-        let has_price = |multiplier: f64| multiplier.abs() > 1e-9 * scale;
-        let is_at = |distance: f64, limit: f64| distance <= 1e-6 * (1.0 + limit.abs());
+        // Solvers end near a limit that pushes, and leave next to nothing of a multiplier where it does not.
+        let is_active = |distance: f64, limit: f64, multiplier: f64| {
+            let near = if multiplier.abs() > 1e-9 * scale {
+                1e-6
+            } else {
+                AT_LIMIT
+            };
+            distance <= near * (1.0 + limit.abs())
+        };
         for (i, &row) in qp.rows().iter().enumerate() {
             let (lower, upper) = (qp.row_lower()[i], qp.row_upper()[i]);
-            if lower == upper || !has_price(y[i]) {
+            if lower == upper || qp.row(i).iter().all(|a| *a == 0.0) {
                 continue;
             }
             let ax: f64 = qp.row(i).iter().zip(x).map(|(a, x)| a * x).sum();
             let (side, limit) = near(ax, lower, upper);
-            if is_at((ax - limit).abs(), limit) {
+            if is_active((ax - limit).abs(), limit, y[i]) {
                 self.report.active.push(ActiveRow {
                     row,
                     side,
@@ -408,11 +463,11 @@ impl Controller {
                 });
             }
         }
-        for j in (0..qp.n()).filter(|&j| has_price(z[j])) {
+        for j in 0..qp.n() {
             let (side, limit) = near(x[j], qp.lower()[j], qp.upper()[j]);
             let owner = self.assembly.bound_owner[j][usize::from(side == Side::Upper)];
             if let Some(row) = owner
-                && is_at((x[j] - limit).abs(), limit)
+                && is_active((x[j] - limit).abs(), limit, z[j])
             {
                 self.report.active.push(ActiveRow {
                     row,
@@ -469,6 +524,12 @@ impl Controller {
     /// A measurement of the right sizes: the home posture at rest at time 0, no force. For drivers to write into.
     pub fn measurement(&self) -> Measurement {
         Measurement::home(&self.robot, self.world.contacts.len())
+    }
+
+    /// What a measurement may be: the bounds of the configuration, and those derived from the robot where it says nothing; of
+    /// joints and contacts the largest.
+    pub fn measurement_limits(&self) -> MeasurementLimits {
+        self.plausible.limits()
     }
 
     /// Name and unit of a row.

@@ -7,10 +7,11 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector6};
 use super::{
     Command, Controller, Measurement,
     ladder::{Age, Clock, Ladder},
+    plausible::Seen,
 };
 use crate::{
     config::ControllerConfig,
-    qp::{QpSolver, WarmStart},
+    qp::WarmStart,
     replay::{
         CommandRecord, ContactMemory, Dump, DumpError, EntryRecord, Memory, Outcome, Record,
         Recorder, StateRecord,
@@ -82,6 +83,7 @@ impl Controller {
             ..EntryRecord::default()
         });
         let capacity = self.qp.capacity();
+        let relaxed = self.ladder.elastic.qp.capacity().vars;
         let state = blank_state(&self.world.state);
         let command = blank_command(&self.command);
         let nv = self.world.last.vdot.len();
@@ -97,7 +99,9 @@ impl Controller {
                 command: command.clone(),
                 held: vec![0.0; self.world.state.q.len()],
                 warm: WarmStart::with_capacity(capacity.vars),
-                relaxed_warm: WarmStart::with_capacity(capacity.vars + capacity.rows),
+                relaxed_warm: WarmStart::with_capacity(relaxed),
+                proof: WarmStart::with_capacity(relaxed + 1),
+                needed: self.ladder.elastic.needed.clone(),
                 ..Memory::default()
             },
             entries: entries.collect(),
@@ -147,6 +151,8 @@ impl Controller {
         before.rung = self.report.rung;
         before.on_rung_since = self.report.on_rung.since;
         before.on_rung_ticks = self.report.on_rung.ticks;
+        before.seen = self.plausible.seen.last;
+        before.unseen = self.plausible.seen.gap;
         self.ladder.remember(before);
         self.solver.warm_start(&mut before.warm);
     }
@@ -231,6 +237,10 @@ impl Controller {
         self.report.rung = before.rung;
         self.report.on_rung.since = before.on_rung_since;
         self.report.on_rung.ticks = before.on_rung_ticks;
+        self.plausible.seen = Seen {
+            last: before.seen,
+            gap: before.unseen,
+        };
         self.ladder.recall(before);
         self.solver.start_from(&before.warm);
     }
@@ -313,7 +323,12 @@ impl Ladder {
         out.stamp = self.clock.previous;
         out.steady = self.clock.steady;
         copy(&mut out.held, self.safe.posture.as_slice());
-        self.solver.warm_start(&mut out.relaxed_warm);
+        copy_held(&mut out.relaxed_warm, &self.warm);
+        copy_held(&mut out.proof, &self.proof);
+        out.since_proof = self.since_proof;
+        for (out, needed) in out.needed.iter_mut().zip(&self.elastic.needed) {
+            *out = *needed;
+        }
     }
 
     fn recall(&mut self, memory: &Memory) {
@@ -328,7 +343,12 @@ impl Ladder {
             steady: memory.steady,
         };
         copy(self.safe.posture.as_mut_slice(), &memory.held);
-        self.solver.start_from(&memory.relaxed_warm);
+        copy_held(&mut self.warm, &memory.relaxed_warm);
+        copy_held(&mut self.proof, &memory.proof);
+        self.since_proof = memory.since_proof;
+        for (needed, recorded) in self.elastic.needed.iter_mut().zip(&memory.needed) {
+            *needed = *recorded;
+        }
     }
 }
 
@@ -345,6 +365,14 @@ fn measurement(record: &Record, like: &State) -> Measurement {
         time: record.time,
         state,
         wrenches,
+    }
+}
+
+/// As many constraints as there is room for.
+fn copy_held(to: &mut WarmStart, from: &WarmStart) {
+    to.clear();
+    for held in from.iter() {
+        to.push(held.constraint, held.side);
     }
 }
 

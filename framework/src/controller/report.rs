@@ -3,14 +3,14 @@
 use nalgebra::{DVector, Vector3, Vector6};
 use serde::{Deserialize, Serialize};
 
-use super::{measurement::Fault, stopwatch::StageTimes};
+use super::{gate::CutEffort, measurement::Fault, stopwatch::StageTimes};
 use crate::{
     qp::{RowId, Status},
     task::ForceReport,
 };
 
 /// Where the command of a tick comes from: the highest rung of a ladder that was possible. All commands are finite and
-/// within the actuators' limits.
+/// within the actuators' limits and slew.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
@@ -18,7 +18,8 @@ pub enum Rung {
     /// The optimum of this tick's problem.
     Optimal,
     /// The optimum with limits given up in the declared order ([`Report::relaxed`]), because they contradict one another;
-    /// or by another solver, because the configured one failed.
+    /// or by another solver, because the configured one failed; or cut to the actuators' limits and slew ([`Report::cut`]),
+    /// where it is beyond them.
     Relaxed,
     /// The last solution is carried on, for a short time (`extrapolation` of the settings).
     Extrapolated,
@@ -94,6 +95,8 @@ pub struct Report {
     pub conflict: Vec<ConflictRow>,
     /// The limits that were given up and that the command is beyond.
     pub relaxed: Vec<RelaxedRow>,
+    /// The first effort of which the last gate cut off more than rounding, whatever the rung; nothing in an ordinary tick.
+    pub cut: Option<CutEffort>,
     /// Relaxed problems that were solved.
     pub resolves: u32,
     /// How the solver ended on the tick's own problem.
@@ -108,7 +111,9 @@ pub struct Report {
     pub tasks: Vec<TaskReport>,
     /// One per contact, in the configuration's order.
     pub contacts: Vec<ContactReport>,
-    /// Inequality rows and bounds at a limit, with their multipliers.
+    /// All inequality rows and bounds that are active: at a limit, within 1e-9 of it (of one unit where it is smaller than that),
+    /// or next to it with a multiplier that says that the solver holds it. Limits that were given up are in
+    /// [`Report::relaxed`] instead.
     pub active: Vec<ActiveRow>,
     /// Index of the first entry (tasks, then constraints) that wrote a block it had not declared.
     pub undeclared: Option<usize>,
@@ -151,9 +156,9 @@ pub struct ContactReport {
 /// The side of a limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
-    /// At the lower limit; the multiplier is negative.
+    /// At the lower limit; the multiplier is negative or zero.
     Lower,
-    /// At the upper limit; the multiplier is positive.
+    /// At the upper limit; the multiplier is positive or zero.
     Upper,
 }
 
@@ -174,6 +179,7 @@ pub struct ActiveRow {
     pub row: RowId,
     /// Which side.
     pub side: Side,
-    /// The price of the limit: change of the cost per unit of the row.
+    /// The price of the limit: change of the cost per unit of the row; zero, or next to it, where the optimum touches the limit
+    /// and would not go beyond it.
     pub multiplier: f64,
 }

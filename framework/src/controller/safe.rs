@@ -201,7 +201,7 @@ impl SafeLaw {
             if !effort.is_finite() {
                 *effort = self.hover[i];
             }
-            let (sent, most) = (world.last.effort[i], actuator.slew * world.period);
+            let (sent, most) = (world.last.effort[i], actuator.slew * world.slew_time);
             let near = effort.max(sent - most).min(sent + most);
             *effort = near.max(actuator.lower).min(actuator.upper);
         }

@@ -26,6 +26,10 @@ use crate::{
 pub(crate) struct World {
     pub(crate) model: Arc<Model>,
     pub(crate) period: f64,
+    /// Time that this tick stands for, s, see [`elapsed`](super::elapsed).
+    pub(crate) elapsed: f64,
+    /// Time for which `slew` counts in this tick, s.
+    pub(crate) slew_time: f64,
     /// Time since the first tick, s.
     pub(crate) time: f64,
     /// The measurement's time at the first tick.
@@ -56,8 +60,9 @@ pub(crate) struct ContactBinding {
     /// Low-passed force in the free directions, C axes, N.
     filtered: Vector3<f64>,
     motion: SurfaceMotion,
-    /// Share of a new sample in the low-pass.
+    /// Share of a new sample in the low-pass, one period after the one before.
     gain: f64,
+    period: f64,
 }
 
 impl ContactBinding {
@@ -82,7 +87,8 @@ impl ContactBinding {
                 spec.surface.rotation()?,
                 Vector3::from(spec.surface.origin),
             ),
-            gain: 1.0 - (-std::f64::consts::TAU * spec.free_force_cutoff * period).exp(),
+            gain: low_pass(spec.free_force_cutoff, period),
+            period,
             spec: spec.clone(),
         })
     }
@@ -136,14 +142,8 @@ impl ContactBinding {
         self.motion = *motion;
     }
 
-    fn update(
-        &mut self,
-        time: f64,
-        model: &Model,
-        data: &Data,
-        wrench: &Vector6<f64>,
-        c: &mut ContactState,
-    ) {
+    /// Where the contact is, and how it moves.
+    fn place(&mut self, model: &Model, data: &Data, c: &mut ContactState) {
         let k = &mut self.kinematics;
         k.update_at(model, data, self.body, &self.X_BC);
         c.R_WC = self.motion.R_WC;
@@ -172,13 +172,36 @@ impl ContactBinding {
                 rotate(&Vector6::from(*column)).into()
             };
         }
+    }
+
+    /// The measured force and moment, in C axes about the contact point.
+    fn sense(&self, wrench: &Vector6<f64>, c: &mut ContactState) -> Vector3<f64> {
         // The sensor speaks in E about E's origin; the contact point is the offset away.
         let force = Vector3::new(wrench[0], wrench[1], wrench[2]);
         let moment = Vector3::new(wrench[3], wrench[4], wrench[5])
             - Vector3::from(self.spec.offset).cross(&force);
         let (force, moment) = (c.R_CE * force, c.R_CE * moment);
         c.measured = Vector6::new(force.x, force.y, force.z, moment.x, moment.y, moment.z);
-        self.filtered += (force - self.filtered) * self.gain;
+        force
+    }
+
+    fn update(
+        &mut self,
+        time: f64,
+        elapsed: f64,
+        model: &Model,
+        data: &Data,
+        wrench: &Vector6<f64>,
+        c: &mut ContactState,
+    ) {
+        self.place(model, data, c);
+        let force = self.sense(wrench, c);
+        let gain = if elapsed == self.period {
+            self.gain
+        } else {
+            low_pass(self.spec.free_force_cutoff, elapsed)
+        };
+        self.filtered += (force - self.filtered) * gain;
         self.settle(time, c);
         c.alpha = self.switch.alpha(time);
         c.live = self.switch.is_live(time);
@@ -203,6 +226,11 @@ impl ContactBinding {
             c.set_point = Vector3::zeros();
         }
     }
+}
+
+/// Share of a new sample in a low-pass with this cutoff, Hz, so many seconds after the one before.
+fn low_pass(cutoff: f64, seconds: f64) -> f64 {
+    1.0 - (-std::f64::consts::TAU * cutoff * seconds).exp()
 }
 
 /// For records of ticks.
@@ -248,6 +276,7 @@ impl World {
         for (contact, binding) in contacts {
             binding.update(
                 self.time,
+                self.period,
                 &self.model,
                 &self.data,
                 &Vector6::zeros(),
@@ -276,7 +305,26 @@ impl World {
             .zip(&mut self.contacts)
             .zip(&m.wrenches)
         {
-            binding.update(self.time, &self.model, &self.data, wrench, contact);
+            binding.update(
+                self.time,
+                self.elapsed,
+                &self.model,
+                &self.data,
+                wrench,
+                contact,
+            );
+        }
+    }
+
+    /// The robot is elsewhere: everything that depends on its state, and filters without a past.
+    pub(crate) fn restart(&mut self, m: &Measurement) {
+        self.state.copy_from(&m.state);
+        self.state.R_WR = UnitQuaternion::new_normalize(*m.state.R_WR.quaternion());
+        self.update_bodies();
+        let contacts = self.contacts.iter_mut().zip(&mut self.bindings);
+        for ((contact, binding), wrench) in contacts.zip(&m.wrenches) {
+            binding.place(&self.model, &self.data, contact);
+            binding.filtered = binding.sense(wrench, contact);
         }
     }
 
@@ -298,6 +346,8 @@ impl World {
         Tick {
             time: self.time,
             period: self.period,
+            elapsed: self.elapsed,
+            slew_time: self.slew_time,
             model: &self.model,
             state: &self.state,
             dynamics: &self.data,

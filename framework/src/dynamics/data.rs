@@ -156,7 +156,7 @@ impl Data {
         &self.gravity
     }
 
-    /// Centre of mass of the whole robot, m, world.
+    /// Centre of mass of the whole robot, m, world; of a fixed base with the links that are fixed.
     pub fn center_of_mass(&self) -> Vector3<f64> {
         self.com
     }

@@ -346,7 +346,9 @@ fn qp_schema() -> Value {
             ("side", schema::text("`lower` or `upper`")),
             (
                 "multiplier",
-                schema::ratio("Change of the cost per unit of the row; positive at the upper side"),
+                schema::ratio(
+                    "Change of the cost per unit of the row; positive at the upper side, zero where the optimum only touches the limit",
+                ),
             ),
         ],
     );
@@ -390,7 +392,10 @@ fn qp_schema() -> Value {
                 ("relaxed", schema::list("Limits that were given up", &short)),
                 ("iterations", schema::integer("Iterations of the solver")),
                 ("times", times),
-                ("active", schema::list("Active limits", &active)),
+                (
+                    "active",
+                    schema::list("All limits that the solution is at", &active),
+                ),
             ],
         ),
     )

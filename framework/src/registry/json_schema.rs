@@ -12,7 +12,7 @@ use serde_json::{Map, Value, json};
 
 use super::PluginKind;
 use crate::{
-    config::{Settings, expand},
+    config::{MeasurementLimits, Settings, expand},
     constraint::Constraint,
     entry::{Hardness, Weight},
     qp::Solver,
@@ -43,6 +43,7 @@ pub fn controller() -> Value {
             "controller": schema_of::<Settings>(),
             "robot": plugin("robot"),
             "solver": plugin("solver"),
+            "measurement": schema_of::<MeasurementLimits>(),
             "contact": list(expand::schema::contact(), "Contacts, in the order of their ids."),
             "task": list(plugin("task"), "Tasks: what the robot should do."),
             "constraint": list(plugin("constraint"), "Constraints: what must hold."),

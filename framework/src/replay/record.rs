@@ -65,10 +65,22 @@ pub(crate) struct Memory {
     /// The stamp of the tick before, and for how many ticks stamps have gone on regularly from an earlier time.
     pub(crate) stamp: Option<f64>,
     pub(crate) steady: u32,
+    /// When the robot was seen last, and for how long it was not since the last usable measurement, s.
+    #[serde(default)]
+    pub(crate) seen: Option<f64>,
+    #[serde(default)]
+    pub(crate) unseen: f64,
     /// Where the safe law holds the joints.
     pub(crate) held: Vec<f64>,
     pub(crate) warm: WarmStart,
     pub(crate) relaxed_warm: WarmStart,
+    /// The limits that contradicted one another last, but for one; how many ticks ago; which levels had to be given up.
+    #[serde(default)]
+    pub(crate) proof: WarmStart,
+    #[serde(default)]
+    pub(crate) since_proof: u32,
+    #[serde(default)]
+    pub(crate) needed: Vec<bool>,
 }
 
 fn is_behind() -> bool {

@@ -272,6 +272,8 @@ impl<'a> Bench<'a> {
         }
         let world = World {
             period: PERIOD,
+            elapsed: PERIOD,
+            slew_time: PERIOD,
             time: 0.0,
             origin: Some(0.0),
             state: robot.home.clone(),

@@ -18,14 +18,14 @@ use wbqp::{
 ///
 /// The limits are the robot's (`lower` and `upper` of each actuator). The paper prints bounds on ω that act on its
 /// input ω²; here the variable is the thrust itself, and so are its bounds. Where an actuator has a `slew`, the effort
-/// also stays within `slew` × period of the last one that was sent.
+/// also stays within `slew` × T of the last one that was sent, where T is the time since then, at most a period.
 ///
 /// Bounds on single variables, no rows; they are hard whatever the entry says.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(crate = "wbqp::serde", deny_unknown_fields)]
 #[schemars(crate = "wbqp::schemars")]
 pub struct ActuatorLimits {
-    /// Lower and upper limit, and largest change per tick.
+    /// Lower and upper limit, and `slew`.
     #[serde(skip)]
     limits: Vec<[f64; 3]>,
 }
@@ -59,16 +59,16 @@ impl Constraint for ActuatorLimits {
             let unit = if turns { "N·m" } else { "N" };
             layout = layout.bound_effort(index, &actuator.name, unit);
         }
-        let period = setup.period();
         let limits = setup.actuators().iter();
-        let limits = limits.map(|a| [a.lower, a.upper, a.slew * period]);
+        let limits = limits.map(|a| [a.lower, a.upper, a.slew]);
         self.limits = limits.collect();
         Ok(layout)
     }
 
     fn update(&mut self, tick: &Tick<'_>, rows: &mut ConstraintRows<'_>) {
         let sent = tick.last.effort.iter();
-        for ((index, [lower, upper, change]), sent) in self.limits.iter().enumerate().zip(sent) {
+        for ((index, [lower, upper, slew]), sent) in self.limits.iter().enumerate().zip(sent) {
+            let change = slew * tick.slew_time;
             rows.bound(index, lower.max(sent - change), upper.min(sent + change));
         }
     }

@@ -14,7 +14,7 @@ use crate::{check, tasks::chosen_rotors};
 
 /// Keeps the rate of every thrust within limits, counted from the thrust that was sent last:
 ///
-/// `f⁻ − r_fall T ≤ f ≤ f⁻ + r_rise T`, N, with T the control period.
+/// `f⁻ − r_fall T ≤ f ≤ f⁻ + r_rise T`, N, with T the time since then, at most a period.
 ///
 /// Rotors speed up faster than they slow down, or the other way round: the two rates may differ. Rates that are not given
 /// are the robot's own (`slew`), which [`ActuatorLimits`](crate::ActuatorLimits) keeps as well. Thrusts are sent
@@ -40,13 +40,13 @@ pub struct ThrustRateLimits {
     limited: Vec<Limited>,
 }
 
-/// A rotor and how far its thrust may go in one period.
+/// A rotor and how fast its thrust may change.
 #[derive(Clone, Debug)]
 struct Limited {
     index: usize,
-    /// N.
+    /// N/s.
     fall: f64,
-    /// N.
+    /// N/s.
     rise: f64,
 }
 
@@ -79,12 +79,7 @@ impl Constraint for ThrustRateLimits {
                 )));
             }
             layout = layout.bound_effort(index, &rotor.name, "N");
-            let period = setup.period();
-            self.limited.push(Limited {
-                index,
-                fall: fall * period,
-                rise: rise * period,
-            });
+            self.limited.push(Limited { index, fall, rise });
         }
         Ok(layout)
     }
@@ -92,7 +87,8 @@ impl Constraint for ThrustRateLimits {
     fn update(&mut self, tick: &Tick<'_>, rows: &mut ConstraintRows<'_>) {
         for (k, limited) in self.limited.iter().enumerate() {
             let sent = tick.last.effort.get(limited.index).copied().unwrap_or(0.0);
-            rows.bound(k, sent - limited.fall, sent + limited.rise);
+            let [fall, rise] = [limited.fall, limited.rise].map(|rate| rate * tick.slew_time);
+            rows.bound(k, sent - fall, sent + rise);
         }
     }
 }

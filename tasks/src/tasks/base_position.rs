@@ -141,7 +141,7 @@ impl Task for BasePosition {
         for i in 0..3 {
             let law = self.integral_settings().law(i);
             let given = tick.last.vdot[i];
-            acceleration[i] -= self.integral.step(i, law, error[i], given, tick.period);
+            acceleration[i] -= self.integral.step(i, law, error[i], given, tick.elapsed);
             self.integral.ask(i, acceleration[i]);
         }
         rows.b().copy_from(&acceleration);

@@ -31,6 +31,8 @@ use crate::{
 /// (Jacobian of the centre of mass: Sugihara, Nakamura and Inoue, *Real-time humanoid motion generation through ZMP
 /// manipulation based on inverted pendulum control*, ICRA 2002).
 ///
+/// All links count, also those of a fixed base, which do not move: they pull the point towards themselves.
+///
 /// Error: `p_G − p_d`, m.
 #[derive(Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(crate = "wbqp::serde", deny_unknown_fields)]

@@ -236,7 +236,7 @@ impl Task for ContactForce {
             SetPoint::Follow(force) => {
                 let input =
                     self.feedback_loop
-                        .step(&settings, tick.period, force, measured, solution);
+                        .step(&settings, tick.elapsed, force, measured, solution);
                 (force, input)
             }
             SetPoint::Release(force) => (force, force),

@@ -38,7 +38,9 @@ use crate::{
 ///
 /// The integral ξ is not in the paper and off by default; it removes what a wrong mass or thrust leaves. It is clamped
 /// per axis and starts at zero whenever the contact or the task is switched on. Its second part is back-calculation
-/// against wind-up: `a*` is what the row asked for in the last tick, `a_QP` what limits and other tasks left of it.
+/// against wind-up: `a*` is what the row asked for in the last tick, `a_QP` what limits and other tasks left of it: `J_f` of
+/// this tick times the last solution's `v̇`. Where `J_f` has turned in between, as it does in fast motion while the limits
+/// are reached, a little of that is counted as left out.
 ///
 /// The axes are translations. Free rotations are not controlled by this task.
 ///
@@ -301,7 +303,7 @@ impl Task for FreeMotion {
             let given = row.iter().zip(&tick.last.vdot).map(|(j, a)| j * a).sum();
             let integral = self
                 .integral
-                .step(k, settings.law(k), error, given, tick.period);
+                .step(k, settings.law(k), error, given, tick.elapsed);
             let asked = component(&self.sample.acceleration, k)
                 - self.kd.axis(k) * rate
                 - self.kp.axis(k) * error

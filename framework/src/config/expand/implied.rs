@@ -7,8 +7,8 @@ use serde_json::Value as Json;
 use super::{List, Notes, Texts, read, value};
 use crate::{
     config::{
-        ControllerConfig, Settings, document::Document, entry, overrides::Appendix, report::Report,
-        report::Span, schema::Node, table::Section,
+        ControllerConfig, MeasurementLimits, Settings, document::Document, entry,
+        overrides::Appendix, report::Report, report::Span, schema::Node, table::Section,
     },
     constraint::Constraint,
     contact::ContactSpec,
@@ -141,6 +141,9 @@ impl Lister<'_> {
                 Some("\"active_set\"".to_owned()),
                 "default",
             ),
+        }
+        if let Some(section) = &document.measurement {
+            self.defaults("measurement", &schema_of::<MeasurementLimits>(), section);
         }
         let contact = schema_of::<ContactSpec>();
         for (index, section) in document.contacts.iter().enumerate() {

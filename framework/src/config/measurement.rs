@@ -1,0 +1,97 @@
+//! The table `[measurement]`: what a measurement may be.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Bounds on what is measured. A measurement outside of them is a fault, and the tick falls back.
+///
+/// Every key may be left out: its default is derived from the robot, with margins that no motion of it comes near
+/// ([`Controller::measurement_limits`](crate::Controller::measurement_limits) says what became of it). `inf` means any.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct MeasurementLimits {
+    /// Largest speed of a floating base, m/s. Default: ten times the speed of a limb's end, at least 100.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-unit" = "m/s"))]
+    pub max_linear_velocity: Option<f64>,
+    /// Largest angular speed of a floating base, rad/s. Default: that of the fastest revolute joint.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-unit" = "rad/s"))]
+    pub max_angular_velocity: Option<f64>,
+    /// Largest speed of each joint, rad/s or m/s. Default: ten times the joint's limit.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-unit" = "rad/s or m/s"))]
+    pub max_joint_velocity: Option<f64>,
+    /// Largest acceleration of a floating base, from one measurement to the next, m/s². Default: to the largest speed within
+    /// 1 ms.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-unit" = "m/s²"))]
+    pub max_linear_acceleration: Option<f64>,
+    /// Largest angular acceleration of a floating base, rad/s². Default: to the largest speed within 1 ms.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-unit" = "rad/s²"))]
+    pub max_angular_acceleration: Option<f64>,
+    /// Largest acceleration of each joint, rad/s² or m/s². Default: to its largest speed within 1 ms.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-unit" = "rad/s² or m/s²"))]
+    pub max_joint_acceleration: Option<f64>,
+    /// Largest change of the base's position in a period in which it is not seen, m. Default: the largest speed times the period.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-unit" = "m"))]
+    pub max_position_jump: Option<f64>,
+    /// Largest angle that the base turns in a period, rad. Default: the largest angular speed times the period.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-unit" = "rad"))]
+    pub max_rotation_jump: Option<f64>,
+    /// Largest change of each joint's position in a period, rad or m. Default: its largest speed times the period.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-unit" = "rad or m"))]
+    pub max_joint_jump: Option<f64>,
+    /// Largest measured force at a contact, N. Default: ten times what weight and actuators amount to, and the contact's own
+    /// `force_max`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-unit" = "N"))]
+    pub max_force: Option<f64>,
+    /// Largest measured moment at a contact, N·m. Default: the largest force times the robot's reach.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-unit" = "N·m"))]
+    pub max_moment: Option<f64>,
+}
+
+impl MeasurementLimits {
+    /// Everything that is finite is taken.
+    pub const ANY: Self = Self {
+        max_linear_velocity: Some(f64::INFINITY),
+        max_angular_velocity: Some(f64::INFINITY),
+        max_joint_velocity: Some(f64::INFINITY),
+        max_linear_acceleration: Some(f64::INFINITY),
+        max_angular_acceleration: Some(f64::INFINITY),
+        max_joint_acceleration: Some(f64::INFINITY),
+        max_position_jump: Some(f64::INFINITY),
+        max_rotation_jump: Some(f64::INFINITY),
+        max_joint_jump: Some(f64::INFINITY),
+        max_force: Some(f64::INFINITY),
+        max_moment: Some(f64::INFINITY),
+    };
+
+    /// Keys with what is wrong with them.
+    pub(crate) fn problems(&self) -> impl Iterator<Item = (&'static str, String)> {
+        [
+            ("max_linear_velocity", self.max_linear_velocity),
+            ("max_angular_velocity", self.max_angular_velocity),
+            ("max_joint_velocity", self.max_joint_velocity),
+            ("max_linear_acceleration", self.max_linear_acceleration),
+            ("max_angular_acceleration", self.max_angular_acceleration),
+            ("max_joint_acceleration", self.max_joint_acceleration),
+            ("max_position_jump", self.max_position_jump),
+            ("max_rotation_jump", self.max_rotation_jump),
+            ("max_joint_jump", self.max_joint_jump),
+            ("max_force", self.max_force),
+            ("max_moment", self.max_moment),
+        ]
+        .into_iter()
+        .filter_map(|(key, value)| value.map(|value| (key, value)))
+        .filter(|(_, value)| value.is_nan() || *value <= 0.0)
+        .map(|(key, value)| (key, format!("must be positive, `inf` for any, is {value}")))
+    }
+}

@@ -1,0 +1,268 @@
+//! The last gate: through it every command of every rung leaves the controller.
+//!
+//! # Mathematics
+//! An effort may be anything within
+//! ```text
+//! [max(u_l, u⁻ − r T), min(u_u, u⁻ + r T)]
+//! ```
+//! with the actuator's limits `u_l, u_u`, the effort `u⁻` that was sent last, the actuator's `slew` r and the time T since then, at
+//! most a period. The ends are rounded inwards, so that `|u − u⁻| ≤ r T` holds for the numbers that are sent, compared
+//! exactly. What was sent last is always inside: the interval is never empty.
+//!
+//! An effort outside is moved to the nearer end; one that is not a number, or whose rotor speed is none, is replaced by
+//! the one sent last. A velocity reference stays within the joint's limit, and is replaced by the last one if it is no
+//! number.
+//!
+//! What is cut off by more than [`NEGLIGIBLE`] of the actuator's range (of the effort's own size where there is no limit) was not
+//! rounding: that command is not the optimum, whatever the solver said, and the tick says so.
+
+use super::{command::Command, measurement::Fault};
+use crate::{
+    actuator::{Actuator, ActuatorId, ActuatorKind},
+    model::{JointId, Model},
+    robot::RobotModel,
+};
+
+/// Share of an actuator's range that counts as rounding.
+pub(super) const NEGLIGIBLE: f64 = 1e-9;
+
+/// What the last gate did to an effort.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CutEffort {
+    /// Whose.
+    pub actuator: ActuatorId,
+    /// What would have been sent, N or N·m.
+    pub asked: f64,
+    /// What was sent, N or N·m.
+    pub sent: f64,
+}
+
+/// What the gate changed by more than rounding, the first of each kind.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cut {
+    pub(super) effort: Option<CutEffort>,
+    velocity: Option<JointId>,
+}
+
+impl Cut {
+    pub(super) fn fault(&self) -> Option<Fault> {
+        let effort = self.effort.map(|cut| Fault::CutEffort(cut.actuator));
+        effort.or(self.velocity.map(Fault::CutVelocity))
+    }
+}
+
+/// What was sent last, and where efforts may go in this tick. In storage made once.
+#[derive(Clone, Debug)]
+pub(super) struct Gate {
+    last: Command,
+    window: Vec<[f64; 2]>,
+}
+
+impl Gate {
+    pub(super) fn new(robot: &RobotModel) -> Self {
+        Self {
+            last: Command::new(robot),
+            window: robot.actuators.iter().map(|a| [a.lower, a.upper]).collect(),
+        }
+    }
+
+    /// Takes down what was sent last, `seconds` ago.
+    pub(super) fn open(&mut self, robot: &RobotModel, last: &Command, seconds: f64) {
+        self.last.copy_from(last);
+        let efforts = robot.actuators.iter().zip(&last.effort);
+        for (window, (actuator, sent)) in self.window.iter_mut().zip(efforts) {
+            *window = reachable(actuator, *sent, seconds);
+        }
+    }
+
+    /// Where each effort may go.
+    pub(super) fn window(&self) -> &[[f64; 2]] {
+        &self.window
+    }
+
+    /// The first effort of which more than rounding would be cut off.
+    pub(super) fn first_cut(&self, robot: &RobotModel, efforts: &[f64]) -> Option<CutEffort> {
+        let each = robot.actuators.iter().zip(efforts).enumerate();
+        let mut cuts = each.map(|(i, (actuator, &asked))| {
+            let sent = self.effort(i, &actuator.kind, asked);
+            is_cut(actuator, asked, sent).then_some(CutEffort {
+                actuator: ActuatorId(i as u32),
+                asked,
+                sent,
+            })
+        });
+        cuts.find_map(|cut| cut)
+    }
+
+    /// Lets a command pass: finite, and within all limits. Says what had to be changed by more than rounding.
+    pub(super) fn pass(&self, robot: &RobotModel, command: &mut Command) -> Cut {
+        let effort = self.first_cut(robot, &command.effort);
+        for (i, actuator) in robot.actuators.iter().enumerate() {
+            let effort = self.effort(i, &actuator.kind, command.effort[i]);
+            command.effort[i] = effort;
+            if let ActuatorKind::Rotor(rotor) = &actuator.kind {
+                command.rotor_speed[i] = rotor.speed(effort);
+            }
+        }
+        Cut {
+            effort,
+            velocity: self.pass_velocities(&robot.model, command),
+        }
+    }
+
+    fn effort(&self, index: usize, kind: &ActuatorKind, asked: f64) -> f64 {
+        let [least, most] = self.window[index];
+        let effort = asked.max(least).min(most);
+        let speed = match kind {
+            ActuatorKind::Rotor(rotor) => rotor.speed(effort),
+            ActuatorKind::Joint(_) => 0.0,
+        };
+        if asked.is_nan() || !effort.is_finite() || !speed.is_finite() {
+            self.last.effort[index]
+        } else {
+            effort
+        }
+    }
+
+    fn pass_velocities(&self, model: &Model, command: &mut Command) -> Option<JointId> {
+        let mut first = None;
+        for (i, joint) in model.joints().iter().enumerate() {
+            let limit = joint.limits.velocity;
+            let asked = command.joint_velocity[i];
+            let reference = if asked.is_finite() {
+                asked
+            } else {
+                self.last.joint_velocity[i]
+            };
+            let reference = reference.max(-limit).min(limit);
+            let size = if limit.is_finite() {
+                2.0 * limit
+            } else {
+                asked.abs()
+            };
+            let changed = !asked.is_finite() || (reference - asked).abs() > NEGLIGIBLE * size;
+            if changed && first.is_none() {
+                first = Some(JointId(i as u32));
+            }
+            command.joint_velocity[i] = reference;
+            if !command.joint_acceleration[i].is_finite() {
+                command.joint_acceleration[i] = 0.0;
+            }
+        }
+        first
+    }
+}
+
+/// Whether what was asked is further from what is sent than rounding.
+fn is_cut(actuator: &Actuator, asked: f64, sent: f64) -> bool {
+    let range = actuator.upper - actuator.lower;
+    let size = if range > 0.0 && range.is_finite() {
+        range
+    } else {
+        asked.abs()
+    };
+    let is_rounding = (asked - sent).abs() <= NEGLIGIBLE * size;
+    !is_rounding || !asked.is_finite()
+}
+
+/// The efforts that an actuator may have `seconds` after one that was sent.
+fn reachable(actuator: &Actuator, sent: f64, seconds: f64) -> [f64; 2] {
+    let most = actuator.slew * seconds;
+    if most.is_nan() {
+        // An infinite rate for no time.
+        return [sent; 2];
+    }
+    [
+        actuator.lower.max(inwards(sent - most, sent, most)),
+        actuator.upper.min(inwards(sent + most, sent, most)),
+    ]
+}
+
+/// The end of an interval around `sent` whose computed distance from there is at most `most`: two roundings at the most.
+fn inwards(mut end: f64, sent: f64, most: f64) -> f64 {
+    for _ in 0..2 {
+        if (end - sent).abs() <= most {
+            return end;
+        }
+        end = if end < sent {
+            end.next_up()
+        } else {
+            end.next_down()
+        };
+    }
+    if (end - sent).abs() <= most {
+        end
+    } else {
+        sent
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::actuator::{Drive, JointMotor};
+
+    fn motor(lower: f64, upper: f64, slew: f64) -> Actuator {
+        Actuator {
+            name: "motor".to_owned(),
+            kind: ActuatorKind::Joint(JointMotor {
+                joint: JointId(0),
+                drive: Drive::Torque,
+            }),
+            lower,
+            upper,
+            slew,
+        }
+    }
+
+    #[test]
+    fn ends_are_within_the_slew_to_the_bit_and_hold_what_was_sent() {
+        // Numbers of all sizes, from a fixed sequence.
+        let mut state = 1_u64;
+        let mut number = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            let unit = (state >> 11) as f64 / (1_u64 << 53) as f64;
+            let size = ((state >> 3) % 61) as i32 - 30;
+            (2.0 * unit - 1.0) * 10_f64.powi(size)
+        };
+        for _ in 0..100_000 {
+            let (sent, slew, seconds) = (number(), number().abs(), number().abs());
+            let free = motor(f64::NEG_INFINITY, f64::INFINITY, slew);
+            let [least, most] = reachable(&free, sent, seconds);
+            assert!(least <= sent && sent <= most);
+            for end in [least, most] {
+                assert!(
+                    (end - sent).abs() <= slew * seconds,
+                    "{sent} {slew} {seconds}"
+                );
+            }
+            // Nothing more than rounding is given away.
+            let step = slew * seconds;
+            let lost = (most - sent - step).abs().max((sent - least - step).abs());
+            assert!(lost <= 4.0 * f64::EPSILON * (sent.abs() + step));
+        }
+    }
+
+    #[test]
+    fn no_slew_and_no_time() {
+        let free = motor(-1.0, 2.0, f64::INFINITY);
+        assert_eq!(reachable(&free, 0.5, 0.004), [-1.0, 2.0]);
+        assert_eq!(reachable(&free, 0.5, 0.0), [0.5, 0.5]);
+        let slow = motor(-1.0, 2.0, 100.0);
+        assert_eq!(reachable(&slow, 2.0, 0.01), [1.0, 2.0]);
+    }
+
+    #[test]
+    fn rounding_is_no_cut() {
+        let limited = motor(-10.0, 10.0, f64::INFINITY);
+        assert!(!is_cut(&limited, 10.0 + 1e-8, 10.0));
+        assert!(is_cut(&limited, 10.0 + 3e-8, 10.0));
+        let free = motor(f64::NEG_INFINITY, f64::INFINITY, 1.0);
+        assert!(!is_cut(&free, 1e3, 1e3 - 1e-7));
+        assert!(is_cut(&free, 1e3, 1e3 - 1e-5));
+        assert!(is_cut(&free, f64::NAN, 0.0) && is_cut(&free, f64::INFINITY, 0.0));
+        assert!(!is_cut(&free, 0.0, 0.0));
+    }
+}

@@ -1,0 +1,39 @@
+//! Saying that the robot is elsewhere.
+
+use super::{Controller, Fault, Measurement};
+
+impl Controller {
+    /// Says that what the next tick measures is meant to be elsewhere than what was measured last: the robot was carried, a
+    /// simulation was set back, an estimator has found out where it is. The next measurement is compared with this one.
+    ///
+    /// Velocity references start at these velocities, filters of forces at these forces, and the solver without a warm
+    /// start. What is wanted stays: references, ramps, integrals and switches go on, and so does the controller's time, also if the
+    /// stamp is an earlier one. Efforts stay within `slew` of the last ones. Does not allocate.
+    ///
+    /// # Errors
+    /// What is not usable or not plausible in this measurement by itself; nothing has changed then.
+    pub fn reset(&mut self, measurement: &Measurement) -> Result<(), Fault> {
+        if let Some(fault) = measurement.fault(&self.robot, self.world.contacts.len(), None) {
+            return Err(fault);
+        }
+        if let Some(implausible) = self.plausible.in_itself(measurement) {
+            return Err(Fault::Implausible(implausible));
+        }
+        let (stamp, period) = (measurement.time, self.world.period);
+        // As if it had been measured a period ago, so that a tick may take the same measurement.
+        let before = stamp - period;
+        if let Some(last) = self.ladder.without_state.time() {
+            if stamp <= last && self.world.origin.is_some() {
+                self.world.rebase(stamp);
+            }
+            self.ladder.without_state.renew(before);
+        }
+        self.ladder.clock.previous = None;
+        self.ladder.clock.steady = 0;
+        self.world.restart(measurement);
+        self.plausible.restart(before);
+        self.command.engage(&self.robot.model, &self.world.state);
+        self.solver.reset();
+        Ok(())
+    }
+}
