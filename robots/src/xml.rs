@@ -79,8 +79,7 @@ impl Tag {
         let mut before = 0;
         for (index, byte) in text.bytes().enumerate() {
             match (quote, byte) {
-                (Some(open), _) if open == byte => quote = None,
-                (Some(_), _) => {}
+                (Some(open), _) => quote = quote.filter(|_| open != byte),
                 (None, b'"' | b'\'') => quote = Some(byte),
                 (None, b'=') => attributes += 1,
                 (None, b'>') => {

@@ -189,11 +189,9 @@ fn none_is_missing() -> bool {
             .any(|(text, _)| text.lines().next() == Some(start.as_str()))
     };
     let ours = |origin: &str| origin.starts_with("wbqp-tasks ");
-    let tasks = registry::tasks()
-        .into_iter()
-        .map(|p| (p.tag, p.origin, TASKS));
+    let tasks = registry::tasks().iter().map(|p| (p.tag, p.origin, TASKS));
     let constraints = registry::constraints()
-        .into_iter()
+        .iter()
         .map(|p| (p.tag, p.origin, CONSTRAINTS));
     let mut complete = true;
     for (tag, origin, list) in tasks.chain(constraints) {

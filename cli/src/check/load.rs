@@ -112,7 +112,9 @@ fn with_config(
         Ok(mut controller) => {
             // With what was noticed in the controller's file.
             if let Some(shown) = &mut examination.robot {
-                shown.diagnostics = controller.robot().diagnostics.clone();
+                shown
+                    .diagnostics
+                    .clone_from(&controller.robot().diagnostics);
             }
             examination.holding = Some(match kind {
                 Subject::Urdf => Holding::of_robot(&controller),

@@ -45,9 +45,10 @@ impl Arguments {
             controller.settings().rate,
             dump.wbqp,
         );
-        match controller.explain() {
-            Some(explanation) => say!("{explanation}\n"),
-            None => say!("{}\n", report.rung.as_str()),
+        if let Some(explanation) = controller.explain() {
+            say!("{explanation}\n");
+        } else {
+            say!("{}\n", report.rung.as_str());
         }
         let matrices = if self.matrices {
             Matrices::Shown

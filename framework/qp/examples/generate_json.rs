@@ -6,6 +6,7 @@
 //! ```
 
 #[path = "../tests/families/mod.rs"]
+#[expect(dead_code, reason = "the units are for the judge")]
 mod families;
 
 use families::{FAMILIES, Truth, draw};

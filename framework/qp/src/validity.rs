@@ -23,22 +23,34 @@ impl Qp {
                 column: at % n,
             });
         }
-        for row in 0..n {
-            let diagonal = h[row * n + row];
-            if diagonal < 0.0 {
-                return Some(Defect::Indefinite { variable: row });
-            }
-            for column in 0..row {
-                let difference = (h[row * n + column] - h[column * n + row]).abs();
-                // Seldom: the square root is not worth its time where the entries are equal.
-                if difference > 0.0
-                    && difference > ASYMMETRY * diagonal.sqrt() * h[column * n + column].sqrt()
-                {
-                    return Some(Defect::Asymmetric { row, column });
-                }
-            }
+        let negative = (0..n).find(|j| h[j * n + j] < 0.0);
+        negative
+            .map(|variable| Defect::Indefinite { variable })
+            .or_else(|| self.asymmetry())
+    }
+
+    fn asymmetry(&self) -> Option<Defect> {
+        let (n, h) = (self.n(), self.h());
+        let is_nearly_symmetric = match n {
+            // Loops of a length that the compiler knows.
+            8 => is_nearly_symmetric(h, 8),
+            12 => is_nearly_symmetric(h, 12),
+            16 => is_nearly_symmetric(h, 16),
+            n => is_nearly_symmetric(h, n),
+        };
+        if is_nearly_symmetric {
+            return None;
         }
-        None
+        let root = |j: usize| h[j * n + j].sqrt();
+        let differs = |row: usize, column: usize| {
+            let difference = (h[row * n + column] - h[column * n + row]).abs();
+            difference > ASYMMETRY * root(row) * root(column)
+        };
+        let pairs = (0..n).flat_map(|row| (0..row).map(move |column| (row, column)));
+        let mut asymmetric = pairs.filter(|&(row, column)| differs(row, column));
+        asymmetric
+            .next()
+            .map(|(row, column)| Defect::Asymmetric { row, column })
     }
 
     fn gradient_defect(&self) -> Option<Defect> {
@@ -61,24 +73,66 @@ impl Qp {
     }
 }
 
+/// Whether no two entries differ by more than is allowed beside the smallest diagonal entry, for which no root is needed, and
+/// nothing to decide on the way.
+#[expect(
+    clippy::inline_always,
+    reason = "the number of variables is to be known"
+)]
+#[inline(always)]
+fn is_nearly_symmetric(h: &[f64], n: usize) -> bool {
+    let h = &h[..n * n];
+    let mut differences = [0.0; 4];
+    let mut smallest = f64::INFINITY;
+    for row in 0..n {
+        let diagonal = h[row * n + row];
+        smallest = if diagonal < smallest {
+            diagonal
+        } else {
+            smallest
+        };
+        let (left, left_rest) = h[row * n..row * n + row].as_chunks::<4>();
+        for (c, left) in left.iter().enumerate() {
+            let above = &h[4 * c * n + row..];
+            let above = [above[0], above[n], above[2 * n], above[3 * n]];
+            for l in 0..4 {
+                differences[l] += (left[l] - above[l]).abs();
+            }
+        }
+        let first = row - left_rest.len();
+        for (l, left) in left_rest.iter().enumerate() {
+            differences[l] += (left - h[(first + l) * n + row]).abs();
+        }
+    }
+    differences.into_iter().sum::<f64>() <= ASYMMETRY * smallest
+}
+
 fn first_not_finite(a: &[f64]) -> Option<usize> {
-    // Zero times anything finite is zero: eight sums side by side, and nothing to decide on the way.
+    // A number that is not finite never leaves a sum: eight side by side, and nothing to decide on the way. One that
+    // overflows is looked at again.
     let (blocks, rest) = a.as_chunks::<8>();
     let mut sums = [0.0; 8];
     for block in blocks {
         for (sum, a) in sums.iter_mut().zip(block) {
-            *sum += a * 0.0;
+            *sum += a;
         }
     }
-    let rest = rest.iter().map(|a| a * 0.0);
-    if sums.into_iter().chain(rest).sum::<f64>() == 0.0 {
+    if sums.iter().chain(rest).sum::<f64>().is_finite() {
         return None;
     }
     a.iter().position(|a| !a.is_finite())
 }
 
 fn first_not_interval(lower: &[f64], upper: &[f64]) -> Option<usize> {
-    let mut limits = lower.iter().zip(upper);
     // `!(… < …)`: NaN is no limit.
-    limits.position(|(&lower, &upper)| !(lower < f64::INFINITY && upper > f64::NEG_INFINITY))
+    let is_none =
+        |(lower, upper): (&f64, &f64)| !(*lower < f64::INFINITY && *upper > f64::NEG_INFINITY);
+    let limits = || lower.iter().zip(upper);
+    // All of them first, without deciding on the way.
+    let any = limits().fold(false, |any, limit| any | is_none(limit));
+    if any {
+        limits().position(is_none)
+    } else {
+        None
+    }
 }

@@ -227,7 +227,9 @@ impl Partition {
         let model = &robot.model;
         let mut above: Vec<Vec<usize>> = vec![Vec::new(); self.nv];
         for (high, below) in related.iter().enumerate() {
-            below.iter().for_each(|&low| above[low].push(high));
+            for &low in below {
+                above[low].push(high);
+            }
         }
         // What can push at each velocity: a second motor at the same joint, and rotors on what it carries.
         let mut efforts_at: Vec<Vec<usize>> = vec![Vec::new(); self.nv];

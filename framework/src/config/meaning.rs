@@ -51,17 +51,13 @@ const SHORTEST: f64 = 1e-9;
 /// The largest number of a unit that is taken without a warning; nothing for a unit that says nothing about it.
 fn largest(unit: &str) -> Option<f64> {
     Some(match unit {
-        // Further than a robot goes, more often than one turns round.
-        "m" | "rad" => 1e4,
-        "m/s" | "rad/s" => 1e4,
-        "m/s²" | "rad/s²" => 1e6,
-        // The thrust of a launcher.
-        "N" | "N·m" | "N/s" => 1e8,
-        "N·s/m" | "N·m·s/rad" | "N/m" => 1e8,
-        "kg" | "kg·m²" | "kg·m²/s" => 1e6,
-        // Friction, turns, tolerances.
-        "1" => 1e6,
+        // Further than a robot goes, more often than one turns round, faster than it moves.
+        "m" | "rad" | "m/s" | "rad/s" => 1e4,
         "Hz" => 1e5,
+        // Accelerations; masses and inertias; friction, turns, tolerances.
+        "m/s²" | "rad/s²" | "kg" | "kg·m²" | "kg·m²/s" | "1" => 1e6,
+        // The thrust of a launcher.
+        "N" | "N·m" | "N/s" | "N·s/m" | "N·m·s/rad" | "N/m" => 1e8,
         _ => return None,
     })
 }

@@ -205,6 +205,6 @@ impl<W: Write + Seek + Send> fmt::Debug for McapLog<W> {
         f.debug_struct("McapLog")
             .field("channels", &self.channels.len())
             .field("finished", &self.writer.is_none())
-            .finish()
+            .finish_non_exhaustive()
     }
 }

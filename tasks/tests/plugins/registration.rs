@@ -62,17 +62,9 @@ fn every_plugin_is_registered_once_under_its_name() {
 
 #[test]
 fn every_key_is_documented_and_every_number_has_a_unit() {
-    let schemas = (registry::tasks().into_iter().map(|p| (p.tag, p.schema)))
-        .chain(
-            registry::constraints()
-                .into_iter()
-                .map(|p| (p.tag, p.schema)),
-        )
-        .chain(
-            registry::references()
-                .into_iter()
-                .map(|p| (p.tag, p.schema)),
-        );
+    let schemas = (registry::tasks().iter().map(|p| (p.tag, p.schema)))
+        .chain(registry::constraints().iter().map(|p| (p.tag, p.schema)))
+        .chain(registry::references().iter().map(|p| (p.tag, p.schema)));
     for (tag, schema) in schemas {
         let schema = schema();
         let schema = schema.as_value();

@@ -85,23 +85,45 @@ pub(super) fn all_hold(qp: &Qp, x: &[f64]) -> bool {
 /// A constraint that nothing satisfies: its lower limit is above its upper one by more than rounding, or it has no
 /// coefficients, and limits that zero is not between.
 pub(super) fn impossible(qp: &Qp) -> Option<Active> {
-    (0..count(qp)).find_map(|index| {
-        let (lower, upper) = limits(qp, index);
-        if lower > upper && lower - upper > VIOLATION * (lower.abs() + upper.abs()) + NOTHING {
-            // Both limits; the multiplier names one.
-            return Some(Active {
-                index,
-                side: 1.0,
-                limit: upper,
-            });
-        }
-        let (side, limit, excess) = if upper < 0.0 {
-            (1.0, upper, -upper)
-        } else {
-            (-1.0, lower, lower)
-        };
-        (excess > EMPTY && is_empty(qp, index)).then_some(Active { index, side, limit })
+    let rows = qp.row_lower().iter().zip(qp.row_upper());
+    let bounds = qp.lower().iter().zip(qp.upper());
+    // Counted, which decides nothing on the way: most problems have nothing of the kind.
+    let crossed_limits = |(lower, upper): &(&f64, &f64)| lower > upper;
+    let away_from_zero = |(lower, upper): &(&f64, &f64)| **lower > EMPTY || **upper < -EMPTY;
+    let any_crossed =
+        rows.clone().filter(crossed_limits).count() + bounds.filter(crossed_limits).count() > 0;
+    let any_away = rows.filter(away_from_zero).count() > 0;
+    let crossed = || (0..count(qp)).find_map(|index| crossed(qp, index));
+    let beyond = || (0..qp.m()).find_map(|index| beyond_zero(qp, index));
+    let first = if any_crossed { crossed() } else { None };
+    if first.is_none() && any_away {
+        return beyond();
+    }
+    first
+}
+
+/// A constraint whose limits are crossed by more than rounding.
+fn crossed(qp: &Qp, index: usize) -> Option<Active> {
+    let (lower, upper) = limits(qp, index);
+    let is_crossed =
+        lower > upper && lower - upper > VIOLATION * (lower.abs() + upper.abs()) + NOTHING;
+    // Both limits; the multiplier names one.
+    is_crossed.then_some(Active {
+        index,
+        side: 1.0,
+        limit: upper,
     })
+}
+
+/// A row without coefficients that zero does not satisfy.
+fn beyond_zero(qp: &Qp, index: usize) -> Option<Active> {
+    let (lower, upper) = limits(qp, index);
+    let (side, limit, excess) = if upper < 0.0 {
+        (1.0, upper, -upper)
+    } else {
+        (-1.0, lower, lower)
+    };
+    (excess > EMPTY && is_empty(qp, index)).then_some(Active { index, side, limit })
 }
 
 /// Whether a row has no coefficients.

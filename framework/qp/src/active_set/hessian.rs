@@ -8,13 +8,11 @@
 
 use std::ops::Range;
 
-use super::kernels::{LANES, add_rows, axpy, dot, dots, padded};
+use super::kernels::{LANES, SMALL, add_rows, axpy, dot, dots, padded};
 use crate::Qp;
 
 /// A pivot below this part of its diagonal entry is rounding: Cholesky's own error is of the order n ε.
 const WEAK: f64 = 1e-13;
-/// A pivot below this part of its diagonal entry may be what rounding left of a zero.
-const SUSPECT: f64 = 1e-9;
 
 /// The factor and what was added to H to get it.
 ///
@@ -25,19 +23,17 @@ pub(super) struct Hessian {
     n: usize,
     /// n with padding.
     stride: usize,
-    /// Row-major. Valid from the diagonal on; what is left of it has no meaning.
+    /// Row-major. Valid from the diagonal on; what is left of it has no meaning. One on the diagonal of the padding.
     u: Vec<f64>,
     /// Per block of rows, the columns of H with entries.
     columns: Vec<(usize, usize)>,
     /// Per block of rows, where the entries of U end, in whole lanes.
     ends: Vec<usize>,
-    /// Inverses of the blocks on the diagonal of U, zero in the padding: with them the entries of a block do not wait for
+    /// Inverses of the blocks on the diagonal of U: with them the entries of a block do not wait for
     /// one another.
     inverses: Vec<[[f64; LANES]; LANES]>,
     /// Diagonal of what is factorised.
     diagonal: Vec<f64>,
-    /// Whether a pivot is so small that it may be what rounding left of a zero.
-    has_small_pivot: bool,
     /// `−Σ σ_i b_i a_i`, if equality rows were added.
     shift: Vec<f64>,
     is_shifted: bool,
@@ -51,7 +47,7 @@ impl Hessian {
             columns: vec![(0, 0); stride / LANES],
             ends: vec![0; stride / LANES],
             inverses: vec![[[0.0; LANES]; LANES]; stride / LANES],
-            diagonal: vec![0.0; n],
+            diagonal: vec![0.0; stride],
             shift: vec![0.0; n],
             ..Self::default()
         }
@@ -74,11 +70,6 @@ impl Hessian {
         self.eliminate()
     }
 
-    /// Whether a pivot is so small that it may be what rounding left of a zero.
-    pub(super) fn is_suspect(&self) -> bool {
-        self.has_small_pivot
-    }
-
     /// Adds to a linear term what belongs to the added equality rows.
     pub(super) fn shift(&self, g: &mut [f64]) {
         if self.is_shifted {
@@ -86,8 +77,23 @@ impl Hessian {
         }
     }
 
+    /// Where the entries of a block of rows of U end.
+    #[expect(clippy::inline_always, reason = "the stride is to be known")]
+    #[inline(always)]
+    fn end(&self, block: usize, stride: usize) -> usize {
+        if stride <= SMALL {
+            stride
+        } else {
+            self.ends[block]
+        }
+    }
+
     fn load(&mut self, qp: &Qp) {
         let (n, stride) = (self.n, self.stride);
+        if stride <= SMALL {
+            self.load_all(qp);
+            return;
+        }
         let blocks = self.columns.iter_mut().zip(&mut self.ends);
         let rows = self.u.chunks_exact_mut(LANES * stride);
         let sources = qp.h().chunks(LANES * n);
@@ -103,8 +109,13 @@ impl Hessian {
             for (row, h) in rows.chunks_exact_mut(stride).zip(source.chunks_exact(n)) {
                 row[first..used].copy_from_slice(&h[first..used]);
             }
-            for row in rows.chunks_exact_mut(stride).skip(source.len() / n) {
+            for (k, row) in rows
+                .chunks_exact_mut(stride)
+                .enumerate()
+                .skip(source.len() / n)
+            {
                 row[first..*end].fill(0.0);
+                row[first + k] = 1.0;
             }
         }
         // H is symmetric.
@@ -113,6 +124,22 @@ impl Hessian {
             let above = self.columns[..b].iter().position(reaches);
             self.columns[b].0 = above.unwrap_or(b) * LANES;
         }
+    }
+
+    /// Loads H of a problem so small that zeros are not worth looking for.
+    fn load_all(&mut self, qp: &Qp) {
+        let (n, stride) = (self.n, self.stride);
+        let rows = self.u.chunks_exact_mut(stride);
+        for (row, h) in rows.zip(qp.h().chunks_exact(n)) {
+            row[..n].copy_from_slice(h);
+            row[n..].fill(0.0);
+        }
+        for k in n..stride {
+            self.u[k * stride..(k + 1) * stride].fill(0.0);
+            self.u[k * stride + k] = 1.0;
+        }
+        self.columns[..stride / LANES].fill((0, n));
+        self.ends[..stride / LANES].fill(stride);
     }
 
     fn add_equalities(&mut self, qp: &Qp) {
@@ -153,19 +180,32 @@ impl Hessian {
 
     /// Right-looking Cholesky by blocks of four rows; false at the first weak pivot.
     fn eliminate(&mut self) -> bool {
-        let (n, stride) = (self.n, self.stride);
-        for (k, d) in self.diagonal[..n].iter_mut().enumerate() {
-            *d = self.u[k * stride + k];
+        // Loops of a length that the compiler knows take half the time.
+        match self.stride {
+            8 => self.eliminate_with(8),
+            12 => self.eliminate_with(12),
+            16 => self.eliminate_with(16),
+            stride => self.eliminate_with(stride),
         }
-        self.has_small_pivot = false;
-        for first in (0..n).step_by(LANES) {
-            if !self.eliminate_within(first) {
+    }
+
+    #[expect(clippy::inline_always, reason = "the stride is to be known")]
+    #[inline(always)]
+    fn eliminate_with(&mut self, stride: usize) -> bool {
+        let diagonal = self.diagonal[..stride].iter_mut();
+        for (k, (d, row)) in diagonal.zip(self.u.chunks_exact(stride)).enumerate() {
+            *d = row[k];
+        }
+        for first in (0..stride).step_by(LANES) {
+            let (end, next) = (self.end(first / LANES, stride), first + LANES);
+            let (above, below) = self.u[..stride * stride].split_at_mut(next * stride);
+            let rows = &mut above[first * stride..];
+            let Some(pivots) =
+                eliminate_within(rows, stride, first..end, &self.diagonal[first..next])
+            else {
                 return false;
-            }
-            let end = self.ends[first / LANES];
-            let next = first + LANES;
-            let (above, below) = self.u.split_at_mut(next * stride);
-            let rows = &above[first * stride..];
+            };
+            let reciprocal = pivots.map(|pivot| 1.0 / pivot);
             for (b, targets) in below.chunks_exact_mut(LANES * stride).enumerate() {
                 let at = next + b * LANES;
                 if at >= end {
@@ -177,95 +217,61 @@ impl Hessian {
                     block(rows, 2 * stride + at),
                     block(rows, 3 * stride + at),
                 ];
-                if factors.as_flattened().iter().all(|f| *f == 0.0) {
-                    continue;
-                }
-                let filled = &mut self.ends[at / LANES];
-                for (q, target) in targets.chunks_exact_mut(stride).enumerate() {
-                    if *filled < end {
-                        target[*filled..end].fill(0.0);
+                if stride > SMALL {
+                    if factors.as_flattened().iter().all(|f| *f == 0.0) {
+                        continue;
                     }
+                    let filled = &mut self.ends[at / LANES];
+                    for target in targets.chunks_exact_mut(stride) {
+                        if *filled < end {
+                            target[*filled..end].fill(0.0);
+                        }
+                    }
+                    *filled = (*filled).max(end);
+                }
+                for (q, target) in targets.chunks_exact_mut(stride).enumerate() {
                     let [f0, f1, f2, f3] = factors;
-                    let alpha = [-f0[q], -f1[q], -f2[q], -f3[q]];
+                    let [r0, r1, r2, r3] = reciprocal;
+                    let alpha = [-f0[q] * r0, -f1[q] * r1, -f2[q] * r2, -f3[q] * r3];
                     add_rows(&mut target[at..end], alpha, &rows[at..], stride);
                 }
-                *filled = (*filled).max(end);
             }
-        }
-        true
-    }
-
-    /// The rows of U of one block.
-    fn eliminate_within(&mut self, first: usize) -> bool {
-        let stride = self.stride;
-        let rows = &mut self.u[first * stride..(first + LANES) * stride];
-        let mut u = [
-            block(rows, first),
-            block(rows, stride + first),
-            block(rows, 2 * stride + first),
-            block(rows, 3 * stride + first),
-        ];
-        let mut reciprocal = [0.0; LANES];
-        for p in 0..LANES.min(self.n - first) {
-            let diagonal = self.diagonal[first + p];
-            // `!(pivot > …)`: a NaN is weak, too.
-            let strong = u[p][p] > WEAK * diagonal;
-            if !strong {
+            let Some(inverse) = divide_by_roots(rows, stride, first..end, pivots) else {
                 return false;
-            }
-            self.has_small_pivot |= u[p][p] < SUSPECT * diagonal;
-            reciprocal[p] = 1.0 / u[p][p].sqrt();
-            for u in &mut u[p][p..] {
-                *u *= reciprocal[p];
-            }
-            for i in p + 1..LANES {
-                for q in i..LANES {
-                    u[i][q] -= u[p][i] * u[p][q];
-                }
-            }
-        }
-        if !reciprocal.iter().all(|r| r.is_finite()) {
-            return false;
-        }
-        let inverse = inverse_of_triangle(&u, reciprocal);
-        self.inverses[first / LANES] = inverse;
-        let end = self.ends[first / LANES];
-        let (r0, rest) = rows.split_at_mut(stride);
-        let (r1, rest) = rest.split_at_mut(stride);
-        let (r2, r3) = rest.split_at_mut(stride);
-        let (a, b) = (
-            right_of(r0, u[0], first, end),
-            right_of(r1, u[1], first, end),
-        );
-        let (c, d) = (
-            right_of(r2, u[2], first, end),
-            right_of(r3, u[3], first, end),
-        );
-        for (((a, b), c), d) in a.iter_mut().zip(b).zip(c).zip(d) {
-            for l in 0..LANES {
-                let w = transposed_product(&inverse, [a[l], b[l], c[l], d[l]]);
-                [a[l], b[l], c[l], d[l]] = w;
-            }
+            };
+            self.inverses[first / LANES] = inverse;
         }
         true
     }
 
     /// Replaces `a` by `w = U⁻ᵀ a`; returns which components of w may differ from zero, in whole lanes.
     pub(super) fn solve_transposed(&self, a: &mut [f64]) -> Range<usize> {
-        let stride = self.stride;
+        match self.stride {
+            8 => self.solve_transposed_with(8, a),
+            12 => self.solve_transposed_with(12, a),
+            16 => self.solve_transposed_with(16, a),
+            stride => self.solve_transposed_with(stride, a),
+        }
+    }
+
+    #[expect(clippy::inline_always, reason = "the stride is to be known")]
+    #[inline(always)]
+    fn solve_transposed_with(&self, stride: usize, a: &mut [f64]) -> Range<usize> {
+        let (u, a) = (&self.u[..stride * stride], &mut a[..stride]);
+        let inverses = &self.inverses[..stride / LANES];
         let mut range = stride..0;
-        for (b, &end) in self.ends[..stride / LANES].iter().enumerate() {
-            let first = b * LANES;
+        for (b, inverse) in inverses.iter().enumerate() {
+            let (first, end) = (b * LANES, self.end(b, stride));
             let next = first + LANES;
             let (head, tail) = a.split_at_mut(next);
             let w = &mut head[first..];
-            if w.iter().all(|w| *w == 0.0) {
+            if stride > SMALL && w.iter().all(|w| *w == 0.0) {
                 continue;
             }
             range = range.start.min(first)..range.end.max(end);
-            let block = transposed_product(&self.inverses[b], [w[0], w[1], w[2], w[3]]);
+            let block = transposed_product(inverse, [w[0], w[1], w[2], w[3]]);
             w.copy_from_slice(&block);
-            let rows = &self.u[first * stride..];
+            let rows = &u[first * stride..];
             let alpha = [-block[0], -block[1], -block[2], -block[3]];
             add_rows(&mut tail[..end - next], alpha, &rows[next..], stride);
         }
@@ -274,12 +280,24 @@ impl Hessian {
 
     /// Replaces `z` by `x = U⁻¹ z`.
     pub(super) fn solve(&self, z: &mut [f64]) {
-        let stride = self.stride;
-        for (b, &end) in self.ends[..stride / LANES].iter().enumerate().rev() {
-            let first = b * LANES;
+        match self.stride {
+            8 => self.solve_with(8, z),
+            12 => self.solve_with(12, z),
+            16 => self.solve_with(16, z),
+            stride => self.solve_with(stride, z),
+        }
+    }
+
+    #[expect(clippy::inline_always, reason = "the stride is to be known")]
+    #[inline(always)]
+    fn solve_with(&self, stride: usize, z: &mut [f64]) {
+        let (u, z) = (&self.u[..stride * stride], &mut z[..stride]);
+        let inverses = &self.inverses[..stride / LANES];
+        for (b, [i0, i1, i2, i3]) in inverses.iter().enumerate().rev() {
+            let (first, end) = (b * LANES, self.end(b, stride));
             let next = first + LANES;
             let (head, tail) = z.split_at_mut(next);
-            let rows = &self.u[first * stride..];
+            let rows = &u[first * stride..];
             let known = dots(&rows[next..], stride, &tail[..end - next]);
             let x = &mut head[first..];
             let [b0, b1, b2, b3] = [
@@ -288,7 +306,6 @@ impl Hessian {
                 x[2] - known[2],
                 x[3] - known[3],
             ];
-            let [i0, i1, i2, i3] = &self.inverses[b];
             x[0] = (i0[0] * b0 + i0[1] * b1) + (i0[2] * b2 + i0[3] * b3);
             x[1] = i1[1] * b1 + (i1[2] * b2 + i1[3] * b3);
             x[2] = i2[2] * b2 + i2[3] * b3;
@@ -308,9 +325,24 @@ impl Hessian {
 
     /// `H x`, of H itself.
     pub(super) fn product(&self, qp: &Qp, x: &[f64], hx: &mut [f64]) {
-        let n = self.n;
+        match self.n {
+            8 => self.product_with(8, qp, x, hx),
+            12 => self.product_with(12, qp, x, hx),
+            16 => self.product_with(16, qp, x, hx),
+            n => self.product_with(n, qp, x, hx),
+        }
+    }
+
+    #[expect(
+        clippy::inline_always,
+        reason = "the number of variables is to be known"
+    )]
+    #[inline(always)]
+    fn product_with(&self, n: usize, qp: &Qp, x: &[f64], hx: &mut [f64]) {
+        let x = &x[..n];
         let blocks = qp.h().chunks(LANES * n).zip(hx[..n].chunks_mut(LANES));
-        for (&(begin, end), (rows, hx)) in self.columns.iter().zip(blocks) {
+        for (&columns, (rows, hx)) in self.columns.iter().zip(blocks) {
+            let (begin, end) = if n <= SMALL { (0, n) } else { columns };
             if begin >= end {
                 hx.fill(0.0);
             } else if hx.len() == LANES {
@@ -324,6 +356,54 @@ impl Hessian {
     }
 }
 
+/// Gaussian elimination within a block of rows, from its diagonal to `columns.end`; returns the pivots, nothing if one is weak. Rows are not
+/// yet divided by the roots of their pivots, so that a pivot waits for a division and no root.
+#[expect(clippy::inline_always, reason = "the stride is to be known")]
+#[inline(always)]
+fn eliminate_within(
+    rows: &mut [f64],
+    stride: usize,
+    columns: Range<usize>,
+    diagonal: &[f64],
+) -> Option<[f64; LANES]> {
+    let first = columns.start;
+    let [p0, a1, a2, a3] = block(rows, first);
+    let [_, b1, b2, b3] = block(rows, stride + first);
+    let [_, _, c2, c3] = block(rows, 2 * stride + first);
+    let [_, _, _, d3] = block(rows, 3 * stride + first);
+    let r0 = 1.0 / p0;
+    let (f01, f02, f03) = (a1 * r0, a2 * r0, a3 * r0);
+    let (p1, b2, b3) = (b1 - f01 * a1, b2 - f01 * a2, b3 - f01 * a3);
+    let (c2, c3, d3) = (c2 - f02 * a2, c3 - f02 * a3, d3 - f03 * a3);
+    let r1 = 1.0 / p1;
+    let (f12, f13) = (b2 * r1, b3 * r1);
+    let (p2, c3, d3) = (c2 - f12 * b2, c3 - f12 * b3, d3 - f13 * b3);
+    let f23 = c3 / p2;
+    let p3 = d3 - f23 * c3;
+    let values = [p0, p1, p2, p3];
+    // `pivot > …`: a NaN is weak, too.
+    let mut pairs = values.iter().zip(diagonal);
+    if !pairs.all(|(pivot, diagonal)| *pivot > WEAK * diagonal) {
+        return None;
+    }
+    let [a, b, c, d] = four_rows(rows, stride, columns);
+    b[0] = [0.0, p1, b2, b3];
+    c[0] = [0.0, 0.0, p2, c3];
+    d[0] = [0.0, 0.0, 0.0, p3];
+    let right = a[1..]
+        .iter()
+        .zip(&mut b[1..])
+        .zip(&mut c[1..])
+        .zip(&mut d[1..]);
+    for (((a, b), c), d) in right {
+        for l in 0..LANES {
+            b[l] -= f01 * a[l];
+            c[l] = (c[l] - f02 * a[l]) - f12 * b[l];
+            d[l] = ((d[l] - f03 * a[l]) - f13 * b[l]) - f23 * c[l];
+        }
+    }
+    Some(values)
+}
 /// Length without the zeros at the end.
 fn used(row: &[f64]) -> usize {
     let (lanes, rest) = row.as_chunks::<LANES>();
@@ -364,11 +444,40 @@ fn transposed_product(inverse: &[[f64; LANES]; LANES], a: [f64; LANES]) -> [f64;
     ]
 }
 
-/// Puts the diagonal block of a row of U in place, and hands out what is right of it.
-fn right_of(row: &mut [f64], u: [f64; LANES], first: usize, end: usize) -> &mut [[f64; LANES]] {
-    let (diagonal, right) = row[first..end].split_at_mut(LANES);
-    diagonal.copy_from_slice(&u);
-    right.as_chunks_mut().0
+/// Some columns of a block of rows.
+#[expect(clippy::inline_always, reason = "the stride is to be known")]
+#[inline(always)]
+fn four_rows(rows: &mut [f64], stride: usize, columns: Range<usize>) -> [&mut [[f64; LANES]]; 4] {
+    let (a, rest) = rows[..LANES * stride].split_at_mut(stride);
+    let (b, rest) = rest.split_at_mut(stride);
+    let (c, d) = rest.split_at_mut(stride);
+    [a, b, c, d].map(|row| row[columns.clone()].as_chunks_mut().0)
+}
+
+/// The rows of U of a block that is eliminated, given its pivots, and the inverse of its diagonal block; nothing if that is not
+/// finite.
+#[expect(clippy::inline_always, reason = "the stride is to be known")]
+#[inline(always)]
+fn divide_by_roots(
+    rows: &mut [f64],
+    stride: usize,
+    columns: Range<usize>,
+    pivots: [f64; LANES],
+) -> Option<[[f64; LANES]; LANES]> {
+    // Side by side: none waits for another.
+    let reciprocals = pivots.map(|pivot| 1.0 / pivot.sqrt());
+    if !reciprocals.iter().all(|r| r.is_finite()) {
+        return None;
+    }
+    let rows = four_rows(rows, stride, columns);
+    let mut triangle = [[0.0; LANES]; LANES];
+    for ((row, r), diagonal) in rows.into_iter().zip(reciprocals).zip(&mut triangle) {
+        for u in row.as_flattened_mut() {
+            *u *= r;
+        }
+        *diagonal = row[0];
+    }
+    Some(inverse_of_triangle(&triangle, reciprocals))
 }
 
 /// Four numbers that follow one another.

@@ -6,6 +6,8 @@
 
 /// Vectors and strides of the workspaces are whole multiples of this, padded with zeros: the loops have no remainder.
 pub(super) const LANES: usize = 4;
+/// Up to this stride zeros are not looked for: loops over all of a stride that the compiler knows are faster.
+pub(super) const SMALL: usize = 16;
 
 /// Length with the padding.
 pub(super) fn padded(n: usize) -> usize {
@@ -37,6 +39,22 @@ pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
         sum += a * b;
     }
     sum
+}
+
+/// Sum of the squares after the k-th component.
+#[inline]
+pub(super) fn squares_after(k: usize, a: &[f64]) -> f64 {
+    if a.len() > SMALL {
+        return dot(&a[k + 1..], &a[k + 1..]);
+    }
+    let mut sums = [0.0; LANES];
+    for (i, a) in a.as_chunks::<LANES>().0.iter().enumerate() {
+        for l in 0..LANES {
+            let a = if LANES * i + l > k { a[l] } else { 0.0 };
+            sums[l] += a * a;
+        }
+    }
+    (sums[0] + sums[2]) + (sums[1] + sums[3])
 }
 
 /// `|a|ᵀb` over the shorter length.

@@ -56,6 +56,7 @@ mod dual;
 mod hessian;
 mod kernels;
 mod limits;
+mod normals;
 mod orthogonal;
 mod point;
 mod proximal;

@@ -12,7 +12,7 @@
 
 use std::ops::Range;
 
-use super::kernels::{LANES, add_rows, axpy, dot, dots, padded};
+use super::kernels::{LANES, SMALL, add_rows, axpy, dot, dots, padded};
 
 /// Which part of the components a reflection touches, in whole lanes, and where its vectors begin in the store.
 #[derive(Clone, Copy, Debug)]
@@ -23,6 +23,21 @@ struct Span {
 }
 
 impl Span {
+    /// All components instead, of a vector so short that zeros are not worth looking for.
+    #[expect(clippy::inline_always, reason = "the stride is to be known")]
+    #[inline(always)]
+    fn of(self, stride: usize) -> Self {
+        if stride <= SMALL {
+            Self {
+                from: 0,
+                to: stride,
+                ..self
+            }
+        } else {
+            self
+        }
+    }
+
     /// Whether it has components in common with a range, which then grows to hold it.
     fn grow(&self, range: &mut Range<usize>) -> bool {
         let meets = range.start < self.to && self.from < range.end;
@@ -118,10 +133,14 @@ impl Orthogonal {
         v[start] = v0;
         w[start] = r;
         w[start + 1..].fill(0.0);
-        let last = v.iter().rposition(|v| *v != 0.0).unwrap_or(start);
+        let to = if self.stride <= SMALL {
+            self.stride
+        } else {
+            padded(v.iter().rposition(|v| *v != 0.0).unwrap_or(start) + 1)
+        };
         let span = Span {
             from: start - start % LANES,
-            to: padded(last + 1),
+            to,
             at,
         };
         // ‖v‖² = 2 r (r − first) = −2 r v0.
@@ -196,21 +215,35 @@ impl Orthogonal {
     }
 
     /// `w ← Qᵀ w`, for a w that is zero outside of a range of whole lanes. Where it is zero, nothing is reflected.
-    pub(super) fn transposed(&self, mut range: Range<usize>, w: &mut [f64]) {
+    pub(super) fn transposed(&self, range: Range<usize>, w: &mut [f64]) {
+        match self.stride {
+            8 => self.transposed_with(8, range, w),
+            12 => self.transposed_with(12, range, w),
+            16 => self.transposed_with(16, range, w),
+            stride => self.transposed_with(stride, range, w),
+        }
+    }
+
+    #[expect(clippy::inline_always, reason = "the stride is to be known")]
+    #[inline(always)]
+    fn transposed_with(&self, stride: usize, mut range: Range<usize>, w: &mut [f64]) {
+        let w = &mut w[..stride];
         for factor in &self.factors {
             match *factor {
                 Factor::Reflect { span, tau } => {
+                    let span = span.of(stride);
                     if span.grow(&mut range) {
                         mirror(&self.vectors, span, tau, w);
                     }
                 }
                 Factor::Panel { span, triangle } => {
+                    let span = span.of(stride);
                     if !span.grow(&mut range) {
                         continue;
                     }
                     let v = self.panel(span);
                     let w = &mut w[span.from..span.to];
-                    let y = dots(v, self.stride, w);
+                    let y = dots(v, stride, w);
                     let s = &self.triangles[triangle];
                     let alpha = [
                         -(s[0][0] * y[0]),
@@ -218,7 +251,7 @@ impl Orthogonal {
                         -((s[0][2] * y[0] + s[1][2] * y[1]) + s[2][2] * y[2]),
                         -((s[0][3] * y[0] + s[1][3] * y[1]) + (s[2][3] * y[2] + s[3][3] * y[3])),
                     ];
-                    add_rows(w, alpha, v, self.stride);
+                    add_rows(w, alpha, v, stride);
                 }
                 Factor::Rotate { first, at, count } => {
                     let span = Span {
@@ -245,16 +278,29 @@ impl Orthogonal {
 
     /// `z ← Q z`.
     pub(super) fn apply(&self, z: &mut [f64]) {
+        match self.stride {
+            8 => self.apply_with(8, z),
+            12 => self.apply_with(12, z),
+            16 => self.apply_with(16, z),
+            stride => self.apply_with(stride, z),
+        }
+    }
+
+    #[expect(clippy::inline_always, reason = "the stride is to be known")]
+    #[inline(always)]
+    fn apply_with(&self, stride: usize, z: &mut [f64]) {
+        let z = &mut z[..stride];
         for factor in self.factors.iter().rev() {
             match *factor {
-                Factor::Reflect { span, tau } => mirror(&self.vectors, span, tau, z),
+                Factor::Reflect { span, tau } => mirror(&self.vectors, span.of(stride), tau, z),
                 Factor::Panel { span, triangle } => {
+                    let span = span.of(stride);
                     let v = self.panel(span);
                     let z = &mut z[span.from..span.to];
-                    let y = dots(v, self.stride, z);
+                    let y = dots(v, stride, z);
                     let alpha = self.triangles[triangle]
                         .map(|s| -((s[0] * y[0] + s[1] * y[1]) + (s[2] * y[2] + s[3] * y[3])));
-                    add_rows(z, alpha, v, self.stride);
+                    add_rows(z, alpha, v, stride);
                 }
                 Factor::Rotate { first, at, count } => {
                     let z = &mut z[first..=first + count];
@@ -272,6 +318,8 @@ impl Orthogonal {
 }
 
 /// `w ← (1 − τ v vᵀ) w`.
+#[expect(clippy::inline_always, reason = "the stride is to be known")]
+#[inline(always)]
 fn mirror(vectors: &[f64], span: Span, tau: f64, w: &mut [f64]) {
     let v = &vectors[span.at + span.from..span.at + span.to];
     let w = &mut w[span.from..span.to];

@@ -49,12 +49,16 @@ impl Point {
     }
 
     /// From here on what is left where large numbers cancel counts as rounding of a variable only if that is of its own size,
-    /// or nothing in its unit: the last violations are found, whatever the size of other variables. False if it is so already.
+    /// or nothing in its unit: the last violations are found, whatever the size of other variables. False if nothing
+    /// changes by that.
     pub(super) fn be_strict(&mut self) -> bool {
         if self.most == 1.0 {
             return false;
         }
         self.most = 1.0;
+        if self.largest <= self.most {
+            return false;
+        }
         self.weigh();
         true
     }
@@ -112,10 +116,32 @@ impl Point {
 
     /// Computes the values of all constraints.
     pub(super) fn evaluate(&mut self, qp: &Qp) {
-        let (n, m) = (self.n, self.m);
+        match self.n {
+            // Loops of a length that the compiler knows.
+            8 => self.multiply_rows(qp, 8),
+            12 => self.multiply_rows(qp, 12),
+            16 => self.multiply_rows(qp, 16),
+            n => self.multiply_rows(qp, n),
+        }
+        let x = &self.x[..self.n];
+        self.largest = largest_product(x, &self.per_unit);
+        if self.largest < SMALL {
+            // Constraints may hold everything at zero: what pulls at them is left to compare with.
+            let pull = largest_product(qp.g(), &self.unit);
+            self.largest = self.largest.max(PULL * pull);
+        }
+        self.weigh();
+    }
+
+    #[expect(
+        clippy::inline_always,
+        reason = "the number of variables is to be known"
+    )]
+    #[inline(always)]
+    fn multiply_rows(&mut self, qp: &Qp, n: usize) {
         let x = &self.x[..n];
         let blocks = qp.a().chunks(LANES * n);
-        for (rows, values) in blocks.zip(self.values[..m].chunks_mut(LANES)) {
+        for (rows, values) in blocks.zip(self.values[..self.m].chunks_mut(LANES)) {
             if values.len() == LANES {
                 values.copy_from_slice(&dots(rows, n, x));
             } else {
@@ -124,13 +150,6 @@ impl Point {
                 }
             }
         }
-        self.largest = largest_product(x, &self.per_unit);
-        if self.largest < SMALL {
-            // Constraints may hold everything at zero: what pulls at them is left to compare with.
-            let pull = largest_product(qp.g(), &self.unit);
-            self.largest = self.largest.max(PULL * pull);
-        }
-        self.weigh();
     }
 
     /// Computes the sizes of the numbers whose rounding the variables carry.

@@ -16,7 +16,7 @@ use std::ops::Range;
 use super::{
     constraint::Active,
     hessian::Hessian,
-    kernels::{LANES, add_rows, axpy, dot, dots, padded},
+    kernels::{LANES, add_rows, axpy, dot, dots, padded, squares_after},
     orthogonal::Orthogonal,
 };
 
@@ -29,6 +29,8 @@ pub(super) struct WorkingSet {
     /// n with padding.
     stride: usize,
     active: Vec<Active>,
+    /// Per held constraint `‖w‖²`.
+    squares: Vec<f64>,
     q: Orthogonal,
     /// Row k holds column k of R: k + 1 entries.
     r: Vec<f64>,
@@ -51,7 +53,8 @@ impl WorkingSet {
             n: 0,
             stride: 0,
             active: Vec::with_capacity(n + 1),
-            q: Orthogonal::new(n, 3 * n + 4, 8 * n * n + 16),
+            squares: Vec::with_capacity(n + 1),
+            q: Orthogonal::new(n, n + n / 2 + 4, 8 * n * n + 16),
             r: vec![0.0; padded(n) * n],
             reciprocal: vec![0.0; n],
             v: vec![0.0; padded(n)],
@@ -67,6 +70,7 @@ impl WorkingSet {
         self.n = n;
         self.stride = v.len();
         self.active.clear();
+        self.squares.clear();
         self.multipliers.clear();
         self.q.reset(self.n);
         self.v[..v.len()].copy_from_slice(v);
@@ -105,9 +109,9 @@ impl WorkingSet {
         if k == self.n {
             return false;
         }
-        let rest = dot(&w[k + 1..], &w[k + 1..]);
+        let rest = squares_after(k, w);
         let beyond = w[k] * w[k] + rest;
-        let size = dot(&w[..k], &w[..k]) + beyond;
+        let size = dot(w, w);
         // `!(beyond > …)`: a NaN depends, too.
         let independent = beyond > DEPENDENT * DEPENDENT * size;
         if !independent {
@@ -118,6 +122,7 @@ impl WorkingSet {
         self.r[at..=at + k].copy_from_slice(&w[..=k]);
         self.reciprocal[k] = 1.0 / w[k];
         self.active.push(constraint);
+        self.squares.push(size);
         self.multipliers.push(multiplier);
         true
     }
@@ -126,6 +131,7 @@ impl WorkingSet {
     pub(super) fn remove(&mut self, j: usize) -> Active {
         let n = self.stride;
         let removed = self.active.remove(j);
+        self.squares.remove(j);
         self.multipliers.remove(j);
         let k = self.len();
         for i in j..k {
@@ -191,11 +197,13 @@ impl WorkingSet {
         for first in (0..whole).step_by(LANES).rev() {
             let (head, t) = self.targets.split_at_mut(first);
             let at = first * stride;
-            for i in (0..LANES).rev() {
-                let (before, t) = t.split_at_mut(i);
-                t[0] *= self.reciprocal[first + i];
-                axpy(before, -t[0], &r[at + i * stride + first..]);
-            }
+            let [_, r1, r2, r3] = [0, 1, 2, 3].map(|i| &r[at + i * stride + first..][..LANES]);
+            let by = &self.reciprocal[first..first + LANES];
+            let t = &mut t[..LANES];
+            t[3] *= by[3];
+            t[2] = (t[2] - r3[2] * t[3]) * by[2];
+            t[1] = ((t[1] - r3[1] * t[3]) - r2[1] * t[2]) * by[1];
+            t[0] = (((t[0] - r3[0] * t[3]) - r2[0] * t[2]) - r1[0] * t[1]) * by[0];
             let alpha = [-t[0], -t[1], -t[2], -t[3]];
             add_rows(head, alpha, &r[at..], stride);
         }
@@ -213,6 +221,11 @@ impl WorkingSet {
         let range = hessian.solve_transposed(a);
         self.q.transposed(range, a);
         self.combine(a);
+    }
+
+    /// Lengths of the held constraints' normals in the metric of H: a combination's parts, times these, can be compared.
+    pub(super) fn lengths(&self) -> impl Iterator<Item = f64> {
+        self.squares.iter().map(|square| square.sqrt())
     }
 
     /// Takes a combination that was corrected.
@@ -254,8 +267,10 @@ impl WorkingSet {
     /// Solves `[H̃ A_aᵀ; A_a 0] [dx; dλ] = [−d; p]`: replaces `d` by `dx` and `p` (one entry per held constraint) by `dλ`.
     pub(super) fn correct(&mut self, hessian: &Hessian, d: &mut [f64], p: &mut [f64]) {
         let k = self.len();
-        let range = hessian.solve_transposed(d);
-        self.q.transposed(range, d);
+        if d.iter().any(|d| *d != 0.0) {
+            let range = hessian.solve_transposed(d);
+            self.q.transposed(range, d);
+        }
         solve_rows(0, &self.r, self.stride, &self.reciprocal[..k], p);
         for (t, (p, d)) in self.targets.iter_mut().zip(p.iter().zip(&*d)) {
             *t = -(p + d);

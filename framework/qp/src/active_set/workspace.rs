@@ -30,11 +30,11 @@ impl Workspace {
     /// Bytes of the storage for problems up to a capacity, about.
     pub(super) fn bytes(capacity: Capacity) -> usize {
         let Capacity { vars, rows } = capacity;
-        // The dual method: factor, reflections, R; the other: H twice, A, directions, M and its factor.
+        // The dual method: factor, reflections, R, normals; the other: H twice, A, directions, M and its factor.
         let words = vars
             .saturating_mul(vars)
-            .saturating_mul(15)
-            .saturating_add(rows.saturating_mul(vars))
+            .saturating_mul(16)
+            .saturating_add(rows.saturating_mul(vars).saturating_mul(2))
             .saturating_add(vars.saturating_add(rows).saturating_mul(24));
         words.saturating_mul(size_of::<f64>())
     }

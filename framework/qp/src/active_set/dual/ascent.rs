@@ -2,8 +2,7 @@
 
 use super::{
     super::{
-        constraint::{Active, copy_normal, is_empty},
-        kernels::{dot, largest},
+        constraint::{Active, is_empty, limits},
         limits::Limits,
         working_set::WorkingSet,
     },
@@ -11,17 +10,20 @@ use super::{
 };
 use crate::{Qp, Solution};
 
-/// Rounds in which violated constraints are held together.
-const JOINT_ROUNDS: u32 = 8;
-/// In these, how far away a constraint is, relative to the farthest, to be held with it. Constraints that are nearer are
-/// often satisfied once those are held, and would have to be let go one by one.
-const FAR: f64 = 0.7;
+/// Violated constraints are held together in one round for so many variables, and in the first in any case. More would hold
+/// what has to be let go again.
+const JOINT_VARIABLES: usize = 10;
+/// In the first of these, how far away a constraint is, relative to the farthest, to be held with it, and in the others.
+/// Constraints that are nearer are often satisfied once those are held, and would have to be let go one by one.
+const FAR: [f64; 2] = [0.3, 0.8];
 /// Rounds in which all constraints with a multiplier of the wrong sign are let go together, before any was exact.
 const GUESS_ROUNDS: u32 = 6;
 /// Iterations after which larger violations, too, are taken for rounding.
 const LONG: u32 = 200;
 /// A violation below this, relative to the numbers that are added up, may be the rounding of an `x` that is not refined.
 const ROUNDING: f64 = 1e-8;
+/// A part of a combination of normals, all of unit length in the metric of H, below this of the largest is rounding.
+const ROUNDED_RATE: f64 = 1e-11;
 /// Iterations with every point refined, after which they must be going in circles.
 const REFINED_ROUNDS: u32 = 100;
 
@@ -35,10 +37,11 @@ impl Dual {
         out: &mut Solution,
     ) -> End {
         let (mut guess_rounds, mut joint_rounds) = if is_first {
-            (GUESS_ROUNDS, JOINT_ROUNDS)
+            (GUESS_ROUNDS, (qp.n() / JOINT_VARIABLES).max(1))
         } else {
             (0, 0)
         };
+        let mut far = FAR[0];
         let mut tolerance = limits.tolerance;
         loop {
             if limits.are_used_up(self.iterations) {
@@ -63,7 +66,6 @@ impl Dual {
             self.point.evaluate(qp);
             let worst = self.find_violated(qp, tolerance);
             if self.violated.is_empty() {
-                self.passed = tolerance;
                 return End::Optimal;
             }
             if worst < ROUNDING || (worst < 1e3 * ROUNDING && self.iterations > LONG) {
@@ -74,7 +76,9 @@ impl Dual {
             let farthest = self.measure_violated(qp);
             if joint_rounds > 0 && self.violated.len() > 1 {
                 joint_rounds -= 1;
-                if self.hold_far(qp, FAR * farthest) {
+                let held_any = self.hold_far(qp, far * farthest);
+                far = FAR[1];
+                if held_any {
                     continue;
                 }
             }
@@ -115,7 +119,6 @@ impl Dual {
             }
             self.find_violated(qp, tolerance);
             if self.violated.is_empty() {
-                self.passed = tolerance;
                 return End::Optimal;
             }
             self.measure_violated(qp);
@@ -154,35 +157,54 @@ impl Dual {
         any
     }
 
-    /// Collects what the point violates by more than a tolerance, relative to the numbers that are added up; returns the
-    /// largest relative violation.
+    /// Collects what the point violates by more than a tolerance, relative to the numbers that are added up, and notes whether
+    /// it passes; returns the largest relative violation.
     pub(super) fn find_violated(&mut self, qp: &Qp, tolerance: f64) -> f64 {
         self.violated.clear();
+        let outside = self.find_outside(qp);
+        self.passed = if outside == 0 { 0.0 } else { tolerance };
         let mut worst = 0.0_f64;
-        // One after the other: a chain of the two is slow to walk.
+        for &index in &self.outside[..outside] {
+            let (value, (lower, upper)) = (self.point.value(index), limits(qp, index));
+            let (excess, side, limit) = if value > upper {
+                (value - upper, 1.0, upper)
+            } else {
+                (lower - value, -1.0, lower)
+            };
+            let relative = excess / (limit.abs() + self.point.magnitude(qp, index));
+            if relative > tolerance {
+                worst = worst.max(relative);
+                self.violated.push((excess, Active { index, side, limit }));
+            }
+        }
+        if !self.violated.is_empty() {
+            self.passed = f64::INFINITY;
+        }
+        worst
+    }
+
+    /// Collects the constraints that are to be checked and whose value is outside of the limits; returns how many.
+    #[expect(
+        clippy::needless_bitwise_bool,
+        reason = "lazy operators are branches, which cannot be foreseen here"
+    )]
+    fn find_outside(&mut self, qp: &Qp) -> usize {
         let rows = (0, self.point.row_values(), qp.row_lower(), qp.row_upper());
         let bounds = (qp.m(), self.point.x(), qp.lower(), qp.upper());
+        let mut count = 0;
+        // One after the other: a chain of the two is slow to walk. Each is written down and counted only if it is outside: which
+        // ones are cannot be foreseen.
         for (first, values, lower, upper) in [rows, bounds] {
             let limits = lower.iter().zip(upper);
             let constraints = values.iter().zip(limits).zip(&self.settled[first..]);
-            for (i, ((&value, (&lower, &upper)), &settled)) in constraints.enumerate() {
-                if settled || (lower <= value && value <= upper) {
-                    continue;
-                }
-                let (excess, side, limit) = if value > upper {
-                    (value - upper, 1.0, upper)
-                } else {
-                    (lower - value, -1.0, lower)
-                };
-                let index = first + i;
-                let relative = excess / (limit.abs() + self.point.magnitude(qp, index));
-                if relative > tolerance {
-                    worst = worst.max(relative);
-                    self.violated.push((excess, Active { index, side, limit }));
-                }
+            for (i, ((value, (lower, upper)), settled)) in constraints.enumerate() {
+                self.outside[count] = first + i;
+                // A NaN is outside.
+                let is_within = (lower <= value) & (value <= upper);
+                count += usize::from(!(is_within | settled));
             }
         }
-        worst
+        count
     }
 
     /// Turns the excesses of what is violated into distances in the metric of H; returns the largest.
@@ -192,14 +214,9 @@ impl Dual {
         }
         let mut farthest = 0.0_f64;
         for (excess, constraint) in &mut self.violated {
-            let reciprocal = &mut self.reciprocal_lengths[constraint.index];
-            if *reciprocal == 0.0 {
-                let w = &mut self.w[..self.stride];
-                copy_normal(qp, constraint.index, w);
-                self.hessian.solve_transposed(w);
-                *reciprocal = 1.0 / dot(w, w).sqrt();
-            }
-            *excess *= *reciprocal;
+            *excess *= self
+                .normals
+                .reciprocal_length(qp, &self.hessian, constraint.index);
             farthest = farthest.max(*excess);
         }
         farthest
@@ -244,14 +261,16 @@ impl Dual {
         let mut multiplier = 0.0;
         while !self.push(qp, constraint, multiplier) {
             self.set.combine(&self.w);
+            let parts = || self.set.computed().iter().zip(self.set.lengths());
+            let largest = parts().fold(0.0, |a: f64, (r, length)| a.max((r * length).abs()));
             let held = self.set.active().iter().zip(&self.set.multipliers);
-            let rounding = 1e-11 * largest(self.set.computed());
             let mut first: Option<(f64, f64, usize)> = None;
-            for (j, ((held, &multiplier), &r)) in held.zip(self.set.computed()).enumerate() {
+            for (j, ((held, &multiplier), (&r, length))) in held.zip(parts()).enumerate() {
                 // Along the ray this multiplier changes by −side · r per unit.
                 let rate = held.side * constraint.side * r;
-                if rate > rounding {
+                if rate * length > ROUNDED_RATE * largest {
                     let step = (multiplier * held.side).max(0.0) / rate;
+                    let rate = rate * length;
                     if first.is_none_or(|(s, q, _)| step < s || (step == s && rate > q)) {
                         first = Some((step, rate, j));
                     }

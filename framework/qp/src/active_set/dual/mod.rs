@@ -6,10 +6,11 @@ mod certificate;
 mod refinement;
 
 use super::{
-    constraint::{Active, copy_normal, count, equalities, impossible, is_empty, limits},
+    constraint::{Active, count, equalities, impossible, is_empty, limits},
     hessian::Hessian,
-    kernels::padded,
+    kernels::{largest_product, padded},
     limits::Limits,
+    normals::Normals,
     point::Point,
     working_set::WorkingSet,
 };
@@ -57,6 +58,8 @@ pub(super) struct Dual {
     settled: Vec<bool>,
     /// Those of them that are not held, because those held imply them, or did when it was looked at.
     implied: Vec<Active>,
+    /// Indices of constraints to be looked at, with one place to spare.
+    outside: Vec<usize>,
     violated: Vec<(f64, Active)>,
     w: Vec<f64>,
     gradient: Vec<f64>,
@@ -64,17 +67,19 @@ pub(super) struct Dual {
     previous: Vec<Held>,
     /// Multipliers before a step.
     before: Vec<f64>,
-    /// Per constraint `1/‖U⁻ᵀ a‖`, or zero where nobody asked.
-    reciprocal_lengths: Vec<f64>,
+    normals: Normals,
     /// Size of the terms of the gradient at the last residuals, in units of the variables.
     size: f64,
     /// The last residuals, relative to it.
     residual: f64,
     /// Of these, those of the constraints held.
     primal: f64,
+    /// The largest `|g_j|`, in units of the variables.
+    steepest: f64,
     /// The largest entry of `H x` and of g, in units of the variables.
     pull: f64,
-    /// The tolerance within which the point is known to violate nothing; infinite if that is not known.
+    /// The tolerance within which the point is known to violate nothing, zero if it is so to the last digit; infinite if that is
+    /// not known.
     passed: f64,
     iterations: u32,
 }
@@ -89,13 +94,14 @@ impl Dual {
             point: Point::new(capacity),
             settled: vec![false; m + n],
             implied: Vec::with_capacity(m + n),
+            outside: vec![0; m + n + 1],
             violated: Vec::with_capacity(m + n),
             w: vec![0.0; padded(n)],
             gradient: vec![0.0; padded(n)],
             p: vec![0.0; n],
             previous: Vec::with_capacity(n),
             before: Vec::with_capacity(n + 1),
-            reciprocal_lengths: vec![0.0; m + n],
+            normals: Normals::new(capacity),
             ..Self::default()
         }
     }
@@ -172,6 +178,7 @@ impl Dual {
         let n = qp.n();
         self.stride = padded(n);
         self.point.reset(qp);
+        self.steepest = largest_product(qp.g(), self.point.unit());
         let v = &mut self.v[..self.stride];
         v[..n].copy_from_slice(qp.g());
         v[n..].fill(0.0);
@@ -180,7 +187,7 @@ impl Dual {
         self.set.reset(n, v);
         self.settled[..count(qp)].fill(false);
         self.implied.clear();
-        self.reciprocal_lengths[..count(qp)].fill(0.0);
+        self.normals.forget(qp);
         if !self.hold_equalities(qp, out) {
             return Status::Infeasible;
         }
@@ -202,7 +209,7 @@ impl Dual {
                 }
             }
             self.refine(qp, EXACT);
-            if self.point.be_strict() {
+            if self.point.be_strict() && self.passed > 0.0 {
                 self.passed = f64::INFINITY;
             }
             let allowed = VIOLATION.max(limits.tolerance);
@@ -292,8 +299,7 @@ impl Dual {
             self.rebuild(qp);
         }
         let w = &mut self.w[..self.stride];
-        copy_normal(qp, constraint.index, w);
-        let range = self.hessian.solve_transposed(w);
+        let range = self.normals.copy(qp, &self.hessian, constraint.index, w);
         self.set.push(constraint, multiplier, range, w)
     }
 
@@ -310,8 +316,7 @@ impl Dual {
         for i in 0..count {
             let (multiplier, held) = self.violated[i];
             let w = &mut self.w[..self.stride];
-            copy_normal(qp, held.index, w);
-            let range = self.hessian.solve_transposed(w);
+            let range = self.normals.copy(qp, &self.hessian, held.index, w);
             if !self.set.push(held, multiplier, range, w) {
                 self.settled[held.index] = held.side == 0.0;
             }

@@ -13,6 +13,8 @@ use crate::Qp;
 const REFINEMENTS: u32 = 50;
 /// What one of them has to make the residual smaller by: else what is left is rounding.
 const GAIN: f64 = 0.3;
+/// A residual below this is that of a point whose correction is a small one.
+const NEAR: f64 = 1e-10;
 /// Terms of `H x` that are so many times larger than their sum and than g are those of a variable that is the quotient of
 /// g and rounding.
 const CANCELLED: f64 = 1e6;
@@ -23,49 +25,65 @@ impl Dual {
     pub(super) fn refine(&mut self, qp: &Qp, exact: f64) {
         let k = self.set.len();
         let mut before = f64::INFINITY;
+        let mut stationarity = self.residual_of_gradient(qp);
         for _ in 0..REFINEMENTS {
-            let residual = self.residuals(qp);
+            let primal = self.residual_of_held(qp);
+            let residual = primal.max(stationarity);
             if residual <= exact || residual > GAIN * before {
-                return;
+                break;
             }
             before = residual;
+            // A small correction of what is held leaves a gradient exact that is so.
+            let stays_exact = stationarity <= exact && residual <= NEAR;
             let (d, p) = (&mut self.gradient[..self.stride], &mut self.p[..k]);
+            if stays_exact {
+                d.fill(0.0);
+            }
             self.set.correct(&self.hessian, d, p);
             axpy(self.point.x_mut(), 1.0, d);
             self.passed = f64::INFINITY;
             axpy(&mut self.set.multipliers, 1.0, p);
             self.point.evaluate(qp);
+            if !stays_exact {
+                stationarity = self.residual_of_gradient(qp);
+            }
         }
-        self.residuals(qp);
+        self.residual = self.residual.max(self.primal);
     }
 
-    /// `H x + g + N λ` into `self.gradient`, `b − Nᵀ x` into `self.p`; returns the larger of the two relative to what it
-    /// is the difference of.
-    fn residuals(&mut self, qp: &Qp) -> f64 {
+    /// `H x + g + N λ` into `self.gradient`; returns its size relative to what it is the difference of.
+    fn residual_of_gradient(&mut self, qp: &Qp) -> f64 {
         let point = &self.point;
         let gradient = &mut self.gradient[..self.stride];
         self.hessian.product(qp, point.x(), gradient);
         gradient[qp.n()..].fill(0.0);
         let unit = point.unit();
-        let size = largest_product(gradient, unit).max(largest_product(qp.g(), unit));
+        let size = largest_product(gradient, unit).max(self.steepest);
         axpy(gradient, 1.0, qp.g());
-        let mut primal = 0.0_f64;
-        let held = self.set.active().iter().zip(&self.set.multipliers);
-        for ((held, &m), p) in held.zip(&mut self.p) {
+        for (held, &m) in self.set.active().iter().zip(&self.set.multipliers) {
             add_normal(qp, held.index, m, gradient);
-            *p = held.limit - point.value(held.index);
-            // Else exact whatever the magnitude.
-            if p.abs() > EXACT * held.limit.abs() {
-                primal = primal.max(p.abs() / (held.limit.abs() + point.magnitude(qp, held.index)));
-            }
         }
         let stationarity = largest_product(gradient, unit);
         // The entries of H x may be small differences of large terms, none of which exceeds the largest variable.
         self.size = size.max(point.largest()).max(f64::MIN_POSITIVE);
-        self.primal = primal;
-        self.residual = primal.max(stationarity / self.size);
+        self.residual = stationarity / self.size;
         self.pull = size;
-        primal.max(stationarity / size.max(f64::MIN_POSITIVE))
+        stationarity / size.max(f64::MIN_POSITIVE)
+    }
+
+    /// `b − Nᵀ x` into `self.p`; returns its size relative to what it is the difference of.
+    fn residual_of_held(&mut self, qp: &Qp) -> f64 {
+        let mut primal = 0.0_f64;
+        for (held, p) in self.set.active().iter().zip(&mut self.p) {
+            *p = held.limit - self.point.value(held.index);
+            // Else exact whatever the magnitude.
+            if p.abs() > EXACT * held.limit.abs() {
+                let size = held.limit.abs() + self.point.magnitude(qp, held.index);
+                primal = primal.max(p.abs() / size);
+            }
+        }
+        self.primal = primal;
+        primal
     }
 
     /// Whether the variables are so large beside `H x` and g that what is left of the terms may be rounding: then x is g

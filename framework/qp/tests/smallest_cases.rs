@@ -1,0 +1,75 @@
+//! The smallest problems that a solver, this one or another, answered wrongly. `expected` in each file is what Clarabel at
+//! 1e-12, DAQP and HiGHS agree on.
+
+use std::{fs, path::Path};
+
+use serde_json::Value;
+use wbqp_qp::{ActiveSet, Qp, QpSolver, Solution, Status};
+
+/// Iterations that are enough for any of them.
+const ITERATIONS: u32 = 250;
+
+fn numbers(case: &Value, key: &str) -> Vec<f64> {
+    let number = |value: &Value| match value.as_str() {
+        None => value.as_f64().expect("a number"),
+        Some(text) => text.parse().expect("inf, -inf or nan"),
+    };
+    case[key]
+        .as_array()
+        .expect("a list")
+        .iter()
+        .map(number)
+        .collect()
+}
+
+#[test]
+fn the_smallest_cases_are_answered_rightly() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/cases");
+    let mut count = 0;
+    for entry in fs::read_dir(folder).expect("is there") {
+        let path = entry.expect("is there").path();
+        let text = fs::read_to_string(&path).expect("is text");
+        let case: Value = serde_json::from_str(&text).expect("is JSON");
+        let name = path.file_stem().expect("has a name").to_string_lossy();
+        let [h, g, a] = ["H", "g", "A"].map(|key| numbers(&case, key));
+        let rows = ["row_lower", "row_upper"].map(|key| numbers(&case, key));
+        let bounds = ["lower", "upper"].map(|key| numbers(&case, key));
+        let qp = Qp::dense(&h, &g, &a, (&rows[0], &rows[1]), (&bounds[0], &bounds[1]));
+        let qp = qp.expect("has one shape");
+        let (mut solver, mut solution) = (ActiveSet::default(), Solution::new(qp.capacity()));
+        solver.bind(qp.capacity()).expect("is good");
+        let status = solver.solve(&qp, &mut solution).expect("fits");
+        let expected = &case["expected"];
+        assert_eq!(Some(status.as_str()), expected["status"].as_str(), "{name}");
+        assert!(
+            solution.iterations < ITERATIONS,
+            "{name}: {}",
+            solution.iterations
+        );
+        count += 1;
+        if status != Status::Optimal {
+            continue;
+        }
+        let tolerance = expected["relative_tolerance"].as_f64().expect("a number");
+        if let Some(least) = expected["objective"].as_f64() {
+            let cost = qp.objective(&solution.x);
+            let error = (cost - least).abs();
+            assert!(
+                error <= tolerance * least.abs() + 1e-12,
+                "{name}: {cost} for {least}"
+            );
+        }
+        for (x, y) in solution
+            .x
+            .iter()
+            .zip(expected["x"].as_array().into_iter().flatten())
+        {
+            let y = y.as_f64().expect("a number");
+            assert!(
+                (x - y).abs() <= tolerance * y.abs().max(1.0),
+                "{name}: {x} for {y}"
+            );
+        }
+    }
+    assert_eq!(count, 17);
+}
