@@ -230,7 +230,7 @@ def main():
         text, pattern = arguments.page.read_text(), re.compile(r"(<!-- begin qp -->\n).*?(<!-- end qp -->)", re.DOTALL)
         if not pattern.search(text):
             sys.exit(f"{arguments.page}: there is no place for qp")
-        content = f"{machine()}\n\n{markdown(results)}"
+        content = f"{machine()} Best of {arguments.passes} passes.\n\n{markdown(results)}"
         arguments.page.write_text(pattern.sub(lambda m: f"{m[1]}\n{content}\n\n{m[2]}", text))
 
 
