@@ -142,8 +142,8 @@ impl Qp {
         bounds: (&[f64], &[f64]),
     ) -> Result<(), QpError> {
         let (n, m) = (g.len(), rows.0.len());
-        let squared = n.checked_mul(n).unwrap_or(usize::MAX);
-        let entries = m.checked_mul(n).unwrap_or(usize::MAX);
+        let squared = n.saturating_mul(n);
+        let entries = m.saturating_mul(n);
         for (name, got, expected) in [
             ("h", h.len(), squared),
             ("a", a.len(), entries),

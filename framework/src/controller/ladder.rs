@@ -142,6 +142,10 @@ impl Age {
 impl Ladder {
     /// Looks for the optimum with limits given up. `efforts` is where each actuator may go, which is not given up. On success
     /// the solution's first variables are the tick's; the error says why there is none.
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "parts of one controller, borrowed apart"
+    )]
     pub(super) fn relax(
         &mut self,
         assembly: &Assembly,

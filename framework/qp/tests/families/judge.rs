@@ -109,7 +109,8 @@ fn is_optimal(known: &Known, s: &Solution, best: &[f64]) -> Result<(), String> {
         .enumerate()
     {
         let limit = if *y > 0.0 { upper } else { lower };
-        if *y != 0.0 && !((value - limit).abs() <= 1e-9 * (size + limit.abs() + unit)) {
+        let is_at_limit = (value - limit).abs() <= 1e-9 * (size + limit.abs() + unit);
+        if *y != 0.0 && !is_at_limit {
             return Err(format!(
                 "{index} has a multiplier {y:e} at {value:e}, its limit is {limit:e}"
             ));
@@ -136,7 +137,8 @@ fn proves_infeasibility(known: &Known, s: &Solution) -> Result<(), String> {
     for j in 0..n {
         add(s.z[j], qp.lower()[j], qp.upper()[j]);
     }
-    if !(sum < -1e-13 * size) {
+    let is_negative = sum < -1e-13 * size;
+    if !is_negative {
         return Err(format!("limits sum to {sum:e} of {size:e}"));
     }
     // What is left of the combination needs variables of that size.
@@ -166,7 +168,8 @@ fn is_ray(known: &Known, s: &Solution) -> Result<(), String> {
         return Err("no ray".to_owned());
     }
     let terms: f64 = qp.g().iter().zip(d).map(|(g, d)| (g * d).abs()).sum();
-    if !(dot(qp.g(), d) < -1e-9 * terms) {
+    let falls = dot(qp.g(), d) < -1e-9 * terms;
+    if !falls {
         return Err(format!("slope {:e} of {terms:e}", dot(qp.g(), d)));
     }
     let largest = d

@@ -199,7 +199,9 @@ pub(crate) fn draw(family: Family, seed: u64, largest: usize, exponent: f64) -> 
     let mut g: Vec<f64> = (0..n).map(|i| -dot(&h[i * n..(i + 1) * n], &x)).collect();
     if let Some(d) = &flat {
         // Anything that falls along the direction.
-        g.iter_mut().for_each(|g| *g += symmetric(rng));
+        for g in &mut g {
+            *g += symmetric(rng);
+        }
         let slope = dot(&g, d) / dot(d, d);
         let wanted = -10f64.powf(rng.random_range(-2.0..0.0));
         for (g, d) in g.iter_mut().zip(d) {
@@ -375,7 +377,9 @@ fn with_limits(
     };
     let mut row = Row { a, lower, upper, y };
     if rng.random_bool(0.5) {
-        row.a.iter_mut().for_each(|a| *a = -*a);
+        for a in &mut row.a {
+            *a = -*a;
+        }
         (row.lower, row.upper) = (-row.upper, -row.lower);
         row.y = -row.y;
     }

@@ -158,7 +158,9 @@ impl Proximal {
         self.scaling.undo(n, qp.m(), out);
         if status == Status::Unbounded {
             let longest = largest(&out.x[..n]);
-            out.x[..n].iter_mut().for_each(|x| *x /= longest);
+            for x in &mut out.x[..n] {
+                *x /= longest;
+            }
         }
         let finite = |a: &[f64]| a.iter().all(|x| x.is_finite());
         if !(finite(&out.x[..n]) && finite(&out.y[..qp.m()]) && finite(&out.z[..n])) {
@@ -292,8 +294,9 @@ impl Proximal {
             self.differentiate();
             let is_ray = self.face.ray(&self.gradient[..n])
                 && self.fall_of_linear_term().is_beyond_rounding();
-            if !is_ray && !(self.face.step(&self.gradient[..n]) && self.fall().is_beyond_rounding())
-            {
+            let falls =
+                is_ray || (self.face.step(&self.gradient[..n]) && self.fall().is_beyond_rounding());
+            if !falls {
                 return has_ray;
             }
             let full = if is_ray { f64::INFINITY } else { 1.0 };
@@ -358,7 +361,9 @@ impl Proximal {
         if longest == 0.0 {
             return false;
         }
-        d.iter_mut().for_each(|d| *d /= longest);
+        for d in d.iter_mut() {
+            *d /= longest;
+        }
         let fall = self.fall();
         if !fall.is_certain() {
             return false;

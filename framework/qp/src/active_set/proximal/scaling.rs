@@ -38,7 +38,7 @@ fn reciprocal(of: f64) -> f64 {
 fn exponents(numbers: impl Iterator<Item = f64>) -> (f64, f64) {
     let (mut sum, mut count) = (0_i64, 0_i64);
     for number in numbers.filter(|number| number.is_finite() && *number != 0.0) {
-        sum += ((number.to_bits() >> 52) & 0x7ff) as i64 - 1023;
+        sum += ((number.to_bits() >> 52) & 0x7ff).cast_signed() - 1023;
         count += 1;
     }
     (sum as f64, count as f64)
