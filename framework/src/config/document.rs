@@ -65,7 +65,8 @@ impl<'t> Document<'t> {
             } else if index < SHOWN {
                 format!("syntax: {said}{}", excerpt(source, span.start))
             } else {
-                String::new()
+                // Seldom shown: not worth the search for its line.
+                format!("syntax: {said}")
             };
             report.add(Kind::Syntax, Some(span), &At::default(), message);
         }
