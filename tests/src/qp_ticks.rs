@@ -47,7 +47,7 @@ pub fn write(to: &mut impl Write, ticks: &[Tick]) -> io::Result<()> {
     to.flush()
 }
 
-/// Reads what [`write`] has written; every problem has the same capacity.
+/// Reads what [`write`](fn@write) has written; every problem has the same capacity.
 ///
 /// # Errors
 /// The reader's, and a file that is not of this format.

@@ -150,10 +150,14 @@ impl Elastic {
         of_groups.sum::<usize>() + normals
     }
 
-    /// Nothing is given up; each actuator may go where its own limits and its slew allow.
-    pub(crate) fn restore(&mut self, efforts: &[[f64; 2]]) {
-        self.given_up.fill(false);
+    /// Takes down where each actuator may go in this tick, by its own limits and its slew.
+    pub(crate) fn bind_efforts(&mut self, efforts: &[[f64; 2]]) {
         self.efforts.copy_from_slice(efforts);
+    }
+
+    /// Nothing is given up.
+    pub(crate) fn restore(&mut self) {
+        self.given_up.fill(false);
     }
 
     /// Gives up what was needed in the tick before, if what is given up now is part of that.

@@ -140,19 +140,14 @@ impl Age {
 }
 
 impl Ladder {
-    /// Looks for the optimum with limits given up. `efforts` is where each actuator may go, which is not given up. On success
-    /// the solution's first variables are the tick's; the error says why there is none.
-    #[expect(
-        clippy::too_many_arguments,
-        reason = "parts of one controller, borrowed apart"
-    )]
+    /// Looks for the optimum with limits given up. On success the solution's first variables are the tick's; the error
+    /// says why there is none.
     pub(super) fn relax(
         &mut self,
         assembly: &Assembly,
         terms: &DynamicsTerms<'_>,
         groups: &[Group],
         qp: &Qp,
-        efforts: &[[f64; 2]],
         solution: &mut Solution,
         report: &mut Report,
     ) -> Result<Fault, Fault> {
@@ -180,7 +175,7 @@ impl Ladder {
         write_conflict(assembly, qp, solution, &mut report.conflict);
         write_proof(qp, solution, &mut self.proof);
         self.since_proof = 0;
-        self.elastic.restore(efforts);
+        self.elastic.restore();
         if !self
             .elastic
             .give_up_in(assembly, terms.contacts, qp, solution)

@@ -247,12 +247,12 @@ impl Controller {
                 self.solution.status = Status::Unsolved;
                 n = self.qp.n();
             }
+            self.ladder.elastic.bind_efforts(self.gate.window());
             Some(self.ladder.relax(
                 &self.assembly,
                 &terms,
                 &self.groups,
                 &self.qp,
-                self.gate.window(),
                 &mut self.solution,
                 &mut self.report,
             )?)
