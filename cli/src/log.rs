@@ -29,7 +29,7 @@ pub enum Command {
     Repair {
         /// The log
         file: PathBuf,
-        /// The new file [default: `<file>.repaired.mcap`, beside it]
+        /// The new file; `<file>.repaired.mcap`, beside it, if absent
         #[arg(long, value_name = "FILE")]
         output: Option<PathBuf>,
     },
