@@ -15,7 +15,7 @@ use super::{
 };
 use crate::suggestion::suggestion;
 
-/// Syntax errors with words: the rest is not told.
+/// Syntax errors that are shown with their line, which may be long: few are told.
 const SHOWN: usize = 100;
 
 const TABLES: [&str; 3] = ["controller", "robot", "solver"];
@@ -64,7 +64,7 @@ impl<'t> Document<'t> {
             } else if index < SHOWN {
                 format!("syntax: {said}{}", excerpt(source, span.start))
             } else {
-                String::new()
+                format!("syntax: {said}")
             };
             report.add(Kind::Syntax, Some(span), &At::default(), message);
         }
