@@ -15,7 +15,7 @@ use super::{
 };
 use crate::suggestion::suggestion;
 
-/// Syntax errors with words: the rest is not told.
+/// Syntax errors that are shown with their line, which may be long: few are told.
 const SHOWN: usize = 100;
 
 const TABLES: [&str; 4] = ["controller", "robot", "solver", "measurement"];
@@ -65,7 +65,6 @@ impl<'t> Document<'t> {
             } else if index < SHOWN {
                 format!("syntax: {said}{}", excerpt(source, span.start))
             } else {
-                // Seldom shown: not worth the search for its line.
                 format!("syntax: {said}")
             };
             report.add(Kind::Syntax, Some(span), &At::default(), message);
