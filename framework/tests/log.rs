@@ -238,8 +238,10 @@ fn a_tick_is_written_channel_by_channel() {
 
     let qp = first("/qp");
     assert_eq!(qp["status"], "optimal");
-    assert_eq!(qp["rung"], "optimal");
-    assert!(qp.get("fault").is_none());
+    // The configuration has no constraint on efforts: the last gate puts the rotor's least thrust in.
+    assert_eq!(qp["rung"], "relaxed");
+    let fault = qp["fault"].as_str().unwrap();
+    assert!(fault.contains("actuator"), "{fault}");
     assert!(qp["times"]["solve"].is_number());
 }
 

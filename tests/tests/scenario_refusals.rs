@@ -142,7 +142,7 @@ fn unknown_keys() {
         "set.task",
         "set.tusk",
         "s.toml:50:5: unknown field `tusk`, expected one of `controller`, `robot`, `solver`, \
-         `contact`, `task`, `constraint`",
+         `measurement`, `contact`, `task`, `constraint`",
     );
 }
 

@@ -21,7 +21,7 @@ pub(super) fn elapsed(now: f64, last: Option<f64>, period: f64) -> f64 {
         return period;
     };
     let step = now - last;
-    let rounding = (ROUNDING * period).max(4.0 * f64::EPSILON * now.abs());
+    let rounding = (ROUNDING * period).max(4.0 * f64::EPSILON * last.abs());
     // Not a number, too.
     let is_later = step > 0.0;
     if !is_later || (step - period).abs() <= rounding {
