@@ -1,4 +1,4 @@
-//! A dense dual active-set solver, warm-started: the default.
+//! A dense active-set solver, warm-started: a dual method, and a proximal one for what that cannot answer.
 //!
 //! # Mathematics
 //! The problem is `min ½xᵀHx + gᵀx` subject to `l ≤ A x ≤ u` with rows and bounds of variables alike. For the
@@ -16,14 +16,18 @@
 //! `Aᵀ y + z = 0` while the limits weighted with the multipliers have a negative sum.
 //!
 //! Of several violated constraints the one is taken that is farthest away in the metric of H,
-//! `violation / ‖U⁻ᵀ a‖` with `H = UᵀU`, the distance that z has to go; in the first rounds those that are nearly as far are
+//! `violation / ‖U⁻ᵀ a‖` with `H = UᵀU`, the distance that z has to go; in the first rounds others that are far are
 //! taken with it. At the end the pair is refined: residuals of the optimality conditions in the problem's own numbers,
 //! corrected with the factors at hand. If the refined pair is no optimum after all, the iteration goes on; should that
 //! happen again, with every pair refined, so that rounding cannot lead it in circles.
 //!
-//! An optimum violates nothing, held or not, by more than 1e-10 of the numbers that are added up, or by more than the
-//! tolerance if that is larger. Constraints that depend on those held and disagree with them by more than that, but by too
-//! little for a proof, leave it almost optimal.
+//! What this method (`dual`) does not bring to an end that it can vouch for goes to a second one (`proximal`): an H that is not
+//! definite, variables so large that they may be the quotient of g and rounding, residuals that stay too large, too many
+//! iterations.
+//!
+//! An optimum violates nothing, held or not, by more than 1e-10 of its limit and terms, or by more than the
+//! tolerance if that is larger. Constraints that depend on those held and disagree with them by more than that are the proof that
+//! there is no feasible point, if the proof holds beyond rounding; else the solve has stalled.
 //!
 //! The next solve begins with the constraints held last, found again by their [`RowId`](super::RowId) and
 //! [`VarId`](super::VarId), with λ = 0, which is dual feasible whatever has changed in between. Those with a λ* of the
@@ -49,7 +53,7 @@
 //! Mathematical Programming 27 (1983), for the dual steps and the factorisation. D. Arnström, A. Bemporad, D. Axehill,
 //! *A dual active-set solver for embedded quadratic programming using recursive LDLᵀ updates*, IEEE TAC 67 (2022), for
 //! multipliers computed anew in every step, warm starts, and proximal steps. R. T. Rockafellar, *Monotone operators and
-//! the proximal point algorithm*, SIAM J. Control Optim. 14 (1976).
+//! the proximal point algorithm*, SIAM J. Control Optim. 14 (1976), for the second method.
 
 mod constraint;
 mod dual;
