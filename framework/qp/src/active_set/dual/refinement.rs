@@ -15,6 +15,8 @@ const REFINEMENTS: u32 = 50;
 const GAIN: f64 = 0.3;
 /// A residual below this is that of a point whose correction is a small one.
 const NEAR: f64 = 1e-10;
+/// How many times larger than the cost's terms those of multipliers, which cancel one another, may count.
+const OPPOSED: f64 = 1e3;
 /// Terms of `H x` that are so many times larger than their sum and than g are those of a variable that is the quotient of
 /// g and rounding.
 const CANCELLED: f64 = 1e6;
@@ -95,7 +97,8 @@ impl Dual {
         let unit = self.point.unit();
         let held = self.set.active().iter().zip(&self.set.multipliers);
         let terms = held.map(|(held, m)| m.abs() * largest_normal(qp, held.index, unit));
-        let largest = terms.fold(self.size, f64::max);
+        // Beyond that they are the quotient of rounding and rounding: parallel normals were both held.
+        let largest = terms.fold(self.size, f64::max).min(OPPOSED * self.size);
         self.primal < CONVERGED && self.residual * self.size < CONVERGED * largest
     }
 
