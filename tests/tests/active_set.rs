@@ -22,10 +22,8 @@ fn relative_errors(known: &Known, s: &Solution) -> [f64; 3] {
         let unit = if h > 0.0 { 1.0 / h.sqrt() } else { 1.0 };
         let hx: f64 = (0..n).map(|i| qp.h()[j * n + i] * s.x[i]).sum();
         let ay: f64 = (0..m).map(|i| qp.row(i)[j] * s.y[i]).sum();
-        let largest_ay = (0..m).fold(0.0, |a: f64, i| a.max((qp.row(i)[j] * s.y[i]).abs()));
         worst = worst.max(unit * (hx + qp.g()[j] + ay + s.z[j]).abs());
         size = size.max(unit * hx.abs()).max(unit * qp.g()[j].abs());
-        size = size.max(unit * largest_ay);
     }
     let stationarity = worst / size;
     let (mut primal, mut complementarity) = (0.0_f64, 0.0_f64);
@@ -204,9 +202,8 @@ fn nearly_dependent_rows_are_never_answered_falsely() {
         wrong.len(),
         wrong.join("\n")
     );
-    // Rows at angles of rounding: some have no point within the tolerances that could be computed.
     assert!(
-        without * 40 < count,
+        without * 100 < count,
         "{without} of {count} without an answer"
     );
 }

@@ -27,14 +27,23 @@ pub(super) fn count(qp: &Qp) -> usize {
 }
 
 /// Equality rows and fixed variables with their values.
-pub(super) fn equalities(qp: &Qp) -> impl Iterator<Item = (usize, f64)> {
+pub(super) fn equalities(qp: &Qp) -> impl Iterator<Item = Active> {
     let rows = qp.row_lower().iter().zip(qp.row_upper());
     let limits = rows.chain(qp.lower().iter().zip(qp.upper()));
     let equal = |(_, (lower, upper)): &(usize, (&f64, &f64))| lower == upper;
     limits
         .enumerate()
         .filter(equal)
-        .map(|(index, (&limit, _))| (index, limit))
+        .map(|(index, _)| equality(qp, index))
+}
+
+/// The constraint that holds a value at its limits, which are equal.
+pub(super) fn equality(qp: &Qp, index: usize) -> Active {
+    Active {
+        index,
+        side: 0.0,
+        limit: limits(qp, index).0,
+    }
 }
 
 /// Lower and upper limit.

@@ -21,7 +21,7 @@ use super::{
 };
 
 /// Sine of the angle to the held constraints below which a constraint depends on them.
-const DEPENDENT: f64 = 1e-10;
+pub(super) const DEPENDENT: f64 = 1e-10;
 
 #[derive(Clone, Debug, Default)]
 pub(super) struct WorkingSet {
@@ -95,14 +95,14 @@ impl WorkingSet {
         self.q.has_room(self.n * (self.n + 1) / 2)
     }
 
-    /// Holds a constraint whose `w` is given, zero outside of a range, with the multiplier it has so far. False if it depends on those held:
-    /// then `w` is left as `Qᵀ w`, whose first entries give the combination.
+    /// Holds a constraint whose `w` is given, zero outside of a range, with the multiplier it has so far. False if the sine
+    /// of its angle to those held is at most `sine`: then `w` is left as `Qᵀ w`, whose first entries give the combination.
     pub(super) fn push(
         &mut self,
         constraint: Active,
         multiplier: f64,
-        range: Range<usize>,
-        w: &mut [f64],
+        sine: f64,
+        (range, w): (Range<usize>, &mut [f64]),
     ) -> bool {
         let k = self.len();
         self.q.transposed(range, w);
@@ -113,7 +113,7 @@ impl WorkingSet {
         let beyond = w[k] * w[k] + rest;
         let size = dot(w, w);
         // `!(beyond > …)`: a NaN depends, too.
-        let independent = beyond > DEPENDENT * DEPENDENT * size;
+        let independent = beyond > sine * sine * size;
         if !independent {
             return false;
         }

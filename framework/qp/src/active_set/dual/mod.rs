@@ -6,13 +6,13 @@ mod certificate;
 mod refinement;
 
 use super::{
-    constraint::{Active, count, equalities, impossible, is_empty, limits},
+    constraint::{Active, count, equalities, equality, impossible, is_empty, limits},
     hessian::Hessian,
     kernels::{largest_product, padded},
     limits::Limits,
     normals::Normals,
     point::Point,
-    working_set::WorkingSet,
+    working_set::{DEPENDENT, WorkingSet},
 };
 use crate::{Capacity, ConstraintId, Held, Qp, Solution, Status, WarmStart};
 
@@ -33,6 +33,10 @@ const FORGIVEN: [f64; 2] = [1e-11, 3e-11];
 const VIOLATION: f64 = 5e-11;
 /// Times that constraints which seemed to be implied are tried again: once after each of the first corrections.
 const TRIALS: u32 = 2;
+
+/// Sine of the angle to the equalities held so far above which one is held at once. Those that are nearly a combination of
+/// others come last: then they are implied by more, instead of being held while others nearly depend on them.
+const DISTINCT: f64 = 1e-6;
 
 /// Why the dual iteration stopped.
 enum End {
@@ -246,13 +250,17 @@ impl Dual {
 
     /// Holds all equality rows and fixed variables; false if they contradict one another.
     fn hold_equalities(&mut self, qp: &Qp, out: &mut Solution) -> bool {
-        for (index, limit) in equalities(qp) {
-            self.settled[index] = true;
-            let constraint = Active {
-                index,
-                side: 0.0,
-                limit,
-            };
+        let mut deferred = 0;
+        for constraint in equalities(qp) {
+            self.settled[constraint.index] = true;
+            if !self.push_beyond(qp, constraint, 0.0, DISTINCT) {
+                self.outside[deferred] = constraint.index;
+                deferred += 1;
+            }
+        }
+        for i in 0..deferred {
+            let index = self.outside[i];
+            let constraint = equality(qp, index);
             if self.push(qp, constraint, 0.0) || is_empty(qp, index) {
                 continue;
             }
@@ -293,14 +301,19 @@ impl Dual {
         }
     }
 
-    /// Holds a constraint, with `w` in `self.w`.
+    /// Holds a constraint, with `w` in `self.w`; false if it depends on those held.
     fn push(&mut self, qp: &Qp, constraint: Active, multiplier: f64) -> bool {
+        self.push_beyond(qp, constraint, multiplier, DEPENDENT)
+    }
+
+    /// Holds a constraint whose angle to those held has more than this sine.
+    fn push_beyond(&mut self, qp: &Qp, constraint: Active, multiplier: f64, sine: f64) -> bool {
         if !self.set.has_room() {
             self.rebuild(qp);
         }
         let w = &mut self.w[..self.stride];
         let range = self.normals.copy(qp, &self.hessian, constraint.index, w);
-        self.set.push(constraint, multiplier, range, w)
+        self.set.push(constraint, multiplier, sine, (range, w))
     }
 
     /// Factorises the held constraints anew, when the product of reflections and rotations has become too long.
@@ -317,7 +330,7 @@ impl Dual {
             let (multiplier, held) = self.violated[i];
             let w = &mut self.w[..self.stride];
             let range = self.normals.copy(qp, &self.hessian, held.index, w);
-            if !self.set.push(held, multiplier, range, w) {
+            if !self.set.push(held, multiplier, DEPENDENT, (range, w)) {
                 self.settled[held.index] = held.side == 0.0;
             }
         }

@@ -16,7 +16,7 @@ const GAIN: f64 = 0.3;
 /// A residual below this is that of a point whose correction is a small one.
 const NEAR: f64 = 1e-10;
 /// How many times larger than the cost's terms those of multipliers, which cancel one another, may count.
-const OPPOSED: f64 = 1e3;
+const OPPOSED: f64 = 1e2;
 /// Terms of `H x` that are so many times larger than their sum and than g are those of a variable that is the quotient of
 /// g and rounding.
 const CANCELLED: f64 = 1e6;

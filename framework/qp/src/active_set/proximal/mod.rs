@@ -27,6 +27,8 @@ const WEIGHTS: [f64; 3] = [1e-6, 1e-4, 1e-2];
 const ROUNDS: u32 = 200;
 /// Largest residual of the stationarity conditions at an optimum, per variable, relative to the sum of its terms' sizes.
 const STATIONARY: f64 = 1e-11;
+/// How many times larger than the cost's largest term those of multipliers, which cancel one another, may count.
+const OPPOSED: f64 = 1e4;
 /// A residual below this part of the largest term of all variables, and of what the largest variable could contribute, is
 /// rounding.
 const LEAST: f64 = 1e-14;
@@ -273,7 +275,9 @@ impl Proximal {
         let most = largest(&self.sizes[..n]).max(contribution);
         let mut pairs = self.gradient[..n].iter().zip(&self.terms);
         // `!(… > …)` would let a NaN through.
-        pairs.all(|(r, term)| r.abs() <= STATIONARY * term || r.abs() <= rounding * most)
+        pairs.all(|(r, term)| {
+            r.abs() <= STATIONARY * term.min(OPPOSED * most) || r.abs() <= rounding * most
+        })
     }
 
     /// Follows the cost from `x` down the face of the constraints held, and narrower ones; whether it falls for ever, along the
