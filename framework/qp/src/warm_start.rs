@@ -25,6 +25,9 @@ pub struct Held {
     pub constraint: ConstraintId,
     /// +1 at the upper limit, −1 at the lower one.
     pub side: f64,
+    /// Its multiplier, if it is known; else zero.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub multiplier: f64,
 }
 
 /// A row, or the bound of a variable.
@@ -64,9 +67,9 @@ impl WarmStart {
     }
 
     /// Adds a constraint; forgotten if there is no room, so that nothing is allocated.
-    pub fn push(&mut self, constraint: ConstraintId, side: f64) {
+    pub fn push(&mut self, held: Held) {
         if self.held.len() < self.held.capacity() {
-            self.held.push(Held { constraint, side });
+            self.held.push(held);
         }
     }
 

@@ -34,7 +34,7 @@ use super::{
 };
 use crate::{
     assembly::{Assembly, DynamicsTerms, Elastic, Group},
-    qp::{ActiveSet, ConstraintId, Qp, QpSolver, Solution, Status, WarmStart},
+    qp::{ActiveSet, ConstraintId, Held, Qp, QpSolver, Solution, Status, WarmStart},
 };
 
 /// For how many ticks after a contradiction the next one is looked for before the optimum.
@@ -264,6 +264,12 @@ impl Ladder {
 
 /// Takes down the limits of a proof but for one of them, an inequality if there is one: the rest can be met together.
 fn write_proof(qp: &Qp, proof: &Solution, out: &mut WarmStart) {
+    // The problem that begins with it has a cost, and multipliers, of its own.
+    let held = |constraint, side| Held {
+        constraint,
+        side,
+        multiplier: 0.0,
+    };
     out.clear();
     let (rows, bounds) = (&proof.y[..qp.m()], &proof.z[..qp.n()]);
     let last_bound = bounds.iter().rposition(|z| *z != 0.0);
@@ -274,12 +280,12 @@ fn write_proof(qp: &Qp, proof: &Solution, out: &mut WarmStart) {
     };
     for (i, (y, id)) in rows.iter().zip(qp.rows()).enumerate() {
         if *y != 0.0 && Some(i) != last_row {
-            out.push(ConstraintId::Row(*id), y.signum());
+            out.push(held(ConstraintId::Row(*id), y.signum()));
         }
     }
     for (j, (z, id)) in bounds.iter().zip(qp.vars()).enumerate() {
         if *z != 0.0 && Some(j) != last_bound {
-            out.push(ConstraintId::Bound(*id), z.signum());
+            out.push(held(ConstraintId::Bound(*id), z.signum()));
         }
     }
 }

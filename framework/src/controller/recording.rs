@@ -372,7 +372,7 @@ fn measurement(record: &Record, like: &State) -> Measurement {
 fn copy_held(to: &mut WarmStart, from: &WarmStart) {
     to.clear();
     for held in from.iter() {
-        to.push(held.constraint, held.side);
+        to.push(held);
     }
 }
 

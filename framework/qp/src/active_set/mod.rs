@@ -30,8 +30,8 @@
 //! there is no feasible point, if the proof holds beyond rounding; else the solve has stalled.
 //!
 //! The next solve begins with the constraints held last, found again by their [`RowId`](super::RowId) and
-//! [`VarId`](super::VarId), with λ = 0, which is dual feasible whatever has changed in between. Those with a λ* of the
-//! wrong sign are let go at once.
+//! [`VarId`](super::VarId), with the multipliers that they had, which are dual feasible whatever has changed in between. If
+//! a λ* has the wrong sign, constraints are exchanged along a path from there (`homotopy`).
 //!
 //! Nothing depends on the scale of rows or variables: a pivot is compared with its diagonal entry, a violation with
 //! the numbers that were added up, dependence is an angle, and the choice of constraints is in the metric of H.

@@ -264,6 +264,19 @@ impl WorkingSet {
         hessian.solve(x);
     }
 
+    /// The `x` that minimises the cost with the multipliers at hand as prices.
+    pub(super) fn primal_of_multipliers(&self, hessian: &Hessian, x: &mut [f64]) {
+        for (x, v) in x.iter_mut().zip(&self.v) {
+            *x = -v;
+        }
+        for (i, &m) in self.multipliers.iter().enumerate() {
+            let at = i * self.stride;
+            axpy(&mut x[..=i], -m, &self.r[at..=at + i]);
+        }
+        self.q.apply(x);
+        hessian.solve(x);
+    }
+
     /// Solves `[H̃ A_aᵀ; A_a 0] [dx; dλ] = [−d; p]`: replaces `d` by `dx` and `p` (one entry per held constraint) by `dλ`.
     pub(super) fn correct(&mut self, hessian: &Hessian, d: &mut [f64], p: &mut [f64]) {
         let k = self.len();

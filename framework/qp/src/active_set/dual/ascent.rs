@@ -7,6 +7,7 @@ use super::{
         working_set::WorkingSet,
     },
     Dual, End,
+    homotopy::Path,
 };
 use crate::{Qp, Solution};
 
@@ -16,8 +17,6 @@ const JOINT_VARIABLES: usize = 10;
 /// In the first of these, how far away a constraint is, relative to the farthest, to be held with it, and in the others.
 /// Constraints that are nearer are often satisfied once those are held, and would have to be let go one by one.
 const FAR: [f64; 2] = [0.3, 0.8];
-/// Rounds in which all constraints with a multiplier of the wrong sign are let go together, before any was exact.
-const GUESS_ROUNDS: u32 = 6;
 /// Iterations after which larger violations, too, are taken for rounding.
 const LONG: u32 = 200;
 /// A violation below this, relative to the numbers that are added up, may be the rounding of an `x` that is not refined.
@@ -36,10 +35,11 @@ impl Dual {
         is_first: bool,
         out: &mut Solution,
     ) -> End {
-        let (mut guess_rounds, mut joint_rounds) = if is_first {
-            (GUESS_ROUNDS, (qp.n() / JOINT_VARIABLES).max(1))
+        let mut is_beginning = is_first;
+        let mut joint_rounds = if is_first {
+            (qp.n() / JOINT_VARIABLES).max(1)
         } else {
-            (0, 0)
+            0
         };
         let mut far = FAR[0];
         let mut tolerance = limits.tolerance;
@@ -49,21 +49,27 @@ impl Dual {
             }
             self.iterations += 1;
             self.set.find_targets();
-            if guess_rounds > 0 {
-                // All multipliers are zero as yet, so that any of these constraints may go.
-                guess_rounds -= 1;
-                if self.release_wrong() {
-                    continue;
+            let mut is_evaluated = false;
+            if is_beginning {
+                is_beginning = false;
+                let mut held = self.set.active().iter().zip(self.set.computed());
+                if held.any(|(held, target)| target * held.side < 0.0) {
+                    match self.follow(qp, limits, out) {
+                        Path::Arrived => is_evaluated = true,
+                        Path::Left => continue,
+                        Path::Ended(end) => return end,
+                    }
                 }
-                guess_rounds = 0;
             } else if let Some((alpha, j)) = blocking(&self.set) {
                 self.set.approach_targets(alpha);
                 self.release(j);
                 continue;
             }
             self.set.accept_targets();
-            self.set.primal(&self.hessian, self.point.x_mut());
-            self.point.evaluate(qp);
+            if !is_evaluated {
+                self.set.primal(&self.hessian, self.point.x_mut());
+                self.point.evaluate(qp);
+            }
             let worst = self.find_violated(qp, tolerance);
             if self.violated.is_empty() {
                 return End::Optimal;
@@ -142,19 +148,6 @@ impl Dual {
             (before / (before - target * side), j)
         });
         parts.reduce(|first, next| if next.0 < first.0 { next } else { first })
-    }
-
-    /// Lets all constraints go whose multiplier would have the wrong sign; whether there were any.
-    fn release_wrong(&mut self) -> bool {
-        let mut any = false;
-        for j in (0..self.set.len()).rev() {
-            let side = self.set.active()[j].side;
-            if self.set.computed()[j] * side < 0.0 {
-                self.release(j);
-                any = true;
-            }
-        }
-        any
     }
 
     /// Collects what the point violates by more than a tolerance, relative to the numbers that are added up, and notes whether
@@ -243,7 +236,7 @@ impl Dual {
     }
 
     /// Holds the violated constraint that is farthest away; false if that is impossible.
-    fn hold_worst(&mut self, qp: &Qp, out: &mut Solution) -> bool {
+    pub(super) fn hold_worst(&mut self, qp: &Qp, out: &mut Solution) -> bool {
         let mut worst: Option<(f64, Active)> = None;
         for &(distance, constraint) in &self.violated {
             if worst.is_none_or(|(d, _)| distance > d) {

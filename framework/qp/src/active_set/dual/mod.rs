@@ -3,6 +3,7 @@
 
 mod ascent;
 mod certificate;
+mod homotopy;
 mod refinement;
 
 use super::{
@@ -72,6 +73,8 @@ pub(super) struct Dual {
     /// Multipliers before a step.
     before: Vec<f64>,
     normals: Normals,
+    /// By constraint.
+    path: Vec<homotopy::Place>,
     /// Size of the terms of the gradient at the last residuals, in units of the variables.
     size: f64,
     /// The last residuals, relative to it.
@@ -106,6 +109,7 @@ impl Dual {
             previous: Vec::with_capacity(n),
             before: Vec::with_capacity(n + 1),
             normals: Normals::new(capacity),
+            path: vec![homotopy::Place::default(); m + n],
             ..Self::default()
         }
     }
@@ -113,7 +117,7 @@ impl Dual {
     pub(super) fn warm_start(&self, out: &mut WarmStart) {
         out.clear();
         for held in &self.previous {
-            out.push(held.constraint, held.side);
+            out.push(*held);
         }
     }
 
@@ -169,7 +173,7 @@ impl Dual {
     /// The next solve begins with this one, too.
     pub(super) fn begin_with(&mut self, qp: &Qp, constraint: Active) {
         if self.previous.len() < self.previous.capacity() {
-            self.previous.push(identified(qp, constraint));
+            self.previous.push(identified(qp, constraint, 0.0));
         }
     }
 
@@ -280,7 +284,11 @@ impl Dual {
     /// Holds what was held at the end of the last solve and still exists.
     fn hold_previous(&mut self, qp: &Qp) {
         for i in 0..self.previous.len() {
-            let Held { constraint, side } = self.previous[i];
+            let Held {
+                constraint,
+                side,
+                multiplier,
+            } = self.previous[i];
             let found = match constraint {
                 ConstraintId::Row(id) => qp.rows().binary_search(&id).ok(),
                 ConstraintId::Bound(id) => qp.vars().binary_search(&id).ok().map(|j| qp.m() + j),
@@ -295,7 +303,7 @@ impl Dual {
                 (-1.0, lower)
             };
             let constraint = Active { index, side, limit };
-            if limit.is_finite() && self.push(qp, constraint, 0.0) {
+            if limit.is_finite() && self.push(qp, constraint, multiplier) {
                 self.settled[index] = true;
             }
         }
@@ -344,8 +352,10 @@ impl Dual {
 
     fn remember(&mut self, qp: &Qp) {
         self.previous.clear();
-        for held in self.set.active().iter().filter(|h| h.side != 0.0) {
-            self.previous.push(identified(qp, *held));
+        for (held, m) in self.set.active().iter().zip(&self.set.multipliers) {
+            if held.side != 0.0 {
+                self.previous.push(identified(qp, *held, *m));
+            }
         }
     }
 
@@ -360,12 +370,16 @@ impl Dual {
     }
 }
 
-fn identified(qp: &Qp, Active { index, side, .. }: Active) -> Held {
+fn identified(qp: &Qp, Active { index, side, .. }: Active, multiplier: f64) -> Held {
     let constraint = match index.checked_sub(qp.m()) {
         None => ConstraintId::Row(qp.rows()[index]),
         Some(j) => ConstraintId::Bound(qp.vars()[j]),
     };
-    Held { constraint, side }
+    Held {
+        constraint,
+        side,
+        multiplier,
+    }
 }
 
 pub(super) fn clear(qp: &Qp, out: &mut Solution) {
