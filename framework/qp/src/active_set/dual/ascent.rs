@@ -17,6 +17,8 @@ const JOINT_VARIABLES: usize = 10;
 /// In the first of these, how far away a constraint is, relative to the farthest, to be held with it, and in the others.
 /// Constraints that are nearer are often satisfied once those are held, and would have to be let go one by one.
 const FAR: [f64; 2] = [0.3, 0.8];
+/// Rounds in which all constraints with a multiplier of the wrong sign are let go together, if none is known.
+const GUESS_ROUNDS: u32 = 6;
 /// Iterations after which larger violations, too, are taken for rounding.
 const LONG: u32 = 200;
 /// A violation below this, relative to the numbers that are added up, may be the rounding of an `x` that is not refined.
@@ -52,12 +54,22 @@ impl Dual {
             let mut is_evaluated = false;
             if is_beginning {
                 is_beginning = false;
-                let mut held = self.set.active().iter().zip(self.set.computed());
-                if held.any(|(held, target)| target * held.side < 0.0) {
-                    match self.follow(qp, limits, out) {
-                        Path::Arrived => is_evaluated = true,
-                        Path::Left => continue,
-                        Path::Ended(end) => return end,
+                if self.knows_multipliers() {
+                    let mut held = self.set.active().iter().zip(self.set.computed());
+                    if held.any(|(held, target)| target * held.side < 0.0) {
+                        match self.follow(qp, limits, out) {
+                            Path::Arrived => is_evaluated = true,
+                            Path::Left => continue,
+                            Path::Ended(end) => return end,
+                        }
+                    }
+                } else {
+                    for _ in 0..GUESS_ROUNDS {
+                        if !self.release_wrong() {
+                            break;
+                        }
+                        self.iterations += 1;
+                        self.set.find_targets();
                     }
                 }
             } else if let Some((alpha, j)) = blocking(&self.set) {
@@ -148,6 +160,25 @@ impl Dual {
             (before / (before - target * side), j)
         });
         parts.reduce(|first, next| if next.0 < first.0 { next } else { first })
+    }
+
+    /// Whether the constraints held come with the multipliers that they had.
+    fn knows_multipliers(&self) -> bool {
+        let mut held = self.set.active().iter().zip(&self.set.multipliers);
+        held.all(|(held, m)| held.side == 0.0 || *m != 0.0)
+    }
+
+    /// Lets all constraints go whose multiplier would have the wrong sign; whether there were any.
+    fn release_wrong(&mut self) -> bool {
+        let mut any = false;
+        for j in (0..self.set.len()).rev() {
+            let side = self.set.active()[j].side;
+            if self.set.computed()[j] * side < 0.0 {
+                self.release(j);
+                any = true;
+            }
+        }
+        any
     }
 
     /// Collects what the point violates by more than a tolerance, relative to the numbers that are added up, and notes whether

@@ -18,8 +18,8 @@ use super::{
 };
 use crate::{Qp, Solution};
 
-/// Steps per variable, after which the iteration goes on from where this is: its multipliers are dual feasible.
-const STEPS: usize = 3;
+/// One step per so many variables is taken; then the iteration goes on from where this is: its multipliers are dual feasible.
+const PATIENCE: usize = 4;
 
 /// How it ended.
 pub(super) enum Path {
@@ -45,7 +45,7 @@ impl Dual {
     pub(super) fn follow(&mut self, qp: &Qp, budget: &mut Limits<'_>, out: &mut Solution) -> Path {
         self.begin_path(qp);
         let mut rest = 1.0;
-        for _ in 0..STEPS * qp.n() {
+        for _ in 0..qp.n() / PATIENCE {
             if budget.are_used_up(self.iterations) {
                 return Path::Ended(End::Budget);
             }
@@ -83,8 +83,6 @@ impl Dual {
             let m = &mut self.set.multipliers[j];
             if side == 0.0 {
                 *m = target;
-            } else if *m == 0.0 {
-                *m = target.abs() * side;
             }
         }
         self.set
