@@ -11,6 +11,40 @@ use wbqp_qp::{ActiveSet, QpSolver, Solution};
 /// Exponents of the units.
 const EXPONENTS: [f64; 3] = [0.0, 4.0, 8.0];
 
+/// What was answered wrongly once, among some million: an optimum where the cost falls for ever, a ray with rounding of a variable
+/// in a large unit, and constraints let go by multipliers compared without their units.
+const ONCE_WRONG: [(Family, u64, f64); 8] = [
+    (Family::Unbounded, 22034, 4.0),
+    (Family::Unbounded, 539, 8.0),
+    (Family::Regular, 19624, 4.0),
+    (Family::Regular, 19624, 8.0),
+    (Family::Degenerate, 6439, 4.0),
+    (Family::Degenerate, 6439, 8.0),
+    (Family::Semidefinite, 781, 4.0),
+    (Family::Semidefinite, 781, 8.0),
+];
+
+/// What is wrong with the answer to a random problem, and its iterations.
+fn answer(family: Family, seed: u64, exponent: f64) -> (u32, Option<String>) {
+    let known = draw(family, seed, 16, exponent);
+    let mut solver = ActiveSet::default();
+    solver.bind(known.qp.capacity()).expect("is good");
+    let mut solution = Solution::new(known.qp.capacity());
+    solver.solve(&known.qp, &mut solution).expect("fits");
+    let wrong = judge::judge(&known, &solution).err().map(|what| {
+        let (n, m) = (known.qp.n(), known.qp.m());
+        format!("{family:?} 1e±{exponent} {seed} (n {n}, m {m}): {what}")
+    });
+    (solution.iterations, wrong)
+}
+
+#[test]
+fn what_was_wrong_once_is_right() {
+    let wrong = |(family, seed, exponent)| answer(family, seed, exponent).1;
+    let wrong: Vec<_> = ONCE_WRONG.into_iter().filter_map(wrong).collect();
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
 #[test]
 fn every_answer_is_right() {
     let count: u64 =
@@ -27,18 +61,9 @@ fn every_answer_is_right() {
         for exponent in EXPONENTS {
             let (mut iterations, mut before) = (0_u64, wrong.len());
             for seed in first..first + count {
-                let known = draw(family, seed, 16, exponent);
-                let mut solver = ActiveSet::default();
-                solver.bind(known.qp.capacity()).expect("is good");
-                let mut solution = Solution::new(known.qp.capacity());
-                solver.solve(&known.qp, &mut solution).expect("fits");
-                iterations += u64::from(solution.iterations);
-                if let Err(what) = judge::judge(&known, &solution) {
-                    let (n, m) = (known.qp.n(), known.qp.m());
-                    wrong.push(format!(
-                        "{family:?} 1e±{exponent} {seed} (n {n}, m {m}): {what}"
-                    ));
-                }
+                let (count, what) = answer(family, seed, exponent);
+                iterations += u64::from(count);
+                wrong.extend(what);
             }
             before = wrong.len() - before;
             eprintln!(

@@ -201,6 +201,9 @@ impl Proximal {
             let moved = moved.fold(0.0, |a: f64, (x, c)| a.max((x - c).abs()));
             let rounding = if round < LATE { LEAST } else { STATIONARY };
             if self.is_stationary(weight, rounding, out) {
+                if self.hides_cost() && self.descend(dual, limits, out) {
+                    return Status::Unbounded;
+                }
                 return if constraint::all_hold(&self.scaled, &out.x[..n]) {
                     Status::Optimal
                 } else {
@@ -278,6 +281,12 @@ impl Proximal {
         pairs.all(|(r, term)| {
             r.abs() <= STATIONARY * term.min(OPPOSED * most) || r.abs() <= rounding * most
         })
+    }
+
+    /// Whether the variables are so large that rounding of `H x` hides the linear term: then only a ray tells whether it falls.
+    fn hides_cost(&self) -> bool {
+        let n = self.scaled.n();
+        LEAST * largest(&self.x[..n]) * self.face.curvature() > largest(&self.g[..n])
     }
 
     /// Follows the cost from `x` down the face of the constraints held, and narrower ones; whether it falls for ever, along the
@@ -414,14 +423,26 @@ impl Proximal {
         out.x[..n].copy_from_slice(self.face.direction());
         let rounding = RATE * largest(&out.x[..n]);
         let bounds = self.scaled.lower().iter().zip(self.scaled.upper());
-        for (x, (lower, upper)) in out.x[..n].iter_mut().zip(bounds) {
+        for (j, (lower, upper)) in bounds.enumerate() {
+            let x = &mut out.x[j];
             let limit = if *x > 0.0 { upper } else { lower };
-            if x.abs() <= rounding && limit.is_finite() {
+            if x.abs() <= rounding && (limit.is_finite() || self.is_alone(j)) {
                 *x = 0.0;
             }
         }
         out.y[..m].fill(0.0);
         out.z[..n].fill(0.0);
+    }
+
+    /// Whether no row and no curvature connects a variable with another: what it moves by helps no other to move.
+    fn is_alone(&self, j: usize) -> bool {
+        let n = self.scaled.n();
+        let is_only = |row: &[f64]| {
+            let mut others = row.iter().enumerate().filter(|(i, _)| *i != j);
+            row[j] == 0.0 || others.all(|(_, a)| *a == 0.0)
+        };
+        let mut rows = (0..self.scaled.m()).map(|i| self.scaled.row(i));
+        is_only(&self.h[j * n..(j + 1) * n]) && rows.all(is_only)
     }
 
     /// How far the direction can be followed from `x`, at most `full`, and what ends it.
