@@ -417,32 +417,41 @@ impl Proximal {
         any
     }
 
-    /// The direction as the solution, without what rounding moves variables whose bounds are held.
+    /// The direction as the solution, without the components that are rounding: all of them, if it is as good a ray then, else
+    /// those that a bound is in the way of.
     fn write_ray(&self, out: &mut Solution) {
         let (n, m) = (self.scaled.n(), self.scaled.m());
-        out.x[..n].copy_from_slice(self.face.direction());
-        let rounding = RATE * largest(&out.x[..n]);
-        let bounds = self.scaled.lower().iter().zip(self.scaled.upper());
-        for (j, (lower, upper)) in bounds.enumerate() {
-            let x = &mut out.x[j];
-            let limit = if *x > 0.0 { upper } else { lower };
-            if x.abs() <= rounding && (limit.is_finite() || self.is_alone(j)) {
-                *x = 0.0;
+        let (x, d) = (&mut out.x[..n], self.face.direction());
+        let rounding = RATE * largest(d);
+        for (x, d) in x.iter_mut().zip(d) {
+            *x = if d.abs() <= rounding { 0.0 } else { *d };
+        }
+        if !self.is_as_good_a_ray(x) {
+            let bounds = self.scaled.lower().iter().zip(self.scaled.upper());
+            for ((x, d), (lower, upper)) in x.iter_mut().zip(d).zip(bounds) {
+                let limit = if *d > 0.0 { upper } else { lower };
+                if limit.is_infinite() {
+                    *x = *d;
+                }
             }
         }
         out.y[..m].fill(0.0);
         out.z[..n].fill(0.0);
     }
 
-    /// Whether no row and no curvature connects a variable with another: what it moves by helps no other to move.
-    fn is_alone(&self, j: usize) -> bool {
-        let n = self.scaled.n();
-        let is_only = |row: &[f64]| {
-            let mut others = row.iter().enumerate().filter(|(i, _)| *i != j);
-            row[j] == 0.0 || others.all(|(_, a)| *a == 0.0)
+    /// Whether the cost's slope changes along `x`, and limits are approached, by no more than along the direction, up to
+    /// rounding.
+    fn is_as_good_a_ray(&self, x: &[f64]) -> bool {
+        let d = self.face.direction();
+        let n = x.len();
+        let is_no_more = |row: &[f64]| {
+            let rate = dot(row, x).abs();
+            let terms = row.iter().zip(x).map(|(a, x)| (a * x).abs());
+            rate <= dot(row, d).abs() || rate <= f64::EPSILON * terms.sum::<f64>()
         };
-        let mut rows = (0..self.scaled.m()).map(|i| self.scaled.row(i));
-        is_only(&self.h[j * n..(j + 1) * n]) && rows.all(is_only)
+        let mut slopes = self.h[..n * n].chunks_exact(n);
+        let mut rates = (0..self.scaled.m()).map(|i| self.scaled.row(i));
+        slopes.all(is_no_more) && rates.all(is_no_more)
     }
 
     /// How far the direction can be followed from `x`, at most `full`, and what ends it.
