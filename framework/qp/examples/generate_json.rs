@@ -6,7 +6,6 @@
 //! ```
 
 #[path = "../tests/families/mod.rs"]
-#[expect(dead_code, reason = "the units are for the judge")]
 mod families;
 
 use families::{FAMILIES, Truth, draw};

@@ -2,7 +2,6 @@
 //! solution that is unique and well determined.
 
 #[path = "families/mod.rs"]
-#[expect(dead_code, reason = "the units are for the judge")]
 mod families;
 
 use families::{FAMILIES, Family, draw};

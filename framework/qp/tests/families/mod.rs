@@ -5,6 +5,11 @@
 //! `g = −(H x* + Aᵀ y + z)` makes them optimal. An infeasible one gets a row that is a combination of others, with a limit that
 //! the combination contradicts. An unbounded one gets a direction d with `H d = 0` along which no limit is reached and
 //! `gᵀ d < 0`. Last, variables, rows and cost are given units.
+#![allow(
+    dead_code,
+    unreachable_pub,
+    reason = "several tests and an example share it: each uses a part"
+)]
 
 use rand::{Rng, SeedableRng, seq::SliceRandom};
 use rand_chacha::ChaCha8Rng;
@@ -12,7 +17,7 @@ use wbqp_qp::{Capacity, Qp};
 
 /// What is special about a problem.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Family {
+pub enum Family {
     /// H definite, constraints in general position.
     Regular,
     /// More constraints active at the solution than there are variables, some with a zero multiplier.
@@ -33,9 +38,17 @@ pub(crate) enum Family {
     Unbounded,
     /// No feasible point, by 1e-6 to 1e3 of the row that says so.
     Infeasible,
+    /// Rows that are combinations of others, with limits and multipliers of their own.
+    Combined,
+    /// Variables and rows in units of their own that differ by eight orders of magnitude.
+    BadlyScaled,
+    /// Rows at angles of 1e-13 to 1e-4 to combinations of others: how much of a multiplier or of a step is rounding is
+    /// not known.
+    NearlyDependent,
 }
 
-pub(crate) const FAMILIES: [Family; 10] = [
+/// The families whose problems have an answer that can be computed in any units.
+pub const FAMILIES: [Family; 11] = [
     Family::Regular,
     Family::Degenerate,
     Family::Redundant,
@@ -46,26 +59,33 @@ pub(crate) const FAMILIES: [Family; 10] = [
     Family::AtZero,
     Family::Unbounded,
     Family::Infeasible,
+    Family::Combined,
 ];
 
 /// What the answer must be.
 #[derive(Clone, Debug)]
-pub(crate) enum Truth {
+pub enum Truth {
     /// A solution, which need not be the only one.
     Optimal(Vec<f64>),
+    /// No point satisfies all limits.
     Infeasible,
+    /// The cost falls for ever.
     Unbounded,
 }
 
 /// A problem and what is known of it.
 #[derive(Clone, Debug)]
-pub(crate) struct Known {
-    pub(crate) qp: Qp,
-    pub(crate) truth: Truth,
-    /// The units of rows and variables: what was one before.
-    pub(crate) row_units: Vec<f64>,
-    pub(crate) variable_units: Vec<f64>,
-    pub(crate) cost_unit: f64,
+pub struct Known {
+    /// The problem.
+    pub qp: Qp,
+    /// Its answer.
+    pub truth: Truth,
+    /// The units of rows: what was one before.
+    pub row_units: Vec<f64>,
+    /// The units of variables.
+    pub variable_units: Vec<f64>,
+    /// The unit of the cost.
+    pub cost_unit: f64,
 }
 
 struct Row {
@@ -75,8 +95,12 @@ struct Row {
     y: f64,
 }
 
-/// Units of variables, rows and cost are powers of ten up to this exponent, either way.
-pub(crate) fn draw(family: Family, seed: u64, largest: usize, exponent: f64) -> Known {
+/// Draws a problem with up to `largest` variables. Units of variables, rows and cost are powers of ten up to `exponent`,
+/// either way.
+///
+/// # Panics
+/// Never: the storage is made for the rows.
+pub fn draw(family: Family, seed: u64, largest: usize, exponent: f64) -> Known {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let rng = &mut rng;
     let n = rng.random_range(1..=largest);
@@ -162,6 +186,12 @@ pub(crate) fn draw(family: Family, seed: u64, largest: usize, exponent: f64) -> 
     if family == Family::Redundant {
         add_redundant(&mut rows, &x, n, rng);
     }
+    if family == Family::Combined {
+        add_combined(&mut rows, &x, n, rng);
+    }
+    if family == Family::NearlyDependent {
+        add_nearly_dependent(&mut rows, &x, n, rng);
+    }
     if family == Family::Infeasible {
         add_contradiction(&mut rows, &x, n, rng);
     }
@@ -218,10 +248,15 @@ pub(crate) fn draw(family: Family, seed: u64, largest: usize, exponent: f64) -> 
         }
     }
 
-    let unit = |rng: &mut ChaCha8Rng| 10f64.powf(rng.random_range(-exponent..=exponent));
-    let d: Vec<f64> = (0..n).map(|_| unit(rng)).collect();
-    let row_units: Vec<f64> = rows.iter().map(|_| unit(rng)).collect();
-    let cost_unit = unit(rng);
+    let unit =
+        |rng: &mut ChaCha8Rng, exponent: f64| 10f64.powf(rng.random_range(-exponent..=exponent));
+    let own = match family {
+        Family::BadlyScaled => exponent + 4.0,
+        _ => exponent,
+    };
+    let d: Vec<f64> = (0..n).map(|_| unit(rng, own)).collect();
+    let row_units: Vec<f64> = rows.iter().map(|_| unit(rng, own)).collect();
+    let cost_unit = unit(rng, exponent);
     let m = rows.len();
     let mut qp = Qp::new(Capacity { vars: n, rows: m });
     let ids = (0..n as u32).map(wbqp_qp::VarId::new);
@@ -294,14 +329,57 @@ fn add_redundant(rows: &mut Vec<Row>, x: &[f64], n: usize, rng: &mut ChaCha8Rng)
             .map(|(a, b)| p * a + q * b)
             .collect();
         let value = dot(&a, x);
-        let equal = |row: &Row| row.lower == row.upper;
-        let (lower, upper) = if equal(&rows[i]) && (q == 0.0 || equal(&rows[j])) {
+        let (lower, upper) = if is_equality(&rows[i]) && (q == 0.0 || is_equality(&rows[j])) {
             (value, value)
         } else {
             (f64::NEG_INFINITY, value)
         };
         rows.push(Row { a, lower, upper, y });
     }
+}
+
+/// Combinations; of equalities they are equalities, of others they have limits of their own.
+fn add_combined(rows: &mut Vec<Row>, x: &[f64], n: usize, rng: &mut ChaCha8Rng) {
+    if rows.is_empty() {
+        return;
+    }
+    for _ in 0..rng.random_range(1..=3) {
+        let [i, j] = [(); 2].map(|()| rng.random_range(0..rows.len()));
+        let p = rng.random_range(-1.0..1.0_f64);
+        let q = f64::from(rng.random_range(0..2_u8));
+        let pairs = rows[i].a.iter().zip(&rows[j].a);
+        let a: Vec<f64> = pairs.map(|(a, b)| p * a + q * b).collect();
+        if is_equality(&rows[i]) && is_equality(&rows[j]) {
+            let (value, y) = (dot(&a, x), 0.0);
+            let (lower, upper) = (value, value);
+            rows.push(Row { a, lower, upper, y });
+        } else {
+            rows.push(with_limits(a, x, false, Family::Combined, n, rng));
+        }
+    }
+}
+
+/// Combinations up to a small angle, with limits of their own.
+fn add_nearly_dependent(rows: &mut Vec<Row>, x: &[f64], n: usize, rng: &mut ChaCha8Rng) {
+    if rows.is_empty() {
+        return;
+    }
+    for _ in 0..rng.random_range(1..=3) {
+        let [i, j] = [(); 2].map(|()| rng.random_range(0..rows.len()));
+        let angle = 10f64.powf(rng.random_range(-13.0..-4.0));
+        let p = rng.random_range(-1.0..1.0_f64);
+        let q = f64::from(rng.random_range(0..2_u8));
+        let pairs = rows[i].a.iter().zip(&rows[j].a);
+        let a = pairs.map(|(a, b)| p * a + q * b + angle * rng.random_range(-1.0..1.0));
+        let a = a.collect();
+        let equality = is_equality(&rows[i]) && rng.random_bool(0.5);
+        let row = with_limits(a, x, equality, Family::NearlyDependent, n, rng);
+        rows.push(row);
+    }
+}
+
+fn is_equality(row: &Row) -> bool {
+    row.lower == row.upper
 }
 
 /// A sum of rows with their upper limits, whose own lower limit is above.
@@ -404,6 +482,7 @@ fn without(a: &mut [f64], d: &[f64]) {
     }
 }
 
-pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+/// The sum of products.
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
