@@ -11,28 +11,15 @@ use std::{
 use common::{Temporary, root, wbqp};
 use wbqp::log::RunLock;
 
-const STAND: &str = r#"[controller]
-rate = 250.0
+const STAND: &str = include_str!("../../examples/scenarios/quadruped_short.controller.toml");
 
-[robot]
-type = "quadruped"
-
-[[contact]]
-frames = ["fl_foot", "fr_foot", "hl_foot", "hr_foot"]
-motion = "hard"
-
-[[task]]
-type = "com"
-kp = 100.0
-
-[[task]]
-type = "base_orientation"
-kp = 100.0
-
-[[task]]
-type = "posture"
-kp = 30.0
-"#;
+/// A folder with the file, and where a run is to write.
+fn with_stand(name: &str) -> (Temporary, String, String) {
+    let folder = Temporary::new(name);
+    let (file, out) = (folder.file("stand.toml"), folder.file("out"));
+    fs::write(&file, STAND).unwrap();
+    (folder, file, out)
+}
 
 #[cfg(target_os = "linux")]
 #[test]
@@ -71,10 +58,7 @@ fn devices_and_pipes_are_refused_in_words_whatever_reads_them() {
 
 #[test]
 fn a_reader_that_has_enough_ends_no_run() {
-    let folder = Temporary::new("closed_pipe");
-    let file = folder.file("stand.toml");
-    fs::write(&file, STAND).unwrap();
-    let out = folder.file("out");
+    let (folder, file, out) = with_stand("closed_pipe");
     for arguments in [
         vec!["run", &file, "--duration", "0.1", "--out", &out],
         vec!["check", &file],
@@ -108,10 +92,7 @@ fn a_reader_that_has_enough_ends_no_run() {
 
 #[test]
 fn a_second_run_into_the_same_log_is_told_of_the_first() {
-    let folder = Temporary::new("two_runs");
-    let file = folder.file("stand.toml");
-    fs::write(&file, STAND).unwrap();
-    let out = folder.file("out");
+    let (folder, file, out) = with_stand("two_runs");
     let log = folder.0.join("out/stand/default.mcap");
     let lock = RunLock::take(&log).unwrap();
     fs::write(&log, "of the other run").unwrap();
@@ -185,10 +166,7 @@ fn shards_share_a_folder_and_its_summary() {
 
 #[test]
 fn a_log_that_was_cut_is_repaired_beside_it() {
-    let folder = Temporary::new("repair");
-    let file = folder.file("stand.toml");
-    fs::write(&file, STAND).unwrap();
-    let out = folder.file("out");
+    let (folder, file, out) = with_stand("repair");
     let done = wbqp(&["run", &file, "--duration", "1.2", "--out", &out]);
     assert_eq!(done.code, 0, "{}", done.stderr);
     let log = folder.0.join("out/stand/default.mcap");

@@ -6,8 +6,13 @@ use wbqp::{
     config::{ControllerConfig, Overrides},
     controller::Controller,
     nalgebra::Vector3,
+    state::State,
 };
-use wbqp_sim::{PlantConfig, SensorsConfig, plant, sensors::ForceTorqueConfig};
+use wbqp_sim::{
+    PlantConfig, SensorsConfig,
+    plant::{ContactPointConfig, WallConfig},
+    sensors::ForceTorqueConfig,
+};
 use wbqp_tasks::MinJerk;
 
 use crate::closed_loop::ClosedLoop;
@@ -17,24 +22,32 @@ pub const BEFORE: [f64; 3] = [-0.14, 0.0, 1.258];
 /// Base position 5 cm beyond, m.
 pub const BEYOND: [f64; 3] = [-0.0688, 0.0, 1.258];
 
-/// About to go from [`BEFORE`] to [`BEYOND`] within 2 s; the tip touches after about 0.8 s.
+/// The controller of experiment B as it ships, with overrides.
 ///
 /// # Panics
 /// If the overrides do not fit the controller.
-pub fn approaching(overrides: &Overrides) -> ClosedLoop {
+pub fn experiment(overrides: &Overrides) -> ControllerConfig {
     let file = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../examples/scenarios/push_with_disturbance.controller.toml");
-    let config = ControllerConfig::from_file_with(file, overrides).expect("ships");
-    let controller = Controller::new(config).expect("fits the robot");
-    let mut initial = controller.robot().home.clone();
-    initial.p_WR = Vector3::from(BEFORE);
-    let wall = plant::WallConfig::new("wall", Vector3::zeros(), -Vector3::x());
-    let tip = plant::ContactPointConfig {
+    ControllerConfig::from_file_with(file, overrides).expect("ships")
+}
+
+/// The wall that is pushed on.
+pub fn wall() -> WallConfig {
+    WallConfig::new("wall", Vector3::zeros(), -Vector3::x())
+}
+
+/// The controller on a plant without noise and disturbance: the tip touches, and its force is measured.
+///
+/// # Panics
+/// If the robot has no frame `tool`, or the plant refuses the state.
+pub fn simulated(controller: Controller, walls: Vec<WallConfig>, initial: State) -> ClosedLoop {
+    let tip = ContactPointConfig {
         frame: "tool".into(),
         offset: [0.0; 3],
     };
     let plant = PlantConfig {
-        walls: vec![wall],
+        walls,
         contact_points: vec![tip],
         ..PlantConfig::default()
     };
@@ -42,8 +55,18 @@ pub fn approaching(overrides: &Overrides) -> ClosedLoop {
         force_torque: vec![ForceTorqueConfig::new("tool")],
         ..SensorsConfig::default()
     };
-    let mut running =
-        ClosedLoop::new(controller, &plant, &sensors, initial).expect("can be simulated");
+    ClosedLoop::new(controller, &plant, &sensors, initial).expect("can be simulated")
+}
+
+/// About to go from [`BEFORE`] to [`BEYOND`] within 2 s; the tip touches after about 0.8 s.
+///
+/// # Panics
+/// If the overrides do not fit the controller.
+pub fn approaching(overrides: &Overrides) -> ClosedLoop {
+    let controller = Controller::new(experiment(overrides)).expect("fits the robot");
+    let mut initial = controller.robot().home.clone();
+    initial.p_WR = Vector3::from(BEFORE);
+    let mut running = simulated(controller, vec![wall()], initial);
     let approach = MinJerk::new(BEYOND, 2.0).starting_at(BEFORE);
     running
         .controller

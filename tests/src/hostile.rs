@@ -111,69 +111,57 @@ pub fn stand() -> String {
     )
 }
 
+/// The entries of a list, one after the other.
+fn listed(count: usize, entry: impl Fn(usize) -> String) -> String {
+    (0..count).map(|index| entry(index) + "\n").collect()
+}
+
 /// Constraints that are right and have many rows.
 pub fn constraints(count: usize) -> String {
-    let mut text = format!(
-        "{}[[contact]]\nname = \"left\"\nframe = \"left_sole\"\nsize = [0.2, 0.1]\nmotion = \"hard\"\n\n",
-        HEAD.replace("quadruped", "humanoid")
-    );
-    for constraint in 0..count {
-        let _ = writeln!(
-            text,
-            "[[constraint]]\nname = \"w{constraint}\"\ntype = \"actuator_limits\"\n"
-        );
-    }
-    text
+    let head = HEAD.replace("quadruped", "humanoid");
+    let contact = "[[contact]]\nname = \"left\"\nframe = \"left_sole\"\nsize = [0.2, 0.1]\nmotion = \"hard\"\n\n";
+    let constraints = listed(count, |constraint| {
+        format!("[[constraint]]\nname = \"w{constraint}\"\ntype = \"actuator_limits\"\n")
+    });
+    head + contact + &constraints
+}
+
+/// Tasks with these keys on the quadruped.
+fn with_tasks(count: usize, keys: impl Fn(usize) -> String) -> String {
+    let tasks = listed(count, |task| format!("[[task]]\n{}\n", keys(task)));
+    format!("{HEAD}{CONTACTS}{tasks}")
 }
 
 /// Tasks that are right.
 pub fn tasks(count: usize) -> String {
-    let mut text = format!("{HEAD}{CONTACTS}");
-    for task in 0..count {
+    with_tasks(count, |task| {
         let kind = ["com", "base_orientation", "posture"][task % 3];
-        let _ = writeln!(
-            text,
-            "[[task]]\nname = \"t{task}\"\ntype = \"{kind}\"\nweight = 1.0\nkp = 30.0\n"
-        );
-    }
-    text
+        format!("name = \"t{task}\"\ntype = \"{kind}\"\nweight = 1.0\nkp = 30.0")
+    })
 }
 
 /// Tasks with a key that nobody knows, one that is missing and one that is no number.
 pub fn wrong_tasks(count: usize) -> String {
-    let mut text = format!("{HEAD}{CONTACTS}");
-    for task in 0..count {
-        let _ = writeln!(
-            text,
-            "[[task]]\nname = \"t{task}\"\ntype = \"posture\"\nweigth = 1.0\nkp = \"much\"\n"
-        );
-    }
-    text
+    with_tasks(count, |task| {
+        format!("name = \"t{task}\"\ntype = \"posture\"\nweigth = 1.0\nkp = \"much\"")
+    })
 }
 
 /// Tasks of types that are not linked, half of them with a name that is taken.
 pub fn unknown_tasks(count: usize) -> String {
-    let mut text = format!("{HEAD}{CONTACTS}");
-    for task in 0..count {
+    with_tasks(count, |task| {
         let name = task / 2;
-        let _ = writeln!(
-            text,
-            "[[task]]\nname = \"t{name}\"\ntype = \"postur{task}\"\nweight = 1.0\nkp = 30.0\n"
-        );
-    }
-    text
+        format!("name = \"t{name}\"\ntype = \"postur{task}\"\nweight = 1.0\nkp = 30.0")
+    })
 }
 
 /// Tasks that only the robot shows to be wrong.
 pub fn misfits(count: usize) -> String {
-    let mut text = format!("{HEAD}{CONTACTS}");
-    for task in 0..count {
-        let _ = writeln!(
-            text,
-            "[[task]]\nname = \"t{task}\"\ntype = \"frame_pose\"\nframe = \"f{task}\"\nweight = 1.0\nkp = 30.0\n"
-        );
-    }
-    text
+    with_tasks(count, |task| {
+        format!(
+            "name = \"t{task}\"\ntype = \"frame_pose\"\nframe = \"f{task}\"\nweight = 1.0\nkp = 30.0"
+        )
+    })
 }
 
 fn scenario(cases: usize, case: impl Fn(usize) -> String) -> String {
@@ -184,10 +172,9 @@ fn scenario(cases: usize, case: impl Fn(usize) -> String) -> String {
     }
     text += "[[plant.wall]]\nname = \"ground\"\npoint = [0.0, 0.0, 0.0]\nnormal = [0.0, 0.0, 1.0]\n\
              stiffness = 2e4\ndamping = 60.0\nfriction = 0.8\n\n";
-    for index in 0..cases {
-        let _ = writeln!(text, "[[case]]\nname = \"c{index}\"\n{}", case(index));
-    }
-    text
+    text + &listed(cases, |index| {
+        format!("[[case]]\nname = \"c{index}\"\n{}", case(index))
+    })
 }
 
 /// Cases that change the plant.
@@ -216,11 +203,10 @@ pub fn attributes(count: usize) -> String {
 
 /// One link with elements that nobody asked for, and a joint that misses one.
 pub fn children(count: usize) -> String {
-    let mut text = "<robot name=\"r\"><link name=\"l\">".to_owned();
-    for child in 0..count {
-        let _ = writeln!(text, "<inertial><mass value=\"m{child}\"/></inertial>");
-    }
-    text + "</link></robot>\n"
+    let children = listed(count, |child| {
+        format!("<inertial><mass value=\"m{child}\"/></inertial>")
+    });
+    format!("<robot name=\"r\"><link name=\"l\">{children}</link></robot>\n")
 }
 
 /// Elements in one another.
@@ -234,29 +220,18 @@ pub fn nested_elements(depth: usize) -> String {
 
 /// Keys that nobody knows, at the top.
 pub fn keys(count: usize) -> String {
-    let mut text = String::new();
-    for key in 0..count {
-        let _ = writeln!(text, "k{key} = {key}");
-    }
-    text + HEAD
+    listed(count, |key| format!("k{key} = {key}")) + HEAD
 }
 
 /// Keys that nobody knows, in a task.
 pub fn task_keys(count: usize) -> String {
-    let mut text = format!("{HEAD}[[task]]\ntype = \"posture\"\nkp = 30.0\n");
-    for key in 0..count {
-        let _ = writeln!(text, "k{key} = {key}");
-    }
-    text
+    let keys = listed(count, |key| format!("k{key} = {key}"));
+    format!("{HEAD}[[task]]\ntype = \"posture\"\nkp = 30.0\n{keys}")
 }
 
 /// Keys with dots, each a table of its own.
 pub fn dotted_keys(count: usize) -> String {
-    let mut text = String::new();
-    for key in 0..count {
-        let _ = writeln!(text, "a.k{key}.b = {key}");
-    }
-    text + HEAD
+    listed(count, |key| format!("a.k{key}.b = {key}")) + HEAD
 }
 
 /// The same key again and again.

@@ -7,6 +7,7 @@ pub mod closed_loop;
 pub mod collection;
 pub mod gallery;
 pub mod hostile;
+pub mod listener;
 pub mod mutation;
 pub mod oracle;
 pub mod properties;

@@ -4,7 +4,7 @@
 //! Accelerations, forces and inputs at which everything is feasible are drawn first, as smooth functions of time; bias
 //! forces follow from them. What the tasks ask for deviates from them by more than the limits allow, now and then.
 
-use std::f64::consts::TAU;
+use std::{f64::consts::TAU, ops::Range};
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -236,43 +236,149 @@ pub fn aerial(ticks: usize, demand: Demand) -> Vec<Qp> {
     (0..ticks).map(tick).collect()
 }
 
-/// What the constraints of a robot on its feet are made of.
-struct Standing<'a> {
-    mass: &'a DMatrix<f64>,
-    /// Jacobian of the points that bear forces.
-    contact: &'a DMatrix<f64>,
-    /// Jacobian of what is at rest.
-    motion: &'a DMatrix<f64>,
-    bias: &'a DVector<f64>,
-    /// One that is feasible.
-    acceleration: &'a DVector<f64>,
+/// A robot on its feet without its torques: what of it changes with time, and what limits it.
+struct Standing {
+    mass: Mass,
+    /// An acceleration, forces and torques that are feasible.
+    acceleration: Waves,
+    forces: Waves,
+    torques: Waves,
+    /// What the tasks ask for beyond that.
+    deviation: Waves,
+    /// What a point that is to be moved has of the accelerations of joints.
+    point: Waves,
+    asked: Wave,
+    limits: Limits,
 }
 
-impl Standing<'_> {
+/// Sizes of a robot on its feet, and its limits.
+struct Limits {
+    mean_normal: f64,
+    largest_torque: f64,
+    friction: f64,
+    /// Forces along the ground, of the normal ones.
+    sideways: f64,
+    /// Weight of the forces in the cost.
+    force_weight: f64,
+    /// Accelerations that move the point besides the base's.
+    moving: Range<usize>,
+}
+
+/// Jacobians of a robot on its feet.
+struct Feet {
+    /// Of the points that bear forces.
+    contact: DMatrix<f64>,
+    /// Of what is at rest.
+    motion: DMatrix<f64>,
+}
+
+impl Standing {
+    /// `drift` is the amplitude of what changes in the point's row.
+    fn new(rng: &mut ChaCha8Rng, mass: Mass, nf: usize, drift: f64, limits: Limits) -> Self {
+        let nv = mass.diagonal.len();
+        Self {
+            mass,
+            acceleration: Waves::new(rng, nv, 1, 0.0, 1.0),
+            forces: Waves::new(rng, nf, 1, 0.0, 0.35),
+            torques: Waves::new(rng, nv, 1, 0.0, 0.35),
+            deviation: Waves::new(rng, nv, 1, 0.0, 1.0),
+            point: Waves::new(rng, 3, nv, 0.25, drift),
+            asked: Wave::new(rng, 1.0),
+            limits,
+        }
+    }
+
+    /// The problem at a time, s.
+    fn problem(&self, time: f64, feet: &Feet, demand: Demand) -> Qp {
+        let (nv, nf) = (self.mass.diagonal.len(), feet.contact.nrows());
+        let mass = self.mass.at(time);
+        let acceleration = self.acceleration.vector(time);
+        let force = self.force(time, nf);
+        let mut torque = self.torques.vector(time) * self.limits.largest_torque;
+        torque.rows_mut(0, 6).fill(0.0);
+        let bias = &torque + feet.contact.transpose() * &force - &mass * &acceleration;
+
+        let mut h = DMatrix::zeros(nv + nf, nv + nf);
+        let mut g = DVector::zeros(nv + nf);
+        let deviation = self.deviation.vector(time) * demand.at(&self.asked, time);
+        for i in 0..nv {
+            let (weight, scale) = match i {
+                0..3 => (10.0, 5.0),
+                3..6 => (5.0, 5.0),
+                _ => (0.1, 40.0),
+            };
+            h[(i, i)] = weight + 1e-5;
+            g[i] = -weight * (acceleration[i] + scale * deviation[i]);
+        }
+        let weight = self.limits.force_weight;
+        for i in 0..nf {
+            h[(nv + i, nv + i)] = weight;
+            g[nv + i] = -weight * force[i];
+        }
+        // Couples all accelerations that move the point.
+        for (axis, row) in self.point.at(time).row_iter().enumerate() {
+            let row = DVector::from_fn(nv + nf, |j, _| match j {
+                0..3 => f64::from(u8::from(j == axis)),
+                j if self.limits.moving.contains(&j) => row[j],
+                _ => 0.0,
+            });
+            let wanted = row.rows(0, nv).dot(&acceleration) + 5.0 * deviation[axis];
+            h += 4.0 * &row * row.transpose();
+            g -= 4.0 * wanted * row;
+        }
+
+        let rows = 6 + feet.motion.nrows() + 5 * (nf / 3) + nv - 6;
+        let mut qp = problem(nv + nf, rows);
+        set_cost(&mut qp, &h, &g);
+        self.constrain(&mut qp, feet, &mass, [&bias, &acceleration]);
+        qp
+    }
+
+    fn force(&self, time: f64, nf: usize) -> DVector<f64> {
+        let shape = self.forces.vector(time);
+        DVector::from_fn(nf, |i, _| {
+            let normal = self.limits.mean_normal * (1.0 + 0.5 * shape[i - i % 3 + 2]);
+            if i % 3 == 2 {
+                normal
+            } else {
+                self.limits.sideways * normal * shape[i]
+            }
+        })
+    }
+
     /// Dynamics of the base and feet at rest as equalities; friction and torque limits.
-    fn constrain(&self, qp: &mut Qp, friction: f64, least_normal: f64, largest_torque: f64) {
-        let (nv, nf) = (self.mass.nrows(), self.contact.nrows());
+    fn constrain(
+        &self,
+        qp: &mut Qp,
+        feet: &Feet,
+        mass: &DMatrix<f64>,
+        [bias, acceleration]: [&DVector<f64>; 2],
+    ) {
+        let (nv, nf) = (mass.nrows(), feet.contact.nrows());
         let dynamics = |i: usize| {
-            let forces = self.contact.column(i).into_owned();
-            let row = self.mass.row(i).transpose();
+            let forces = feet.contact.column(i).into_owned();
+            let row = mass.row(i).transpose();
             (0..nv + nf).map(move |j| if j < nv { row[j] } else { -forces[j - nv] })
         };
         for i in 0..6 {
-            push(qp, dynamics(i), -self.bias[i], -self.bias[i]);
+            push(qp, dynamics(i), -bias[i], -bias[i]);
         }
-        let at_rest = self.motion * self.acceleration;
-        for (row, at_rest) in self.motion.row_iter().zip(&at_rest) {
+        let at_rest = &feet.motion * acceleration;
+        for (row, at_rest) in feet.motion.row_iter().zip(&at_rest) {
             let row = row.iter().copied().chain(std::iter::repeat_n(0.0, nf));
             push(qp, row, *at_rest, *at_rest);
         }
+        let Limits {
+            friction,
+            mean_normal,
+            largest_torque,
+            ..
+        } = self.limits;
         for point in 0..nf / 3 {
-            push_friction(qp, nv + 3 * point, friction, least_normal);
+            push_friction(qp, nv + 3 * point, friction, 0.05 * mean_normal);
         }
         for i in 6..nv {
-            let (lower, upper) = (
-                -largest_torque - self.bias[i],
-                largest_torque - self.bias[i],
-            );
+            let (lower, upper) = (-largest_torque - bias[i], largest_torque - bias[i]);
             push(qp, dynamics(i), lower, upper);
         }
     }
@@ -293,17 +399,19 @@ pub fn quadruped(ticks: usize, demand: Demand) -> Vec<Qp> {
         coupled: |low, high| high >= 3 && (low < 6 || (low - 6) / 3 == (high - 6) / 3),
     };
     let legs = Waves::new(rng, nf, 3, 0.2, 0.05);
-    let acceleration = Waves::new(rng, nv, 1, 0.0, 1.0);
-    let forces = Waves::new(rng, nf, 1, 0.0, 0.35);
-    let torques = Waves::new(rng, nv, 1, 0.0, 0.35);
-    let deviation = Waves::new(rng, nv, 1, 0.0, 1.0);
-    let centre = Waves::new(rng, 3, nv, 0.25, 0.05);
-    let asked = Wave::new(rng, 1.0);
-    let (mean_normal, largest_torque, friction) = (30.0, 6.0, 0.5);
+    let limits = Limits {
+        mean_normal: 30.0,
+        largest_torque: 6.0,
+        friction: 0.5,
+        sideways: 0.35,
+        force_weight: 1e-4,
+        // The centre of mass.
+        moving: 3..nv,
+    };
+    let standing = Standing::new(rng, mass, nf, 0.05, limits);
 
     let tick = |k: usize| {
         let time = k as f64 * PERIOD;
-        let mass = mass.at(time);
         let legs = legs.at(time);
         let mut contact = DMatrix::zeros(nf, nv);
         for foot in 0..4 {
@@ -316,59 +424,8 @@ pub fn quadruped(ticks: usize, demand: Demand) -> Vec<Qp> {
             let own = legs.rows(at, 3) + Matrix3::from_diagonal_element(0.2);
             contact.view_mut((at, 6 + at), (3, 3)).copy_from(&own);
         }
-        let acceleration = acceleration.vector(time);
-        let shape = forces.vector(time);
-        let force = DVector::from_fn(nf, |i, _| {
-            let normal = mean_normal * (1.0 + 0.5 * shape[i - i % 3 + 2]);
-            if i % 3 == 2 {
-                normal
-            } else {
-                0.35 * normal * shape[i]
-            }
-        });
-        let mut torque = torques.vector(time) * largest_torque;
-        torque.rows_mut(0, 6).fill(0.0);
-        let bias = &torque + contact.transpose() * &force - &mass * &acceleration;
-
-        let mut h = DMatrix::zeros(nv + nf, nv + nf);
-        let mut g = DVector::zeros(nv + nf);
-        let deviation = deviation.vector(time) * demand.at(&asked, time);
-        for i in 0..nv {
-            let (weight, scale) = match i {
-                0..3 => (10.0, 5.0),
-                3..6 => (5.0, 5.0),
-                _ => (0.1, 40.0),
-            };
-            h[(i, i)] = weight + 1e-5;
-            g[i] = -weight * (acceleration[i] + scale * deviation[i]);
-        }
-        for i in 0..nf {
-            h[(nv + i, nv + i)] = 1e-4;
-            g[nv + i] = -1e-4 * force[i];
-        }
-        // The centre of mass, which the legs move as well: couples all accelerations.
-        for (axis, row) in centre.at(time).row_iter().enumerate() {
-            let row = DVector::from_fn(nv + nf, |j, _| match j {
-                0..3 => f64::from(u8::from(j == axis)),
-                3..18 => row[j],
-                _ => 0.0,
-            });
-            let wanted = row.rows(0, nv).dot(&acceleration) + 5.0 * deviation[axis];
-            h += 4.0 * &row * row.transpose();
-            g -= 4.0 * wanted * row;
-        }
-
-        let mut qp = problem(nv + nf, 18 + 32);
-        set_cost(&mut qp, &h, &g);
-        let stand = Standing {
-            mass: &mass,
-            contact: &contact,
-            motion: &contact,
-            bias: &bias,
-            acceleration: &acceleration,
-        };
-        stand.constrain(&mut qp, friction, 0.05 * mean_normal, largest_torque);
-        qp
+        let motion = contact.clone();
+        standing.problem(time, &Feet { contact, motion }, demand)
     };
     (0..ticks).map(tick).collect()
 }
@@ -402,17 +459,19 @@ pub fn humanoid(ticks: usize, demand: Demand) -> Vec<Qp> {
         },
     };
     let feet = [1, 2].map(|leg| (leg, Waves::new(rng, 6, nv, 0.4, 0.1)));
-    let acceleration = Waves::new(rng, nv, 1, 0.0, 1.0);
-    let forces = Waves::new(rng, nf, 1, 0.0, 0.35);
-    let torques = Waves::new(rng, nv, 1, 0.0, 0.35);
-    let deviation = Waves::new(rng, nv, 1, 0.0, 1.0);
-    let arm = Waves::new(rng, 3, nv, 0.25, 0.0);
-    let asked = Wave::new(rng, 1.0);
-    let (mean_normal, largest_torque, friction) = (75.0, 60.0, 0.42);
+    let limits = Limits {
+        mean_normal: 75.0,
+        largest_torque: 60.0,
+        friction: 0.42,
+        sideways: 0.3,
+        force_weight: 1e-5,
+        // A hand.
+        moving: 18..nv,
+    };
+    let standing = Standing::new(rng, mass, nf, 0.0, limits);
 
     let tick = |k: usize| {
         let time = k as f64 * PERIOD;
-        let mass = mass.at(time);
         let mut motion = DMatrix::zeros(12, nv);
         let mut contact = DMatrix::zeros(nf, nv);
         for (foot, (leg, waves)) in feet.iter().enumerate() {
@@ -438,58 +497,7 @@ pub fn humanoid(ticks: usize, demand: Demand) -> Vec<Qp> {
             }
             motion.rows_mut(6 * foot, 6).copy_from(&jacobian);
         }
-        let acceleration = acceleration.vector(time);
-        let shape = forces.vector(time);
-        let force = DVector::from_fn(nf, |i, _| {
-            let normal = mean_normal * (1.0 + 0.5 * shape[i - i % 3 + 2]);
-            if i % 3 == 2 {
-                normal
-            } else {
-                0.3 * normal * shape[i]
-            }
-        });
-        let mut torque = torques.vector(time) * largest_torque;
-        torque.rows_mut(0, 6).fill(0.0);
-        let bias = &torque + contact.transpose() * &force - &mass * &acceleration;
-
-        let mut h = DMatrix::zeros(nv + nf, nv + nf);
-        let mut g = DVector::zeros(nv + nf);
-        let deviation = deviation.vector(time) * demand.at(&asked, time);
-        for i in 0..nv {
-            let (weight, scale) = match i {
-                0..3 => (10.0, 5.0),
-                3..6 => (5.0, 5.0),
-                _ => (0.1, 40.0),
-            };
-            h[(i, i)] += weight + 1e-5;
-            g[i] -= weight * (acceleration[i] + scale * deviation[i]);
-        }
-        for i in 0..nf {
-            h[(nv + i, nv + i)] = 1e-5;
-            g[nv + i] = -1e-5 * force[i];
-        }
-        for (axis, row) in arm.at(time).row_iter().enumerate() {
-            let row = DVector::from_fn(nv + nf, |j, _| match j {
-                0..3 => f64::from(u8::from(j == axis)),
-                18..36 => row[j],
-                _ => 0.0,
-            });
-            let wanted = row.rows(0, nv).dot(&acceleration) + 5.0 * deviation[axis];
-            h += 4.0 * &row * row.transpose();
-            g -= 4.0 * wanted * row;
-        }
-
-        let mut qp = problem(nv + nf, 18 + 70);
-        set_cost(&mut qp, &h, &g);
-        let stand = Standing {
-            mass: &mass,
-            contact: &contact,
-            motion: &motion,
-            bias: &bias,
-            acceleration: &acceleration,
-        };
-        stand.constrain(&mut qp, friction, 0.05 * mean_normal, largest_torque);
-        qp
+        standing.problem(time, &Feet { contact, motion }, demand)
     };
     (0..ticks).map(tick).collect()
 }

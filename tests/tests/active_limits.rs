@@ -4,46 +4,9 @@
 use std::{collections::BTreeMap, path::Path};
 
 use serde_json::Value;
-use wbqp::log::{ChannelId, LogError, LogSink};
 use wbqp_examples as _;
 use wbqp_sim::Scenario;
-
-/// Keeps, by time, what the contact and the problem were.
-#[derive(Default)]
-struct Ticks {
-    topics: Vec<String>,
-    contact: BTreeMap<u64, Value>,
-    qp: BTreeMap<u64, Value>,
-}
-
-impl LogSink for Ticks {
-    fn channel(&mut self, topic: &str, _: &str, _: &Value) -> Result<ChannelId, LogError> {
-        self.topics.push(topic.to_owned());
-        Ok(ChannelId::new(self.topics.len() as u32 - 1))
-    }
-
-    fn write(&mut self, channel: ChannelId, time: f64, message: &[u8]) -> Result<(), LogError> {
-        let list = match self.topics[channel.index()].as_str() {
-            "/contact/tip" => &mut self.contact,
-            "/qp" => &mut self.qp,
-            _ => return Ok(()),
-        };
-        list.insert(time.to_bits(), serde_json::from_slice(message)?);
-        Ok(())
-    }
-
-    fn metadata(&mut self, _: &str, _: &BTreeMap<String, String>) -> Result<(), LogError> {
-        Ok(())
-    }
-
-    fn attach(&mut self, _: &str, _: &str, _: &[u8]) -> Result<(), LogError> {
-        Ok(())
-    }
-
-    fn finish(&mut self) -> Result<(), LogError> {
-        Ok(())
-    }
-}
+use wbqp_tests::listener::Listener;
 
 /// Four sides inside a cone with the friction 0.5.
 fn is_on_the_pyramid(contact: &Value) -> bool {
@@ -71,11 +34,21 @@ fn forces_on_the_pyramid_show_its_sides() {
         let (mut on, mut shown) = (0, 0);
         let cases: Vec<String> = scenario.cases().map(str::to_owned).collect();
         for case in &cases {
-            let mut ticks = Ticks::default();
-            wbqp_sim::run(&scenario, case, 1, &mut ticks, &mut |_| ()).expect("runs");
-            let touching = ticks.contact.iter().filter(|(_, c)| c["active"] == true);
+            // What the contact and the problem were, by time.
+            let [mut contact, mut qp] = [const { BTreeMap::<u64, Value>::new() }; 2];
+            let mut log = Listener::new(|topic, time, message| {
+                let list = match topic {
+                    "/contact/tip" => &mut contact,
+                    "/qp" => &mut qp,
+                    _ => return Ok(()),
+                };
+                list.insert(time.to_bits(), serde_json::from_slice(message)?);
+                Ok(())
+            });
+            wbqp_sim::run(&scenario, case, 1, &mut log, &mut |_| ()).expect("runs");
+            let touching = contact.iter().filter(|(_, c)| c["active"] == true);
             for (time, _) in touching.filter(|(_, contact)| is_on_the_pyramid(contact)) {
-                let qp = &ticks.qp[time];
+                let qp = &qp[time];
                 on += 1;
                 shown += usize::from(shows_a_side(qp));
             }

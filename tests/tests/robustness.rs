@@ -1,60 +1,17 @@
 //! Every experiment on a plant that the controller does not know: heavier, with weaker motors, with other noise, and asked
 //! for most of what that plant can push.
 
-use std::{collections::BTreeMap, path::Path};
+use std::path::Path;
 
 use serde_json::Value;
-use wbqp::{
-    config::Target,
-    log::{ChannelId, LogError, LogSink},
-    toml,
-};
+use wbqp::{config::Target, toml};
 use wbqp_examples::experiments;
 use wbqp_sim::{Scenario, Variation};
+use wbqp_tests::listener::Listener;
 
 const CONTACT: &str = "tip";
 /// How long before the end is looked at, s.
 const END: f64 = 1.0;
-
-/// Keeps what the plant and the contact were at the end.
-#[derive(Default)]
-struct Ending {
-    topics: Vec<String>,
-    from: f64,
-    plant: Vec<Value>,
-    contact: Vec<Value>,
-}
-
-impl LogSink for Ending {
-    fn channel(&mut self, topic: &str, _: &str, _: &Value) -> Result<ChannelId, LogError> {
-        self.topics.push(topic.to_owned());
-        Ok(ChannelId::new(self.topics.len() as u32 - 1))
-    }
-
-    fn write(&mut self, channel: ChannelId, time: f64, message: &[u8]) -> Result<(), LogError> {
-        if time < self.from {
-            return Ok(());
-        }
-        match self.topics[channel.index()].as_str() {
-            "/plant" => self.plant.push(serde_json::from_slice(message)?),
-            "/contact/tip" => self.contact.push(serde_json::from_slice(message)?),
-            _ => {}
-        }
-        Ok(())
-    }
-
-    fn metadata(&mut self, _: &str, _: &BTreeMap<String, String>) -> Result<(), LogError> {
-        Ok(())
-    }
-
-    fn attach(&mut self, _: &str, _: &str, _: &[u8]) -> Result<(), LogError> {
-        Ok(())
-    }
-
-    fn finish(&mut self) -> Result<(), LogError> {
-        Ok(())
-    }
-}
 
 fn number(value: &Value, pointer: &str) -> f64 {
     let found = value.pointer(pointer).and_then(Value::as_f64);
@@ -111,16 +68,24 @@ fn every_experiment_ends_bounded_and_in_contact_or_released() {
 
 fn ends_well(scenario: &Scenario, case: &str, label: &str) {
     let duration = scenario.case(case).expect("exists").duration();
-    let mut ending = Ending {
-        from: duration - END,
-        ..Ending::default()
-    };
-    let summary = wbqp_sim::run(scenario, case, 7, &mut ending, &mut |_| ());
+    // What plant and contact were at the end.
+    let (mut plants, mut contacts) = (Vec::<Value>::new(), Vec::<Value>::new());
+    let mut log = Listener::new(|topic, time, message| {
+        let list = match topic {
+            _ if time < duration - END => return Ok(()),
+            "/plant" => &mut plants,
+            "/contact/tip" => &mut contacts,
+            _ => return Ok(()),
+        };
+        list.push(serde_json::from_slice(message)?);
+        Ok(())
+    });
+    let summary = wbqp_sim::run(scenario, case, 7, &mut log, &mut |_| ());
     let summary = summary.unwrap_or_else(|e| panic!("{label}: {e}"));
     assert_eq!(summary.diverged, None, "{label}");
     assert_eq!(summary.held, 0, "{label}: ticks without an optimum");
-    assert!(!ending.plant.is_empty() && ending.plant.len() == ending.contact.len());
-    for plant in &ending.plant {
+    assert!(!plants.is_empty() && plants.len() == contacts.len());
+    for plant in &plants {
         let [at, speed, turn] = ["position", "linear_velocity", "angular_velocity"]
             .map(|part| norm(plant, &format!("/base/{part}")));
         let upright = {
@@ -135,9 +100,9 @@ fn ends_well(scenario: &Scenario, case: &str, label: &str) {
         assert!(bounded, "{label}: {plant}");
     }
     let on = |c: &&Value| c["active"] == true;
-    let touching = ending.contact.iter().filter(on).count();
-    let pushed = ending.contact.iter().map(|c| number(c, "/truth/z"));
-    if touching == ending.contact.len() {
+    let touching = contacts.iter().filter(on).count();
+    let pushed = contacts.iter().map(|c| number(c, "/truth/z"));
+    if touching == contacts.len() {
         let least = pushed.fold(f64::INFINITY, f64::min);
         println!("{label}: in contact, at least {least:.2} N");
         assert!(least > 0.0, "{label}: bounces");

@@ -1,8 +1,6 @@
 //! The law that needs no solver, in closed loop: it brings a tumbling robot to rest, lets go of a wall, holds an arm and a
 //! standing robot, and bridges a failure in flight.
 
-use std::path::Path;
-
 use wbqp::{
     config::{ControllerConfig, Overrides},
     controller::{Controller, Measurement, Rung},
@@ -19,13 +17,11 @@ use wbqp::{
     tick::Tick,
 };
 use wbqp_robots::OthexVertical;
-use wbqp_sim::{
-    Plant, PlantCommand, PlantConfig, SensorsConfig, plant, sensors::ForceTorqueConfig,
-};
+use wbqp_sim::{Plant, PlantCommand, PlantConfig, plant};
 use wbqp_tasks::MinJerk;
 use wbqp_tests::{
     adversary::is_within_bounds,
-    approach::{BEFORE, BEYOND},
+    approach::{BEFORE, BEYOND, experiment, simulated, wall},
     closed_loop::ClosedLoop,
     scenes::{Kind, Scene},
 };
@@ -54,28 +50,8 @@ fn with_breaker(mut config: ControllerConfig, active: bool) -> Controller {
     Controller::new(config).expect("is valid")
 }
 
-fn experiment() -> ControllerConfig {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../examples/scenarios/push_with_disturbance.controller.toml");
-    ControllerConfig::from_file_with(file, &Overrides::new()).expect("ships")
-}
-
 fn at_the_wall(controller: Controller, initial: State) -> ClosedLoop {
-    let wall = plant::WallConfig::new("wall", Vector3::zeros(), -Vector3::x());
-    let tip = plant::ContactPointConfig {
-        frame: "tool".into(),
-        offset: [0.0; 3],
-    };
-    let plant = PlantConfig {
-        walls: vec![wall],
-        contact_points: vec![tip],
-        ..PlantConfig::default()
-    };
-    let sensors = SensorsConfig {
-        force_torque: vec![ForceTorqueConfig::new("tool")],
-        ..SensorsConfig::default()
-    };
-    ClosedLoop::new(controller, &plant, &sensors, initial).expect("can be simulated")
+    simulated(controller, vec![wall()], initial)
 }
 
 fn tilt(state: &State) -> f64 {
@@ -100,7 +76,7 @@ fn step(running: &mut ClosedLoop) {
 #[test]
 fn a_tumbling_robot_comes_to_rest() {
     for vertical in [false, true] {
-        let mut config = experiment();
+        let mut config = experiment(&Overrides::new());
         if vertical {
             config.robot = Box::new(OthexVertical::default());
         }
@@ -136,7 +112,7 @@ fn a_tumbling_robot_comes_to_rest() {
 
 /// Flies to the wall and pushes.
 fn pushing() -> ClosedLoop {
-    let controller = with_breaker(experiment(), false);
+    let controller = with_breaker(experiment(&Overrides::new()), false);
     let mut initial = controller.robot().home.clone();
     initial.p_WR = Vector3::from(BEFORE);
     let mut running = at_the_wall(controller, initial);
@@ -215,7 +191,7 @@ fn breaking(running: &mut ClosedLoop, on: bool) {
 
 #[test]
 fn a_failure_in_flight_is_bridged() {
-    let controller = with_breaker(experiment(), false);
+    let controller = with_breaker(experiment(&Overrides::new()), false);
     let mut initial = controller.robot().home.clone();
     initial.p_WR = Vector3::new(-0.5, 0.0, 1.258);
     let mut running = at_the_wall(controller, initial);
@@ -235,7 +211,7 @@ fn a_failure_in_flight_is_bridged() {
 
 #[test]
 fn a_failure_while_moving_is_bridged() {
-    let controller = with_breaker(experiment(), false);
+    let controller = with_breaker(experiment(&Overrides::new()), false);
     let mut initial = controller.robot().home.clone();
     initial.p_WR = Vector3::new(-2.0, 0.0, 1.258);
     let mut running = at_the_wall(controller, initial);
