@@ -1,13 +1,68 @@
 //! Permanent names for the physical variables and for the framework's own rows.
 
 use super::{Group, Table, live::FirstIds};
-use crate::{config::Formulation, qp::RowId};
+use crate::{
+    actuator::ActuatorKind,
+    config::Formulation,
+    contact::ContactSpec,
+    model::{Base, JointKind, Model},
+    qp::RowId,
+    robot::RobotModel,
+};
 
 /// Names of the efforts and of the contacts' force components.
 pub(crate) struct VariableNames<'a> {
     pub(crate) accelerations: Vec<(String, &'static str)>,
     pub(crate) efforts: Vec<(&'a str, &'static str)>,
     pub(crate) contacts: Vec<(&'a str, &'static [usize])>,
+}
+
+impl<'a> VariableNames<'a> {
+    pub(crate) fn new(robot: &'a RobotModel, contacts: &'a [ContactSpec]) -> Self {
+        let unit = |kind| effort_unit(&robot.model, kind);
+        let efforts = robot.actuators.iter();
+        let contacts = contacts.iter();
+        Self {
+            accelerations: acceleration_names(&robot.model),
+            efforts: efforts.map(|a| (a.name.as_str(), unit(&a.kind))).collect(),
+            contacts: contacts
+                .map(|c| (c.name.as_str(), c.kind.constrained()))
+                .collect(),
+        }
+    }
+}
+
+fn acceleration_names(model: &Model) -> Vec<(String, &'static str)> {
+    let base: &[(&str, &str)] = match model.base() {
+        Base::Floating => &[
+            ("base x", "m/s²"),
+            ("base y", "m/s²"),
+            ("base z", "m/s²"),
+            ("base roll", "rad/s²"),
+            ("base pitch", "rad/s²"),
+            ("base yaw", "rad/s²"),
+        ],
+        Base::Fixed => &[],
+    };
+    let base = base.iter().map(|(name, unit)| ((*name).to_owned(), *unit));
+    let joints = model.joints().iter().map(|j| {
+        let unit = match j.kind {
+            JointKind::Revolute => "rad/s²",
+            JointKind::Prismatic => "m/s²",
+        };
+        (j.name.clone(), unit)
+    });
+    base.chain(joints).collect()
+}
+
+fn effort_unit(model: &Model, kind: &ActuatorKind) -> &'static str {
+    match kind {
+        ActuatorKind::Joint(motor) => match model.joints()[motor.joint.index()].kind {
+            JointKind::Revolute => "N·m",
+            JointKind::Prismatic => "N",
+        },
+        ActuatorKind::Rotor(_) => "N",
+    }
 }
 
 /// Rows that belong to the framework, registered before those of the entries: ids ascend in the order in which rows

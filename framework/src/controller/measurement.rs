@@ -2,7 +2,7 @@
 
 use nalgebra::Vector6;
 
-use super::plausible::Implausible;
+use super::implausible::Implausible;
 use crate::{
     actuator::ActuatorId, contact::ContactId, model::JointId, robot::RobotModel, state::State,
 };

@@ -19,7 +19,11 @@
 
 use nalgebra::UnitQuaternion;
 
-use super::{Measurement, measurement::Fault};
+use super::{
+    Measurement,
+    implausible::{Implausible, Measured},
+    measurement::Fault,
+};
 use crate::{
     actuator::ActuatorKind,
     config::MeasurementLimits,
@@ -37,160 +41,6 @@ const FASTEST: f64 = 1000.0;
 const REACTION: f64 = 0.001;
 /// Gravity where there is none, m/s².
 const GRAVITY: f64 = 9.81;
-
-/// What is not plausible.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Implausible {
-    /// What was measured.
-    pub quantity: Measured,
-    /// Its size: m, rad, N or N·m, of speeds per second, of accelerations per second squared.
-    pub value: f64,
-    /// The largest that is plausible, in the same unit.
-    pub limit: f64,
-}
-
-/// A measured quantity that has a bound.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Measured {
-    /// Speed of the base.
-    LinearVelocity,
-    /// Angular speed of the base.
-    AngularVelocity,
-    /// Speed of a joint.
-    JointVelocity(JointId),
-    /// Change of the base's velocity since the last usable measurement, by time.
-    LinearAcceleration,
-    /// Change of the base's angular velocity, by time.
-    AngularAcceleration,
-    /// Change of a joint's velocity, by time.
-    JointAcceleration(JointId),
-    /// Change of the base's position since the last usable measurement.
-    PositionJump,
-    /// Angle that the base has turned.
-    RotationJump,
-    /// Change of a joint's position.
-    JointJump(JointId),
-    /// Force at a contact.
-    Force(ContactId),
-    /// Moment at a contact.
-    Moment(ContactId),
-}
-
-impl Measured {
-    /// The key of `[measurement]`.
-    pub fn key(self) -> &'static str {
-        match self {
-            Self::LinearVelocity => "max_linear_velocity",
-            Self::AngularVelocity => "max_angular_velocity",
-            Self::JointVelocity(_) => "max_joint_velocity",
-            Self::LinearAcceleration => "max_linear_acceleration",
-            Self::AngularAcceleration => "max_angular_acceleration",
-            Self::JointAcceleration(_) => "max_joint_acceleration",
-            Self::PositionJump => "max_position_jump",
-            Self::RotationJump => "max_rotation_jump",
-            Self::JointJump(_) => "max_joint_jump",
-            Self::Force(_) => "max_force",
-            Self::Moment(_) => "max_moment",
-        }
-    }
-
-    fn joint(self) -> Option<JointId> {
-        match self {
-            Self::JointVelocity(joint)
-            | Self::JointAcceleration(joint)
-            | Self::JointJump(joint) => Some(joint),
-            _ => None,
-        }
-    }
-
-    fn contact(self) -> Option<ContactId> {
-        match self {
-            Self::Force(contact) | Self::Moment(contact) => Some(contact),
-            _ => None,
-        }
-    }
-
-    fn what(self) -> &'static str {
-        match self {
-            Self::LinearVelocity => "speed of the base",
-            Self::AngularVelocity => "angular speed of the base",
-            Self::JointVelocity(_) => "speed of joint",
-            Self::LinearAcceleration => "acceleration of the base",
-            Self::AngularAcceleration => "angular acceleration of the base",
-            Self::JointAcceleration(_) => "acceleration of joint",
-            Self::PositionJump => "jump of the base",
-            Self::RotationJump => "turn of the base",
-            Self::JointJump(_) => "jump of joint",
-            Self::Force(_) => "force at contact",
-            Self::Moment(_) => "moment at contact",
-        }
-    }
-
-    fn unit(self, prismatic: bool) -> &'static str {
-        match (self, prismatic) {
-            (Self::LinearVelocity, _) | (Self::JointVelocity(_), true) => "m/s",
-            (Self::AngularVelocity | Self::JointVelocity(_), _) => "rad/s",
-            (Self::LinearAcceleration, _) | (Self::JointAcceleration(_), true) => "m/s²",
-            (Self::AngularAcceleration | Self::JointAcceleration(_), _) => "rad/s²",
-            (Self::PositionJump, _) | (Self::JointJump(_), true) => "m",
-            (Self::RotationJump | Self::JointJump(_), _) => "rad",
-            (Self::Force(_), _) => "N",
-            (Self::Moment(_), _) => "N·m",
-        }
-    }
-}
-
-impl Implausible {
-    /// In words; `contact` gives the names of contacts.
-    pub(super) fn text<'a>(
-        &self,
-        model: &Model,
-        contact: impl Fn(ContactId) -> Option<&'a str>,
-    ) -> String {
-        let Self {
-            quantity,
-            value,
-            limit,
-        } = *self;
-        let joint = quantity.joint();
-        let joint = joint.and_then(|joint| model.joints().get(joint.index()));
-        let name = joint.map(|joint| joint.name.as_str());
-        let name = name.or_else(|| quantity.contact().and_then(contact));
-        let name = name.map_or_else(String::new, |name| format!(" `{name}`"));
-        let prismatic = joint.is_some_and(|joint| joint.kind == JointKind::Prismatic);
-        let unit = quantity.unit(prismatic);
-        let (what, key) = (quantity.what(), quantity.key());
-        let (value, limit) = (short(value), short(limit));
-        format!(
-            "measurement not plausible: {what}{name} is {value} {unit}, more than `{key}` in [measurement] = {limit} {unit}"
-        )
-    }
-}
-
-impl std::fmt::Display for Implausible {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let index = self.quantity.joint().map(JointId::index);
-        let index = index.or_else(|| self.quantity.contact().map(ContactId::index));
-        let (what, value, limit) = (self.quantity.what(), short(self.value), short(self.limit));
-        write!(f, "measurement not plausible: {what}")?;
-        if let Some(index) = index {
-            write!(f, " {index}")?;
-        }
-        write!(f, " is {value}, more than {limit}")
-    }
-}
-
-/// With about four digits.
-fn short(x: f64) -> String {
-    if x != 0.0 && !(1e-3..1e5).contains(&x.abs()) {
-        format!("{x:.3e}")
-    } else {
-        let text = format!("{x:.4}");
-        let text = text.trim_end_matches('0').trim_end_matches('.');
-        text.to_owned()
-    }
-}
 
 /// Bounds for a robot, and when it was seen. In storage made once.
 #[derive(Clone, Debug)]

@@ -3,9 +3,10 @@
 use nalgebra::{DVector, Vector3, Vector6};
 use serde::{Deserialize, Serialize};
 
-use super::{gate::CutEffort, measurement::Fault, stopwatch::StageTimes};
+use super::{gate::CutEffort, measurement::Fault, stopwatch::StageTimes, world::World};
 use crate::{
-    qp::{RowId, Status},
+    assembly::Group,
+    qp::{Capacity, RowId, Status},
     task::ForceReport,
 };
 
@@ -121,6 +122,52 @@ pub struct Report {
     pub regularisation: f64,
     /// Time per stage.
     pub times: StageTimes,
+}
+
+impl Report {
+    /// Before the first tick, with room for all that one may say; `limits` may be given up.
+    pub(super) fn new(tasks: &[Group], world: &World, capacity: Capacity, limits: usize) -> Self {
+        let zeros = |g: &Group| vec![0.0; g.layout.len()];
+        Self {
+            time: 0.0,
+            rung: Rung::Safe,
+            on_rung: OnRung::default(),
+            fault: None,
+            conflict: Vec::with_capacity(capacity.vars + capacity.rows + 1),
+            relaxed: Vec::with_capacity(limits),
+            cut: None,
+            resolves: 0,
+            status: Status::Unsolved,
+            iterations: 0,
+            objective: 0.0,
+            vdot: DVector::zeros(world.model.nv()),
+            tasks: tasks
+                .iter()
+                .map(|g| TaskReport {
+                    alpha: 0.0,
+                    error: zeros(g),
+                    residual: zeros(g),
+                    cost: zeros(g),
+                })
+                .collect(),
+            contacts: world
+                .contacts
+                .iter()
+                .map(|_| ContactReport {
+                    on: false,
+                    alpha: 0.0,
+                    task: None,
+                    solution: Vector6::zeros(),
+                    measured: Vector6::zeros(),
+                    position: Vector3::zeros(),
+                })
+                .collect(),
+            active: Vec::with_capacity(2 * capacity.vars + capacity.rows),
+            undeclared: None,
+            regularisation: 0.0,
+            times: StageTimes::default(),
+        }
+    }
 }
 
 /// What became of a task.

@@ -14,15 +14,9 @@
 //! is not trusted that far. `z_d` is vertical; a base whose rotors cannot push sideways leans against its velocity
 //! instead, by 15° at most.
 //!
-//! **Rotors** get the efforts that come nearest to the base's part of τ, in base axes and with moments about the centre of mass:
-//! ```text
-//! min Σ w_k (A u − τ_R)_k²  within the limits of u
-//! ```
-//! in two steps. First thrust along the base's z, roll and pitch, these two far before thrust: the least-squares
-//! solution is computed, efforts beyond a limit are fixed there, and the rest is computed again, at most once per rotor
-//! (Bordignon's redistributed pseudo-inverse). Then sideways forces and yaw, by a change of the efforts that leaves the
-//! first step's result as it is, scaled down to stay within the limits: what is asked of yaw never costs roll and pitch. **Torque-driven joints** get their part of τ. **Servoed
-//! joints** get a velocity reference of zero.
+//! **Rotors** get the efforts that come nearest to the base's part of τ, in base axes and with moments about the centre
+//! of mass: roll and pitch first, then thrust, then the rest (module `allocation`). **Torque-driven joints** get their
+//! part of τ. **Servoed joints** get a velocity reference of zero.
 //!
 //! A floating base **without rotors** stands on its contacts: the same allocation distributes the base's part of τ
 //! over the forces of the contacts that are on, normals not below zero and tangential forces dear, and joints get `τ − Σ J_cᵀ f`.
@@ -36,7 +30,7 @@
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
-use super::world::World;
+use super::{allocation::Allocation, world::World};
 use crate::{
     actuator::{ActuatorKind, Drive},
     assembly::Actuation,
@@ -58,10 +52,6 @@ const LARGEST_ANGULAR: f64 = 40.0;
 const LEAN: f64 = 0.268;
 /// Time within which feedback on an old state fades, s.
 const FADING: f64 = 0.1;
-/// Weights of the wrench in base axes: forces x, y, z, moments x, y, z (about the centre of mass, per 1 m). In the first step,
-/// and in the second, where the result of the first is to be kept.
-const FIRST: [f64; 6] = [0.0, 0.0, 1e2, 1e5, 1e5, 0.0];
-const SECOND: [f64; 6] = [1.0, 1.0, 1e6, 1e6, 1e6, 1e1];
 /// Share of a joint's velocity that damping may take in a period.
 const BEARABLE: f64 = 0.5;
 /// Price of an effort beside a miss of the same size, and of a tangential force.
@@ -246,8 +236,11 @@ impl SafeLaw {
             self.vdot.fixed_rows_mut::<3>(3).copy_from(&angular);
         }
         for i in 0..model.joints().len() {
-            let driven = robot.actuators.iter().any(|a| {
-                matches!(&a.kind, ActuatorKind::Joint(motor) if motor.joint.index() == i && motor.drive == Drive::Torque)
+            let driven = robot.actuators.iter().any(|a| match &a.kind {
+                ActuatorKind::Joint(motor) => {
+                    motor.joint.index() == i && motor.drive == Drive::Torque
+                }
+                ActuatorKind::Rotor(_) => false,
             });
             if !driven {
                 continue;
@@ -342,180 +335,4 @@ fn in_base(R_RW: &Matrix3<f64>, p_RC: &Vector3<f64>, wrench: [f64; 6]) -> [f64; 
     let moment = Vector3::new(mx, my, mz) - p_RC.cross(&force);
     let (force, moment) = (R_RW * force, R_RW * moment);
     [force.x, force.y, force.z, moment.x, moment.y, moment.z]
-}
-
-/// `min Σ w_k (A x − b)_k² + Σ ρ_j x_j²` within bounds, by fixing what goes beyond them.
-#[derive(Clone, Debug)]
-struct Allocation {
-    /// 6 × columns, row-major.
-    a: Vec<f64>,
-    b: [f64; 6],
-    lower: Vec<f64>,
-    upper: Vec<f64>,
-    ridge: Vec<f64>,
-    x: Vec<f64>,
-    /// Columns that are not fixed.
-    free: Vec<usize>,
-    l: Vec<f64>,
-    right: Vec<f64>,
-    weight: [f64; 6],
-    /// Result of the first step.
-    first: Vec<f64>,
-}
-
-impl Allocation {
-    fn new(columns: usize) -> Self {
-        Self {
-            a: vec![0.0; 6 * columns],
-            b: [0.0; 6],
-            lower: Vec::with_capacity(columns),
-            upper: Vec::with_capacity(columns),
-            ridge: Vec::with_capacity(columns),
-            x: vec![0.0; columns],
-            free: Vec::with_capacity(columns),
-            l: vec![0.0; columns * columns],
-            right: vec![0.0; columns],
-            weight: FIRST,
-            first: vec![0.0; columns],
-        }
-    }
-
-    /// At most one solve per column and one more. What is not finite comes out as such.
-    fn solve(&mut self) {
-        let p = self.lower.len();
-        self.weight = FIRST;
-        self.redistribute(p);
-        self.first[..p].copy_from_slice(&self.x[..p]);
-        for i in [2, 3, 4] {
-            let row = self.a[i * p..(i + 1) * p].iter();
-            self.b[i] = row.zip(&self.first).map(|(a, x)| a * x).sum();
-        }
-        self.weight = SECOND;
-        self.free.clear();
-        self.free.extend(0..p);
-        if !self.solve_free(p) {
-            self.x[..p].copy_from_slice(&self.first[..p]);
-            return;
-        }
-        let mut step = 1.0_f64;
-        for j in 0..p {
-            let change = self.x[j] - self.first[j];
-            let room = if change > 0.0 {
-                self.upper[j] - self.first[j]
-            } else {
-                self.lower[j] - self.first[j]
-            };
-            if change != 0.0 {
-                step = step.min((room / change).max(0.0));
-            }
-        }
-        for (x, first) in self.x[..p].iter_mut().zip(&self.first) {
-            *x = first + step * (*x - first);
-        }
-    }
-
-    fn redistribute(&mut self, p: usize) {
-        self.free.clear();
-        self.free.extend(0..p);
-        self.x[..p].fill(0.0);
-        for _ in 0..=p {
-            if !self.solve_free(p) {
-                return;
-            }
-            let before = self.free.len();
-            let (x, lower, upper) = (&mut self.x, &self.lower, &self.upper);
-            self.free.retain(|&j| {
-                let inside = x[j] >= lower[j] && x[j] <= upper[j];
-                x[j] = x[j].max(lower[j]).min(upper[j]);
-                inside
-            });
-            if self.free.len() == before || self.free.is_empty() {
-                return;
-            }
-        }
-    }
-
-    /// The least-squares solution of the free columns, the others as they are. False if the numbers do not allow it.
-    fn solve_free(&mut self, p: usize) -> bool {
-        let k = self.free.len();
-        let mut rest = self.b;
-        for j in 0..p {
-            // What is free is computed anew.
-            if !self.free.contains(&j) {
-                for (i, rest) in rest.iter_mut().enumerate() {
-                    *rest -= self.a[i * p + j] * self.x[j];
-                }
-            }
-        }
-        for (r, &column) in self.free.iter().enumerate() {
-            let a = |i: usize, j: usize| self.a[i * p + j];
-            self.right[r] = (0..6)
-                .map(|i| self.weight[i] * a(i, column) * rest[i])
-                .sum();
-            for (c, &other) in self.free.iter().enumerate().take(r + 1) {
-                let product: f64 = (0..6)
-                    .map(|i| self.weight[i] * a(i, column) * a(i, other))
-                    .sum();
-                let ridge = if c == r { self.ridge[column] } else { 0.0 };
-                let mut sum = product + ridge;
-                for t in 0..c {
-                    sum -= self.l[r * k + t] * self.l[c * k + t];
-                }
-                if c < r {
-                    self.l[r * k + c] = sum / self.l[c * k + c];
-                } else {
-                    let positive = sum > 0.0;
-                    if !positive {
-                        return false;
-                    }
-                    self.l[r * k + r] = sum.sqrt();
-                }
-            }
-        }
-        for r in 0..k {
-            for t in 0..r {
-                self.right[r] -= self.l[r * k + t] * self.right[t];
-            }
-            self.right[r] /= self.l[r * k + r];
-        }
-        for r in (0..k).rev() {
-            for t in r + 1..k {
-                self.right[r] -= self.l[t * k + r] * self.right[t];
-            }
-            self.right[r] /= self.l[r * k + r];
-        }
-        for (&column, x) in self.free.iter().zip(&self.right) {
-            self.x[column] = *x;
-        }
-        true
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::Allocation;
-
-    #[test]
-    fn roll_is_kept_where_thrust_is_short() {
-        // Two rotors on a beam along y: force z, and moment x.
-        let mut two = Allocation::new(2);
-        two.a[4..6].copy_from_slice(&[1.0, 1.0]);
-        two.a[6..8].copy_from_slice(&[1.0, -1.0]);
-        two.lower.extend([0.0; 2]);
-        two.upper.extend([10.0; 2]);
-        two.ridge.extend([1e-9; 2]);
-        two.b = [0.0, 0.0, 12.0, 2.0, 0.0, 0.0];
-        two.solve();
-        assert!((two.x[0] - 7.0).abs() < 1e-6 && (two.x[1] - 5.0).abs() < 1e-6);
-        two.b = [0.0, 0.0, 19.0, 4.0, 0.0, 0.0];
-        two.solve();
-        assert!(
-            (two.x[0] - 10.0).abs() < 1e-6 && (two.x[1] - 6.0).abs() < 0.02,
-            "{:?}",
-            two.x
-        );
-        two.b[2] = f64::NAN;
-        two.solve();
-        assert_eq!(two.x.len(), 2);
-    }
 }

@@ -18,7 +18,7 @@ use crate::{
     contact::{ContactId, ContactSpec},
     controller::{
         Measurement,
-        bind::{Sizes, check_layout},
+        fit::{Sizes, check_layout},
         world::{ContactBinding, World},
     },
     dynamics::{Data, FrameKinematics, frame_motion},
