@@ -6,7 +6,9 @@ use config_plugins::{HEAD, load};
 use wbqp::{
     config::{ControllerConfig, Settings},
     entry::{Entry, Hardness, Weight},
+    toml,
 };
+use wbqp_tasks as _;
 
 const FULL: &str = r#"
 # Everything at once.
@@ -30,7 +32,7 @@ frame = "tip"
 kind = "normal"
 surface.normal = [-1, 0, 0]
 surface.x_axis = [0, 1, 0]
-force_max = 1e4
+force_max = 1e14
 active = true
 
 [[contact]]
@@ -40,7 +42,7 @@ kind = "point"
 [contact.surface]
 normal = [0, 0, 1]
 x_axis = [1, 0, 0]
-origin = [0.1, -2e-7, 1e9]
+origin = [0.1, -2e-7, 1e10]
 
 [[task]]
 gain = 0.1
@@ -143,6 +145,141 @@ fn a_configuration_made_in_code_loads_again() {
     assert_eq!(again.tasks[0].weight, config.tasks[0].weight);
     assert_eq!(again.constraints[0].hardness, Hardness::Exact(0.5));
     assert_eq!(again.to_toml().expect("can be written"), text);
+}
+
+/// All numbers of a text that is a table, by their bits.
+fn numbers(text: &str) -> Vec<u64> {
+    fn collect(value: &toml::Value, into: &mut Vec<u64>) {
+        match value {
+            toml::Value::Float(number) => into.push(number.to_bits()),
+            toml::Value::Array(values) => values.iter().for_each(|value| collect(value, into)),
+            toml::Value::Table(table) => table.values().for_each(|value| collect(value, into)),
+            _ => {}
+        }
+    }
+    let mut all = Vec::new();
+    let table: toml::Table = toml::from_str(text).expect("is TOML");
+    table.values().for_each(|value| collect(value, &mut all));
+    all
+}
+
+/// The nearest numbers that are refused and the furthest that are taken, with what is said of the former. HEAD has 250 Hz.
+#[test]
+fn the_furthest_numbers_that_are_taken_come_back_to_the_bit() {
+    const CONTACT: &str = "[[contact]]\nname = 'c'\nframe = 'f'\nkind = 'point'\n";
+    const SURFACE: &str = "surface.normal = [0, 0, 1]\nsurface.x_axis = [1, 0, 0]\n";
+    const HOLD: &str = "[[task]]\nname = 't'\ntype = 'test.hold'\ngain = 1\n";
+    const COM: &str = "[[task]]\nname = 't'\ntype = 'com'\nweight = 1\n";
+    const RAMP: &str = "[[task]]\nname = 't'\ntype = 'test.follow'\nweight = 1\n";
+    let contact = |key: &str| format!("{HEAD}{CONTACT}{SURFACE}{key}\n");
+    let hold = |key: &str| format!("{HEAD}{HOLD}{key}\n");
+    let tiny = f64::from_bits(1);
+    let no_robot = "no robot has more than";
+    for (text, taken, beyond) in [
+        (contact("force_max = @"), [tiny, 1e14], no_robot),
+        (contact("free_force_limit = @"), [tiny, 1e14], no_robot),
+        (contact("friction = @"), [tiny, 1e12], no_robot),
+        (contact("offset = [@, 0, -0.0]"), [-1e10, 1e10], no_robot),
+        (
+            contact("surface.origin = [0.1, @, 0]"),
+            [-1e10, 1e10],
+            no_robot,
+        ),
+        (
+            contact("transition = @"),
+            [1e-9, 3.2e13],
+            "shorter than any",
+        ),
+        (
+            hold("weight = @"),
+            [1e-100, 1e100],
+            "products with it are no numbers",
+        ),
+        (
+            hold("weight = [1, @]"),
+            [1e-100, 1e100],
+            "products with it are no numbers",
+        ),
+        (
+            hold("weight = 1\ntransition = @"),
+            [1e-9, 3.2e13],
+            "longer than any run",
+        ),
+        (
+            format!("{HEAD}{COM}kp = 1\nkd = @\n"),
+            [tiny, 5e8],
+            "a loop at 250 Hz",
+        ),
+        (
+            format!("{HEAD}{COM}kp = @\n"),
+            [tiny, 2.5e11],
+            "a loop at 250 Hz",
+        ),
+        // Without a unit there is nothing to say about a number.
+        (
+            format!("{HEAD}{RAMP}reference = {{ type = 'test.ramp', to = [@], duration = 1 }}\n"),
+            [-f64::MAX, f64::MAX],
+            "",
+        ),
+        (
+            hold("weight = 1\nnested = { a = @, b = 0, c = 0 }"),
+            [tiny, f64::MAX],
+            "",
+        ),
+    ] {
+        let with = |number: f64| text.replace('@', &format!("{number:e}"));
+        for number in taken.into_iter().chain([0.1 * taken[1], 1.0 / 3.0]) {
+            let once = saved(&with(number));
+            let found = numbers(&once);
+            assert!(found.contains(&number.to_bits()), "{number:e}:\n{once}");
+            assert_eq!(once, saved(&once));
+        }
+        let mut said = String::new();
+        for number in [taken[0].next_down(), taken[1].next_up()] {
+            // The smallest positive number has none beside it but zero.
+            if number == 0.0 || number.is_infinite() {
+                continue;
+            }
+            let errors = load(&with(number)).expect_err(&with(number)).to_string();
+            assert!(errors.contains(&format!(": is {number:e}")), "{errors}");
+            said += &errors;
+        }
+        assert!(said.contains(beyond), "{said}");
+    }
+}
+
+/// No number of a file means these; what is made in code is taken at its word until it comes from a file.
+#[test]
+fn numbers_without_a_meaning_are_refused_in_words() {
+    for (old, new, said) in [
+        (
+            "force_max = 1e14",
+            "force_max = inf",
+            "contact[0] `wall`: force_max: is inf",
+        ),
+        (
+            "-2e-7, 1e10]",
+            "-2e-7, 1e300]",
+            "surface.origin[2]: is 1e300 m: no robot has more than 1e4",
+        ),
+        (
+            "weight = 3\n",
+            "weight = 1.7976931348623157e308\n",
+            "task[2] `third` (test.many): weight: is 1.7976931348623157e308",
+        ),
+    ] {
+        assert!(FULL.contains(old), "{old}");
+        let errors = load(&FULL.replacen(old, new, 1)).expect_err(new);
+        assert!(errors.to_string().contains(said), "{errors}");
+    }
+    let mut config = load(FULL).expect("loads");
+    config.tasks[0].weight = Weight::PerRow(vec![1e-3, f64::MAX]);
+    let text = config.to_toml().expect("can be written");
+    let errors = load(&text).expect_err("has no meaning").to_string();
+    assert!(
+        errors.contains("weight: is 1.7976931348623157e308"),
+        "{errors}"
+    );
 }
 
 /// Knuth's generator: the same inputs everywhere.
