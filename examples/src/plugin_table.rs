@@ -12,7 +12,8 @@ Everything that `type = \"…\"` can name, with equations and parameters.
 Generated from the registry by `cargo run --bin plugins > docs/plugins.md`; the texts are those of the code.
 A crate of your own is listed by `wbqp::registry()` in the same way.
 
-In the columns *default*, \"–\" means that the key must be given, and a blank that the text says what happens without it.
+In the columns *default*, \"–\" means that the key must be given, and a blank that the text says what happens \
+without it.
 ";
 
 const KINDS: [(&str, &str); 5] = [

@@ -118,8 +118,8 @@ pub fn check_toml(text: &str) -> Result<(), String> {
     let most = if flat > most_flat { most_flat } else { most };
     let [takes, most] = [takes, most].map(|bytes| size(bytes as u64));
     Err(format!(
-        "has {tables} tables, {keys} keys and {elements} elements of lists: reading them would take {takes} of memory, more \
-         than the {most} that a text of this length may"
+        "has {tables} tables, {keys} keys and {elements} elements of lists: reading them would take {takes} of memory, \
+         more than the {most} that a text of this length may"
     ))
 }
 

@@ -193,8 +193,8 @@ impl<'a> Setup<'a> {
         if let Some(mimic) = model.mimics().iter().find(|m| m.joint.name == name) {
             let leader = &model.joints()[mimic.leader.index()].name;
             return Err(BindError::Other(format!(
-                "joint `{name}` follows joint `{leader}` and is no degree of freedom of its own: name `{leader}`, or free it \
-                 by the robot's option `mimic`"
+                "joint `{name}` follows joint `{leader}` and is no degree of freedom of its own: name `{leader}`, or \
+                 free it by the robot's option `mimic`"
             )));
         }
         model.joint(name).ok_or_else(|| {

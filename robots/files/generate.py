@@ -18,7 +18,8 @@ class Robot:
 
     def __init__(self, name, comment):
         self.name = name
-        self.lines = ['<?xml version="1.0"?>', "<!--", *comment.strip("\n").splitlines(), "-->", f'<robot name="{name}">']
+        self.lines = ['<?xml version="1.0"?>', "<!--", *comment.strip("\n").splitlines(), "-->",
+                      f'<robot name="{name}">']
 
     def link(self, name, mass, com, inertia):
         """`inertia`: ixx, iyy, izz about the centre of mass, kg m^2; no products."""

@@ -9,7 +9,10 @@ use wbqp::{
 };
 use wbqp_robots::{BaseKind, MimicKind, Options, RobotFiles, from_sources};
 
-const INERTIAL: &str = r#"<inertial><mass value="2"/><inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial>"#;
+const INERTIAL: &str = concat!(
+    r#"<inertial><mass value="2"/>"#,
+    r#"<inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial>"#,
+);
 const LIMIT: &str = r#"<limit lower="-1" upper="1" effort="5" velocity="3"/>"#;
 
 fn link(name: &str) -> String {
@@ -40,7 +43,8 @@ fn arm_link(inside: &str) -> String {
 fn inertial(mass: &str, moments: [&str; 3]) -> String {
     let [ixx, iyy, izz] = moments;
     format!(
-        "<inertial><mass value=\"{mass}\"/><inertia ixx=\"{ixx}\" ixy=\"0\" ixz=\"0\" iyy=\"{iyy}\" iyz=\"0\" izz=\"{izz}\"/></inertial>"
+        "<inertial><mass value=\"{mass}\"/>\
+         <inertia ixx=\"{ixx}\" ixy=\"0\" ixz=\"0\" iyy=\"{iyy}\" iyz=\"0\" izz=\"{izz}\"/></inertial>"
     )
 }
 
@@ -377,7 +381,8 @@ fn what_is_not_about_dynamics_is_never_an_error() {
         "<visual><geometry><mesh/></geometry></visual>",
         "<visual><geometry><mesh filename=\"a.dae\" scale=\"2\"/></geometry></visual>",
         "<visual><geometry><sphere radius=\"1\"/></geometry><material><texture/></material></visual>",
-        "<visual><geometry><sphere radius=\"x\"/></geometry><material name=\"m\"><color rgba=\"1 1 1\"/></material></visual>",
+        "<visual><geometry><sphere radius=\"x\"/></geometry>\
+         <material name=\"m\"><color rgba=\"1 1 1\"/></material></visual>",
         "<collision><contact_coefficients mu=\"0\"/></collision>",
         "<sensor:camera>a</sensor:camera>",
     ] {
@@ -581,8 +586,15 @@ fn mimic_joints_of_what_does_not_move_are_frozen_and_of_nothing_are_free() {
 
 #[test]
 fn locked_joints_are_lumped_at_home() {
-    let text = arm("revolute", &format!("<origin xyz=\"0 0 1\"/><axis xyz=\"0 1 0\"/>{LIMIT}"))
-        .replace("</link>\n<joint", "</link>\n<link name=\"tip\"/><joint name=\"t\" type=\"fixed\"><origin xyz=\"1 0 0\"/><parent link=\"arm\"/><child link=\"tip\"/></joint>\n<joint");
+    let text = arm(
+        "revolute",
+        &format!("<origin xyz=\"0 0 1\"/><axis xyz=\"0 1 0\"/>{LIMIT}"),
+    )
+    .replace(
+        "</link>\n<joint",
+        "</link>\n<link name=\"tip\"/><joint name=\"t\" type=\"fixed\"><origin xyz=\"1 0 0\"/>\
+             <parent link=\"arm\"/><child link=\"tip\"/></joint>\n<joint",
+    );
     let free = load(&text);
     let locked = load_with(&text, &toml("lock = ['elb.w']\nhome.elbow = 0.7"));
     assert_eq!(locked.model.joints().len(), 0);

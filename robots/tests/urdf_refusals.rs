@@ -2,7 +2,10 @@
 
 use wbqp_robots::{BaseKind, Options, urdf};
 
-const INERTIAL: &str = r#"<inertial><mass value="2"/><inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial>"#;
+const INERTIAL: &str = concat!(
+    r#"<inertial><mass value="2"/>"#,
+    r#"<inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial>"#,
+);
 const LIMIT: &str = r#"<limit lower="-1" upper="1" effort="5" velocity="3"/>"#;
 
 fn link(name: &str) -> String {
@@ -33,7 +36,8 @@ fn arm_link(inside: &str) -> String {
 fn inertial(mass: &str, moments: [&str; 3]) -> String {
     let [ixx, iyy, izz] = moments;
     arm_link(&format!(
-        "<inertial><mass value=\"{mass}\"/><inertia ixx=\"{ixx}\" ixy=\"0\" ixz=\"0\" iyy=\"{iyy}\" iyz=\"0\" izz=\"{izz}\"/></inertial>"
+        "<inertial><mass value=\"{mass}\"/>\
+         <inertia ixx=\"{ixx}\" ixy=\"0\" ixz=\"0\" iyy=\"{iyy}\" iyz=\"0\" izz=\"{izz}\"/></inertial>"
     ))
 }
 

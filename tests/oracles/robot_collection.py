@@ -20,8 +20,8 @@ velocities, after the six of the base if there is one; `mimics`, the joints that
 makes of them (`none`, `coupled`, or why it refuses them); `total_mass`; and `states`.
 
 A state is random and has `base` (p, quaternion_wxyz; null if fixed), `q` by joint, `v`, `mass_matrix`, `h`, `com`,
-`momentum` (`linear`, `angular` about `com`) and `frames`: `name` of the link, `p`, `R`, `jacobian` (6 x nv, world axes, of
-the link's origin), `bias` (Jdot v: classical acceleration of the origin and angular acceleration when vdot = 0).
+`momentum` (`linear`, `angular` about `com`) and `frames`: `name` of the link, `p`, `R`, `jacobian` (6 x nv, world axes,
+of the link's origin), `bias` (Jdot v: classical acceleration of the origin and angular acceleration when vdot = 0).
 Matrices are lists of rows.
 """
 

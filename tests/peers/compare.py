@@ -12,8 +12,8 @@ Every solver gets the same problems, in the same order, through its own Python i
 converted before the clock starts. What is timed is the call that hands the problem over and solves it. As that includes
 the interface, each solver also solves a problem of one variable in the same way: the column `call`. Where a solver
 measures its own time, `own` is its median. `warm` starts from the tick before, `cold` from nothing; a solver without a
-warm start has `cold` alone. wbqp is timed by its own program, before and after the others, in the same run. `x wbqp` is the time without
-the call (or `own`, if that is more) over wbqp's warm time.
+warm start has `cold` alone. wbqp is timed by its own program, before and after the others, in the same run. `x wbqp`
+is the time without the call (or `own`, if that is more) over wbqp's warm time.
 
 Solutions are judged by the numbers in the file, in the problem's units:
     cost     (objective - wbqp's) / (1 + |wbqp's|), the worst in size: above zero is a higher cost
@@ -62,7 +62,10 @@ class Problem:
         rows = self.A @ x
         primal = max(
             0.0,
-            *(np.max(v, initial=0.0) for v in (self.row_lower - rows, rows - self.row_upper, self.lower - x, x - self.upper)),
+            *(
+                np.max(v, initial=0.0)
+                for v in (self.row_lower - rows, rows - self.row_upper, self.lower - x, x - self.upper)
+            ),
         )
         kkt = float("nan")
         if y is not None:

@@ -1,7 +1,7 @@
 """Times `wbqp check` on files, one program beside another in the same run; see load_times.sh.
 
-Seconds are those on the clock or those of the processors, whichever are fewer: what others do on the machine makes the clock
-run longer, and cases that are checked side by side are together longer on the processors.
+Seconds are those on the clock or those of the processors, whichever are fewer: what others do on the machine makes the
+clock run longer, and cases that are checked side by side are together longer on the processors.
 """
 
 import argparse

@@ -4,8 +4,8 @@
 #
 #     bash tests/peers/load_times.sh BEFORE [FOLDER …]
 #
-# BEFORE is the other program, such as one that was built at an older commit; files (*.toml) of further folders are timed
-# too. ROUNDS=3 is how often each file is read; the best counts. A program gets SECONDS_MOST=60 s per file.
+# BEFORE is the other program, such as one that was built at an older commit; files (*.toml) of further folders are
+# timed too. ROUNDS=3 is how often each file is read; the best counts. A program gets SECONDS_MOST=60 s per file.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 

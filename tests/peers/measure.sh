@@ -16,8 +16,8 @@ build() { # name, folder for cargo
     cargo build --release --locked --bin tick_stats --target-dir "$2"
     cp "$2/release/tick_stats" "$work/$1"
     cargo bench --no-run --locked -p wbqp-tests --bench qp_medians --target-dir "$2"
-    cp "$(find "$2/release/deps" -name 'qp_medians-*' -executable -printf '%T@ %p\n' | sort -n | tail -1 | cut -d' ' -f2)" \
-        "$work/solves_$1"
+    cp "$(find "$2/release/deps" -name 'qp_medians-*' -executable -printf '%T@ %p\n' \
+        | sort -n | tail -1 | cut -d' ' -f2)" "$work/solves_$1"
 }
 build portable target
 # A folder of its own, so that neither build throws the other away.

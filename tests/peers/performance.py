@@ -67,11 +67,18 @@ class Results:
 
     def machine(self):
         cpu = next(
-            (line.split(":", 1)[1].strip() for line in Path("/proc/cpuinfo").read_text().splitlines() if "model name" in line),
+            (
+                line.split(":", 1)[1].strip()
+                for line in Path("/proc/cpuinfo").read_text().splitlines()
+                if "model name" in line
+            ),
             platform.processor(),
         )
         load = os.getloadavg()
-        return f"{cpu}, {os.cpu_count()} logical cores, {platform.system()}; load over the last 15 minutes {load[2]:.1f}."
+        return (
+            f"{cpu}, {os.cpu_count()} logical cores, {platform.system()}; "
+            f"load over the last 15 minutes {load[2]:.1f}."
+        )
 
     def promised(self):
         rows = []
@@ -88,7 +95,8 @@ class Results:
             rows.append([what, "≤ " + ", native ≤ ".join(map(us, known)), *map(us, values), met])
         ratios = [median(run[0], "Clarabel") / median(run[0], "warm, ± 2 active") for run in runs]
         met = "yes" if ratios[0] >= PROMISED_RATIO else "**no**"
-        rows.append(["Clarabel's solve ÷ this, 12 variables, warm", f"≥ {PROMISED_RATIO}", *(f"{r:.0f}" for r in ratios), met])
+        rows.append(["Clarabel's solve ÷ this, 12 variables, warm", f"≥ {PROMISED_RATIO}",
+                     *(f"{r:.0f}" for r in ratios), met])
         return table(["µs", "promised", "portable", "native", "met by portable, and by native where it is named"], rows)
 
     def ticks(self):
@@ -100,7 +108,9 @@ class Results:
                     q, loop = s["tick"], s["in_loop"]
                     rows.append([f"{title}, {build}", us(q["p50"]), us(q["p90"]), us(q["p99"]), us(s["best_p99"]),
                                  us(q["p999"]), us(q["max"]), us(loop["p50"]), str(s["allocations"])])
-        return table(["tick, µs", "p50", "p90", "p99", "best p99", "p99.9", "max", "p50 in the loop", "allocations"], rows)
+        return table(
+            ["tick, µs", "p50", "p90", "p99", "best p99", "p99.9", "max", "p50 in the loop", "allocations"], rows
+        )
 
     def stages(self):
         rows = []
@@ -119,8 +129,13 @@ class Results:
             if s:
                 p, i = s["problem"], s["iterations"]
                 sizes = [p["variables"], p["bounded"], p["equalities"], p["inequalities"]]
-                rows.append([title, *map(str, sizes), f"{i['p50']} / {i['p99']} / {i['max']}", str(s["ticks"]), str(s["not_optimal"])])
-        return table(["", "variables", "bounded", "equalities", "inequalities", "iterations p50 / p99 / max", "ticks", "not optimal"], rows)
+                rows.append([title, *map(str, sizes), f"{i['p50']} / {i['p99']} / {i['max']}",
+                             str(s["ticks"]), str(s["not_optimal"])])
+        return table(
+            ["", "variables", "bounded", "equalities", "inequalities", "iterations p50 / p99 / max", "ticks",
+             "not optimal"],
+            rows,
+        )
 
     def ratios(self):
         rows = []
@@ -135,7 +150,9 @@ class Results:
         return table(["", "solve, µs", "with Clarabel, µs", "ratio of solves", "ratio of ticks"], rows)
 
     def formulations(self):
-        names = sorted({f.name.split(".")[0].split("_", 1)[1] for f in self.folder.glob("humanoid_*.json")} - {"clarabel"})
+        names = sorted(
+            {f.name.split(".")[0].split("_", 1)[1] for f in self.folder.glob("humanoid_*.json")} - {"clarabel"}
+        )
         rows = []
         for robot, title in [("othex", "OTHex, `point`"), ("quadruped", "quadruped"), ("humanoid", "humanoid")]:
             for name in names:
@@ -152,7 +169,9 @@ class Results:
         for file in sorted(self.folder.glob(f"solves.{build}.*.txt")):
             for block in re.split(r"^(?=\S)", file.read_text(), flags=re.MULTILINE)[1:]:
                 sequence = next(i for i, title in enumerate(SEQUENCES) if block.startswith(title))
-                if sequence not in best or median(block, "active set, warm") < median(best[sequence], "active set, warm"):
+                if sequence not in best or (
+                    median(block, "active set, warm") < median(best[sequence], "active set, warm")
+                ):
                     best[sequence] = block
         return best
 

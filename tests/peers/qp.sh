@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Compares wbqp's solver with DAQP's C workspace interface and eiquadprog's fast solver on ticks with active limits
-# (qp.py), and writes the tables in docs/performance.md. Needs a C and a C++ compiler; what else it needs it installs below
-# target/. From the workspace's root:
+# (qp.py), and writes the tables in docs/performance.md. Needs a C and a C++ compiler; what else it needs it installs
+# below target/. From the workspace's root:
 #
 #     bash tests/peers/qp.sh
 #
@@ -49,5 +49,6 @@ for name in drifting_12 drifting_30 drifting_60 aerial_12 quadruped_30 aerial_12
     push_away quadruped_slip humanoid_slip; do
     files+=("$work/$name.ticks")
 done
-"$work/venv/bin/python" tests/peers/qp.py --wbqp target/release/wbqp_qp --peer "$work/qp_peer" --own "$work/qp_peer_own" \
-    --passes "${PASSES:-4}" --json "$work/qp.json" --page docs/performance.md "${files[@]}"
+"$work/venv/bin/python" tests/peers/qp.py --wbqp target/release/wbqp_qp \
+    --peer "$work/qp_peer" --own "$work/qp_peer_own" --passes "${PASSES:-4}" \
+    --json "$work/qp.json" --page docs/performance.md "${files[@]}"

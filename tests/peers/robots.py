@@ -67,7 +67,8 @@ def without_meshes(source, target):
 def problem_of(controller, model, scale):
     """What the other libraries need of the controller's file: name and values per line.
 
-    All weights times `scale`, which changes no optimum but makes what both add to the Hessian's diagonal, 1e-8, smaller.
+    All weights times `scale`, which changes no optimum but makes what both add to the Hessian's diagonal, 1e-8,
+    smaller.
     """
     lines = {}
     tasks = {task["name"]: task for task in controller["task"]}

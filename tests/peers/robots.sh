@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Compares wbqp with TSID and PlaCo on the same robots (robots.py), and writes the tables in docs/performance.md.
-# Installs and builds all that is needed on a Debian machine with Rust and Python, below target/; not a part of CI, since
-# TSID has to be compiled. From the workspace's root:
+# Installs and builds all that is needed on a Debian machine with Rust and Python, below target/; not a part of CI,
+# since TSID has to be compiled. From the workspace's root:
 #
 #     bash tests/peers/robots.sh
 #
@@ -47,7 +47,8 @@ environment tsid tests/peers/requirements_tsid.txt
 environment placo tests/peers/requirements_placo.txt
 
 prefix=$("$work/tsid/bin/python" -c 'import sysconfig; print(sysconfig.get_path("purelib") + "/cmeel.prefix")')
-"$work/tsid/bin/cmake" -S tests/peers -B "$work/build" -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH="$prefix" >"$work/cmake.log"
+"$work/tsid/bin/cmake" -S tests/peers -B "$work/build" -DCMAKE_BUILD_TYPE=Release \
+    -DCMAKE_PREFIX_PATH="$prefix" >"$work/cmake.log"
 "$work/tsid/bin/cmake" --build "$work/build" >>"$work/cmake.log" || { cat "$work/cmake.log" >&2; exit 1; }
 
 cargo build --release --locked -p wbqp-tests --bin wbqp_peer

@@ -122,9 +122,11 @@ fn settings() {
         ),
         [
             "x.toml:2:8: controller: rate: invalid type: string \"fast\", expected a number",
-            "x.toml:3:15: controller: formulation: unknown value `dense`, expected one of `auto`, `condensed`, `torque_eliminated`, `explicit`",
+            "x.toml:3:15: controller: formulation: unknown value `dense`, expected one of `auto`, `condensed`, \
+             `torque_eliminated`, `explicit`",
             "x.toml:4:1: controller: unknown key `regularization`; did you mean `regularisation`? \
-             (known: extrapolation, formulation, hover, max_first_error, max_memory, rate, regularisation, start, velocity_leak)",
+             (known: extrapolation, formulation, hover, max_first_error, max_memory, rate, regularisation, start, \
+             velocity_leak)",
         ]
     );
     assert_eq!(
@@ -155,10 +157,12 @@ fn robot_and_solver() {
              [solver]\ntype = \"clarabel\"\ntolerence = 1e-9\nmax_iterations = -3\n"
         ),
         [
-            "x.toml:4:8: robot (test.rob): unknown robot type `test.rob`; did you mean `test.robot`? (known: test.robot)",
+            "x.toml:4:8: robot (test.rob): unknown robot type `test.rob`; did you mean `test.robot`? \
+             (known: test.robot)",
             "x.toml:7:1: solver (clarabel): unknown key `tolerence`; did you mean `tolerance`? \
              (known: max_iterations, tolerance, type)",
-            "x.toml:8:18: solver (clarabel): max_iterations: invalid value: integer `-3`, expected an integer, 0 or more",
+            "x.toml:8:18: solver (clarabel): max_iterations: invalid value: integer `-3`, expected an integer, 0 or \
+             more",
         ]
     );
 }
@@ -175,8 +179,8 @@ fn unknown_type() {
     check_task(
         "type = \"posture\"\nweight = 1",
         &[
-            "x.toml:9:8: task[0] `arm` (posture): unknown task type `posture`; is its crate linked? `use my_plugins as _;` \
-           (known: test.follow, test.hold, test.many)",
+            "x.toml:9:8: task[0] `arm` (posture): unknown task type `posture`; is its crate linked? \
+             `use my_plugins as _;` (known: test.follow, test.hold, test.many)",
         ],
     );
 }
@@ -282,8 +286,8 @@ fn names_are_unique() {
         &[
             "x.toml:13:8: constraint[0] `a` (test.limit): name `a` is taken by the task or constraint at x.toml:8:8",
             "x.toml:17:8: constraint[1] `` (test.limit): name: must not be empty",
-            "x.toml:23:1: constraint[3] `test.limit` (test.limit): name `test.limit` is taken by the task or constraint at \
-             x.toml:20:1; give one of them a `name`",
+            "x.toml:23:1: constraint[3] `test.limit` (test.limit): name `test.limit` is taken by the task or \
+             constraint at x.toml:20:1; give one of them a `name`",
         ],
     );
     let contact = "[[contact]]\nname = \"a\"\nframe = \"tip\"\nkind = \"point\"\n\
@@ -305,8 +309,8 @@ fn contacts() {
             "x.toml:10:8: contact[0] `wall`: kind: unknown value `pont`, \
              expected one of `full`, `point`, `normal`, `normal_tilt`",
             "x.toml:11:1: contact[0] `wall`: unknown key `frictoin`; did you mean `friction`? (known: active, \
-             force_max, force_min, frame, frames, free_force, free_force_cutoff, free_force_limit, friction, kind, motion, name, \
-             offset, size, surface, transition)",
+             force_max, force_min, frame, frames, free_force, free_force_cutoff, free_force_limit, friction, kind, \
+             motion, name, offset, size, surface, transition)",
             "x.toml:12:22: contact[0] `wall`: surface.normal: invalid length 2, expected a list of length 3",
             "x.toml:12:46: contact[0] `wall`: surface.x_axis[2]: invalid type: string \"a\", expected a number",
             "x.toml:12:52: contact[0] `wall`: surface: unknown key `orgin`; did you mean `origin`? \
@@ -388,10 +392,14 @@ reference = { type = "d" }
 extra = 1
 "#,
         &[
-            "x.toml:11:18: task[0] `arm` (test.many): maybe: unknown reference type `a`; is its crate linked? `use my_plugins as _;` (known: test.ramp)",
-            "x.toml:12:66: task[0] `arm` (test.many): list[1]: unknown reference type `b`; is its crate linked? `use my_plugins as _;` (known: test.ramp)",
-            "x.toml:14:14: task[0] `arm` (test.many): map.x: unknown reference type `c`; is its crate linked? `use my_plugins as _;` (known: test.ramp)",
-            "x.toml:16:22: task[0] `arm` (test.many): inner.reference: unknown reference type `d`; is its crate linked? `use my_plugins as _;` (known: test.ramp)",
+            "x.toml:11:18: task[0] `arm` (test.many): maybe: unknown reference type `a`; is its crate linked? \
+             `use my_plugins as _;` (known: test.ramp)",
+            "x.toml:12:66: task[0] `arm` (test.many): list[1]: unknown reference type `b`; is its crate linked? \
+             `use my_plugins as _;` (known: test.ramp)",
+            "x.toml:14:14: task[0] `arm` (test.many): map.x: unknown reference type `c`; is its crate linked? \
+             `use my_plugins as _;` (known: test.ramp)",
+            "x.toml:16:22: task[0] `arm` (test.many): inner.reference: unknown reference type `d`; is its crate \
+             linked? `use my_plugins as _;` (known: test.ramp)",
             "x.toml:17:1: task[0] `arm` (test.many): inner: unknown key `extra` (known: reference)",
         ],
     );
@@ -465,7 +473,8 @@ type = "nothing"
              (known: active, hardness, name, transition, type, upper, weight)",
             "x.toml:10:8: robot (test.robot): file: invalid type: integer `1`, expected a string",
             "x.toml:11:1: task[0] `é` (nothing): key `weight` is missing",
-            "x.toml:13:8: task[0] `é` (nothing): unknown task type `nothing`; is its crate linked? `use my_plugins as _;` (known: test.follow, test.hold, test.many)",
+            "x.toml:13:8: task[0] `é` (nothing): unknown task type `nothing`; is its crate linked? \
+             `use my_plugins as _;` (known: test.follow, test.hold, test.many)",
         ]
     );
 }
@@ -594,10 +603,10 @@ fn short_forms_say_which_crate_is_missing() {
         &[
             "x.toml:4:1: robot: a short file brings a constraint of type `actuator_limits`, which is not linked: add \
              `use wbqp_tasks as _;` (crate wbqp-tasks)",
-            "x.toml:9:10: contact `tip`: `motion` brings a constraint of type `friction_pyramid`, which is not linked: add \
-             `use wbqp_tasks as _;` (crate wbqp-tasks)",
-            "x.toml:9:10: contact `tip`: `motion` brings a constraint of type `contact_motion`, which is not linked: add \
-             `use wbqp_tasks as _;` (crate wbqp-tasks)",
+            "x.toml:9:10: contact `tip`: `motion` brings a constraint of type `friction_pyramid`, which is not linked: \
+             add `use wbqp_tasks as _;` (crate wbqp-tasks)",
+            "x.toml:9:10: contact `tip`: `motion` brings a constraint of type `contact_motion`, which is not linked: \
+             add `use wbqp_tasks as _;` (crate wbqp-tasks)",
         ],
     );
     assert_eq!(

@@ -133,7 +133,10 @@ fn home_says_otherwise_and_far_from_home_nothing_moves() {
     assert!(command.joint_velocity.iter().all(|v| *v == 0.0));
     let said = controller.explain().expect("there is a fault").to_string();
     assert!(
-        said.contains("task `position` is 3.905 m from its reference in the first tick, more than `max_first_error.position` = 0.5 m"),
+        said.contains(
+            "task `position` is 3.905 m from its reference in the first tick, more than \
+             `max_first_error.position` = 0.5 m"
+        ),
         "{said}"
     );
     let any = Settings {
@@ -348,7 +351,8 @@ fn limits_of_the_first_error_are_checked() {
         let errors = ControllerConfig::from_str(&text, "x.toml", "").expect_err("is refused");
         assert!(errors.to_string().contains(expected), "{errors}");
     }
-    let text = "[controller]\nrate = 250\nstart = \"home\"\nmax_first_error = { position = inf }\n[robot]\ntype = \"othex\"\n";
+    let text = "[controller]\nrate = 250\nstart = \"home\"\nmax_first_error = { position = inf }\n[robot]\n\
+                type = \"othex\"\n";
     let config = ControllerConfig::from_str(text, "x.toml", "").expect("loads");
     assert_eq!(config.settings.start, StartFrom::Home);
     assert_eq!(config.settings.max_first_error.rotation, 0.5);

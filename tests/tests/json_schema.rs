@@ -243,6 +243,7 @@ fn short_forms_are_as_short_as_the_loader_takes_them() {
     let tasks =
         "[controller]\nrate = 250\n[robot]\ntype = \"othex\"\n[[task]]\ntype = \"com\"\nkp = 1\n";
     assert_eq!(complaint(&controller, tasks), None);
-    let weightless = "[controller]\nrate = 250\n[robot]\ntype = \"othex\"\n[[task]]\ntype = \"propeller_regularisation\"\n";
+    let weightless = "[controller]\nrate = 250\n[robot]\ntype = \"othex\"\n[[task]]\n\
+                      type = \"propeller_regularisation\"\n";
     assert!(complaint(&controller, weightless).is_some());
 }

@@ -439,8 +439,8 @@ fn what_a_relaxed_tick_costs() {
         });
         let [optimal, relaxed] = quantiles;
         println!(
-            "{kind:?}: optimal {optimal:.1?} µs, relaxed {relaxed:.1?} µs (p50, p99, worst); relaxed to optimal: medians \
-             {:.2}, worst {:.2}, worst to the median {:.2}; up to {most} relaxed problems",
+            "{kind:?}: optimal {optimal:.1?} µs, relaxed {relaxed:.1?} µs (p50, p99, worst); relaxed to optimal: \
+             medians {:.2}, worst {:.2}, worst to the median {:.2}; up to {most} relaxed problems",
             relaxed[0] / optimal[0],
             relaxed[2] / optimal[2],
             relaxed[2] / optimal[0]

@@ -18,7 +18,8 @@ static ALLOCATOR: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
 const TASKS: &[(&str, Option<Meaning>)] = &[
     ("type = 'base_position'\nkp = [9, 8, 7]\nkd = 5", None),
     (
-        "type = 'base_position'\nkp = 4\nkd = 1\nki = 2\nreference = { type = 'min_jerk', to = [1, 2, 3], duration = 1 }",
+        "type = 'base_position'\nkp = 4\nkd = 1\nki = 2\n\
+         reference = { type = 'min_jerk', to = [1, 2, 3], duration = 1 }",
         None,
     ),
     ("type = 'base_orientation'\nkp = [9, 8, 7]\nkd = 5", None),
@@ -57,7 +58,8 @@ const TASKS: &[(&str, Option<Meaning>)] = &[
         None,
     ),
     (
-        "type = 'frame_position'\nframe = 'fore'\nkp = 9\nkd = 5\naxes = ['z', 'x']\nreference = { type = 'hold', value = [1, 2] }",
+        "type = 'frame_position'\nframe = 'fore'\nkp = 9\nkd = 5\naxes = ['z', 'x']\n\
+         reference = { type = 'hold', value = [1, 2] }",
         None,
     ),
     (
@@ -88,12 +90,14 @@ const TASKS: &[(&str, Option<Meaning>)] = &[
     ),
     ("type = 'joint_torque_regularisation'", None),
     (
-        "type = 'joint_torque_regularisation'\njoints = ['wrist', 'elbow']\nreference = { type = 'hold', value = [1, 2] }",
+        "type = 'joint_torque_regularisation'\njoints = ['wrist', 'elbow']\n\
+         reference = { type = 'hold', value = [1, 2] }",
         None,
     ),
     ("type = 'thrust_regularisation'", None),
     (
-        "type = 'thrust_regularisation'\nrotors = ['rotor_3', 'rotor_0']\nreference = { type = 'hold', value = [5, 6] }",
+        "type = 'thrust_regularisation'\nrotors = ['rotor_3', 'rotor_0']\n\
+         reference = { type = 'hold', value = [5, 6] }",
         None,
     ),
     (
@@ -131,7 +135,8 @@ const CONSTRAINTS: &[(&str, Option<Meaning>)] = &[
         None,
     ),
     (
-        "type = 'plane_distance'\nframe = 'tool'\noffset = [0.1, 0.2, -0.1]\npoint = [0, 0, -1]\nnormal = [1, 2, 3]\nmargin = 0.1\na1 = 3\na2 = 4",
+        "type = 'plane_distance'\nframe = 'tool'\noffset = [0.1, 0.2, -0.1]\npoint = [0, 0, -1]\nnormal = [1, 2, 3]\n\
+         margin = 0.1\na1 = 3\na2 = 4",
         Some(Meaning::Barrier),
     ),
     (
@@ -143,7 +148,8 @@ const CONSTRAINTS: &[(&str, Option<Meaning>)] = &[
         None,
     ),
     (
-        "type = 'contact_wrench'\ncontact = 'normal_tilt'\nhalf_length_x = 0.1\nhalf_length_y = 0.05\ntorsional_friction = 0.02\nsides = 6",
+        "type = 'contact_wrench'\ncontact = 'normal_tilt'\nhalf_length_x = 0.1\nhalf_length_y = 0.05\n\
+         torsional_friction = 0.02\nsides = 6",
         None,
     ),
 ];

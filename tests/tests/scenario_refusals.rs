@@ -268,8 +268,8 @@ fn overrides() {
     refused(
         over,
         "force.feedback = \"off\"",
-        "{controller}: override task `force`.`feedback`: no task has this name; did you mean `contact_force`? (known: base_position, \
-         base_orientation, posture, contact_force, propeller_regularisation)\n\
+        "{controller}: override task `force`.`feedback`: no task has this name; did you mean `contact_force`? \
+         (known: base_position, base_orientation, posture, contact_force, propeller_regularisation)\n\
          in case `two` of s.toml",
     );
     refused(
@@ -281,8 +281,8 @@ fn overrides() {
     refused(
         over,
         "contact_force.feed = \"off\"",
-        "{controller}: override task `contact_force`.`feed`: unknown key `feed`; did you mean `feedback`? (known: active, \
-         anti_windup, clamp, contact, feedback, hardness, ki, kp, name, reference, tangential, \
+        "{controller}: override task `contact_force`.`feed`: unknown key `feed`; did you mean `feedback`? \
+         (known: active, anti_windup, clamp, contact, feedback, hardness, ki, kp, name, reference, tangential, \
          transition, type, weight)\nin case `two` of s.toml",
     );
     // What only the robot can tell.
@@ -368,7 +368,8 @@ fn plant() {
         "frame = \"base_link\"",
         "frame = \"base_lnik\"",
         &format!(
-            "s.toml: plant.disturbance[0].frame: robot `othex` has no frame `base_lnik`; did you mean `base_link`? {FRAMES}"
+            "s.toml: plant.disturbance[0].frame: robot `othex` has no frame `base_lnik`; did you mean `base_link`? \
+             {FRAMES}"
         ),
     );
     refused(

@@ -320,12 +320,13 @@ fn variations_that_are_refused() {
     };
     wrong(
         Variation::new().change("plant.mismatch.mass", 1.1),
-        "s.toml: variation `plant.mismatch.mass = 1.1`: unknown field `mass`, expected one of `mass_scale`, `com_shift`, \
-         `inertia_scale`, `thrust_scale`, `thrust_max`",
+        "s.toml: variation `plant.mismatch.mass = 1.1`: unknown field `mass`, expected one of `mass_scale`, \
+         `com_shift`, `inertia_scale`, `thrust_scale`, `thrust_max`",
     );
     wrong(
         Variation::new().change("plant.wall.door.friction", 0.4),
-        "s.toml: variation `plant.wall.door.friction = 0.4`: [[plant.wall]] with name `door` is not there (known: wall)",
+        "s.toml: variation `plant.wall.door.friction = 0.4`: [[plant.wall]] with name `door` is not there \
+         (known: wall)",
     );
     wrong(
         Variation::new().change("duration", "long"),

@@ -326,7 +326,10 @@ fn what_only_the_robot_shows_is_where_the_short_form_says_it() {
         .expect_err("there is no such frame")
         .to_string();
     assert!(
-        error.starts_with("x.toml:6:22: contact[1] `fr_fot`: frame: frame `fr_fot` does not exist; did you mean `fr_foot`?"),
+        error.starts_with(
+            "x.toml:6:22: contact[1] `fr_fot`: frame: frame `fr_fot` does not exist; did you mean \
+             `fr_foot`?"
+        ),
         "{error}"
     );
 }

@@ -320,8 +320,8 @@ fn holding_text(holding: &Holding, out: &mut String) {
         for (name, above) in &tick.off_surface {
             let _ = writeln!(
                 out,
-                "  contact `{name}` is {} m above its surface at home, where the others on parallel surfaces are: it does not \
-                 touch; is its frame the right one?",
+                "  contact `{name}` is {} m above its surface at home, where the others on parallel surfaces are: it \
+                 does not touch; is its frame the right one?",
                 number(*above)
             );
         }
@@ -329,8 +329,8 @@ fn holding_text(holding: &Holding, out: &mut String) {
         if let Some(acceleration) = tick.falls {
             let _ = writeln!(
                 out,
-                "  it does NOT stand: its base accelerates by {} m/s²; are torque and force limits enough, are the contacts \
-                 below it?",
+                "  it does NOT stand: its base accelerates by {} m/s²; are torque and force limits enough, are the \
+                 contacts below it?",
                 number(acceleration)
             );
         }

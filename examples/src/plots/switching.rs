@@ -17,8 +17,8 @@ pub fn draw(ramped: &Log, sudden: &Log, directory: &Path) -> Result<Vec<Picture>
     let file = "switching.svg";
     figure(ramped, sudden)?.save(&directory.join(file))?;
     let caption = "Commanded thrusts and normal force while contact, force task, weight and set point are switched: at \
-                   12 s the weight of p_R, at 14 s the set point, at 16 s the force task off, at 18 s on again, at 20 s \
-                   the contact off";
+                   12 s the weight of p_R, at 14 s the set point, at 16 s the force task off, at 18 s on again, \
+                   at 20 s the contact off";
     Ok(vec![Picture::new(file, caption)])
 }
 

@@ -9,9 +9,9 @@ use crate::{experiment::Experiment, plots::slide};
 pub const EXPERIMENT: Experiment = Experiment {
     name: "push_and_slide",
     title: "C: push and slide (IV-C)",
-    about: "The tip pushes on a wall with 2.5 N and slides once around an ellipse, 20 cm wide and 10 cm high. Four cases: with \
-        the measured friction in the model, and without; and a plant that is 3 % heavier than the model, without and with \
-        integral action.",
+    about: "The tip pushes on a wall with 2.5 N and slides once around an ellipse, 20 cm wide and 10 cm high. Four \
+        cases: with the measured friction in the model, and without; and a plant that is 3 % heavier than the model, \
+        without and with integral action.",
     measure: |runs| {
         let logs = measures::Logs::read(|case| runs.log(case))?;
         Ok(measures::rows(&logs)?)

@@ -8,8 +8,8 @@ use crate::{experiment::Experiment, plots::push_away};
 pub const EXPERIMENT: Experiment = Experiment {
     name: "push_away",
     title: "D: pushing away (IV-D)",
-    about: "The base is asked to move 35 cm away from a wall within half a second. Two cases: far from any wall, and touching \
-        it, where the contact force is free for the optimisation to use; at half time the contact leaves the \
+    about: "The base is asked to move 35 cm away from a wall within half a second. Two cases: far from any wall, and \
+        touching it, where the contact force is free for the optimisation to use; at half time the contact leaves the \
         problem.",
     measure: |runs| Ok(measures::rows(&runs.log("free")?, &runs.log("contact")?)?),
     draw: |runs| {

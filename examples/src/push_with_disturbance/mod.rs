@@ -8,9 +8,9 @@ use crate::{experiment::Experiment, plots::push};
 pub const EXPERIMENT: Experiment = Experiment {
     name: "push_with_disturbance",
     title: "B: pushing with disturbances (IV-B)",
-    about: "The fully actuated robot touches a wall and pushes with 5 N. For five seconds a force of 3.5 N at its base, \
-        which neither controller nor sensors know of, pulls it away. Two cases: with feedback of the measured force, \
-        and without.",
+    about: "The fully actuated robot touches a wall and pushes with 5 N. For five seconds a force of 3.5 N at its \
+        base, which neither controller nor sensors know of, pulls it away. Two cases: with feedback of the measured \
+        force, and without.",
     measure: |runs| Ok(measures::rows(&runs.log("with_ft")?, &runs.log("no_ft")?)?),
     draw: |runs| {
         let (with_ft, no_ft) = (runs.log("with_ft")?, runs.log("no_ft")?);

@@ -28,10 +28,11 @@ fn found(sweep: &Sweep) -> Markup {
     let combinations = sweep.combinations().count();
     html! {
         p {
-            (points) " variations of every experiment, " (sweep.runs) " runs: as it ships, four quantities one at a time at \
-             ± 5 and ± 10 %, and " (combinations) " random combinations of all four within ± 10 %. The largest thrust f_max \
-             is the robot's and changes in plant and controller; friction and mass change in the plant alone, so that the \
-             controller does not know of them; K_P is that of the base's rotation. The gains are not tuned again."
+            (points) " variations of every experiment, " (sweep.runs) " runs: as it ships, four quantities one at a \
+             time at ± 5 and ± 10 %, and " (combinations) " random combinations of all four within ± 10 %. The largest \
+             thrust f_max is the robot's and changes in plant and controller; friction and mass change in the plant \
+             alone, so that the controller does not know of them; K_P is that of the base's rotation. The gains are \
+             not tuned again."
         }
         p {
             span class="key y" { "✓" } "holds " span class="key n" { "✗" } "does not "

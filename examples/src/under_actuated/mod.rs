@@ -9,9 +9,9 @@ use crate::{experiment::Experiment, plots::under_actuated};
 pub const EXPERIMENT: Experiment = Experiment {
     name: "under_actuated",
     title: "E: force control with underactuation (IV-E)",
-    about: "All rotors thrust along the base's z, so the robot must tilt to push with 5 N. Two cases: Table I's weights with a \
-        level attitude reference, which gives way, as in the paper; and an attitude reference that follows from the \
-        force.",
+    about: "All rotors thrust along the base's z, so the robot must tilt to push with 5 N. Two cases: Table I's \
+        weights with a level attitude reference, which gives way, as in the paper; and an attitude reference that \
+        follows from the force.",
     measure: |runs| {
         let (literal, attitude) = (runs.log("literal")?, runs.log("attitude_reference")?);
         Ok(measures::rows(&literal, &attitude)?)

@@ -323,8 +323,8 @@ impl Check<'_, '_> {
             return;
         }
         let found = format!(
-            "weight {:e} is {:.0e} of that of {}, {:e}: where both are about the same motion, nothing of it is left in 64 \
-             bits",
+            "weight {:e} is {:.0e} of that of {}, {:e}: where both are about the same motion, nothing of it is left in \
+             64 bits",
             smallest.value,
             smallest.value / largest.value,
             largest.subject,

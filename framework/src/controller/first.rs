@@ -174,8 +174,8 @@ impl Controller {
             ("rotation", "rad", rotation, limits.rotation)
         };
         Some(format!(
-            "task `{name}` is {error:.3} {unit} from its reference in the first tick, more than `max_first_error.{key}` = \
-             {limit} {unit} in [controller] allows: nothing moves until it is nearer"
+            "task `{name}` is {error:.3} {unit} from its reference in the first tick, more than \
+             `max_first_error.{key}` = {limit} {unit} in [controller] allows: nothing moves until it is nearer"
         ))
     }
 }

@@ -31,8 +31,8 @@ pub(super) fn unlimited_moments(
     let problem = |spec: &ContactSpec| {
         format!(
             "constrains rotations, and no constraint limits this contact's moments: add one of type \
-             `contact_wrench` with `contact = \"{}\"` (crate wbqp-tasks), give the contact `motion` and the `size` of its \
-             sole, or list one of your own whose layout says `limits_moments`",
+             `contact_wrench` with `contact = \"{}\"` (crate wbqp-tasks), give the contact `motion` and the `size` of \
+             its sole, or list one of your own whose layout says `limits_moments`",
             spec.name
         )
     };

@@ -128,15 +128,15 @@ impl Controller {
         }
         if self.robot.rotors().next().is_none() {
             return Some(format!(
-                "floats, and has neither rotors nor a contact that is on at the start: nothing carries its weight of {} N; \
-                 set `base = \"fixed\"` in [robot], name its `rotors`, give a contact `active = true`, or set \
+                "floats, and has neither rotors nor a contact that is on at the start: nothing carries its weight of \
+                 {} N; set `base = \"fixed\"` in [robot], name its `rotors`, give a contact `active = true`, or set \
                  `hover = \"unchecked\"` in [controller]",
                 rounded(weight),
             ));
         }
         Some(format!(
-            "cannot hover in its home posture: {} (weight {} N; {}); mend the masses, the rotors or their limits, or set \
-             `hover = \"unchecked\"` in [controller] if something else carries the robot",
+            "cannot hover in its home posture: {} (weight {} N; {}); mend the masses, the rotors or their limits, or \
+             set `hover = \"unchecked\"` in [controller] if something else carries the robot",
             parts.join(", "),
             rounded(weight),
             saturation(&self.robot, self.command.effort.as_slice()),

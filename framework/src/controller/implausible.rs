@@ -130,7 +130,8 @@ impl Implausible {
         let (what, key) = (quantity.what(), quantity.key());
         let (value, limit) = (short(value), short(limit));
         format!(
-            "measurement not plausible: {what}{name} is {value} {unit}, more than `{key}` in [measurement] = {limit} {unit}"
+            "measurement not plausible: {what}{name} is {value} {unit}, more than `{key}` in [measurement] = {limit} \
+             {unit}"
         )
     }
 }

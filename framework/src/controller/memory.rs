@@ -75,8 +75,8 @@ impl Need {
         let relaxed = self.relaxed.vars;
         Err(too_much(
             &format!(
-                "the problem has {vars} variables and {rows} rows, {relaxed} variables with all of its limits given up, \
-                 and would take {}",
+                "the problem has {vars} variables and {rows} rows, {relaxed} variables with all of its limits given \
+                 up, and would take {}",
                 size(self.bytes as u64)
             ),
             most,

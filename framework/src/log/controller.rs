@@ -347,7 +347,8 @@ fn qp_schema() -> Value {
             (
                 "multiplier",
                 schema::ratio(
-                    "Change of the cost per unit of the row; positive at the upper side, zero where the optimum only touches the limit",
+                    "Change of the cost per unit of the row; positive at the upper side, zero where the optimum only \
+                     touches the limit",
                 ),
             ),
         ],

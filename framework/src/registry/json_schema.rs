@@ -150,10 +150,24 @@ fn entry_keys(default: Hardness) -> Value {
     json!({
         "anyOf": needs_weight,
         "properties": {
-            "name": { "type": "string", "minLength": 1, "description": "Unique name: how logs, reports, errors and events call it. Default: `<frame>_<type>`, `<contact>_<type>` or `<type>`." },
-            "weight": about(schema_of::<Weight>(), "Weight, a number or one per row, 0 or more: a row costs weight × residual². Needed unless hard."),
+            "name": {
+                "type": "string",
+                "minLength": 1,
+                "description": "Unique name: how logs, reports, errors and events call it. \
+                                Default: `<frame>_<type>`, `<contact>_<type>` or `<type>`.",
+            },
+            "weight": about(
+                schema_of::<Weight>(),
+                "Weight, a number or one per row, 0 or more: a row costs weight × residual². Needed unless hard.",
+            ),
             "active": { "type": "boolean", "default": true, "description": "Whether it is on at the start." },
-            "transition": { "type": "number", "minimum": 0, "default": 0.0, "x-unit": "s", "description": "Duration of the ramp when it is switched, s." },
+            "transition": {
+                "type": "number",
+                "minimum": 0,
+                "default": 0.0,
+                "x-unit": "s",
+                "description": "Duration of the ramp when it is switched, s.",
+            },
             "hardness": about(schema_of::<Hardness>(), "\"hard\", \"soft\" or { exact = λ }."),
         }
     })

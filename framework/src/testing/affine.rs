@@ -61,7 +61,8 @@ pub(super) fn check<P: Subject + ?Sized>(
             report.fail(Check::Jacobian, bench.name(), message);
         } else if slope[k].abs() > scale && (slope[k] - expected[k]).abs() > scale {
             let message = format!(
-                "{name}: the error changes by {:.9} with a random change of efforts and forces, its coefficients say {:.9}",
+                "{name}: the error changes by {:.9} with a random change of efforts and forces, its coefficients say \
+                 {:.9}",
                 slope[k], expected[k]
             );
             report.fail(Check::Jacobian, bench.name(), message);

@@ -369,10 +369,10 @@ impl fmt::Debug for PluginTest {
 }
 
 /// Of inequality rows on `v̇` whose author has not said what they mean.
-const STATE_THE_MEANING: &str = "it has inequality rows on v̇, and nothing says what they mean, so neither coefficients nor \
-    bias are compared: state it with `.meaning(Meaning::Barrier)` (limits on the second derivative of a function of the \
-    configuration), `.meaning(Meaning::Motion)` (limits on accelerations that have no error) or, for neither, \
-    `.meaning(Meaning::Other)` (nothing is compared)";
+const STATE_THE_MEANING: &str = "it has inequality rows on v̇, and nothing says what they mean, so neither \
+    coefficients nor bias are compared: state it with `.meaning(Meaning::Barrier)` \
+    (limits on the second derivative of a function of the configuration), `.meaning(Meaning::Motion)` \
+    (limits on accelerations that have no error) or, for neither, `.meaning(Meaning::Other)` (nothing is compared)";
 
 /// What the layout says of the rows' meaning, if it says enough.
 fn assumed<P: Subject + ?Sized>(layout: &Layout) -> Option<Meaning> {

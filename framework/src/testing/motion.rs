@@ -79,7 +79,8 @@ pub(super) fn position_jacobian<P: Subject + ?Sized>(
         if let Some(k) = mismatch(&rate, &expected) {
             let hint = if at.error.amax() > 1e-9 {
                 format!(
-                    "; the error at home is not zero (row {}: {:.3}): if it is a rotation, use a reference that stays at home",
+                    "; the error at home is not zero (row {}: {:.3}): if it is a rotation, use a reference that stays \
+                     at home",
                     at.error.iamax(),
                     at.error[at.error.iamax()]
                 )
@@ -99,7 +100,8 @@ pub(super) fn position_jacobian<P: Subject + ?Sized>(
         let moved = bench.write::<P>(home, &rest, &moved)?;
         let (e, answer) = (&moved.error - &at.error, &moved.lower - &at.lower);
         if along(&answer, &e) {
-            let message = "at rest, `b` grows with the error: the feedback drives it away (error = actual − desired, b = … − K_P error)";
+            let message = "at rest, `b` grows with the error: the feedback drives it away \
+                           (error = actual − desired, b = … − K_P error)";
             report.fail(Check::Feedback, bench.name(), message);
         }
     }
@@ -230,7 +232,8 @@ pub(super) fn barrier_gradient<P: Subject + ?Sized>(
             let worst = worst.fold(0.0_f64, f64::max);
             if worst > 10.0 * TOLERANCE * (1.0 + size) {
                 let message = format!(
-                    "{}: at rest the gradient of the limit is no multiple of its coefficients on v̇: off by {worst:.6} of {size:.6}",
+                    "{}: at rest the gradient of the limit is no multiple of its coefficients on v̇: off by {worst:.6} \
+                     of {size:.6}",
                     row::<P>(bench, k)
                 );
                 report.fail(Check::Jacobian, bench.name(), message);

@@ -103,8 +103,8 @@ impl Names<'_> {
                         errors.push(refuse(
                             option,
                             format!(
-                                "expressions `{by}` and `{key}` both match {} `{name}`, with different values; give it a value \
-                                 of its own",
+                                "expressions `{by}` and `{key}` both match {} `{name}`, with different values; give it \
+                                 a value of its own",
                                 self.kind
                             ),
                         ));

@@ -116,8 +116,8 @@ impl Assembly<'_> {
             (Kind::Floating, _) => {
                 findings.refuse(
                     at,
-                    "type `floating` is supported for the joint between the world and a floating base alone; the model has one \
-                     floating base: load each part as a robot of its own",
+                    "type `floating` is supported for the joint between the world and a floating base alone; the model \
+                     has one floating base: load each part as a robot of its own",
                 );
                 return None;
             }

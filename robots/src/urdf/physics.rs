@@ -329,8 +329,8 @@ fn warn_of_singular(
         Irregularity::warning(
             if own > 0.0 {
                 format!(
-                    "the mass matrix is not positive definite: with the joints beyond it let go, this one moves nothing \
-                     ({pivot:.1e} of inertia; with them held, {own:.1e})"
+                    "the mass matrix is not positive definite: with the joints beyond it let go, this one moves \
+                     nothing ({pivot:.1e} of inertia; with them held, {own:.1e})"
                 )
             } else {
                 let followers = model.mimics().iter().filter(|m| m.leader.index() == joint).count();

@@ -239,7 +239,8 @@ impl Case {
             let frame = &controller.contact_spec(contact).frame;
             if !self.sensors.force_torque.iter().any(|s| &s.frame == frame) {
                 return Err(refuse(format!(
-                    "no force is measured at contact `{}`: there is no [[sensors.force_torque]] with frame = \"{frame}\"",
+                    "no force is measured at contact `{}`: there is no [[sensors.force_torque]] with frame = \
+                     \"{frame}\"",
                     detector.contact
                 )));
             }

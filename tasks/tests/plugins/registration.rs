@@ -123,7 +123,10 @@ fn plugins_survive_json() {
         r#"{"type":"thrust_attitude","yaw":0.5,"max_tilt":0.2,"cutoff":5.0}"#,
         r#"{"type":"waypoints","points":[{"at":1.0,"value":[1.0],"dwell":0.5},{"at":2.0,"value":[0.0],"dwell":0.0}]}"#,
         r#"{"type":"ellipse","semi_axes":[0.05,0.1],"duration":18.0}"#,
-        r#"{"type":"ellipse","semi_axes":[0.05,0.1],"duration":18.0,"turns":-2.0,"phase":1.5,"axes":[2,0],"from":[0.0],"start":1.0}"#,
+        concat!(
+            r#"{"type":"ellipse","semi_axes":[0.05,0.1],"duration":18.0,"turns":-2.0,"phase":1.5,"#,
+            r#""axes":[2,0],"from":[0.0],"start":1.0}"#,
+        ),
     ]);
     round_trip::<dyn Task>(&[
         r#"{"type":"base_position","kp":40.0,"kd":[1.0,2.0,3.0]}"#,
@@ -131,7 +134,10 @@ fn plugins_survive_json() {
         r#"{"type":"base_orientation","kp":4.0,"kd":1.0,"error":"matrix","axes":"body"}"#,
         r#"{"type":"posture","kp":4.0,"kd":1.0,"joints":["elbow"]}"#,
         r#"{"type":"free_motion","contact":"a","kp":4.0,"kd":1.0,"axes":["y","x"],"origin":"touch"}"#,
-        r#"{"type":"contact_force","contact":"a","feedback":"off","tangential":"measured","reference":{"type":"hold","value":[5.0]}}"#,
+        concat!(
+            r#"{"type":"contact_force","contact":"a","feedback":"off","tangential":"measured","#,
+            r#""reference":{"type":"hold","value":[5.0]}}"#,
+        ),
         r#"{"type":"propeller_regularisation"}"#,
     ]);
     round_trip::<dyn Constraint>(&[

@@ -179,12 +179,14 @@ fn is_possible(one: &Brought, listed: &Listed, report: &mut Report<'_>) -> bool 
     let tag = one.tag;
     let (kind, message) = if registry::find::<dyn Constraint>(tag).is_none() {
         let message = format!(
-            "{who} brings a constraint of type `{tag}`, which is not linked: add `use wbqp_tasks as _;` (crate wbqp-tasks)"
+            "{who} brings a constraint of type `{tag}`, which is not linked: add `use wbqp_tasks as _;` \
+             (crate wbqp-tasks)"
         );
         (Kind::UnknownType, message)
     } else if listed.names.contains(&name) {
         let message = format!(
-            "{who} brings a constraint that is called `{name}`, and another entry has that name: give that one another `name`"
+            "{who} brings a constraint that is called `{name}`, and another entry has that name: give that one another \
+             `name`"
         );
         (Kind::Duplicate, message)
     } else {

@@ -13,8 +13,8 @@ pub(crate) fn contact() -> Value {
     let mut schema = schema_of::<ContactSpec>();
     let mut motion = schema_of::<Motion>();
     motion["description"] = json!(
-        "How the contact's motion is kept. With this key the contact brings its own constraints, is on at the start, and \
-         touches the ground unless it says otherwise."
+        "How the contact's motion is kept. With this key the contact brings its own constraints, is on at the start, \
+         and touches the ground unless it says otherwise."
     );
     if let Some(properties) = schema["properties"].as_object_mut() {
         properties.insert("motion".to_owned(), motion);
@@ -22,7 +22,8 @@ pub(crate) fn contact() -> Value {
             "frames".to_owned(),
             json!({
                 "type": "array", "minItems": 1, "items": { "type": "string" },
-                "description": "A contact at each of these frames, called by its frame; in place of `frame` and `name`.",
+                "description": "A contact at each of these frames, called by its frame; in place of `frame` and \
+                                `name`.",
             }),
         );
         properties.insert(
@@ -30,7 +31,8 @@ pub(crate) fn contact() -> Value {
             json!({
                 "type": "array", "minItems": 2, "maxItems": 2, "x-unit": "m",
                 "items": { "type": "number", "exclusiveMinimum": 0 },
-                "description": "Lengths of the sole along the surface's x and y, m; with `motion`. The contact is then of kind `full`.",
+                "description": "Lengths of the sole along the surface's x and y, m; with `motion`. The contact is then \
+                                of kind `full`.",
             }),
         );
         // A surface that says only where it is faces upwards.
