@@ -12,6 +12,7 @@ pub(crate) struct VariableNames<'a> {
 
 /// Rows that belong to the framework, registered before those of the entries: ids ascend in the order in which rows
 /// appear in the problem.
+#[derive(Debug)]
 pub(crate) struct ProblemRows {
     pub(super) dynamics: Vec<RowId>,
     pub(super) normals: Vec<RowId>,

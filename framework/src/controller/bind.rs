@@ -13,7 +13,7 @@ use super::{
     handle::Stamp,
     home,
     ladder::{Age, Clock, Ladder},
-    memory::{Need, Stored},
+    memory::{Memory, Need, Stored},
     plausible::Plausible,
     recording::MadeFrom,
     report::{ContactReport, OnRung, Report, Rung, TaskReport},
@@ -28,16 +28,18 @@ use crate::{
         Actuation, Assembly, DynamicsTerms, Elastic, Group, GroupSpec, Partition, ProblemRows,
         Table, VariableNames,
     },
-    config::{ControllerConfig, Origin},
-    contact::ContactSpec,
+    config::{ControllerConfig, MeasurementLimits, Origin, Settings},
+    constraint::Constraint,
+    contact::{ContactSpec, ContactState},
     dynamics::{Data, FrameKinematics},
     entry::{Entry, Hardness},
     layout::{BoundTarget, Layout, Relation, VdotBlock},
-    model::{Base, JointKind, Model},
-    qp::{ActiveSet, Capacity, Qp, QpSolver as _, Solution, WarmStart},
+    model::{Base, FrameId, JointKind, Model},
+    qp::{ActiveSet, Capacity, Qp, QpSolver as _, Solution, Solver, WarmStart},
     robot::{RobotError, RobotModel},
     rows::RowStore,
     setup::{BindError, Setup},
+    task::Task,
     tick::Prediction,
 };
 
@@ -92,8 +94,58 @@ impl Controller {
     /// [`ControllerError::Config`]: everything that does not fit the robot.
     pub fn with_robot(
         config: ControllerConfig,
-        mut robot: RobotModel,
+        robot: RobotModel,
     ) -> Result<Self, ControllerError> {
+        Plan::new(config, robot)?.make()
+    }
+
+    /// The terms of the dynamics, borrowed for the assembly.
+    pub(super) fn terms(world: &World) -> DynamicsTerms<'_> {
+        DynamicsTerms {
+            data: &world.data,
+            frames: &world.frames,
+            contacts: &world.contacts,
+        }
+    }
+}
+
+/// A controller that fits its robot and is not made yet: all sizes are known, and nothing of its problem is allocated.
+///
+/// [`Plan::memory`] says what [`Plan::make`] is going to take; [`Controller::with_robot`] does both.
+#[derive(Debug)]
+pub struct Plan {
+    settings: Settings,
+    robot: RobotModel,
+    /// The robot's.
+    tag: &'static str,
+    solver: Box<dyn Solver>,
+    measurement: MeasurementLimits,
+    contacts: Vec<ContactSpec>,
+    tasks: Vec<Entry<dyn Task>>,
+    constraints: Vec<Entry<dyn Constraint>>,
+    made_from: MadeFrom,
+    faults: Faults,
+    bindings: Vec<ContactBinding>,
+    contact_states: Vec<ContactState>,
+    /// Constrained components of each contact.
+    nf: Vec<usize>,
+    frame_ids: Vec<FrameId>,
+    actuation: Actuation,
+    table: Table,
+    problem_rows: ProblemRows,
+    /// Their rows have no storage yet.
+    groups: Vec<Group>,
+    partition: Partition,
+    need: Need,
+}
+
+impl Plan {
+    /// Binds tasks and constraints to a robot that is there already; the configuration's own is not loaded.
+    ///
+    /// # Errors
+    /// [`ControllerError::Config`]: everything that does not fit the robot, and what takes more than
+    /// [`Settings::max_memory`].
+    pub fn new(config: ControllerConfig, mut robot: RobotModel) -> Result<Self, ControllerError> {
         let made_from = MadeFrom::new(&config);
         let ControllerConfig {
             settings,
@@ -107,6 +159,7 @@ impl Controller {
             overrides,
             warnings,
             directory: _,
+            keeping: _,
         } = config;
         robot.diagnostics.extend(warnings);
         let mut faults = Faults::new(Origin::new(source, overrides));
@@ -145,18 +198,7 @@ impl Controller {
         let mut frame_ids = vec![model.base_frame()];
         let actuation = Actuation::new(&model, &robot.actuators);
         let formulation = settings.formulation.resolve(&robot);
-        let names = VariableNames {
-            accelerations: acceleration_names(&model),
-            efforts: robot
-                .actuators
-                .iter()
-                .map(|a| (a.name.as_str(), effort_unit(&model, &a.kind)))
-                .collect(),
-            contacts: contacts
-                .iter()
-                .map(|c| (c.name.as_str(), c.kind.constrained()))
-                .collect(),
-        };
+        let names = variable_names(&robot, &contacts);
         let mut table = Table::default();
         let problem_rows = ProblemRows::new(formulation, &names, &mut table);
         let mut groups = Vec::new();
@@ -169,7 +211,7 @@ impl Controller {
             });
             match group {
                 Ok(group) => {
-                    faults.memory(stored.add(&group, settings.max_memory));
+                    faults.memory(stored.add(&group, &sizes, settings.max_memory));
                     faults.stop_if_too_large()?;
                     groups.push(group);
                 }
@@ -184,32 +226,34 @@ impl Controller {
             });
             match group {
                 Ok(group) => {
-                    faults.memory(stored.add(&group, settings.max_memory));
+                    faults.memory(stored.add(&group, &sizes, settings.max_memory));
                     faults.stop_if_too_large()?;
                     groups.push(group);
                 }
                 Err(error) => faults.constraint(index, entry, error),
             }
         }
-        let solver_tag = solver.typetag_name();
+        if faults.is_empty() {
+            for (index, error) in unlimited_moments(&contacts, &groups[tasks.len()..]) {
+                faults.contact(index, &contacts[index].name, error);
+            }
+        }
         if !faults.is_empty() {
             // The problem has no size, but the solver's settings can be looked at.
             let capacity = Capacity {
                 vars: robot.nu(),
                 rows: 0,
             };
-            faults.solver(solver_tag, solver.bind(capacity).map_err(BindError::from));
+            let bound = solver.bind(capacity).map_err(BindError::from);
+            faults.solver(solver.typetag_name(), bound);
             faults.stop_if_any()?;
         }
 
-        for (index, error) in unlimited_moments(&contacts, &groups[tasks.len()..]) {
-            faults.contact(index, &contacts[index].name, error);
-        }
         let partition = Partition::new(formulation, &robot, &contacts, &frame_ids);
-        let mut native = ActiveSet::default();
         let need = Need::of(
             &partition,
             &groups,
+            stored,
             [
                 problem_rows.dynamics_rows(),
                 contacts.len(),
@@ -217,10 +261,79 @@ impl Controller {
                 frame_ids.len(),
             ],
             &*solver,
-            &native,
+            &ActiveSet::default(),
         );
         faults.memory(need.check(settings.max_memory));
         faults.stop_if_too_large()?;
+        Ok(Self {
+            settings,
+            robot,
+            tag: robot_plugin.typetag_name(),
+            solver,
+            measurement,
+            contacts,
+            tasks,
+            constraints,
+            made_from,
+            faults,
+            bindings,
+            contact_states,
+            nf,
+            frame_ids,
+            actuation,
+            table,
+            problem_rows,
+            groups,
+            partition,
+            need,
+        })
+    }
+
+    /// What [`Plan::make`] is going to allocate, about.
+    pub fn memory(&self) -> Memory {
+        self.need.memory()
+    }
+
+    /// Makes the controller. This is where everything is allocated.
+    ///
+    /// # Errors
+    /// [`ControllerError::Config`]: a solver that refuses, a robot that does not hover.
+    pub fn make(self) -> Result<Controller, ControllerError> {
+        let Self {
+            settings,
+            robot,
+            tag,
+            mut solver,
+            measurement,
+            contacts,
+            tasks,
+            constraints,
+            made_from,
+            mut faults,
+            bindings,
+            contact_states,
+            nf,
+            frame_ids,
+            actuation,
+            mut table,
+            problem_rows,
+            mut groups,
+            partition,
+            need,
+        } = self;
+        let model = robot.model.clone();
+        let period = 1.0 / settings.rate;
+        let solver_tag = solver.typetag_name();
+        let sizes = Sizes {
+            nv: model.nv(),
+            nu: robot.nu(),
+            nf: &nf,
+        };
+        for group in &mut groups {
+            group.store = RowStore::new(&group.layout, sizes.nv, sizes.nu, sizes.nf);
+        }
+        let names = variable_names(&robot, &contacts);
+        let mut native = ActiveSet::default();
         let kept = partition.kept.iter().map(|&i| &robot.actuators[i]);
         let kept = Actuation::new(&model, kept);
         let assembly = Assembly::new(
@@ -294,7 +407,7 @@ impl Controller {
             &groups[..tasks.len()],
             &world.model,
         );
-        let mut controller = Self {
+        let mut controller = Controller {
             settings,
             first,
             tasks: tasks.into_iter().map(|e| e.plugin).collect(),
@@ -333,19 +446,10 @@ impl Controller {
             && controller.must_hover()
             && let Some(missing) = controller.missing_wrench()
         {
-            faults.hover(robot_plugin.typetag_name(), missing);
+            faults.hover(tag, missing);
         }
         faults.stop_if_any()?;
         Ok(controller)
-    }
-
-    /// The terms of the dynamics, borrowed for the assembly.
-    pub(super) fn terms(world: &World) -> DynamicsTerms<'_> {
-        DynamicsTerms {
-            data: &world.data,
-            frames: &world.frames,
-            contacts: &world.contacts,
-        }
     }
 }
 
@@ -397,8 +501,7 @@ fn make_group<P: ?Sized>(
         switch: Switch::new(entry.active, entry.transition),
         is_task,
     };
-    let store = RowStore::new(&layout, sizes.nv, sizes.nu, sizes.nf);
-    Ok(Group::new(&spec, layout, store, table))
+    Ok(Group::new(&spec, layout, table))
 }
 
 fn check_entry<P: ?Sized>(
@@ -533,6 +636,23 @@ pub(crate) fn check_layout(
         nf(*contact)?;
     }
     Ok(())
+}
+
+/// What the physical variables are called.
+fn variable_names<'a>(robot: &'a RobotModel, contacts: &'a [ContactSpec]) -> VariableNames<'a> {
+    let model = &robot.model;
+    VariableNames {
+        accelerations: acceleration_names(model),
+        efforts: robot
+            .actuators
+            .iter()
+            .map(|a| (a.name.as_str(), effort_unit(model, &a.kind)))
+            .collect(),
+        contacts: contacts
+            .iter()
+            .map(|c| (c.name.as_str(), c.kind.constrained()))
+            .collect(),
+    }
 }
 
 fn acceleration_names(model: &Model) -> Vec<(String, &'static str)> {

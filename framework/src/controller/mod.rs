@@ -29,12 +29,14 @@ mod stopwatch;
 pub(crate) mod switch;
 pub(crate) mod world;
 
+pub use bind::Plan;
 pub use command::Command;
 pub use error::{ControllerError, RequestError};
 pub use explanation::{Explanation, Limit};
 pub use gate::CutEffort;
 pub use handle::{EntryId, EntryKey, EntryMut};
 pub use measurement::{Fault, Measurement, Quantity};
+pub use memory::Memory;
 pub use plausible::{Implausible, Measured};
 pub use rehearsal::PlannedForce;
 pub use report::{
