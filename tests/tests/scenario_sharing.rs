@@ -3,8 +3,10 @@
 
 use std::{
     env, fs,
+    num::NonZero,
     path::{Path, PathBuf},
     sync::Mutex,
+    thread,
 };
 
 use wbqp_robots as _;
@@ -29,6 +31,11 @@ impl Drop for Folder {
     }
 }
 
+/// Threads that check: each may make a controller before one of them has looked at what is asked of it.
+fn at_once() -> usize {
+    thread::available_parallelism().map_or(1, NonZero::get)
+}
+
 /// Cases whose controllers were made, and what was said of the whole.
 fn made(folder: &Path, text: &str) -> (Vec<String>, Option<String>) {
     let path = folder.join("s.toml");
@@ -47,7 +54,8 @@ fn made(folder: &Path, text: &str) -> (Vec<String>, Option<String>) {
 fn cases_that_change_the_plant_alone_have_one_controller() {
     let folder = Folder::new("plant");
     let (cases, said) = made(&folder.0, &hostile::cases(40));
-    assert_eq!((cases.len(), said), (1, None));
+    assert_eq!(said, None);
+    assert!((1..=at_once()).contains(&cases.len()), "{cases:?}");
 }
 
 #[test]
@@ -60,14 +68,15 @@ fn cases_that_change_the_controller_have_their_own() {
 #[test]
 fn cases_of_two_controllers_by_turns_have_two() {
     let folder = Folder::new("turns");
-    let text = hostile::cases(20);
-    let text = (0..20).step_by(2).fold(text, |text, case| {
+    let text = hostile::cases(60);
+    let text = (0..60).step_by(2).fold(text, |text, case| {
         let name = format!("name = \"c{case}\"\n");
         let set = format!("{name}set.task.com.kp = 50.0\n");
         text.replace(&name, &set)
     });
     let (cases, said) = made(&folder.0, &text);
-    assert_eq!((cases.len(), said), (2, None));
+    assert_eq!(said, None);
+    assert!((2..=2 * at_once()).contains(&cases.len()), "{cases:?}");
 }
 
 #[test]
@@ -86,7 +95,7 @@ fn what_differs_in_cases_with_one_controller_is_still_checked() {
     let events = format!("{cases}\n[[event]]\nat = 0.5\n{event}");
     let (made_for, said) = made(&folder.0, &events);
     assert_eq!(said, None);
-    assert!(made_for.len() <= 4, "{made_for:?}");
+    assert!(made_for.len() <= 2 * at_once(), "{made_for:?}");
     let late = events.replace(
         "change.plant.mismatch.mass_scale = 1.0017",
         "change.event.off.at = 2.0",

@@ -30,8 +30,9 @@ pub struct Memory {
     pub rows: usize,
     /// Variables of the problem with all of its limits given up.
     pub relaxed_variables: usize,
-    /// Bytes of both problems, of the rows of tasks and constraints, and of the solvers, about. Pages of it that no tick
-    /// writes to are not taken.
+    /// Bytes of both problems, of the rows of tasks and constraints, and of the solvers, about: their matrices. Names and what
+    /// is small beside them are not counted; up to 1.6 times as much is allocated, and pages that no tick writes to are not
+    /// taken.
     pub bytes: usize,
 }
 
