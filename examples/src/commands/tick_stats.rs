@@ -3,7 +3,7 @@
 use std::{
     fs::File,
     io::{BufWriter, Write, stdout},
-    path::PathBuf,
+    path::{Path, PathBuf},
 };
 
 use anyhow::{Context, Result};
@@ -196,7 +196,7 @@ fn print(name: &str, statistics: &Statistics) -> Result<()> {
     Ok(())
 }
 
-fn solve_problems(args: &Arguments, file: &PathBuf) -> Result<()> {
+fn solve_problems(args: &Arguments, file: &Path) -> Result<()> {
     let name = || file.display().to_string();
     let bytes = input::read(file, input::LARGEST_RECORD)
         .with_context(|| format!("{}: cannot be read", name()))?;

@@ -232,18 +232,17 @@ impl Case {
         let plant = self.make_plant(&common.robot)?;
         self.make_sensors(&plant, 0)?;
         self.check_detectors(text, groups, &common)?;
-        let known = match common.known(&self.events, self.duration) {
-            Some(known) => known,
-            None => {
-                let asked = self.check_events(text, groups, &common)?;
-                let known = Arc::new(Known {
-                    events: self.events.clone(),
-                    duration: self.duration,
-                    asked,
-                });
-                common.remember(&known);
-                known
-            }
+        let known = if let Some(known) = common.known(&self.events, self.duration) {
+            known
+        } else {
+            let asked = self.check_events(text, groups, &common)?;
+            let known = Arc::new(Known {
+                events: self.events.clone(),
+                duration: self.duration,
+                asked,
+            });
+            common.remember(&known);
+            known
         };
         self.check_pushes(&common.robot, &common.contacts, &known.asked)
     }

@@ -75,7 +75,7 @@ pub(super) struct Groups<'a> {
     /// By case.
     group_of: Vec<usize>,
     /// What each has, while there are cases that want it.
-    groups: Vec<Mutex<Group>>,
+    list: Vec<Mutex<Group>>,
     note: Note<'a>,
 }
 
@@ -113,7 +113,7 @@ impl<'a> Groups<'a> {
         let mut group_of = Vec::new();
         for case in cases {
             // Plain data, whose every bit this says.
-            let key = format!("{:?} {:?}", case.controller_file(), case.overrides());
+            let key = (case.controller_file(), format!("{:?}", case.overrides()));
             let group = *known.entry(key).or_insert_with(|| {
                 groups.push(Mutex::default());
                 groups.len() - 1
@@ -127,7 +127,7 @@ impl<'a> Groups<'a> {
         Self {
             robots: Robots::default(),
             group_of,
-            groups,
+            list: groups,
             note,
         }
     }
@@ -141,7 +141,7 @@ impl<'a> Groups<'a> {
 
     /// What a case has in common with others; made if nobody has made it yet.
     pub(super) fn common(&self, index: usize, case: &Case) -> Result<Arc<Common>, ScenarioError> {
-        let group = self.group_of.get(index).and_then(|&g| self.groups.get(g));
+        let group = self.group_of.get(index).and_then(|&g| self.list.get(g));
         let Some(group) = group else {
             return self.make_common(case);
         };
