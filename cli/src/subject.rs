@@ -4,8 +4,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result, bail};
 use serde::Serialize;
-use toml::de::DeTable;
-use wbqp::input;
+use wbqp::input::{self, Enough, Mark};
 
 /// The kinds of files that the command reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -72,36 +71,34 @@ fn root_element(text: &str) -> Option<&str> {
     }
 }
 
-/// Judged by its keys; a text that is not TOML by its lines, so that the reader of its kind says what is wrong.
+/// Judged by its keys, also if it is not TOML: the reader of its kind says what is wrong.
 fn of_toml(text: &str) -> Option<Subject> {
-    let key = |line: &str| {
-        let line = line.trim_start();
-        let word = line.split(['=', '#', ']']).next().unwrap_or_default();
-        word.trim().to_owned()
-    };
-    let is_small = input::check_toml(text).is_ok();
-    let (names_a_controller, has_robot) = match is_small.then(|| DeTable::parse(text)) {
-        Some(Ok(table)) => {
-            let table = table.get_ref();
-            (
-                table
-                    .get("controller")
-                    .is_some_and(|value| value.get_ref().is_str()),
-                ["robot", "controller", "task"]
-                    .iter()
-                    .any(|key| table.contains_key(*key)),
-            )
+    let (mut names_a_controller, mut has_robot) = (false, false);
+    let mut is_top = true;
+    input::outline(text, |_, mark| {
+        let (name, is_text) = match mark {
+            Mark::Header(name) => {
+                is_top = false;
+                (name, false)
+            }
+            Mark::Key(name, is_text) if is_top => (name, is_text),
+            _ => return Enough::No,
+        };
+        let first = name.split('.').next().unwrap_or_default().trim();
+        let first = first.trim_matches(['"', '\'']);
+        names_a_controller |= first == "controller" && first == name && is_text;
+        has_robot |= ["robot", "controller", "task"].contains(&first);
+        if names_a_controller {
+            Enough::Yes
+        } else {
+            Enough::No
         }
-        Some(Err(_)) | None => (
-            text.lines()
-                .map(key)
-                .take_while(|key| !key.starts_with('['))
-                .any(|key| key == "controller"),
-            text.lines()
-                .map(key)
-                .any(|key| ["[robot", "[controller", "[[task"].contains(&key.as_str())),
-        ),
-    };
+    });
+    if !names_a_controller && !has_robot {
+        // A bracket that is never closed hides what follows.
+        let starts = |part: &str| text.lines().any(|line| line.trim_start().starts_with(part));
+        has_robot = ["[robot", "[controller", "[[task"].into_iter().any(starts);
+    }
     if names_a_controller {
         Some(Subject::Scenario)
     } else {

@@ -14,8 +14,8 @@ use crate::{
 /// A mutable row-major matrix view: rows of coefficients.
 pub type RowMajorMut<'a> = MatrixViewMut<'a, f64, Dyn, Dyn, Dyn, U1>;
 
-/// Storage of one entry's rows.
-#[derive(Clone, Debug)]
+/// Storage of one entry's rows; none by default.
+#[derive(Clone, Debug, Default)]
 pub(crate) struct RowStore {
     pub(crate) vdot: Vec<f64>,
     pub(crate) effort: Vec<f64>,
@@ -69,12 +69,27 @@ impl RowStore {
 }
 
 impl RowStore {
-    /// Numbers that it stores.
-    pub(crate) fn numbers(&self) -> usize {
-        let forces: usize = self.forces.iter().map(Vec::len).sum();
-        let limits = 3 * self.lower.len() + 2 * self.bound_lower.len();
-        let blocks = self.vdot.len() + self.effort.len() + forces;
-        blocks + limits + self.scratch.len() + self.nf.len()
+    /// Numbers that the store of a layout has.
+    pub(crate) fn numbers(layout: &Layout, nv: usize, nu: usize, nf: &[usize]) -> usize {
+        let m = layout.len();
+        let dense = |n: usize, block: &Block| match block {
+            Block::Dense => m.saturating_mul(n),
+            Block::Unit(_) => 0,
+        };
+        let vdot = match layout.vdot {
+            VdotBlock::Dense => m.saturating_mul(nv),
+            _ => 0,
+        };
+        let effort = layout.effort.as_ref().map_or(0, |block| dense(nu, block));
+        let forces = layout.forces.iter();
+        let forces = forces.map(|(c, block)| dense(nf.get(c.index()).copied().unwrap_or(0), block));
+        let widest = nf.iter().copied().fold(nv.max(nu), usize::max);
+        let limits = 3 * m + 2 * layout.bounds.len() + nf.len();
+        let blocks = [vdot, effort, limits, m.saturating_mul(widest)];
+        blocks
+            .into_iter()
+            .chain(forces)
+            .fold(0, usize::saturating_add)
     }
 }
 

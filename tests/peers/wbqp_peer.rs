@@ -20,7 +20,7 @@
 use std::{
     error::Error,
     fs::File,
-    io::{BufRead, BufReader, BufWriter, Write, stdin, stdout},
+    io::{BufRead, BufWriter, Write, stdin, stdout},
     path::Path,
     time::Instant,
 };
@@ -28,6 +28,7 @@ use std::{
 use wbqp::{
     Controller, Measurement,
     controller::Rung,
+    input,
     nalgebra::{Quaternion, UnitQuaternion, Vector3},
     reference::Sample,
     task::Task,
@@ -265,11 +266,20 @@ fn read(controller: &Controller, file: &Path) -> Result<Vec<Measurement>> {
     let contacts = controller.contact_names().count();
     let (joints, nv) = (robot.model.joints().len(), robot.model.nv());
     let mut measurements = Vec::new();
-    for line in BufReader::new(File::open(file)?).lines().skip(3) {
-        let numbers: Vec<f64> = line?
+    let text = input::text(input::read(file, input::LARGEST_RECORD)?)?;
+    for (index, line) in text.lines().enumerate().skip(3) {
+        let numbers: Vec<f64> = line
             .split_whitespace()
             .map(str::parse)
             .collect::<std::result::Result<_, _>>()?;
+        let least = 8 + joints + nv;
+        if numbers.len() < least {
+            let (line, found) = (index + 1, numbers.len());
+            let name = file.display();
+            return Err(
+                format!("{name}:{line}: has {found} numbers, expected {least} or more").into(),
+            );
+        }
         let mut measurement = Measurement::home(robot, contacts);
         let (state, rest) = (&mut measurement.state, &numbers[1..]);
         measurement.time = numbers[0];

@@ -13,10 +13,12 @@ use std::{
     error::Error,
     fs::File,
     hint::black_box,
-    io::{BufReader, BufWriter, Write, stdin, stdout},
+    io::{BufWriter, Write, stdin, stdout},
+    path::Path,
     time::Instant,
 };
 
+use wbqp::input;
 use wbqp::qp::{ActiveSet, Capacity, Qp, QpSolver, Solution, Status};
 use wbqp_tests::qp_ticks::{self, Tick};
 
@@ -65,7 +67,8 @@ fn touch(qp: &Qp) -> f64 {
 
 fn main() -> Result<()> {
     let path = env::args().nth(1).ok_or("wbqp_qp FILE")?;
-    let ticks = qp_ticks::read(&mut BufReader::new(File::open(path)?))?;
+    let bytes = input::read(Path::new(&path), input::LARGEST_RECORD)?;
+    let ticks = qp_ticks::read(&mut bytes.as_slice())?;
     let capacity = ticks
         .first()
         .ok_or("the file has no problem")?

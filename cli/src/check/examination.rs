@@ -3,6 +3,7 @@
 use serde::Serialize;
 use wbqp::{
     actuator::{Actuator, ActuatorKind, Drive},
+    controller::Memory,
     model::{Base, BodyId, Joint, JointId, JointKind, Model},
     robot::{Diagnostic, RobotModel},
 };
@@ -23,6 +24,9 @@ pub struct Examination {
     /// The controller of the file, of a scenario's first case; absent for a robot alone.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub controller: Option<ControllerFacts>,
+    /// What the problem of a tick takes; absent if it was not known before something was refused.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub memory: Option<Memory>,
     /// What the robot's actuators do at home; absent if the controller was refused.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub holding: Option<Holding>,

@@ -4,9 +4,12 @@ use std::path::Path;
 
 use anyhow::Result;
 use wbqp::{
-    Controller, ControllerConfig, config::Overrides, controller::ControllerError, robot::RobotModel,
+    ControllerConfig,
+    config::Overrides,
+    controller::{ControllerError, Memory, Plan},
+    robot::RobotModel,
 };
-use wbqp_sim::Scenario;
+use wbqp_sim::{Scenario, scenario::Note};
 
 use super::{
     examination::{ControllerFacts, Examination, Robot},
@@ -23,26 +26,35 @@ pub struct Request {
     pub case: Option<String>,
 }
 
-/// Reads a file of any kind.
+/// Reads a file of any kind. `note` hears what a controller is going to take before it is made, with the case's name if
+/// there is one; that of a scenario's case that is looked at more than once.
 ///
 /// # Errors
 /// A file that cannot be read or is of no known kind, options that do not suit it. What is wrong with its contents is
 /// in the examination.
-pub fn examine(file: &Path, request: &Request) -> Result<Examination> {
+pub fn examine(file: &Path, request: &Request, note: Note<'_>) -> Result<Examination> {
     let kind = Subject::of_file(file)?;
     let mut examination = Examination {
         file: file.display().to_string(),
         kind,
         robot: None,
         controller: None,
+        memory: None,
         holding: None,
         remark: None,
         errors: Vec::new(),
     };
     let mut cases = Vec::new();
-    let config = read(file, kind, request, &mut cases)?;
+    let config = read(file, kind, request, &mut cases, note)?;
     match config {
-        Ok(config) => with_config(config, kind, cases, &mut examination),
+        Ok(config) => {
+            let first = cases.first().map(String::as_str);
+            let case = request.case.as_deref().or(first).unwrap_or_default();
+            let case = case.to_owned();
+            with_config(config, kind, cases, &mut examination, &|memory| {
+                note(&case, memory);
+            });
+        }
         Err(errors) => examination.errors = errors,
     }
     Ok(examination)
@@ -57,7 +69,8 @@ pub fn configuration(
     file: &Path,
     request: &Request,
 ) -> Result<Result<ControllerConfig, Vec<String>>> {
-    read(file, Subject::of_file(file)?, request, &mut Vec::new())
+    let kind = Subject::of_file(file)?;
+    read(file, kind, request, &mut Vec::new(), &|_, _| {})
 }
 
 fn read(
@@ -65,6 +78,7 @@ fn read(
     kind: Subject,
     request: &Request,
     cases: &mut Vec<String>,
+    note: Note<'_>,
 ) -> Result<Result<ControllerConfig, Vec<String>>> {
     Ok(match kind {
         Subject::Urdf => of_urdf(file, &Assignment::overrides(&request.set)?),
@@ -74,7 +88,7 @@ fn read(
         }
         Subject::Scenario => {
             let variation = Assignment::variation(&request.set)?;
-            Scenario::from_file_with(file, &variation)
+            Scenario::from_file_noting(file, &variation, note)
                 .and_then(|scenario| {
                     *cases = scenario.cases().map(str::to_owned).collect();
                     let case = request.case.as_ref().or(cases.first());
@@ -90,6 +104,7 @@ fn with_config(
     kind: Subject,
     cases: Vec<String>,
     examination: &mut Examination,
+    note: &dyn Fn(&Memory),
 ) {
     let robot = match config.load_robot() {
         Ok(robot) => robot,
@@ -108,7 +123,13 @@ fn with_config(
             cases,
         });
     }
-    match Controller::with_robot(config, robot) {
+    let planned = Plan::new(config.without_record(), robot).and_then(|plan| {
+        let memory = plan.memory();
+        note(&memory);
+        examination.memory = Some(memory);
+        plan.make()
+    });
+    match planned {
         Ok(mut controller) => {
             // With what was noticed in the controller's file.
             if let Some(shown) = &mut examination.robot {

@@ -17,11 +17,12 @@ use std::{
     io::{self, Write},
     path::{Path, PathBuf},
     process::ExitCode,
+    sync::atomic::{AtomicUsize, Ordering},
 };
 
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
-use wbqp::serde_json;
+use wbqp::{controller::Memory, serde_json};
 
 use crate::{assignment::Assignment, subject::Subject};
 
@@ -84,6 +85,28 @@ pub enum BaseKind {
     Fixed,
 }
 
+/// The largest need that was told so far, bytes.
+#[derive(Debug, Default)]
+struct Announced(AtomicUsize);
+
+impl Announced {
+    /// Tells of a controller that is not made yet, if it takes clearly more than those before.
+    fn say(&self, file: &Path, case: &str, memory: &Memory) {
+        let largest = self.0.fetch_max(memory.bytes, Ordering::Relaxed);
+        if memory.bytes <= largest + largest / 8 {
+            return;
+        }
+        let case = match case {
+            "" => String::new(),
+            case => format!(" case `{case}`"),
+        };
+        let mut out = io::stdout().lock();
+        // Whether anybody reads shows in what follows.
+        let _ = writeln!(out, "{}:{case} needs {memory}", file.display());
+        let _ = out.flush();
+    }
+}
+
 impl RobotOptions {
     /// Everything as values of the controller's file. Paths count from the working directory.
     ///
@@ -133,7 +156,12 @@ impl Arguments {
         if self.expand || self.explain_config {
             return self.explain(&request);
         }
-        let examination = examine(&self.file, &request)?;
+        let announced = Announced::default();
+        let examination = examine(&self.file, &request, &|case, memory| {
+            if !self.json {
+                announced.say(&self.file, case, memory);
+            }
+        })?;
         let mut out = io::stdout().lock();
         if self.json {
             writeln!(out, "{}", serde_json::to_string_pretty(&examination)?)?;

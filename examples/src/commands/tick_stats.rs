@@ -2,15 +2,15 @@
 
 use std::{
     fs::File,
-    io::{BufReader, BufWriter, Write, stdout},
-    path::PathBuf,
+    io::{BufWriter, Write, stdout},
+    path::{Path, PathBuf},
 };
 
 use anyhow::{Context, Result};
 use clap::ValueEnum;
 use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
 use serde::Serialize;
-use wbqp::serde_json;
+use wbqp::{input, serde_json};
 
 use crate::{
     cli::ProgressBars,
@@ -196,10 +196,12 @@ fn print(name: &str, statistics: &Statistics) -> Result<()> {
     Ok(())
 }
 
-fn solve_problems(args: &Arguments, file: &PathBuf) -> Result<()> {
-    let from = File::open(file).with_context(|| format!("{}", file.display()))?;
-    let problems: Problems = serde_json::from_reader(BufReader::new(from))
-        .with_context(|| format!("{}", file.display()))?;
+fn solve_problems(args: &Arguments, file: &Path) -> Result<()> {
+    let name = || file.display().to_string();
+    let bytes = input::read(file, input::LARGEST_RECORD)
+        .with_context(|| format!("{}: cannot be read", name()))?;
+    let problems: Problems = serde_json::from_slice(&bytes).with_context(name)?;
+    drop(bytes);
     let times = problems::time(&problems, args.repeats)?;
     if args.json {
         writeln!(stdout(), "{}", serde_json::to_string_pretty(&times)?)?;

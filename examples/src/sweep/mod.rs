@@ -17,7 +17,7 @@ use std::{
 use anyhow::{Context, Result};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use wbqp::serde_json;
+use wbqp::{input, serde_json};
 use wbqp_sim::{Scenario, Variation};
 
 use crate::{
@@ -296,8 +296,8 @@ impl Sweep {
     /// Reads `<out>/sweep.json` if there is a sweep that belongs to these outcomes: its runs without variation have the
     /// same rows. One of another seed, version or scenario does not.
     pub fn read_for(outcomes: &[Outcome], out: &Path) -> Option<Self> {
-        let text = fs::read_to_string(Self::file(out)).ok()?;
-        let sweep: Self = serde_json::from_str(&text).ok()?;
+        let text = input::read(&Self::file(out), input::LARGEST_RECORD).ok()?;
+        let sweep: Self = serde_json::from_slice(&text).ok()?;
         sweep.belongs_to(outcomes).then_some(sweep)
     }
 

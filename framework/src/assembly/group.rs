@@ -55,14 +55,9 @@ pub(crate) struct GroupSpec<'a> {
 }
 
 impl Group {
-    /// Registers the rows in the table. Slacks are added later by [`Group::add_slack`], so that the ids of
-    /// physical variables come first.
-    pub(crate) fn new(
-        spec: &GroupSpec<'_>,
-        layout: Layout,
-        store: RowStore,
-        table: &mut Table,
-    ) -> Self {
+    /// Registers the rows in the table; their storage comes later. Slacks are added by [`Group::add_slack`], so that the
+    /// ids of physical variables come first.
+    pub(crate) fn new(spec: &GroupSpec<'_>, layout: Layout, table: &mut Table) -> Self {
         let equality = spec.is_task || layout.relation == Relation::Equality;
         let (treatment, linear_penalty) = match (spec.hardness, equality) {
             (Hardness::Hard, _) => (Treatment::Hard, 0.0),
@@ -95,7 +90,7 @@ impl Group {
                 spec.switch.transition(),
             ),
             layout,
-            store,
+            store: RowStore::default(),
             linear_penalty,
             treatment,
             switch: spec.switch,

@@ -67,6 +67,7 @@ fn effort_unit(model: &Model, kind: &ActuatorKind) -> &'static str {
 
 /// Rows that belong to the framework, registered before those of the entries: ids ascend in the order in which rows
 /// appear in the problem.
+#[derive(Debug)]
 pub(crate) struct ProblemRows {
     pub(super) dynamics: Vec<RowId>,
     pub(super) normals: Vec<RowId>,

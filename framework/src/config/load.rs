@@ -10,7 +10,7 @@ use serde::Deserialize;
 use serde_json::Value as Json;
 
 use super::{
-    ConfigError, ConfigErrorKind as Kind, ConfigErrors, ControllerConfig, ENTRY_KEYS,
+    ConfigError, ConfigErrorKind as Kind, ConfigErrors, ControllerConfig, ENTRY_KEYS, Keeping,
     MeasurementLimits, Overrides, Settings,
     document::Document,
     entry, expand,
@@ -118,6 +118,7 @@ impl ControllerConfig {
                 directory: directory.into(),
                 overrides: overrides.clone(),
                 warnings,
+                keeping: Keeping::default(),
                 source: Some(SourceFile {
                     name: file_name.to_owned(),
                     media_type: "application/toml",
@@ -243,13 +244,22 @@ fn contact_schema() -> &'static Json {
     SCHEMA.get_or_init(schema_of::<ContactSpec>)
 }
 
+fn settings_schema() -> &'static Json {
+    static SCHEMA: OnceLock<Json> = OnceLock::new();
+    SCHEMA.get_or_init(schema_of::<Settings>)
+}
+
+fn measurement_schema() -> &'static Json {
+    static SCHEMA: OnceLock<Json> = OnceLock::new();
+    SCHEMA.get_or_init(schema_of::<MeasurementLimits>)
+}
+
 fn settings(section: Option<Section<'_>>, report: &mut Report<'_>) -> Option<Settings> {
     let section = section?;
     let at = At::subject("controller");
-    let schema = schema_of::<Settings>();
     let keys = section.clone();
     let load = Settings::deserialize::<toml::de::ValueDeserializer<'_>>;
-    let settings = table::read(section, &schema, &[], load, &at, report)?;
+    let settings = table::read(section, settings_schema(), &[], load, &at, report)?;
     let mut valid = true;
     for (key, problem) in settings.problems() {
         fault::report(&BindError::value(key, problem), Some(&keys), &at, report);
@@ -260,10 +270,9 @@ fn settings(section: Option<Section<'_>>, report: &mut Report<'_>) -> Option<Set
 
 fn measurement(section: Section<'_>, report: &mut Report<'_>) -> Option<MeasurementLimits> {
     let at = At::subject("measurement");
-    let schema = schema_of::<MeasurementLimits>();
     let keys = section.clone();
     let load = MeasurementLimits::deserialize::<toml::de::ValueDeserializer<'_>>;
-    let limits = table::read(section, &schema, &[], load, &at, report)?;
+    let limits = table::read(section, measurement_schema(), &[], load, &at, report)?;
     let mut valid = true;
     for (key, problem) in limits.problems() {
         fault::report(&BindError::value(key, problem), Some(&keys), &at, report);

@@ -11,6 +11,9 @@
 //! | a time, s | above a month | below 1 ns unless zero, above a million years |
 //! | anything else with a unit | above the limit in [`largest`] | a million times as much |
 
+use std::sync::OnceLock;
+
+use serde_json::Value;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -65,6 +68,9 @@ fn largest(unit: &str) -> Option<f64> {
 /// Looks at every number of a document whose unit its schema knows. What cannot be meant goes to the report, what may be a
 /// mistake is given back.
 pub(super) fn check(document: &Document<'_>, report: &mut Report<'_>) -> Vec<Diagnostic> {
+    // The same for every file.
+    static SETTINGS: OnceLock<Value> = OnceLock::new();
+    static CONTACT: OnceLock<Value> = OnceLock::new();
     let rate = document.controller.as_ref();
     let rate = rate.and_then(|section| number(section.keys.get("rate")?));
     let mut check = Check {
@@ -74,17 +80,17 @@ pub(super) fn check(document: &Document<'_>, report: &mut Report<'_>) -> Vec<Dia
         warnings: Vec::new(),
         weights: Vec::new(),
     };
-    let settings = schema_of::<Settings>();
+    let settings = SETTINGS.get_or_init(schema_of::<Settings>);
     if let Some(section) = &document.controller {
         let at = At::subject("controller");
-        check.table(&at, Node::root(&settings), &section.keys, None);
+        check.table(&at, Node::root(settings), &section.keys, None);
     }
     check.single::<dyn Robot>(document.robot.as_ref());
     check.single::<dyn Solver>(document.solver.as_ref());
-    let contact = schema_of::<ContactSpec>();
+    let contact = CONTACT.get_or_init(schema_of::<ContactSpec>);
     for (index, section) in document.contacts.iter().enumerate() {
         let at = At::subject(entry::subject("contact", Some(index), section));
-        check.table(&at, Node::root(&contact), &section.keys, None);
+        check.table(&at, Node::root(contact), &section.keys, None);
     }
     check.entries::<dyn Task>(&document.tasks);
     check.entries::<dyn Constraint>(&document.constraints);
@@ -155,7 +161,7 @@ impl Check<'_, '_> {
             let Some(about) = properties.and_then(|properties| properties.get(key)) else {
                 continue;
             };
-            let own = about.get("x-unit").and_then(serde_json::Value::as_str);
+            let own = about.get("x-unit").and_then(Value::as_str);
             let unit = match own {
                 Some("the task's") => unit,
                 own => own,

@@ -100,6 +100,17 @@ pub struct ControllerConfig {
     pub(crate) overrides: Overrides,
     /// What may be a mistake in it.
     pub(crate) warnings: Vec<Diagnostic>,
+    /// Whether a controller keeps its text.
+    pub(crate) keeping: Keeping,
+}
+
+/// What a controller keeps of its configuration.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Keeping {
+    /// Its text, for dumps of ticks.
+    #[default]
+    Text,
+    Nothing,
 }
 
 /// The `[controller]` table.
@@ -343,7 +354,16 @@ impl ControllerConfig {
             source: None,
             overrides: Overrides::new(),
             warnings: Vec::new(),
+            keeping: Keeping::default(),
         }
+    }
+
+    /// A controller that keeps nothing of what it was made from, for one that is only looked at: writing a configuration out
+    /// takes as long as making the controller. It cannot record its ticks
+    /// ([`Controller::with_recorder`](crate::Controller::with_recorder)).
+    pub fn without_record(mut self) -> Self {
+        self.keeping = Keeping::Nothing;
+        self
     }
 
     /// What may be a mistake in the file and was taken as it is: numbers that no robot has, weights too far apart. They go with

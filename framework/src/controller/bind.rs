@@ -14,7 +14,7 @@ use super::{
     handle::Stamp,
     home,
     ladder::{Age, Clock, Ladder},
-    memory::{Need, Stored},
+    memory::{Memory, Need, Stored},
     plausible::Plausible,
     recording::MadeFrom,
     report::Report,
@@ -24,13 +24,20 @@ use super::{
 };
 use crate::{
     assembly::{
-        Actuation, Assembly, DynamicsTerms, Elastic, Partition, ProblemRows, Table, VariableNames,
+        Actuation, Assembly, DynamicsTerms, Elastic, Group, Partition, ProblemRows, Table,
+        VariableNames,
     },
-    config::{ControllerConfig, Origin},
+    config::{ControllerConfig, MeasurementLimits, Origin, Settings},
+    constraint::Constraint,
+    contact::{ContactSpec, ContactState},
     dynamics::{Data, FrameKinematics},
-    qp::{ActiveSet, Capacity, Qp, QpSolver as _, Solution, WarmStart},
+    entry::Entry,
+    model::FrameId,
+    qp::{ActiveSet, Capacity, Qp, QpSolver as _, Solution, Solver, WarmStart},
     robot::{RobotError, RobotModel},
+    rows::RowStore,
     setup::{BindError, Setup},
+    task::Task,
     tick::Prediction,
 };
 
@@ -85,8 +92,58 @@ impl Controller {
     /// [`ControllerError::Config`]: everything that does not fit the robot.
     pub fn with_robot(
         config: ControllerConfig,
-        mut robot: RobotModel,
+        robot: RobotModel,
     ) -> Result<Self, ControllerError> {
+        Plan::new(config, robot)?.make()
+    }
+
+    /// The terms of the dynamics, borrowed for the assembly.
+    pub(super) fn terms(world: &World) -> DynamicsTerms<'_> {
+        DynamicsTerms {
+            data: &world.data,
+            frames: &world.frames,
+            contacts: &world.contacts,
+        }
+    }
+}
+
+/// A controller that fits its robot and is not made yet: all sizes are known, and nothing of its problem is allocated.
+///
+/// [`Plan::memory`] says what [`Plan::make`] is going to take; [`Controller::with_robot`] does both.
+#[derive(Debug)]
+pub struct Plan {
+    settings: Settings,
+    robot: RobotModel,
+    /// The robot's.
+    tag: &'static str,
+    solver: Box<dyn Solver>,
+    measurement: MeasurementLimits,
+    contacts: Vec<ContactSpec>,
+    tasks: Vec<Entry<dyn Task>>,
+    constraints: Vec<Entry<dyn Constraint>>,
+    made_from: MadeFrom,
+    faults: Faults,
+    bindings: Vec<ContactBinding>,
+    contact_states: Vec<ContactState>,
+    /// Constrained components of each contact.
+    nf: Vec<usize>,
+    frame_ids: Vec<FrameId>,
+    actuation: Actuation,
+    table: Table,
+    problem_rows: ProblemRows,
+    /// Their rows have no storage yet.
+    groups: Vec<Group>,
+    partition: Partition,
+    need: Need,
+}
+
+impl Plan {
+    /// Binds tasks and constraints to a robot that is there already; the configuration's own is not loaded.
+    ///
+    /// # Errors
+    /// [`ControllerError::Config`]: everything that does not fit the robot, and what takes more than
+    /// [`Settings::max_memory`].
+    pub fn new(config: ControllerConfig, mut robot: RobotModel) -> Result<Self, ControllerError> {
         let made_from = MadeFrom::new(&config);
         let ControllerConfig {
             settings,
@@ -100,6 +157,7 @@ impl Controller {
             overrides,
             warnings,
             directory: _,
+            keeping: _,
         } = config;
         robot.diagnostics.extend(warnings);
         let mut faults = Faults::new(Origin::new(source, overrides));
@@ -151,7 +209,7 @@ impl Controller {
             });
             match group {
                 Ok(group) => {
-                    faults.memory(stored.add(&group, settings.max_memory));
+                    faults.memory(stored.add(&group, &sizes, settings.max_memory));
                     faults.stop_if_too_large()?;
                     groups.push(group);
                 }
@@ -166,32 +224,34 @@ impl Controller {
             });
             match group {
                 Ok(group) => {
-                    faults.memory(stored.add(&group, settings.max_memory));
+                    faults.memory(stored.add(&group, &sizes, settings.max_memory));
                     faults.stop_if_too_large()?;
                     groups.push(group);
                 }
                 Err(error) => faults.constraint(index, entry, error),
             }
         }
-        let solver_tag = solver.typetag_name();
+        if faults.is_empty() {
+            for (index, error) in unlimited_moments(&contacts, &groups[tasks.len()..]) {
+                faults.contact(index, &contacts[index].name, error);
+            }
+        }
         if !faults.is_empty() {
             // The problem has no size, but the solver's settings can be looked at.
             let capacity = Capacity {
                 vars: robot.nu(),
                 rows: 0,
             };
-            faults.solver(solver_tag, solver.bind(capacity).map_err(BindError::from));
+            let bound = solver.bind(capacity).map_err(BindError::from);
+            faults.solver(solver.typetag_name(), bound);
             faults.stop_if_any()?;
         }
 
-        for (index, error) in unlimited_moments(&contacts, &groups[tasks.len()..]) {
-            faults.contact(index, &contacts[index].name, error);
-        }
         let partition = Partition::new(formulation, &robot, &contacts, &frame_ids);
-        let mut native = ActiveSet::default();
         let need = Need::of(
             &partition,
             &groups,
+            stored,
             [
                 problem_rows.dynamics_rows(),
                 contacts.len(),
@@ -199,10 +259,79 @@ impl Controller {
                 frame_ids.len(),
             ],
             &*solver,
-            &native,
+            &ActiveSet::default(),
         );
         faults.memory(need.check(settings.max_memory));
         faults.stop_if_too_large()?;
+        Ok(Self {
+            settings,
+            robot,
+            tag: robot_plugin.typetag_name(),
+            solver,
+            measurement,
+            contacts,
+            tasks,
+            constraints,
+            made_from,
+            faults,
+            bindings,
+            contact_states,
+            nf,
+            frame_ids,
+            actuation,
+            table,
+            problem_rows,
+            groups,
+            partition,
+            need,
+        })
+    }
+
+    /// What [`Plan::make`] is going to allocate, about.
+    pub fn memory(&self) -> Memory {
+        self.need.memory()
+    }
+
+    /// Makes the controller. This is where everything is allocated.
+    ///
+    /// # Errors
+    /// [`ControllerError::Config`]: a solver that refuses, a robot that does not hover.
+    pub fn make(self) -> Result<Controller, ControllerError> {
+        let Self {
+            settings,
+            robot,
+            tag,
+            mut solver,
+            measurement,
+            contacts,
+            tasks,
+            constraints,
+            made_from,
+            mut faults,
+            bindings,
+            contact_states,
+            nf,
+            frame_ids,
+            actuation,
+            mut table,
+            problem_rows,
+            mut groups,
+            partition,
+            need,
+        } = self;
+        let model = robot.model.clone();
+        let period = 1.0 / settings.rate;
+        let solver_tag = solver.typetag_name();
+        let sizes = Sizes {
+            nv: model.nv(),
+            nu: robot.nu(),
+            nf: &nf,
+        };
+        for group in &mut groups {
+            group.store = RowStore::new(&group.layout, sizes.nv, sizes.nu, sizes.nf);
+        }
+        let names = VariableNames::new(&robot, &contacts);
+        let mut native = ActiveSet::default();
         let kept = partition.kept.iter().map(|&i| &robot.actuators[i]);
         let kept = Actuation::new(&model, kept);
         let assembly = Assembly::new(
@@ -276,7 +405,7 @@ impl Controller {
             &groups[..tasks.len()],
             &world.model,
         );
-        let mut controller = Self {
+        let mut controller = Controller {
             settings,
             first,
             tasks: tasks.into_iter().map(|e| e.plugin).collect(),
@@ -315,18 +444,9 @@ impl Controller {
             && controller.must_hover()
             && let Some(missing) = controller.missing_wrench()
         {
-            faults.hover(robot_plugin.typetag_name(), missing);
+            faults.hover(tag, missing);
         }
         faults.stop_if_any()?;
         Ok(controller)
-    }
-
-    /// The terms of the dynamics, borrowed for the assembly.
-    pub(super) fn terms(world: &World) -> DynamicsTerms<'_> {
-        DynamicsTerms {
-            data: &world.data,
-            frames: &world.frames,
-            contacts: &world.contacts,
-        }
     }
 }

@@ -7,7 +7,6 @@ use crate::{
     contact::ContactSpec,
     entry::{Entry, Hardness},
     layout::{BoundTarget, Layout, Relation, VdotBlock},
-    rows::RowStore,
     setup::BindError,
 };
 
@@ -62,8 +61,7 @@ pub(super) fn make_group<P: ?Sized>(
         switch: Switch::new(entry.active, entry.transition),
         is_task,
     };
-    let store = RowStore::new(&layout, sizes.nv, sizes.nu, sizes.nf);
-    Ok(Group::new(&spec, layout, store, table))
+    Ok(Group::new(&spec, layout, table))
 }
 
 fn check_entry<P: ?Sized>(

@@ -4,14 +4,50 @@
 //! variable more for each of them. The matrices of both and the solvers' workspaces grow with the square of the numbers of
 //! variables: a file with a few hundred contacts or constraints asks for gigabytes.
 
+use std::fmt;
+
+use serde::Serialize;
+
 use crate::{
     assembly::{Assembly, Elastic, Group, Partition},
     input::size,
     qp::{Capacity, QpSolver},
+    rows::RowStore,
     setup::BindError,
 };
 
+use super::fit::Sizes;
+
 const NUMBER: usize = size_of::<f64>();
+
+/// What the problem of a tick takes, as far as numbers of variables and rows say.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[non_exhaustive]
+pub struct Memory {
+    /// Variables of the problem, with everything switched on.
+    pub variables: usize,
+    /// Its rows.
+    pub rows: usize,
+    /// Variables of the problem with all of its limits given up.
+    pub relaxed_variables: usize,
+    /// Bytes of both problems, of the rows of tasks and constraints, and of the solvers, about: their matrices. Names and what
+    /// is small beside them are not counted; up to 1.6 times as much is allocated, and pages that no tick writes to are not
+    /// taken.
+    pub bytes: usize,
+}
+
+impl fmt::Display for Memory {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "about {}, for {} variables and {} rows, {} variables with all limits given up",
+            size(self.bytes as u64),
+            self.variables,
+            self.rows,
+            self.relaxed_variables
+        )
+    }
+}
 
 /// The sizes of a problem.
 #[derive(Clone, Copy, Debug)]
@@ -28,6 +64,7 @@ impl Need {
     pub(super) fn of(
         partition: &Partition,
         groups: &[Group],
+        stored: Stored,
         [dynamics_rows, normals, efforts, frames]: [usize; 4],
         solver: &dyn QpSolver,
         native: &dyn QpSolver,
@@ -40,7 +77,6 @@ impl Need {
             ..capacity
         };
         let relaxed = Elastic::capacity(groups, normals, problem);
-        let stored: usize = groups.iter().map(|group| group.store.numbers()).sum();
         let square = |n: usize| n.saturating_mul(n);
         let matrices =
             |of: Capacity| square(of.vars).saturating_add(of.rows.saturating_mul(of.vars));
@@ -51,7 +87,7 @@ impl Need {
             square(natural),
             square(partition.nv).saturating_mul(2),
             (frames + normals).saturating_mul(6 * partition.nv),
-            stored,
+            stored.numbers,
         ];
         let numbers = numbers.into_iter().fold(0, usize::saturating_add);
         let bytes = [
@@ -63,6 +99,15 @@ impl Need {
             problem,
             relaxed,
             bytes: bytes.into_iter().fold(0, usize::saturating_add),
+        }
+    }
+
+    pub(super) fn memory(&self) -> Memory {
+        Memory {
+            variables: self.problem.vars,
+            rows: self.problem.rows,
+            relaxed_variables: self.relaxed.vars,
+            bytes: self.bytes,
         }
     }
 
@@ -93,10 +138,17 @@ pub(super) struct Stored {
 
 impl Stored {
     /// Refuses rows that take more than so many MiB together.
-    pub(super) fn add(&mut self, group: &Group, most: f64) -> Result<(), BindError> {
+    pub(super) fn add(
+        &mut self,
+        group: &Group,
+        sizes: &Sizes<'_>,
+        most: f64,
+    ) -> Result<(), BindError> {
+        let Sizes { nv, nu, nf } = *sizes;
         self.rows += group.layout.len();
-        self.numbers += group.store.numbers();
-        let bytes = self.numbers * NUMBER;
+        let numbers = RowStore::numbers(&group.layout, nv, nu, nf);
+        self.numbers = self.numbers.saturating_add(numbers);
+        let bytes = self.numbers.saturating_mul(NUMBER);
         if bytes as f64 <= most * MIB {
             return Ok(());
         }

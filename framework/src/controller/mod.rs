@@ -33,6 +33,7 @@ mod stopwatch;
 pub(crate) mod switch;
 pub(crate) mod world;
 
+pub use bind::Plan;
 pub use command::Command;
 pub use error::{ControllerError, RequestError};
 pub use explanation::{Explanation, Limit};
@@ -40,6 +41,7 @@ pub use gate::CutEffort;
 pub use handle::{EntryId, EntryKey, EntryMut};
 pub use implausible::{Implausible, Measured};
 pub use measurement::{Fault, Measurement, Quantity};
+pub use memory::Memory;
 pub use rehearsal::PlannedForce;
 pub use report::{
     ActiveRow, ConflictRow, ContactReport, OnRung, RelaxedRow, Report, Rung, Side, TaskReport,

@@ -10,7 +10,7 @@ use super::{
     plausible::Seen,
 };
 use crate::{
-    config::ControllerConfig,
+    config::{ControllerConfig, Keeping},
     qp::WarmStart,
     replay::{
         CommandRecord, ContactMemory, Dump, DumpError, EntryRecord, Memory, Outcome, Record,
@@ -29,9 +29,13 @@ pub(super) struct MadeFrom {
 
 impl MadeFrom {
     pub(super) fn new(config: &ControllerConfig) -> Self {
+        let configuration = match config.keeping {
+            Keeping::Text => config.to_toml().map_err(|error| error.to_string()),
+            Keeping::Nothing => Err("it was made without a record".to_owned()),
+        };
         Self {
             directory: config.directory.clone(),
-            configuration: config.to_toml().map_err(|error| error.to_string()),
+            configuration,
         }
     }
 }

@@ -4,6 +4,7 @@ use std::{
     collections::{BTreeMap, HashSet},
     ops::Range,
     path::{Path, PathBuf},
+    sync::Arc,
 };
 
 use nalgebra::{UnitQuaternion, Vector3};
@@ -21,8 +22,9 @@ use wbqp::{
 
 use super::{
     Event, ScenarioError,
-    check::Robots,
+    check::{Common, Groups, Known},
     file::{CaseFile, Keys, Text},
+    push::Asked,
 };
 use crate::{Plant, PlantConfig, PlantError, Sensors, SensorsConfig};
 
@@ -97,6 +99,11 @@ impl Case {
     /// The scenario's file, as errors call it.
     pub(super) fn file(&self) -> &str {
         &self.file
+    }
+
+    /// The controller's file.
+    pub(super) fn controller_file(&self) -> &Path {
+        &self.controller
     }
 
     /// Simulated time, s.
@@ -208,35 +215,58 @@ impl Case {
         (self.duration * rate).round() as usize
     }
 
-    /// Makes everything once.
-    pub(super) fn check(&self, text: &Text<'_>, robots: &Robots) -> Result<(), ScenarioError> {
+    /// Makes everything once, as far as no other case of its group did.
+    pub(super) fn check(
+        &self,
+        index: usize,
+        text: &Text<'_>,
+        groups: &Groups<'_>,
+    ) -> Result<(), ScenarioError> {
         if !(self.duration.is_finite() && self.duration > 0.0) {
             return Err(self.refuse(&format!(
                 "duration: is {} s, must be positive and finite",
                 self.duration
             )));
         }
-        let make = || {
-            let config = self.controller_config()?;
-            let controller = robots
-                .load(&config)
-                .and_then(|robot| Controller::with_robot(config, robot));
-            controller.map_err(|source| self.controller_error(source))
-        };
-        let mut controller = make()?;
-        let plant = self.make_plant(controller.robot())?;
+        let common = groups.common(index, self)?;
+        let plant = self.make_plant(&common.robot)?;
         self.make_sensors(&plant, 0)?;
-        let [detectors, events] = &self.places;
-        for (detector, span) in self.detectors.iter().zip(detectors) {
+        self.check_detectors(text, groups, &common)?;
+        let known = if let Some(known) = common.known(&self.events, self.duration) {
+            known
+        } else {
+            let asked = self.check_events(text, groups, &common)?;
+            let known = Arc::new(Known {
+                events: self.events.clone(),
+                duration: self.duration,
+                asked,
+            });
+            common.remember(&known);
+            known
+        };
+        self.check_pushes(&common.robot, &common.contacts, &known.asked)
+    }
+
+    fn check_detectors(
+        &self,
+        text: &Text<'_>,
+        groups: &Groups<'_>,
+        common: &Common,
+    ) -> Result<(), ScenarioError> {
+        for (detector, span) in self.detectors.iter().zip(&self.places[0]) {
             let refuse = |what: String| ScenarioError::Value {
                 place: text.place(span.start),
                 what: format!("detector: {what}"),
             };
             detector.validate().map_err(|e| refuse(e.to_string()))?;
-            let contact = controller
-                .contact(&detector.contact)
-                .map_err(|e| refuse(e.to_string()))?;
-            let frame = &controller.contact_spec(contact).frame;
+            let mut contacts = common.contacts.iter();
+            let Some(contact) = contacts.find(|c| c.name == detector.contact) else {
+                // It says which there are.
+                let controller = groups.fresh(self, common)?;
+                let unknown = controller.contact(&detector.contact).err();
+                return Err(refuse(unknown.map_or_else(String::new, |e| e.to_string())));
+            };
+            let frame = &contact.frame;
             if !self.sensors.force_torque.iter().any(|s| &s.frame == frame) {
                 return Err(refuse(format!(
                     "no force is measured at contact `{}`: there is no [[sensors.force_torque]] with frame = \
@@ -245,10 +275,21 @@ impl Case {
                 )));
             }
         }
-        let rate = controller.settings().rate;
+        Ok(())
+    }
+
+    /// Applies every event once, and looks at what is asked of the controller until the end.
+    fn check_events(
+        &self,
+        text: &Text<'_>,
+        groups: &Groups<'_>,
+        common: &Common,
+    ) -> Result<Vec<Asked>, ScenarioError> {
+        let mut controller = groups.fresh(self, common)?;
+        let rate = common.rate;
         let last_tick = self.ticks(rate).saturating_sub(1) as f64 / rate;
         let mut marks = HashSet::new();
-        for (event, span) in self.events.iter().zip(events) {
+        for (event, span) in self.events.iter().zip(&self.places[1]) {
             let refuse = |what: String| ScenarioError::Value {
                 place: text.place(span.start),
                 what: match &event.mark {
@@ -273,9 +314,9 @@ impl Case {
         events.sort_by(|a, b| a.at.total_cmp(&b.at));
         if !events.is_empty() {
             // Without what happens later.
-            controller = make()?;
+            controller = groups.fresh(self, common)?;
         }
-        self.check_pushes(&mut controller, &events)
+        self.asked(&mut controller, &events)
     }
 
     pub(super) fn refuse(&self, what: &str) -> ScenarioError {

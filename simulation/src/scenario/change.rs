@@ -2,7 +2,10 @@
 //!
 //! Works on the parsed text, so that whatever is wrong afterwards still has its place in the file.
 
-use std::{collections::BTreeMap, ops::Range};
+use std::{
+    collections::{BTreeMap, HashSet},
+    ops::Range,
+};
 
 use toml::{
     Spanned,
@@ -66,53 +69,83 @@ pub(super) struct Refusal {
 /// Names of the entries that a case leaves out, by the list's last key.
 pub(super) type LeftOut = BTreeMap<&'static str, Vec<String>>;
 
-/// Leaves out the entries whose `cases` do not contain a case, and the keys `cases`.
-pub(super) fn select(
-    root: &mut DeTable<'_>,
-    case: &str,
-    known: &[&str],
-) -> Result<LeftOut, Refusal> {
-    let mut all_left_out = LeftOut::new();
-    for list in &LISTS {
-        let Some(DeValue::Array(entries)) = descend(root, list.path) else {
-            continue;
-        };
-        let (mut left, mut left_out) = (DeArray::new(), Vec::new());
-        for mut entry in std::mem::replace(entries, DeArray::new()) {
-            if belongs(&mut entry, case, known)? {
-                left.push(entry);
-            } else {
-                left_out.extend(list.name_of(entry.get_ref()).map(str::to_owned));
-            }
-        }
-        *entries = left;
-        all_left_out.insert(list.last(), left_out);
-    }
-    Ok(all_left_out)
+/// Which entries of the lists are for which cases: the keys `cases`, read once for all cases.
+pub(super) struct Members {
+    /// By list and entry; none for an entry that is in every case.
+    lists: Vec<Vec<Option<HashSet<String>>>>,
 }
 
-/// Whether an entry is for a case; takes out its `cases`.
-fn belongs(entry: &mut Spanned<DeValue<'_>>, case: &str, known: &[&str]) -> Result<bool, Refusal> {
+impl Members {
+    /// Takes the keys `cases` out of the file.
+    pub(super) fn take(root: &mut DeTable<'_>, known: &[&str]) -> Result<Self, Refusal> {
+        let names: HashSet<&str> = known.iter().copied().collect();
+        let mut lists = Vec::new();
+        for list in &LISTS {
+            let mut members = Vec::new();
+            if let Some(DeValue::Array(entries)) = descend(root, list.path) {
+                for entry in entries.iter_mut() {
+                    members.push(cases_of(entry, &names, known)?);
+                }
+            }
+            lists.push(members);
+        }
+        Ok(Self { lists })
+    }
+
+    /// Leaves out the entries that are not for a case.
+    pub(super) fn select(&self, root: &mut DeTable<'_>, case: &str) -> LeftOut {
+        let mut all_left_out = LeftOut::new();
+        for (list, members) in LISTS.iter().zip(&self.lists) {
+            let Some(DeValue::Array(entries)) = descend(root, list.path) else {
+                continue;
+            };
+            let mut left_out = Vec::new();
+            if members.iter().any(Option::is_some) {
+                let mut left = DeArray::new();
+                let all = std::mem::replace(entries, DeArray::new());
+                for (entry, cases) in all.into_iter().zip(members) {
+                    if cases.as_ref().is_none_or(|cases| cases.contains(case)) {
+                        left.push(entry);
+                    } else {
+                        left_out.extend(list.name_of(entry.get_ref()).map(str::to_owned));
+                    }
+                }
+                *entries = left;
+            }
+            all_left_out.insert(list.last(), left_out);
+        }
+        all_left_out
+    }
+}
+
+/// The cases of an entry; nothing if it is in all of them. Takes out its `cases`.
+fn cases_of(
+    entry: &mut Spanned<DeValue<'_>>,
+    names: &HashSet<&str>,
+    known: &[&str],
+) -> Result<Option<HashSet<String>>, Refusal> {
     let DeValue::Table(keys) = entry.get_mut() else {
-        return Ok(true);
+        return Ok(None);
     };
     let Some(cases) = keys.remove("cases") else {
-        return Ok(true);
+        return Ok(None);
     };
     let refuse = |span, message| Err(Refusal { span, message });
-    let DeValue::Array(names) = cases.get_ref() else {
+    let DeValue::Array(listed) = cases.get_ref() else {
         let found = cases.get_ref().type_str();
         let message = format!("`cases` must be a list of cases' names, found {found}");
         return refuse(cases.span(), message);
     };
-    if names.is_empty() {
+    if listed.is_empty() {
         let message = "`cases` is empty: this would be in no case".to_owned();
         return refuse(cases.span(), message);
     }
-    let mut found = false;
-    for name in names {
+    let mut found = HashSet::new();
+    for name in listed {
         match name.get_ref().as_str() {
-            Some(name) if known.contains(&name) => found |= name == case,
+            Some(name) if names.contains(name) => {
+                found.insert(name.to_owned());
+            }
             Some(other) => {
                 let message = format!("there is no case `{other}`{}", suggestion(other, known));
                 return refuse(name.span(), message);
@@ -124,7 +157,7 @@ fn belongs(entry: &mut Spanned<DeValue<'_>>, case: &str, known: &[&str]) -> Resu
             }
         }
     }
-    Ok(found)
+    Ok(Some(found))
 }
 
 fn descend<'a, 't>(table: &'a mut DeTable<'t>, path: &[&str]) -> Option<&'a mut DeValue<'t>> {

@@ -1,18 +1,22 @@
 //! From the text of a scenario's file to what each of its cases has.
 
-use std::{collections::BTreeMap, path::PathBuf};
+use std::{collections::BTreeMap, ops::Range, path::PathBuf};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, de::IgnoredAny};
 use toml::{
     Spanned,
-    de::{DeTable, DeValue, ValueDeserializer},
+    de::{DeArray, DeTable, DeValue, ValueDeserializer},
 };
-use wbqp::{config::Overrides, contact::Detector};
+use wbqp::{
+    config::Overrides,
+    contact::Detector,
+    input::{Enough, Mark, outline},
+};
 
 use super::{
     Event, Initial, ScenarioError, Variation,
-    change::{self, Refusal, Whose},
+    change::{self, Members, Refusal, Whose},
 };
 use crate::{PlantConfig, SensorsConfig};
 
@@ -77,6 +81,53 @@ struct CaseKeys {
     _change: IgnoredAny,
 }
 
+/// A file, taken apart.
+struct Cases<'t> {
+    span: Range<usize>,
+    /// Without the cases.
+    root: DeTable<'t>,
+    keys: Vec<CaseKeys>,
+    /// Of each case.
+    changes: Vec<Option<Change<'t>>>,
+}
+
+/// What a case changes in the file.
+enum Change<'t> {
+    Read(Spanned<DeValue<'t>>),
+    /// Stands in this part of the file.
+    Part(Range<usize>),
+}
+
+/// So many cases are read one by one.
+const MANY: usize = 32;
+
+/// A table with the places that it has in the whole of which a part was parsed.
+fn moved_table(table: DeTable<'_>, by: usize) -> DeTable<'_> {
+    let mut moved = DeTable::new();
+    for (key, value) in table {
+        let key_span = key.span();
+        let key = Spanned::new(key_span.start + by..key_span.end + by, key.into_inner());
+        moved.insert(key, moved_value(value, by));
+    }
+    moved
+}
+
+fn moved_value(value: Spanned<DeValue<'_>>, by: usize) -> Spanned<DeValue<'_>> {
+    let span = value.span();
+    let value = match value.into_inner() {
+        DeValue::Table(table) => DeValue::Table(moved_table(table, by)),
+        DeValue::Array(elements) => {
+            let mut moved = DeArray::new();
+            for element in elements {
+                moved.push(moved_value(element, by));
+            }
+            DeValue::Array(moved)
+        }
+        other => other,
+    };
+    Spanned::new(span.start + by..span.end + by, value)
+}
+
 /// The text of a file, and behind its end a variation's changes: what is read from them has spans that no part of the
 /// file has.
 pub(super) struct Text<'a> {
@@ -123,10 +174,9 @@ impl<'a> Text<'a> {
         }
     }
 
-    /// Reads every case.
-    pub(super) fn cases(&self, variation: &Variation) -> Result<Vec<CaseFile>, ScenarioError> {
+    /// The file, all of it parsed at once.
+    fn as_a_whole(&self) -> Result<Cases<'_>, ScenarioError> {
         let root = DeTable::parse(self.file).map_err(|e| self.error(&e))?;
-        let varied = DeTable::parse(&self.changes).map_err(|e| self.error(&e))?;
         let (span, mut root) = (root.span(), root.into_inner());
         let mut tables = Vec::new();
         // Taken out: each case has a copy of the rest.
@@ -138,25 +188,105 @@ impl<'a> Text<'a> {
             };
             tables.extend(cases);
         }
-        let mut cases = Vec::new();
-        for table in &tables {
-            let keys = CaseKeys::deserialize(ValueDeserializer::from(table.clone()));
-            cases.push(keys.map_err(|e| self.error(&e))?);
+        let (mut keys, mut changes) = (Vec::new(), Vec::new());
+        for mut table in tables {
+            changes.push(match table.get_mut() {
+                DeValue::Table(keys) => keys.remove("change").map(Change::Read),
+                _ => None,
+            });
+            let case = CaseKeys::deserialize(ValueDeserializer::from(table));
+            keys.push(case.map_err(|e| self.error(&e))?);
         }
+        Ok(Cases {
+            span,
+            root,
+            keys,
+            changes,
+        })
+    }
+
+    /// The same, parsed case by case: a tree of thousands of cases takes a hundred times their text. Nothing if the cases are
+    /// few, are not at the end of the file, or if anything is wrong with them: the whole says what.
+    fn in_parts(&self) -> Option<Cases<'_>> {
+        let mut starts = Vec::new();
+        let is_mixed = outline(self.file, |start, mark| match mark {
+            Mark::Header("case") => {
+                // The bracket before it belongs to it.
+                starts.push(start.saturating_sub(1));
+                Enough::No
+            }
+            Mark::Header(name) if !starts.is_empty() && !name.starts_with("case.") => Enough::Yes,
+            _ => Enough::No,
+        });
+        let first = *starts.first()?;
+        if starts.len() < MANY || is_mixed == Enough::Yes {
+            return None;
+        }
+        let root = DeTable::parse(self.file.get(..first)?).ok()?;
+        let (span, root) = (root.span(), root.into_inner());
+        if root.contains_key("case") {
+            return None;
+        }
+        let ends = starts.iter().skip(1).copied().chain([self.file.len()]);
+        let (mut keys, mut changes) = (Vec::new(), Vec::new());
+        for (start, end) in starts.iter().copied().zip(ends) {
+            let mut table = self.part(start..end)?;
+            let has_change = table.remove("change").is_some();
+            changes.push(has_change.then_some(Change::Part(start..end)));
+            let table = Spanned::new(start..end, DeValue::Table(table));
+            keys.push(CaseKeys::deserialize(ValueDeserializer::from(table)).ok()?);
+        }
+        Some(Cases {
+            span,
+            root,
+            keys,
+            changes,
+        })
+    }
+
+    /// The table of a part of the file that has one case and nothing else.
+    fn part(&self, part: Range<usize>) -> Option<DeTable<'_>> {
+        let start = part.start;
+        let parsed = DeTable::parse(self.file.get(part)?).ok()?;
+        let mut root = parsed.into_inner();
+        let DeValue::Array(tables) = root.remove("case")?.into_inner() else {
+            return None;
+        };
+        let mut tables = tables.into_iter();
+        match (tables.next()?.into_inner(), tables.next(), root.is_empty()) {
+            (DeValue::Table(table), None, true) => Some(moved_table(table, start)),
+            _ => None,
+        }
+    }
+
+    /// Reads every case.
+    pub(super) fn cases(&self, variation: &Variation) -> Result<Vec<CaseFile>, ScenarioError> {
+        let varied = DeTable::parse(&self.changes).map_err(|e| self.error(&e))?;
+        let Cases {
+            span,
+            mut root,
+            keys: cases,
+            changes,
+        } = match self.in_parts() {
+            Some(cases) => cases,
+            None => self.as_a_whole()?,
+        };
         let names: Vec<&str> = cases.iter().map(|case| case.name.as_str()).collect();
         let mut read = Vec::new();
         // A file without cases is read as well: what is wrong with its keys comes first.
-        if tables.is_empty() {
-            change::select(&mut root, "", &names).map_err(|e| self.refusal(e))?;
+        let members = Members::take(&mut root, &names).map_err(|e| self.refusal(e))?;
+        if cases.is_empty() {
             self.keys(span, root)?;
             return Ok(read);
         }
-        for (case, table) in cases.iter().zip(&tables) {
+        for (case, own) in cases.iter().zip(changes) {
+            let own = own.and_then(|own| match own {
+                Change::Read(own) => Some(own),
+                Change::Part(part) => self.part(part)?.remove("change"),
+            });
             let mut root = root.clone();
-            let left_out =
-                change::select(&mut root, &case.name, &names).map_err(|e| self.refusal(e))?;
-            let own = table.get_ref().as_table().and_then(|t| t.get("change"));
-            if let Some(own) = own {
+            let left_out = members.select(&mut root, &case.name);
+            if let Some(own) = &own {
                 let DeValue::Table(changes) = own.get_ref() else {
                     let found = own.get_ref().type_str();
                     let message = format!("`change` must be a table, found {found}");

@@ -54,6 +54,7 @@ mod push;
 mod variation;
 
 pub use case::{Case, Initial};
+pub use check::Note;
 pub use error::{RunError, ScenarioError};
 pub use event::Event;
 pub use json_schema::json_schema;
@@ -66,6 +67,7 @@ use std::{
 
 use wbqp::{config::ControllerConfig, input, robot::SourceFile, suggestion::suggestion};
 
+use check::Groups;
 use file::{CaseFile, Text};
 
 /// A loaded and checked scenario.
@@ -93,13 +95,31 @@ impl Scenario {
     /// # Errors
     /// [`ScenarioError`] naming the file or the value of the variation, the place and what is wrong.
     pub fn from_file_with(path: &Path, variation: &Variation) -> Result<Self, ScenarioError> {
+        Self::from_file_noting(path, variation, &|_, _| {})
+    }
+
+    /// Like [`Scenario::from_file_with`]; `note` hears what each controller is going to take, before it is made, with the
+    /// name of its case: of those with the same controller the first to be checked. It is called by several threads.
+    ///
+    /// # Errors
+    /// As [`Scenario::from_file_with`].
+    pub fn from_file_noting(
+        path: &Path,
+        variation: &Variation,
+        note: Note<'_>,
+    ) -> Result<Self, ScenarioError> {
         let name = path.display().to_string();
         let contents = input::read_text(path).map_err(|source| ScenarioError::Read {
             file: name.clone(),
             source,
         })?;
         let directory = path.parent().unwrap_or(Path::new(""));
-        Self::from_text_with(&contents, &name, directory, variation)
+        let source = SourceFile {
+            name,
+            media_type: "application/toml",
+            contents,
+        };
+        Self::new(source, directory, variation.clone(), note)
     }
 
     /// Like [`Scenario::from_file`], from a text; relative paths count from `directory`.
@@ -125,7 +145,7 @@ impl Scenario {
             media_type: "application/toml",
             contents: text.to_owned(),
         };
-        Self::new(source, directory, variation.clone())
+        Self::new(source, directory, variation.clone(), &|_, _| {})
     }
 
     /// The same with other values in all cases, checked like a file. Of a scenario that is varied already, both
@@ -135,13 +155,14 @@ impl Scenario {
     /// [`ScenarioError`] naming the place, or the value of the variation, and what is wrong.
     pub fn varied(&self, variation: &Variation) -> Result<Self, ScenarioError> {
         let variation = self.variation.clone().then(variation);
-        Self::new(self.source.clone(), &self.directory, variation)
+        Self::new(self.source.clone(), &self.directory, variation, &|_, _| {})
     }
 
     fn new(
         source: SourceFile,
         directory: &Path,
         variation: Variation,
+        note: Note<'_>,
     ) -> Result<Self, ScenarioError> {
         input::check_toml(&source.contents).map_err(|message| ScenarioError::Syntax {
             place: source.name.clone(),
@@ -159,21 +180,24 @@ impl Scenario {
         let checked: Vec<Case> = cases
             .map(|case| Case::new(case, &source.name, directory))
             .collect();
-        let robots = check::Robots::default();
-        check::all(checked.len(), |index| {
+        let groups = Groups::new(&checked, note);
+        check::all(&groups.order(), |index| {
             let Some(case) = checked.get(index) else {
                 return Ok(());
             };
-            case.check(&text, &robots).map_err(|error| match error {
-                error if index == 0 && first_is_plain => error,
-                // These say so themselves.
-                error @ (ScenarioError::Config { .. } | ScenarioError::Controller { .. }) => error,
-                error => ScenarioError::Case {
-                    file: source.name.clone(),
-                    case: case.name().to_owned(),
-                    source: Box::new(error),
-                },
-            })
+            case.check(index, &text, &groups)
+                .map_err(|error| match error {
+                    error if index == 0 && first_is_plain => error,
+                    // These say so themselves.
+                    error @ (ScenarioError::Config { .. } | ScenarioError::Controller { .. }) => {
+                        error
+                    }
+                    error => ScenarioError::Case {
+                        file: source.name.clone(),
+                        case: case.name().to_owned(),
+                        source: Box::new(error),
+                    },
+                })
         })?;
         Ok(Self {
             name,

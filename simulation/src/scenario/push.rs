@@ -23,6 +23,14 @@ const LOOKS: f64 = 5000.0;
 /// Set points may be beyond the limit by this, N.
 const SLACK: f64 = 1e-3;
 
+/// The largest set point of a task at a contact, N.
+pub(super) struct Asked {
+    task: String,
+    /// Among the controller's.
+    contact: usize,
+    normal: f64,
+}
+
 impl Case {
     /// The largest normal force at a contact in a static equilibrium of the plant: with its mass and its thrusts, in
     /// the initial posture, level, with the initial yaw, and with the friction of the contact or of the plant's walls,
@@ -93,25 +101,28 @@ impl Case {
             .map_err(|e| self.refuse(&format!("contact `{name}`: {e}")))
     }
 
-    /// Refuses set points that the plant cannot reach. The controller is one that will not run, without any event yet;
-    /// `events` are sorted by time and can be applied.
-    pub(super) fn check_pushes(
+    /// The set points of a run. The controller is one that will not run, without any event yet; `events` are sorted by time
+    /// and can be applied.
+    pub(super) fn asked(
         &self,
         controller: &mut Controller,
         events: &[&Event],
-    ) -> Result<(), ScenarioError> {
+    ) -> Result<Vec<Asked>, ScenarioError> {
         let period = 1.0 / controller.settings().rate;
-        // Largest set point by task and contact.
-        let mut asked: Vec<(String, usize, f64)> = Vec::new();
+        let mut asked: Vec<Asked> = Vec::new();
         let mut look = |controller: &mut Controller, time: f64| {
             for planned in controller.rehearse(time) {
                 let contact = planned.contact.index();
                 let known = asked
                     .iter_mut()
-                    .find(|(task, at, _)| task == planned.task && *at == contact);
+                    .find(|known| known.task == planned.task && known.contact == contact);
                 match known {
-                    Some((_, _, largest)) => *largest = largest.max(planned.normal),
-                    None => asked.push((planned.task.to_owned(), contact, planned.normal)),
+                    Some(known) => known.normal = known.normal.max(planned.normal),
+                    None => asked.push(Asked {
+                        task: planned.task.to_owned(),
+                        contact,
+                        normal: planned.normal,
+                    }),
                 }
             }
         };
@@ -130,27 +141,34 @@ impl Case {
             }
         }
         look(controller, self.duration());
+        asked.retain(|asked| asked.normal > 0.0);
+        Ok(asked)
+    }
 
-        let names: Vec<String> = controller.contact_names().map(str::to_owned).collect();
-        let mut contacts = Vec::new();
-        for name in &names {
-            let id = controller
-                .contact(name)
-                .map_err(|e| self.refuse(&e.to_string()))?;
-            contacts.push(controller.contact_spec(id).clone());
-        }
-        for (task, contact, asked) in asked.iter().filter(|(_, _, asked)| *asked > 0.0) {
-            let Some(name) = names.get(*contact) else {
+    /// Refuses set points that the plant cannot reach.
+    pub(super) fn check_pushes(
+        &self,
+        robot: &RobotModel,
+        contacts: &[ContactSpec],
+        asked: &[Asked],
+    ) -> Result<(), ScenarioError> {
+        for Asked {
+            task,
+            contact,
+            normal,
+        } in asked
+        {
+            let Some(ContactSpec { name, .. }) = contacts.get(*contact) else {
                 continue;
             };
-            let possible = self.limit(controller.robot(), &contacts, name, &[])?;
+            let possible = self.limit(robot, contacts, name, &[])?;
             let possible = possible.map(|push| push.normal);
-            if possible.is_none_or(|possible| *asked > possible + SLACK) {
+            if possible.is_none_or(|possible| *normal > possible + SLACK) {
                 return Err(ScenarioError::Push {
                     file: self.file().to_owned(),
                     task: task.clone(),
                     contact: name.clone(),
-                    asked: *asked,
+                    asked: *normal,
                     possible,
                 });
             }

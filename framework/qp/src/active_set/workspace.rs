@@ -30,12 +30,13 @@ impl Workspace {
     /// Bytes of the storage for problems up to a capacity, about.
     pub(super) fn bytes(capacity: Capacity) -> usize {
         let Capacity { vars, rows } = capacity;
-        // The dual method: factor, reflections, R, normals; the other: H twice, A, directions, M and its factor.
+        // The dual method: factor, R, reflections (1.5 n²), rotations (two words each, 8 n² of them), normals; the other: H twice,
+        // A, directions, M and its factor.
         let words = vars
             .saturating_mul(vars)
-            .saturating_mul(16)
+            .saturating_mul(26)
             .saturating_add(rows.saturating_mul(vars).saturating_mul(2))
-            .saturating_add(vars.saturating_add(rows).saturating_mul(24));
+            .saturating_add(vars.saturating_add(rows).saturating_mul(48));
         words.saturating_mul(size_of::<f64>())
     }
 

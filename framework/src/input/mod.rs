@@ -4,17 +4,16 @@
 //! file was meant. All of them are refused with words, and whatever a file system says of a file's size, no more than the
 //! limit is ever read.
 
+mod outline;
+
 use std::{
+    collections::HashSet,
     fs::{self, File, FileType},
     io::{self, ErrorKind, Read as _},
     path::Path,
 };
 
-use toml_parser::{
-    ErrorSink, Span,
-    decoder::Encoding,
-    parser::{EventReceiver, RecursionGuard, parse_document},
-};
+pub use outline::{Enough, IsText, Mark, outline};
 
 /// The largest text that is read, bytes: controllers, scenarios, robots, rotors, postures. A hundred times the largest of
 /// them that anybody has shown.
@@ -84,28 +83,49 @@ const TIMES: usize = 20;
 const IN_ANY_CASE: usize = 64 << 20;
 /// The same of what is not tables, which are counted too often: `a.b` and `a.c` have one in common.
 const FLAT_IN_ANY_CASE: usize = 24 << 20;
-/// The deepest nesting that is looked into; parsers of the format refuse more.
-const DEEPEST: u32 = 80;
+/// So many keys may be in their tables already: each is a mistake, and is kept as one.
+const REPEATED: usize = 1000;
 
 /// Refuses a TOML text whose tables would take far more memory than the text: a table takes as much as a line of a hundred
-/// words, and a few characters make one.
+/// words, and a few characters make one. Looks at it in one pass, which keeps next to nothing.
 ///
 /// # Errors
-/// How many tables there are, and what they would take, in words that go behind the file's name.
+/// How many tables there are, and what they would take, in words that go behind the file's name; or which key is there again
+/// and again.
 pub fn check_toml(text: &str) -> Result<(), String> {
     // The smallest table is `a.b=1`; most texts are too short for too many of them.
     if text.len() / 4 * TABLE <= IN_ANY_CASE {
         return Ok(());
     }
-    let tokens = toml_parser::Source::new(text).lex().into_vec();
     let mut count = Count::default();
-    let mut guard = RecursionGuard::new(&mut count, DEEPEST);
-    parse_document(&tokens, &mut guard, &mut ());
+    // Of the table that is being read.
+    let mut names: HashSet<&str> = HashSet::new();
+    let mut repeated = 0;
+    let mut last = None;
+    outline(text, |start, mark| {
+        count.add(mark);
+        match mark {
+            Mark::Header(_) => names.clear(),
+            Mark::Key(name, _) if !names.insert(name) => repeated += 1,
+            _ => {}
+        }
+        if repeated <= REPEATED {
+            return Enough::No;
+        }
+        last = Some((start, mark));
+        Enough::Yes
+    });
+    if let Some((start, Mark::Key(name, _))) = last {
+        let before = text.get(..start).unwrap_or_default();
+        let line = before.matches('\n').count() + 1;
+        return Err(format!(
+            "has {REPEATED} keys that are in their tables already, up to `{name}` in line {line}: it is not read any further"
+        ));
+    }
     let Count {
         tables,
         keys,
         elements,
-        ..
     } = count;
     let further = keys.saturating_sub(FEW * tables);
     let flat = further * KEY + elements * ELEMENT;
@@ -129,37 +149,25 @@ struct Count {
     tables: usize,
     keys: usize,
     elements: usize,
-    /// Of lists.
-    depth: usize,
 }
 
-impl EventReceiver for Count {
-    fn std_table_open(&mut self, _: Span, _: &mut dyn ErrorSink) {
-        self.tables += 1;
-    }
-    fn array_table_open(&mut self, _: Span, _: &mut dyn ErrorSink) {
-        self.tables += 1;
-    }
-    fn inline_table_open(&mut self, _: Span, _: &mut dyn ErrorSink) -> bool {
-        self.tables += 1;
-        true
-    }
-    // `a.b` is a table `a`.
-    fn key_sep(&mut self, _: Span, _: &mut dyn ErrorSink) {
-        self.tables += 1;
-    }
-    fn simple_key(&mut self, _: Span, _: Option<Encoding>, _: &mut dyn ErrorSink) {
-        self.keys += 1;
-    }
-    fn scalar(&mut self, _: Span, _: Option<Encoding>, _: &mut dyn ErrorSink) {
-        self.elements += usize::from(self.depth > 0);
-    }
-    fn array_open(&mut self, _: Span, _: &mut dyn ErrorSink) -> bool {
-        self.depth += 1;
-        true
-    }
-    fn array_close(&mut self, _: Span, _: &mut dyn ErrorSink) {
-        self.depth = self.depth.saturating_sub(1);
+impl Count {
+    fn add(&mut self, mark: Mark<'_>) {
+        // `a.b` is a table `a`.
+        let dots = |name: &str| name.matches('.').count();
+        match mark {
+            Mark::Header(name) => {
+                self.tables += 1 + dots(name);
+                self.keys += 1 + dots(name);
+            }
+            Mark::Key(name, _) => {
+                self.tables += dots(name);
+                self.keys += 1 + dots(name);
+            }
+            Mark::InlineTable => self.tables += 1,
+            Mark::InlineKey => self.keys += 1,
+            Mark::Element => self.elements += 1,
+        }
     }
 }
 
@@ -280,6 +288,18 @@ mod tests {
         assert_eq!(check_toml(&nested), Ok(()));
         let tasks =
             "[[task]]\nname = \"t\"\ntype = \"com\"\nweight = 1.0\nkp = 30.0\n".repeat(20_000);
+        assert_eq!(check_toml(&tasks), Ok(()));
+    }
+
+    #[test]
+    fn a_key_that_is_there_again_and_again_is_told_once() {
+        let again = format!("[robot]\n{}", "type = \"quadruped\"\n".repeat(20_000));
+        let what = check_toml(&again).expect_err("is refused");
+        let expected =
+            "has 1000 keys that are in their tables already, up to `type` in line 1003: ";
+        assert!(what.starts_with(expected), "{what}");
+        // In tables of their own they are no repetition.
+        let tasks = "[[task]]\nname = \"t\"\ntype = \"com\"\n".repeat(10_000);
         assert_eq!(check_toml(&tasks), Ok(()));
     }
 

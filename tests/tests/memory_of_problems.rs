@@ -1,0 +1,65 @@
+//! What a controller is going to take is said before it is taken, and it is about that.
+//!
+//! The counting allocator is the whole process's: this is a program without the test harness.
+
+use std::alloc::System;
+
+use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
+use wbqp::{ControllerConfig, controller::Plan};
+use wbqp_robots as _;
+use wbqp_tasks as _;
+use wbqp_tests::hostile;
+
+#[global_allocator]
+static ALLOCATOR: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
+
+/// Bytes that are held more after a call than before.
+fn held<T>(make: impl FnOnce() -> T) -> (T, f64) {
+    let region = Region::new(ALLOCATOR);
+    let made = make();
+    let change = region.change();
+    let bytes = change.bytes_allocated as f64 - change.bytes_deallocated as f64;
+    (made, bytes)
+}
+
+fn check(name: &str, text: &str) {
+    let config =
+        ControllerConfig::from_str(text, "x.toml", "").unwrap_or_else(|e| panic!("{name}: {e}"));
+    let robot = config
+        .load_robot()
+        .unwrap_or_else(|e| panic!("{name}: {e}"));
+    let (plan, planned) = held(|| Plan::new(config, robot));
+    let plan = plan.unwrap_or_else(|e| panic!("{name}: {e}"));
+    let said = plan.memory();
+    let (controller, made) = held(|| plan.make());
+    let controller = controller.unwrap_or_else(|e| panic!("{name}: {e}"));
+    println!(
+        "{name}: said {said}; the plan takes {planned:.0} bytes, the controller {made:.0} more"
+    );
+    let bytes = said.bytes as f64;
+    // What is said counts matrices, not names: of a small problem it is half.
+    assert!(made <= 2.0 * bytes, "{name}: more than was said");
+    assert!(bytes <= 4.0 * made, "{name}: much less than was said");
+    assert!(planned <= 0.5 * made, "{name}: before it was said");
+    drop(controller);
+}
+
+fn main() {
+    check("stand", &hostile::stand());
+    for count in [10, 100, 1000] {
+        check(&format!("{count} tasks"), &hostile::tasks(count));
+    }
+    for count in [3, 10, 30] {
+        check(
+            &format!("{count} constraints"),
+            &hostile::constraints(count),
+        );
+    }
+    for formulation in ["condensed", "torque_eliminated", "explicit"] {
+        let line = format!("rate = 500.0\nformulation = \"{formulation}\"");
+        check(
+            formulation,
+            &hostile::stand().replace("rate = 500.0", &line),
+        );
+    }
+}
