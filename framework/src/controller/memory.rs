@@ -31,7 +31,7 @@ pub struct Memory {
     /// Variables of the problem with all of its limits given up.
     pub relaxed_variables: usize,
     /// Bytes of both problems, of the rows of tasks and constraints, and of the solvers, about: their matrices. Names and what
-    /// is small beside them are not counted; up to 1.6 times as much is allocated, and pages that no tick writes to are not
+    /// is small beside them are not counted; up to 1.2 times as much is allocated, and pages that no tick writes to are not
     /// taken.
     pub bytes: usize,
 }
