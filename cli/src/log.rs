@@ -24,8 +24,8 @@ pub struct Arguments {
 pub enum Command {
     /// Makes a whole file of a log whose run was killed, or whose disk was full
     ///
-    /// What was written, up to its last whole chunk (half a second at most), goes into a new file with an index; the old one
-    /// stays as it is.
+    /// What was written, up to its last whole chunk (half a second at most), goes into a new file with an index; the
+    /// old one stays as it is.
     Repair {
         /// The log
         file: PathBuf,

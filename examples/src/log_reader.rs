@@ -152,8 +152,8 @@ impl Log {
         last.map(|m| m.0).fold(0.0, f64::max)
     }
 
-    /// What a topic's messages have inside an object that is inside other objects, by the names of these: the names of its
-    /// fields.
+    /// What a topic's messages have inside an object that is inside other objects, by the names of these: the names of
+    /// its fields.
     pub fn fields(&self, topic: &str, path: &[&str]) -> Vec<&str> {
         let object = self.schema(topic, path).and_then(Value::as_object);
         object.map_or_else(Vec::new, |o| o.keys().map(String::as_str).collect())

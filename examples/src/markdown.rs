@@ -1,7 +1,7 @@
 //! `docs/replication.md`: what was measured, for readers who have not run it.
 //!
-//! Times of the wall clock are left out, and numbers have three digits, so that the page is the same wherever it is made.
-//! The acceptance tests compare it with what they measure.
+//! Times of the wall clock are left out, and numbers have three digits, so that the page is the same wherever it is
+//! made. The acceptance tests compare it with what they measure.
 
 use std::{fs, path::Path};
 

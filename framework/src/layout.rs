@@ -210,9 +210,9 @@ impl Layout {
         self
     }
 
-    /// The rows (not the bounds) say what the world can bear, such as friction, and not what is wanted (constraints only).
-    /// They are kept where other limits are given up because all together cannot hold: a plan that
-    /// exceeds them would not come true.
+    /// The rows (not the bounds) say what the world can bear, such as friction, and not what is wanted (constraints
+    /// only). They are kept where other limits are given up because all together cannot hold: a plan that exceeds them
+    /// would not come true.
     pub fn of_the_world(mut self) -> Self {
         self.of_the_world = true;
         self

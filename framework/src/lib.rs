@@ -144,8 +144,8 @@
 //!
 //! The first sum runs over the rows of tasks and of softened equality constraints. `f_f` is the force in a
 //! contact's free directions, zero or measured, and known before the solve. A slack `s` belongs to a soft group
-//! of inequality rows; hard rows have none. The solver sees fewer variables: by default the torques of driven joints and
-//! the accelerations of everything else are substituted from the dynamics ([`config::Formulation`]).
+//! of inequality rows; hard rows have none. The solver sees fewer variables: by default the torques of driven joints
+//! and the accelerations of everything else are substituted from the dynamics ([`config::Formulation`]).
 //!
 //! # Where to begin
 //! | to | see |

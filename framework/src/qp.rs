@@ -1,5 +1,5 @@
-//! The quadratic program of one tick and the solvers for it: the crate `wbqp-qp`, whose items are all here, and what makes
-//! a solver one that configurations can name.
+//! The quadratic program of one tick and the solvers for it: the crate `wbqp-qp`, whose items are all here, and what
+//! makes a solver one that configurations can name.
 //!
 //! # Mathematics
 //! ```text
@@ -19,8 +19,8 @@ pub use wbqp_qp::{
 
 use crate::setup::BindError;
 
-/// A solver that a configuration names by `type`: registered by `#[wbqp::solver("tag")]` on its implementation, which is
-/// empty.
+/// A solver that a configuration names by `type`: registered by `#[wbqp::solver("tag")]` on its implementation, which
+/// is empty.
 ///
 /// ```
 /// use wbqp::{

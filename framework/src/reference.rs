@@ -118,8 +118,8 @@ pub struct Start<'a> {
 pub trait Reference: Any + Send + Debug {
     /// Checks the parameters against the task's space and remembers where to start.
     ///
-    /// Called when the controller is made, with the home posture's value, and, if the robot stands elsewhere, once more in
-    /// the first tick, in the same space, with what was measured: that time it must not allocate.
+    /// Called when the controller is made, with the home posture's value, and, if the robot stands elsewhere, once more
+    /// in the first tick, in the same space, with what was measured: that time it must not allocate.
     ///
     /// # Errors
     /// [`BindError`] when lengths or numbers do not fit.
@@ -167,7 +167,8 @@ pub fn begin(
 /// sensor's noise, less than what can be seen.
 pub const AT_HOME: f64 = 5e-3;
 
-/// Lets a reference of vectors begin at what is measured in the first tick: in [`Task::begin`](crate::task::Task::begin).
+/// Lets a reference of vectors begin at what is measured in the first tick: in
+/// [`Task::begin`](crate::task::Task::begin).
 ///
 /// `sample` is where it begins now. What is measured within [`AT_HOME`] of it (the length of the difference) counts as
 /// noise, and nothing changes. Values that the reference's parameters give stay.

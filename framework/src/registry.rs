@@ -78,8 +78,8 @@ pub struct Plugin<P: ?Sized + 'static> {
 }
 
 impl<P: ?Sized + 'static> Plugin<P> {
-    /// The JSON Schema of the plug-in's own keys, made when it is first asked for: a file may name a plug-in ten thousand
-    /// times.
+    /// The JSON Schema of the plug-in's own keys, made when it is first asked for: a file may name a plug-in ten
+    /// thousand times.
     pub fn described(&self) -> &'static Schema {
         // A plug-in is a constant, which can hold no memory of its own. Made once each, for as long as the program.
         static MADE: RwLock<BTreeMap<[&str; 2], &Schema>> = RwLock::new(BTreeMap::new());

@@ -1,4 +1,5 @@
-//! The words in which an unknown name is refused, the same in every message: what was probably meant, and what there is.
+//! The words in which an unknown name is refused, the same in every message: what was probably meant, and what there
+//! is.
 //!
 //! ```
 //! use wbqp::suggestion::suggestion;

@@ -13,8 +13,8 @@
 //! ```
 //!
 //! What other tools of the field read is read. Nothing is repaired in silence: every irregularity is a
-//! [`Diagnostic`](wbqp::robot::Diagnostic) with file, line, element, what was done about it and how to say otherwise. What has no
-//! meaning is refused, all of a file's errors at once; [`Options::strict`] refuses the rest too.
+//! [`Diagnostic`](wbqp::robot::Diagnostic) with file, line, element, what was done about it and how to say otherwise.
+//! What has no meaning is refused, all of a file's errors at once; [`Options::strict`] refuses the rest too.
 //!
 //! * [`urdf`]: what is read from a URDF and what is refused
 //! * [`rotors`]: the side-car's keys

@@ -45,8 +45,8 @@ impl Robot for OthexVertical {
     }
 }
 
-/// A quadruped with the published figures of Solo12: twelve torque-driven joints, four point feet; the file is inside this
-/// crate. Home stands on z = 0.
+/// A quadruped with the published figures of Solo12: twelve torque-driven joints, four point feet; the file is inside
+/// this crate. Home stands on z = 0.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Quadruped {}

@@ -1,7 +1,7 @@
 //! Named postures from an SRDF file, MoveIt's companion of a URDF.
 //!
-//! Of the format, `<group_state name="…">` with its `<joint name="…" value="…"/>` is read. A joint with seven values is that of a
-//! floating base: `x y z qx qy qz qw`, as Pinocchio writes it.
+//! Of the format, `<group_state name="…">` with its `<joint name="…" value="…"/>` is read. A joint with seven values is
+//! that of a floating base: `x y z qx qy qz qw`, as Pinocchio writes it.
 #![allow(non_snake_case)]
 
 use std::collections::BTreeMap;

@@ -1,7 +1,7 @@
 //! What an XML text may have, looked at before it is parsed.
 //!
-//! A parser compares each attribute of an element with all others of that element, and carries the namespaces of an element
-//! over to the elements in it: both take time and memory with the square of what the text has of them.
+//! A parser compares each attribute of an element with all others of that element, and carries the namespaces of an
+//! element over to the elements in it: both take time and memory with the square of what the text has of them.
 
 use wbqp::robot::RobotError;
 

@@ -1,5 +1,5 @@
-//! One test per habit of real files: it is read, and a diagnostic says where, what was done and how to say otherwise; and what has
-//! no meaning is refused all the same.
+//! One test per habit of real files: it is read, and a diagnostic says where, what was done and how to say otherwise;
+//! and what has no meaning is refused all the same.
 
 use wbqp::{
     dynamics::{Data, FrameKinematics, frame_motion},

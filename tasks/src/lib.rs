@@ -1,5 +1,6 @@
 //! Tasks, constraints and references for [wbqp]: those of G. Nava et al., *Direct Force Feedback Control and
-//! Online Multi-task Optimization for Aerial Manipulators*, RA-L 2020, free of its misprints, and a catalogue beyond it.
+//! Online Multi-task Optimization for Aerial Manipulators*, RA-L 2020, free of its misprints, and a catalogue beyond
+//! it.
 //!
 //! Every plug-in here depends on the crate `wbqp` alone and uses nothing that a plug-in of yours could not use.
 //! A binary that names none of these types writes `use wbqp_tasks as _;`, or the linker leaves them out.

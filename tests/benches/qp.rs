@@ -1,5 +1,5 @@
-//! One solve of a quadratic program, of a sequence as consecutive ticks pose it: the active set, warm (it begins with what
-//! was active in the problem before) and cold (it begins with nothing), beside the interior point.
+//! One solve of a quadratic program, of a sequence as consecutive ticks pose it: the active set, warm (it begins with
+//! what was active in the problem before) and cold (it begins with nothing), beside the interior point.
 //! `cargo bench -p wbqp-tests --bench qp`.
 
 use std::hint::black_box;

@@ -1,7 +1,7 @@
 """Times `wbqp check` on files, one program beside another in the same run; see load_times.sh.
 
-Seconds are those on the clock or those of the processors, whichever are fewer: what others do on the machine makes the clock
-run longer, and cases that are checked side by side are together longer on the processors.
+Seconds are those on the clock or those of the processors, whichever are fewer: what others do on the machine makes the
+clock run longer, and cases that are checked side by side are together longer on the processors.
 
 Memory is the largest resident size less that of the same program on the smallest file that loads. It may be
 TIMES the file's size and IN_ANY_CASE, and what the program says that the bound problem needs before it makes it: once for
@@ -32,7 +32,7 @@ UNITS = {"bytes": 2.0**-20, "KiB": 2.0**-10, "MiB": 1.0, "GiB": 2.0**10}
 
 
 def measure(program, file, most):
-    """Seconds, MiB, exit status and MiB that the bound problem is said to need of one check; seconds are infinite if it was
+    """Seconds, MiB, exit status and MiB that the bound problem is said to need of one check; infinite seconds if it was
     ended."""
     with tempfile.TemporaryFile("w+") as said:
         start = time.perf_counter()
@@ -102,7 +102,7 @@ def main():
         needs = new[3] * (os.cpu_count() if is_scenario else 1)
         may = TIMES * size / 2**20 + IN_ANY_CASE + needs
         if now > may:
-            failed.append(f"{name}: {now:.1f} MiB, promised {may:.1f} MiB, of which the bound problem needs {needs:.1f}")
+            failed.append(f"{name}: {now:.1f} MiB, promised {may:.1f} MiB, {needs:.1f} of them for the bound problem")
         end = {0: "loads", 1: "refused", None: "ended"}.get(new[2], f"status {new[2]}")
         rows.append(
             f"| `{name}` | {size / 1024:.0f} KiB | {seconds(old[0], arguments.most)} s, {before:.0f} MiB "

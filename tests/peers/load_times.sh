@@ -6,8 +6,8 @@
 #
 # It fails if a promise is not kept: of time, of the first two files beside the other program, and of memory.
 #
-# BEFORE is the other program, such as one that was built at an older commit; files (*.toml) of further folders are timed
-# too. ROUNDS=3 is how often each file is read; the best counts. A program gets SECONDS_MOST=60 s per file.
+# BEFORE is the other program, such as one that was built at an older commit; files (*.toml) of further folders are
+# timed too. ROUNDS=3 is how often each file is read; the best counts. A program gets SECONDS_MOST=60 s per file.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 

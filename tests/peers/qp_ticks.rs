@@ -1,10 +1,10 @@
 //! Writes the problems on which `qp.sh` compares solvers: `qp_ticks FOLDER [NAME…]`.
 //!
-//! Up to `humanoid_60_swelling` they are of the [sequences](wbqp_tests::qp_sequences): with 3 to 8 active limits, or, of
-//! those that are called swelling, all of the problems that the benchmarks have. The others are from closed loops, of
-//! ticks in which limits are active:
-//! * `push_away`: experiment D's contact from the beginning of the move to its release, where the force climbs to its peak
-//!   on the friction pyramid; of several runs with different noise,
+//! Up to `humanoid_60_swelling` they are of the [sequences](wbqp_tests::qp_sequences): with 3 to 8 active limits, or,
+//! of those that are called swelling, all of the problems that the benchmarks have. The others are from closed loops,
+//! of ticks in which limits are active:
+//! * `push_away`: experiment D's contact from the beginning of the move to its release, where the force climbs to its
+//!   peak on the friction pyramid; of several runs with different noise,
 //! * `quadruped_slip`, `humanoid_slip`: the standing robots' scenarios, pushed sideways until feet slip; of several
 //!   forces, the ticks that are optimal and have an active limit.
 
@@ -115,8 +115,8 @@ struct Seen {
     active: usize,
 }
 
-/// Runs a case until some time and keeps the problems of the ticks that are wanted. A sequence ends where ticks are left
-/// out or the problem's shape changes.
+/// Runs a case until some time and keeps the problems of the ticks that are wanted. A sequence ends where ticks are
+/// left out or the problem's shape changes.
 fn closed_loop(
     scenario: &Scenario,
     case: &str,

@@ -7,15 +7,15 @@
 //!
 //! What is recorded is the state that was measured, the contacts that are on and the references at that time: all that
 //! a tick depends on. One line per tick, numbers separated by blanks, in SI units: time; base position, quaternion
-//! x y z w, joints; velocities, world-aligned; of the centre of mass the reference, its rate and its acceleration; of the
-//! base's orientation the same, as a quaternion and two vectors in world axes; and for each contact whether it is on and
-//! where the foot is asked to be while it is not, with rate and acceleration.
+//! x y z w, joints; velocities, world-aligned; of the centre of mass the reference, its rate and its acceleration; of
+//! the base's orientation the same, as a quaternion and two vectors in world axes; and for each contact whether it is
+//! on and where the foot is asked to be while it is not, with rate and acceleration.
 //!
-//! `serve` reads lines: `start` begins anew, `run A B` ticks from A to B and answers `done` with the sizes of the largest
-//! problem (variables, equalities, rows), `write FILE` writes of every tick whether it was optimal, the accelerations
-//! (world-aligned) and the torques, the times in ns, and how many limits of torques and of contacts are active. Ticks
-//! are timed as they are everywhere else here: from outside, with nothing else between the two readings of the clock but
-//! what the scenario switches.
+//! `serve` reads lines: `start` begins anew, `run A B` ticks from A to B and answers `done` with the sizes of the
+//! largest problem (variables, equalities, rows), `write FILE` writes of every tick whether it was optimal, the
+//! accelerations (world-aligned) and the torques, the times in ns, and how many limits of torques and of contacts are
+//! active. Ticks are timed as they are everywhere else here: from outside, with nothing else between the two readings
+//! of the clock but what the scenario switches.
 
 use std::{
     error::Error,

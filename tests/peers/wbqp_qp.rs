@@ -4,9 +4,10 @@
 //! wbqp_qp FILE
 //! ```
 //!
-//! reads lines from standard input: `warm A B` and `cold A B` solve the problems from A to B in order and answer with the
-//! nanoseconds of each; `write FILE` writes what the last solve of every problem has found: whether it says optimal,
-//! iterations, the number of active limits that are no equalities, x. A warm start begins anew where a sequence does.
+//! reads lines from standard input: `warm A B` and `cold A B` solve the problems from A to B in order and answer with
+//! the nanoseconds of each; `write FILE` writes what the last solve of every problem has found: whether it says
+//! optimal, iterations, the number of active limits that are no equalities, x. A warm start begins anew where a
+//! sequence does.
 
 use std::{
     env,

@@ -17,8 +17,8 @@ use wbqp::{
     tick::Tick,
 };
 
-/// Limits on accelerations and efforts that are mostly harmless and now and then contradict one another, the actuators, or
-/// arithmetic.
+/// Limits on accelerations and efforts that are mostly harmless and now and then contradict one another, the actuators,
+/// or arithmetic.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(crate = "wbqp::serde")]
 #[schemars(crate = "wbqp::schemars")]

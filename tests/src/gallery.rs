@@ -1,4 +1,5 @@
-//! The gallery, `examples/robots`: other people's robots from the PyPI package `example-robot-data`, each in one scenario.
+//! The gallery, `examples/robots`: other people's robots from the PyPI package `example-robot-data`, each in one
+//! scenario.
 
 use std::{
     path::{Path, PathBuf},

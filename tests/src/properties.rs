@@ -8,7 +8,8 @@ use proptest::test_runner::{Config, RngSeed};
 /// PROPTEST_RNG_SEED=$RANDOM PROPTEST_CASES=20000 cargo test --release -p wbqp-tests --test qp_properties
 /// ```
 ///
-/// Tolerances are those of doubles on ordinary problems: of 20 000 hard ones, one or two may exceed one of them by a little.
+/// Tolerances are those of doubles on ordinary problems: of 20 000 hard ones, one or two may exceed one of them by a
+/// little.
 #[must_use]
 pub fn cases(cases: u32) -> Config {
     let default = Config::default();

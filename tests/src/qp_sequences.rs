@@ -142,8 +142,8 @@ fn push_friction(qp: &mut Qp, at: usize, friction: f64, least: f64) {
     push(qp, normal.into_iter(), least, INF);
 }
 
-/// An aerial manipulator with a point contact in condensed form: 12 variables (six thrusts, three torques, a force) with
-/// bounds on the inputs, five friction rows.
+/// An aerial manipulator with a point contact in condensed form: 12 variables (six thrusts, three torques, a force)
+/// with bounds on the inputs, five friction rows.
 ///
 /// # Panics
 /// Never: mass matrices are definite.
@@ -384,8 +384,8 @@ impl Standing {
     }
 }
 
-/// A quadruped on four point feet without its torques: 30 variables (18 accelerations, 12 components of four forces), 18
-/// equalities (the base's dynamics, the feet at rest), 32 rows (friction, torque limits).
+/// A quadruped on four point feet without its torques: 30 variables (18 accelerations, 12 components of four forces),
+/// 18 equalities (the base's dynamics, the feet at rest), 32 rows (friction, torque limits).
 pub fn quadruped(ticks: usize, demand: Demand) -> Vec<Qp> {
     let rng = &mut ChaCha8Rng::seed_from_u64(1);
     let (nv, nf) = (18, 12);

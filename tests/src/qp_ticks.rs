@@ -2,8 +2,8 @@
 //!
 //! # Format
 //! Little-endian. `WBQPTK01`, the number of problems (u32), then each: n, m, 1 if nothing precedes it (a warm start
-//! begins there) else 0, 0 (u32); H and A by rows, g between them, the limits of the rows, lower then upper, those of the
-//! variables (f64, infinities for none); permanent identities of the rows, then of the variables (u32).
+//! begins there) else 0, 0 (u32); H and A by rows, g between them, the limits of the rows, lower then upper, those of
+//! the variables (f64, infinities for none); permanent identities of the rows, then of the variables (u32).
 
 use std::io::{self, Error, ErrorKind, Read, Write};
 

@@ -113,8 +113,9 @@ pub fn random_model(seed: u64, base: Base, joints: usize) -> Model {
     builder.build().expect("a physical tree")
 }
 
-/// The tree of [`random_model`] in which about every third joint follows another one, earlier or later in the tree, or one that
-/// follows itself; with at least two joints, at least one leads and one follows. Joint limits, damping and friction are drawn too.
+/// The tree of [`random_model`] in which about every third joint follows another one, earlier or later in the tree, or
+/// one that follows itself; with at least two joints, at least one leads and one follows. Joint limits, damping and
+/// friction are drawn too.
 ///
 /// # Panics
 /// Never, like [`random_model`].
@@ -159,7 +160,8 @@ pub fn coupled_model(seed: u64, base: Base, joints: usize) -> Model {
     builder.build().expect("a physical tree")
 }
 
-/// The same tree with all its joints free, and `G` and `g` with `v_free = G v`, `q_free = G_q q + g`: what a mimic joint is.
+/// The same tree with all its joints free, and `G` and `g` with `v_free = G v`, `q_free = G_q q + g`: what a mimic
+/// joint is.
 ///
 /// # Panics
 /// Never, unless the model lacks a body of its own.

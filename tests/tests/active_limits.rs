@@ -1,5 +1,5 @@
-//! A tick lists every limit that its solution is at: in the experiments, each tick whose planned force lies on the friction
-//! pyramid shows a side of it.
+//! A tick lists every limit that its solution is at: in the experiments, each tick whose planned force lies on the
+//! friction pyramid shows a side of it.
 
 use std::{collections::BTreeMap, path::Path};
 

@@ -11,7 +11,8 @@ use wbqp::{
 use wbqp_tests::random_qp::{FAMILIES, Family, Known, random_qp};
 
 /// Errors of the optimality conditions relative to the numbers that they are made of. A violation is divided by the
-/// largest of the limit, the sum of the terms' magnitudes, and one: a limit near zero is no nearer to the others' rounding.
+/// largest of the limit, the sum of the terms' magnitudes, and one: a limit near zero is no nearer to the others'
+/// rounding.
 fn relative_errors(known: &Known, s: &Solution) -> [f64; 3] {
     let qp = &known.qp;
     let (n, m) = (qp.n(), qp.m());

@@ -1,5 +1,5 @@
-//! A tick does not allocate, also when contacts, tasks and weights are switched. With Clarabel, whose own solve does, what
-//! is outside of it does not.
+//! A tick does not allocate, also when contacts, tasks and weights are switched. With Clarabel, whose own solve does,
+//! what is outside of it does not.
 //!
 //! The counting allocator is the whole process's: this is a program without the test harness.
 

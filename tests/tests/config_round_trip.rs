@@ -163,7 +163,8 @@ fn numbers(text: &str) -> Vec<u64> {
     all
 }
 
-/// The nearest numbers that are refused and the furthest that are taken, with what is said of the former. HEAD has 250 Hz.
+/// The nearest numbers that are refused and the furthest that are taken, with what is said of the former. HEAD has
+/// 250 Hz.
 #[test]
 fn the_furthest_numbers_that_are_taken_come_back_to_the_bit() {
     const CONTACT: &str = "[[contact]]\nname = 'c'\nframe = 'f'\nkind = 'point'\n";

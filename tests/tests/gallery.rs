@@ -1,7 +1,7 @@
 //! The gallery: ten robots as their makers describe them stand, shift their weight, reach and fly as the page says.
 //!
-//! They are in the PyPI package that `oracles/robot_collection.py` reads; without it these tests say so and pass, unless
-//! `WBQP_REQUIRE_ORACLES` is set, as it is in `.ci/run`.
+//! They are in the PyPI package that `oracles/robot_collection.py` reads; without it these tests say so and pass,
+//! unless `WBQP_REQUIRE_ORACLES` is set, as it is in `.ci/run`.
 
 use std::{collections::BTreeSet, fs};
 

@@ -30,7 +30,8 @@ fn the_hash_sees_one_tick_more() {
     assert_ne!(hash(100), hash(101));
 }
 
-/// The controller in the loop, one that is timed and one with a stopwatch compute the same bits, which `measure` checks.
+/// The controller in the loop, one that is timed and one with a stopwatch compute the same bits, which `measure`
+/// checks.
 #[test]
 fn a_tick_depends_on_the_measurements_alone() {
     for robot in [Robot::Othex, Robot::Quadruped] {

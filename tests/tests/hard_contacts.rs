@@ -1,5 +1,6 @@
-//! Contacts that must not move determine accelerations: fewer variables, also where a leg is stretched, and a contradiction
-//! names their rows like all others. That the optimum is the same everywhere is tested in `qp_properties`.
+//! Contacts that must not move determine accelerations: fewer variables, also where a leg is stretched, and a
+//! contradiction names their rows like all others. That the optimum is the same everywhere is tested in
+//! `qp_properties`.
 
 use wbqp::{
     config::Formulation,

@@ -1,5 +1,5 @@
-//! Whatever is measured, asked or weighted, by any power of ten: every command is finite, within every limit and within the
-//! slew of the one before, compared exactly; and where the solution is not, the tick does not call itself optimal.
+//! Whatever is measured, asked or weighted, by any power of ten: every command is finite, within every limit and within
+//! the slew of the one before, compared exactly; and where the solution is not, the tick does not call itself optimal.
 //!
 //! `WBQP_LIVES` says how many random scenes are run, 400 if it is not set, with [`LIFE`] ticks each.
 
@@ -247,7 +247,8 @@ fn every_power_of_ten_leaves_commands_within_limits_and_slew() {
     assert!(rungs.iter().all(|ticks| *ticks > 0), "{rungs:?}");
 }
 
-/// Joint velocities of 1e8, tool forces of 1e20, positions of 1e28: where ticks called themselves optimal that were not.
+/// Joint velocities of 1e8, tool forces of 1e20, positions of 1e28: where ticks called themselves optimal that were
+/// not.
 #[test]
 fn sizes_at_which_solutions_stop_being_right() {
     for (what, power) in [

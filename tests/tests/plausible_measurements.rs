@@ -324,8 +324,8 @@ fn reset_takes_a_clock_that_was_set_and_refuses_what_is_not_plausible() {
     }
 }
 
-/// A foot that strikes the ground changes its joint's speed at once; a measurement that is refused for it must not be the
-/// first of many because the robot has moved on.
+/// A foot that strikes the ground changes its joint's speed at once; a measurement that is refused for it must not be
+/// the first of many because the robot has moved on.
 #[test]
 fn a_blow_that_is_not_believed_is_over_when_it_is_over() {
     let limits = MeasurementLimits {

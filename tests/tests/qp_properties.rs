@@ -80,8 +80,8 @@ fn cost_difference(a: &Controller, b: &Controller, factor: f64) -> f64 {
 }
 
 /// How far two solutions of one problem, put together in different ways, may be apart. The terms whose sum makes H are
-/// rounded at 1e-16 of their size, which may be some times that of H, and a solution moves by as much times the condition
-/// number, whoever solves for it.
+/// rounded at 1e-16 of their size, which may be some times that of H, and a solution moves by as much times the
+/// condition number, whoever solves for it.
 fn tolerance(condition: f64) -> f64 {
     1e-9 + 1000.0 * f64::EPSILON * condition
 }
@@ -238,8 +238,8 @@ proptest! {
         let other = Scene { formulation, ..scene.clone() };
         let (a, b) = (solved(&scene), solved(&other));
         prop_assert_eq!(a.report().rung, b.report().rung);
-        // Not all contacts can be kept within all limits. Accelerations that rows determine make the cost small beside the
-        // terms it is the difference of.
+        // Not all contacts can be kept within all limits. Accelerations that rows determine make the cost small beside
+        // the terms it is the difference of.
         if a.report().rung == Rung::Optimal {
             let own = a.problem().objective(&a.solution().x).abs();
             let (x, y) = (a.report().objective, b.report().objective);

@@ -1,4 +1,5 @@
-//! What a relaxed tick costs beside an optimal one: robots that stand and are pushed until their limits contradict one another.
+//! What a relaxed tick costs beside an optimal one: robots that stand and are pushed until their limits contradict one
+//! another.
 
 use std::{
     fs,
@@ -107,9 +108,9 @@ fn a_contradiction_that_lasts_is_gone_on_with() {
     }
 }
 
-/// A robot that falls stays plausible, whatever hits it, until the simulation has speeds in it that no joint has: the plant's
-/// motors push with their largest torque at any speed, and where the axes of a shoulder are all but parallel its step is too
-/// long. docs/degradation.md has the numbers.
+/// A robot that falls stays plausible, whatever hits it, until the simulation has speeds in it that no joint has: the
+/// plant's motors push with their largest torque at any speed, and where the axes of a shoulder are all but parallel
+/// its step is too long. docs/degradation.md has the numbers.
 #[test]
 fn of_a_fallen_robot_nothing_is_refused_but_speeds_that_no_joint_has() {
     let ticks = run(&humanoid());

@@ -1,5 +1,5 @@
-//! Every experiment on a plant that the controller does not know: heavier, with weaker motors, with other noise, and asked
-//! for most of what that plant can push.
+//! Every experiment on a plant that the controller does not know: heavier, with weaker motors, with other noise, and
+//! asked for most of what that plant can push.
 
 use std::path::Path;
 

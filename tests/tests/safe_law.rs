@@ -1,5 +1,5 @@
-//! The law that needs no solver, in closed loop: it brings a tumbling robot to rest, lets go of a wall, holds an arm and a
-//! standing robot, and bridges a failure in flight.
+//! The law that needs no solver, in closed loop: it brings a tumbling robot to rest, lets go of a wall, holds an arm
+//! and a standing robot, and bridges a failure in flight.
 
 use wbqp::{
     config::{ControllerConfig, Overrides},

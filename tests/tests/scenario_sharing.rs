@@ -1,5 +1,5 @@
-//! Cases of a scenario that ask the same of the controller's file are checked with one controller, and what each takes is
-//! said before it is made.
+//! Cases of a scenario that ask the same of the controller's file are checked with one controller, and what each takes
+//! is said before it is made.
 
 use std::{
     env, fs,

@@ -1,4 +1,5 @@
-//! A tick stands for the time between stamps: what a controller integrates depends on how long it ran, not on how often.
+//! A tick stands for the time between stamps: what a controller integrates depends on how long it ran, not on how
+//! often.
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;

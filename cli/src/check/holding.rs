@@ -174,8 +174,8 @@ impl Holding {
     }
 }
 
-/// Contacts that are on at the start and are not where the others on parallel surfaces are, at home: their frame may be a wrong
-/// one. The lowest of them touches.
+/// Contacts that are on at the start and are not where the others on parallel surfaces are, at home: their frame may be
+/// a wrong one. The lowest of them touches.
 fn off_surface(controller: &Controller) -> Vec<(String, f64)> {
     let robot = controller.robot();
     let mut data = Data::new(&robot.model);

@@ -24,8 +24,8 @@ use crate::{
 /// Times that another run's summary is waited for, and for how long each time.
 const PATIENCE: (u32, Duration) = (500, Duration::from_millis(10));
 
-/// Writes the summaries of the cases that were run into a file. Cases of the same scenario that others ran, or that were run
-/// before, stay in it; `order` are all of the scenario's.
+/// Writes the summaries of the cases that were run into a file. Cases of the same scenario that others ran, or that
+/// were run before, stay in it; `order` are all of the scenario's.
 ///
 /// # Errors
 /// A file that cannot be written.

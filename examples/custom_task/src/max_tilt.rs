@@ -4,10 +4,10 @@
 //! W world (z up), R base, `z_R` its z axis in world coordinates, ω its angular velocity, world axes.
 //!
 //! # Mathematics
-//! `h = z_R·e_z − cos θ_max` is positive inside the limit. The barrier `ḧ + (α₁ + α₂) ḣ + α₁ α₂ h ≥ 0` keeps it so: close to
-//! the limit it may only be approached ever more slowly (a control barrier function of relative degree two, Nguyen and
-//! Sreenath 2016). With `ḣ = (z_R × e_z)·ω` and
-//! `ḧ = (z_R × e_z)·ω̇ + (ω × (ω × z_R))·e_z` it is one row on the base's angular acceleration.
+//! `h = z_R·e_z − cos θ_max` is positive inside the limit. The barrier `ḧ + (α₁ + α₂) ḣ + α₁ α₂ h ≥ 0` keeps it so:
+//! close to the limit it may only be approached ever more slowly (a control barrier function of relative degree two,
+//! Nguyen and Sreenath 2016). With `ḣ = (z_R × e_z)·ω` and `ḧ = (z_R × e_z)·ω̇ + (ω × (ω × z_R))·e_z` it is one row on
+//! the base's angular acceleration.
 
 use wbqp::{
     Layout,

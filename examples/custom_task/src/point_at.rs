@@ -23,8 +23,8 @@ use wbqp::{
     tick::{FrameHandle, Tick},
 };
 
-/// Keeps the z axis of a frame pointing at a place in the world: `ë = −kd ė − kp e` for the direction e to it, seen in the
-/// frame's x and y.
+/// Keeps the z axis of a frame pointing at a place in the world: `ë = −kd ė − kp e` for the direction e to it, seen in
+/// the frame's x and y.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(crate = "wbqp::serde", deny_unknown_fields)]
 #[schemars(crate = "wbqp::schemars")]

@@ -1,4 +1,5 @@
-//! How long a tick takes, stage by stage, in a closed loop: `cargo run --release --bin tick_stats -- --robot quadruped`.
+//! How long a tick takes, stage by stage, in a closed loop:
+//! `cargo run --release --bin tick_stats -- --robot quadruped`.
 
 use std::alloc::System;
 

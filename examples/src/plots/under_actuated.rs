@@ -1,5 +1,5 @@
-//! Figures of force control with an under-actuated base: the paper's Figs. 9 and 10, and its case beside the one with an
-//! attitude reference.
+//! Figures of force control with an under-actuated base: the paper's Figs. 9 and 10, and its case beside the one with
+//! an attitude reference.
 
 use std::path::Path;
 

@@ -1,7 +1,7 @@
 //! How the rows hold up when the robot, the wall or a gain is not what the scenario says.
 //!
-//! Every variation runs all cases of all experiments in memory, several at a time; what comes out depends on the plan and
-//! on the seed, not on how many.
+//! Every variation runs all cases of all experiments in memory, several at a time; what comes out depends on the plan
+//! and on the seed, not on how many.
 
 mod factor;
 mod plan;

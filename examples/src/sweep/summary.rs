@@ -31,8 +31,8 @@ impl SweptRow {
         Some((values().reduce(f64::min)?, values().reduce(f64::max)?))
     }
 
-    /// Of the variations with which it does not hold, the worst. A run that stopped is worse than any value; among values
-    /// the one that is farthest from the value without variation is the worst. `None` if it always holds.
+    /// Of the variations with which it does not hold, the worst. A run that stopped is worse than any value; among
+    /// values the one that is farthest from the value without variation is the worst. `None` if it always holds.
     pub fn worst(&self, stopped: &[Option<String>]) -> Option<Worst> {
         let stop = stopped
             .iter()

@@ -13,7 +13,8 @@ pub const CONTACT: &str = "tip";
 /// How long a switch is watched, s: as long as its ramp.
 pub const WATCHED: f64 = 1.0;
 
-/// What is switched: row, words, and the mark in the log's timeline. The contact is switched on by what the sensor feels.
+/// What is switched: row, words, and the mark in the log's timeline. The contact is switched on by what the sensor
+/// feels.
 const SWITCHES: [(&str, &str, Option<&str>); 6] = [
     ("S1", "contact on", None),
     ("S2", "weight of p_R from 1 to 10", Some("weight")),

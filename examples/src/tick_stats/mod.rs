@@ -45,8 +45,8 @@ pub struct Statistics {
     pub batches: Vec<Quantiles>,
     /// The whole tick in the loop, the plant's simulation between two ticks.
     pub in_loop: Quantiles,
-    /// Kinematics, mass matrix, bias, and one frame's Jacobian and J̇v at the states of the run: quantiles of the means of
-    /// twenty.
+    /// Kinematics, mass matrix, bias, and one frame's Jacobian and J̇v at the states of the run: quantiles of the means
+    /// of twenty.
     pub dynamics_set: Quantiles,
     /// Kinematics, mass matrix, bias, frames and contacts.
     pub dynamics: Quantiles,

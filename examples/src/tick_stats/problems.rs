@@ -10,8 +10,8 @@
 //!                      "rows": [], "vars": [],
 //!                      "x": [], "objective": 0.0 } ] ] }
 //! ```
-//! `minimise ½ xᵀHx + gᵀx subject to row_lower ≤ Ax ≤ row_upper, lower ≤ x ≤ upper`, as in [`wbqp::qp`]. `rows` and `vars`
-//! are permanent identities, by which a warm start finds its row again. The problems of a sequence are those of
+//! `minimise ½ xᵀHx + gᵀx subject to row_lower ≤ Ax ≤ row_upper, lower ≤ x ≤ upper`, as in [`wbqp::qp`]. `rows` and
+//! `vars` are permanent identities, by which a warm start finds its row again. The problems of a sequence are those of
 //! consecutive ticks; `x` and `objective` are what the controller's solver found.
 
 use std::time::Instant;

@@ -3,12 +3,12 @@
 //! # Mathematics
 //! Clarabel solves `min ½xᵀPx + qᵀx` subject to `A x + s = b`, `s ∈ K`. Equality rows go to the zero cone;
 //! each finite side of an inequality row or bound becomes one row of the nonnegative cone (`a x + s = u` or
-//! `−a x + s = −l`). The variables are Jacobi-scaled (module `scaling`), rows are brought to unit norm, and `x`, limits and multipliers are divided by `‖g‖∞`, so that
-//! absolute tolerances mean the same for every problem. Clarabel's own equilibration is off and the tolerances are
-//! 1e-12: with the defaults, weakly weighted directions come out wrong. While the set of sides stays the same the
-//! solver object is kept and its numbers are replaced in place; it allocates inside `solve` all the same, and it
-//! has no warm start. The last digits come from solving for the active set that the interior point suggests
-//! (module `polish`).
+//! `−a x + s = −l`). The variables are Jacobi-scaled (module `scaling`), rows are brought to unit norm, and `x`, limits
+//! and multipliers are divided by `‖g‖∞`, so that absolute tolerances mean the same for every problem. Clarabel's own
+//! equilibration is off and the tolerances are 1e-12: with the defaults, weakly weighted directions come out wrong.
+//! While the set of sides stays the same the solver object is kept and its numbers are replaced in place; it allocates
+//! inside `solve` all the same, and it has no warm start. The last digits come from solving for the active set that the
+//! interior point suggests (module `polish`).
 
 mod polish;
 mod scaling;

@@ -8,8 +8,8 @@
 //! [ A_a  −δ  ] [λ] = [b_a]
 //! ```
 //! is solved with iterative refinement against δ = 0 (δ keeps dependent rows harmless). Sides that turn out
-//! violated join, sides with a multiplier of the wrong sign leave, for a limited number of times. The result is taken only
-//! if it satisfies the optimality conditions, or does so better than the point it came from.
+//! violated join, sides with a multiplier of the wrong sign leave, for a limited number of times. The result is taken
+//! only if it satisfies the optimality conditions, or does so better than the point it came from.
 
 use wbqp_qp::{Capacity, Optimality, Qp, Solution};
 

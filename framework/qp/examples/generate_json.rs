@@ -1,5 +1,5 @@
-//! Prints random problems of a family, one JSON object per line, as `solve_json` reads them, with the status that is known by
-//! construction.
+//! Prints random problems of a family, one JSON object per line, as `solve_json` reads them, with the status that is
+//! known by construction.
 //!
 //! ```text
 //! generate_json Unbounded 1000 [largest number of variables, 16] [exponent of the units, 0] [first seed, 0]

@@ -17,7 +17,7 @@ pub enum Budget<'a> {
     Clock(&'a mut dyn Stopwatch),
     /// After this many iterations, whatever is configured.
     ///
-    /// The number that a solve reported repeats that solve to the last bit, from the same warm start: it ends by itself if
-    /// it did then, and stops where a clock stopped it.
+    /// The number that a solve reported repeats that solve to the last bit, from the same warm start: it ends by itself
+    /// if it did then, and stops where a clock stopped it.
     Iterations(u32),
 }

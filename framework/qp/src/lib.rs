@@ -21,8 +21,8 @@
 //! assert!((solution.x[0] - 1.0).abs() < 1e-12 && (solution.x[1] - 2.0).abs() < 1e-12);
 //! # Ok::<(), wbqp_qp::QpError>(())
 //! ```
-//! In a loop, make [`Qp`], [`ActiveSet`] and [`Solution`] once for the largest [`Capacity`] and use them again: each solve
-//! begins with the constraints that were active in the one before.
+//! In a loop, make [`Qp`], [`ActiveSet`] and [`Solution`] once for the largest [`Capacity`] and use them again: each
+//! solve begins with the constraints that were active in the one before.
 
 /// The readme's examples.
 #[cfg(doctest)]

@@ -2,8 +2,8 @@
 
 use crate::QpError;
 
-/// Permanent identity of a row, by which a warm start finds it again when others were switched on or off. A caller whose
-/// rows never change needs none: [`Qp::push`] counts.
+/// Permanent identity of a row, by which a warm start finds it again when others were switched on or off. A caller
+/// whose rows never change needs none: [`Qp::push`] counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(
     feature = "serde",
@@ -111,8 +111,8 @@ impl Qp {
         }
     }
 
-    /// A problem from dense data in row-major order: `H` n × n, `A` m × n, where n and m are the lengths of `g` and of the
-    /// rows' limits. Identities are positions.
+    /// A problem from dense data in row-major order: `H` n × n, `A` m × n, where n and m are the lengths of `g` and of
+    /// the rows' limits. Identities are positions.
     ///
     /// # Errors
     /// [`QpError::Shape`] naming the argument of the wrong length.
@@ -173,8 +173,8 @@ impl Qp {
         Ok(())
     }
 
-    /// Empties the problem and sets which variables it has, in ascending order of their ids. `H` and `g` are zeroed, bounds
-    /// infinite, rows gone.
+    /// Empties the problem and sets which variables it has, in ascending order of their ids. `H` and `g` are zeroed,
+    /// bounds infinite, rows gone.
     ///
     /// # Errors
     /// [`QpError::Capacity`], [`QpError::Order`]; the problem has no variables then.

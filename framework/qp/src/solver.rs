@@ -66,8 +66,8 @@ pub trait QpSolver: Send + Debug {
     fn bind(&mut self, capacity: Capacity) -> Result<(), QpError>;
 
     /// Solves in place, and ends early once the budget is used up; a solver that cannot be interrupted ignores it. The
-    /// problem comes in physical units; scaling is the solver's. The status is in the solution, too, where `x`, `y` and `z`
-    /// are finite whatever it is, and unspecified unless it says what they are.
+    /// problem comes in physical units; scaling is the solver's. The status is in the solution, too, where `x`, `y` and
+    /// `z` are finite whatever it is, and unspecified unless it says what they are.
     ///
     /// # Errors
     /// [`QpError::NotBound`], [`QpError::Capacity`]; then the solution's status is [`Status::Unsolved`].
@@ -92,8 +92,8 @@ pub trait QpSolver: Send + Debug {
     /// Bytes that [`QpSolver::bind`] is going to allocate for a capacity, about.
     fn memory(&self, capacity: Capacity) -> usize;
 
-    /// Copies the warm start of the next solve out, without allocating: for records of ticks. A solver without one leaves
-    /// it empty.
+    /// Copies the warm start of the next solve out, without allocating: for records of ticks. A solver without one
+    /// leaves it empty.
     fn warm_start(&self, out: &mut WarmStart) {
         out.clear();
     }

@@ -13,8 +13,8 @@ use std::fmt;
 pub enum Status {
     /// Optimal within the solver's tolerances: the only one whose `x` may be sent to a robot.
     Optimal,
-    /// No point satisfies all rows and bounds; `y` and `z` prove it (Farkas): `Aᵀ y + z = 0`, while the limits on their sides,
-    /// weighted with them, have a negative sum.
+    /// No point satisfies all rows and bounds; `y` and `z` prove it (Farkas): `Aᵀ y + z = 0`, while the limits on their
+    /// sides, weighted with them, have a negative sum.
     Infeasible,
     /// The cost falls for ever along the ray in `x`: `H x = 0`, `gᵀ x < 0`, and no limit ends it.
     Unbounded,
@@ -70,8 +70,8 @@ pub enum Defect {
         /// Column of H.
         column: usize,
     },
-    /// H has a negative eigenvalue: its factorisation has a negative pivot at this variable, or a diagonal entry of zero
-    /// beside entries that are not.
+    /// H has a negative eigenvalue: its factorisation has a negative pivot at this variable, or a diagonal entry of
+    /// zero beside entries that are not.
     Indefinite {
         /// The variable.
         variable: usize,

@@ -6,8 +6,8 @@ use crate::{Defect, Qp};
 const ASYMMETRY: f64 = 1e-9;
 
 impl Qp {
-    /// The first entry that makes the problem meaningless: a number that is not finite, limits that are no interval, an H that
-    /// is not symmetric or has a negative diagonal entry. Crossed limits are not meaningless but infeasible.
+    /// The first entry that makes the problem meaningless: a number that is not finite, limits that are no interval, an
+    /// H that is not symmetric or has a negative diagonal entry. Crossed limits are not meaningless but infeasible.
     pub fn defect(&self) -> Option<Defect> {
         self.hessian_defect()
             .or_else(|| self.gradient_defect())
@@ -73,8 +73,8 @@ impl Qp {
     }
 }
 
-/// Whether no two entries differ by more than is allowed beside the smallest diagonal entry, for which no root is needed, and
-/// nothing to decide on the way.
+/// Whether no two entries differ by more than is allowed beside the smallest diagonal entry, for which no root is
+/// needed, and nothing to decide on the way.
 #[expect(
     clippy::inline_always,
     reason = "the number of variables is to be known"

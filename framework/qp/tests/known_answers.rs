@@ -1,4 +1,5 @@
-//! Random problems whose answers are known by construction. `WBQP_QP_PROBLEMS` sets how many of each family and range of units.
+//! Random problems whose answers are known by construction. `WBQP_QP_PROBLEMS` sets how many of each family and range
+//! of units.
 
 #[path = "families/mod.rs"]
 mod families;
@@ -11,8 +12,8 @@ use wbqp_qp::{ActiveSet, QpSolver, Solution};
 /// Exponents of the units.
 const EXPONENTS: [f64; 3] = [0.0, 4.0, 8.0];
 
-/// What was answered wrongly once, among some million: an optimum where the cost falls for ever, a ray with rounding of a variable
-/// in a large unit, and constraints let go by multipliers compared without their units.
+/// What was answered wrongly once, among some million: an optimum where the cost falls for ever, a ray with rounding of
+/// a variable in a large unit, and constraints let go by multipliers compared without their units.
 const ONCE_WRONG: [(Family, u64, f64); 9] = [
     (Family::Unbounded, 22034, 4.0),
     (Family::Unbounded, 539, 8.0),

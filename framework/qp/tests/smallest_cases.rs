@@ -1,5 +1,5 @@
-//! The smallest problems that a solver, this one or another, answered wrongly. `expected` in each file is what Clarabel at
-//! 1e-12, DAQP and HiGHS agree on.
+//! The smallest problems that a solver, this one or another, answered wrongly. `expected` in each file is what Clarabel
+//! at 1e-12, DAQP and HiGHS agree on.
 
 use std::{fs, path::Path};
 

@@ -1,5 +1,5 @@
-//! Answers do not depend on units: multiplying a row, a variable or the cost by a power of two changes no status, and no
-//! solution that is unique and well determined.
+//! Answers do not depend on units: multiplying a row, a variable or the cost by a power of two changes no status, and
+//! no solution that is unique and well determined.
 
 #[path = "families/mod.rs"]
 mod families;

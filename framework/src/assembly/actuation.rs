@@ -6,8 +6,8 @@
 //!
 //! # Mathematics
 //! A joint motor is a unit column. A rotor, on whichever link, pushes along `z_i` at its frame's origin and
-//! twists with `σ k_m` per newton: `S_i = J_iᵀ [z_i; σ k_m z_i + p_i × z_i]`. The wrench is constant in body axes, and the
-//! product goes up the tree from the body to the base: no Jacobian is needed.
+//! twists with `σ k_m` per newton: `S_i = J_iᵀ [z_i; σ k_m z_i + p_i × z_i]`. The wrench is constant in body axes, and
+//! the product goes up the tree from the body to the base: no Jacobian is needed.
 #![allow(non_snake_case)]
 
 use nalgebra::Vector3;

@@ -17,8 +17,8 @@ impl Asked {
         }
     }
 
-    /// Writes what the live groups ask of each component of `v̇` by rows on it alone: their mean by weight, or the first
-    /// hard one's; zero if none asks.
+    /// Writes what the live groups ask of each component of `v̇` by rows on it alone: their mean by weight, or the
+    /// first hard one's; zero if none asks.
     pub(crate) fn collect(&mut self, groups: &[Group], out: &mut [f64]) {
         self.sums.fill([0.0; 2]);
         for group in groups.iter().filter(|g| g.live) {

@@ -1,9 +1,9 @@
 //! Factorisation of the mass matrix, in place and without allocation.
 //!
 //! # Mathematics
-//! `M = Lᵀ D L` with L unit lower triangular, from the last row to the first: the leaves of the tree go first, so that L is
-//! zero where M is (R. Featherstone, *Rigid Body Dynamics Algorithms*, section 6.5, table 6.3). Row `i` of L has entries
-//! in the columns of `i` and of its ancestors only, and nothing else is ever touched.
+//! `M = Lᵀ D L` with L unit lower triangular, from the last row to the first: the leaves of the tree go first, so that
+//! L is zero where M is (R. Featherstone, *Rigid Body Dynamics Algorithms*, section 6.5, table 6.3). Row `i` of L has
+//! entries in the columns of `i` and of its ancestors only, and nothing else is ever touched.
 
 use super::kernels::{add_four_rows, add_row, add_two_rows};
 
@@ -35,8 +35,8 @@ impl Cholesky {
         }
     }
 
-    /// Factorises a symmetric matrix given by its entries `(i, j)`, `j ≤ i`; false if it is not positive definite (or has
-    /// a NaN).
+    /// Factorises a symmetric matrix given by its entries `(i, j)`, `j ≤ i`; false if it is not positive definite (or
+    /// has a NaN).
     pub(crate) fn factorise(&mut self, m: impl Fn(usize, usize) -> f64) -> bool {
         let n = self.n;
         for (i, ancestors) in self.ancestors.iter().enumerate() {

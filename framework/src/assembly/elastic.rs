@@ -1,10 +1,10 @@
 //! The problem of a tick with some of its limits given up.
 //!
 //! # Mathematics
-//! A limit `l ≤ a x ≤ u` that is given up becomes `l ≤ a x + e ≤ u` with a free variable `e` of its own that costs `w e²`;
-//! `e` is what the solution takes beyond the limit. An equality is the case `l = u`, a bound on a variable the case of a
-//! unit row, and so is a bound on an eliminated effort, whose row stays with the actuator's own limits. So the problem
-//! keeps its rows and gets one variable per limit given up, and it says by how much each had to give.
+//! A limit `l ≤ a x ≤ u` that is given up becomes `l ≤ a x + e ≤ u` with a free variable `e` of its own that costs
+//! `w e²`; `e` is what the solution takes beyond the limit. An equality is the case `l = u`, a bound on a variable the
+//! case of a unit row, and so is a bound on an eliminated effort, whose row stays with the actuator's own limits. So
+//! the problem keeps its rows and gets one variable per limit given up, and it says by how much each had to give.
 //!
 //! The price is heavy and scale-free: with the cost `½ xᵀHx`, moving `a x` by one costs at least
 //! `½ κ, κ = 1/(a H⁻¹ aᵀ) ≤ n / Σ a_j²/h_jj` (Jacobi scaling, and the largest eigenvalue of a matrix with a unit
@@ -12,11 +12,11 @@
 //! by a small share of what they ask for. Variables with no cost of their own, or next to none (accelerations, where a
 //! formulation keeps them), have no such bound; there the largest weight that is on takes its place if it is larger.
 //!
-//! What is never given up are the limits of the world: the dynamics; each actuator's own limits and slew; a normal force that
-//! does not pull; and the rows of constraints that say so
-//! ([`Layout::of_the_world`](crate::layout::Layout::of_the_world)), such as friction. No effort beyond what is needed to
-//! stay within the actuators' limits, and no contact force at all, satisfies them: with everything else given up
-//! the problem is feasible unless a plug-in contradicts that.
+//! What is never given up are the limits of the world: the dynamics; each actuator's own limits and slew; a normal
+//! force that does not pull; and the rows of constraints that say so
+//! ([`Layout::of_the_world`](crate::layout::Layout::of_the_world)), such as friction. No effort beyond what is needed
+//! to stay within the actuators' limits, and no contact force at all, satisfies them: with everything else given up the
+//! problem is feasible unless a plug-in contradicts that.
 
 use super::{Assembly, DynamicsTerms, Group, Table, Treatment, bounds::BoundPlace};
 use crate::{
@@ -246,8 +246,8 @@ impl Elastic {
         self.given_up.fill(true);
     }
 
-    /// Gives up the level of a contradiction that is the first to go, from the multipliers that prove it. False if nothing
-    /// in it can be given up, or was given up before. `owners` are those of the bounds of `qp`.
+    /// Gives up the level of a contradiction that is the first to go, from the multipliers that prove it. False if
+    /// nothing in it can be given up, or was given up before. `owners` are those of the bounds of `qp`.
     fn give_up_first(
         &mut self,
         assembly: &Assembly,
@@ -602,8 +602,8 @@ impl Elastic {
         }
     }
 
-    /// Every limit given up that a solution of the tick's problem's variables is beyond: the limit, its side as −1 or 1,
-    /// what it was, and by how much.
+    /// Every limit given up that a solution of the tick's problem's variables is beyond: the limit, its side as −1 or
+    /// 1, what it was, and by how much.
     pub(crate) fn exceeded<'a>(
         &'a self,
         assembly: &'a Assembly,

@@ -1,9 +1,9 @@
 //! The coefficients of a group's row over the natural variables, and over those of the problem.
 //!
 //! # Mathematics
-//! A row is `A_v v̇ + A_u u + Σ A_c f_c` over accelerations, efforts and forces. In y it is the same, but for eliminated
-//! efforts, `a τ = a (T y + t)`, and accelerations that contacts determine, `a v̇_D = a (G v̇_S + g)`; in x the part on `v̇_P` is `a_P (B x + c)` in addition. What is constant, `a t`,
-//! `a g` and `a_P c`, goes to the limits.
+//! A row is `A_v v̇ + A_u u + Σ A_c f_c` over accelerations, efforts and forces. In y it is the same, but for
+//! eliminated efforts, `a τ = a (T y + t)`, and accelerations that contacts determine, `a v̇_D = a (G v̇_S + g)`; in x
+//! the part on `v̇_P` is `a_P (B x + c)` in addition. What is constant, `a t`, `a g` and `a_P c`, goes to the limits.
 
 use super::{
     DynamicsTerms, Group, Live, Motions, Partition, Relations,
@@ -131,8 +131,8 @@ impl Context<'_> {
         constant
     }
 
-    /// Turns a row over y, whose first part is on `v̇_P`, into one over x, in place of the rest; returns what the constant
-    /// part grows by.
+    /// Turns a row over y, whose first part is on `v̇_P`, into one over x, in place of the rest; returns what the
+    /// constant part grows by.
     pub(crate) fn substitute(&self, row: &mut [f64]) -> f64 {
         let (head, tail) = row.split_at_mut(self.partition.substituted);
         if head.iter().all(|a| *a == 0.0) {

@@ -55,8 +55,8 @@ pub(crate) struct GroupSpec<'a> {
 }
 
 impl Group {
-    /// Registers the rows in the table; their storage comes later. Slacks are added by [`Group::add_slack`], so that the
-    /// ids of physical variables come first.
+    /// Registers the rows in the table; their storage comes later. Slacks are added by [`Group::add_slack`], so that
+    /// the ids of physical variables come first.
     pub(crate) fn new(spec: &GroupSpec<'_>, layout: Layout, table: &mut Table) -> Self {
         let equality = spec.is_task || layout.relation == Relation::Equality;
         let (treatment, linear_penalty) = match (spec.hardness, equality) {

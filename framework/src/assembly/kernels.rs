@@ -1,5 +1,5 @@
-//! Inner loops over rows that lie in one piece. The order of all sums is fixed by the code: results do not depend on how
-//! wide the machine's vectors are.
+//! Inner loops over rows that lie in one piece. The order of all sums is fixed by the code: results do not depend on
+//! how wide the machine's vectors are.
 
 /// `y += a x` over the length of y.
 pub(super) fn add_row(y: &mut [f64], a: f64, x: &[f64]) {

@@ -7,11 +7,11 @@
 //! ```text
 //! v̇_P = B x + c        τ = T (v̇, u, f) + t
 //! ```
-//! ([`relations`]). Accelerations that hard contacts leave no choice of are substituted from the contacts' rows before that
-//! ([`motions`]). Each of the plug-ins' rows `A_v v̇ + A_u u + Σ A_c f_c` is then
+//! ([`relations`]). Accelerations that hard contacts leave no choice of are substituted from the contacts' rows before
+//! that ([`motions`]). Each of the plug-ins' rows `A_v v̇ + A_u u + Σ A_c f_c` is then
 //!
-//! * a cost ([`cost`]): summed up over the *natural* variables `(v̇, kept u, f, slacks)`, where it is sparse, and taken to
-//!   those of the problem once, for all rows together ([`quadratic`]). `H` is `2 Σ w aᵀa` and `g = −2 Σ w b aᵀ`;
+//! * a cost ([`cost`]): summed up over the *natural* variables `(v̇, kept u, f, slacks)`, where it is sparse, and taken
+//!   to those of the problem once, for all rows together ([`quadratic`]). `H` is `2 Σ w aᵀa` and `g = −2 Σ w b aᵀ`;
 //! * a row that must hold ([`constrain`]), over x ([`expand`]);
 //! * a bound ([`bounds`]), which on an eliminated effort is a row.
 //!

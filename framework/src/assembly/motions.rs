@@ -1,18 +1,19 @@
 //! Accelerations that contacts which do not move leave no choice of.
 //!
 //! # Notation
-//! `C` is a contact; `J_D` are the columns of its Jacobian, in contact axes, of the joints `D`, `J_S` those of all other
-//! velocities that carry it.
+//! `C` is a contact; `J_D` are the columns of its Jacobian, in contact axes, of the joints `D`, `J_S` those of all
+//! other velocities that carry it.
 //!
 //! # Mathematics
-//! A contact whose motion is a hard row, `J_C v̇ = b` ([`VdotBlock::Contact`]), determines as many accelerations as it has
-//! rows. Those of the joints D, which carry this contact and no other, are substituted from it:
+//! A contact whose motion is a hard row, `J_C v̇ = b` ([`VdotBlock::Contact`]), determines as many accelerations as it
+//! has rows. Those of the joints D, which carry this contact and no other, are substituted from it:
 //! ```text
 //! v̇_D = G v̇_S + g      G = −J_D⁻¹ J_S,   g = J_D⁻¹ b
 //! ```
-//! by Gauss–Jordan elimination with row pivoting. `J_D` is small and square, there is one per contact, and the rows are no
-//! longer in the problem: a quadruped on four feet has six accelerations left. Where J_D is singular (a stretched leg), or
-//! close to it, the contact keeps its rows and its joints' accelerations for this tick: the optimum is the same.
+//! by Gauss–Jordan elimination with row pivoting. `J_D` is small and square, there is one per contact, and the rows are
+//! no longer in the problem: a quadruped on four feet has six accelerations left. Where J_D is singular (a stretched
+//! leg), or close to it, the contact keeps its rows and its joints' accelerations for this tick: the optimum is the
+//! same.
 //!
 //! D is chosen once, at home: of the joints that qualify, those with the largest pivots.
 
@@ -51,8 +52,8 @@ pub(crate) struct Motions {
 }
 
 impl Motions {
-    /// One for each contact that has hard rows on its acceleration and enough joints of its own with motors whose efforts are
-    /// eliminated.
+    /// One for each contact that has hard rows on its acceleration and enough joints of its own with motors whose
+    /// efforts are eliminated.
     pub(crate) fn new(partition: &Partition, groups: &[Group]) -> Self {
         let mut list: Vec<Motion> = Vec::new();
         for (index, group) in groups.iter().enumerate() {

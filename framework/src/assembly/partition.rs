@@ -13,15 +13,17 @@
 //! | torque-eliminated | those that no joint motor drives | joint motors', one per joint | none |
 //! | explicit | none | none | all |
 //!
-//! In the torque-eliminated form accelerations that hard contacts *determine* are substituted too ([`Motions`]), as long as
-//! the contact is on. They are neither in P nor in A: each tick's [`Partition::arrange`] says where the others are.
+//! In the torque-eliminated form accelerations that hard contacts *determine* are substituted too ([`Motions`]), as
+//! long as the contact is on. They are neither in P nor in A: each tick's [`Partition::arrange`] says where the others
+//! are.
 //!
 //! *Natural* variables are `y = (v̇_P, v̇_A, kept u, live f, live slacks)`; those of the problem are `x`, the same
 //! without `v̇_P`.
 //!
-//! `M_ij` is zero unless one of `i`, `j` carries the other (with mimic joints: a body that the other moves), and a column of a
-//! frame's Jacobian is zero unless it carries the frame. Both are properties of the tree alone, known here once and for all (branch-induced sparsity:
-//! R. Featherstone, *Efficient factorization of the joint-space inertia matrix for branched kinematic trees*, IJRR 2005).
+//! `M_ij` is zero unless one of `i`, `j` carries the other (with mimic joints: a body that the other moves), and a
+//! column of a frame's Jacobian is zero unless it carries the frame. Both are properties of the tree alone, known here
+//! once and for all (branch-induced sparsity: R. Featherstone, *Efficient factorization of the joint-space inertia
+//! matrix for branched kinematic trees*, IJRR 2005).
 
 use std::collections::HashMap;
 
@@ -314,8 +316,8 @@ fn carriers(model: &Model, body: BodyId) -> Vec<usize> {
     list
 }
 
-/// For each velocity, those below it for which `M_ij` can be other than zero, in falling order: those that carry a body which
-/// it moves; and, with mimic joints, those that it carries in other branches of the tree.
+/// For each velocity, those below it for which `M_ij` can be other than zero, in falling order: those that carry a body
+/// which it moves; and, with mimic joints, those that it carries in other branches of the tree.
 fn related(model: &Model) -> Vec<Vec<usize>> {
     let mut related: Vec<Vec<usize>> = (0..model.nv())
         .map(|v| (0..v.min(model.joint_offset())).collect())
@@ -342,11 +344,12 @@ fn related(model: &Model) -> Vec<Vec<usize>> {
     related
 }
 
-/// The same for the part of M in some velocities, numbered as columns, with what its factorisation `Lᵀ D L` fills in: nothing where
-/// M has a tree's sparsity.
+/// The same for the part of M in some velocities, numbered as columns, with what its factorisation `Lᵀ D L` fills in:
+/// nothing where M has a tree's sparsity.
 ///
-/// What column `k` fills in belongs to the nearest of its ancestors first, which hands it on to its own: the elimination tree
-/// (J. W. H. Liu, *The role of elimination trees in sparse factorization*, SIAM J. Matrix Anal. Appl. 11 (1990)).
+/// What column `k` fills in belongs to the nearest of its ancestors first, which hands it on to its own: the
+/// elimination tree (J. W. H. Liu, *The role of elimination trees in sparse factorization*, SIAM J. Matrix Anal. Appl.
+/// 11 (1990)).
 fn ancestors(related: &[Vec<usize>], velocities: &[usize]) -> Vec<Vec<usize>> {
     let mut column = vec![None; related.len()];
     for (index, &velocity) in velocities.iter().enumerate() {

@@ -1,11 +1,12 @@
 //! The cost, summed up over the natural variables and then taken to those of the problem.
 //!
 //! # Mathematics
-//! Over the natural variables `y = (z, x)`, `z = v̇_P`, a cost row is sparse: a posture touches a diagonal entry, a frame the
-//! accelerations that carry it. So `½ yᵀ H y + gᵀ y` is summed up there, block by block: rows with nonzero
-//! coefficients in the same columns together, `H_ij += Σ_k 2 w_k a_ki a_kj`, upper triangle only. Costs on an eliminated
-//! effort come to `½ d τ² + e τ`, and with `τ = T y + t` are a sparse row like the others; so are costs on a single
-//! acceleration that a contact determines. Rows on several of these get their coefficients `a_D G` on the others.
+//! Over the natural variables `y = (z, x)`, `z = v̇_P`, a cost row is sparse: a posture touches a diagonal entry, a
+//! frame the accelerations that carry it. So `½ yᵀ H y + gᵀ y` is summed up there, block by block: rows with nonzero
+//! coefficients in the same columns together, `H_ij += Σ_k 2 w_k a_ki a_kj`, upper triangle only. Costs on an
+//! eliminated effort come to `½ d τ² + e τ`, and with `τ = T y + t` are a sparse row like the others; so are costs on a
+//! single acceleration that a contact determines. Rows on several of these get their coefficients `a_D G` on the
+//! others.
 //!
 //! With `z = B x + c` the same cost over x is
 //! ```text
@@ -113,8 +114,8 @@ impl Quadratic {
         *e -= 2.0 * w * b;
     }
 
-    /// Adds `Σ w_k ((a_k v̇)² − 2 b_k a_k v̇)`: `a(k, i)` is the coefficient of row `k` on velocity `i`, zero but on the
-    /// support.
+    /// Adds `Σ w_k ((a_k v̇)² − 2 b_k a_k v̇)`: `a(k, i)` is the coefficient of row `k` on velocity `i`, zero but on
+    /// the support.
     pub(crate) fn add_motion_rows(
         &mut self,
         rows: usize,

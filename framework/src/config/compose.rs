@@ -42,9 +42,9 @@ impl ControllerConfig {
         self
     }
 
-    /// Adds contacts that bring their own constraints, as a file says them with the key `motion`: the same entries, and the
-    /// limits of the actuators if there are none yet. A constraint of the same type for the same contact that is there already
-    /// is not brought again.
+    /// Adds contacts that bring their own constraints, as a file says them with the key `motion`: the same entries, and
+    /// the limits of the actuators if there are none yet. A constraint of the same type for the same contact that is
+    /// there already is not brought again.
     ///
     /// # Errors
     /// What is wrong with a contact; a type of constraint that is not linked.

@@ -154,8 +154,8 @@ impl<'t> Document<'t> {
     }
 }
 
-/// Where a table begins; with its name, if it is an entry of a list, written like a table, and not the first: its keys are
-/// taken for those of the first.
+/// Where a table begins; with its name, if it is an entry of a list, written like a table, and not the first: its keys
+/// are taken for those of the first.
 type Header = (usize, Option<&'static str>);
 
 fn repeated_tables(source: &str) -> Vec<Header> {

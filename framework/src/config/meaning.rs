@@ -1,8 +1,9 @@
-//! Whether numbers can be meant, by what they are of: the unit that the schema says, the rate of the loop, and one another.
+//! Whether numbers can be meant, by what they are of: the unit that the schema says, the rate of the loop, and one
+//! another.
 //!
-//! What a key allows is its plug-in's business. Here is what no key allows, wherever it is: numbers whose products overflow
-//! or that no robot has are refused, those that are next to it are taken with a warning. A number without a unit in its schema
-//! is not looked at, nor is one that is infinite: a plug-in that takes it says what it means.
+//! What a key allows is its plug-in's business. Here is what no key allows, wherever it is: numbers whose products
+//! overflow or that no robot has are refused, those that are next to it are taken with a warning. A number without a
+//! unit in its schema is not looked at, nor is one that is infinite: a plug-in that takes it says what it means.
 //!
 //! | of | warning | refused |
 //! |---|---|---|
@@ -65,8 +66,8 @@ fn largest(unit: &str) -> Option<f64> {
     })
 }
 
-/// Looks at every number of a document whose unit its schema knows. What cannot be meant goes to the report, what may be a
-/// mistake is given back.
+/// Looks at every number of a document whose unit its schema knows. What cannot be meant goes to the report, what may
+/// be a mistake is given back.
 pub(super) fn check(document: &Document<'_>, report: &mut Report<'_>) -> Vec<Diagnostic> {
     // The same for every file.
     static SETTINGS: OnceLock<Value> = OnceLock::new();

@@ -22,8 +22,8 @@ pub struct MeasurementLimits {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "rad/s or m/s"))]
     pub max_joint_velocity: Option<f64>,
-    /// Largest acceleration of a floating base, from one measurement to the next, m/s². Default: to the largest speed within
-    /// 1 ms.
+    /// Largest acceleration of a floating base, from one measurement to the next, m/s². Default: to the largest speed
+    /// within 1 ms.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "m/s²"))]
     pub max_linear_acceleration: Option<f64>,
@@ -35,7 +35,8 @@ pub struct MeasurementLimits {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "rad/s² or m/s²"))]
     pub max_joint_acceleration: Option<f64>,
-    /// Largest change of the base's position in a period in which it is not seen, m. Default: the largest speed times the period.
+    /// Largest change of the base's position in a period in which it is not seen, m. Default: the largest speed times
+    /// the period.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "m"))]
     pub max_position_jump: Option<f64>,
@@ -47,8 +48,8 @@ pub struct MeasurementLimits {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "rad or m"))]
     pub max_joint_jump: Option<f64>,
-    /// Largest measured force at a contact, N. Default: ten times what weight and actuators amount to, and the contact's own
-    /// `force_max`.
+    /// Largest measured force at a contact, N. Default: ten times what weight and actuators amount to, and the
+    /// contact's own `force_max`.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "N"))]
     pub max_force: Option<f64>,

@@ -1,8 +1,8 @@
 //! The configuration of a controller: what a TOML file says, or what code puts together.
 //!
-//! A file has the tables `[controller]` ([`Settings`]), `[robot]`, `[solver]` and `[measurement]` ([`MeasurementLimits`]; both
-//! optional), and any number of
-//! `[[contact]]` ([`ContactSpec`]), `[[task]]` and `[[constraint]]`:
+//! A file has the tables `[controller]` ([`Settings`]), `[robot]`, `[solver]` and `[measurement]`
+//! ([`MeasurementLimits`]; both optional), and any number of `[[contact]]` ([`ContactSpec`]), `[[task]]` and
+//! `[[constraint]]`:
 //! ```toml
 //! [[task]]
 //! name = "arm"            # entry keys: name, type, weight, active, transition, hardness
@@ -19,9 +19,9 @@
 //! | `transition` | `0.0` | duration of the ramp when it is switched or reweighted, s |
 //! | `hardness` | tasks `"soft"`, constraints `"hard"` | or `{ exact = λ }`, see [`Hardness`](crate::entry::Hardness) |
 //!
-//! A file may be short ([`expand()`] writes it out, [`ControllerConfig::implied`] lists what it leaves to defaults): a contact
-//! with the key `motion` brings its own constraints, a robot with a `file` needs no `type`, and names, weights and
-//! dampings have defaults.
+//! A file may be short ([`expand()`] writes it out, [`ControllerConfig::implied`] lists what it leaves to defaults): a
+//! contact with the key `motion` brings its own constraints, a robot with a `file` needs no `type`, and names, weights
+//! and dampings have defaults.
 //!
 //! Loading refuses every key that nobody knows, and reports all mistakes of a file at once
 //! ([`ConfigErrors`]). [`Overrides`] replace single values. Saving what was loaded, loading and saving again
@@ -131,9 +131,9 @@ pub struct Settings {
     #[serde(default = "default_velocity_leak")]
     #[schemars(extend("x-unit" = "s"))]
     pub velocity_leak: f64,
-    /// How long the last solution is carried on when a tick has none, s; after it the safe law takes over. The default is a few
-    /// periods, and no longer than a rotor or a servo takes to follow a command: the robot hardly leaves the path that
-    /// was planned.
+    /// How long the last solution is carried on when a tick has none, s; after it the safe law takes over. The default
+    /// is a few periods, and no longer than a rotor or a servo takes to follow a command: the robot hardly leaves the
+    /// path that was planned.
     #[serde(default = "default_extrapolation")]
     #[schemars(extend("x-unit" = "s"))]
     pub extrapolation: f64,
@@ -148,8 +148,8 @@ pub struct Settings {
     /// plausible.
     #[serde(default)]
     pub max_first_error: FirstError,
-    /// The most memory that the problem of a tick and its solvers may take, MiB. What they take is known from the numbers of
-    /// variables and rows; a controller that needs more is refused before any of it is allocated.
+    /// The most memory that the problem of a tick and its solvers may take, MiB. What they take is known from the
+    /// numbers of variables and rows; a controller that needs more is refused before any of it is allocated.
     #[serde(default = "default_max_memory")]
     #[schemars(extend("x-unit" = "MiB"))]
     pub max_memory: f64,
@@ -303,19 +303,20 @@ pub enum Formulation {
     /// The faster one of the next two: torque-eliminated for a robot with a joint motor, condensed for one with rotors
     /// alone, where they are the same.
     ///
-    /// Without hard contacts both have as many variables. The torque-eliminated form factorises 6 rows of the dynamics (and
-    /// those of passive joints) instead of all nv and keeps the tree's sparsity, against one row instead of a bound per
-    /// torque limit: it is the cheaper the more joints there are. Whole ticks, condensed over torque-eliminated, from the
-    /// table of formulations in `docs/performance.md`: 1.05 for six rotors and three joints at a point contact, 1.8 for a
-    /// standing quadruped (12 joints), 2.3 for a humanoid (31 joints, two soles). Light arms on heavy bases are better
-    /// conditioned, too, by their accelerations than by their torques.
+    /// Without hard contacts both have as many variables. The torque-eliminated form factorises 6 rows of the dynamics
+    /// (and those of passive joints) instead of all nv and keeps the tree's sparsity, against one row instead of a
+    /// bound per torque limit: it is the cheaper the more joints there are. Whole ticks, condensed over
+    /// torque-eliminated, from the table of formulations in `docs/performance.md`: 1.05 for six rotors and three joints
+    /// at a point contact, 1.8 for a standing quadruped (12 joints), 2.3 for a humanoid (31 joints, two soles). Light
+    /// arms on heavy bases are better conditioned, too, by their accelerations than by their torques.
     #[default]
     Auto,
     /// Variables (u, f): `v̇` is substituted from the dynamics, the paper's (8).
     Condensed,
-    /// Variables (q̈, u, f): the torques of driven joints are substituted from their own rows of the dynamics, the other
-    /// accelerations from the rest. `u` is then the thrusts. Contacts whose motion is a hard constraint determine as many
-    /// accelerations of their joints as they have rows: these are substituted as well, unless the limb is stretched.
+    /// Variables (q̈, u, f): the torques of driven joints are substituted from their own rows of the dynamics, the
+    /// other accelerations from the rest. `u` is then the thrusts. Contacts whose motion is a hard constraint determine
+    /// as many accelerations of their joints as they have rows: these are substituted as well, unless the limb is
+    /// stretched.
     TorqueEliminated,
     /// Variables (v̇, u, f): the dynamics are equality rows, (10d).
     Explicit,
@@ -358,16 +359,16 @@ impl ControllerConfig {
         }
     }
 
-    /// A controller that keeps nothing of what it was made from, for one that is only looked at: writing a configuration out
-    /// takes as long as making the controller. It cannot record its ticks
+    /// A controller that keeps nothing of what it was made from, for one that is only looked at: writing a
+    /// configuration out takes as long as making the controller. It cannot record its ticks
     /// ([`Controller::with_recorder`](crate::Controller::with_recorder)).
     pub fn without_record(mut self) -> Self {
         self.keeping = Keeping::Nothing;
         self
     }
 
-    /// What may be a mistake in the file and was taken as it is: numbers that no robot has, weights too far apart. They go with
-    /// the robot's own into [`RobotModel::diagnostics`] of the controller's robot, into logs and dumps.
+    /// What may be a mistake in the file and was taken as it is: numbers that no robot has, weights too far apart. They
+    /// go with the robot's own into [`RobotModel::diagnostics`] of the controller's robot, into logs and dumps.
     pub fn warnings(&self) -> &[Diagnostic] {
         &self.warnings
     }

@@ -17,8 +17,8 @@ pub enum Motion {
     Free,
 }
 
-/// A contact as a file says it with the key `motion`: it brings its friction cone, or the wrench cone of its sole, and the
-/// constraint of its motion. For [`ControllerConfig::with_contacts`](crate::ControllerConfig::with_contacts).
+/// A contact as a file says it with the key `motion`: it brings its friction cone, or the wrench cone of its sole, and
+/// the constraint of its motion. For [`ControllerConfig::with_contacts`](crate::ControllerConfig::with_contacts).
 ///
 /// What is `None` has the default that it has in a file.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -9,8 +9,8 @@
 //! (Bordignon's redistributed pseudo-inverse). Then sideways forces and yaw, by a change that leaves the first step's
 //! result as it is, scaled down to stay within the limits: what is asked of yaw never costs roll and pitch.
 
-/// Weights of the wrench in base axes: forces x, y, z, moments x, y, z (about the centre of mass, per 1 m). In the first step,
-/// and in the second, where the result of the first is to be kept.
+/// Weights of the wrench in base axes: forces x, y, z, moments x, y, z (about the centre of mass, per 1 m). In the
+/// first step, and in the second, where the result of the first is to be kept.
 const FIRST: [f64; 6] = [0.0, 0.0, 1e2, 1e5, 1e5, 0.0];
 const SECOND: [f64; 6] = [1.0, 1.0, 1e6, 1e6, 1e6, 1e1];
 

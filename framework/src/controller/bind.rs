@@ -84,9 +84,9 @@ impl Controller {
 
     /// Makes a controller for a robot that is there already; the configuration's own is not loaded.
     ///
-    /// If nothing says where the robot's floating base is at home ([`RobotModel::base_is_placed`]), its home stands on the
-    /// contacts that are on at the start and whose surfaces face upwards: it is moved along the vertical until the lowest of
-    /// them touches.
+    /// If nothing says where the robot's floating base is at home ([`RobotModel::base_is_placed`]), its home stands on
+    /// the contacts that are on at the start and whose surfaces face upwards: it is moved along the vertical until the
+    /// lowest of them touches.
     ///
     /// # Errors
     /// [`ControllerError::Config`]: everything that does not fit the robot.

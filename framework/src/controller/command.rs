@@ -33,8 +33,8 @@ impl Command {
         }
     }
 
-    /// Takes efforts over, clipped to the actuators' limits, and converts thrusts to rotor speeds: for the command before the first
-    /// tick. Those of ticks go through the [`Gate`](super::gate::Gate).
+    /// Takes efforts over, clipped to the actuators' limits, and converts thrusts to rotor speeds: for the command
+    /// before the first tick. Those of ticks go through the [`Gate`](super::gate::Gate).
     pub(crate) fn hover(&mut self, robot: &RobotModel, effort: &[f64]) {
         for (i, actuator) in robot.actuators.iter().enumerate() {
             let u = effort[i].max(actuator.lower).min(actuator.upper);

@@ -1,14 +1,16 @@
 //! How much time a tick stands for.
 //!
 //! # The rule
-//! A tick stands for the time between its stamp and that of the last usable measurement, but for [`LONGEST`] periods at the most:
-//! what happened in a longer gap nobody saw, and no integral counts it. Where there is no such measurement, or the stamp is no
-//! later one, it stands for one period. A difference that is a period but for the rounding of the stamps is exactly the period,
-//! so that a loop that keeps its rate computes the same bits whatever its stamps begin with.
+//! A tick stands for the time between its stamp and that of the last usable measurement, but for [`LONGEST`] periods at
+//! the most: what happened in a longer gap nobody saw, and no integral counts it. Where there is no such measurement,
+//! or the stamp is no later one, it stands for one period. A difference that is a period but for the rounding of the
+//! stamps is exactly the period, so that a loop that keeps its rate computes the same bits whatever its stamps begin
+//! with.
 //!
-//! Integrals of tasks, filters, and velocity references grow by this time ([`Tick::elapsed`](crate::tick::Tick::elapsed)). What an actuator's
-//! `slew` allows counts from the tick before, and for a period at the most. What looks ahead, as limits on positions do, looks
-//! one period ahead. Ramps and references are functions of the stamps.
+//! Integrals of tasks, filters, and velocity references grow by this time
+//! ([`Tick::elapsed`](crate::tick::Tick::elapsed)). What an actuator's `slew` allows counts from the tick before, and
+//! for a period at the most. What looks ahead, as limits on positions do, looks one period ahead. Ramps and references
+//! are functions of the stamps.
 
 /// The most periods that a tick stands for.
 pub(super) const LONGEST: f64 = 4.0;

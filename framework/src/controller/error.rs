@@ -13,7 +13,8 @@ pub enum ControllerError {
     /// The robot was refused. What is wrong may be in the configuration or in a file that it names.
     #[error("{}", robot_lines(places, tag, source))]
     Robot {
-        /// For each thing that is wrong, the key in the configuration's file, or its table `[robot]`; nothing if there is no file.
+        /// For each thing that is wrong, the key in the configuration's file, or its table `[robot]`; nothing if there
+        /// is no file.
         places: Vec<Option<Place>>,
         /// The robot's tag.
         tag: String,

@@ -6,10 +6,11 @@
 //! `yᵢ aᵢ x` or `zⱼ xⱼ`, and those add up to zero (Farkas 1902). If the limit i alone is moved by `δ`, the sum grows by
 //! `|yᵢ| δ`: it must give at least `γ/|yᵢ|`, and then this proof is void.
 //!
-//! The proof of the active-set solver is irreducible: without any one of its limits the others can be met. It writes one
-//! normal as a combination of normals that are held, and those are linearly independent, so that the normals in the proof
-//! depend on one another in one way only and any of them left out makes the rest independent: and limits with independent
-//! normals can all be met, with equality. That is why the set is taken from that solver, whichever is configured.
+//! The proof of the active-set solver is irreducible: without any one of its limits the others can be met. It writes
+//! one normal as a combination of normals that are held, and those are linearly independent, so that the normals in the
+//! proof depend on one another in one way only and any of them left out makes the rest independent: and limits with
+//! independent normals can all be met, with equality. That is why the set is taken from that solver, whichever is
+//! configured.
 //!
 //! In a tick only numbers are kept ([`ConflictRow`], [`RelaxedRow`]); names are looked up afterwards, by
 //! [`Controller::explain`](super::Controller::explain).
@@ -87,8 +88,8 @@ fn gap(qp: &Qp, proof: &Solution) -> f64 {
     -sum
 }
 
-/// Writes the limits of a proof into storage with room for one per row and bound and one more; the equations of motion, which always
-/// hold, and limits of slacks are left out.
+/// Writes the limits of a proof into storage with room for one per row and bound and one more; the equations of motion,
+/// which always hold, and limits of slacks are left out.
 pub(super) fn write_conflict(
     assembly: &Assembly,
     qp: &Qp,
@@ -255,7 +256,8 @@ impl fmt::Display for Explanation {
 }
 
 impl Controller {
-    /// Why the last tick did not end with the optimum of its problem; nothing if it did. Allocates: not for inside the loop.
+    /// Why the last tick did not end with the optimum of its problem; nothing if it did. Allocates: not for inside the
+    /// loop.
     pub fn explain(&self) -> Option<Explanation> {
         let report = &self.report;
         let fault = report.fault.as_ref()?;

@@ -1,5 +1,5 @@
-//! Whether an entry and its plug-in's layout fit the problem: nothing that a tick writes can go out of range, and what an entry
-//! asks for has a meaning.
+//! Whether an entry and its plug-in's layout fit the problem: nothing that a tick writes can go out of range, and what
+//! an entry asks for has a meaning.
 
 use super::switch::Switch;
 use crate::{

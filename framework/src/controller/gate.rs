@@ -5,16 +5,16 @@
 //! ```text
 //! [max(u_l, u⁻ − r T), min(u_u, u⁻ + r T)]
 //! ```
-//! with the actuator's limits `u_l, u_u`, the effort `u⁻` that was sent last, the actuator's `slew` r and the time T since then, at
-//! most a period. The ends are rounded inwards, so that `|u − u⁻| ≤ r T` holds for the numbers that are sent, compared
-//! exactly. What was sent last is always inside: the interval is never empty.
+//! with the actuator's limits `u_l, u_u`, the effort `u⁻` that was sent last, the actuator's `slew` r and the time T
+//! since then, at most a period. The ends are rounded inwards, so that `|u − u⁻| ≤ r T` holds for the numbers that are
+//! sent, compared exactly. What was sent last is always inside: the interval is never empty.
 //!
 //! An effort outside is moved to the nearer end; one that is not a number, or whose rotor speed is none, is replaced by
 //! the one sent last. A velocity reference stays within the joint's limit, and is replaced by the last one if it is no
 //! number.
 //!
-//! What is cut off by more than [`NEGLIGIBLE`] of the actuator's range (of the effort's own size where there is no limit) was not
-//! rounding: that command is not the optimum, whatever the solver said, and the tick says so.
+//! What is cut off by more than [`NEGLIGIBLE`] of the actuator's range (of the effort's own size where there is no
+//! limit) was not rounding: that command is not the optimum, whatever the solver said, and the tick says so.
 
 use super::{command::Command, measurement::Fault};
 use crate::{
@@ -178,7 +178,8 @@ fn reachable(actuator: &Actuator, sent: f64, seconds: f64) -> [f64; 2] {
     ]
 }
 
-/// The end of an interval around `sent` whose computed distance from there is at most `most`: two roundings at the most.
+/// The end of an interval around `sent` whose computed distance from there is at most `most`: two roundings at the
+/// most.
 fn inwards(mut end: f64, sent: f64, most: f64) -> f64 {
     for _ in 0..2 {
         if (end - sent).abs() <= most {

@@ -14,8 +14,8 @@ const UPWARD: f64 = 0.996;
 /// Heights below this are rounding, m: a robot that stands already keeps its bits.
 const ROUNDING: f64 = 1e-9;
 
-/// Moves the home of a robot up or down so that the lowest of its contacts touches the ground. Nothing happens if the base is
-/// bolted down or placed by the robot's description, or if no contact is on.
+/// Moves the home of a robot up or down so that the lowest of its contacts touches the ground. Nothing happens if the
+/// base is bolted down or placed by the robot's description, or if no contact is on.
 pub(super) fn stand_on_contacts(robot: &mut RobotModel, contacts: &[ContactSpec]) {
     if robot.base_is_placed || robot.model.base() == Base::Fixed {
         return;

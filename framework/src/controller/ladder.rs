@@ -8,23 +8,24 @@
 //! | safe | no solution for longer, or never one | a law that needs no solver ([`SafeLaw`]) |
 //!
 //! # Giving up
-//! The order is the configuration's: hard tasks, then constraints, then the limits of the contacts' normal forces, of each the
-//! last declared first; `assembly::elastic` says what is never given up. A contradiction is made void by giving
-//! up the first in this order among the limits that contradict one another; if others are left, again. So a limit goes
-//! only if it contradicts limits that are to be kept longer. After [`RESOLVES`] − 1 of them everything goes at once,
-//! which ends it: a tick solves at most [`RESOLVES`] + 2 problems (its own, its own again by the active-set method if another
-//! solver gave no proof, and those).
+//! The order is the configuration's: hard tasks, then constraints, then the limits of the contacts' normal forces, of
+//! each the last declared first; `assembly::elastic` says what is never given up. A contradiction is made void by
+//! giving up the first in this order among the limits that contradict one another; if others are left, again. So a
+//! limit goes only if it contradicts limits that are to be kept longer. After [`RESOLVES`] − 1 of them everything goes
+//! at once, which ends it: a tick solves at most [`RESOLVES`] + 2 problems (its own, its own again by the active-set
+//! method if another solver gave no proof, and those).
 //!
 //! # From one tick to the next
-//! A contradiction mostly lasts. For some ticks after one, the next tick begins with the proof: a problem with the tick's
-//! constraints, and with a cost of which the constraints of the last proof have the right multipliers, so that the dual method finds
-//! the proof of this tick in a few steps from there, or a point that satisfies everything; only then the optimum is
-//! looked for. The relaxed problem begins with the constraints held in the last one, and with what had to be given up there, if
-//! what goes first is part of that. A level of which no limit was exceeded by more than tasks pull it is tried again.
+//! A contradiction mostly lasts. For some ticks after one, the next tick begins with the proof: a problem with the
+//! tick's constraints, and with a cost of which the constraints of the last proof have the right multipliers, so that
+//! the dual method finds the proof of this tick in a few steps from there, or a point that satisfies everything; only
+//! then the optimum is looked for. The relaxed problem begins with the constraints held in the last one, and with what
+//! had to be given up there, if what goes first is part of that. A level of which no limit was exceeded by more than
+//! tasks pull it is tried again.
 //!
-//! The relaxed problems have a solver of their own, the active-set method, so that a solver that is configured and fails
-//! does not fail twice, and the warm start of each is its own. A solver that ran out of its budget is not given more
-//! time: the tick goes to the next rung.
+//! The relaxed problems have a solver of their own, the active-set method, so that a solver that is configured and
+//! fails does not fail twice, and the warm start of each is its own. A solver that ran out of its budget is not given
+//! more time: the tick goes to the next rung.
 
 use super::{
     explanation::{Owner, is_proof, write_conflict},
@@ -69,8 +70,9 @@ pub(super) struct Ladder {
 
 /// Tells a stamp that is out of order from a clock that was set.
 ///
-/// A stamp that is not later than the last usable one is a fault. A clock that goes on regularly from an earlier time, for
-/// [`Clock::STEADY`] ticks, was set: it is used again from there, and the controller's own time goes on without a jump.
+/// A stamp that is not later than the last usable one is a fault. A clock that goes on regularly from an earlier time,
+/// for [`Clock::STEADY`] ticks, was set: it is used again from there, and the controller's own time goes on without a
+/// jump.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Clock {
     pub(super) previous: Option<f64>,
@@ -223,8 +225,8 @@ impl Ladder {
         self.since_proof = self.since_proof.saturating_add(1);
     }
 
-    /// Whether limits contradict one another as they did last; if so, the proof is in the solution. Begins with the last proof,
-    /// and does not look for an optimum. False says nothing.
+    /// Whether limits contradict one another as they did last; if so, the proof is in the solution. Begins with the
+    /// last proof, and does not look for an optimum. False says nothing.
     pub(super) fn is_still_infeasible(&mut self, qp: &Qp, solution: &mut Solution) -> bool {
         if self.proof.iter().next().is_none() {
             return false;

@@ -10,8 +10,9 @@ use crate::{
 /// The inputs of a tick.
 #[derive(Clone, Debug)]
 pub struct Measurement {
-    /// Time, s, on any clock that goes forwards from tick to tick: a stamp that is not later than the last usable one is
-    /// a fault (a clock that was set back is used again once it has gone on regularly for ten ticks). References and ramps count from the first tick.
+    /// Time, s, on any clock that goes forwards from tick to tick: a stamp that is not later than the last usable one
+    /// is a fault (a clock that was set back is used again once it has gone on regularly for ten ticks). References and
+    /// ramps count from the first tick.
     pub time: f64,
     /// Estimated state, velocities world-aligned.
     pub state: State,
@@ -115,10 +116,11 @@ pub enum Fault {
     NotLater,
     /// The base's quaternion is not of unit length, nor near it.
     NotARotation,
-    /// A measured number, or its change since the last usable measurement, is beyond what the table `[measurement]` allows.
+    /// A measured number, or its change since the last usable measurement, is beyond what the table `[measurement]`
+    /// allows.
     Implausible(Implausible),
-    /// In the first tick the error of this task (its position among the tasks) is larger than `max_first_error` of the settings
-    /// allows: nothing moves, and the next tick counts as the first.
+    /// In the first tick the error of this task (its position among the tasks) is larger than `max_first_error` of the
+    /// settings allows: nothing moves, and the next tick counts as the first.
     FirstError(usize),
     /// A plug-in wrote a coefficient or a limit that is not a number; the index counts tasks, then constraints.
     Rows(usize),
@@ -130,8 +132,8 @@ pub enum Fault {
     Infeasible,
     /// The solver gave no usable solution; its status is in the report.
     Solver,
-    /// The solution's effort of this actuator is not what was sent: beyond its limits, or further from the last one than its
-    /// `slew` allows. By how much is in the report ([`Report::cut`](super::Report::cut)).
+    /// The solution's effort of this actuator is not what was sent: beyond its limits, or further from the last one
+    /// than its `slew` allows. By how much is in the report ([`Report::cut`](super::Report::cut)).
     CutEffort(ActuatorId),
     /// The velocity reference of this joint was not a number, and stays what it was.
     CutVelocity(JointId),

@@ -1,8 +1,8 @@
 //! What the problem of a tick takes, known before any of it is allocated.
 //!
-//! Storage is made once, for everything switched on, and again for the problem with all of its limits given up, which has a
-//! variable more for each of them. The matrices of both and the solvers' workspaces grow with the square of the numbers of
-//! variables: a file with a few hundred contacts or constraints asks for gigabytes.
+//! Storage is made once, for everything switched on, and again for the problem with all of its limits given up, which
+//! has a variable more for each of them. The matrices of both and the solvers' workspaces grow with the square of the
+//! numbers of variables: a file with a few hundred contacts or constraints asks for gigabytes.
 
 use std::fmt;
 
@@ -30,9 +30,9 @@ pub struct Memory {
     pub rows: usize,
     /// Variables of the problem with all of its limits given up.
     pub relaxed_variables: usize,
-    /// Bytes of both problems, of the rows of tasks and constraints, and of the solvers, about: their matrices. Names and what
-    /// is small beside them are not counted; up to 1.2 times as much is allocated, and pages that no tick writes to are not
-    /// taken.
+    /// Bytes of both problems, of the rows of tasks and constraints, and of the solvers, about: their matrices. Names
+    /// and what is small beside them are not counted; up to 1.2 times as much is allocated, and pages that no tick
+    /// writes to are not taken.
     pub bytes: usize,
 }
 

@@ -107,8 +107,9 @@ pub struct Controller {
 impl Controller {
     /// One control period: from a measurement to a command.
     ///
-    /// Always returns a finite command within the actuators' limits, and within their `slew` of the last one: the optimum, or
-    /// what the [`Rung`] of the report says, with the reason beside it. Does not allocate (unless the solver does), lock, block or read a clock.
+    /// Always returns a finite command within the actuators' limits, and within their `slew` of the last one: the
+    /// optimum, or what the [`Rung`] of the report says, with the reason beside it. Does not allocate (unless the
+    /// solver does), lock, block or read a clock.
     pub fn tick(&mut self, measurement: &Measurement) -> (&Command, &Report) {
         self.run(measurement, None);
         (&self.command, &self.report)
@@ -395,14 +396,14 @@ impl Controller {
         &self.qp
     }
 
-    /// Its solution, in physical units; on the rung [`Rung::Relaxed`] that of the relaxed problem, as far as it is about the same
-    /// variables and rows.
+    /// Its solution, in physical units; on the rung [`Rung::Relaxed`] that of the relaxed problem, as far as it is
+    /// about the same variables and rows.
     pub fn solution(&self) -> &Solution {
         &self.solution
     }
 
-    /// What the substitution of variables took from row `i` of [`Controller::problem`]: its value, and its limits, as its
-    /// owner wrote them are larger by that, in the row's unit.
+    /// What the substitution of variables took from row `i` of [`Controller::problem`]: its value, and its limits, as
+    /// its owner wrote them are larger by that, in the row's unit.
     pub fn row_constant(&self, i: usize) -> f64 {
         self.assembly.constant(i)
     }
@@ -412,8 +413,8 @@ impl Controller {
         Measurement::home(&self.robot, self.world.contacts.len())
     }
 
-    /// What a measurement may be: the bounds of the configuration, and those derived from the robot where it says nothing; of
-    /// joints and contacts the largest.
+    /// What a measurement may be: the bounds of the configuration, and those derived from the robot where it says
+    /// nothing; of joints and contacts the largest.
     pub fn measurement_limits(&self) -> MeasurementLimits {
         self.plausible.limits()
     }

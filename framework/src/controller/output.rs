@@ -3,7 +3,8 @@
 use super::{ActiveRow, ContactReport, Controller, Rung, Side};
 use crate::qp::Solution;
 
-/// How near a limit a value is at it, in the unit of the limit, and as a share of the limit where that is larger than one.
+/// How near a limit a value is at it, in the unit of the limit, and as a share of the limit where that is larger than
+/// one.
 const AT_LIMIT: f64 = 1e-9;
 
 impl Controller {

@@ -1,21 +1,23 @@
 //! Whether a measurement can be true of the robot.
 //!
 //! # What is compared
-//! Speeds and forces with a bound each. Positions and velocities, besides, with those of the last usable measurement. Positions
-//! may have changed by a bound per period, for as many periods as the robot was not seen, and while it was seen by twice what its speed
-//! explains. Velocities may have changed by a bound for all the time in between.
+//! Speeds and forces with a bound each. Positions and velocities, besides, with those of the last usable measurement.
+//! Positions may have changed by a bound per period, for as many periods as the robot was not seen, and while it was
+//! seen by twice what its speed explains. Velocities may have changed by a bound for all the time in between.
 //!
-//! A robot is seen by every measurement whose speeds and forces are plausible, also by one that has jumped. So after an outage
-//! the robot may be as far away as it could have come in that time, and a blow too hard to be believed is over when it is over; but
-//! where measurements go on regularly, and lie elsewhere than their own speeds could have brought the robot, waiting does
-//! not make the jump plausible: it has to be said that it is meant ([`Controller::reset`](super::Controller::reset)), or to end.
+//! A robot is seen by every measurement whose speeds and forces are plausible, also by one that has jumped. So after an
+//! outage the robot may be as far away as it could have come in that time, and a blow too hard to be believed is over
+//! when it is over; but where measurements go on regularly, and lie elsewhere than their own speeds could have brought
+//! the robot, waiting does not make the jump plausible: it has to be said that it is meant
+//! ([`Controller::reset`](super::Controller::reset)), or to end.
 //!
 //! # Where the bounds come from
 //! With `c` = 10 for "ten times what is possible", per revolute joint `c max(q̇_max, 50 rad/s)`, per prismatic joint
-//! `c max(q̇_max, 5 m/s)`; a limit above [`FASTEST`] says nothing, as no limit, and counts as 100 rad/s or 10 m/s. The base turns as fast as the
-//! fastest revolute joint, and moves with `c max(10 m/s, q̇_max r)`, with the largest limit and the reach r: how far from the base's
-//! origin anything can be. Accelerations go to the largest speed within [`REACTION`]. Forces go to
-//! `c (m g + Σ thrust + Σ torque / r)` and moments to that times r, at least 0.1 m. A contact whose `force_max` is larger is taken at its word.
+//! `c max(q̇_max, 5 m/s)`; a limit above [`FASTEST`] says nothing, as no limit, and counts as 100 rad/s or 10 m/s. The
+//! base turns as fast as the fastest revolute joint, and moves with `c max(10 m/s, q̇_max r)`, with the largest limit
+//! and the reach r: how far from the base's origin anything can be. Accelerations go to the largest speed within
+//! [`REACTION`]. Forces go to `c (m g + Σ thrust + Σ torque / r)` and moments to that times r, at least 0.1 m. A
+//! contact whose `force_max` is larger is taken at its word.
 
 use nalgebra::UnitQuaternion;
 
@@ -158,8 +160,8 @@ impl Plausible {
         }
     }
 
-    /// What of a measurement is not plausible, if anything; all its numbers are finite. `last` is the last usable state, and
-    /// `stamp` its time.
+    /// What of a measurement is not plausible, if anything; all its numbers are finite. `last` is the last usable
+    /// state, and `stamp` its time.
     pub(super) fn fault(
         &mut self,
         measurement: &Measurement,
@@ -186,7 +188,8 @@ impl Plausible {
         };
     }
 
-    /// Takes down that the robot is seen now; for how long it was not since the last usable measurement, if there was one.
+    /// Takes down that the robot is seen now; for how long it was not since the last usable measurement, if there was
+    /// one.
     fn see(&mut self, stamp: f64) -> Option<f64> {
         let last = self.seen.last.replace(stamp)?;
         self.seen.gap = self.seen.gap.max(stamp - last);
@@ -225,7 +228,8 @@ impl Plausible {
         joints.next().or_else(|| wrenches.next())
     }
 
-    /// What has changed too much since a state that is `passed` seconds old, of which the robot was not seen for so many.
+    /// What has changed too much since a state that is `passed` seconds old, of which the robot was not seen for so
+    /// many.
     fn since(&self, now: &State, last: &State, [unseen, passed]: [f64; 2]) -> Option<Implausible> {
         let periods = unseen / self.period;
         // Nothing in an ordinary tick.

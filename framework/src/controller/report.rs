@@ -18,9 +18,9 @@ use crate::{
 pub enum Rung {
     /// The optimum of this tick's problem.
     Optimal,
-    /// The optimum with limits given up in the declared order ([`Report::relaxed`]), because they contradict one another;
-    /// or by another solver, because the configured one failed; or cut to the actuators' limits and slew ([`Report::cut`]),
-    /// where it is beyond them.
+    /// The optimum with limits given up in the declared order ([`Report::relaxed`]), because they contradict one
+    /// another; or by another solver, because the configured one failed; or cut to the actuators' limits and slew
+    /// ([`Report::cut`]), where it is beyond them.
     Relaxed,
     /// The last solution is carried on, for a short time (`extrapolation` of the settings).
     Extrapolated,
@@ -96,7 +96,8 @@ pub struct Report {
     pub conflict: Vec<ConflictRow>,
     /// The limits that were given up and that the command is beyond.
     pub relaxed: Vec<RelaxedRow>,
-    /// The first effort of which the last gate cut off more than rounding, whatever the rung; nothing in an ordinary tick.
+    /// The first effort of which the last gate cut off more than rounding, whatever the rung; nothing in an ordinary
+    /// tick.
     pub cut: Option<CutEffort>,
     /// Relaxed problems that were solved.
     pub resolves: u32,
@@ -112,8 +113,8 @@ pub struct Report {
     pub tasks: Vec<TaskReport>,
     /// One per contact, in the configuration's order.
     pub contacts: Vec<ContactReport>,
-    /// All inequality rows and bounds that are active: at a limit, within 1e-9 of it (of one unit where it is smaller than that),
-    /// or next to it with a multiplier that says that the solver holds it. Limits that were given up are in
+    /// All inequality rows and bounds that are active: at a limit, within 1e-9 of it (of one unit where it is smaller
+    /// than that), or next to it with a multiplier that says that the solver holds it. Limits that were given up are in
     /// [`Report::relaxed`] instead.
     pub active: Vec<ActiveRow>,
     /// Index of the first entry (tasks, then constraints) that wrote a block it had not declared.
@@ -226,7 +227,7 @@ pub struct ActiveRow {
     pub row: RowId,
     /// Which side.
     pub side: Side,
-    /// The price of the limit: change of the cost per unit of the row; zero, or next to it, where the optimum touches the limit
-    /// and would not go beyond it.
+    /// The price of the limit: change of the cost per unit of the row; zero, or next to it, where the optimum touches
+    /// the limit and would not go beyond it.
     pub multiplier: f64,
 }

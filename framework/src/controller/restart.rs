@@ -3,12 +3,13 @@
 use super::{Controller, Fault, Measurement};
 
 impl Controller {
-    /// Says that what the next tick measures is meant to be elsewhere than what was measured last: the robot was carried, a
-    /// simulation was set back, an estimator has found out where it is. The next measurement is compared with this one.
+    /// Says that what the next tick measures is meant to be elsewhere than what was measured last: the robot was
+    /// carried, a simulation was set back, an estimator has found out where it is. The next measurement is compared
+    /// with this one.
     ///
     /// Velocity references start at these velocities, filters of forces at these forces, and the solver without a warm
-    /// start. What is wanted stays: references, ramps, integrals and switches go on, and so does the controller's time, also if the
-    /// stamp is an earlier one. Efforts stay within `slew` of the last ones. Does not allocate.
+    /// start. What is wanted stays: references, ramps, integrals and switches go on, and so does the controller's time,
+    /// also if the stamp is an earlier one. Efforts stay within `slew` of the last ones. Does not allocate.
     ///
     /// # Errors
     /// What is not usable or not plausible in this measurement by itself; nothing has changed then.

@@ -5,8 +5,8 @@
 //! posture. `M`, `g` mass matrix and gravity forces at the last usable state.
 //!
 //! # Mathematics
-//! The generalised acceleration that is asked for damps the base, levels it, and holds every joint where it was when the law took
-//! over:
+//! The generalised acceleration that is asked for damps the base, levels it, and holds every joint where it was when
+//! the law took over:
 //! ```text
 //! v̇_R = −k_v v_R,   ω̇_R = k_R (up × z_d) − k_ω ω_R,   q̈ = −k_q² (q − q_0) − 2 k_q q̇
 //! ```
@@ -19,13 +19,13 @@
 //! part of τ. **Servoed joints** get a velocity reference of zero.
 //!
 //! A floating base **without rotors** stands on its contacts: the same allocation distributes the base's part of τ
-//! over the forces of the contacts that are on, normals not below zero and tangential forces dear, and joints get `τ − Σ J_cᵀ f`.
-//! There the joints are held with the inertia that they feel through the contact, a share of the robot's; damping by as
-//! much as a joint whose contact lets go can bear at this rate.
+//! over the forces of the contacts that are on, normals not below zero and tangential forces dear, and joints get
+//! `τ − Σ J_cᵀ f`. There the joints are held with the inertia that they feel through the contact, a share of the
+//! robot's; damping by as much as a joint whose contact lets go can bear at this rate.
 //!
-//! The state may be old: the feedback fades linearly within 0.1 s of the last usable measurement, over which no damping here
-//! overshoots (half its rate times that time is less than one), and what is left is plain gravity compensation.
-//! A number that is not finite is replaced by the effort that hovers in the home posture.
+//! The state may be old: the feedback fades linearly within 0.1 s of the last usable measurement, over which no damping
+//! here overshoots (half its rate times that time is less than one), and what is left is plain gravity compensation. A
+//! number that is not finite is replaced by the effort that hovers in the home posture.
 #![allow(non_snake_case)]
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
@@ -138,8 +138,8 @@ impl SafeLaw {
         self.posture.copy_from(&world.state.q);
     }
 
-    /// Computes efforts for the last usable state, which is `age` seconds old. They are within the actuators' limits and, by
-    /// their slew, near those sent last.
+    /// Computes efforts for the last usable state, which is `age` seconds old. They are within the actuators' limits
+    /// and, by their slew, near those sent last.
     pub(super) fn update(
         &mut self,
         robot: &RobotModel,

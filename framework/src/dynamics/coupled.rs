@@ -1,9 +1,9 @@
 //! Forward dynamics of a robot with mimic joints.
 //!
 //! # Mathematics
-//! `M v̇ + n = τ` with `n = h − Σ Jᵀ f`. Where a joint's acceleration is given (`g`), its effort is what is asked for; for the others
-//! (`f`, the base's with effort zero) `M_ff v̇_f = τ_f − n_f − M_fg v̇_g`, by Cholesky factorisation. The coupling is in M
-//! and n already. RBDA section 6.1.
+//! `M v̇ + n = τ` with `n = h − Σ Jᵀ f`. Where a joint's acceleration is given (`g`), its effort is what is asked for;
+//! for the others (`f`, the base's with effort zero) `M_ff v̇_f = τ_f − n_f − M_fg v̇_g`, by Cholesky factorisation.
+//! The coupling is in M and n already. RBDA section 6.1.
 #![allow(non_snake_case)]
 
 use nalgebra::{Cholesky, DMatrix, DVector, Matrix3xX};

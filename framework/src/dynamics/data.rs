@@ -19,8 +19,8 @@ use crate::{
     state::State,
 };
 
-/// How many bodies one velocity moves relative to their parents: without mimic joints sums over bodies have one term each,
-/// and are written, not added up.
+/// How many bodies one velocity moves relative to their parents: without mimic joints sums over bodies have one term
+/// each, and are written, not added up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Columns {
     /// One.
@@ -189,8 +189,8 @@ impl Data {
     }
 
     /// `Jᵀ w` of a wrench on a body about its origin, N and N·m, **body** axes: hands out each velocity's index and the
-    /// generalised force on it, for the velocities that move the body; with mimic joints an index may come more than once, with
-    /// the parts of a sum.
+    /// generalised force on it, for the velocities that move the body; with mimic joints an index may come more than
+    /// once, with the parts of a sum.
     pub(crate) fn generalised_force(
         &self,
         body: BodyId,

@@ -4,8 +4,8 @@
 //! World axes, about each body's origin. Seen through its joint, a subtree answers an acceleration `a` of its
 //! root body with the force `f = I_A a + p_A` (`I_A` articulated inertia, `p_A` articulated bias force).
 //! `U = I_A S`, `D = Sᵀ U + armature`. RBDA sections 7.3 (articulated bodies), 9.2 (hybrid dynamics: some
-//! joints with given effort, some with given acceleration) and 9.4 (floating base). With mimic joints, which are loops of
-//! the mechanism, the mass matrix is factorised instead.
+//! joints with given effort, some with given acceleration) and 9.4 (floating base). With mimic joints, which are loops
+//! of the mechanism, the mass matrix is factorised instead.
 #![allow(non_snake_case)]
 
 use nalgebra::{DVector, Matrix3, Matrix6, Vector3, Vector6};

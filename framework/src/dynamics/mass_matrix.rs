@@ -26,8 +26,8 @@ pub(super) fn composite_inertias(links: &mut [Link]) {
     }
 }
 
-/// Writes `M` (nv × nv), `g` (nv) and `J_com` (3 × nv), of which the entries that the tree leaves zero are zero already. Needs
-/// the composite inertias.
+/// Writes `M` (nv × nv), `g` (nv) and `J_com` (3 × nv), of which the entries that the tree leaves zero are zero
+/// already. Needs the composite inertias.
 pub(super) fn mass_matrix(
     links: &[Link],
     gravity: &Vector3<f64>,

@@ -1,8 +1,8 @@
 //! Reading files that somebody else wrote: regular ones, up to a stated size.
 //!
-//! A path may lead to anything: a device that never ends, a pipe that nobody writes into, a log of a day where a controller's
-//! file was meant. All of them are refused with words, and whatever a file system says of a file's size, no more than the
-//! limit is ever read.
+//! A path may lead to anything: a device that never ends, a pipe that nobody writes into, a log of a day where a
+//! controller's file was meant. All of them are refused with words, and whatever a file system says of a file's size,
+//! no more than the limit is ever read.
 
 mod outline;
 
@@ -15,8 +15,8 @@ use std::{
 
 pub use outline::{Enough, IsText, Mark, outline};
 
-/// The largest text that is read, bytes: controllers, scenarios, robots, rotors, postures. A hundred times the largest of
-/// them that anybody has shown.
+/// The largest text that is read, bytes: controllers, scenarios, robots, rotors, postures. A hundred times the largest
+/// of them that anybody has shown.
 pub const LARGEST_TEXT: u64 = 16 << 20;
 /// The largest file of dumped ticks or of results that is read, bytes.
 pub const LARGEST_RECORD: u64 = 256 << 20;
@@ -72,7 +72,8 @@ fn too_large(largest: u64) -> io::Error {
     io::Error::new(ErrorKind::FileTooLarge, what)
 }
 
-/// Bytes that a table with few keys, any further key, and an element of a list take while a text is read, about: measured.
+/// Bytes that a table with few keys, any further key, and an element of a list take while a text is read, about:
+/// measured.
 const TABLE: usize = 1400;
 const KEY: usize = 500;
 const ELEMENT: usize = 600;
@@ -86,12 +87,12 @@ const FLAT_IN_ANY_CASE: usize = 24 << 20;
 /// So many keys may be in their tables already: each is a mistake, and is kept as one.
 const REPEATED: usize = 1000;
 
-/// Refuses a TOML text whose tables would take far more memory than the text: a table takes as much as a line of a hundred
-/// words, and a few characters make one. Looks at it in one pass, which keeps next to nothing.
+/// Refuses a TOML text whose tables would take far more memory than the text: a table takes as much as a line of a
+/// hundred words, and a few characters make one. Looks at it in one pass, which keeps next to nothing.
 ///
 /// # Errors
-/// How many tables there are, and what they would take, in words that go behind the file's name; or which key is there again
-/// and again.
+/// How many tables there are, and what they would take, in words that go behind the file's name; or which key is there
+/// again and again.
 pub fn check_toml(text: &str) -> Result<(), String> {
     // The smallest table is `a.b=1`; most texts are too short for too many of them.
     if text.len() / 4 * TABLE <= IN_ANY_CASE {
@@ -119,7 +120,8 @@ pub fn check_toml(text: &str) -> Result<(), String> {
         let before = text.get(..start).unwrap_or_default();
         let line = before.matches('\n').count() + 1;
         return Err(format!(
-            "has {REPEATED} keys that are in their tables already, up to `{name}` in line {line}: it is not read any further"
+            "has {REPEATED} keys that are in their tables already, up to `{name}` in line {line}: it is not read any \
+             further"
         ));
     }
     let Count {

@@ -15,7 +15,8 @@ const DEEPEST: usize = 80;
 pub enum Mark<'t> {
     /// `[a.b]` or `[[a.b]]`: what stands between the brackets.
     Header(&'t str),
-    /// `a.b = …` in a table with a header, or at the top: what stands before the sign, and whether the value is a string.
+    /// `a.b = …` in a table with a header, or at the top: what stands before the sign, and whether the value is a
+    /// string.
     Key(&'t str, IsText),
     /// A key in an inline table.
     InlineKey,
@@ -167,7 +168,8 @@ mod tests {
 
     #[test]
     fn tables_keys_and_elements_are_seen_in_their_order() {
-        let text = "a = 'x' # [not]\nb.c = [1.5, [2], { d = 3, e = [\n4\n] }]\n[f.g]\n  [[ h ]] # end\ni=\"\"\"\n[j]\n\"\"\"\n";
+        let text = "a = 'x' # [not]\nb.c = [1.5, [2], { d = 3, e = [\n4\n] }]\n[f.g]\n\
+                    \x20 [[ h ]] # end\ni=\"\"\"\n[j]\n\"\"\"\n";
         let expected = [
             Mark::Key("a", true),
             Mark::Key("b.c", false),

@@ -14,8 +14,8 @@ use super::LogError;
 /// The most that is read of what another run says of itself, bytes.
 const LONGEST: u64 = 4096;
 
-/// A file that is locked as long as this lives: nobody else gets it meanwhile, and a process that dies lets it go. It says
-/// whose it is: process, start, command.
+/// A file that is locked as long as this lives: nobody else gets it meanwhile, and a process that dies lets it go. It
+/// says whose it is: process, start, command.
 #[derive(Debug)]
 pub struct RunLock {
     path: PathBuf,
@@ -24,7 +24,8 @@ pub struct RunLock {
 }
 
 impl RunLock {
-    /// Takes the lock of what is written to a path: the file `<path>.lock` beside it, whose folder is made if there is none.
+    /// Takes the lock of what is written to a path: the file `<path>.lock` beside it, whose folder is made if there is
+    /// none.
     ///
     /// # Errors
     /// [`LogError::Taken`] with what the other run says of itself; [`LogError::Create`] if the file cannot be made or
@@ -116,7 +117,8 @@ fn is_at(_: &File, _: &Path) -> bool {
 fn utc(time: SystemTime) -> String {
     let seconds = time.duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs());
     let (days, second) = (seconds / 86_400, seconds % 86_400);
-    // Days since 1 March of the year 0: leap days come last (H. Hinnant, "chrono-compatible low-level date algorithms").
+    // Days since 1 March of the year 0: leap days come last (H. Hinnant, "chrono-compatible low-level date
+    // algorithms").
     let day = days + 719_468;
     let (era, day) = (day / 146_097, day % 146_097);
     let year = (day - day / 1460 + day / 36_524 - day / 146_096) / 365;

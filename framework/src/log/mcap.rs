@@ -28,8 +28,8 @@ pub struct McapLog<W: Write + Seek + Send = BufWriter<File>> {
     _lock: Option<RunLock>,
 }
 
-/// The longest time that the messages of a chunk span, ns. What a run that is killed has not written yet is at most this, and
-/// what is in memory.
+/// The longest time that the messages of a chunk span, ns. What a run that is killed has not written yet is at most
+/// this, and what is in memory.
 const CHUNK: u64 = 500_000_000;
 
 struct Channel {
@@ -39,8 +39,8 @@ struct Channel {
 }
 
 impl McapLog {
-    /// Makes the file, and its directory if there is none. Nobody else can until this is dropped: another run, of this process
-    /// or another, is refused ([`RunLock`]).
+    /// Makes the file, and its directory if there is none. Nobody else can until this is dropped: another run, of this
+    /// process or another, is refused ([`RunLock`]).
     ///
     /// # Errors
     /// [`LogError::Create`]; [`LogError::Taken`] if another run writes it.

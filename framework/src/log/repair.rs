@@ -27,8 +27,8 @@ pub struct Repaired {
     pub was_whole: bool,
 }
 
-/// Reads a log as far as it goes and writes what is in it as a whole file: channels with their schemas, messages in their
-/// order, metadata and attachments. `to` must not exist.
+/// Reads a log as far as it goes and writes what is in it as a whole file: channels with their schemas, messages in
+/// their order, metadata and attachments. `to` must not exist.
 ///
 /// # Errors
 /// [`LogError::Read`] if `from` cannot be read or is no MCAP file at all, [`LogError::Create`] if `to` cannot be made,

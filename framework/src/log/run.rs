@@ -77,8 +77,8 @@ pub fn write_rotors(sink: &mut dyn LogSink, robot: &RobotModel) -> Result<(), Lo
     sink.metadata("rotors", &table)
 }
 
-/// Writes the metadata `diagnostics`: what the loader noticed in the robot's files and did about it, numbered from `1`. Nothing
-/// if it noticed nothing.
+/// Writes the metadata `diagnostics`: what the loader noticed in the robot's files and did about it, numbered from `1`.
+/// Nothing if it noticed nothing.
 ///
 /// # Errors
 /// [`LogError`] of the sink.

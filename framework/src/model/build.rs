@@ -108,8 +108,8 @@ impl ModelBuilder {
         id
     }
 
-    /// Like [`ModelBuilder::body`], or like [`ModelBuilder::mimic_body`] if there is a `leader` with multiplier and offset, with the
-    /// link's frame at `X_BL` in the body, which moves about its own origin.
+    /// Like [`ModelBuilder::body`], or like [`ModelBuilder::mimic_body`] if there is a `leader` with multiplier and
+    /// offset, with the link's frame at `X_BL` in the body, which moves about its own origin.
     #[allow(non_snake_case)]
     pub fn body_at(
         &mut self,
@@ -182,9 +182,9 @@ impl ModelBuilder {
         Ok(model)
     }
 
-    /// The same without looking at inertias, but for numbers that are not finite and negative masses: for files whose bodies are no
-    /// rigid bodies by a rounding, or by habit. Whether the mass matrix is positive definite is up to the caller, and whether
-    /// there is anything that moves.
+    /// The same without looking at inertias, but for numbers that are not finite and negative masses: for files whose
+    /// bodies are no rigid bodies by a rounding, or by habit. Whether the mass matrix is positive definite is up to the
+    /// caller, and whether there is anything that moves.
     ///
     /// # Errors
     /// As [`ModelBuilder::build`].

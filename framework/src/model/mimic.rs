@@ -1,10 +1,10 @@
 //! Joints that follow another one.
 //!
 //! # Mathematics
-//! With `q_m = μ q_l + o` and so `q̇_m = μ q̇_l`, the free joints' velocities are `G v`, and everything that is linear in them
-//! comes down to the leader: `M = Gᵀ M_free G`, `h = Gᵀ h_free`. A torque τ at the mimic joint acts as μ τ at the leader. So
-//! do limits: the leader may go where both may, `|q̇_l| ≤ q̇_max / |μ|`, `|τ_l| ≤ |μ| τ_max`; and damping `μ² d`,
-//! Coulomb friction `|μ| f` and armature `μ² I` add to the leader's own.
+//! With `q_m = μ q_l + o` and so `q̇_m = μ q̇_l`, the free joints' velocities are `G v`, and everything that is linear
+//! in them comes down to the leader: `M = Gᵀ M_free G`, `h = Gᵀ h_free`. A torque τ at the mimic joint acts as μ τ at
+//! the leader. So do limits: the leader may go where both may, `|q̇_l| ≤ q̇_max / |μ|`, `|τ_l| ≤ |μ| τ_max`; and
+//! damping `μ² d`, Coulomb friction `|μ| f` and armature `μ² I` add to the leader's own.
 
 use super::{BodyId, Joint, JointId, JointLimits};
 

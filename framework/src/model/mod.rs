@@ -5,8 +5,8 @@
 //! turns or slides `B` along `axis` (unit vector in `J`, hence also in `B`), and `B = J` at `q = 0`. A named
 //! frame `F` is fixed to a body by `X_BF`. World is `W`, z up; the base body's frame is `R`.
 //!
-//! A joint is a degree of freedom. A [`Mimic`] is a joint that is none: gears or a belt couple it to another, its leader, by
-//! `q = multiplier × q_leader + offset`, so that both move with one velocity.
+//! A joint is a degree of freedom. A [`Mimic`] is a joint that is none: gears or a belt couple it to another, its
+//! leader, by `q = multiplier × q_leader + offset`, so that both move with one velocity.
 //!
 //! Generalised velocity (floating base): `v = [v_WR; w_WR; q̇]`, linear first, of the origin of R, all in
 //! world axes. A fixed base has `v = q̇`.
@@ -175,8 +175,8 @@ impl Model {
         &self.bodies
     }
 
-    /// All degrees of freedom beside a floating base; joint `i` owns velocity `joint_offset() + i`. Limits, damping, friction
-    /// and armature are those of the joint with all mimic joints that follow it.
+    /// All degrees of freedom beside a floating base; joint `i` owns velocity `joint_offset() + i`. Limits, damping,
+    /// friction and armature are those of the joint with all mimic joints that follow it.
     pub fn joints(&self) -> &[Joint] {
         &self.joints
     }
@@ -191,7 +191,8 @@ impl Model {
         self.carried[joint.index()]
     }
 
-    /// The joint whose motion moves a body relative to its parent, directly or as a mimic joint's leader; `None` for the base.
+    /// The joint whose motion moves a body relative to its parent, directly or as a mimic joint's leader; `None` for
+    /// the base.
     pub fn joint_of(&self, body: BodyId) -> Option<JointId> {
         match self.bodies[body.index()].carrier {
             Carrier::Base => None,

@@ -1,7 +1,8 @@
-//! The JSON Schema of a whole configuration, composed from the linked plug-ins: what an editor completes and checks with.
+//! The JSON Schema of a whole configuration, composed from the linked plug-ins: what an editor completes and checks
+//! with.
 //!
-//! * Every kind of plug-in is a choice by `type`: an `if`/`then` per plug-in, which gives messages about the key that is
-//!   wrong, and an `anyOf` that is always satisfied, which is where editors look for what can be completed.
+//! * Every kind of plug-in is a choice by `type`: an `if`/`then` per plug-in, which gives messages about the key that
+//!   is wrong, and an `anyOf` that is always satisfied, which is where editors look for what can be completed.
 //! * References inside a plug-in's own schema are written out, because some editors drop what stands beside a `$ref`.
 //! * JSON has no `inf` and `nan`; editors turn them into `null`. So where a number is expected, `null` is accepted.
 

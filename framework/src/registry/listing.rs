@@ -1,9 +1,9 @@
 //! The linked plug-ins in words: what each is, its equations, its parameters.
 //!
 //! Everything comes from the plug-in's rustdoc and its derived JSON Schema. The first paragraph is the summary;
-//! any other that begins with a code span with `=`, `≤` or `≥` in it is an equation. Units are `#[schemars(extend("x-unit" = "…"))]` on the
-//! fields, `"x-weight"` on the type is the weight of an entry without one, and `"x-critical" = "kp"` on a damping says that it
-//! is critical for that stiffness unless a file says it.
+//! any other that begins with a code span with `=`, `≤` or `≥` in it is an equation. Units are
+//! `#[schemars(extend("x-unit" = "…"))]` on the fields, `"x-weight"` on the type is the weight of an entry without one,
+//! and `"x-critical" = "kp"` on a damping says that it is critical for that stiffness unless a file says it.
 
 use std::fmt;
 

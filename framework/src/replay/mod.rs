@@ -8,12 +8,12 @@
 //! trajectory) that the framework cannot see; a plug-in is tested with [`crate::testing`].
 //!
 //! # How
-//! [`Controller::with_recorder`](crate::Controller::with_recorder) keeps the last ticks in storage made once; in a tick,
-//! numbers are copied and nothing is allocated. Between two ticks
-//! [`Controller::take_dump`](crate::Controller::take_dump) gives them as a [`Dump`] if the rung has changed since it was
-//! last asked, and [`Controller::dump`](crate::Controller::dump) gives them any time. [`DumpFolder`] writes a bounded
-//! number of them to files, which are TOML: exact numbers that a person can read. [`Dump::replay`] runs a record again
-//! and compares every bit of command and solution.
+//! [`Controller::with_recorder`](crate::Controller::with_recorder) keeps the last ticks in storage made once; in a
+//! tick, numbers are copied and nothing is allocated. Between two ticks
+//! [`Controller::take_dump`](crate::Controller::take_dump) gives them as a [`Dump`] if the rung has changed since it
+//! was last asked, and [`Controller::dump`](crate::Controller::dump) gives them any time. [`DumpFolder`] writes a
+//! bounded number of them to files, which are TOML: exact numbers that a person can read. [`Dump::replay`] runs a
+//! record again and compares every bit of command and solution.
 
 mod dump;
 mod folder;

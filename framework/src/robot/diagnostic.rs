@@ -17,7 +17,8 @@ pub enum Severity {
     Warning,
 }
 
-/// Something in a robot's files that is not as the format says, or that is not likely to be meant, and what was done about it.
+/// Something in a robot's files that is not as the format says, or that is not likely to be meant, and what was done
+/// about it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Diagnostic {
     /// How much it matters.

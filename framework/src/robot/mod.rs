@@ -25,8 +25,8 @@ pub struct RobotModel {
     pub actuators: Vec<Actuator>,
     /// Where the robot rests or starts, at rest.
     pub home: State,
-    /// Whether something says where the base is at home. If nothing does, a floating base whose contacts are on at the start
-    /// stands on them.
+    /// Whether something says where the base is at home. If nothing does, a floating base whose contacts are on at the
+    /// start stands on them.
     pub base_is_placed: bool,
     /// The files it came from, for logs.
     pub sources: Vec<SourceFile>,

@@ -133,8 +133,8 @@ pub enum Meaning {
     Barrier,
     /// Efforts and forces. Assumed of all other tasks.
     Affine,
-    /// None of these: only what holds for every plug-in. Assumed of constraints without rows on `v̇`; of inequality rows
-    /// on `v̇` it has to be stated.
+    /// None of these: only what holds for every plug-in. Assumed of constraints without rows on `v̇`; of inequality
+    /// rows on `v̇` it has to be stated.
     Other,
 }
 

@@ -17,8 +17,9 @@ use wbqp::{model::Base, robot::RobotError};
 /// How a robot's files are to be understood. The default is a floating base with every joint driven by
 /// torque and every number as in the files.
 ///
-/// Joints and links are named as in the URDF, or by a regular expression that matches whole names, such as `gripper_.*`. A name
-/// counts before an expression. What matches nothing is refused, and so are expressions that disagree.
+/// Joints and links are named as in the URDF, or by a regular expression that matches whole names, such as
+/// `gripper_.*`. A name counts before an expression. What matches nothing is refused, and so are expressions that
+/// disagree.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Options {
@@ -26,7 +27,8 @@ pub struct Options {
     pub base: BaseKind,
     /// Refuse what the format or physics do not allow, instead of repairing it with a diagnostic.
     pub strict: bool,
-    /// The link that is the base, instead of the one that no joint carries: the joints between the two are turned round.
+    /// The link that is the base, instead of the one that no joint carries: the joints between the two are turned
+    /// round.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub root: Option<String>,
     /// Joints with a position or velocity servo: commanded with a velocity, not with a torque.
@@ -37,15 +39,16 @@ pub struct Options {
     pub lock: Vec<String>,
     /// What becomes of joints with `<mimic>`; those that are not listed are coupled.
     pub mimic: BTreeMap<String, MimicKind>,
-    /// Home position per joint, rad or m. A joint that is not listed is where `state` says, else at 0, or at the limit nearest
-    /// to 0.
+    /// Home position per joint, rad or m. A joint that is not listed is where `state` says, else at 0, or at the limit
+    /// nearest to 0.
     #[schemars(extend("x-unit" = "rad or m"))]
     pub home: BTreeMap<String, f64>,
     /// Group state of the SRDF file that is the home posture.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub state: Option<String>,
-    /// Where a floating base's origin is at home, or where a fixed base is bolted, m, world. By default a state of the SRDF file
-    /// says; else a floating base stands on the contacts that are on at the start, and any other is at the origin.
+    /// Where a floating base's origin is at home, or where a fixed base is bolted, m, world. By default a state of the
+    /// SRDF file says; else a floating base stands on the contacts that are on at the start, and any other is at the
+    /// origin.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "m"))]
     pub position: Option<[f64; 3]>,

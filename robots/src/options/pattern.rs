@@ -20,7 +20,8 @@ pub(crate) struct Names<'a> {
 }
 
 impl Names<'_> {
-    /// Those that a key of an option means, by index: the one of that name, or all that an expression matches as a whole.
+    /// Those that a key of an option means, by index: the one of that name, or all that an expression matches as a
+    /// whole.
     pub(crate) fn matching(&self, option: &str, key: &str) -> Result<Vec<usize>, RobotError> {
         if let Some(index) = self.known.iter().position(|name| *name == key) {
             return Ok(vec![index]);

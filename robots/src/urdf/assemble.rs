@@ -1,9 +1,9 @@
 //! Builds the model from a description, its tree and how its joints move.
 //!
 //! # Notation
-//! A link `L` is merged into, or is, the body `B`; its frame is at `X_BL`. A joint's frame is `J`, at `X_PJ` in its parent link P;
-//! with the joint at `q` its child C is at `X_PC = X_PJ exp(S q)`. A joint that is gone through from child to parent has its frame
-//! in C, the axis `−S`, and carries P at `X_JP = X_PJ⁻¹`.
+//! A link `L` is merged into, or is, the body `B`; its frame is at `X_BL`. A joint's frame is `J`, at `X_PJ` in its
+//! parent link P; with the joint at `q` its child C is at `X_PC = X_PJ exp(S q)`. A joint that is gone through from
+//! child to parent has its frame in C, the axis `−S`, and carries P at `X_JP = X_PJ⁻¹`.
 #![allow(non_snake_case)]
 
 use wbqp::{

@@ -3,8 +3,9 @@
 //! # What is read
 //! * Links with their `<inertial>` (its `<origin>` included, `rpy` as well), joints of type `revolute`,
 //!   `continuous`, `prismatic` and `fixed`, with `<axis>` (normalised; (1, 0, 0) if left out, as URDF says),
-//!   `<limit>`, `<dynamics>` and `<mimic>`. A `planar` joint is two sliding joints and a turning one, named `joint.x`, `joint.y`
-//!   and `joint.turn`; a `floating` joint between a root without mass and the rest of the robot is the floating base.
+//!   `<limit>`, `<dynamics>` and `<mimic>`. A `planar` joint is two sliding joints and a turning one, named `joint.x`,
+//!   `joint.y` and `joint.turn`; a `floating` joint between a root without mass and the rest of the robot is the
+//!   floating base.
 //! * Links on `fixed` joints are merged into the body that carries them, through any number of them. Every
 //!   link's name is a frame of the model, merged or not.
 //! * Joints are numbered depth first from the root; the joints of one link in the file's order.
@@ -18,14 +19,16 @@
 //! # Two modes
 //! What other tools of the field read is read, and nothing is repaired in silence: every irregularity is a
 //! [`Diagnostic`] with its place, what was done and how to say otherwise. Limits that are
-//! missing, zero or meaningless are none; bodies are judged with all that is fixed to them; inertias that no rigid body has are taken
-//! as they are; the mass matrix is looked at in random postures.
+//! missing, zero or meaningless are none; bodies are judged with all that is fixed to them; inertias that no rigid body
+//! has are taken as they are; the mass matrix is looked at in random postures.
 //!
-//! With [`Options::strict`], what format or physics do not allow is refused instead: links without mass, inertias that no rigid body has
-//! (each link on its own, before it is merged), joints without limits, mimic joints, and whatever urdf-rs cannot read.
+//! With [`Options::strict`], what format or physics do not allow is refused instead: links without mass, inertias that
+//! no rigid body has (each link on its own, before it is merged), joints without limits, mimic joints, and whatever
+//! urdf-rs cannot read.
 //!
-//! Always refused is what has no meaning: malformed XML, unexpanded xacro, numbers that are not numbers, negative masses, axes of
-//! length zero, missing and duplicate names, and anything that is not one tree. All of a file's errors come at once.
+//! Always refused is what has no meaning: malformed XML, unexpanded xacro, numbers that are not numbers, negative
+//! masses, axes of length zero, missing and duplicate names, and anything that is not one tree. All of a file's errors
+//! come at once.
 
 mod assemble;
 mod description;

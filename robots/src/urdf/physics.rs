@@ -1,9 +1,11 @@
-//! Whether the bodies of a model, with all that is fixed to them, can be moved by forces: judged after merging, as a whole.
+//! Whether the bodies of a model, with all that is fixed to them, can be moved by forces: judged after merging, as a
+//! whole.
 //!
 //! # Mathematics
-//! A joint that moves no inertia makes the mass matrix singular. With `M = Lᵀ D L`, from the last joint to the first, the pivot
-//! `D_k` is what joint `k` feels of inertia when all joints beyond it are let go; where it is not positive, or next to nothing of
-//! `M_kk`, joint `k` is the one (R. Featherstone, *Rigid Body Dynamics Algorithms*, sections 6.5 and 7).
+//! A joint that moves no inertia makes the mass matrix singular. With `M = Lᵀ D L`, from the last joint to the first,
+//! the pivot `D_k` is what joint `k` feels of inertia when all joints beyond it are let go; where it is not positive,
+//! or next to nothing of `M_kk`, joint `k` is the one (R. Featherstone, *Rigid Body Dynamics Algorithms*, sections 6.5
+//! and 7).
 #![allow(non_snake_case)]
 
 use wbqp::{

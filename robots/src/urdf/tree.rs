@@ -33,8 +33,8 @@ struct Ends {
     child: usize,
 }
 
-/// Finds the tree; duplicate and unknown names, links with two parents, several roots and cycles go to `findings`. `root` is another
-/// link that is to be the base.
+/// Finds the tree; duplicate and unknown names, links with two parents, several roots and cycles go to `findings`.
+/// `root` is another link that is to be the base.
 pub(super) fn find(
     description: &Description,
     root: Option<&str>,

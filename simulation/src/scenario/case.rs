@@ -50,8 +50,8 @@ pub struct Case {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Initial {
-    /// Position of the base, m, world. Default: the controller's home, which stands on its contacts where nothing else places
-    /// it.
+    /// Position of the base, m, world. Default: the controller's home, which stands on its contacts where nothing else
+    /// places it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub position: Option<[f64; 3]>,
     /// Roll, pitch, yaw of the base, rad.

@@ -25,8 +25,8 @@ const FEW: usize = 8;
 /// Robots that are kept: cases that name the same one mostly follow one another.
 const KEPT: usize = 4;
 
-/// Calls a check for every index of a list, in its order. The one with the lowest index that fails is the error, whatever
-/// fails first.
+/// Calls a check for every index of a list, in its order. The one with the lowest index that fails is the error,
+/// whatever fails first.
 pub(super) fn all(
     order: &[usize],
     check: impl Fn(usize) -> Result<(), ScenarioError> + Sync,

@@ -205,8 +205,8 @@ impl<'a> Text<'a> {
         })
     }
 
-    /// The same, parsed case by case: a tree of thousands of cases takes a hundred times their text. Nothing if the cases are
-    /// few, are not at the end of the file, or if anything is wrong with them: the whole says what.
+    /// The same, parsed case by case: a tree of thousands of cases takes a hundred times their text. Nothing if the
+    /// cases are few, are not at the end of the file, or if anything is wrong with them: the whole says what.
     fn in_parts(&self) -> Option<Cases<'_>> {
         let mut starts = Vec::new();
         let is_mixed = outline(self.file, |start, mark| match mark {

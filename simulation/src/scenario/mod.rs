@@ -98,8 +98,9 @@ impl Scenario {
         Self::from_file_noting(path, variation, &|_, _| {})
     }
 
-    /// Like [`Scenario::from_file_with`]; `note` hears what each controller is going to take, before it is made, with the
-    /// name of its case: of those with the same controller the first to be checked. It is called by several threads.
+    /// Like [`Scenario::from_file_with`]; `note` hears what each controller is going to take, before it is made, with
+    /// the name of its case: of those with the same controller the first to be checked. It is called by several
+    /// threads.
     ///
     /// # Errors
     /// As [`Scenario::from_file_with`].

@@ -101,8 +101,8 @@ impl Case {
             .map_err(|e| self.refuse(&format!("contact `{name}`: {e}")))
     }
 
-    /// The set points of a run. The controller is one that will not run, without any event yet; `events` are sorted by time
-    /// and can be applied.
+    /// The set points of a run. The controller is one that will not run, without any event yet; `events` are sorted by
+    /// time and can be applied.
     pub(super) fn asked(
         &self,
         controller: &mut Controller,

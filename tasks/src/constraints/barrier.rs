@@ -2,9 +2,9 @@
 //!
 //! # Mathematics
 //! For a function h(q) that shall not become negative, `ḧ + (a₁ + a₂) ḣ + a₁ a₂ h ≥ 0` makes `ḣ + a₁ h` decay no faster
-//! than with a₂, and h no faster than with a₁: h stays positive if both are at the start. An exponential control barrier
-//! function of relative degree two: Nguyen and Sreenath, *Exponential control barrier functions for enforcing high
-//! relative-degree safety-critical constraints*, ACC 2016.
+//! than with a₂, and h no faster than with a₁: h stays positive if both are at the start. An exponential control
+//! barrier function of relative degree two: Nguyen and Sreenath, *Exponential control barrier functions for enforcing
+//! high relative-degree safety-critical constraints*, ACC 2016.
 
 use wbqp::setup::BindError;
 

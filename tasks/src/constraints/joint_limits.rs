@@ -1,8 +1,8 @@
 //! Joints stay within their range and speed.
 //!
 //! # Mathematics
-//! Over one period T at constant acceleration a, `q⁺ = q + T q̇ + ½ T² a` and `q̇⁺ = q̇ + T a`. A state is viable if the
-//! joint can still stop before the limit with the acceleration A that it always has: `q̇² ≤ 2 A (q_u − q)` while it
+//! Over one period T at constant acceleration a, `q⁺ = q + T q̇ + ½ T² a` and `q̇⁺ = q̇ + T a`. A state is viable if
+//! the joint can still stop before the limit with the acceleration A that it always has: `q̇² ≤ 2 A (q_u − q)` while it
 //! moves towards `q_u`. The bounds on a are those of A. Del Prete, *Joint position and velocity bounds in discrete-time
 //! acceleration/torque control of robot manipulators*, IEEE RA-L 3(1), 2018: its algorithms 1 (positions) and 2
 //! (viability), with what it leaves open, states beyond a limit, brought back with A.
@@ -25,8 +25,8 @@ use crate::{check, effort::chosen, gain::Gain};
 /// `a_l(q, q̇) ≤ q̈ ≤ a_u(q, q̇)`, one row per joint, rad/s² or m/s².
 ///
 /// A joint is let go as fast towards its limit as it can still stop before it with the acceleration `A` (viability), so
-/// the limits never contradict one another, however violent the tasks are. With T the period, `q_l`, `q_u` the range and
-/// `v_u` the speed, `a_u` is the smallest of
+/// the limits never contradict one another, however violent the tasks are. With T the period, `q_l`, `q_u` the range
+/// and `v_u` the speed, `a_u` is the smallest of
 ///
 /// * `A`,
 /// * `(v_u − q̇)/T`: the speed after the period,

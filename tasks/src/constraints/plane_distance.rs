@@ -24,8 +24,8 @@ use crate::check;
 ///
 /// `nᵀ J_P v̇ ≥ −(a₁ + a₂) ḣ − a₁ a₂ h − nᵀ J̇_P v`, that is `ḧ + (a₁ + a₂) ḣ + a₁ a₂ h ≥ 0`,
 ///
-/// an exponential control barrier function (Nguyen and Sreenath, ACC 2016): the point comes no nearer than `margin` if it
-/// starts further away and not too fast (`ḣ ≥ −a₁ h`). Larger rates let it come nearer before it is slowed down; the
+/// an exponential control barrier function (Nguyen and Sreenath, ACC 2016): the point comes no nearer than `margin` if
+/// it starts further away and not too fast (`ḣ ≥ −a₁ h`). Larger rates let it come nearer before it is slowed down; the
 /// braking that they need is about `a₁ a₂ h`.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(crate = "wbqp::serde", deny_unknown_fields)]

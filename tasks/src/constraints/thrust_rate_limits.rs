@@ -16,8 +16,8 @@ use crate::{check, tasks::chosen_rotors};
 ///
 /// `f⁻ − r_fall T ≤ f ≤ f⁻ + r_rise T`, N, with T the time since then, at most a period.
 ///
-/// Rotors speed up faster than they slow down, or the other way round: the two rates may differ. Rates that are not given
-/// are the robot's own (`slew`), which [`ActuatorLimits`](crate::ActuatorLimits) keeps as well. Thrusts are sent
+/// Rotors speed up faster than they slow down, or the other way round: the two rates may differ. Rates that are not
+/// given are the robot's own (`slew`), which [`ActuatorLimits`](crate::ActuatorLimits) keeps as well. Thrusts are sent
 /// within the actuators' limits, so with those the bounds always leave something.
 ///
 /// Bounds on single variables, no rows; they are hard whatever the entry says.

@@ -97,8 +97,8 @@ fn copy(from: &[f64], to: &mut [f64]) {
     }
 }
 
-/// Reads a configured value: as many numbers as the space has dimensions, all finite. Allocates only if there is no room
-/// in `out`, or to name `key` in an error.
+/// Reads a configured value: as many numbers as the space has dimensions, all finite. Allocates only if there is no
+/// room in `out`, or to name `key` in an error.
 pub(crate) fn read_knot(
     space: Space,
     key: &dyn Fn() -> String,

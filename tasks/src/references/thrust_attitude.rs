@@ -15,8 +15,8 @@
 //!
 //! `z_R = F/‖F‖`, turned back towards the vertical if it is tilted by more than a limit,
 //!
-//! and the heading ψ the rest: `x_R ∝ (−sin ψ, cos ψ, 0)ᵀ × z_R`, `y_R = z_R × x_R`, which is the attitude with yaw ψ in
-//! `R_z(yaw) R_y(pitch) R_x(roll)`. Its rate is the difference of two samples, its acceleration zero.
+//! and the heading ψ the rest: `x_R ∝ (−sin ψ, cos ψ, 0)ᵀ × z_R`, `y_R = z_R × x_R`, which is the attitude with yaw ψ
+//! in `R_z(yaw) R_y(pitch) R_x(roll)`. Its rate is the difference of two samples, its acceleration zero.
 //!
 //! `a_R*` and `f^d` are those of the tick before. It is the set point that counts and not the solver's force: that one
 //! follows from the attitude, and the two would chase each other.
@@ -40,8 +40,8 @@ use crate::check;
 
 /// Points the base's z where force is needed: for robots whose thrust has that one direction.
 ///
-/// A reference for [`BaseOrientation`](crate::BaseOrientation). It tilts the base as far as the accelerations that tasks
-/// ask of it and the set points of its contacts need:
+/// A reference for [`BaseOrientation`](crate::BaseOrientation). It tilts the base as far as the accelerations that
+/// tasks ask of it and the set points of its contacts need:
 ///
 /// `F = m (a_R* − g) − Σ_c R_WC f_c^d`, `z_R = F/‖F‖`, with F low-passed and the tilt limited.
 ///

@@ -52,8 +52,8 @@ pub struct BasePosition {
     #[serde(default = "default_integral_limit")]
     #[schemars(extend("x-unit" = "m/s²"))]
     pub integral_limit: f64,
-    /// Back-calculation gain `k_aw` of the integral, 1/s: one number, or one per world axis. Default `K_I/K_P`, with which
-    /// the integral stays out of conflicts with limits and other tasks; 0 leaves only `integral_limit`.
+    /// Back-calculation gain `k_aw` of the integral, 1/s: one number, or one per world axis. Default `K_I/K_P`, with
+    /// which the integral stays out of conflicts with limits and other tasks; 0 leaves only `integral_limit`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "1/s"))]
     pub anti_windup: Option<Gain>,

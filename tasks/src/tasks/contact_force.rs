@@ -55,8 +55,8 @@ pub struct ContactForce {
     /// Whether the measured force is fed back.
     #[serde(default)]
     pub feedback: Feedback,
-    /// Proportional gain `K_P`, N/N, below 1: in a stiff contact the measured force follows `f*` within a period, and the
-    /// loop would oscillate at 1.
+    /// Proportional gain `K_P`, N/N, below 1: in a stiff contact the measured force follows `f*` within a period, and
+    /// the loop would oscillate at 1.
     #[serde(default = "default_kp")]
     #[schemars(extend("x-unit" = "1"))]
     pub kp: f64,

@@ -38,9 +38,9 @@ use crate::{
 ///
 /// The integral ξ is not in the paper and off by default; it removes what a wrong mass or thrust leaves. It is clamped
 /// per axis and starts at zero whenever the contact or the task is switched on. Its second part is back-calculation
-/// against wind-up: `a*` is what the row asked for in the last tick, `a_QP` what limits and other tasks left of it: `J_f` of
-/// this tick times the last solution's `v̇`. Where `J_f` has turned in between, as it does in fast motion while the limits
-/// are reached, a little of that is counted as left out.
+/// against wind-up: `a*` is what the row asked for in the last tick, `a_QP` what limits and other tasks left of it:
+/// `J_f` of this tick times the last solution's `v̇`. Where `J_f` has turned in between, as it does in fast motion
+/// while the limits are reached, a little of that is counted as left out.
 ///
 /// The axes are translations. Free rotations are not controlled by this task.
 ///

@@ -22,8 +22,9 @@ use crate::{
 ///
 /// `f_i = f_d`.
 ///
-/// In contrast to [`PropellerRegularisation`](crate::PropellerRegularisation) each thrust is weighed by itself, so the solution
-/// does not depend on the order of the rotors; the minimum of `Σ f_i²` is the allocation of the pseudo-inverse.
+/// In contrast to [`PropellerRegularisation`](crate::PropellerRegularisation) each thrust is weighed by itself, so the
+/// solution does not depend on the order of the rotors; the minimum of `Σ f_i²` is the allocation of the
+/// pseudo-inverse.
 ///
 /// Error: thrust of the last solution minus `f_d`, N.
 #[derive(Debug, Serialize, Deserialize, JsonSchema)]

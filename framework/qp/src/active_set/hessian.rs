@@ -3,8 +3,9 @@
 //! # Mathematics
 //! With `z = U x` the cost is `½ ‖z + U⁻ᵀ g‖²` up to a constant. H only has to be positive definite where the
 //! equality rows leave freedom. If a pivot is as good as zero, `Σ σ_i a_iᵀ a_i` over these rows is added, with
-//! `−σ_i b_i a_i` in the linear term: on the feasible set this changes neither cost nor solution nor multipliers, and the
-//! accelerations of an explicit formulation, which may have no cost of their own, become definite through their dynamics.
+//! `−σ_i b_i a_i` in the linear term: on the feasible set this changes neither cost nor solution nor multipliers, and
+//! the accelerations of an explicit formulation, which may have no cost of their own, become definite through their
+//! dynamics.
 
 use std::ops::Range;
 
@@ -356,8 +357,8 @@ impl Hessian {
     }
 }
 
-/// Gaussian elimination within a block of rows, from its diagonal to `columns.end`; returns the pivots, nothing if one is weak. Rows are not
-/// yet divided by the roots of their pivots, so that a pivot waits for a division and no root.
+/// Gaussian elimination within a block of rows, from its diagonal to `columns.end`; returns the pivots, nothing if one
+/// is weak. Rows are not yet divided by the roots of their pivots, so that a pivot waits for a division and no root.
 #[expect(clippy::inline_always, reason = "the stride is to be known")]
 #[inline(always)]
 fn eliminate_within(
@@ -454,8 +455,8 @@ fn four_rows(rows: &mut [f64], stride: usize, columns: Range<usize>) -> [&mut [[
     [a, b, c, d].map(|row| row[columns.clone()].as_chunks_mut().0)
 }
 
-/// The rows of U of a block that is eliminated, given its pivots, and the inverse of its diagonal block; nothing if that is not
-/// finite.
+/// The rows of U of a block that is eliminated, given its pivots, and the inverse of its diagonal block; nothing if
+/// that is not finite.
 #[expect(clippy::inline_always, reason = "the stride is to be known")]
 #[inline(always)]
 fn divide_by_roots(

@@ -1,8 +1,8 @@
 //! Inner loops over lanes: four or eight sums side by side, in an order that the code fixes, so that results do not
 //! depend on how wide the machine's vectors are.
 //!
-//! Four rows at a time go through one pass over a vector: it is read once for the four, and the long chains of dependent
-//! additions and stores, which a row alone would wait for, overlap.
+//! Four rows at a time go through one pass over a vector: it is read once for the four, and the long chains of
+//! dependent additions and stores, which a row alone would wait for, overlap.
 
 /// Vectors and strides of the workspaces are whole multiples of this, padded with zeros: the loops have no remainder.
 pub(super) const LANES: usize = 4;
@@ -142,8 +142,8 @@ fn scale_and_add<const L: usize>(y: &mut [f64; L], alpha: f64, x: &[f64; L]) {
     }
 }
 
-/// `y += Σ α_i r_i` over four rows that are `stride` apart, each as long as `y`, a whole number of lanes; the first begins
-/// with `rows`.
+/// `y += Σ α_i r_i` over four rows that are `stride` apart, each as long as `y`, a whole number of lanes; the first
+/// begins with `rows`.
 #[expect(
     clippy::inline_always,
     reason = "as a call, α goes through memory, and its loads stall"

@@ -10,10 +10,10 @@
 //! upper, ≤ 0 at lower limits. From λ it moves towards the multipliers λ* of the minimiser. If one of them would change
 //! its sign on the way, the step ends there and that constraint is let go; at λ* the minimiser x is checked, and
 //! constraints that it violates are held next, with λ = 0. Every step raises the dual cost, so it ends: with
-//! nothing violated, which is the optimum, or with a violated constraint whose normal is a combination `a = N r` of those
-//! held. Then λ moves along `(−r, 1)`, which leaves x where it is, until a multiplier reaches zero and its constraint is
-//! let go. If none does, `(−r, 1)` is the proof that no point satisfies these constraints together (Farkas):
-//! `Aᵀ y + z = 0` while the limits weighted with the multipliers have a negative sum.
+//! nothing violated, which is the optimum, or with a violated constraint whose normal is a combination `a = N r` of
+//! those held. Then λ moves along `(−r, 1)`, which leaves x where it is, until a multiplier reaches zero and its
+//! constraint is let go. If none does, `(−r, 1)` is the proof that no point satisfies these constraints together
+//! (Farkas): `Aᵀ y + z = 0` while the limits weighted with the multipliers have a negative sum.
 //!
 //! Of several violated constraints the one is taken that is farthest away in the metric of H,
 //! `violation / ‖U⁻ᵀ a‖` with `H = UᵀU`, the distance that z has to go; in the first rounds others that are far are
@@ -21,32 +21,32 @@
 //! corrected with the factors at hand. If the refined pair is no optimum after all, the iteration goes on; should that
 //! happen again, with every pair refined, so that rounding cannot lead it in circles.
 //!
-//! What this method (`dual`) does not bring to an end that it can vouch for goes to a second one (`proximal`): an H that is not
-//! definite, variables so large that they may be the quotient of g and rounding, residuals that stay too large, too many
-//! iterations.
+//! What this method (`dual`) does not bring to an end that it can vouch for goes to a second one (`proximal`): an H
+//! that is not definite, variables so large that they may be the quotient of g and rounding, residuals that stay too
+//! large, too many iterations.
 //!
 //! An optimum violates nothing, held or not, by more than 1e-10 of its limit and terms, or by more than the
-//! tolerance if that is larger. Constraints that depend on those held and disagree with them by more than that are the proof that
-//! there is no feasible point, if the proof holds beyond rounding; else the solve has stalled.
+//! tolerance if that is larger. Constraints that depend on those held and disagree with them by more than that are the
+//! proof that there is no feasible point, if the proof holds beyond rounding; else the solve has stalled.
 //!
 //! The next solve begins with the constraints held last, found again by their [`RowId`](super::RowId) and
-//! [`VarId`](super::VarId), with the multipliers that they had, which are dual feasible whatever has changed in between. If
-//! a λ* has the wrong sign, constraints are exchanged along a path from there (`homotopy`).
+//! [`VarId`](super::VarId), with the multipliers that they had, which are dual feasible whatever has changed in
+//! between. If a λ* has the wrong sign, constraints are exchanged along a path from there (`homotopy`).
 //!
 //! Nothing depends on the scale of rows or variables: a pivot is compared with its diagonal entry, a violation with
 //! the numbers that were added up, dependence is an angle, and the choice of constraints is in the metric of H.
 //!
 //! # Cost
 //! For n variables and k held constraints a warm solve is a Cholesky factorisation (n³/3 multiplications and additions
-//! each), `W = U⁻ᵀ N` (k n²/2), its orthogonal factorisation (k² (n − k/3)), and a few products of the order n². All of them run in
-//! blocks of four rows or four reflections, and skip the blocks of zeros of a cost that falls apart, and of constraints on a
-//! part of the variables. The order of every sum is fixed in the code, without fused multiply-add: results are equal to
-//! the bit whatever the processor's vectors.
+//! each), `W = U⁻ᵀ N` (k n²/2), its orthogonal factorisation (k² (n − k/3)), and a few products of the order n². All of
+//! them run in blocks of four rows or four reflections, and skip the blocks of zeros of a cost that falls apart, and of
+//! constraints on a part of the variables. The order of every sum is fixed in the code, without fused multiply-add:
+//! results are equal to the bit whatever the processor's vectors.
 //!
 //! # When it stops
 //! A solve ends after a number of iterations, or, if the caller lends a clock, after a time: with the minimiser on
-//! the constraints held so far, from which the next solve goes on. The count of iterations that it reports repeats it to the
-//! bit ([`Budget::Iterations`]).
+//! the constraints held so far, from which the next solve goes on. The count of iterations that it reports repeats it
+//! to the bit ([`Budget::Iterations`]).
 //!
 //! # Sources
 //! D. Goldfarb, A. Idnani, *A numerically stable dual method for solving strictly convex quadratic programs*,
@@ -81,8 +81,8 @@ use workspace::Workspace;
     serde(default, deny_unknown_fields)
 )]
 pub struct ActiveSet {
-    /// Cap on the number of changes of the active set, of all attempts together; if absent, ten times the number of variables
-    /// and rows of the largest problem, and at least 1000.
+    /// Cap on the number of changes of the active set, of all attempts together; if absent, ten times the number of
+    /// variables and rows of the largest problem, and at least 1000.
     pub max_iterations: Option<u32>,
     /// Violation of a row or bound that is accepted, relative to the numbers it is computed from.
     #[cfg_attr(feature = "serde", schemars(extend("x-unit" = "1")))]

@@ -1,10 +1,10 @@
 //! An orthogonal matrix as the product of the reflections and rotations that made it.
 //!
 //! # Mathematics
-//! `Qᵀ = T_r ⋯ T_2 T_1`, each `T` a Householder reflection `1 − τ v vᵀ` or a Givens rotation of two neighbours. Applying
-//! the product to one vector costs about as much as a product with the matrix, but a new constraint appends one
-//! reflection and a dropped one a few rotations, where a matrix would have to be rotated as a whole. Every factor is
-//! orthogonal to the last digit, and so is their product.
+//! `Qᵀ = T_r ⋯ T_2 T_1`, each `T` a Householder reflection `1 − τ v vᵀ` or a Givens rotation of two neighbours.
+//! Applying the product to one vector costs about as much as a product with the matrix, but a new constraint appends
+//! one reflection and a dropped one a few rotations, where a matrix would have to be rotated as a whole. Every factor
+//! is orthogonal to the last digit, and so is their product.
 //!
 //! Four reflections that follow one another are drawn together, `T_1 T_2 T_3 T_4 = 1 − V S Vᵀ` with an upper triangle
 //! S (the compact form of R. Schreiber, C. Van Loan, *A storage-efficient WY representation for products of Householder
@@ -59,7 +59,8 @@ enum Factor {
         span: Span,
         triangle: usize,
     },
-    /// Rotations `[c s; −s c]` of the components `first` and `first + 1`, then of `first + 1` and `first + 2`, and so on.
+    /// Rotations `[c s; −s c]` of the components `first` and `first + 1`, then of `first + 1` and `first + 2`, and so
+    /// on.
     Rotate {
         first: usize,
         at: usize,
@@ -83,7 +84,8 @@ pub(super) struct Orthogonal {
 }
 
 impl Orthogonal {
-    /// Room for `reflections` in `n` dimensions and as many rotations as `rotations`, and for n runs of them per reflection.
+    /// Room for `reflections` in `n` dimensions and as many rotations as `rotations`, and for n runs of them per
+    /// reflection.
     pub(super) fn new(n: usize, reflections: usize, rotations: usize) -> Self {
         Self {
             n,
@@ -114,9 +116,9 @@ impl Orthogonal {
             && self.rotations.len() + rotations <= self.rotations.capacity()
     }
 
-    /// Appends the reflection that maps the components of `w` from `start` on to one, `r e_start`, and applies it to `w`
-    /// and to `other`. `rest` is the sum of the squares beyond `start`. Call only if there is room, with a `w` that is not
-    /// zero there.
+    /// Appends the reflection that maps the components of `w` from `start` on to one, `r e_start`, and applies it to
+    /// `w` and to `other`. `rest` is the sum of the squares beyond `start`. Call only if there is room, with a `w` that
+    /// is not zero there.
     pub(super) fn reflect(&mut self, start: usize, rest: f64, w: &mut [f64], other: &mut [f64]) {
         if rest == 0.0 {
             return;
@@ -202,8 +204,8 @@ impl Orthogonal {
         });
     }
 
-    /// Appends a rotation to the run: the one that makes the second of the neighbours `(a, b)` zero; returns `(c, s, r)`
-    /// with `c a + s b = r`.
+    /// Appends a rotation to the run: the one that makes the second of the neighbours `(a, b)` zero; returns
+    /// `(c, s, r)` with `c a + s b = r`.
     pub(super) fn rotate(&mut self, a: f64, b: f64) -> (f64, f64, f64) {
         let r = (a * a + b * b).sqrt();
         let (c, s) = if r > 0.0 { (a / r, b / r) } else { (1.0, 0.0) };

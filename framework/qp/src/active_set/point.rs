@@ -48,9 +48,9 @@ impl Point {
         }
     }
 
-    /// From here on what is left where large numbers cancel counts as rounding of a variable only if that is of its own size,
-    /// or nothing in its unit: the last violations are found, whatever the size of other variables. False if nothing
-    /// changes by that.
+    /// From here on what is left where large numbers cancel counts as rounding of a variable only if that is of its own
+    /// size, or nothing in its unit: the last violations are found, whatever the size of other variables. False if
+    /// nothing changes by that.
     pub(super) fn be_strict(&mut self) -> bool {
         if self.most == 1.0 {
             return false;
@@ -63,8 +63,8 @@ impl Point {
         true
     }
 
-    /// `|a|ᵀ` times the variables, and what rounding of the largest leaves of them: what a dependent constraint's violation is
-    /// compared with, which no other choice could make smaller.
+    /// `|a|ᵀ` times the variables, and what rounding of the largest leaves of them: what a dependent constraint's
+    /// violation is compared with, which no other choice could make smaller.
     pub(super) fn magnitude_with_rounding(&self, qp: &Qp, index: usize) -> f64 {
         let of =
             |j: usize, a: f64| a.abs() * (self.x[j].abs() + ROUNDED * self.unit[j] * self.largest);

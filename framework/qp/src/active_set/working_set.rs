@@ -1,8 +1,8 @@
 //! The constraints that are held, and the least-distance solution on them.
 //!
 //! # Mathematics
-//! With `z = U x` and `v = U⁻ᵀ g` the problem on the held constraints is `min ½‖z + v‖²` subject to `Wᵀ z = b`, the columns
-//! of W being `w = U⁻ᵀ a`. The factorisation `W = Q [R; 0]` gives
+//! With `z = U x` and `v = U⁻ᵀ g` the problem on the held constraints is `min ½‖z + v‖²` subject to `Wᵀ z = b`, the
+//! columns of W being `w = U⁻ᵀ a`. The factorisation `W = Q [R; 0]` gives
 //! ```text
 //! z = Q [z₁; −(Qᵀv)₂],   Rᵀ z₁ = b,   R λ = −(z₁ + (Qᵀv)₁)
 //! ```
@@ -95,8 +95,9 @@ impl WorkingSet {
         self.q.has_room(self.n * (self.n + 1) / 2)
     }
 
-    /// Holds a constraint whose `w` is given, zero outside of a range, with the multiplier it has so far. False if the sine
-    /// of its angle to those held is at most `sine`: then `w` is left as `Qᵀ w`, whose first entries give the combination.
+    /// Holds a constraint whose `w` is given, zero outside of a range, with the multiplier it has so far. False if the
+    /// sine of its angle to those held is at most `sine`: then `w` is left as `Qᵀ w`, whose first entries give the
+    /// combination.
     pub(super) fn push(
         &mut self,
         constraint: Active,
@@ -223,7 +224,8 @@ impl WorkingSet {
         self.combine(a);
     }
 
-    /// Lengths of the held constraints' normals in the metric of H: a combination's parts, times these, can be compared.
+    /// Lengths of the held constraints' normals in the metric of H: a combination's parts, times these, can be
+    /// compared.
     pub(super) fn lengths(&self) -> impl Iterator<Item = f64> {
         self.squares.iter().map(|square| square.sqrt())
     }
@@ -277,7 +279,8 @@ impl WorkingSet {
         hessian.solve(x);
     }
 
-    /// Solves `[H̃ A_aᵀ; A_a 0] [dx; dλ] = [−d; p]`: replaces `d` by `dx` and `p` (one entry per held constraint) by `dλ`.
+    /// Solves `[H̃ A_aᵀ; A_a 0] [dx; dλ] = [−d; p]`: replaces `d` by `dx` and `p` (one entry per held constraint) by
+    /// `dλ`.
     pub(super) fn correct(&mut self, hessian: &Hessian, d: &mut [f64], p: &mut [f64]) {
         let k = self.len();
         if d.iter().any(|d| *d != 0.0) {

@@ -7,7 +7,8 @@ use super::{
 };
 use crate::{Capacity, Qp, Solution, Status, WarmStart};
 
-/// Iterations of the dual method, besides two for each variable and row, after which what it does is taken for rounding.
+/// Iterations of the dual method, besides two for each variable and row, after which what it does is taken for
+/// rounding.
 const PATIENCE: u32 = 100;
 
 /// Storage of the method, made once.
@@ -30,8 +31,8 @@ impl Workspace {
     /// Bytes of the storage for problems up to a capacity, about.
     pub(super) fn bytes(capacity: Capacity) -> usize {
         let Capacity { vars, rows } = capacity;
-        // The dual method: factor, R, reflections (1.5 n²), rotations (two words each, 8 n² of them), normals; the other: H twice,
-        // A, directions, M and its factor.
+        // The dual method: factor, R, reflections (1.5 n²), rotations (two words each, 8 n² of them), normals; the
+        // other: H twice, A, directions, M and its factor.
         let words = vars
             .saturating_mul(vars)
             .saturating_mul(26)

@@ -2,9 +2,9 @@
 //!
 //! # Mathematics
 //! Of a problem with a solution, `x*`, the constraints active there and multipliers of the right signs are drawn first;
-//! `g = −(H x* + Aᵀ y + z)` makes them optimal. An infeasible one gets a row that is a combination of others, with a limit that
-//! the combination contradicts. An unbounded one gets a direction d with `H d = 0` along which no limit is reached and
-//! `gᵀ d < 0`. Last, variables, rows and cost are given units.
+//! `g = −(H x* + Aᵀ y + z)` makes them optimal. An infeasible one gets a row that is a combination of others, with a
+//! limit that the combination contradicts. An unbounded one gets a direction d with `H d = 0` along which no limit is
+//! reached and `gᵀ d < 0`. Last, variables, rows and cost are given units.
 #![allow(
     dead_code,
     unreachable_pub,
@@ -95,8 +95,8 @@ struct Row {
     y: f64,
 }
 
-/// Draws a problem with up to `largest` variables. Units of variables, rows and cost are powers of ten up to `exponent`,
-/// either way.
+/// Draws a problem with up to `largest` variables. Units of variables, rows and cost are powers of ten up to
+/// `exponent`, either way.
 ///
 /// # Panics
 /// Never: the storage is made for the rows.

@@ -6,8 +6,8 @@
 //! | `"soft"` | a `contact_motion` with that type's default weight |
 //! | `"free"` | nothing: it may slide |
 //!
-//! Its cone is a `friction_pyramid` if it is of kind `point`, and a `contact_wrench` if it has a sole. What the file lists
-//! itself, an entry of the same type for the same contact, is not brought a second time.
+//! Its cone is a `friction_pyramid` if it is of kind `point`, and a `contact_wrench` if it has a sole. What the file
+//! lists itself, an entry of the same type for the same contact, is not brought a second time.
 
 use std::collections::HashSet;
 

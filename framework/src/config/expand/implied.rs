@@ -85,8 +85,8 @@ impl fmt::Display for Implied {
 }
 
 impl ControllerConfig {
-    /// Every value that the file, and the overrides, do not say: what short forms bring, and the defaults of all keys, also
-    /// of plug-ins. Empty for a configuration that was made in code.
+    /// Every value that the file, and the overrides, do not say: what short forms bring, and the defaults of all keys,
+    /// also of plug-ins. Empty for a configuration that was made in code.
     pub fn implied(&self) -> Implied {
         let Some(source) = &self.source else {
             return Implied::default();
@@ -238,7 +238,8 @@ impl Lister<'_> {
     }
 }
 
-/// What a description says of a key that is absent: the rest of the sentence that begins with "Default" or "Without it".
+/// What a description says of a key that is absent: the rest of the sentence that begins with "Default" or "Without
+/// it".
 fn in_words(about: &Json) -> Option<String> {
     let description = about.get("description")?.as_str()?;
     let begin = ["Default", "Without it"]

@@ -1,8 +1,8 @@
 //! Short forms, written out before anything is deserialised.
 //!
 //! A file may say less than a controller needs. What it leaves out is put into its tables here, in the steps of
-//! [`read`]; everything after sees the long form, as if the file had said it. What is put in has the place of what brought
-//! it, so that errors have a line, and a name, so that overrides find it.
+//! [`read`]; everything after sees the long form, as if the file had said it. What is put in has the place of what
+//! brought it, so that errors have a line, and a name, so that overrides find it.
 
 mod contact;
 mod defaults;

@@ -1,7 +1,7 @@
 //! From the text of a URDF file to what it says.
 //!
-//! Everything of one file is found at once. What is not about dynamics (geometry, materials, transmissions, plug-ins) is not looked
-//! at in liberal mode; in strict mode urdf-rs reads the whole file as well, and must be able to.
+//! Everything of one file is found at once. What is not about dynamics (geometry, materials, transmissions, plug-ins)
+//! is not looked at in liberal mode; in strict mode urdf-rs reads the whole file as well, and must be able to.
 #![allow(non_snake_case)]
 
 mod element;
@@ -79,8 +79,8 @@ pub(super) fn parse_error(source: &Source<'_>, error: &roxmltree::Error) -> Robo
     }
 }
 
-/// The text with what other readers of URDFs forgive taken out, byte for byte in the same places: an XML declaration that does not
-/// come first, and the colon of prefixes whose namespace nothing declares.
+/// The text with what other readers of URDFs forgive taken out, byte for byte in the same places: an XML declaration
+/// that does not come first, and the colon of prefixes whose namespace nothing declares.
 pub(super) fn forgiving(text: &str) -> String {
     let mut mended = text.to_owned();
     if let Some(start) = mended.find("<?xml").filter(|&start| start > 0)

@@ -11,17 +11,18 @@ use super::{
 };
 use crate::{Qp, Solution};
 
-/// Violated constraints are held together in one round for so many variables, and in the first in any case. More would hold
-/// what has to be let go again.
+/// Violated constraints are held together in one round for so many variables, and in the first in any case. More would
+/// hold what has to be let go again.
 const JOINT_VARIABLES: usize = 10;
-/// In the first of these, how far away a constraint is, relative to the farthest, to be held with it, and in the others.
-/// Constraints that are nearer are often satisfied once those are held, and would have to be let go one by one.
+/// In the first of these, how far away a constraint is, relative to the farthest, to be held with it, and in the
+/// others. Constraints that are nearer are often satisfied once those are held, and would have to be let go one by one.
 const FAR: [f64; 2] = [0.3, 0.8];
 /// Rounds in which all constraints with a multiplier of the wrong sign are let go together, if none is known.
 const GUESS_ROUNDS: u32 = 6;
 /// Iterations after which larger violations, too, are taken for rounding.
 const LONG: u32 = 200;
-/// A violation below this, relative to the numbers that are added up, may be the rounding of an `x` that is not refined.
+/// A violation below this, relative to the numbers that are added up, may be the rounding of an `x` that is not
+/// refined.
 const ROUNDING: f64 = 1e-8;
 /// A part of a combination of normals, all of unit length in the metric of H, below this of the largest is rounding.
 const ROUNDED_RATE: f64 = 1e-11;
@@ -106,8 +107,8 @@ impl Dual {
         }
     }
 
-    /// The dual iteration with every point and its multipliers refined, which takes several times as long per iteration and
-    /// decides by numbers that are exact.
+    /// The dual iteration with every point and its multipliers refined, which takes several times as long per iteration
+    /// and decides by numbers that are exact.
     pub(super) fn ascend_refined(
         &mut self,
         qp: &Qp,
@@ -148,7 +149,8 @@ impl Dual {
         End::Circles
     }
 
-    /// The first multiplier that becomes wrong on the way from those before to the refined ones, and after which part of it.
+    /// The first multiplier that becomes wrong on the way from those before to the refined ones, and after which part
+    /// of it.
     fn blocking_refined(&self, qp: &Qp, forgiven: f64) -> Option<(f64, usize)> {
         let steps = self.set.multipliers.iter().zip(&self.before);
         let wrong = steps
@@ -181,8 +183,8 @@ impl Dual {
         any
     }
 
-    /// Collects what the point violates by more than a tolerance, relative to the numbers that are added up, and notes whether
-    /// it passes; returns the largest relative violation.
+    /// Collects what the point violates by more than a tolerance, relative to the numbers that are added up, and notes
+    /// whether it passes; returns the largest relative violation.
     pub(super) fn find_violated(&mut self, qp: &Qp, tolerance: f64) -> f64 {
         self.violated.clear();
         let outside = self.find_outside(qp);
@@ -216,8 +218,8 @@ impl Dual {
         let rows = (0, self.point.row_values(), qp.row_lower(), qp.row_upper());
         let bounds = (qp.m(), self.point.x(), qp.lower(), qp.upper());
         let mut count = 0;
-        // One after the other: a chain of the two is slow to walk. Each is written down and counted only if it is outside: which
-        // ones are cannot be foreseen.
+        // One after the other: a chain of the two is slow to walk. Each is written down and counted only if it is
+        // outside: which ones are cannot be foreseen.
         for (first, values, lower, upper) in [rows, bounds] {
             let limits = lower.iter().zip(upper);
             let constraints = values.iter().zip(limits).zip(&self.settled[first..]);

@@ -15,8 +15,8 @@ const COMBINED: f64 = 1e-14;
 const BEYOND: f64 = 1e-13;
 /// What is left of a dependent normal less its combination, relative to the largest term.
 const CLOSED: f64 = 1e-13;
-/// How many times larger than at present the variables would have to be for normals that are only nearly dependent to bring
-/// contradictory limits together.
+/// How many times larger than at present the variables would have to be for normals that are only nearly dependent to
+/// bring contradictory limits together.
 const STRETCHED: f64 = 1e3;
 
 impl Dual {
@@ -50,8 +50,9 @@ impl Dual {
         !is_rounding && self.is_dependent(qp, constraint.index, -sum, largest)
     }
 
-    /// Whether a normal and its combination, whose largest term is given, differ by rounding only. If by more, they are nearly
-    /// dependent, and a gap between the limits is a contradiction only if the variables would have to be very large to close it.
+    /// Whether a normal and its combination, whose largest term is given, differ by rounding only. If by more, they are
+    /// nearly dependent, and a gap between the limits is a contradiction only if the variables would have to be very
+    /// large to close it.
     fn is_dependent(&mut self, qp: &Qp, index: usize, gap: f64, largest: f64) -> bool {
         let rest = &mut self.gradient[..self.stride];
         copy_normal(qp, index, rest);
@@ -79,8 +80,8 @@ impl Dual {
         rest.iter().zip(sizes).map(|(r, size)| r.abs() * size).sum()
     }
 
-    /// Corrects the combination of held normals that a dependent one was found to be, by what is left of it; leaves it in
-    /// `self.p`.
+    /// Corrects the combination of held normals that a dependent one was found to be, by what is left of it; leaves it
+    /// in `self.p`.
     fn refine_combination(&mut self, qp: &Qp, index: usize) {
         let k = self.set.len();
         self.p[..k].copy_from_slice(self.set.computed());
@@ -95,8 +96,8 @@ impl Dual {
         }
     }
 
-    /// Leaves out of the refined combination what would have a multiplier of the wrong sign: rounding, else its constraint
-    /// would have been let go. If it is not, [`Dual::is_dependent`] sees it.
+    /// Leaves out of the refined combination what would have a multiplier of the wrong sign: rounding, else its
+    /// constraint would have been let go. If it is not, [`Dual::is_dependent`] sees it.
     fn drop_wrong(&mut self, side: f64) {
         for (r, held) in self.p.iter_mut().zip(self.set.active()) {
             if *r * side * held.side > 0.0 {
@@ -106,7 +107,8 @@ impl Dual {
         self.set.take_combination(&self.p[..self.set.len()]);
     }
 
-    /// Writes the proof that a constraint, at one of its sides, contradicts those held, whose combination was computed last.
+    /// Writes the proof that a constraint, at one of its sides, contradicts those held, whose combination was computed
+    /// last.
     pub(super) fn certify(&mut self, qp: &Qp, index: usize, side: f64, out: &mut Solution) {
         for (r, held) in self.set.computed().iter().zip(self.set.active()) {
             add_multiplier(qp, held.index, -side * r, out);

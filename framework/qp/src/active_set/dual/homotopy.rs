@@ -1,13 +1,14 @@
 //! From the constraints and multipliers of the last solve to those of this one, along a line.
 //!
 //! # Mathematics
-//! Constraints that were held at an optimum, with multipliers of the right sign, are the solution of a problem with limits of its
-//! own: those that its minimiser is at. On the way from these limits to the problem's own, `b(τ) = b + (1 − τ) p`, the solution
-//! on what is held moves along a line, until a multiplier becomes zero, whose constraint is let go, or a constraint is met, which
-//! is held from there on. So constraints come and go in the order in which they would as the problem changed, and about as many as
-//! differ between the two optima; letting all go whose multiplier has the wrong sign would have most of the others follow
-//! (H. J. Ferreau, H. G. Bock, M. Diehl, *An online active set strategy to overcome the limitations of explicit MPC*, Int. J. Robust
-//! Nonlinear Control 18 (2008), who move along the linear term, too, and so keep the proof of optimality).
+//! Constraints that were held at an optimum, with multipliers of the right sign, are the solution of a problem with
+//! limits of its own: those that its minimiser is at. On the way from these limits to the problem's own,
+//! `b(τ) = b + (1 − τ) p`, the solution on what is held moves along a line, until a multiplier becomes zero, whose
+//! constraint is let go, or a constraint is met, which is held from there on. So constraints come and go in the order
+//! in which they would as the problem changed, and about as many as differ between the two optima; letting all go whose
+//! multiplier has the wrong sign would have most of the others follow (H. J. Ferreau, H. G. Bock, M. Diehl, *An online
+//! active set strategy to overcome the limitations of explicit MPC*, Int. J. Robust Nonlinear Control 18 (2008), who
+//! move along the linear term, too, and so keep the proof of optimality).
 
 use super::{
     super::{
@@ -18,7 +19,8 @@ use super::{
 };
 use crate::{Qp, Solution};
 
-/// One step per so many variables is taken; then the iteration goes on from where this is: its multipliers are dual feasible.
+/// One step per so many variables is taken; then the iteration goes on from where this is: its multipliers are dual
+/// feasible.
 const PATIENCE: usize = 4;
 
 /// How it ended.
@@ -41,7 +43,8 @@ enum Event {
 }
 
 impl Dual {
-    /// Moves from the solution for the multipliers at hand to the one on the problem's limits. There, targets and point are computed.
+    /// Moves from the solution for the multipliers at hand to the one on the problem's limits. There, targets and point
+    /// are computed.
     pub(super) fn follow(&mut self, qp: &Qp, budget: &mut Limits<'_>, out: &mut Solution) -> Path {
         self.begin_path(qp);
         let mut rest = 1.0;

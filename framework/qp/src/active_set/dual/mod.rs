@@ -1,5 +1,5 @@
-//! The dual method for an H that is definite, at least where the equality rows leave freedom: its storage, and its way from
-//! the factorisation to a refined optimum.
+//! The dual method for an H that is definite, at least where the equality rows leave freedom: its storage, and its way
+//! from the factorisation to a refined optimum.
 
 mod ascent;
 mod certificate;
@@ -26,17 +26,17 @@ const CORRECTIONS: u32 = 50;
 /// How many of these trust points that are not refined.
 const TRUSTING: u32 = 2;
 
-/// Relative violation, or multiplier of the wrong sign, that a refined point may have: the second after a few corrections,
-/// which only degenerate problems need.
+/// Relative violation, or multiplier of the wrong sign, that a refined point may have: the second after a few
+/// corrections, which only degenerate problems need.
 const FORGIVEN: [f64; 2] = [1e-11, 3e-11];
-/// Largest relative violation of an optimum, constraints that are held or implied included. What it is relative to, a limit
-/// and the terms of a value added up, is about twice the largest of them, of which this is 1e-10.
+/// Largest relative violation of an optimum, constraints that are held or implied included. What it is relative to, a
+/// limit and the terms of a value added up, is about twice the largest of them, of which this is 1e-10.
 const VIOLATION: f64 = 5e-11;
 /// Times that constraints which seemed to be implied are tried again: once after each of the first corrections.
 const TRIALS: u32 = 2;
 
-/// Sine of the angle to the equalities held so far above which one is held at once. Those that are nearly a combination of
-/// others come last: then they are implied by more, instead of being held while others nearly depend on them.
+/// Sine of the angle to the equalities held so far above which one is held at once. Those that are nearly a combination
+/// of others come last: then they are implied by more, instead of being held while others nearly depend on them.
 const DISTINCT: f64 = 1e-6;
 
 /// Why the dual iteration stopped.
@@ -85,8 +85,8 @@ pub(super) struct Dual {
     steepest: f64,
     /// The largest entry of `H x` and of g, in units of the variables.
     pull: f64,
-    /// The tolerance within which the point is known to violate nothing, zero if it is so to the last digit; infinite if that is
-    /// not known.
+    /// The tolerance within which the point is known to violate nothing, zero if it is so to the last digit; infinite
+    /// if that is not known.
     passed: f64,
     iterations: u32,
 }

@@ -17,8 +17,8 @@ const GAIN: f64 = 0.3;
 const NEAR: f64 = 1e-10;
 /// How many times larger than the cost's terms those of multipliers, which cancel one another, may count.
 const OPPOSED: f64 = 1e2;
-/// Terms of `H x` that are so many times larger than their sum and than g are those of a variable that is the quotient of
-/// g and rounding.
+/// Terms of `H x` that are so many times larger than their sum and than g are those of a variable that is the quotient
+/// of g and rounding.
 const CANCELLED: f64 = 1e6;
 
 impl Dual {
@@ -88,8 +88,8 @@ impl Dual {
         primal
     }
 
-    /// Whether the gradient vanishes beside its terms. Those of the multipliers, which may be large and cancel one another, are
-    /// looked at only if it matters.
+    /// Whether the gradient vanishes beside its terms. Those of the multipliers, which may be large and cancel one
+    /// another, are looked at only if it matters.
     pub(super) fn has_converged(&self, qp: &Qp) -> bool {
         if self.residual < CONVERGED {
             return true;
@@ -102,8 +102,8 @@ impl Dual {
         self.primal < CONVERGED && self.residual * self.size < CONVERGED * largest
     }
 
-    /// Whether the variables are so large beside `H x` and g that what is left of the terms may be rounding: then x is g
-    /// divided by a pivot that ought to be zero.
+    /// Whether the variables are so large beside `H x` and g that what is left of the terms may be rounding: then x is
+    /// g divided by a pivot that ought to be zero.
     pub(super) fn cancels(&self) -> bool {
         self.point.largest() > CANCELLED * self.pull
     }
@@ -129,7 +129,8 @@ impl Dual {
             && wrong * largest_normal(qp, held.index, self.point.unit()) > forgiven * self.size
     }
 
-    /// The largest violation, relative to the numbers that are added up, of the constraints that were found to be implied.
+    /// The largest violation, relative to the numbers that are added up, of the constraints that were found to be
+    /// implied.
     pub(super) fn missed(&self, qp: &Qp) -> f64 {
         let mut worst = 0.0_f64;
         for implied in &self.implied {
@@ -153,8 +154,8 @@ impl Dual {
         worst
     }
 
-    /// Has the constraints checked again that were found to be implied: those held may be others now. Equalities stay: what
-    /// implies them is never let go.
+    /// Has the constraints checked again that were found to be implied: those held may be others now. Equalities stay:
+    /// what implies them is never let go.
     pub(super) fn reconsider(&mut self) {
         let settled = &mut self.settled;
         self.implied.retain(|implied| {

@@ -2,12 +2,12 @@
 //!
 //! # Mathematics
 //! The columns of Z are an orthonormal basis of the directions that leave the constraints held where they are, and
-//! `M = Zᵀ H Z` is the cost's curvature along them. A further constraint with `a_Z = Zᵀ a` turns the basis by a reflection P
-//! with `P a_Z = α e₁`: `Z ← Z P`, `M ← P M P`, and the first direction is dropped.
+//! `M = Zᵀ H Z` is the cost's curvature along them. A further constraint with `a_Z = Zᵀ a` turns the basis by a
+//! reflection P with `P a_Z = α e₁`: `Z ← Z P`, `M ← P M P`, and the first direction is dropped.
 //!
-//! The factorisation `M = Lᵀ L` with pivoting stops where what is left is rounding: there the cost is flat. With the gradient
-//! `r = Zᵀ (H x + g)` the step to the minimiser solves `M p = −r` on the curved part. If r has a rest on the flat one, the
-//! cost falls for ever along the direction whose curvature is zero and whose slope is that rest: a ray.
+//! The factorisation `M = Lᵀ L` with pivoting stops where what is left is rounding: there the cost is flat. With the
+//! gradient `r = Zᵀ (H x + g)` the step to the minimiser solves `M p = −r` on the curved part. If r has a rest on the
+//! flat one, the cost falls for ever along the direction whose curvature is zero and whose slope is that rest: a ray.
 
 use super::super::kernels::{axpy, dot};
 
@@ -137,7 +137,8 @@ impl Face {
         true
     }
 
-    /// Whether there is a direction without curvature along which the cost may fall, given its gradient: [`Face::direction`].
+    /// Whether there is a direction without curvature along which the cost may fall, given its gradient:
+    /// [`Face::direction`].
     pub(super) fn ray(&mut self, gradient: &[f64]) -> bool {
         let (n, count) = (self.n, self.count);
         let rank = self.eliminate(gradient);
@@ -169,8 +170,8 @@ impl Face {
         rank > 0
     }
 
-    /// Solves with Lᵀ for the slope along the directions, as far as there is curvature: what is left of it, in `work`, is the
-    /// slope of what is flat. Returns how many have curvature.
+    /// Solves with Lᵀ for the slope along the directions, as far as there is curvature: what is left of it, in `work`,
+    /// is the slope of what is flat. Returns how many have curvature.
     fn eliminate(&mut self, gradient: &[f64]) -> usize {
         let (n, count) = (self.n, self.count);
         let rank = match self.rank {

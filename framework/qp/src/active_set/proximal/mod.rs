@@ -1,12 +1,13 @@
 //! The method for every convex problem: linear, flat in some directions, unbounded, badly scaled.
 //!
 //! # Mathematics
-//! The proximal iteration `x⁺ = argmin f(x) + ½ ρ ‖x − c‖²` over the feasible set, of a problem in units near one (`scaling`),
-//! is one definite problem after another for the dual method, and its fixed points `x⁺ = c` are the solutions (Rockafellar
-//! 1976). Where the cost is flat it alone would go in small steps. So after each, from x⁺, the cost is followed down the
-//! face of the constraints held (`face`): to the minimiser on it, or along a ray, until a further constraint is in the
-//! way, which narrows the face; the next centre c is where that ends. A ray without an end proves that the problem is unbounded.
-//! Every round ends at a minimiser on a face, lower than the one before; there are finitely many faces.
+//! The proximal iteration `x⁺ = argmin f(x) + ½ ρ ‖x − c‖²` over the feasible set, of a problem in units near one
+//! (`scaling`), is one definite problem after another for the dual method, and its fixed points `x⁺ = c` are the
+//! solutions (Rockafellar 1976). Where the cost is flat it alone would go in small steps. So after each, from x⁺, the
+//! cost is followed down the face of the constraints held (`face`): to the minimiser on it, or along a ray, until a
+//! further constraint is in the way, which narrows the face; the next centre c is where that ends. A ray without an end
+//! proves that the problem is unbounded. Every round ends at a minimiser on a face, lower than the one before; there
+//! are finitely many faces.
 
 mod face;
 mod scaling;
@@ -25,15 +26,16 @@ use scaling::Scaling;
 const WEIGHTS: [f64; 3] = [1e-6, 1e-4, 1e-2];
 /// Rounds with one weight.
 const ROUNDS: u32 = 200;
-/// Largest residual of the stationarity conditions at an optimum, per variable, relative to the sum of its terms' sizes.
+/// Largest residual of the stationarity conditions at an optimum, per variable, relative to the sum of its terms'
+/// sizes.
 const STATIONARY: f64 = 1e-11;
 /// How many times larger than the cost's largest term those of multipliers, which cancel one another, may count.
 const OPPOSED: f64 = 1e4;
-/// A residual below this part of the largest term of all variables, and of what the largest variable could contribute, is
-/// rounding.
+/// A residual below this part of the largest term of all variables, and of what the largest variable could contribute,
+/// is rounding.
 const LEAST: f64 = 1e-14;
-/// Rounds after which what is left of the gradient at [`STATIONARY`] beside its largest term is taken for rounding: rays and
-/// steps would have been found.
+/// Rounds after which what is left of the gradient at [`STATIONARY`] beside its largest term is taken for rounding:
+/// rays and steps would have been found.
 const LATE: u32 = 12;
 /// Part of a direction's largest component below which the rate at which a constraint's value changes is rounding.
 const RATE: f64 = 1e-10;
@@ -283,14 +285,15 @@ impl Proximal {
         })
     }
 
-    /// Whether the variables are so large that rounding of `H x` hides the linear term: then only a ray tells whether it falls.
+    /// Whether the variables are so large that rounding of `H x` hides the linear term: then only a ray tells whether
+    /// it falls.
     fn hides_cost(&self) -> bool {
         let n = self.scaled.n();
         LEAST * largest(&self.x[..n]) * self.face.curvature() > largest(&self.g[..n])
     }
 
-    /// Follows the cost from `x` down the face of the constraints held, and narrower ones; whether it falls for ever, along the
-    /// direction that is then in the solution.
+    /// Follows the cost from `x` down the face of the constraints held, and narrower ones; whether it falls for ever,
+    /// along the direction that is then in the solution.
     fn descend(&mut self, dual: &mut Dual, limits: &mut Limits<'_>, out: &mut Solution) -> bool {
         let (n, all) = (self.scaled.n(), count(&self.scaled));
         self.face.reset(n, &self.h[..n * n]);
@@ -361,8 +364,8 @@ impl Proximal {
         Fall::new(self.face.direction(), pairs)
     }
 
-    /// Goes on in the direction in which the last rounds' ends moved, as far as the cost falls and nothing is in the way; whether
-    /// it falls for ever.
+    /// Goes on in the direction in which the last rounds' ends moved, as far as the cost falls and nothing is in the
+    /// way; whether it falls for ever.
     fn extrapolate(&mut self, out: &mut Solution) -> bool {
         let n = self.scaled.n();
         self.differentiate();
@@ -399,7 +402,8 @@ impl Proximal {
         false
     }
 
-    /// Narrows the face by the constraints that the direction leads to at a rate that may be rounding; whether there are any.
+    /// Narrows the face by the constraints that the direction leads to at a rate that may be rounding; whether there
+    /// are any.
     fn narrow_by_rounding(&mut self) -> bool {
         let n = self.scaled.n();
         let mut any = false;
@@ -417,8 +421,8 @@ impl Proximal {
         any
     }
 
-    /// The direction as the solution, without the components that are rounding: all of them, if it is as good a ray then, else
-    /// those that a bound is in the way of.
+    /// The direction as the solution, without the components that are rounding: all of them, if it is as good a ray
+    /// then, else those that a bound is in the way of.
     fn write_ray(&self, out: &mut Solution) {
         let (n, m) = (self.scaled.n(), self.scaled.m());
         let (x, d) = (&mut out.x[..n], self.face.direction());
@@ -439,8 +443,8 @@ impl Proximal {
         out.z[..n].fill(0.0);
     }
 
-    /// Whether the cost's slope changes along `x`, and limits are approached, by no more than along the direction, up to
-    /// rounding.
+    /// Whether the cost's slope changes along `x`, and limits are approached, by no more than along the direction, up
+    /// to rounding.
     fn is_as_good_a_ray(&self, x: &[f64]) -> bool {
         let d = self.face.direction();
         let n = x.len();

@@ -1,11 +1,11 @@
 //! Units in which a problem's numbers are near one.
 //!
 //! # Mathematics
-//! With `x = D x'` and `A' = R A D`, `H' = c D H D`, `g' = c D g`. D makes the diagonal of H one where it is not zero; a
-//! variable without curvature gets the unit in which its coefficients are those of others, in the geometric mean, or its bounds
-//! are one. R makes the largest
-//! coefficient of every row one. c makes the larger of H and a thousandth of g one. All are powers of two, so that nothing
-//! is rounded, and the scaled problem hardly depends on the units of the problem.
+//! With `x = D x'` and `A' = R A D`, `H' = c D H D`, `g' = c D g`. D makes the diagonal of H one where it is not zero;
+//! a variable without curvature gets the unit in which its coefficients are those of others, in the geometric mean, or
+//! its bounds are one. R makes the largest coefficient of every row one. c makes the larger of H and a thousandth of g
+//! one. All are powers of two, so that nothing is rounded, and the scaled problem hardly depends on the units of the
+//! problem.
 
 use crate::{Qp, QpError, Solution};
 
@@ -100,8 +100,8 @@ impl Scaling {
         };
     }
 
-    /// Where rows connect variables without curvature alone, nothing says what their common unit is against that of the rows:
-    /// the one in which their limits are near one, in the geometric mean.
+    /// Where rows connect variables without curvature alone, nothing says what their common unit is against that of the
+    /// rows: the one in which their limits are near one, in the geometric mean.
     fn anchor(&mut self, qp: &Qp) {
         let (n, m) = (qp.n(), qp.m());
         // What is connected has the label of its first variable; n is that of what curvature anchors.
