@@ -1,9 +1,9 @@
 //! From the rows of the plug-ins to one quadratic program, and back.
 //!
 //! # Mathematics
-//! With the forcing `F = [S  J_cᵀ]` and the known forces `k = Σ J_fᵀ f_f − h` the dynamics read `M v̇ = F (u, f) + k`. Every
-//! formulation substitutes some accelerations `v̇_P` and some efforts `τ` from them ([`partition`]), and has the rest as
-//! variables x:
+//! With the forcing `F = [S  J_cᵀ]` and the known forces `k = Σ J_fᵀ f_f − h` the dynamics read `M v̇ = F (u, f) + k`.
+//! Every formulation substitutes some accelerations `v̇_P` and some efforts `τ` from them ([`partition`]), and has the
+//! rest as variables x:
 //! ```text
 //! v̇_P = B x + c        τ = T (v̇, u, f) + t
 //! ```

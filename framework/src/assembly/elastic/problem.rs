@@ -1,0 +1,281 @@
+//! The problem in which limits are given up: its variables, rows, prices and bounds.
+
+use super::{
+    super::{Assembly, DynamicsTerms, Group, bounds::BoundPlace},
+    At, Elastic, Given,
+};
+use crate::{
+    contact::ContactState,
+    layout::BoundTarget,
+    qp::{Qp, RowId, VarId},
+};
+
+/// Share of what the tasks ask for by which a limit gives more than it must, inverted.
+const PRICE: f64 = 1e4;
+/// Factors of the levels, the first to go first; those of the rest are the last.
+const STEPS: [f64; 5] = [1.0, 1e1, 1e2, 1e3, 1e4];
+
+impl Elastic {
+    /// Builds the problem from the tick's. Its first variables are those of the tick's problem.
+    pub(crate) fn build(
+        &mut self,
+        assembly: &Assembly,
+        terms: &DynamicsTerms<'_>,
+        groups: &[Group],
+        base: &Qp,
+    ) {
+        let n = base.n();
+        self.collect(assembly, terms, groups, base);
+        let (first_slack, first_row) = (self.first_slack, self.first_row);
+        let slacks = self.given.iter().map(|given| {
+            let id = match given.at {
+                At::Row(_) => given.id.index() as u32,
+                At::Variable(_) | At::Torque(_) => first_row + given.id.index() as u32,
+            };
+            VarId::new(first_slack + id)
+        });
+        let made = self.qp.reset(base.vars().iter().copied().chain(slacks));
+        debug_assert!(made.is_ok(), "{made:?}");
+        self.write_cost(assembly, base);
+        let mut next = 0;
+        for i in 0..base.m() {
+            let given = self.given.get(next);
+            let given = given.filter(|given| matches!(given.at, At::Row(at) if at == i));
+            let (lower, upper) = match given {
+                Some(given) => (given.lower, given.upper),
+                None if self.is_given_up_torque(assembly, base.rows()[i]) => {
+                    let constant = assembly.constant(i);
+                    let [least, most] = self.own_limits(assembly, base.rows()[i]);
+                    (least - constant, most - constant)
+                }
+                None => (base.row_lower()[i], base.row_upper()[i]),
+            };
+            let Ok(row) = self.qp.push_row(base.rows()[i], lower, upper) else {
+                debug_assert!(
+                    false,
+                    "the storage is made for all rows, in ascending order"
+                );
+                return;
+            };
+            row[..n].copy_from_slice(base.row(i));
+            if given.is_some() {
+                row[n + next] = 1.0;
+                next += 1;
+            }
+        }
+        for (k, given) in self.given.iter().enumerate().skip(next) {
+            let id = RowId::new(first_row + given.id.index() as u32);
+            let Ok(row) = self.qp.push_row(id, given.lower, given.upper) else {
+                debug_assert!(
+                    false,
+                    "the storage is made for all limits, in ascending order"
+                );
+                return;
+            };
+            match given.at {
+                At::Row(_) => {}
+                At::Variable(position) => row[position] = 1.0,
+                At::Torque(i) => row[..n].copy_from_slice(base.row(i)),
+            }
+            row[n + k] = 1.0;
+        }
+        self.write_bounds(assembly, terms, groups, n);
+    }
+
+    /// The cost of the tick, and the prices.
+    fn write_cost(&mut self, assembly: &Assembly, base: &Qp) {
+        let n = base.n();
+        let wide = self.qp.n();
+        let (h, g) = self.qp.cost_mut();
+        for (to, from) in h.chunks_exact_mut(wide).zip(base.h().chunks_exact(n)) {
+            to[..n].copy_from_slice(from);
+        }
+        g[..n].copy_from_slice(base.g());
+        let floor = if assembly.partition.substituted < assembly.partition.nv {
+            assembly.largest_weight
+        } else {
+            0.0
+        };
+        for (k, given) in self.given.iter().enumerate() {
+            let reach = |j: usize, a: f64| {
+                let h = base.h()[j * n + j];
+                if h > 0.0 { a * a / h } else { 0.0 }
+            };
+            let reach: f64 = match given.at {
+                At::Row(i) | At::Torque(i) => base
+                    .row(i)
+                    .iter()
+                    .enumerate()
+                    .map(|(j, a)| reach(j, *a))
+                    .sum(),
+                At::Variable(j) => reach(j, 1.0),
+            };
+            let bound = n as f64 / reach;
+            let curvature = if bound.is_finite() {
+                bound.max(floor)
+            } else {
+                1.0
+            };
+            h[(n + k) * wide + n + k] = curvature * PRICE * STEPS[given.level.min(STEPS.len() - 1)];
+        }
+    }
+
+    /// Lists what is given up and in the problem: rows, then bounds, each in the order of their ids.
+    fn collect(
+        &mut self,
+        assembly: &Assembly,
+        terms: &DynamicsTerms<'_>,
+        groups: &[Group],
+        base: &Qp,
+    ) {
+        self.given.clear();
+        for (i, &id) in base.rows().iter().enumerate() {
+            if assembly.torque_row(id).is_none() {
+                let limits = [base.row_lower()[i], base.row_upper()[i]];
+                self.give(id, limits, At::Row(i));
+            }
+        }
+        for (c, &id) in assembly.normal_rows.iter().enumerate() {
+            if let Some(start) = assembly.live.forces[c] {
+                let contact = &terms.contacts[c];
+                let column = start + contact.kind.normal();
+                let at = At::Variable(column - assembly.partition.substituted);
+                self.give(id, contact.force_limits, at);
+            }
+        }
+        for group in groups.iter().filter(|g| g.live) {
+            for (b, (_, target)) in group.layout.bounds.iter().enumerate() {
+                let limits = [group.store.bound_lower[b], group.store.bound_upper[b]];
+                if repeats(*target, limits, terms.contacts) {
+                    continue;
+                }
+                let ([least, most], shift, at) = match assembly.place(*target) {
+                    None => continue,
+                    Some(BoundPlace::Variable(p)) => {
+                        let limits = self.of_the_world(assembly, terms.contacts, p);
+                        (limits, 0.0, At::Variable(p))
+                    }
+                    Some(BoundPlace::Torque(actuator)) => {
+                        let Some((row, _)) = assembly.torque_row(group.bounds[b]) else {
+                            continue;
+                        };
+                        let constant = assembly.constant(row);
+                        (self.efforts[actuator], constant, At::Torque(row))
+                    }
+                };
+                // What the world forbids anyway needs no row.
+                if limits[0] > least || limits[1] < most {
+                    self.give(group.bounds[b], limits.map(|limit| limit - shift), at);
+                }
+            }
+        }
+    }
+
+    /// Whether a row of the tick's problem is a bound on an eliminated effort that is given up.
+    fn is_given_up_torque(&self, assembly: &Assembly, id: RowId) -> bool {
+        let level = self.level_of.get(id.index()).copied().flatten();
+        assembly.torque_row(id).is_some() && level.is_some_and(|level| self.given_up[level])
+    }
+
+    /// The actuator's own limits, for such a row.
+    fn own_limits(&self, assembly: &Assembly, id: RowId) -> [f64; 2] {
+        let actuator = assembly.torque_row(id).map(|(_, actuator)| actuator);
+        let limits = actuator.and_then(|i| self.efforts.get(i));
+        limits
+            .copied()
+            .unwrap_or([f64::NEG_INFINITY, f64::INFINITY])
+    }
+
+    fn give(&mut self, id: RowId, [lower, upper]: [f64; 2], at: At) {
+        let level = self.level_of.get(id.index()).copied().flatten();
+        let Some(level) = level.filter(|&level| self.given_up[level]) else {
+            return;
+        };
+        // A limit at infinity on its wrong side cannot be approached, only left out.
+        let mut limits = [
+            if lower < f64::INFINITY {
+                lower
+            } else {
+                f64::NEG_INFINITY
+            },
+            if upper > f64::NEG_INFINITY {
+                upper
+            } else {
+                f64::INFINITY
+            },
+        ];
+        if limits[0] > limits[1] {
+            // Contradicts itself: in the middle, both sides give the same.
+            limits = [0.5 * (limits[0] + limits[1]); 2];
+        }
+        if self.given.len() < self.given.capacity() {
+            self.given.push(Given {
+                id,
+                level,
+                lower: limits[0],
+                upper: limits[1],
+                asked: [lower, upper],
+                at,
+            });
+        }
+    }
+
+    /// The tightest of the bounds that still hold, and whose they are.
+    fn write_bounds(
+        &mut self,
+        assembly: &Assembly,
+        terms: &DynamicsTerms<'_>,
+        groups: &[Group],
+        n: usize,
+    ) {
+        self.bound_owner[..n].fill([None; 2]);
+        for p in 0..n {
+            let [least, most] = self.of_the_world(assembly, terms.contacts, p);
+            let (lower, upper) = self.qp.bounds_mut();
+            (lower[p], upper[p]) = (least, most);
+        }
+        for (c, contact) in terms.contacts.iter().enumerate() {
+            if let Some(start) = assembly.live.forces[c] {
+                let p = start + contact.kind.normal();
+                let p = p - assembly.partition.substituted;
+                self.tighten(p, contact.force_limits, assembly.normal_rows[c]);
+            }
+        }
+        for group in groups.iter().filter(|g| g.live) {
+            for (b, (_, target)) in group.layout.bounds.iter().enumerate() {
+                let limits = [group.store.bound_lower[b], group.store.bound_upper[b]];
+                if let Some(BoundPlace::Variable(p)) = assembly.place(*target)
+                    && !repeats(*target, limits, terms.contacts)
+                {
+                    self.tighten(p, limits, group.bounds[b]);
+                }
+            }
+        }
+    }
+
+    fn tighten(&mut self, position: usize, [l, u]: [f64; 2], owner: RowId) {
+        let level = self.level_of.get(owner.index()).copied().flatten();
+        if level.is_some_and(|level| self.given_up[level]) {
+            return;
+        }
+        let (lower, upper) = self.qp.bounds_mut();
+        if l > lower[position] {
+            lower[position] = l;
+            self.bound_owner[position][0] = Some(owner);
+        }
+        if u < upper[position] {
+            upper[position] = u;
+            self.bound_owner[position][1] = Some(owner);
+        }
+    }
+}
+
+/// Whether a bound is the contact's own on its normal force, over again.
+fn repeats(target: BoundTarget, limits: [f64; 2], contacts: &[ContactState]) -> bool {
+    let BoundTarget::Force(contact, component) = target else {
+        return false;
+    };
+    contacts
+        .get(contact.index())
+        .is_some_and(|c| component == c.kind.normal() && limits == c.force_limits)
+}

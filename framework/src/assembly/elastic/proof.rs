@@ -1,0 +1,68 @@
+//! The problem that begins with a proof.
+
+use super::Elastic;
+use crate::qp::{ConstraintId, Qp, WarmStart};
+
+/// Size of the multipliers of a proof's constraints, as a multiple of what the cost asks for.
+const PUSH: f64 = 1e3;
+
+impl Elastic {
+    /// Builds a problem with the constraints of another that has no solution if that has none, and whose optimum on the
+    /// constraints of a proof has multipliers of the right sign: a dual method that begins there finds a proof near it.
+    pub(crate) fn prove(&mut self, base: &Qp, proof: &WarmStart) {
+        let n = base.n();
+        if self.qp.reset(base.vars().iter().copied()).is_err() {
+            return;
+        }
+        for i in 0..base.m() {
+            let (lower, upper) = (base.row_lower()[i], base.row_upper()[i]);
+            let Ok(row) = self.qp.push_row(base.rows()[i], lower, upper) else {
+                return;
+            };
+            row.copy_from_slice(base.row(i));
+        }
+        let (lower, upper) = self.qp.bounds_mut();
+        lower.copy_from_slice(base.lower());
+        upper.copy_from_slice(base.upper());
+        let (h, g) = self.qp.cost_mut();
+        h.copy_from_slice(base.h());
+        g.fill(0.0);
+        let diagonal = |j: usize| {
+            let h = base.h()[j * n + j];
+            if h > 0.0 { h } else { 1.0 }
+        };
+        let size: f64 = base
+            .g()
+            .iter()
+            .enumerate()
+            .map(|(j, g)| g * g / diagonal(j))
+            .sum();
+        let size = PUSH * (1.0 + size.sqrt());
+        for held in proof.iter() {
+            match held.constraint {
+                ConstraintId::Row(id) => {
+                    let Ok(i) = base.rows().binary_search(&id) else {
+                        continue;
+                    };
+                    let row = base.row(i);
+                    let length: f64 = row
+                        .iter()
+                        .enumerate()
+                        .map(|(j, a)| a * a / diagonal(j))
+                        .sum();
+                    if length > 0.0 {
+                        let multiplier = held.side * size / length.sqrt();
+                        for (g, a) in g.iter_mut().zip(row) {
+                            *g -= multiplier * a;
+                        }
+                    }
+                }
+                ConstraintId::Bound(id) => {
+                    if let Ok(j) = base.vars().binary_search(&id) {
+                        g[j] -= held.side * size * diagonal(j).sqrt();
+                    }
+                }
+            }
+        }
+    }
+}
