@@ -4,7 +4,8 @@
 //! Two builds are compared by `.ci/run` and by hand:
 //! ```sh
 //! cargo run --release --bin tick_stats -- --robot othex --ticks 5000 --hash
-//! RUSTFLAGS="-C target-cpu=native" cargo run --release --target-dir target/native --bin tick_stats -- --robot othex --ticks 5000 --hash
+//! RUSTFLAGS="-C target-cpu=native" cargo run --release --target-dir target/native --bin tick_stats -- \
+//!     --robot othex --ticks 5000 --hash
 //! ```
 
 use wbqp_examples::tick_stats::{

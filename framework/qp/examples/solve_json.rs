@@ -1,7 +1,7 @@
 //! Solves the problems on standard input, one JSON object per line, and prints one line of JSON for each.
 //!
 //! ```text
-//! {"n": 1, "m": 0, "H": [2.0], "g": [-2.0], "A": [], "row_lower": [], "row_upper": [], "lower": ["-inf"], "upper": [0.5]}
+//! {"n":1, "m":0, "H":[2.0], "g":[-2.0], "A":[], "row_lower":[], "row_upper":[], "lower":["-inf"], "upper":[0.5]}
 //! {"status":"optimal","x":[0.5],"y":[],"z":[1.0],"iterations":2,"microseconds":3.1}
 //! ```
 //! `H` (n × n) and `A` (m × n) are row-major; numbers that JSON lacks are the strings "inf", "-inf" and "nan". Every

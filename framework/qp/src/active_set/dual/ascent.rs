@@ -73,7 +73,8 @@ impl Dual {
                         self.set.find_targets();
                     }
                 }
-            } else if let Some((alpha, j)) = blocking(&self.set) {
+            }
+            if let Some((alpha, j)) = blocking(&self.set) {
                 self.set.approach_targets(alpha);
                 self.release(j);
                 continue;
