@@ -7,7 +7,7 @@ mod families;
 mod judge;
 
 use families::{FAMILIES, Family, draw};
-use wbqp_qp::{ActiveSet, QpSolver, Solution};
+use wbqp_qp::{ActiveSet, ConstraintId, Held, QpSolver, Solution, WarmStart};
 
 /// Exponents of the units.
 const EXPONENTS: [f64; 3] = [0.0, 4.0, 8.0];
@@ -81,4 +81,52 @@ fn every_answer_is_right() {
         .collect::<Vec<_>>()
         .join("\n");
     assert!(wrong.is_empty(), "{} wrong:\n{shown}", wrong.len());
+}
+
+/// Whatever is remembered, constraints at any side with multipliers of any sign and size, decides how long a solve takes, not
+/// what it answers.
+#[test]
+fn any_warm_start_ends_at_a_right_answer() {
+    let multipliers = [1.0, -1.0, 0.0, 1e-300, 1e300, f64::NAN, f64::INFINITY];
+    let mut wrong = Vec::new();
+    for family in FAMILIES {
+        for seed in 0..200 {
+            let known = draw(family, seed, 16, 0.0);
+            let qp = &known.qp;
+            let rows = qp.rows().iter().map(|row| ConstraintId::Row(*row));
+            let bounds = qp.vars().iter().map(|var| ConstraintId::Bound(*var));
+            let mut start = WarmStart::with_capacity(qp.n() + qp.m());
+            for (i, constraint) in rows.chain(bounds).enumerate() {
+                // Some of them, some known; where the seed is a multiple of seven, all multipliers are.
+                let draw = (i * 7919 + seed as usize * 104_729) % 101;
+                if draw % 3 != 0 {
+                    let side = if draw % 2 == 0 { 1.0 } else { -1.0 };
+                    let known_ones = if seed % 7 == 0 {
+                        side
+                    } else {
+                        multipliers[draw % 7]
+                    };
+                    start.push(Held {
+                        constraint,
+                        side,
+                        multiplier: known_ones,
+                    });
+                }
+            }
+            let mut solver = ActiveSet::default();
+            solver.bind(qp.capacity()).expect("is good");
+            solver.start_from(&start);
+            let mut solution = Solution::new(qp.capacity());
+            solver.solve(qp, &mut solution).expect("fits");
+            if let Err(what) = judge::judge(&known, &solution) {
+                wrong.push(format!("{family:?} {seed}: {what}"));
+            }
+        }
+    }
+    assert!(
+        wrong.is_empty(),
+        "{} wrong:\n{}",
+        wrong.len(),
+        wrong.join("\n")
+    );
 }
