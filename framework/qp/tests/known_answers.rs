@@ -99,9 +99,9 @@ fn any_warm_start_ends_at_a_right_answer() {
             for (i, constraint) in rows.chain(bounds).enumerate() {
                 // Some of them, some known; where the seed is a multiple of seven, all multipliers are.
                 let draw = (i * 7919 + seed as usize * 104_729) % 101;
-                if draw % 3 != 0 {
-                    let side = if draw % 2 == 0 { 1.0 } else { -1.0 };
-                    let known_ones = if seed % 7 == 0 {
+                if !draw.is_multiple_of(3) {
+                    let side = if draw.is_multiple_of(2) { 1.0 } else { -1.0 };
+                    let multiplier = if seed.is_multiple_of(7) {
                         side
                     } else {
                         multipliers[draw % 7]
@@ -109,7 +109,7 @@ fn any_warm_start_ends_at_a_right_answer() {
                     start.push(Held {
                         constraint,
                         side,
-                        multiplier: known_ones,
+                        multiplier,
                     });
                 }
             }
