@@ -15,19 +15,20 @@
 //! use std::path::Path;
 //!
 //! use wbqp::{
-//!     Controller, ControllerConfig, Layout, Measurement,
 //!     actuator::{Actuator, ActuatorKind, Drive, JointMotor},
 //!     controller::Rung,
+//!     error::BindError,
 //!     model::{Base, Inertia, Joint, JointId, JointKind, JointLimits, ModelBuilder},
 //!     nalgebra::{Isometry3, Matrix3, Vector3},
+//!     plugin::{Rows, Setup, Task, Tick},
 //!     robot::{Robot, RobotError, RobotModel},
-//!     rows::Rows,
 //!     schemars::JsonSchema,
 //!     serde::{Deserialize, Serialize},
-//!     setup::{BindError, Setup},
 //!     state::State,
-//!     task::Task,
-//!     tick::Tick,
+//!     Controller,
+//!     ControllerConfig,
+//!     Layout,
+//!     Measurement,
 //! };
 //!
 //! /// A link of 1 kg, whose centre of mass is 0.5 m from a motor that turns about the world's y.
@@ -145,15 +146,15 @@
 //! The first sum runs over the rows of tasks and of softened equality constraints. `f_f` is the force in a
 //! contact's free directions, zero or measured, and known before the solve. A slack `s` belongs to a soft group
 //! of inequality rows; hard rows have none. The solver sees fewer variables: by default the torques of driven joints
-//! and the accelerations of everything else are substituted from the dynamics ([`config::Formulation`]).
+//! and the accelerations of everything else are substituted from the dynamics ([`settings::Formulation`]).
 //!
 //! # Where to begin
 //! | to | see |
 //! |---|---|
 //! | run a controller | [`ControllerConfig`], [`Controller`], [`Measurement`], [`Command`], [`Report`] |
-//! | write a task | [`task::Task`], [`Layout`], [`setup::Setup`], [`tick::Tick`], [`rows::Rows`] |
-//! | write a constraint | [`constraint::Constraint`], [`rows::ConstraintRows`] |
-//! | write a trajectory | [`reference::Reference`] |
+//! | write a task | [`plugin::Task`], [`Layout`], [`plugin::Setup`], [`plugin::Tick`], [`plugin::Rows`] |
+//! | write a constraint | [`plugin::Constraint`], [`plugin::ConstraintRows`] |
+//! | write a trajectory | [`plugin::Reference`] |
 //! | describe a robot | [`robot::Robot`], [`robot::RobotModel`], [`model::ModelBuilder`], [`actuator::Actuator`] |
 //! | describe a contact | [`contact::ContactSpec`], [`contact::Detector`] |
 //! | use the dynamics alone | [`dynamics::Data`], [`dynamics::FrameKinematics`] |
@@ -183,34 +184,32 @@
 pub mod actuator;
 mod assembly;
 pub mod config;
-pub mod constraint;
 pub mod contact;
 pub mod controller;
 pub mod dynamics;
-pub mod entry;
+pub mod error;
+pub mod fault;
 pub mod input;
-pub mod layout;
 pub mod log;
 pub mod model;
+pub mod plugin;
 pub mod qp;
-pub mod reference;
 pub mod registry;
 pub mod replay;
 pub mod robot;
-pub mod rows;
-pub mod setup;
+pub mod settings;
 pub mod spatial;
 pub mod state;
 pub mod statics;
+pub mod stopwatch;
 pub mod suggestion;
-pub mod task;
+mod switch;
 pub mod testing;
-pub mod tick;
 
 pub use assembly::{RowInfo, VarInfo};
 pub use config::ControllerConfig;
 pub use controller::{Command, Controller, Measurement, Report};
-pub use layout::Layout;
+pub use plugin::Layout;
 pub use registry::list as registry;
 pub use wbqp_macros::{constraint, reference, robot, solver, task};
 pub use {inventory, nalgebra, schemars, serde, serde_json, toml, typetag};

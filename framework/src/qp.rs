@@ -17,7 +17,7 @@ pub use wbqp_qp::{
     RowId, Solution, Status, VarId, WarmStart,
 };
 
-use crate::setup::BindError;
+use crate::error::BindError;
 
 /// A solver that a configuration names by `type`: registered by `#[wbqp::solver("tag")]` on its implementation, which
 /// is empty.

@@ -5,12 +5,11 @@
 //!
 //! ```
 //! use wbqp::{
-//!     reference::{Reference, Sample, Start},
+//!     error::BindError,
+//!     plugin::{Reference, Sample, Start, Tick},
 //!     registry,
 //!     schemars::JsonSchema,
 //!     serde::{Deserialize, Serialize},
-//!     setup::BindError,
-//!     tick::Tick,
 //! };
 //!
 //! /// Grows with a constant rate.
@@ -41,7 +40,7 @@
 //!
 //! ```compile_fail
 //! #[wbqp::reference]
-//! impl wbqp::reference::Reference for Drift {}
+//! impl wbqp::plugin::Reference for Drift {}
 //! ```
 //! ```compile_fail
 //! #[wbqp::reference("example.drift")]
@@ -60,7 +59,11 @@ use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::DeserializeOwned;
 use toml::de::ValueDeserializer;
 
-use crate::{constraint::Constraint, qp::Solver, reference::Reference, robot::Robot, task::Task};
+use crate::{
+    plugin::{Constraint, Reference, Task},
+    qp::Solver,
+    robot::Robot,
+};
 
 pub use listing::{Listing, Parameter, PluginInfo, list};
 

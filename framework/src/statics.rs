@@ -32,10 +32,10 @@ use crate::{
     assembly::Actuation,
     contact::ContactSpec,
     dynamics::{Data, FrameKinematics},
+    error::{BindError, unknown},
     model::{Base, FrameId},
     qp::{ActiveSet, Capacity, Qp, QpSolver, RowId, Solution, Status, VarId},
     robot::RobotModel,
-    setup::{BindError, unknown},
     state::State,
 };
 

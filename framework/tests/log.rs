@@ -10,21 +10,18 @@ use serde_json::Value;
 use wbqp::{
     Controller, ControllerConfig, Layout, Measurement,
     actuator::{Actuator, ActuatorKind, Drive, JointMotor, Reaction, Rotor},
-    config::Settings,
     contact::{ContactId, ContactKind, ContactSpec, FreeForce, Surface},
     controller::Rung,
-    entry::{Entry, Hardness},
+    error::BindError,
     log::{
         ControllerLog, LogError, LogSink, McapLog, MemoryLog, Timeline, TrueContact,
         configuration_hash, write_rotors, write_run,
     },
     model::{Base, Inertia, Joint, JointKind, JointLimits, ModelBuilder},
+    plugin::{Entry, ForceReport, Hardness, Rows, Setup, Task, Tick},
     robot::{Robot, RobotError, RobotModel, SourceFile},
-    rows::Rows,
-    setup::{BindError, Setup},
+    settings::Settings,
     state::State,
-    task::{ForceReport, Task},
-    tick::Tick,
 };
 
 /// A body with one rotor and an arm of one joint.

@@ -2,17 +2,13 @@
 #![allow(non_snake_case)]
 
 use wbqp::{
-    constraint::Constraint,
     contact::ContactId,
-    layout::Layout,
+    error::BindError,
     nalgebra::Vector3,
-    rows::{ConstraintRows, Rows},
+    plugin::{Constraint, ConstraintRows, FrameHandle, Layout, Rows, Setup, Task, Tick},
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
-    setup::{BindError, Setup},
-    task::Task,
     testing::{Check, Meaning, PluginTest},
-    tick::{FrameHandle, Tick},
 };
 
 /// What can go wrong in a task that moves the tool.

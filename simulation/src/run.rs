@@ -12,12 +12,13 @@ use std::time::Instant;
 
 use nalgebra::Vector3;
 use wbqp::{
-    controller::{Controller, Rung, Stopwatch},
+    controller::{Controller, Rung},
     log::{
         ControllerLog, LogSink, Timeline, TrueContact, state_message, state_schema,
         write_diagnostics, write_rotors, write_run,
     },
     replay::DumpFolder,
+    stopwatch::Stopwatch,
 };
 
 use crate::{

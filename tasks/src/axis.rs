@@ -1,9 +1,9 @@
 //! A choice of the world's axes.
 
 use wbqp::{
+    error::BindError,
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
-    setup::BindError,
 };
 
 /// An axis of the world.

@@ -1,6 +1,6 @@
 //! Checks of single numbers, with errors that name the key.
 
-use wbqp::setup::BindError;
+use wbqp::error::BindError;
 
 /// Finite and not negative.
 pub(crate) fn not_negative(key: &str, value: f64) -> Result<(), BindError> {

@@ -1,10 +1,8 @@
 //! What regularisations of efforts share: rows `u_k = u_d`.
 
 use wbqp::{
-    reference::{Reference, Sample, Space, begin},
-    rows::Rows,
-    setup::BindError,
-    tick::Tick,
+    error::BindError,
+    plugin::{Reference, Rows, Sample, Space, Tick, reference::begin},
 };
 
 use crate::follow::component;

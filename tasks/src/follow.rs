@@ -1,6 +1,6 @@
 //! What tasks with a reference share.
 
-use wbqp::reference::Reference;
+use wbqp::plugin::Reference;
 
 use crate::references::Hold;
 

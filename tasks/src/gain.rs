@@ -3,10 +3,10 @@
 use std::fmt;
 
 use wbqp::{
+    error::BindError,
     nalgebra::Vector3,
     schemars::JsonSchema,
     serde::{Deserialize, Deserializer, Serialize, de},
-    setup::BindError,
 };
 
 use crate::check;

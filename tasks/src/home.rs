@@ -1,6 +1,6 @@
 //! Where things are in the home posture.
 
-use wbqp::{dynamics::Data, nalgebra::Vector3, setup::Setup};
+use wbqp::{dynamics::Data, nalgebra::Vector3, plugin::Setup};
 
 /// The centre of mass in the home posture, m, world.
 pub(crate) fn center_of_mass(setup: &Setup<'_>) -> Vector3<f64> {

@@ -13,7 +13,7 @@
 //! `k_aw = K_I/K_P`, the default, that is zero: a conflict of tasks is settled by the weights and by `K_P` as if there
 //! were no integral.
 
-use wbqp::setup::BindError;
+use wbqp::error::BindError;
 
 use crate::{check, gain::Gain};
 

@@ -6,7 +6,7 @@ mod common;
 use std::time::{Duration, Instant};
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use wbqp::controller::Stopwatch;
+use wbqp::stopwatch::Stopwatch;
 
 use common::{Recording, WORKLOADS};
 

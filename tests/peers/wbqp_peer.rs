@@ -30,8 +30,7 @@ use wbqp::{
     controller::Rung,
     input,
     nalgebra::{Quaternion, UnitQuaternion, Vector3},
-    reference::Sample,
-    task::Task,
+    plugin::{Sample, Task},
 };
 use wbqp_examples::tick_stats::workload::{Player, Workload};
 use wbqp_tasks::{BaseOrientation, Com, FramePosition, Posture};

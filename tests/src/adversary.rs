@@ -4,17 +4,13 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use wbqp::{
     config::ControllerConfig,
-    constraint::Constraint,
     controller::{Command, Measurement},
-    entry::{Entry, Hardness},
-    layout::Layout,
+    error::BindError,
     nalgebra::{Quaternion, UnitQuaternion},
+    plugin::{Constraint, ConstraintRows, Entry, Hardness, Layout, Setup, Tick},
     robot::RobotModel,
-    rows::ConstraintRows,
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
-    setup::{BindError, Setup},
-    tick::Tick,
 };
 
 /// Limits on accelerations and efforts that are mostly harmless and now and then contradict one another, the actuators,

@@ -8,14 +8,14 @@ use nalgebra::{Rotation3, UnitQuaternion, Vector3, Vector6};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use wbqp::{
-    config::{ControllerConfig, FirstError, Formulation, Hover, Settings, StartFrom},
+    config::ControllerConfig,
     contact::{ContactKind, ContactSpec, FreeForce, Surface},
     controller::{Controller, Measurement},
-    entry::{Entry, Hardness, Weight},
     nalgebra,
+    plugin::{Entry, Hardness, Task, Weight},
     robot::{Robot, RobotModel},
+    settings::{FirstError, Formulation, Hover, Settings, StartFrom},
     state::State,
-    task::Task,
 };
 use wbqp_robots::{BaseKind, Options, Othex, OthexVertical, Urdf};
 use wbqp_tasks::{

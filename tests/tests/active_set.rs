@@ -2,11 +2,11 @@
 //! cost known by construction, an infeasible problem by a Farkas combination.
 
 use wbqp::{
-    controller::Stopwatch,
     qp::{
         ActiveSet, Budget, Capacity, Clarabel, Optimality, Qp, QpSolver, RowId, Solution, Status,
         VarId, WarmStart,
     },
+    stopwatch::Stopwatch,
 };
 use wbqp_tests::random_qp::{FAMILIES, Family, Known, random_qp};
 

@@ -7,10 +7,11 @@ use std::collections::BTreeMap;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use wbqp::{
-    config::{ControllerConfig, Formulation},
+    config::ControllerConfig,
     contact::ContactKind,
     controller::{Controller, Rung},
-    entry::{Entry, Hardness, Weight},
+    plugin::{Entry, Hardness, Weight},
+    settings::Formulation,
 };
 use wbqp_tasks::{Hold, JointLimits};
 use wbqp_tests::{

@@ -13,14 +13,14 @@ use rand_chacha::ChaCha8Rng;
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 use wbqp::{
     ControllerConfig,
-    config::Formulation,
-    controller::{Fault, Rung},
-    entry::{Entry, Weight},
+    controller::Rung,
+    fault::Fault,
     nalgebra::UnitQuaternion,
+    plugin::{Entry, Weight},
     qp::{Budget, Capacity, Clarabel, Qp, QpError, QpSolver, Solution, Solver, Status},
-    schemars,
-    schemars::JsonSchema,
+    schemars::{self, JsonSchema},
     serde::{Deserialize, Serialize},
+    settings::Formulation,
 };
 use wbqp_robots::Othex;
 use wbqp_tasks::{

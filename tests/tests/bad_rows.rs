@@ -1,18 +1,14 @@
 //! A plug-in that writes numbers that are not finite is found out, and nothing of them reaches the command.
 
 use wbqp::{
-    config::Formulation,
-    constraint::Constraint,
-    controller::{Controller, Fault, Rung},
-    entry::{Entry, Hardness},
-    layout::Layout,
+    controller::{Controller, Rung},
+    error::BindError,
+    fault::Fault,
+    plugin::{Constraint, ConstraintRows, Entry, Hardness, Layout, Rows, Setup, Task, Tick},
     qp::Status,
-    rows::{ConstraintRows, Rows},
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
-    setup::{BindError, Setup},
-    task::Task,
-    tick::Tick,
+    settings::Formulation,
 };
 use wbqp_tests::scenes::{Kind, Scene};
 

@@ -6,15 +6,13 @@ use std::path::Path;
 
 use wbqp::{
     Controller, ControllerConfig, Measurement,
-    config::{FirstError, Settings},
-    constraint::Constraint,
     contact::{ContactKind, ContactSpec, FreeForce, Surface},
     controller::Rung,
     dynamics::{Data, frame_motion},
-    entry::{Entry, Hardness, Weight},
     nalgebra::{DVector, Vector3},
+    plugin::{Constraint, Entry, Hardness, Task, Weight},
     robot::{Robot, RobotModel},
-    task::Task,
+    settings::{FirstError, Settings},
 };
 use wbqp_robots::{BaseKind, Options, Othex, OthexVertical, Urdf};
 use wbqp_tasks::{

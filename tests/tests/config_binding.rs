@@ -2,10 +2,11 @@
 
 use wbqp::{
     ControllerConfig,
-    config::{ConfigErrorKind, Overrides, Settings, Target},
+    config::{ConfigErrorKind, Overrides, Target},
     controller::{Controller, ControllerError},
-    entry::{Entry, Hardness},
+    plugin::{Entry, Hardness},
     robot::Robot as _,
+    settings::Settings,
 };
 use wbqp_robots::Othex;
 use wbqp_tasks::{BasePosition, Posture};

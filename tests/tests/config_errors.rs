@@ -5,7 +5,7 @@ mod config_plugins;
 use config_plugins::{HEAD, load, messages, with_overrides};
 use wbqp::{
     config::{ConfigErrorKind, ControllerConfig, Overrides, Target},
-    entry::{Hardness, Weight},
+    plugin::{Hardness, Weight},
     toml,
 };
 

@@ -2,14 +2,11 @@
 
 use wbqp::{
     config::{ConfigErrorKind, ControllerConfig},
-    reference::{Reference, Sample, Start},
+    error::BindError,
+    plugin::{Layout, Reference, Rows, Sample, Setup, Start, Task, Tick},
     registry,
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
-    setup::{BindError, Setup},
-    task::Task,
-    tick::Tick,
-    {layout::Layout, rows::Rows},
 };
 
 macro_rules! data {

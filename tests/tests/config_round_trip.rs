@@ -4,8 +4,9 @@ mod config_plugins;
 
 use config_plugins::{HEAD, load};
 use wbqp::{
-    config::{ControllerConfig, Settings},
-    entry::{Entry, Hardness, Weight},
+    config::ControllerConfig,
+    plugin::{Entry, Hardness, Weight},
+    settings::Settings,
     toml,
 };
 use wbqp_tasks as _;

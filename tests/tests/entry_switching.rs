@@ -3,9 +3,8 @@
 use wbqp::{
     config::{Overrides, Target},
     controller::Controller,
-    entry::Weight,
     log::MemoryLog,
-    reference::Reference,
+    plugin::{Reference, Weight},
 };
 use wbqp_robots as _;
 use wbqp_sim::Scenario;

@@ -2,13 +2,13 @@
 
 use wbqp::{
     Controller, ControllerConfig, Measurement,
-    config::{FirstError, Settings, StartFrom},
     contact::{ContactKind, ContactSpec, Surface},
-    controller::{Fault, Rung},
-    entry::Entry,
+    controller::Rung,
+    fault::Fault,
     nalgebra::{UnitQuaternion, Vector3},
-    reference::AT_HOME,
+    plugin::{Entry, reference::AT_HOME},
     replay::Dump,
+    settings::{FirstError, Settings, StartFrom},
 };
 use wbqp_robots::{Humanoid, Othex, Quadruped, Urdf};
 use wbqp_tasks::{
@@ -282,7 +282,7 @@ fn a_home_that_nothing_places_stands_on_its_contacts() {
         };
         let mut config = ControllerConfig::new(
             Settings {
-                hover: wbqp::config::Hover::Unchecked,
+                hover: wbqp::settings::Hover::Unchecked,
                 ..Settings::at_rate(500.0)
             },
             Box::new(urdf),

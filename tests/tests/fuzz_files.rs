@@ -16,9 +16,9 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use wbqp::{
     ControllerConfig, Measurement,
-    config::{Hover, Settings},
     controller::Controller,
     robot::{RobotError, RobotModel, SourceFile},
+    settings::{Hover, Settings},
 };
 use wbqp_robots::{BaseKind, Options, Othex, from_sources};
 use wbqp_sim::Scenario;

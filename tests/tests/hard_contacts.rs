@@ -3,10 +3,10 @@
 //! `qp_properties`.
 
 use wbqp::{
-    config::Formulation,
     controller::{Controller, Measurement, Rung},
-    entry::{Entry, Hardness},
     nalgebra::Vector6,
+    plugin::{Entry, Hardness},
+    settings::Formulation,
 };
 use wbqp_tasks::{BasePosition, Hold, Posture};
 use wbqp_tests::scenes::{Kind, Scene};

@@ -5,7 +5,7 @@ use wbqp::{
     Controller, ControllerConfig, Measurement,
     contact::{ContactKind, ContactSpec, Surface},
     controller::RequestError,
-    entry::{Entry, Hardness, Weight},
+    plugin::{Entry, Hardness, Weight},
 };
 use wbqp_robots::Othex;
 use wbqp_tasks::{

@@ -2,18 +2,14 @@
 
 use wbqp::{
     config::ControllerConfig,
-    constraint::Constraint,
     contact::ContactId,
-    controller::{Controller, Fault, Measurement, Rung, Side},
-    entry::{Entry, Hardness},
-    layout::Layout,
+    controller::{Controller, Measurement, Rung, Side},
+    error::BindError,
+    fault::Fault,
+    plugin::{Constraint, ConstraintRows, Entry, Hardness, Layout, Rows, Setup, Task, Tick},
     qp::{ActiveSet, Capacity, Qp, QpSolver, RowId, Solution, Status, VarId},
-    rows::{ConstraintRows, Rows},
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
-    setup::{BindError, Setup},
-    task::Task,
-    tick::Tick,
 };
 use wbqp_tests::{
     adversary::Adversary,

@@ -6,12 +6,12 @@
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use wbqp::{
-    config::{Formulation, MeasurementLimits},
-    constraint::Constraint,
-    controller::{Command, Controller, Fault, Measurement, Rung},
-    entry::{Entry, Hardness, Weight},
+    controller::{Command, Controller, Measurement, Rung},
+    fault::Fault,
     nalgebra::Vector6,
+    plugin::{Constraint, Entry, Hardness, Weight},
     robot::RobotModel,
+    settings::{Formulation, MeasurementLimits},
 };
 use wbqp_tasks::{BaseOrientation, BasePosition, ContactForce, FreeMotion, Hold, Posture};
 use wbqp_tests::{

@@ -4,10 +4,12 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use wbqp::{
     Controller, ControllerConfig, Measurement,
-    config::{MeasurementLimits, Overrides},
-    controller::{Fault, Implausible, Measured, Rung},
+    config::Overrides,
+    controller::Rung,
+    fault::{Fault, Implausible, Measured},
     nalgebra::{UnitQuaternion, Vector3, Vector6},
     replay::Dump,
+    settings::MeasurementLimits,
 };
 use wbqp_tests::{
     approach::{experiment, simulated},

@@ -4,11 +4,11 @@ use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
 use wbqp::{
     actuator::ActuatorKind,
-    config::{Formulation, Hover},
     contact::ContactKind,
     controller::{Controller, Rung},
     nalgebra,
     qp::{Qp, Solution, Status},
+    settings::{Formulation, Hover},
 };
 use wbqp_tests::{
     properties::cases,

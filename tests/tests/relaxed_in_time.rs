@@ -8,7 +8,10 @@ use std::{
     time::Instant,
 };
 
-use wbqp::controller::{Fault, Measured, Rung};
+use wbqp::{
+    controller::Rung,
+    fault::{Fault, Measured},
+};
 use wbqp_examples::tick_stats::workload::Workload;
 
 /// Tests run side by side, and each has files of its own.

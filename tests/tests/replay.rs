@@ -11,16 +11,12 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use wbqp::{
     Controller, Measurement,
-    constraint::Constraint,
     controller::Rung,
-    entry::Entry,
-    layout::Layout,
+    error::BindError,
+    plugin::{Constraint, ConstraintRows, Entry, Layout, Setup, Tick},
     replay::{Dump, DumpError, DumpFolder, Matrices, ProblemTable},
-    rows::ConstraintRows,
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
-    setup::{BindError, Setup},
-    tick::Tick,
 };
 use wbqp_tests::scenes::{Kind, Scene};
 

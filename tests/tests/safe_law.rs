@@ -4,17 +4,13 @@
 use wbqp::{
     config::{ControllerConfig, Overrides},
     controller::{Controller, Measurement, Rung},
-    entry::{Entry, Hardness},
-    layout::Layout,
+    error::BindError,
     nalgebra::Vector3,
+    plugin::{Entry, Hardness, Layout, Rows, Setup, Task, Tick},
     robot::RobotModel,
-    rows::Rows,
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
-    setup::{BindError, Setup},
     state::State,
-    task::Task,
-    tick::Tick,
 };
 use wbqp_robots::OthexVertical;
 use wbqp_sim::{Plant, PlantCommand, PlantConfig, plant};

@@ -5,9 +5,9 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use wbqp::{
     Controller, Measurement,
-    config::MeasurementLimits,
     contact::ContactKind,
     controller::{Command, Rung},
+    settings::MeasurementLimits,
 };
 use wbqp_tasks::ContactForce;
 use wbqp_tests::scenes::{Kind, Scene};

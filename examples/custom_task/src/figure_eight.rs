@@ -3,11 +3,10 @@
 use std::f64::consts::TAU;
 
 use wbqp::{
-    reference::{Reference, Sample, Space, Start},
+    error::BindError,
+    plugin::{Reference, Sample, Space, Start, Tick},
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
-    setup::BindError,
-    tick::Tick,
 };
 
 /// Flies `(a sin 2φ, b sin φ, 0)` about the point where it takes over; φ runs through one turn per period.

@@ -11,13 +11,11 @@
 
 use wbqp::{
     Layout,
-    constraint::Constraint,
+    error::BindError,
     nalgebra::Vector3,
-    rows::ConstraintRows,
+    plugin::{Constraint, ConstraintRows, FrameHandle, Setup, Tick},
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
-    setup::{BindError, Setup},
-    tick::{FrameHandle, Tick},
 };
 
 /// How fast the limit may be approached, 1/s: both rates of the barrier.

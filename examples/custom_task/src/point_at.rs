@@ -14,13 +14,11 @@
 
 use wbqp::{
     Layout,
+    error::BindError,
     nalgebra::Vector3,
-    rows::Rows,
+    plugin::{FrameHandle, Rows, Setup, Task, Tick},
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
-    setup::{BindError, Setup},
-    task::Task,
-    tick::{FrameHandle, Tick},
 };
 
 /// Keeps the z axis of a frame pointing at a place in the world: `ë = −kd ė − kp e` for the direction e to it, seen in

@@ -20,8 +20,9 @@ use anyhow::{Result, ensure};
 use serde::Serialize;
 use wbqp::{
     Controller, Measurement,
-    controller::{Command, Rung, Stopwatch},
+    controller::{Command, Rung},
     dynamics::{Data, FrameKinematics},
+    stopwatch::Stopwatch,
 };
 
 pub use quantiles::Quantiles;

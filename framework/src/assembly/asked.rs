@@ -1,7 +1,7 @@
 //! What tasks ask of single accelerations.
 
 use super::{Group, Treatment};
-use crate::layout::VdotBlock;
+use crate::plugin::layout::VdotBlock;
 
 /// Per component of `v̇` the sum of what is asked by weight, and of the weights: infinite once a hard row has asked.
 #[derive(Clone, Debug)]

@@ -7,9 +7,9 @@ use super::{
 };
 use crate::{
     contact::ContactState,
-    controller::Fault,
     dynamics::{Data, FrameKinematics},
-    layout::{BoundTarget, Relation},
+    fault::Fault,
+    plugin::layout::{BoundTarget, Relation},
     qp::{Capacity, Qp, RowId},
 };
 

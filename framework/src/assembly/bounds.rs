@@ -2,8 +2,8 @@
 
 use super::{Assembly, DynamicsTerms, Group, Partition, partition::EffortPlace};
 use crate::{
-    controller::Fault,
-    layout::BoundTarget,
+    fault::Fault,
+    plugin::layout::BoundTarget,
     qp::{Qp, RowId},
 };
 

@@ -1,7 +1,7 @@
 //! Rows that must hold, or may give way at the price of a slack; the equations of motion.
 
 use super::{Assembly, DynamicsTerms, Group, Treatment, assemble::is_equality, expand::is_finite};
-use crate::{layout::Block, qp::Qp};
+use crate::{plugin::layout::Block, qp::Qp};
 
 impl Assembly {
     /// `M v̇ − [S J_cᵀ] (u, f) = Σ J_fᵀ f_f − h`.

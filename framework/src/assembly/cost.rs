@@ -5,7 +5,7 @@ use super::{
     expand::is_finite,
     partition::{EffortPlace, Place},
 };
-use crate::layout::{Block, VdotBlock};
+use crate::plugin::layout::{Block, VdotBlock};
 
 impl Assembly {
     /// Adds a group's rows to the cost, by what their blocks leave zero.

@@ -9,7 +9,10 @@ use super::{
     DynamicsTerms, Group, Live, Motions, Partition, Relations,
     partition::{EffortPlace, Place},
 };
-use crate::layout::{Block, Layout, VdotBlock};
+use crate::plugin::{
+    Layout,
+    layout::{Block, VdotBlock},
+};
 
 /// Everything that a row is expanded with.
 #[derive(Clone, Copy)]

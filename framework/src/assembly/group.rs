@@ -2,11 +2,13 @@
 
 use crate::{
     assembly::{Table, weight::WeightRamp},
-    controller::switch::Switch,
-    entry::{Hardness, Weight},
-    layout::{Layout, Relation, VdotBlock},
+    plugin::{
+        Hardness, Layout, Weight,
+        layout::{Relation, VdotBlock},
+        rows::RowStore,
+    },
     qp::{RowId, VarId},
-    rows::RowStore,
+    switch::Switch,
 };
 
 /// How the rows of a group enter the problem.

@@ -18,7 +18,7 @@
 //! D is chosen once, at home: of the joints that qualify, those with the largest pivots.
 
 use super::{Group, Treatment, assemble::is_equality, partition::Partition};
-use crate::{contact::ContactState, layout::VdotBlock};
+use crate::{contact::ContactState, plugin::layout::VdotBlock};
 
 /// Pivots below this share of the largest coefficient of their row on `v̇_D` are as good as none.
 const SINGULAR: f64 = 1e-2;

@@ -3,11 +3,11 @@
 use super::{Group, Table, live::FirstIds};
 use crate::{
     actuator::ActuatorKind,
-    config::Formulation,
     contact::ContactSpec,
     model::{Base, JointKind, Model},
     qp::RowId,
     robot::RobotModel,
+    settings::Formulation,
 };
 
 /// Names of the efforts and of the contacts' force components.

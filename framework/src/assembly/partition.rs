@@ -30,10 +30,10 @@ use std::collections::HashMap;
 use super::{Motions, Support};
 use crate::{
     actuator::ActuatorKind,
-    config::Formulation,
     contact::ContactSpec,
     model::{BodyId, FrameId, Model},
     robot::RobotModel,
+    settings::Formulation,
 };
 
 /// Where an actuator's effort is found.

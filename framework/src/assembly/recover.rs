@@ -9,7 +9,7 @@ use super::{
     DynamicsTerms, Group, Live, Motions, Partition, Relations, Support, kernels::dot,
     partition::EffortPlace,
 };
-use crate::layout::{Block, VdotBlock};
+use crate::plugin::layout::{Block, VdotBlock};
 
 /// What a solution means, in storage made once.
 #[derive(Clone, Debug)]

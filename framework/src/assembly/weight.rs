@@ -4,7 +4,7 @@
 //! After a change at `t₀` each weight goes by `w = w₀ + (w₁ − w₀) s((t − t₀)/τ)` with the smoothstep
 //! `s(x) = 3x² − 2x³`, where τ is the entry's transition.
 
-use crate::{controller::switch::smoothstep, entry::Weight};
+use crate::{plugin::Weight, switch::smoothstep};
 
 /// Weights that change over time, one per row.
 #[derive(Clone, Debug)]

@@ -1,7 +1,7 @@
 //! Putting a configuration together in code, without a file.
 
 use super::{
-    ConfigErrors, ControllerConfig, MeasurementLimits, Settings,
+    ConfigErrors, ControllerConfig,
     document::Document,
     entry::Names,
     expand::{self, Listed, Notes, Texts},
@@ -9,13 +9,12 @@ use super::{
     report::Report,
 };
 use crate::{
-    constraint::Constraint,
     contact::{ContactSpec, ShortContact},
     controller::{Controller, ControllerError},
-    entry::Entry,
+    plugin::{Constraint, Entry, Task},
     qp::Solver,
     robot::Robot,
-    task::Task,
+    settings::{MeasurementLimits, Settings},
 };
 
 impl ControllerConfig {

@@ -14,7 +14,7 @@ use super::{
     table::{self, Section},
 };
 use crate::{
-    entry::{Entry, Hardness, Weight},
+    plugin::{Entry, Hardness, Weight},
     registry::PluginKind,
     robot::Place,
 };

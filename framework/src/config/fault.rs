@@ -17,8 +17,8 @@ use super::{
     table::Section,
 };
 use crate::{
+    error::BindError,
     robot::{Place, RobotError, SourceFile},
-    setup::BindError,
 };
 
 /// One thing that does not fit the robot.

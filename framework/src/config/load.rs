@@ -22,15 +22,13 @@ use super::{
     table::{self, Section},
 };
 use crate::{
-    constraint::Constraint,
     contact::ContactSpec,
-    entry::{Entry, Hardness},
+    error::BindError,
     input,
+    plugin::{Constraint, Entry, Hardness, Task},
     qp::{ActiveSet, Solver},
     registry::{self, PluginKind},
     robot::{Place, Robot, SourceFile},
-    setup::BindError,
-    task::Task,
 };
 
 impl ControllerConfig {
@@ -153,7 +151,7 @@ fn registry_faults() -> &'static [String] {
         entry.extend_from_slice(&ENTRY_KEYS);
         reserved_keys::<dyn Task>(&entry, &mut faults);
         reserved_keys::<dyn Constraint>(&entry, &mut faults);
-        reserved_keys::<dyn crate::reference::Reference>(&["type"], &mut faults);
+        reserved_keys::<dyn crate::plugin::Reference>(&["type"], &mut faults);
         reserved_keys::<dyn Robot>(&["type"], &mut faults);
         reserved_keys::<dyn Solver>(&["type"], &mut faults);
         faults

@@ -29,14 +29,12 @@ use super::{
     table::Section,
 };
 use crate::{
-    config::Settings,
-    constraint::Constraint,
     contact::ContactSpec,
+    plugin::{Constraint, Reference, Task},
     qp::Solver,
-    reference::Reference,
     registry::{self, PluginKind, json_schema::schema_of},
     robot::{Diagnostic, Robot, Severity},
-    task::Task,
+    settings::Settings,
 };
 
 /// Weights whose products with squares of anything else that is taken do not overflow, and do not vanish.

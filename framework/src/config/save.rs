@@ -5,8 +5,11 @@ use std::ops::Range;
 use serde::Serialize;
 use toml::{de::DeTable, ser::ValueSerializer};
 
-use super::{ControllerConfig, MeasurementLimits};
-use crate::entry::{Entry, Hardness, Weight};
+use super::ControllerConfig;
+use crate::{
+    plugin::{Entry, Hardness, Weight},
+    settings::MeasurementLimits,
+};
 
 /// Why a configuration could not be written.
 #[derive(Debug, thiserror::Error)]

@@ -15,13 +15,11 @@ use super::{
     schema::Node,
 };
 use crate::{
-    constraint::Constraint,
+    plugin::{Constraint, Reference, Task},
     qp::Solver,
-    reference::Reference,
     registry::{self, PluginKind},
     robot::Robot,
     suggestion::{hint, list, suggestion},
-    task::Task,
 };
 
 /// A table of the file: its header's span, or the whole inline table's, and the keys.

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::setup::BindError;
+use crate::error::BindError;
 
 /// A threshold with hysteresis and dwell: touching when the normal force has stayed above `on` for `dwell`,
 /// not touching when it has stayed below `off` for as long.

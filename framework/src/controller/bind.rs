@@ -19,7 +19,6 @@ use super::{
     recording::MadeFrom,
     report::Report,
     safe::SafeLaw,
-    stopwatch::NoStopwatch,
     world::{ContactBinding, World},
 };
 use crate::{
@@ -27,18 +26,16 @@ use crate::{
         Actuation, Assembly, DynamicsTerms, Elastic, Group, Partition, ProblemRows, Table,
         VariableNames,
     },
-    config::{ControllerConfig, MeasurementLimits, Origin, Settings},
-    constraint::Constraint,
+    config::{ControllerConfig, Origin},
     contact::{ContactSpec, ContactState},
     dynamics::{Data, FrameKinematics},
-    entry::Entry,
+    error::BindError,
     model::FrameId,
+    plugin::{Constraint, Entry, Prediction, Setup, Task, rows::RowStore},
     qp::{ActiveSet, Capacity, Qp, QpSolver as _, Solution, Solver, WarmStart},
     robot::{RobotError, RobotModel},
-    rows::RowStore,
-    setup::{BindError, Setup},
-    task::Task,
-    tick::Prediction,
+    settings::{MeasurementLimits, Settings},
+    stopwatch::NoStopwatch,
 };
 
 impl ControllerConfig {

@@ -4,7 +4,7 @@
 //! A servoed joint receives a velocity reference that integrates the commanded acceleration and leaks to the
 //! measured velocity with time constant `τ_ℓ`:
 //! `v_ref⁺ = sat(v_ref + T v̇_A* − (T/τ_ℓ)(v_ref − v_meas))`, where T is the time that the tick stands for
-//! ([`Tick::elapsed`](crate::tick::Tick::elapsed)). The leak is the anti-windup; drift of the position is
+//! ([`Tick::elapsed`](crate::plugin::Tick::elapsed)). The leak is the anti-windup; drift of the position is
 //! removed by the posture task.
 
 use crate::{actuator::ActuatorKind, model::Model, robot::RobotModel, state::State};

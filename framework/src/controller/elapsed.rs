@@ -8,7 +8,7 @@
 //! with.
 //!
 //! Integrals of tasks, filters, and velocity references grow by this time
-//! ([`Tick::elapsed`](crate::tick::Tick::elapsed)). What an actuator's `slew` allows counts from the tick before, and
+//! ([`Tick::elapsed`](crate::plugin::Tick::elapsed)). What an actuator's `slew` allows counts from the tick before, and
 //! for a period at the most. What looks ahead, as limits on positions do, looks one period ahead. Ramps and references
 //! are functions of the stamps.
 

@@ -2,8 +2,8 @@
 
 use crate::{
     config::ConfigErrors,
+    error::BindError,
     robot::{Place, RobotError},
-    setup::BindError,
 };
 
 /// Why a controller could not be made.

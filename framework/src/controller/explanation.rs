@@ -19,11 +19,11 @@ use std::fmt;
 
 use super::{
     Controller,
-    measurement::{Fault, Quantity},
     report::{ConflictRow, Rung, Side},
 };
 use crate::{
     assembly::{Assembly, Group, Table},
+    fault::{Fault, Quantity},
     qp::{Qp, RowId, Solution, Status},
 };
 

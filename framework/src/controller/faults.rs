@@ -4,12 +4,11 @@ use std::collections::HashMap;
 
 use super::ControllerError;
 use crate::{
-    config::{ConfigErrorKind, Fault, MeasurementLimits, Origin, Settings, Target},
-    constraint::Constraint,
+    config::{ConfigErrorKind, Fault, Origin, Target},
     contact::ContactSpec,
-    entry::Entry,
-    setup::BindError,
-    task::Task,
+    error::BindError,
+    plugin::{Constraint, Entry, Task},
+    settings::{MeasurementLimits, Settings},
 };
 
 /// What is wrong so far, and where the configuration comes from.

@@ -4,12 +4,13 @@
 //! A tick is the first until one was plausible: after a refused one time counts anew, and references begin at what the
 //! next one measures.
 
-use super::{Controller, measurement::Fault};
+use super::Controller;
 use crate::{
     assembly::Group,
-    config::{FirstError, StartFrom},
-    layout::{Layout, VdotBlock},
+    fault::Fault,
     model::{Base, Model},
+    plugin::{Layout, layout::VdotBlock},
+    settings::{FirstError, StartFrom},
 };
 
 /// What is remembered of the first tick, and how large its errors may be.
@@ -96,7 +97,7 @@ fn counts(layout: &Layout, model: &Model) -> Vec<Counts> {
         VdotBlock::Unit(columns) => columns.get(row).is_some_and(|column| *column >= base),
         _ => false,
     };
-    let count = |(row, spec): (usize, &crate::layout::RowSpec)| {
+    let count = |(row, spec): (usize, &crate::plugin::RowSpec)| {
         let is_rotation = match layout.error_unit.as_str() {
             "m" => false,
             "rad" => true,
@@ -127,7 +128,7 @@ impl Controller {
         if self.settings.start == StartFrom::Home {
             return;
         }
-        let tick = self.world.tick(crate::tick::EntryState {
+        let tick = self.world.tick(crate::plugin::EntryState {
             alpha: 1.0,
             since: f64::NEG_INFINITY,
         });

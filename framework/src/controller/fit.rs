@@ -1,13 +1,15 @@
 //! Whether an entry and its plug-in's layout fit the problem: nothing that a tick writes can go out of range, and what
 //! an entry asks for has a meaning.
 
-use super::switch::Switch;
 use crate::{
     assembly::{Group, GroupSpec, Table},
     contact::ContactSpec,
-    entry::{Entry, Hardness},
-    layout::{BoundTarget, Layout, Relation, VdotBlock},
-    setup::BindError,
+    error::BindError,
+    plugin::{
+        Entry, Hardness, Layout,
+        layout::{BoundTarget, Relation, VdotBlock},
+    },
+    switch::Switch,
 };
 
 /// Sizes of the decision variables.
@@ -70,7 +72,7 @@ fn check_entry<P: ?Sized>(
     is_task: bool,
 ) -> Result<(), BindError> {
     let rows = layout.len();
-    if let crate::entry::Weight::PerRow(weights) = &entry.weight
+    if let crate::plugin::Weight::PerRow(weights) = &entry.weight
         && weights.len() != rows
     {
         let expected = format!("one number, or {rows}: one per row");
@@ -167,12 +169,12 @@ pub(crate) fn check_layout(
             columns("contact Jacobian rows", list, 6)?;
         }
     }
-    if let Some(crate::layout::Block::Unit(list)) = &layout.effort {
+    if let Some(crate::plugin::layout::Block::Unit(list)) = &layout.effort {
         columns("effort columns", list, sizes.nu)?;
     }
     for (contact, block) in &layout.forces {
         let limit = nf(*contact)?;
-        if let crate::layout::Block::Unit(list) = block {
+        if let crate::plugin::layout::Block::Unit(list) = block {
             columns("force columns", list, limit)?;
         }
     }

@@ -16,9 +16,10 @@
 //! What is cut off by more than [`NEGLIGIBLE`] of the actuator's range (of the effort's own size where there is no
 //! limit) was not rounding: that command is not the optimum, whatever the solver said, and the tick says so.
 
-use super::{command::Command, measurement::Fault};
+use super::command::Command;
 use crate::{
     actuator::{Actuator, ActuatorId, ActuatorKind},
+    fault::Fault,
     model::{JointId, Model},
     robot::RobotModel,
 };

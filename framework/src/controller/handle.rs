@@ -14,7 +14,8 @@ use super::{
     requests::{redirect, reweight},
 };
 use crate::{
-    assembly::Group, constraint::Constraint, entry::Weight, reference::Reference, task::Task,
+    assembly::Group,
+    plugin::{Constraint, Reference, Task, Weight},
 };
 
 /// A task or constraint of one controller, of known type. Made by [`Controller::task_id`] and

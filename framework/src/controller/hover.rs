@@ -6,10 +6,10 @@
 
 use super::Controller;
 use crate::{
-    config::Hover,
     model::Base,
     qp::{Status, VarId},
     robot::RobotModel,
+    settings::Hover,
 };
 
 /// Forces below this share of the weight, and moments below this share of the weight at 1 m, count as none.

@@ -29,12 +29,13 @@
 
 use super::{
     explanation::{Owner, is_proof, write_conflict},
-    measurement::{Fault, Measurement},
+    measurement::Measurement,
     report::{OnRung, RelaxedRow, Report, Rung, Side},
     safe::SafeLaw,
 };
 use crate::{
     assembly::{Assembly, DynamicsTerms, Elastic, Group},
+    fault::Fault,
     qp::{ActiveSet, ConstraintId, Held, Qp, QpSolver, Solution, Status, WarmStart},
 };
 

@@ -10,10 +10,10 @@ use serde::Serialize;
 
 use crate::{
     assembly::{Assembly, Elastic, Group, Partition},
+    error::BindError,
     input::size,
+    plugin::rows::RowStore,
     qp::{Capacity, QpSolver},
-    rows::RowStore,
-    setup::BindError,
 };
 
 use super::fit::Sizes;

@@ -17,7 +17,6 @@ mod gate;
 mod handle;
 mod home;
 mod hover;
-mod implausible;
 mod ladder;
 mod measurement;
 mod memory;
@@ -29,8 +28,6 @@ mod report;
 mod requests;
 mod restart;
 mod safe;
-mod stopwatch;
-pub(crate) mod switch;
 pub(crate) mod world;
 
 pub use bind::Plan;
@@ -39,27 +36,24 @@ pub use error::{ControllerError, RequestError};
 pub use explanation::{Explanation, Limit};
 pub use gate::CutEffort;
 pub use handle::{EntryId, EntryKey, EntryMut};
-pub use implausible::{Implausible, Measured};
-pub use measurement::{Fault, Measurement, Quantity};
+pub use measurement::Measurement;
 pub use memory::Memory;
 pub use rehearsal::PlannedForce;
 pub use report::{
     ActiveRow, ConflictRow, ContactReport, OnRung, RelaxedRow, Report, Rung, Side, TaskReport,
 };
-pub use stopwatch::{NoStopwatch, StageTimes, Stopwatch};
 
 use nalgebra::DVector;
 
 use crate::{
     assembly::{Actuation, Assembly, Group, RowInfo, Table, VarInfo},
-    config::{MeasurementLimits, Settings},
-    constraint::Constraint,
+    fault::Fault,
+    plugin::{Constraint, ConstraintRows, EntryState, Rows, Task},
     qp::{Budget, Qp, RowId, Solution, Solver, Status, VarId},
     replay::{Record, Recorder},
     robot::RobotModel,
-    rows::{ConstraintRows, Rows},
-    task::Task,
-    tick::EntryState,
+    settings::{MeasurementLimits, Settings},
+    stopwatch::{StageTimes, Stopwatch},
 };
 use elapsed::elapsed;
 use first::FirstTick;

@@ -21,17 +21,14 @@
 
 use nalgebra::UnitQuaternion;
 
-use super::{
-    Measurement,
-    implausible::{Implausible, Measured},
-    measurement::Fault,
-};
+use super::Measurement;
 use crate::{
     actuator::ActuatorKind,
-    config::MeasurementLimits,
     contact::{ContactId, ContactSpec},
+    fault::{Fault, Implausible, Measured},
     model::{Joint, JointId, JointKind, Model},
     robot::RobotModel,
+    settings::MeasurementLimits,
     state::State,
 };
 

@@ -3,8 +3,7 @@
 use super::Controller;
 use crate::{
     contact::ContactId,
-    reference::{Sample, Space},
-    tick::EntryState,
+    plugin::{EntryState, Sample, Space},
 };
 
 /// The set point of a normal force.

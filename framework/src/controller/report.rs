@@ -3,11 +3,13 @@
 use nalgebra::{DVector, Vector3, Vector6};
 use serde::{Deserialize, Serialize};
 
-use super::{gate::CutEffort, measurement::Fault, stopwatch::StageTimes, world::World};
+use super::{gate::CutEffort, world::World};
 use crate::{
     assembly::Group,
+    fault::Fault,
+    plugin::ForceReport,
     qp::{Capacity, RowId, Status},
-    task::ForceReport,
+    stopwatch::StageTimes,
 };
 
 /// Where the command of a tick comes from: the highest rung of a ladder that was possible. All commands are finite and

@@ -6,11 +6,8 @@ use super::{Controller, error::RequestError};
 use crate::{
     assembly::{Group, Treatment},
     contact::{ContactId, ContactSpec, ContactState, SurfaceMotion},
-    entry::Weight,
-    layout::Layout,
-    reference::Reference,
-    setup::{BindError, unknown},
-    task::Task,
+    error::{BindError, unknown},
+    plugin::{Layout, Reference, Task, Weight},
 };
 
 impl Controller {

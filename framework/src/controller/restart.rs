@@ -1,6 +1,7 @@
 //! Saying that the robot is elsewhere.
 
-use super::{Controller, Fault, Measurement};
+use super::{Controller, Measurement};
+use crate::fault::Fault;
 
 impl Controller {
     /// Says that what the next tick measures is meant to be elsewhere than what was measured last: the robot was

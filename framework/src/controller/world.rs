@@ -10,15 +10,16 @@ use nalgebra::{
     Isometry3, Matrix3, Matrix6xX, Rotation3, Translation3, UnitQuaternion, Vector3, Vector6,
 };
 
-use super::{measurement::Measurement, switch::Switch};
+use super::measurement::Measurement;
 use crate::{
     contact::{ContactSpec, ContactState, FreeForce, SurfaceMotion},
     dynamics::{Data, FrameKinematics},
+    error::{BindError, unknown},
     model::{BodyId, FrameId, Model},
+    plugin::{EntryState, Prediction, Tick},
     replay::ContactMemory,
-    setup::{BindError, unknown},
     state::State,
-    tick::{EntryState, Prediction, Tick},
+    switch::Switch,
 };
 
 /// State, dynamics, requested frames and contacts.

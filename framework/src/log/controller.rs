@@ -10,7 +10,7 @@ use super::{
 use crate::{
     actuator::ActuatorKind,
     controller::{Controller, Measurement, Report, Side},
-    layout::Layout,
+    plugin::Layout,
     robot::RobotModel,
 };
 

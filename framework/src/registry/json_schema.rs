@@ -13,13 +13,11 @@ use serde_json::{Map, Value, json};
 
 use super::PluginKind;
 use crate::{
-    config::{MeasurementLimits, Settings, expand},
-    constraint::Constraint,
-    entry::{Hardness, Weight},
+    config::expand,
+    plugin::{Constraint, Hardness, Reference, Task, Weight},
     qp::Solver,
-    reference::Reference,
     robot::Robot,
-    task::Task,
+    settings::{MeasurementLimits, Settings},
 };
 
 /// Schemas of plain data nest less deeply.

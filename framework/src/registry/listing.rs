@@ -13,11 +13,9 @@ use serde_json::Value;
 use super::{Duplicate, PluginKind, duplicates};
 use crate::{
     config::{expand, schema::Node},
-    constraint::Constraint,
+    plugin::{Constraint, Reference, Task},
     qp::Solver,
-    reference::Reference,
     robot::Robot,
-    task::Task,
 };
 
 /// What a configuration can name, see [`list`].

@@ -91,7 +91,7 @@ fn is_behind() -> bool {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct ContactMemory {
-    pub(crate) switch: crate::controller::switch::Switch,
+    pub(crate) switch: crate::switch::Switch,
     pub(crate) exit_force: f64,
     pub(crate) exit_alpha: f64,
     pub(crate) filtered: [f64; 3],

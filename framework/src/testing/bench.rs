@@ -22,12 +22,14 @@ use crate::{
         world::{ContactBinding, World},
     },
     dynamics::{Data, FrameKinematics, frame_motion},
-    layout::{Block, Layout, VdotBlock},
+    error::BindError,
+    plugin::{
+        EntryState, Layout, Prediction, Setup,
+        layout::{Block, VdotBlock},
+        rows::RowStore,
+    },
     robot::RobotModel,
-    rows::RowStore,
-    setup::{BindError, Setup},
     state::State,
-    tick::{EntryState, Prediction},
 };
 
 /// Control period of the tests, s.

@@ -1,8 +1,8 @@
 //! A test kit for authors of plug-ins: does a task or constraint do what its documentation says, on any robot?
 //!
 //! ```
-//! # use wbqp::{Layout, rows::Rows, schemars::JsonSchema, serde::{Deserialize, Serialize}};
-//! # use wbqp::{model::JointId, setup::{BindError, Setup}, task::Task, tick::Tick};
+//! # use wbqp::{plugin::Rows, schemars::JsonSchema, serde::{Deserialize, Serialize}, Layout};
+//! # use wbqp::{error::BindError, model::JointId, plugin::{Setup, Task, Tick}};
 //! use wbqp::testing::PluginTest;
 //!
 //! /// Brings one joint to a position: `q̈ = −kd q̇ − kp (q − target)`.
@@ -108,11 +108,12 @@ pub use report::{Check, Failure, Failures, Passed};
 pub use robots::{built_in_contacts, built_in_robots};
 
 use crate::{
-    constraint::Constraint,
     contact::ContactSpec,
-    layout::{Layout, Relation, VdotBlock},
+    plugin::{
+        Constraint, Layout, Task,
+        layout::{Relation, VdotBlock},
+    },
     robot::RobotModel,
-    task::Task,
 };
 use bench::{Bench, Inputs};
 use report::Report;

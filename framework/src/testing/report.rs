@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::setup::BindError;
+use crate::error::BindError;
 
 /// What a plug-in is checked for; see the table of the [module](super).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

@@ -3,13 +3,9 @@
 use toml::{Spanned, Table, Value, de::DeValue};
 
 use crate::{
-    constraint::Constraint,
-    layout::Layout,
+    error::BindError,
+    plugin::{Constraint, ConstraintRows, Layout, Rows, Setup, Task, Tick, rows::RowStore},
     registry::{self, PluginKind},
-    rows::{ConstraintRows, RowStore, Rows},
-    setup::{BindError, Setup},
-    task::Task,
-    tick::Tick,
 };
 
 /// A task or a constraint.

@@ -8,7 +8,7 @@ use super::{
     report::Report,
     subject::Subject,
 };
-use crate::layout::{Layout, Relation};
+use crate::plugin::{Layout, layout::Relation};
 
 /// Largest difference of coefficients that should be the same, relative.
 const SAME: f64 = 1e-9;

@@ -4,7 +4,10 @@ use std::collections::BTreeMap;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use wbqp::{controller::Controller, entry::Weight, reference::Reference};
+use wbqp::{
+    controller::Controller,
+    plugin::{Reference, Weight},
+};
 
 /// Everything that happens at one time. Actions are applied in the order of the fields.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

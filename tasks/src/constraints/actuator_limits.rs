@@ -2,14 +2,11 @@
 
 use wbqp::{
     actuator::ActuatorKind,
-    constraint::Constraint,
-    layout::Layout,
+    error::BindError,
     model::JointKind,
-    rows::ConstraintRows,
+    plugin::{Constraint, ConstraintRows, Layout, Setup, Tick},
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
-    setup::{BindError, Setup},
-    tick::Tick,
 };
 
 /// Keeps every effort within its actuator's limits, the paper's (10b).

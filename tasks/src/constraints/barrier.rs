@@ -6,7 +6,7 @@
 //! barrier function of relative degree two: Nguyen and Sreenath, *Exponential control barrier functions for enforcing
 //! high relative-degree safety-critical constraints*, ACC 2016.
 
-use wbqp::setup::BindError;
+use wbqp::error::BindError;
 
 use crate::check;
 

@@ -4,14 +4,11 @@
 //! C the surface's frame. All vectors in C axes, which do not turn.
 
 use wbqp::{
-    constraint::Constraint,
     contact::ContactId,
-    layout::Layout,
-    rows::ConstraintRows,
+    error::BindError,
+    plugin::{Constraint, ConstraintRows, Layout, Setup, Tick},
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
-    setup::{BindError, Setup},
-    tick::Tick,
 };
 
 use crate::check;

@@ -5,14 +5,11 @@
 //! axes, about the contact point, which is the middle of a rectangular sole.
 
 use wbqp::{
-    constraint::Constraint,
     contact::{ContactId, ContactKind},
-    layout::Layout,
-    rows::ConstraintRows,
+    error::BindError,
+    plugin::{Constraint, ConstraintRows, Layout, Setup, Tick},
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
-    setup::{BindError, Setup},
-    tick::Tick,
 };
 
 use super::friction_pyramid::{Approximation, default_sides, normals, validate_sides};

@@ -7,14 +7,11 @@
 use std::f64::consts::{PI, TAU};
 
 use wbqp::{
-    constraint::Constraint,
     contact::{ContactId, ContactKind},
-    layout::Layout,
-    rows::ConstraintRows,
+    error::BindError,
+    plugin::{Constraint, ConstraintRows, Layout, Setup, Tick},
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
-    setup::{BindError, Setup},
-    tick::Tick,
 };
 
 /// Keeps the contact force in a pyramid around the normal and the normal force within the contact's limits, the

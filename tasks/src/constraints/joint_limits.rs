@@ -8,14 +8,11 @@
 //! (viability), with what it leaves open, states beyond a limit, brought back with A.
 
 use wbqp::{
-    constraint::Constraint,
-    layout::Layout,
+    error::BindError,
     model::{JointId, JointKind},
-    rows::ConstraintRows,
+    plugin::{Constraint, ConstraintRows, Layout, Setup, Tick},
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
-    setup::{BindError, Setup},
-    tick::Tick,
 };
 
 use crate::{check, effort::chosen, gain::Gain};

@@ -5,14 +5,11 @@
 #![allow(non_snake_case)]
 
 use wbqp::{
-    constraint::Constraint,
-    layout::Layout,
+    error::BindError,
     nalgebra::Vector3,
-    rows::ConstraintRows,
+    plugin::{Constraint, ConstraintRows, FrameHandle, Layout, Setup, Tick},
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
-    setup::{BindError, Setup},
-    tick::{FrameHandle, Tick},
 };
 
 use super::barrier::{default_rate, least, validate_rate};

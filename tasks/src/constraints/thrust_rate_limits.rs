@@ -1,13 +1,10 @@
 //! Thrusts change no faster than rotors can.
 
 use wbqp::{
-    constraint::Constraint,
-    layout::Layout,
-    rows::ConstraintRows,
+    error::BindError,
+    plugin::{Constraint, ConstraintRows, Layout, Setup, Tick},
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
-    setup::{BindError, Setup},
-    tick::Tick,
 };
 
 use crate::{check, tasks::chosen_rotors};

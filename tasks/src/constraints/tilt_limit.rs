@@ -7,14 +7,11 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use wbqp::{
-    constraint::Constraint,
-    layout::Layout,
+    error::BindError,
     nalgebra::Vector3,
-    rows::ConstraintRows,
+    plugin::{Constraint, ConstraintRows, Layout, Setup, Tick},
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
-    setup::{BindError, Setup},
-    tick::Tick,
 };
 
 use super::{

@@ -13,11 +13,10 @@
 use std::f64::consts::TAU;
 
 use wbqp::{
-    reference::{Reference, Sample, Space, Start},
+    error::BindError,
+    plugin::{Reference, Sample, Space, Start, Tick},
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
-    setup::BindError,
-    tick::Tick,
 };
 
 use super::leg;

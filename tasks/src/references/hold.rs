@@ -1,11 +1,10 @@
 //! Standing still.
 
 use wbqp::{
-    reference::{Reference, Sample, Start},
+    error::BindError,
+    plugin::{Reference, Sample, Start, Tick},
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
-    setup::BindError,
-    tick::Tick,
 };
 
 use super::leg;

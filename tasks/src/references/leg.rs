@@ -7,9 +7,9 @@
 //! `φ = log(R_b R_aᵀ)`, which is constant in world axes: `R = exp(s φ) R_a`, `w = ṡ φ`, `ẇ = s̈ φ`.
 
 use wbqp::{
+    error::BindError,
     nalgebra::{UnitQuaternion, Vector3},
-    reference::{Sample, Space, Start},
-    setup::BindError,
+    plugin::{Sample, Space, Start},
     spatial,
 };
 

@@ -1,11 +1,10 @@
 //! One smooth move.
 
 use wbqp::{
-    reference::{Reference, Sample, Start},
+    error::BindError,
+    plugin::{Reference, Sample, Start, Tick},
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
-    setup::BindError,
-    tick::Tick,
 };
 
 use super::leg::{self, Leg};
@@ -96,7 +95,7 @@ impl Reference for MinJerk {
 
 #[cfg(test)]
 mod tests {
-    use wbqp::reference::Space;
+    use wbqp::plugin::Space;
 
     use super::*;
 

@@ -27,13 +27,12 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use wbqp::{
+    error::BindError,
     nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3},
-    reference::{Reference, Sample, Space, Start},
+    plugin::{Reference, Sample, Space, Start, Tick},
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
-    setup::BindError,
     spatial,
-    tick::Tick,
 };
 
 use crate::check;
@@ -45,7 +44,7 @@ use crate::check;
 ///
 /// `F = m (a_R* − g) − Σ_c R_WC f_c^d`, `z_R = F/‖F‖`, with F low-passed and the tilt limited.
 ///
-/// Nothing has to be named: `a_R*` is the [virtual input](wbqp::tick::Prediction::virtual_input) of whatever task moves
+/// Nothing has to be named: `a_R*` is the [virtual input](wbqp::plugin::Prediction::virtual_input) of whatever task moves
 /// the base, and [`f_c^d`](wbqp::contact::ContactState::set_point) that of every contact with a force task, both of the
 /// tick before. It begins with the attitude where it takes over, apart from the yaw.
 ///

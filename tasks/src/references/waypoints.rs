@@ -1,11 +1,10 @@
 //! Several smooth moves, one after another.
 
 use wbqp::{
-    reference::{Reference, Sample, Start},
+    error::BindError,
+    plugin::{Reference, Sample, Start, Tick},
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
-    setup::BindError,
-    tick::Tick,
 };
 
 use super::leg::{self, Leg};
@@ -128,7 +127,7 @@ impl Reference for Waypoints {
 
 #[cfg(test)]
 mod tests {
-    use wbqp::reference::Space;
+    use wbqp::plugin::Space;
 
     use super::*;
 

@@ -5,16 +5,15 @@
 #![allow(non_snake_case)]
 
 use wbqp::{
-    layout::Layout,
+    error::BindError,
     nalgebra::{UnitQuaternion, Vector3},
-    reference::{Follow, Reference, Sample, Space, begin, begin_turned},
-    rows::Rows,
+    plugin::{
+        Layout, Reference, Rows, Sample, Setup, Space, Task, Tick,
+        reference::{Follow, begin, begin_turned},
+    },
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
-    setup::{BindError, Setup},
     spatial,
-    task::Task,
-    tick::Tick,
 };
 
 use super::base_position::require_floating;

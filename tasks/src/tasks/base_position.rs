@@ -5,16 +5,15 @@
 #![allow(non_snake_case)]
 
 use wbqp::{
-    layout::Layout,
+    error::BindError,
     model::Base,
     nalgebra::Vector3,
-    reference::{Follow, Reference, Sample, Space, begin, begin_at},
-    rows::Rows,
+    plugin::{
+        Layout, Reference, Rows, Sample, Setup, Space, Task, Tick,
+        reference::{Follow, begin, begin_at},
+    },
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
-    setup::{BindError, Setup},
-    task::Task,
-    tick::Tick,
 };
 
 use crate::{

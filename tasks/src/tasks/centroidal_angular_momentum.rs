@@ -5,15 +5,14 @@
 #![allow(non_snake_case)]
 
 use wbqp::{
-    layout::Layout,
+    error::BindError,
     nalgebra::Vector3,
-    reference::{Follow, Reference, Sample, Space, begin},
-    rows::Rows,
+    plugin::{
+        Layout, Reference, Rows, Sample, Setup, Space, Task, Tick,
+        reference::{Follow, begin},
+    },
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
-    setup::{BindError, Setup},
-    task::Task,
-    tick::Tick,
 };
 
 use super::base_position::require_floating;

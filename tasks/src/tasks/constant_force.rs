@@ -6,14 +6,11 @@
 
 use wbqp::{
     contact::{ContactId, ContactKind},
-    layout::Layout,
+    error::BindError,
     nalgebra::Vector3,
-    rows::Rows,
+    plugin::{ForceReport, Layout, Rows, Setup, Task, Tick},
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
-    setup::{BindError, Setup},
-    task::{ForceReport, Task},
-    tick::Tick,
 };
 
 use super::contact_force::COMPONENTS;

@@ -11,15 +11,14 @@ use feedback::{Loop, Settings};
 use set_point::{Now, Ramp, SetPoint};
 use wbqp::{
     contact::{ContactId, ContactKind},
-    layout::Layout,
+    error::BindError,
     nalgebra::Vector3,
-    reference::{Follow, Reference, Sample, Space, begin},
-    rows::Rows,
+    plugin::{
+        ForceReport, Layout, Reference, Rows, Sample, Setup, Space, Task, Tick,
+        reference::{Follow, begin},
+    },
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
-    setup::{BindError, Setup},
-    task::{ForceReport, Task},
-    tick::Tick,
 };
 
 use crate::{Hold, check, follow::component};

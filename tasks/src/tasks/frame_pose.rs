@@ -5,15 +5,14 @@
 #![allow(non_snake_case)]
 
 use wbqp::{
-    layout::Layout,
+    error::BindError,
     nalgebra::UnitQuaternion,
-    reference::{Follow, Reference, Sample, Space, begin, begin_at, begin_turned},
-    rows::Rows,
+    plugin::{
+        FrameHandle, Layout, Reference, Rows, Sample, Setup, Space, Task, Tick,
+        reference::{Follow, begin, begin_at, begin_turned},
+    },
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
-    setup::{BindError, Setup},
-    task::Task,
-    tick::{FrameHandle, Tick},
 };
 
 use super::base_orientation::RotationError;

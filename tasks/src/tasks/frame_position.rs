@@ -5,14 +5,13 @@
 #![allow(non_snake_case)]
 
 use wbqp::{
-    layout::Layout,
-    reference::{Follow, Reference, Sample, Space, begin, begin_at},
-    rows::Rows,
+    error::BindError,
+    plugin::{
+        FrameHandle, Layout, Reference, Rows, Sample, Setup, Space, Task, Tick,
+        reference::{Follow, begin, begin_at},
+    },
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
-    setup::{BindError, Setup},
-    task::Task,
-    tick::{FrameHandle, Tick},
 };
 
 use crate::{

@@ -8,15 +8,14 @@
 use wbqp::{
     contact::{ContactId, ContactSpec},
     dynamics::{Data, frame_motion},
-    layout::Layout,
+    error::BindError,
     nalgebra::Vector3,
-    reference::{Follow, Reference, Sample, Space, begin, begin_at},
-    rows::Rows,
+    plugin::{
+        Layout, Reference, Rows, Sample, Setup, Space, Task, Tick,
+        reference::{Follow, begin, begin_at},
+    },
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
-    setup::{BindError, Setup},
-    task::Task,
-    tick::Tick,
 };
 
 use crate::{

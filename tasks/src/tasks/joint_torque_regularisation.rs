@@ -1,15 +1,11 @@
 //! Joint torques near a value.
 
 use wbqp::{
-    layout::Layout,
+    error::BindError,
     model::JointKind,
-    reference::{Follow, Reference, Space},
-    rows::Rows,
+    plugin::{Layout, Reference, Rows, Setup, Space, Task, Tick, reference::Follow},
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
-    setup::{BindError, Setup},
-    task::Task,
-    tick::Tick,
 };
 
 use crate::{

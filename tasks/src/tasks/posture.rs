@@ -1,15 +1,14 @@
 //! Joint positions (q_A).
 
 use wbqp::{
-    layout::Layout,
+    error::BindError,
     model::{JointId, JointKind},
-    reference::{Follow, Reference, Sample, Space, begin, begin_at},
-    rows::Rows,
+    plugin::{
+        Layout, Reference, Rows, Sample, Setup, Space, Task, Tick,
+        reference::{Follow, begin, begin_at},
+    },
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
-    setup::{BindError, Setup},
-    task::Task,
-    tick::Tick,
 };
 
 use crate::{

@@ -1,13 +1,10 @@
 //! Equal thrusts (r_a).
 
 use wbqp::{
-    layout::Layout,
-    rows::Rows,
+    error::BindError,
+    plugin::{Layout, Rows, Setup, Task, Tick},
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
-    setup::{BindError, Setup},
-    task::Task,
-    tick::Tick,
 };
 
 /// Balances the rotors' thrusts, the paper's r_a.

@@ -7,15 +7,14 @@
 
 use wbqp::{
     dynamics::FrameKinematics,
-    layout::Layout,
+    error::BindError,
     nalgebra::{UnitQuaternion, Vector3},
-    reference::{Follow, Reference, Sample, Space, begin, begin_at, begin_turned},
-    rows::Rows,
+    plugin::{
+        FrameHandle, Layout, Reference, Rows, Sample, Setup, Space, Task, Tick,
+        reference::{Follow, begin, begin_at, begin_turned},
+    },
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
-    setup::{BindError, Setup},
-    task::Task,
-    tick::{FrameHandle, Tick},
 };
 
 use super::{base_orientation::RotationError, frame_pose::POSE};

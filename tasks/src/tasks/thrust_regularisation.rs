@@ -1,14 +1,10 @@
 //! Thrusts near a value.
 
 use wbqp::{
-    layout::Layout,
-    reference::{Follow, Reference, Space},
-    rows::Rows,
+    error::BindError,
+    plugin::{Layout, Reference, Rows, Setup, Space, Task, Tick, reference::Follow},
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
-    setup::{BindError, Setup},
-    task::Task,
-    tick::Tick,
 };
 
 use crate::{

@@ -1,11 +1,9 @@
 //! What `bind` accepts and how it refuses.
 
 use wbqp::{
-    constraint::Constraint,
     contact::ContactKind,
-    layout::Layout,
-    setup::{BindError, Setup},
-    task::Task,
+    error::BindError,
+    plugin::{Constraint, Layout, Setup, Task},
 };
 use wbqp_tasks::{
     ActuatorLimits, Axis, BaseOrientation, BasePosition, CentroidalAngularMomentum, Com,

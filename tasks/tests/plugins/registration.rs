@@ -2,12 +2,10 @@
 
 use wbqp::{
     ControllerConfig,
-    constraint::Constraint,
-    reference::Reference,
+    plugin::{Constraint, Reference, Task},
     registry,
     serde::{Serialize, de::DeserializeOwned},
     serde_json::{self, Value},
-    task::Task,
 };
 
 use crate::robot::Small;

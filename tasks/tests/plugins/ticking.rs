@@ -3,13 +3,11 @@
 
 use wbqp::{
     Controller, ControllerConfig, Measurement, Report,
-    config::{FirstError, Settings, StartFrom},
-    constraint::Constraint,
     controller::Rung,
-    entry::{Entry, Hardness, Weight},
     nalgebra::{Vector3, Vector6},
+    plugin::{Constraint, Entry, Hardness, Task, Weight},
+    settings::{FirstError, Settings, StartFrom},
     spatial,
-    task::Task,
 };
 use wbqp_tasks::{
     ActuatorLimits, BaseOrientation, BasePosition, ContactForce, ContactMotion, FreeMotion,

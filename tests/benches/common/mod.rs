@@ -1,6 +1,6 @@
 //! Ticks of a closed loop, recorded, to be run again as often as a benchmark wants.
 
-use wbqp::{Controller, Measurement, controller::StageTimes};
+use wbqp::{Controller, Measurement, stopwatch::StageTimes};
 use wbqp_examples::tick_stats::workload::{Contact, Robot, Workload};
 
 /// Consecutive ticks that are recorded.

@@ -5,16 +5,13 @@ use std::{collections::BTreeMap, path::Path};
 
 use wbqp::{
     config::{ConfigErrors, ControllerConfig, Overrides},
-    constraint::Constraint,
-    layout::Layout,
-    reference::{Reference, Sample, Start},
+    error::BindError,
+    plugin::{
+        Constraint, ConstraintRows, Layout, Reference, Rows, Sample, Setup, Start, Task, Tick,
+    },
     robot::{Place, Robot, RobotError, RobotModel},
-    rows::{ConstraintRows, Rows},
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
-    setup::{BindError, Setup},
-    task::Task,
-    tick::Tick,
 };
 
 /// The six lines that every controller needs.

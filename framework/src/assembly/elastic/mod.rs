@@ -14,7 +14,7 @@
 //!
 //! What is never given up are the limits of the world: the dynamics; each actuator's own limits and slew; a normal
 //! force that does not pull; and the rows of constraints that say so
-//! ([`Layout::of_the_world`](crate::layout::Layout::of_the_world)), such as friction. No effort beyond what is needed
+//! ([`Layout::of_the_world`](crate::plugin::Layout::of_the_world)), such as friction. No effort beyond what is needed
 //! to stay within the actuators' limits, and no contact force at all, satisfies them: with everything else given up the
 //! problem is feasible unless a plug-in contradicts that.
 

@@ -6,7 +6,7 @@ use super::{
 };
 use crate::{
     contact::ContactState,
-    layout::BoundTarget,
+    plugin::layout::BoundTarget,
     qp::{Qp, RowId, VarId},
 };
 

@@ -22,8 +22,8 @@ use crate::{
         report::{At, Report},
         table::Section,
     },
-    constraint::Constraint,
     contact::Motion,
+    plugin::Constraint,
     registry,
     suggestion::suggestion,
 };

@@ -10,9 +10,8 @@ use serde_json::Value as Json;
 use super::{List, Notes, Span, Texts, value};
 use crate::{
     config::{document::Document, schema::Node, table::Section},
-    constraint::Constraint,
+    plugin::{Constraint, Task},
     registry::{self, PluginKind},
-    task::Task,
 };
 
 /// The weight that a plug-in declares.

@@ -7,16 +7,20 @@ use serde_json::Value as Json;
 use super::{List, Notes, Texts, read, value};
 use crate::{
     config::{
-        ControllerConfig, MeasurementLimits, Settings, document::Document, entry,
-        overrides::Appendix, report::Report, report::Span, schema::Node, table::Section,
+        ControllerConfig,
+        document::Document,
+        entry,
+        overrides::Appendix,
+        report::{Report, Span},
+        schema::Node,
+        table::Section,
     },
-    constraint::Constraint,
     contact::ContactSpec,
+    plugin::{Constraint, Reference, Task},
     qp::Solver,
-    reference::Reference,
     registry::{self, PluginKind, json_schema::schema_of},
     robot::Robot,
-    task::Task,
+    settings::{MeasurementLimits, Settings},
 };
 
 /// All values that a file leaves to defaults; displayed one per line, `section: key = value (why)`.

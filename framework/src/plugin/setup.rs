@@ -4,69 +4,11 @@ use crate::{
     actuator::{Actuator, ActuatorKind},
     contact::{ContactId, ContactSpec},
     dynamics::{Data, FrameMotion, frame_motion},
+    error::{BindError, unknown},
     model::{FrameId, JointId, Model},
+    plugin::FrameHandle,
     robot::RobotModel,
-    suggestion,
-    tick::FrameHandle,
 };
-
-/// Why a plug-in could not be bound to a robot. The framework adds the entry's name and type.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum BindError {
-    /// A name that the robot or the configuration does not have.
-    #[error("{kind} `{name}` does not exist{hint} (known: {known})")]
-    Unknown {
-        /// `frame`, `joint`, `contact`, `actuator`.
-        kind: &'static str,
-        /// The name given.
-        name: String,
-        /// `; did you mean …?` or empty.
-        hint: String,
-        /// The names there are.
-        known: String,
-    },
-    /// A list of the wrong length.
-    #[error("`{key}` has {got} entries, expected {expected}")]
-    Length {
-        /// The configuration key.
-        key: String,
-        /// Its length.
-        got: usize,
-        /// What was needed, in words.
-        expected: String,
-    },
-    /// A value outside what makes sense.
-    #[error("`{key}` {problem}")]
-    Value {
-        /// The configuration key.
-        key: String,
-        /// What is wrong with it.
-        problem: String,
-    },
-    /// Anything else.
-    #[error("{0}")]
-    Other(String),
-}
-
-impl BindError {
-    /// A value outside what makes sense: `key` and what is wrong with it.
-    pub fn value(key: &str, problem: impl Into<String>) -> Self {
-        Self::Value {
-            key: key.to_owned(),
-            problem: problem.into(),
-        }
-    }
-
-    /// A list of the wrong length.
-    pub fn length(key: &str, got: usize, expected: impl Into<String>) -> Self {
-        Self::Length {
-            key: key.to_owned(),
-            got,
-            expected: expected.into(),
-        }
-    }
-}
 
 /// The robot and the configuration around a plug-in, given to `bind`.
 #[derive(Debug)]
@@ -119,7 +61,7 @@ impl<'a> Setup<'a> {
     /// Position in `u` of a joint's motor; `None` for a passive joint.
     ///
     /// ```
-    /// # use wbqp::setup::{BindError, Setup};
+    /// # use wbqp::{error::BindError, plugin::Setup};
     /// fn knee(setup: &Setup<'_>) -> Result<usize, BindError> {
     ///     let joint = setup.joint("knee")?;
     ///     let motor = setup.motor(joint);
@@ -227,24 +169,5 @@ impl<'a> Setup<'a> {
     /// A contact's data.
     pub fn contact_spec(&self, contact: ContactId) -> &'a ContactSpec {
         &self.contacts[contact.index()]
-    }
-}
-
-/// An error that lists what is known and guesses what was meant.
-pub(crate) fn unknown<'a>(
-    kind: &'static str,
-    name: &str,
-    known: impl Iterator<Item = &'a str>,
-) -> BindError {
-    let known: Vec<&str> = known.collect();
-    let hint = match kind {
-        "contact" if known.is_empty() => "; add a `[[contact]]` with this name".to_owned(),
-        _ => suggestion::hint(name, &known),
-    };
-    BindError::Unknown {
-        kind,
-        name: name.to_owned(),
-        hint,
-        known: suggestion::list(&known),
     }
 }

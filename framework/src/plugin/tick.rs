@@ -8,12 +8,9 @@ use crate::{
     contact::{ContactId, ContactState},
     dynamics::{Data, FrameKinematics},
     model::Model,
+    plugin::FrameHandle,
     state::State,
 };
-
-/// A frame whose kinematics the plug-in asked for in `bind`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct FrameHandle(pub(crate) usize);
 
 /// The inputs of one tick.
 #[derive(Clone, Copy, Debug)]

@@ -6,11 +6,8 @@ use nalgebra::Vector3;
 
 use crate::{
     contact::ContactId,
-    layout::Layout,
-    reference::Follow,
-    rows::Rows,
-    setup::{BindError, Setup},
-    tick::Tick,
+    error::BindError,
+    plugin::{Layout, Rows, Setup, Tick, reference::Follow},
 };
 
 /// A task adds `Σ_k w_k (A x − b)_k²` to the cost, with `A x = A_v v̇ + A_u u + Σ A_c f_c`.
@@ -41,8 +38,8 @@ pub trait Task: Any + Send + Debug {
     fn update(&mut self, tick: &Tick<'_>, rows: &mut Rows<'_>);
 
     /// Called in the first tick with a usable measurement, before the first update, whether the entry is on or not:
-    /// lets references begin at what is measured, with [`begin_at`](crate::reference::begin_at) and
-    /// [`begin_turned`](crate::reference::begin_turned). A task that does not say what it measures begins at the home
+    /// lets references begin at what is measured, with [`begin_at`](crate::plugin::reference::begin_at) and
+    /// [`begin_turned`](crate::plugin::reference::begin_turned). A task that does not say what it measures begins at the home
     /// posture. No allocation, no panic.
     ///
     /// Called again in the next tick if the first one was refused because an error was too large.

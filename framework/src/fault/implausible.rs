@@ -110,7 +110,7 @@ impl Measured {
 
 impl Implausible {
     /// In words; `contact` gives the names of contacts.
-    pub(super) fn text<'a>(
+    pub(crate) fn text<'a>(
         &self,
         model: &Model,
         contact: impl Fn(ContactId) -> Option<&'a str>,

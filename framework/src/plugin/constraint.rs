@@ -3,10 +3,8 @@
 use std::{any::Any, fmt::Debug};
 
 use crate::{
-    layout::Layout,
-    rows::ConstraintRows,
-    setup::{BindError, Setup},
-    tick::Tick,
+    error::BindError,
+    plugin::{ConstraintRows, Layout, Setup, Tick},
 };
 
 /// A constraint demands `lower ≤ A_v v̇ + A_u u + Σ A_c f_c ≤ upper`, or `A x = b` if its layout says
@@ -15,7 +13,7 @@ use crate::{
 /// Hard by default. An entry with `hardness = "soft"` turns equality rows into a weighted cost and
 /// inequality rows into a penalised slack; bounds stay hard.
 ///
-/// The life cycle is that of a [`Task`](crate::task::Task). A constraint is registered by
+/// The life cycle is that of a [`Task`](crate::plugin::Task). A constraint is registered by
 /// `#[wbqp::constraint("tag")]`.
 #[typetag::serde(tag = "type")]
 pub trait Constraint: Any + Send + Debug {

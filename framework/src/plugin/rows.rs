@@ -8,7 +8,10 @@ use nalgebra::{DVectorViewMut, Dyn, MatrixViewMut, U1};
 
 use crate::{
     contact::ContactId,
-    layout::{Block, Layout, VdotBlock},
+    plugin::{
+        Layout,
+        layout::{Block, VdotBlock},
+    },
 };
 
 /// A mutable row-major matrix view: rows of coefficients.

@@ -5,7 +5,7 @@ use std::fmt;
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, de};
 
-use crate::{constraint::Constraint, task::Task};
+use crate::plugin::{Constraint, Task};
 
 /// A task or constraint with what the framework needs to know about it.
 #[derive(Debug)]

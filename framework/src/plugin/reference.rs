@@ -5,7 +5,7 @@ use std::{any::Any, borrow::Cow, fmt::Debug};
 use nalgebra::{UnitQuaternion, Vector3};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 
-use crate::{setup::BindError, tick::Tick};
+use crate::{error::BindError, plugin::Tick};
 
 /// The space a reference lives in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -168,7 +168,7 @@ pub fn begin(
 pub const AT_HOME: f64 = 5e-3;
 
 /// Lets a reference of vectors begin at what is measured in the first tick: in
-/// [`Task::begin`](crate::task::Task::begin).
+/// [`Task::begin`](crate::plugin::Task::begin).
 ///
 /// `sample` is where it begins now. What is measured within [`AT_HOME`] of it (the length of the difference) counts as
 /// noise, and nothing changes. Values that the reference's parameters give stay.
@@ -217,7 +217,7 @@ fn begin_anew(reference: &mut dyn Reference, sample: &mut Sample, space: Space) 
     let _ = reference.bind(&start);
 }
 
-/// A task's reference and where it stands: given by [`Task::follow`](crate::task::Task::follow), so that another
+/// A task's reference and where it stands: given by [`Task::follow`](crate::plugin::Task::follow), so that another
 /// one can take over.
 ///
 /// The successor is bound to [`Follow::start`] first, and takes the place of `reference` if that succeeds.

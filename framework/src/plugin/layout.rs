@@ -4,7 +4,7 @@
 //! blocks whether it is absent, dense, made of unit rows, or borrowed from a Jacobian that the framework
 //! computes anyway. Absent and borrowed blocks cost nothing to write and nothing to multiply.
 
-use crate::{contact::ContactId, tick::FrameHandle};
+use crate::{contact::ContactId, plugin::FrameHandle};
 
 /// One scalar row: its label among its owner's rows and the unit of its value.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -191,7 +191,7 @@ impl Layout {
 
     /// The rows are equalities: `A x = b`, written with [`ConstraintRows::equal`].
     ///
-    /// [`ConstraintRows::equal`]: crate::rows::ConstraintRows::equal
+    /// [`ConstraintRows::equal`]: crate::plugin::ConstraintRows::equal
     pub fn equality(mut self) -> Self {
         self.relation = Relation::Equality;
         self

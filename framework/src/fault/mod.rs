@@ -1,0 +1,112 @@
+//! Why a tick's command is not the optimum of its problem.
+
+mod implausible;
+
+pub use implausible::{Implausible, Measured};
+
+use crate::{actuator::ActuatorId, contact::ContactId, model::JointId};
+
+/// Why a tick's command is not the optimum of its problem.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Fault {
+    /// A measured number is NaN or infinite.
+    NotFinite(Quantity),
+    /// A measured list has the wrong size.
+    WrongSize(Quantity),
+    /// The time stamp is not later than that of the last usable measurement.
+    NotLater,
+    /// The base's quaternion is not of unit length, nor near it.
+    NotARotation,
+    /// A measured number, or its change since the last usable measurement, is beyond what the table `[measurement]`
+    /// allows.
+    Implausible(Implausible),
+    /// In the first tick the error of this task (its position among the tasks) is larger than `max_first_error` of the
+    /// settings allows: nothing moves, and the next tick counts as the first.
+    FirstError(usize),
+    /// A plug-in wrote a coefficient or a limit that is not a number; the index counts tasks, then constraints.
+    Rows(usize),
+    /// The mass matrix is not positive definite at this state.
+    MassMatrix,
+    /// The equations of motion have no finite numbers at this state.
+    Dynamics,
+    /// Limits contradict one another; which is in the report.
+    Infeasible,
+    /// The solver gave no usable solution; its status is in the report.
+    Solver,
+    /// The solution's effort of this actuator is not what was sent: beyond its limits, or further from the last one
+    /// than its `slew` allows. By how much is in the report ([`Report::cut`](crate::controller::Report::cut)).
+    CutEffort(ActuatorId),
+    /// The velocity reference of this joint was not a number, and stays what it was.
+    CutVelocity(JointId),
+}
+
+/// A measured quantity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Quantity {
+    /// The time stamp.
+    Time,
+    /// The state as a whole.
+    State,
+    /// Position of the base.
+    BasePosition,
+    /// Orientation of the base.
+    BaseOrientation,
+    /// Joint positions.
+    JointPositions,
+    /// Generalised velocities.
+    Velocities,
+    /// The list of wrenches.
+    Wrenches,
+    /// One contact's wrench.
+    Wrench(ContactId),
+}
+
+impl std::fmt::Display for Fault {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::NotFinite(q) => write!(f, "measurement not finite: {q}"),
+            Self::WrongSize(q) => write!(f, "measurement of the wrong size: {q}"),
+            Self::NotLater => f.write_str("measurement: the time stamp is not later than the last"),
+            Self::NotARotation => {
+                f.write_str("measurement: the base orientation is not a unit quaternion")
+            }
+            Self::Implausible(implausible) => implausible.fmt(f),
+            Self::FirstError(task) => write!(
+                f,
+                "the error of task {task} in the first tick is larger than `max_first_error` allows"
+            ),
+            Self::Rows(entry) => write!(f, "entry {entry} wrote a number that is not finite"),
+            Self::MassMatrix => f.write_str("the mass matrix is not positive definite"),
+            Self::Dynamics => f.write_str("the equations of motion are not finite at this state"),
+            Self::Infeasible => f.write_str("limits contradict one another"),
+            Self::Solver => f.write_str("the solver gave no usable solution"),
+            Self::CutEffort(actuator) => write!(
+                f,
+                "the effort of actuator {} had to be cut to its limits",
+                actuator.index()
+            ),
+            Self::CutVelocity(joint) => write!(
+                f,
+                "the velocity reference of joint {} is not finite",
+                joint.index()
+            ),
+        }
+    }
+}
+
+impl std::fmt::Display for Quantity {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Time => f.write_str("time"),
+            Self::State => f.write_str("state"),
+            Self::BasePosition => f.write_str("base position"),
+            Self::BaseOrientation => f.write_str("base orientation"),
+            Self::JointPositions => f.write_str("joint positions"),
+            Self::Velocities => f.write_str("velocities"),
+            Self::Wrenches => f.write_str("list of wrenches"),
+            Self::Wrench(c) => write!(f, "wrench of contact {}", c.index()),
+        }
+    }
+}

@@ -1,0 +1,25 @@
+//! What plug-ins are, and what they speak: tasks, constraints and references, the rows that they write, and what they see.
+//!
+//! A plug-in is *bound* once ([`Setup`]: names to resolve, frames to ask for; it answers with its [`Layout`]) and *updated* in
+//! every tick ([`Tick`]: what is known; [`Rows`] or [`ConstraintRows`]: what it writes). An [`Entry`] is what the framework adds
+//! to it: name, weight, ramp, hardness.
+
+pub(crate) mod constraint;
+pub(crate) mod entry;
+pub(crate) mod frame_handle;
+pub(crate) mod layout;
+pub mod reference;
+pub(crate) mod rows;
+pub(crate) mod setup;
+pub(crate) mod task;
+pub(crate) mod tick;
+
+pub use constraint::Constraint;
+pub use entry::{Entry, Hardness, Weight};
+pub use frame_handle::FrameHandle;
+pub use layout::{Layout, RowSpec};
+pub use reference::{Reference, Sample, Space, Start};
+pub use rows::{ConstraintRows, RowMajorMut, Rows};
+pub use setup::Setup;
+pub use task::{ForceReport, Task};
+pub use tick::{EntryState, Prediction, Tick};
