@@ -127,7 +127,7 @@ impl Assignment {
 
 #[cfg(test)]
 mod tests {
-    use wbqp::config::Target;
+    use wbqp::settings::Target;
 
     use super::*;
 

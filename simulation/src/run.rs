@@ -17,7 +17,7 @@ use wbqp::{
         ControllerLog, LogSink, Timeline, TrueContact, state_message, state_schema,
         write_diagnostics, write_rotors, write_run,
     },
-    replay::DumpFolder,
+    replay::{DumpError, DumpFolder},
     stopwatch::Stopwatch,
 };
 
@@ -87,7 +87,9 @@ fn run_case(
     let controller = case.make_controller(config)?;
     let mut controller = controller.with_stopwatch(Box::new(WallClock(Instant::now())));
     if dumps.is_some() {
-        controller = controller.with_recorder(RECORDED_TICKS)?;
+        controller = controller
+            .with_recorder(RECORDED_TICKS)
+            .map_err(DumpError::from)?;
     }
     let robot = controller.robot().clone();
     let mut closed_loop = ClosedLoop::new(case, &controller, seed)?;

@@ -6,7 +6,7 @@ use std::{
     time::Instant,
 };
 
-use wbqp::{Controller, config::Target, controller::Rung, nalgebra::Vector3};
+use wbqp::{Controller, controller::Rung, nalgebra::Vector3, settings::Target};
 use wbqp_sim::{ClosedLoop, Scenario, ScenarioError, Variation};
 
 use crate::collection::RobotFile;

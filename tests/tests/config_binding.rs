@@ -2,11 +2,11 @@
 
 use wbqp::{
     ControllerConfig,
-    config::{ConfigErrorKind, Overrides, Target},
-    controller::{Controller, ControllerError},
+    config::{ConfigErrorKind, ControllerError, Overrides},
+    controller::Controller,
     plugin::{Entry, Hardness},
     robot::Robot as _,
-    settings::Settings,
+    settings::{Settings, Target},
 };
 use wbqp_robots::Othex;
 use wbqp_tasks::{BasePosition, Posture};

@@ -4,8 +4,9 @@ mod config_plugins;
 
 use config_plugins::{HEAD, load, messages, with_overrides};
 use wbqp::{
-    config::{ConfigErrorKind, ControllerConfig, Overrides, Target},
+    config::{ConfigErrorKind, ControllerConfig, Overrides},
     plugin::{Hardness, Weight},
+    settings::Target,
     toml,
 };
 

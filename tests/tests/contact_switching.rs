@@ -3,10 +3,7 @@
 use std::path::Path;
 
 use wbqp::{
-    config::{Overrides, Target},
-    contact::Detector,
-    controller::Controller,
-    log::MemoryLog,
+    config::Overrides, contact::Detector, controller::Controller, log::MemoryLog, settings::Target,
 };
 use wbqp_robots as _;
 use wbqp_sim::{Scenario, plant};

@@ -1,10 +1,11 @@
 //! Tasks that are switched, weighted and given references while a contact is on: with a ramp nothing jumps.
 
 use wbqp::{
-    config::{Overrides, Target},
+    config::Overrides,
     controller::Controller,
     log::MemoryLog,
     plugin::{Reference, Weight},
+    settings::Target,
 };
 use wbqp_robots as _;
 use wbqp_sim::Scenario;

@@ -3,11 +3,10 @@
 use wbqp::{
     Controller, ControllerConfig, Measurement,
     contact::{ContactKind, ContactSpec, Surface},
-    controller::Rung,
+    controller::{Dump, Rung},
     fault::Fault,
     nalgebra::{UnitQuaternion, Vector3},
     plugin::{Entry, reference::AT_HOME},
-    replay::Dump,
     settings::{FirstError, Settings, StartFrom},
 };
 use wbqp_robots::{Humanoid, Othex, Quadruped, Urdf};

@@ -7,7 +7,7 @@ use std::{
 
 use jsonschema::Validator;
 use serde_json::{Value, json};
-use wbqp::{registry::json_schema, toml};
+use wbqp::{config::json_schema, toml};
 use wbqp_robots as _;
 use wbqp_sim::scenario;
 use wbqp_tasks as _;

@@ -173,7 +173,7 @@ fn what_may_be_a_mistake_is_said_and_taken() {
 
 #[test]
 fn an_override_is_called_by_its_name() {
-    use wbqp::config::{Overrides, Target};
+    use wbqp::{config::Overrides, settings::Target};
     let overrides = Overrides::new().with(Target::Task("posture".into()), "kp", 1e300);
     let error = ControllerConfig::from_str_with(STAND, "x.toml", "", &overrides);
     let error = error.expect_err("is refused").to_string();

@@ -5,7 +5,7 @@
 use std::alloc::System;
 
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
-use wbqp::{ControllerConfig, controller::Plan};
+use wbqp::{ControllerConfig, config::Plan};
 use wbqp_robots as _;
 use wbqp_tasks as _;
 use wbqp_tests::hostile;

@@ -17,11 +17,12 @@
 use std::{fs, path::Path};
 
 use wbqp::{
-    config::{ControllerConfig, Overrides, Target},
+    config::{ControllerConfig, Overrides},
     contact::Detector,
     controller::Controller,
     dynamics::{Data, FrameKinematics},
     nalgebra::{DVector, Vector3},
+    settings::Target,
     toml,
 };
 use wbqp_robots as _;

@@ -5,10 +5,9 @@ use rand_chacha::ChaCha8Rng;
 use wbqp::{
     Controller, ControllerConfig, Measurement,
     config::Overrides,
-    controller::Rung,
+    controller::{Dump, Rung},
     fault::{Fault, Implausible, Measured},
     nalgebra::{UnitQuaternion, Vector3, Vector6},
-    replay::Dump,
     settings::MeasurementLimits,
 };
 use wbqp_tests::{

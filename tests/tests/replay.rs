@@ -11,10 +11,10 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use wbqp::{
     Controller, Measurement,
-    controller::Rung,
+    controller::{Dump, Rung},
     error::BindError,
     plugin::{Constraint, ConstraintRows, Entry, Layout, Setup, Tick},
-    replay::{Dump, DumpError, DumpFolder, Matrices, ProblemTable},
+    replay::{DumpError, DumpFolder, Matrices, ProblemTable},
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
 };

@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use serde_json::Value;
-use wbqp::{config::Target, toml};
+use wbqp::{settings::Target, toml};
 use wbqp_examples::experiments;
 use wbqp_sim::{Scenario, Variation};
 use wbqp_tests::listener::Listener;

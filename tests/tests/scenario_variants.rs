@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use wbqp::{config::Target, controller::Controller, log::MemoryLog, toml};
+use wbqp::{controller::Controller, log::MemoryLog, settings::Target, toml};
 use wbqp_robots as _;
 use wbqp_sim::{Scenario, Variation};
 use wbqp_tasks as _;

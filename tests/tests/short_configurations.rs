@@ -4,12 +4,12 @@ use std::path::{Path, PathBuf};
 
 use wbqp::{
     Controller, ControllerConfig,
-    config::{self, Overrides, Target},
+    config::{self, Overrides},
     contact::ShortContact,
     controller::Rung,
     nalgebra::Vector3,
     plugin::Entry,
-    settings::Settings,
+    settings::{Settings, Target},
 };
 use wbqp_robots::Quadruped;
 use wbqp_sim::{ClosedLoop, Scenario};

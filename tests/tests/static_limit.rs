@@ -7,12 +7,12 @@ use std::{
 };
 
 use wbqp::{
-    config::Target,
     contact::ContactSpec,
     dynamics::{Data, FrameKinematics},
     model::Inertia,
     nalgebra::{DVector, UnitQuaternion, Vector3, Vector6},
     robot::RobotModel,
+    settings::Target,
     state::State,
     statics::{Load, Push, largest_push},
     toml,

@@ -5,8 +5,8 @@ use std::path::Path;
 use anyhow::Result;
 use wbqp::{
     ControllerConfig,
-    config::Overrides,
-    controller::{ControllerError, Memory, Plan},
+    config::{ControllerError, Overrides, Plan},
+    controller::Memory,
     robot::RobotModel,
 };
 use wbqp_sim::{Scenario, scenario::Note};

@@ -1,7 +1,7 @@
 //! The reference, as a task follows it: the measured position is held, so the task's error is where the figure is not.
 
 use pointing as _;
-use wbqp::{Controller, ControllerConfig, Measurement, controller::ControllerError};
+use wbqp::{Controller, ControllerConfig, Measurement, config::ControllerError};
 use {wbqp_robots as _, wbqp_tasks as _};
 
 const PERIOD: f64 = 4.0;

@@ -5,7 +5,10 @@ use std::{path::PathBuf, process::ExitCode};
 
 use anyhow::{Context, Result};
 use clap::Args;
-use wbqp::replay::{Dump, Matrices, ProblemTable};
+use wbqp::{
+    controller::Dump,
+    replay::{Matrices, ProblemTable},
+};
 
 /// Runs a dumped tick again, bit by bit, and prints it
 #[derive(Args, Debug)]

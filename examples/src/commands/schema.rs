@@ -4,7 +4,7 @@ use std::io::Write;
 
 use anyhow::Result;
 use clap::{Args, ValueEnum};
-use wbqp::{registry::json_schema, serde_json};
+use wbqp::{config::json_schema, serde_json};
 
 /// Writes the JSON Schema of wbqp's files, with all plug-ins of this workspace, to the standard output
 #[derive(Args, Debug)]

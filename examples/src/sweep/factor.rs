@@ -3,7 +3,7 @@
 use anyhow::{Context, Result};
 use serde::{Deserialize, Serialize};
 use toml::{Table, Value};
-use wbqp::config::Target;
+use wbqp::settings::Target;
 use wbqp_sim::{Scenario, Variation};
 
 /// A quantity that is scaled.

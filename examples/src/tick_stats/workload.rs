@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::Result;
 use clap::ValueEnum;
 use serde::Serialize;
-use wbqp::{Controller, Measurement, config::Target, stopwatch::Stopwatch};
+use wbqp::{Controller, Measurement, settings::Target, stopwatch::Stopwatch};
 use wbqp_sim::{ClosedLoop, Plant, Requests, Scenario, Variation, scenario::Case};
 
 use crate::cli::scenario_file;

@@ -10,7 +10,6 @@ use super::{
 };
 use crate::{
     contact::{ContactSpec, ShortContact},
-    controller::{Controller, ControllerError},
     plugin::{Constraint, Entry, Task},
     qp::Solver,
     robot::Robot,
@@ -105,13 +104,5 @@ impl ControllerConfig {
     pub fn with_measurement_limits(mut self, limits: MeasurementLimits) -> Self {
         self.measurement = limits;
         self
-    }
-
-    /// Makes the controller; the same as [`Controller::new`].
-    ///
-    /// # Errors
-    /// [`ControllerError`]: everything that is wrong, as for a file, by name and key instead of line.
-    pub fn build(self) -> Result<Controller, ControllerError> {
-        Controller::new(self)
     }
 }

@@ -9,11 +9,10 @@ use toml::{
 
 use super::{
     ConfigErrorKind as Kind,
-    overrides::Target,
     report::{At, Report, Span},
     table::Section,
 };
-use crate::suggestion::suggestion;
+use crate::{settings::Target, suggestion::suggestion};
 
 /// Syntax errors that are shown with their line, which may be long: few are told.
 const SHOWN: usize = 100;

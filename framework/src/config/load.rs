@@ -13,12 +13,11 @@ use super::{
     ConfigError, ConfigErrorKind as Kind, ConfigErrors, ControllerConfig, ENTRY_KEYS, Keeping,
     MeasurementLimits, Overrides, Settings,
     document::Document,
-    entry, expand,
-    expand::Texts,
-    fault, meaning,
+    entry,
+    expand::{self, Texts},
+    meaning, origin,
     overrides::Appendix,
     report::{At, Report},
-    schema::Node,
     table::{self, Section},
 };
 use crate::{
@@ -27,7 +26,7 @@ use crate::{
     input,
     plugin::{Constraint, Entry, Hardness, Task},
     qp::{ActiveSet, Solver},
-    registry::{self, PluginKind},
+    registry::{self, PluginKind, schema::Node},
     robot::{Place, Robot, SourceFile},
 };
 
@@ -260,7 +259,7 @@ fn settings(section: Option<Section<'_>>, report: &mut Report<'_>) -> Option<Set
     let settings = table::read(section, settings_schema(), &[], load, &at, report)?;
     let mut valid = true;
     for (key, problem) in settings.problems() {
-        fault::report(&BindError::value(key, problem), Some(&keys), &at, report);
+        origin::report(&BindError::value(key, problem), Some(&keys), &at, report);
         valid = false;
     }
     valid.then_some(settings)
@@ -273,7 +272,7 @@ fn measurement(section: Section<'_>, report: &mut Report<'_>) -> Option<Measurem
     let limits = table::read(section, measurement_schema(), &[], load, &at, report)?;
     let mut valid = true;
     for (key, problem) in limits.problems() {
-        fault::report(&BindError::value(key, problem), Some(&keys), &at, report);
+        origin::report(&BindError::value(key, problem), Some(&keys), &at, report);
         valid = false;
     }
     valid.then_some(limits)
@@ -320,7 +319,7 @@ fn contact(
     let short = &expand::schema::SHORT_KEYS;
     let spec: ContactSpec = table::read(section, contact_schema(), short, load, &at, report)?;
     if let Err(error) = spec.validate() {
-        fault::report(&error, Some(&keys), &at, report);
+        origin::report(&error, Some(&keys), &at, report);
         return None;
     }
     Some(spec)

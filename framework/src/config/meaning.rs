@@ -22,17 +22,16 @@ use super::{
     ConfigErrorKind as Kind,
     document::Document,
     entry,
-    expand::schema as short,
-    expand::value,
+    expand::{schema as short, value},
     report::{At, Path, Report, Span, Step},
-    schema::Node,
     table::Section,
 };
 use crate::{
+    config::json_schema::schema_of,
     contact::ContactSpec,
     plugin::{Constraint, Reference, Task},
     qp::Solver,
-    registry::{self, PluginKind, json_schema::schema_of},
+    registry::{self, PluginKind, schema::Node},
     robot::{Diagnostic, Robot, Severity},
     settings::Settings,
 };

@@ -27,18 +27,20 @@
 //! ([`ConfigErrors`]). [`Overrides`] replace single values. Saving what was loaded, loading and saving again
 //! gives the same text.
 
+mod build;
 mod compose;
+mod controller_error;
 mod document;
 mod entry;
 mod error;
-pub(crate) mod expand;
-mod fault;
+mod expand;
+pub mod json_schema;
 mod load;
 mod meaning;
+mod origin;
 mod overrides;
 mod report;
 mod save;
-pub(crate) mod schema;
 mod table;
 
 use std::path::PathBuf;
@@ -51,10 +53,11 @@ use crate::{
     settings::{MeasurementLimits, Settings},
 };
 
+pub use build::Plan;
+pub use controller_error::ControllerError;
 pub use error::{ConfigError, ConfigErrorKind, ConfigErrors};
 pub use expand::{Implied, ImpliedValue, expand};
-pub(crate) use fault::{Fault, Origin};
-pub use overrides::{Override, Overrides, Target};
+pub use overrides::{Override, Overrides};
 pub use save::SaveError;
 
 /// The framework's keys of a task or constraint beside `type`; no plug-in may have them.

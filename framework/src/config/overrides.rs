@@ -1,6 +1,6 @@
 //! Values that replace those of a file, one by one: what a scenario's case changes.
 
-use std::{borrow::Cow, collections::BTreeMap, fmt};
+use std::{borrow::Cow, collections::BTreeMap};
 
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::{Deserialize, Serialize};
@@ -15,50 +15,7 @@ use super::{
     report::{At, Report, Span},
     table::Section,
 };
-use crate::suggestion::suggestion;
-
-/// The table that an override goes to.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-#[non_exhaustive]
-pub enum Target {
-    /// `[controller]`.
-    Controller,
-    /// `[robot]`.
-    Robot,
-    /// `[solver]`.
-    Solver,
-    /// `[measurement]`.
-    Measurement,
-    /// The `[[contact]]` of that name.
-    Contact(String),
-    /// The `[[task]]` of that name.
-    Task(String),
-    /// The `[[constraint]]` of that name.
-    Constraint(String),
-}
-
-impl Target {
-    fn parts(&self) -> (&'static str, Option<&str>) {
-        match self {
-            Self::Controller => ("controller", None),
-            Self::Robot => ("robot", None),
-            Self::Solver => ("solver", None),
-            Self::Measurement => ("measurement", None),
-            Self::Contact(name) => ("contact", Some(name)),
-            Self::Task(name) => ("task", Some(name)),
-            Self::Constraint(name) => ("constraint", Some(name)),
-        }
-    }
-}
-
-impl fmt::Display for Target {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.parts() {
-            (kind, None) => f.write_str(kind),
-            (kind, Some(name)) => write!(f, "{kind} `{name}`"),
-        }
-    }
-}
+use crate::{settings::Target, suggestion::suggestion};
 
 /// One replaced value.
 #[derive(Clone, Debug, PartialEq)]
@@ -85,7 +42,7 @@ impl Override {
 ///
 /// Deserialises from, and serialises to, a table in the shape of the file with names as keys:
 /// ```
-/// use wbqp::{config::{Overrides, Target}, toml};
+/// use wbqp::{config::Overrides, settings::Target, toml};
 ///
 /// let from_text: Overrides = toml::from_str("controller.rate = 500\ntask.force.feedback = 'off'")?;
 /// let from_code = Overrides::new()

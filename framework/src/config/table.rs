@@ -12,12 +12,11 @@ use toml::{
 use super::{
     ConfigErrorKind as Kind,
     report::{At, Report, Span, Step},
-    schema::Node,
 };
 use crate::{
     plugin::{Constraint, Reference, Task},
     qp::Solver,
-    registry::{self, PluginKind},
+    registry::{self, PluginKind, schema::Node},
     robot::Robot,
     suggestion::{hint, list, suggestion},
 };

@@ -1,13 +1,9 @@
 //! Makes a controller from its configuration: resolves names, declares rows, fixes sizes.
 
-use std::path::Path;
-
 use super::{
     Controller,
     command::Command,
-    error::ControllerError,
     explanation::owners,
-    faults::Faults,
     first::FirstTick,
     fit::{Sizes, make_group, unlimited_moments},
     gate::Gate,
@@ -15,8 +11,9 @@ use super::{
     home,
     ladder::{Age, Clock, Ladder},
     memory::{Memory, Need, Stored},
+    misfits::{Misfit, Misfits},
     plausible::Plausible,
-    recording::MadeFrom,
+    record::MadeFrom,
     report::Report,
     safe::SafeLaw,
     world::{ContactBinding, World},
@@ -26,74 +23,18 @@ use crate::{
         Actuation, Assembly, DynamicsTerms, Elastic, Group, Partition, ProblemRows, Table,
         VariableNames,
     },
-    config::{ControllerConfig, Origin},
     contact::{ContactSpec, ContactState},
     dynamics::{Data, FrameKinematics},
     error::BindError,
     model::FrameId,
     plugin::{Constraint, Entry, Prediction, Setup, Task, rows::RowStore},
     qp::{ActiveSet, Capacity, Qp, QpSolver as _, Solution, Solver, WarmStart},
-    robot::{RobotError, RobotModel},
+    robot::RobotModel,
     settings::{MeasurementLimits, Settings},
     stopwatch::NoStopwatch,
 };
 
-impl ControllerConfig {
-    /// Loads the robot.
-    ///
-    /// # Errors
-    /// [`ControllerError::Robot`] with the place in the configuration's file, if there is one.
-    pub fn load_robot(&self) -> Result<RobotModel, ControllerError> {
-        self.robot.load(&self.directory).map_err(|error| {
-            let origin = Origin::new(self.source.clone(), self.overrides.clone());
-            let places = match &error {
-                RobotError::Several { errors } => {
-                    errors.iter().map(|e| origin.robot_place(e)).collect()
-                }
-                one => vec![origin.robot_place(one)],
-            };
-            ControllerError::Robot {
-                tag: self.robot.typetag_name().to_owned(),
-                places,
-                source: Box::new(error),
-            }
-        })
-    }
-}
-
 impl Controller {
-    /// Makes the controller that a file describes.
-    ///
-    /// # Errors
-    /// [`ControllerError`]: all mistakes of the file, the robot, or everything that does not fit it.
-    pub fn from_file(path: impl AsRef<Path>) -> Result<Self, ControllerError> {
-        Self::new(ControllerConfig::from_file(path)?)
-    }
-
-    /// Makes a controller. This is where everything is allocated.
-    ///
-    /// # Errors
-    /// [`ControllerError`]: the robot, or everything that does not fit it.
-    pub fn new(config: ControllerConfig) -> Result<Self, ControllerError> {
-        let robot = config.load_robot()?;
-        Self::with_robot(config, robot)
-    }
-
-    /// Makes a controller for a robot that is there already; the configuration's own is not loaded.
-    ///
-    /// If nothing says where the robot's floating base is at home ([`RobotModel::base_is_placed`]), its home stands on
-    /// the contacts that are on at the start and whose surfaces face upwards: it is moved along the vertical until the
-    /// lowest of them touches.
-    ///
-    /// # Errors
-    /// [`ControllerError::Config`]: everything that does not fit the robot.
-    pub fn with_robot(
-        config: ControllerConfig,
-        robot: RobotModel,
-    ) -> Result<Self, ControllerError> {
-        Plan::new(config, robot)?.make()
-    }
-
     /// The terms of the dynamics, borrowed for the assembly.
     pub(super) fn terms(world: &World) -> DynamicsTerms<'_> {
         DynamicsTerms {
@@ -104,11 +45,23 @@ impl Controller {
     }
 }
 
-/// A controller that fits its robot and is not made yet: all sizes are known, and nothing of its problem is allocated.
-///
-/// [`Plan::memory`] says what [`Plan::make`] is going to take; [`Controller::with_robot`] does both.
+/// What a controller is made of beside its robot.
 #[derive(Debug)]
-pub struct Plan {
+pub(crate) struct Parts {
+    pub(crate) settings: Settings,
+    /// The robot's.
+    pub(crate) tag: &'static str,
+    pub(crate) solver: Box<dyn Solver>,
+    pub(crate) measurement: MeasurementLimits,
+    pub(crate) contacts: Vec<ContactSpec>,
+    pub(crate) tasks: Vec<Entry<dyn Task>>,
+    pub(crate) constraints: Vec<Entry<dyn Constraint>>,
+    pub(crate) made_from: MadeFrom,
+}
+
+/// A controller that fits its robot and is not made yet: all sizes are known, and nothing of its problem is allocated.
+#[derive(Debug)]
+pub(crate) struct Bound {
     settings: Settings,
     robot: RobotModel,
     /// The robot's.
@@ -119,7 +72,7 @@ pub struct Plan {
     tasks: Vec<Entry<dyn Task>>,
     constraints: Vec<Entry<dyn Constraint>>,
     made_from: MadeFrom,
-    faults: Faults,
+    misfits: Misfits,
     bindings: Vec<ContactBinding>,
     contact_states: Vec<ContactState>,
     /// Constrained components of each contact.
@@ -134,36 +87,29 @@ pub struct Plan {
     need: Need,
 }
 
-impl Plan {
-    /// Binds tasks and constraints to a robot that is there already; the configuration's own is not loaded.
+impl Bound {
+    /// Binds tasks and constraints to a robot.
     ///
     /// # Errors
-    /// [`ControllerError::Config`]: everything that does not fit the robot, and what takes more than
-    /// [`Settings::max_memory`].
-    pub fn new(config: ControllerConfig, mut robot: RobotModel) -> Result<Self, ControllerError> {
-        let made_from = MadeFrom::new(&config);
-        let ControllerConfig {
+    /// Everything that does not fit the robot, and what takes more than [`Settings::max_memory`].
+    pub(crate) fn new(parts: Parts, mut robot: RobotModel) -> Result<Self, Vec<Misfit>> {
+        let Parts {
             settings,
-            robot: robot_plugin,
+            tag,
             mut solver,
             measurement,
             contacts,
             mut tasks,
             mut constraints,
-            source,
-            overrides,
-            warnings,
-            directory: _,
-            keeping: _,
-        } = config;
-        robot.diagnostics.extend(warnings);
-        let mut faults = Faults::new(Origin::new(source, overrides));
-        faults.settings(&settings);
-        faults.measurement(&measurement);
-        faults.robot(robot_plugin.typetag_name(), robot.problems());
+            made_from,
+        } = parts;
+        let mut misfits = Misfits::default();
+        misfits.settings(&settings);
+        misfits.measurement(&measurement);
+        misfits.robot(tag, robot.problems());
         // Plug-ins rely on a sound robot and a sound rate.
-        faults.stop_if_any()?;
-        faults.names(&contacts, &tasks, &constraints);
+        misfits.stop_if_any()?;
+        misfits.names(&contacts, &tasks, &constraints);
         let period = 1.0 / settings.rate;
         home::stand_on_contacts(&mut robot, &contacts);
         let model = robot.model.clone();
@@ -176,7 +122,7 @@ impl Plan {
                     contact_states.push(binding.initial_state(&model));
                     bindings.push(binding);
                 }
-                Err(error) => faults.contact(index, &spec.name, error),
+                Err(error) => misfits.contact(index, &spec.name, error),
             }
         }
         let nf: Vec<usize> = contacts
@@ -206,11 +152,11 @@ impl Plan {
             });
             match group {
                 Ok(group) => {
-                    faults.memory(stored.add(&group, &sizes, settings.max_memory));
-                    faults.stop_if_too_large()?;
+                    misfits.memory(stored.add(&group, &sizes, settings.max_memory));
+                    misfits.stop_if_too_large()?;
                     groups.push(group);
                 }
-                Err(error) => faults.task(index, entry, error),
+                Err(error) => misfits.task(index, entry, error),
             }
         }
         for (index, entry) in constraints.iter_mut().enumerate() {
@@ -221,27 +167,27 @@ impl Plan {
             });
             match group {
                 Ok(group) => {
-                    faults.memory(stored.add(&group, &sizes, settings.max_memory));
-                    faults.stop_if_too_large()?;
+                    misfits.memory(stored.add(&group, &sizes, settings.max_memory));
+                    misfits.stop_if_too_large()?;
                     groups.push(group);
                 }
-                Err(error) => faults.constraint(index, entry, error),
+                Err(error) => misfits.constraint(index, entry, error),
             }
         }
-        if faults.is_empty() {
+        if misfits.is_empty() {
             for (index, error) in unlimited_moments(&contacts, &groups[tasks.len()..]) {
-                faults.contact(index, &contacts[index].name, error);
+                misfits.contact(index, &contacts[index].name, error);
             }
         }
-        if !faults.is_empty() {
+        if !misfits.is_empty() {
             // The problem has no size, but the solver's settings can be looked at.
             let capacity = Capacity {
                 vars: robot.nu(),
                 rows: 0,
             };
             let bound = solver.bind(capacity).map_err(BindError::from);
-            faults.solver(solver.typetag_name(), bound);
-            faults.stop_if_any()?;
+            misfits.solver(solver.typetag_name(), bound);
+            misfits.stop_if_any()?;
         }
 
         let partition = Partition::new(formulation, &robot, &contacts, &frame_ids);
@@ -258,19 +204,19 @@ impl Plan {
             &*solver,
             &ActiveSet::default(),
         );
-        faults.memory(need.check(settings.max_memory));
-        faults.stop_if_too_large()?;
+        misfits.memory(need.check(settings.max_memory));
+        misfits.stop_if_too_large()?;
         Ok(Self {
             settings,
             robot,
-            tag: robot_plugin.typetag_name(),
+            tag,
             solver,
             measurement,
             contacts,
             tasks,
             constraints,
             made_from,
-            faults,
+            misfits,
             bindings,
             contact_states,
             nf,
@@ -284,16 +230,16 @@ impl Plan {
         })
     }
 
-    /// What [`Plan::make`] is going to allocate, about.
-    pub fn memory(&self) -> Memory {
+    /// What [`Bound::make`] is going to allocate, about.
+    pub(crate) fn memory(&self) -> Memory {
         self.need.memory()
     }
 
     /// Makes the controller. This is where everything is allocated.
     ///
     /// # Errors
-    /// [`ControllerError::Config`]: a solver that refuses, a robot that does not hover.
-    pub fn make(self) -> Result<Controller, ControllerError> {
+    /// A solver that refuses, a robot that does not hover.
+    pub(crate) fn make(self) -> Result<Controller, Vec<Misfit>> {
         let Self {
             settings,
             robot,
@@ -304,7 +250,7 @@ impl Plan {
             tasks,
             constraints,
             made_from,
-            mut faults,
+            mut misfits,
             bindings,
             contact_states,
             nf,
@@ -342,8 +288,8 @@ impl Plan {
         );
         debug_assert!(assembly.capacity(&groups).vars <= need.problem.vars);
         let capacity = need.problem;
-        faults.solver(solver_tag, solver.bind(capacity).map_err(BindError::from));
-        faults.stop_if_any()?;
+        misfits.solver(solver_tag, solver.bind(capacity).map_err(BindError::from));
+        misfits.stop_if_any()?;
 
         let frames = frame_ids
             .iter()
@@ -370,7 +316,7 @@ impl Plan {
         };
         let elastic = Elastic::new(&assembly, &groups, &table, &robot.actuators, capacity);
         let relaxed = elastic.qp.capacity();
-        faults.solver("active_set", native.bind(relaxed).map_err(BindError::from));
+        misfits.solver("active_set", native.bind(relaxed).map_err(BindError::from));
         let tags: Vec<&'static str> = (tasks.iter().map(|e| e.plugin.typetag_name()))
             .chain(constraints.iter().map(|e| e.plugin.typetag_name()))
             .collect();
@@ -441,9 +387,9 @@ impl Plan {
             && controller.must_hover()
             && let Some(missing) = controller.missing_wrench()
         {
-            faults.hover(tag, missing);
+            misfits.hover(tag, missing);
         }
-        faults.stop_if_any()?;
+        misfits.stop_if_any()?;
         Ok(controller)
     }
 }

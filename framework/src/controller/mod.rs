@@ -10,7 +10,6 @@ mod command;
 mod elapsed;
 mod error;
 mod explanation;
-mod faults;
 mod first;
 pub(crate) mod fit;
 mod gate;
@@ -20,9 +19,10 @@ mod hover;
 mod ladder;
 mod measurement;
 mod memory;
+mod misfits;
 mod output;
 mod plausible;
-mod recording;
+mod record;
 mod rehearsal;
 mod report;
 mod requests;
@@ -30,18 +30,22 @@ mod restart;
 mod safe;
 pub(crate) mod world;
 
-pub use bind::Plan;
 pub use command::Command;
-pub use error::{ControllerError, RequestError};
+pub use error::RequestError;
 pub use explanation::{Explanation, Limit};
 pub use gate::CutEffort;
 pub use handle::{EntryId, EntryKey, EntryMut};
 pub use measurement::Measurement;
 pub use memory::Memory;
+pub use record::{Dump, Record, Source};
 pub use rehearsal::PlannedForce;
 pub use report::{
     ActiveRow, ConflictRow, ContactReport, OnRung, RelaxedRow, Report, Rung, Side, TaskReport,
 };
+
+pub(crate) use bind::{Bound, Parts};
+pub(crate) use misfits::{Misfit, MisfitKind};
+pub(crate) use record::{CommandRecord, FORMAT, MadeFrom};
 
 use nalgebra::DVector;
 
@@ -50,7 +54,6 @@ use crate::{
     fault::Fault,
     plugin::{Constraint, ConstraintRows, EntryState, Rows, Task},
     qp::{Budget, Qp, RowId, Solution, Solver, Status, VarId},
-    replay::{Record, Recorder},
     robot::RobotModel,
     settings::{MeasurementLimits, Settings},
     stopwatch::{StageTimes, Stopwatch},
@@ -61,7 +64,7 @@ use gate::Gate;
 use handle::Stamp;
 use ladder::Ladder;
 use plausible::Plausible;
-use recording::MadeFrom;
+use record::Recorder;
 use world::World;
 
 /// A whole-body controller bound to a robot.

@@ -10,14 +10,13 @@ use nalgebra::{
     Isometry3, Matrix3, Matrix6xX, Rotation3, Translation3, UnitQuaternion, Vector3, Vector6,
 };
 
-use super::measurement::Measurement;
+use super::{measurement::Measurement, record::ContactMemory};
 use crate::{
     contact::{ContactSpec, ContactState, FreeForce, SurfaceMotion},
     dynamics::{Data, FrameKinematics},
     error::{BindError, unknown},
     model::{BodyId, FrameId, Model},
     plugin::{EntryState, Prediction, Tick},
-    replay::ContactMemory,
     state::State,
     switch::Switch,
 };

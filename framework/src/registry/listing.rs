@@ -10,9 +10,11 @@ use std::fmt;
 use schemars::Schema;
 use serde_json::Value;
 
-use super::{Duplicate, PluginKind, duplicates};
+use super::{
+    Duplicate, PluginKind, duplicates,
+    schema::{CRITICAL, Node, WEIGHT},
+};
 use crate::{
-    config::{expand, schema::Node},
     plugin::{Constraint, Reference, Task},
     qp::Solver,
     robot::Robot,
@@ -162,7 +164,7 @@ fn of_kind<P: PluginKind + ?Sized>(all: &mut Vec<PluginInfo>) {
             tag: plugin.tag,
             origin: plugin.origin,
             description: description(root),
-            weight: root.get(expand::WEIGHT).cloned(),
+            weight: root.get(WEIGHT).cloned(),
             parameters,
         }
     }));
@@ -185,7 +187,7 @@ fn collect(table: Node<'_>, prefix: &str, all: &mut Vec<Parameter>) {
                 .cloned(),
             // A damping without a value is critical.
             is_required: required.is_some_and(|keys| keys.iter().any(|k| k == key))
-                && about.get(expand::CRITICAL).is_none(),
+                && about.get(CRITICAL).is_none(),
             description: description(about),
             key: path.clone(),
         });

@@ -2,8 +2,8 @@
 
 use std::{fs, io, path::PathBuf};
 
-use super::dump::{Dump, DumpError};
-use crate::Controller;
+use super::DumpError;
+use crate::controller::{Controller, Dump};
 
 /// Writes what a recorder holds when the rung has changed; called after ticks, outside the real-time part.
 #[derive(Clone, Debug)]

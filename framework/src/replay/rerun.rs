@@ -2,11 +2,11 @@
 
 use std::{fmt, path::Path};
 
-use super::{
-    dump::{Dump, DumpError},
-    record::{CommandRecord, Record},
+use super::DumpError;
+use crate::{
+    config::ControllerConfig,
+    controller::{CommandRecord, Controller, Dump, Record},
 };
-use crate::{Controller, config::ControllerConfig};
 
 /// A tick that was run again.
 #[derive(Debug)]

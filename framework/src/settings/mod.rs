@@ -2,6 +2,7 @@
 
 mod formulation;
 mod measurement;
+mod target;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -10,6 +11,7 @@ use crate::error::BindError;
 
 pub use formulation::Formulation;
 pub use measurement::MeasurementLimits;
+pub use target::Target;
 
 /// The `[controller]` table.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

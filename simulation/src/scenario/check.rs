@@ -11,9 +11,9 @@ use std::{
 };
 
 use wbqp::{
-    config::ControllerConfig,
+    config::{ControllerConfig, ControllerError, Plan},
     contact::ContactSpec,
-    controller::{Controller, ControllerError, Memory, Plan},
+    controller::{Controller, Memory},
     robot::RobotModel,
     serde_json,
 };

@@ -1,6 +1,10 @@
 //! What can be wrong with a scenario or stop a run.
 
-use wbqp::{config::ConfigErrors, controller::ControllerError, log::LogError, replay::DumpError};
+use wbqp::{
+    config::{ConfigErrors, ControllerError},
+    log::LogError,
+    replay::DumpError,
+};
 
 use crate::PlantError;
 

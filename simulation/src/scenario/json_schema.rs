@@ -1,7 +1,7 @@
 //! The JSON Schema of a scenario's file, with the linked references in it.
 
 use wbqp::{
-    registry::json_schema::{compose, schema_of},
+    config::json_schema::{compose, schema_of},
     serde_json::{Value, json},
 };
 

@@ -2,9 +2,9 @@
 
 use nalgebra::{UnitQuaternion, Vector6};
 use wbqp::{
-    config::ControllerConfig,
+    config::{ControllerConfig, ControllerError},
     contact::ContactSpec,
-    controller::{Controller, ControllerError},
+    controller::Controller,
     robot::RobotModel,
     statics::{Load, Push, largest_push},
     suggestion::suggestion,

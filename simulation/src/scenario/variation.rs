@@ -2,17 +2,14 @@
 
 use serde::{Deserialize, Serialize};
 use toml::{Table, Value};
-use wbqp::{
-    config::{Overrides, Target},
-    robot::SourceFile,
-};
+use wbqp::{config::Overrides, robot::SourceFile, settings::Target};
 
 use super::ScenarioError;
 
 /// Changes on top of every case, in the form that a case has: `change` for the scenario, `set` for the controller.
 ///
 /// ```
-/// use wbqp::config::Target;
+/// use wbqp::settings::Target;
 /// use wbqp_sim::Variation;
 ///
 /// let from_text = Variation::from_toml(

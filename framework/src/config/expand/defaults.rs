@@ -9,15 +9,13 @@ use serde_json::Value as Json;
 
 use super::{List, Notes, Span, Texts, value};
 use crate::{
-    config::{document::Document, schema::Node, table::Section},
+    config::{document::Document, table::Section},
     plugin::{Constraint, Task},
-    registry::{self, PluginKind},
+    registry::{
+        self, PluginKind,
+        schema::{CRITICAL, Node, WEIGHT},
+    },
 };
-
-/// The weight that a plug-in declares.
-pub(crate) const WEIGHT: &str = "x-weight";
-/// The key of a stiffness, at that of its damping.
-pub(crate) const CRITICAL: &str = "x-critical";
 
 /// A value to be put in.
 struct Missing {

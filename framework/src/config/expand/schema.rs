@@ -2,8 +2,8 @@
 
 use serde_json::{Value, json};
 
+use crate::config::json_schema::schema_of;
 use crate::contact::{ContactSpec, Motion};
-use crate::registry::json_schema::schema_of;
 
 /// Keys of a contact that are written out: no contact has them afterwards.
 pub(crate) const SHORT_KEYS: [&str; 3] = ["frames", "motion", "size"];

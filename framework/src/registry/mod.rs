@@ -47,8 +47,8 @@
 //! struct Drift;
 //! ```
 
-pub mod json_schema;
 mod listing;
+pub(crate) mod schema;
 
 use std::{
     collections::BTreeMap,

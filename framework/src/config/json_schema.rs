@@ -11,11 +11,14 @@ use std::collections::BTreeSet;
 use schemars::{JsonSchema, SchemaGenerator};
 use serde_json::{Map, Value, json};
 
-use super::PluginKind;
+use super::expand;
 use crate::{
-    config::expand,
     plugin::{Constraint, Hardness, Reference, Task, Weight},
     qp::Solver,
+    registry::{
+        PluginKind,
+        schema::{CRITICAL, WEIGHT},
+    },
     robot::Robot,
     settings::{MeasurementLimits, Settings},
 };
@@ -26,7 +29,7 @@ const MAX_DEPTH: usize = 32;
 /// Schema of a controller's file.
 ///
 /// ```
-/// let schema = wbqp::registry::json_schema::controller();
+/// let schema = wbqp::config::json_schema::controller();
 /// assert_eq!(schema["required"], wbqp::serde_json::json!(["controller", "robot"]));
 /// ```
 pub fn controller() -> Value {
@@ -183,7 +186,7 @@ fn define<P: PluginKind + ?Sized>(definitions: &mut Map<String, Value>, common: 
         };
         table.remove("$defs");
         table.remove("$schema");
-        let weight = table.remove(expand::WEIGHT);
+        let weight = table.remove(WEIGHT);
         let mut properties = Map::new();
         properties.insert("type".to_owned(), json!({ "const": plugin.tag }));
         for keys in [common.get("properties"), table.get("properties")] {
@@ -202,7 +205,7 @@ fn define<P: PluginKind + ?Sized>(definitions: &mut Map<String, Value>, common: 
         // A damping that has none is critical.
         let is_critical = |key: &Value| {
             let about = key.as_str().and_then(|key| properties.get(key));
-            about.is_some_and(|about| about.get(expand::CRITICAL).is_some())
+            about.is_some_and(|about| about.get(CRITICAL).is_some())
         };
         required.retain(|key| !is_critical(key));
         if let (Some(default), Some(weight)) = (&weight, properties.get_mut("weight")) {

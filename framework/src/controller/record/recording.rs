@@ -5,49 +5,35 @@ use std::path::PathBuf;
 use nalgebra::{Quaternion, UnitQuaternion, Vector6};
 
 use super::{
-    Command, Controller, Measurement,
-    ladder::{Age, Clock, Ladder},
-    plausible::Seen,
-};
-use crate::{
-    config::{ControllerConfig, Keeping},
-    qp::WarmStart,
-    replay::{
-        CommandRecord, ContactMemory, Dump, DumpError, EntryRecord, Memory, Outcome, Record,
-        Recorder, StateRecord,
+    super::{
+        Command, Controller, Measurement, RequestError,
+        ladder::{Age, Clock, Ladder},
+        plausible::Seen,
     },
-    state::State,
+    CommandRecord, ContactMemory, Dump, EntryRecord, Memory, Outcome, Record, Recorder,
+    StateRecord,
 };
+use crate::{qp::WarmStart, state::State};
 
 /// What a controller was made from.
 #[derive(Debug)]
-pub(super) struct MadeFrom {
-    directory: PathBuf,
+pub(crate) struct MadeFrom {
+    /// Where relative paths count from.
+    pub(crate) directory: PathBuf,
     /// As TOML, or why it cannot be written so.
-    configuration: Result<String, String>,
-}
-
-impl MadeFrom {
-    pub(super) fn new(config: &ControllerConfig) -> Self {
-        let configuration = match config.keeping {
-            Keeping::Text => config.to_toml().map_err(|error| error.to_string()),
-            Keeping::Nothing => Err("it was made without a record".to_owned()),
-        };
-        Self {
-            directory: config.directory.clone(),
-            configuration,
-        }
-    }
+    pub(crate) configuration: Result<String, String>,
 }
 
 impl Controller {
     /// Records the last `ticks` ticks, at least one. Costs a copy of the rows per tick.
     ///
     /// # Errors
-    /// [`DumpError::Configuration`] if a plug-in cannot be written to a file.
-    pub fn with_recorder(mut self, ticks: usize) -> Result<Self, DumpError> {
+    /// [`RequestError::Unrecordable`] if a plug-in cannot be written to a file.
+    pub fn with_recorder(mut self, ticks: usize) -> Result<Self, RequestError> {
         if let Err(problem) = &self.made_from.configuration {
-            return Err(DumpError::Configuration(problem.clone()));
+            return Err(RequestError::Unrecordable {
+                problem: problem.clone(),
+            });
         }
         let blank = self.blank_record();
         self.recorder = Some(Recorder::new(&blank, ticks));
@@ -122,7 +108,7 @@ impl Controller {
 /// During a tick: nothing is allocated.
 impl Controller {
     /// Before anything is computed.
-    pub(super) fn record_inputs(&mut self, measurement: &Measurement) {
+    pub(in super::super) fn record_inputs(&mut self, measurement: &Measurement) {
         let Some(record) = self.recorder.as_mut().and_then(Recorder::current) else {
             return;
         };
@@ -162,7 +148,7 @@ impl Controller {
     }
 
     /// After the plug-ins have written their rows.
-    pub(super) fn record_rows(&mut self) {
+    pub(in super::super) fn record_rows(&mut self) {
         let Some(record) = self.recorder.as_mut().and_then(Recorder::current) else {
             return;
         };
@@ -189,7 +175,7 @@ impl Controller {
     }
 
     /// After the tick.
-    pub(super) fn record_outcome(&mut self, changed: bool) {
+    pub(in super::super) fn record_outcome(&mut self, changed: bool) {
         let Some(recorder) = &mut self.recorder else {
             return;
         };
@@ -250,7 +236,7 @@ impl Controller {
     }
 
     /// Takes the recorded rows instead of asking the plug-ins.
-    pub(super) fn recall_rows(&mut self, entries: &[EntryRecord]) {
+    pub(in super::super) fn recall_rows(&mut self, entries: &[EntryRecord]) {
         for (entry, group) in entries.iter().zip(&mut self.groups) {
             group.live = entry.live;
             group.alpha = entry.alpha;

@@ -2,39 +2,47 @@
 
 use std::collections::HashMap;
 
-use super::ControllerError;
 use crate::{
-    config::{ConfigErrorKind, Fault, Origin, Target},
     contact::ContactSpec,
     error::BindError,
     plugin::{Constraint, Entry, Task},
-    settings::{MeasurementLimits, Settings},
+    settings::{MeasurementLimits, Settings, Target},
 };
 
-/// What is wrong so far, and where the configuration comes from.
+/// One thing that does not fit the robot.
 #[derive(Debug)]
-pub(super) struct Faults {
-    origin: Origin,
+pub(crate) struct Misfit {
+    pub(crate) target: Target,
+    /// Whose it is in messages, such as ``task[0] `arm` (posture)``.
+    pub(crate) subject: String,
+    pub(crate) kind: MisfitKind,
+    pub(crate) error: BindError,
+}
+
+/// The sort of a [`Misfit`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum MisfitKind {
+    /// A parameter, as its error says.
+    Parameter,
+    /// Nothing carries the robot at the start.
+    Hover,
+}
+
+/// Everything that does not fit so far.
+#[derive(Debug, Default)]
+pub(super) struct Misfits {
     /// With the place of what is wrong among its kind.
-    list: Vec<(usize, Fault)>,
+    list: Vec<(usize, Misfit)>,
     is_too_large: bool,
 }
 
-impl Faults {
-    pub(super) fn new(origin: Origin) -> Self {
-        Self {
-            origin,
-            list: Vec::new(),
-            is_too_large: false,
-        }
-    }
-
+impl Misfits {
     pub(super) fn is_empty(&self) -> bool {
         self.list.is_empty()
     }
 
     /// Everything that was collected, as an error.
-    pub(super) fn stop_if_any(&mut self) -> Result<(), ControllerError> {
+    pub(super) fn stop_if_any(&mut self) -> Result<(), Vec<Misfit>> {
         if self.list.is_empty() {
             return Ok(());
         }
@@ -49,13 +57,18 @@ impl Faults {
             Target::Constraint(_) => 6,
         };
         let mut list = std::mem::take(&mut self.list);
-        list.sort_by_key(|(index, fault)| (rank(&fault.target), *index));
-        let faults = list.into_iter().map(|(_, fault)| fault).collect();
-        Err(self.origin.errors(faults).into())
+        list.sort_by_key(|(index, misfit)| (rank(&misfit.target), *index));
+        Err(list.into_iter().map(|(_, misfit)| misfit).collect())
     }
 
     fn add(&mut self, target: Target, index: usize, subject: String, error: BindError) {
-        self.list.push((index, Fault::new(target, subject, error)));
+        let misfit = Misfit {
+            target,
+            subject,
+            kind: MisfitKind::Parameter,
+            error,
+        };
+        self.list.push((index, misfit));
     }
 
     pub(super) fn settings(&mut self, settings: &Settings) {
@@ -81,11 +94,13 @@ impl Faults {
 
     pub(super) fn hover(&mut self, tag: &str, missing: String) {
         let error = BindError::Other(missing);
-        let fault = Fault {
-            kind: ConfigErrorKind::Hover,
-            ..Fault::new(Target::Robot, format!("robot ({tag})"), error)
+        let misfit = Misfit {
+            target: Target::Robot,
+            subject: format!("robot ({tag})"),
+            kind: MisfitKind::Hover,
+            error,
         };
-        self.list.push((0, fault));
+        self.list.push((0, misfit));
     }
 
     pub(super) fn solver(&mut self, tag: &str, bound: Result<(), BindError>) {
@@ -103,7 +118,7 @@ impl Faults {
     }
 
     /// Everything that was collected, if there is no going on without taking more than may be taken.
-    pub(super) fn stop_if_too_large(&mut self) -> Result<(), ControllerError> {
+    pub(super) fn stop_if_too_large(&mut self) -> Result<(), Vec<Misfit>> {
         if self.is_too_large {
             self.stop_if_any()
         } else {

@@ -1,6 +1,6 @@
 //! The last ticks of a controller, in a ring made once.
 
-use super::record::Record;
+use super::Record;
 
 /// A ring of records, and whether something happened that is worth a dump.
 #[derive(Clone, Debug)]

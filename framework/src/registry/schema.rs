@@ -2,6 +2,11 @@
 
 use serde_json::{Map, Value};
 
+/// The weight that a plug-in declares.
+pub(crate) const WEIGHT: &str = "x-weight";
+/// The key of a stiffness, at that of its damping.
+pub(crate) const CRITICAL: &str = "x-critical";
+
 /// `$ref`s are followed this far; schemas of plain data are shallower.
 const MAX_REFS: usize = 16;
 

@@ -9,7 +9,7 @@ use toml::{
 };
 
 use super::{
-    ConfigError, ConfigErrorKind as Kind, ConfigErrors, Overrides, Target,
+    ConfigError, ConfigErrorKind as Kind, ConfigErrors, Overrides,
     document::{Directory, Document},
     expand::{self, Texts},
     overrides::Appendix,
@@ -17,31 +17,11 @@ use super::{
     table::Section,
 };
 use crate::{
+    controller::{Misfit, MisfitKind},
     error::BindError,
     robot::{Place, RobotError, SourceFile},
+    settings::Target,
 };
-
-/// One thing that does not fit the robot.
-#[derive(Debug)]
-pub(crate) struct Fault {
-    pub(crate) target: Target,
-    /// Whose it is in messages, such as ``task[0] `arm` (posture)``.
-    pub(crate) subject: String,
-    pub(crate) kind: Kind,
-    pub(crate) error: BindError,
-}
-
-impl Fault {
-    pub(crate) fn new(target: Target, subject: String, error: BindError) -> Self {
-        let kind = kind(&error);
-        Self {
-            target,
-            subject,
-            kind,
-            error,
-        }
-    }
-}
 
 /// Where a configuration comes from.
 #[derive(Debug)]
@@ -55,17 +35,23 @@ impl Origin {
         Self { source, overrides }
     }
 
-    /// The errors of some faults, in the order of the file if there is one.
-    pub(crate) fn errors(&self, faults: Vec<Fault>) -> ConfigErrors {
+    /// The errors of what does not fit, in the order of the file if there is one.
+    pub(crate) fn errors(&self, misfits: Vec<Misfit>) -> ConfigErrors {
         let Some(source) = &self.source else {
-            return ConfigErrors::new(faults.into_iter().map(without_place).collect());
+            return ConfigErrors::new(misfits.into_iter().map(without_place).collect());
         };
         self.with_document(source, |document, report| {
             let directory = document.directory();
-            for fault in &faults {
-                let section = document.target(&fault.target, &directory).ok();
-                let at = At::subject(&fault.subject);
-                report_as(fault.kind, &fault.error, section.as_deref(), &at, report);
+            for misfit in &misfits {
+                let section = document.target(&misfit.target, &directory).ok();
+                let at = At::subject(&misfit.subject);
+                report_as(
+                    kind_of(misfit),
+                    &misfit.error,
+                    section.as_deref(),
+                    &at,
+                    report,
+                );
             }
         })
     }
@@ -115,17 +101,17 @@ impl Origin {
     }
 }
 
-fn without_place(fault: Fault) -> ConfigError {
-    let (path, what) = in_words(&fault.error);
+fn without_place(misfit: Misfit) -> ConfigError {
+    let (path, what) = in_words(&misfit.error);
     let message = if path.is_empty() {
         what
     } else {
         format!("{}: {what}", Path(&path))
     };
     ConfigError {
-        kind: fault.kind,
+        kind: kind_of(&misfit),
         place: None,
-        subject: fault.subject,
+        subject: misfit.subject,
         message,
     }
 }
@@ -160,6 +146,13 @@ fn report_as(
     // An empty span is a table that the file does not have.
     let span = span.filter(|span| !span.is_empty());
     report.add(kind, span, &at.then(&path), message);
+}
+
+fn kind_of(misfit: &Misfit) -> Kind {
+    match misfit.kind {
+        MisfitKind::Parameter => kind(&misfit.error),
+        MisfitKind::Hover => Kind::Hover,
+    }
 }
 
 fn kind(error: &BindError) -> Kind {

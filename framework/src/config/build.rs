@@ -1,0 +1,139 @@
+//! From a configuration to a controller, with the place in the file of everything that does not fit.
+
+use std::path::Path;
+
+use super::{ControllerConfig, ControllerError, Keeping, origin::Origin};
+use crate::{
+    controller::{Bound, Controller, MadeFrom, Memory, Misfit, Parts},
+    robot::{RobotError, RobotModel},
+};
+
+impl ControllerConfig {
+    /// Loads the robot.
+    ///
+    /// # Errors
+    /// [`ControllerError::Robot`] with the place in the configuration's file, if there is one.
+    pub fn load_robot(&self) -> Result<RobotModel, ControllerError> {
+        self.robot.load(&self.directory).map_err(|error| {
+            let origin = Origin::new(self.source.clone(), self.overrides.clone());
+            let places = match &error {
+                RobotError::Several { errors } => {
+                    errors.iter().map(|e| origin.robot_place(e)).collect()
+                }
+                one => vec![origin.robot_place(one)],
+            };
+            ControllerError::Robot {
+                tag: self.robot.typetag_name().to_owned(),
+                places,
+                source: Box::new(error),
+            }
+        })
+    }
+
+    /// Makes the controller; the same as [`Controller::new`].
+    ///
+    /// # Errors
+    /// [`ControllerError`]: everything that is wrong, as for a file, by name and key instead of line.
+    pub fn build(self) -> Result<Controller, ControllerError> {
+        Controller::new(self)
+    }
+
+    fn made_from(&self) -> MadeFrom {
+        let configuration = match self.keeping {
+            Keeping::Text => self.to_toml().map_err(|error| error.to_string()),
+            Keeping::Nothing => Err("it was made without a record".to_owned()),
+        };
+        MadeFrom {
+            directory: self.directory.clone(),
+            configuration,
+        }
+    }
+}
+
+impl Controller {
+    /// Makes the controller that a file describes.
+    ///
+    /// # Errors
+    /// [`ControllerError`]: all mistakes of the file, the robot, or everything that does not fit it.
+    pub fn from_file(path: impl AsRef<Path>) -> Result<Self, ControllerError> {
+        Self::new(ControllerConfig::from_file(path)?)
+    }
+
+    /// Makes a controller. This is where everything is allocated.
+    ///
+    /// # Errors
+    /// [`ControllerError`]: the robot, or everything that does not fit it.
+    pub fn new(config: ControllerConfig) -> Result<Self, ControllerError> {
+        let robot = config.load_robot()?;
+        Self::with_robot(config, robot)
+    }
+
+    /// Makes a controller for a robot that is there already; the configuration's own is not loaded.
+    ///
+    /// If nothing says where the robot's floating base is at home ([`RobotModel::base_is_placed`]), its home stands on
+    /// the contacts that are on at the start and whose surfaces face upwards: it is moved along the vertical until the
+    /// lowest of them touches.
+    ///
+    /// # Errors
+    /// [`ControllerError::Config`]: everything that does not fit the robot.
+    pub fn with_robot(
+        config: ControllerConfig,
+        robot: RobotModel,
+    ) -> Result<Self, ControllerError> {
+        Plan::new(config, robot)?.make()
+    }
+}
+
+/// A controller that fits its robot and is not made yet: all sizes are known, and nothing of its problem is allocated.
+///
+/// [`Plan::memory`] says what [`Plan::make`] is going to take; [`Controller::with_robot`] does both.
+#[derive(Debug)]
+pub struct Plan {
+    bound: Bound,
+    origin: Origin,
+}
+
+impl Plan {
+    /// Binds tasks and constraints to a robot that is there already; the configuration's own is not loaded.
+    ///
+    /// # Errors
+    /// [`ControllerError::Config`]: everything that does not fit the robot, and what takes more than
+    /// [`Settings::max_memory`](crate::settings::Settings::max_memory).
+    pub fn new(config: ControllerConfig, mut robot: RobotModel) -> Result<Self, ControllerError> {
+        let made_from = config.made_from();
+        robot.diagnostics.extend(config.warnings);
+        let parts = Parts {
+            settings: config.settings,
+            tag: config.robot.typetag_name(),
+            solver: config.solver,
+            measurement: config.measurement,
+            contacts: config.contacts,
+            tasks: config.tasks,
+            constraints: config.constraints,
+            made_from,
+        };
+        let origin = Origin::new(config.source, config.overrides);
+        match Bound::new(parts, robot) {
+            Ok(bound) => Ok(Self { bound, origin }),
+            Err(misfits) => Err(refused(&origin, misfits)),
+        }
+    }
+
+    /// What [`Plan::make`] is going to allocate, about.
+    pub fn memory(&self) -> Memory {
+        self.bound.memory()
+    }
+
+    /// Makes the controller. This is where everything is allocated.
+    ///
+    /// # Errors
+    /// [`ControllerError::Config`]: a solver that refuses, a robot that does not hover.
+    pub fn make(self) -> Result<Controller, ControllerError> {
+        let Self { bound, origin } = self;
+        bound.make().map_err(|misfits| refused(&origin, misfits))
+    }
+}
+
+fn refused(origin: &Origin, misfits: Vec<Misfit>) -> ControllerError {
+    origin.errors(misfits).into()
+}

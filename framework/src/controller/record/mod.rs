@@ -1,0 +1,15 @@
+//! Ticks in numbers: what each depended on and what came out, kept in storage made once.
+
+mod dump;
+mod recorder;
+mod recording;
+mod tick_record;
+
+pub use dump::{Dump, Source};
+pub use tick_record::Record;
+
+pub(crate) use dump::FORMAT;
+pub(super) use recorder::Recorder;
+pub(crate) use recording::MadeFrom;
+pub(crate) use tick_record::{CommandRecord, ContactMemory};
+use tick_record::{EntryRecord, Memory, Outcome, StateRecord};
