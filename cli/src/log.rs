@@ -7,8 +7,9 @@ use std::{
 
 use anyhow::Result;
 use clap::{Args, Subcommand};
-use wbqp::{input::size, log::repair};
+use wbqp::input::size;
 use wbqp_examples::say;
+use wbqp_log::repair;
 
 /// Looks after logs
 #[derive(Args, Debug)]

@@ -9,7 +9,7 @@ use std::{
 };
 
 use common::{Temporary, root, wbqp};
-use wbqp::log::RunLock;
+use wbqp_log::RunLock;
 
 const STAND: &str = include_str!("../../examples/scenarios/quadruped_short.controller.toml");
 

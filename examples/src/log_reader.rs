@@ -9,9 +9,9 @@ use std::{
 use mcap::{McapError, MessageStream, read::LinearReader, records::Record};
 use wbqp::{
     input,
-    log::{ChannelId, LogError, LogSink, Timeline},
     serde_json::{self, Value},
 };
+use wbqp_log::{ChannelId, LogError, LogSink, Timeline};
 
 use crate::series::Series;
 

@@ -5,10 +5,8 @@ use std::{path::Path, process::ExitCode};
 
 use anyhow::{Context, Result};
 use rayon::prelude::*;
-use wbqp::{
-    log::{LogSink, McapLog},
-    replay::DumpFolder,
-};
+use wbqp::replay::DumpFolder;
+use wbqp_log::{LogSink, McapLog};
 use wbqp_sim::Scenario;
 
 use crate::{

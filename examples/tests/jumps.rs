@@ -2,11 +2,9 @@
 
 use std::io::Cursor;
 
-use wbqp::{
-    log::{LogSink, McapLog, Timeline},
-    serde_json::json,
-};
+use wbqp::serde_json::json;
 use wbqp_examples::{jumps::Jumps, log_reader::Log};
+use wbqp_log::{LogSink, McapLog, Timeline};
 
 /// Thrusts jump by 3 N at 2 s and by 1 N at 4 s, an acceleration by 0.5 rad/s² at 4 s.
 fn log() -> Log {

@@ -2,16 +2,14 @@
 
 use std::io::Cursor;
 
-use wbqp::{
-    log::{LogSink, McapLog, Timeline},
-    serde_json::{Value, json},
-};
+use wbqp::serde_json::{Value, json};
 use wbqp_examples::{
     log_reader::{Log, ReadError},
     plots::push,
     push_with_disturbance::measures,
     results::Row,
 };
+use wbqp_log::{LogSink, McapLog, Timeline};
 
 const CONTROLLER: &str = r#"
 [[task]]

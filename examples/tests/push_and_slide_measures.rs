@@ -2,16 +2,14 @@
 
 use std::{f64::consts::TAU, io::Cursor};
 
-use wbqp::{
-    log::{LogSink, McapLog, Timeline},
-    serde_json::json,
-};
+use wbqp::serde_json::json;
 use wbqp_examples::{
     log_reader::Log,
     plots::slide,
     push_and_slide::measures::{self, Logs},
     results::Row,
 };
+use wbqp_log::{LogSink, McapLog, Timeline};
 
 const CONTROLLER: &str = r#"
 [[task]]

@@ -2,11 +2,9 @@
 
 use std::io::Cursor;
 
-use wbqp::{
-    log::{LogSink, McapLog, Timeline},
-    serde_json::{Value, json},
-};
+use wbqp::serde_json::{Value, json};
 use wbqp_examples::{log_reader::Log, push_away::measures, results::Row};
+use wbqp_log::{LogSink, McapLog, Timeline};
 
 const CONTROLLER: &str = r#"
 [[task]]

@@ -2,16 +2,14 @@
 
 use std::io::Cursor;
 
-use wbqp::{
-    log::{LogSink, McapLog},
-    serde_json::{Map, Value, json},
-};
+use wbqp::serde_json::{Map, Value, json};
 use wbqp_examples::{
     log_reader::Log,
     plots::under_actuated as plots,
     results::Row,
     under_actuated::measures::{self, desired_pitch},
 };
+use wbqp_log::{LogSink, McapLog};
 
 const CONTROLLER: &str = r#"
 [[task]]

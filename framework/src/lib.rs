@@ -159,8 +159,8 @@
 //! | describe a contact | [`contact::ContactSpec`], [`contact::Detector`] |
 //! | use the dynamics alone | [`dynamics::Data`], [`dynamics::FrameKinematics`] |
 //! | bring a solver | [`qp::QpSolver`], [`qp::Qp`], [`qp::Solution`] |
-//! | test a plug-in | [`testing::PluginTest`] |
-//! | keep a log | [`log::ControllerLog`], [`log::LogSink`] |
+//! | test a plug-in | the crate `wbqp-testing`; [`controller::Probe`] |
+//! | keep a log | the crate `wbqp-log` |
 //! | list what a file can name | [`registry()`], [`mod@registry`] |
 //!
 //! # Conventions
@@ -170,8 +170,8 @@
 //! are linear: a row costs `w r²`.
 //!
 //! # Features
-//! * `mcap` (on by default): `log::McapLog`, which writes logs as MCAP files. A crate of plug-ins can do without:
-//!   `default-features = false`.
+//! * `clarabel` (on by default): the interior-point solver Clarabel, `type = "clarabel"`. A crate of plug-ins can do
+//!   without: `default-features = false`.
 //!
 //! # Re-exports
 //! A crate of plug-ins depends on `wbqp` alone. [`nalgebra`] is the linear algebra of the interfaces; [`serde`],
@@ -190,7 +190,6 @@ pub mod dynamics;
 pub mod error;
 pub mod fault;
 pub mod input;
-pub mod log;
 pub mod model;
 pub mod plugin;
 pub mod qp;
@@ -204,7 +203,6 @@ pub mod statics;
 pub mod stopwatch;
 pub mod suggestion;
 mod switch;
-pub mod testing;
 
 pub use assembly::{RowInfo, VarInfo};
 pub use config::ControllerConfig;

@@ -13,12 +13,12 @@ use std::time::Instant;
 use nalgebra::Vector3;
 use wbqp::{
     controller::{Controller, Rung},
-    log::{
-        ControllerLog, LogSink, Timeline, TrueContact, state_message, state_schema,
-        write_diagnostics, write_rotors, write_run,
-    },
     replay::{DumpError, DumpFolder},
     stopwatch::Stopwatch,
+};
+use wbqp_log::{
+    ControllerLog, LogSink, Timeline, TrueContact, state_message, state_schema, write_diagnostics,
+    write_rotors, write_run,
 };
 
 use crate::{

@@ -2,10 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use wbqp::{
-    log::{ChannelId, LogError, LogSink},
-    serde_json::Value,
-};
+use wbqp::serde_json::Value;
+use wbqp_log::{ChannelId, LogError, LogSink};
 
 /// Calls a function with topic, time in s and text of every message.
 #[derive(Debug)]

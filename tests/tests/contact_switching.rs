@@ -2,9 +2,8 @@
 
 use std::path::Path;
 
-use wbqp::{
-    config::Overrides, contact::Detector, controller::Controller, log::MemoryLog, settings::Target,
-};
+use wbqp::{config::Overrides, contact::Detector, controller::Controller, settings::Target};
+use wbqp_log::MemoryLog;
 use wbqp_robots as _;
 use wbqp_sim::{Scenario, plant};
 use wbqp_tasks::MinJerk;

@@ -3,10 +3,10 @@
 use wbqp::{
     config::Overrides,
     controller::Controller,
-    log::MemoryLog,
     plugin::{Reference, Weight},
     settings::Target,
 };
+use wbqp_log::MemoryLog;
 use wbqp_robots as _;
 use wbqp_sim::Scenario;
 use wbqp_tasks::{Hold, MinJerk};

@@ -5,10 +5,8 @@
 use std::{alloc::System, process::ExitCode};
 
 use stats_alloc::{INSTRUMENTED_SYSTEM, StatsAlloc};
-use wbqp::{
-    registry,
-    testing::{Meaning, PluginTest},
-};
+use wbqp::registry;
+use wbqp_testing::{Meaning, PluginTest};
 use wbqp_tasks as _;
 
 #[global_allocator]

@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use wbqp::{controller::Controller, log::MemoryLog, settings::Target, toml};
+use wbqp::{controller::Controller, settings::Target, toml};
+use wbqp_log::MemoryLog;
 use wbqp_robots as _;
 use wbqp_sim::{Scenario, Variation};
 use wbqp_tasks as _;

@@ -18,14 +18,12 @@ use std::{
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use rayon::prelude::*;
-use wbqp::{
-    log::{LogSink, McapLog},
-    replay::DumpFolder,
-};
+use wbqp::replay::DumpFolder;
 use wbqp_examples::{
     cli::{Common, ProgressBars},
     log_reader::Log,
 };
+use wbqp_log::{LogSink, McapLog};
 use wbqp_sim::Scenario;
 
 use self::soles::Soles;

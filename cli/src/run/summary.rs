@@ -9,10 +9,10 @@ use wbqp::{
     actuator::ActuatorKind,
     controller::Rung,
     input,
-    log::{LogError, RunLock},
     serde_json::{self, Value},
 };
 use wbqp_examples::log_reader::Log;
+use wbqp_log::{LogError, RunLock};
 use wbqp_sim::Summary;
 
 use super::traces::{columns, escaped, norm};

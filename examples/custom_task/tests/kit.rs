@@ -1,7 +1,7 @@
 //! The plug-ins pass wbqp's test kit.
 
 use pointing as _;
-use wbqp::testing::{Meaning, PluginTest};
+use wbqp_testing::{Meaning, PluginTest};
 
 #[test]
 fn point_at() {

@@ -218,6 +218,36 @@ impl Layout {
         self
     }
 
+    /// Labels and units of the rows.
+    pub fn row_specs(&self) -> &[RowSpec] {
+        &self.rows
+    }
+
+    /// Labels and units of the bounds.
+    pub fn bound_specs(&self) -> impl Iterator<Item = &RowSpec> {
+        self.bounds.iter().map(|(spec, _)| spec)
+    }
+
+    /// Whether the rows have coefficients on accelerations.
+    pub fn acts_on_accelerations(&self) -> bool {
+        self.vdot != VdotBlock::Absent
+    }
+
+    /// Whether the rows have coefficients on efforts or contact forces.
+    pub fn acts_on_forces(&self) -> bool {
+        self.effort.is_some() || !self.forces.is_empty()
+    }
+
+    /// Whether the rows of a constraint are equalities.
+    pub fn is_equality(&self) -> bool {
+        self.relation == Relation::Equality
+    }
+
+    /// Unit of what the task writes into its error.
+    pub fn unit_of_error(&self) -> &str {
+        &self.error_unit
+    }
+
     /// Number of rows, bounds not counted.
     pub fn len(&self) -> usize {
         self.rows.len()

@@ -2,9 +2,9 @@
 
 use wbqp::{
     config::{ConfigErrors, ControllerError},
-    log::LogError,
     replay::DumpError,
 };
+use wbqp_log::LogError;
 
 use crate::PlantError;
 

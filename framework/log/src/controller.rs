@@ -3,11 +3,11 @@
 use nalgebra::{Vector3, Vector6};
 use serde_json::{Value, json};
 
-use super::{
+use crate::{
     ChannelId, LogError, LogSink, Object, schema,
     state::{joint_unit, state_message, state_schema},
 };
-use crate::{
+use wbqp::{
     actuator::ActuatorKind,
     controller::{Controller, Measurement, Report, Side},
     plugin::Layout,
@@ -24,7 +24,7 @@ use crate::{
 /// | `/task/<name>` | ramp, and per row error, residual and cost |
 /// | `/qp` | status, fault, iterations, times of the stages, active limits |
 ///
-/// A tick without a solution ([`Rung::is_solved`](crate::controller::Rung::is_solved)) has no new contact and task
+/// A tick without a solution ([`Rung::is_solved`](wbqp::controller::Rung::is_solved)) has no new contact and task
 /// reports: it writes `/state`, `/command` and `/qp` only.
 #[derive(Debug)]
 pub struct ControllerLog {
@@ -132,7 +132,7 @@ impl ControllerLog {
 /// Labels with a number behind the second, third, … of the same name.
 fn unique_labels(layout: &Layout) -> Vec<String> {
     let mut labels: Vec<String> = Vec::new();
-    for row in &layout.rows {
+    for row in layout.row_specs() {
         let mut label = row.label.clone();
         let mut count = 1;
         while labels.contains(&label) {
@@ -284,11 +284,11 @@ fn contact_message(report: &Report, index: usize, truth: Option<TrueContact>, ou
 }
 
 fn task_schema(layout: &Layout, labels: &[String]) -> Value {
-    let rows = layout.rows.iter().zip(labels).map(|(row, label)| {
+    let rows = layout.row_specs().iter().zip(labels).map(|(row, label)| {
         let fields = [
             (
                 "error",
-                schema::number(&layout.error_unit, "Actual minus desired"),
+                schema::number(layout.unit_of_error(), "Actual minus desired"),
             ),
             (
                 "residual",
@@ -409,8 +409,8 @@ fn qp_message(controller: &Controller, out: &mut Vec<u8>) {
         o.text("rung", report.rung.as_str());
         o.number("rung_since", report.on_rung.since);
         o.integer("rung_ticks", report.on_rung.ticks);
-        if let Some(fault) = &report.fault {
-            o.display("fault", &controller.fault_text(fault));
+        if let Some(why) = controller.explain() {
+            o.text("fault", &why.fault);
         }
         let short = |o: &mut Object<'_>, row, side: Side, limit: f64, short: f64| {
             if let Some(row) = controller.row(row) {

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde_json::Value;
 
-use super::{ChannelId, LogError, LogSink};
+use crate::{ChannelId, LogError, LogSink};
 
 /// A log in memory: everything is public and parsed.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -6,7 +6,7 @@
 
 use nalgebra::{DVector, Vector6};
 
-use super::{
+use crate::{
     Check,
     bench::{Bench, Inputs},
     report::Report,
@@ -16,7 +16,7 @@ use super::{
 
 const TOLERANCE: f64 = 1e-9;
 
-pub(super) fn check<P: Subject + ?Sized>(
+pub(crate) fn check<P: Subject + ?Sized>(
     bench: &Bench<'_>,
     here: &Inputs,
     scatter: &mut Scatter,
@@ -24,7 +24,7 @@ pub(super) fn check<P: Subject + ?Sized>(
 ) -> Option<()> {
     let mut bound = bench.bind::<P>(&here.state).ok()?;
     let at = bound.update(here);
-    let layout = &bound.layout;
+    let layout = bound.probe.layout();
     let effort = scatter.vector(bench.robot.nu(), 0.1);
     let forces: Vec<Vector6<f64>> = bench
         .contacts
@@ -40,7 +40,7 @@ pub(super) fn check<P: Subject + ?Sized>(
         .collect();
     let error = |times: f64| {
         let changed = bound_inputs(bench, here, &effort, &forces, times);
-        Some(bench.write::<P>(&here.state, here, &changed)?.error)
+        Some(bench.write::<P>(&here.state, here, &changed)?.rows.error)
     };
     let (start, once, twice) = (error(0.0)?, error(1.0)?, error(2.0)?);
     let slope = &once - &start;
@@ -55,7 +55,7 @@ pub(super) fn check<P: Subject + ?Sized>(
     }
     for k in 0..layout.len() {
         let scale = TOLERANCE * (1.0 + start.amax() + slope.amax());
-        let name = format!("row {k} `{}`", layout.rows[k].label);
+        let name = format!("row {k} `{}`", layout.row_specs()[k].label);
         if ((&twice - &once)[k] - slope[k]).abs() > scale {
             let message = format!("{name}: the error is not affine in efforts and forces");
             report.fail(Check::Jacobian, bench.name(), message);

@@ -10,7 +10,7 @@
 
 use nalgebra::DVector;
 
-use super::{
+use crate::{
     Check,
     bench::{Bench, Inputs, Written},
     report::Report,
@@ -30,7 +30,7 @@ const DIRECTIONS: usize = 3;
 /// Number and label of a row.
 fn row<P: Subject + ?Sized>(bench: &Bench<'_>, k: usize) -> String {
     let layout = bench.layout::<P>();
-    let label = layout.iter().find_map(|layout| layout.rows.get(k));
+    let label = layout.iter().find_map(|layout| layout.row_specs().get(k));
     format!("row {k} `{}`", label.map_or("", |row| row.label.as_str()))
 }
 
@@ -39,7 +39,7 @@ fn unit_hint<P: Subject + ?Sized>(bench: &Bench<'_>, k: usize) -> String {
     let Ok(layout) = bench.layout::<P>() else {
         return String::new();
     };
-    let (error, row) = (&layout.error_unit, layout.rows.get(k));
+    let (error, row) = (layout.unit_of_error(), layout.row_specs().get(k));
     match row.map(|row| &row.unit) {
         Some(row) if *row == format!("{error}/s") || *row == format!("{error}²") => format!(
             "; the row is in {row}, the error in {error}: if the row is the error's first derivative, say so with \
@@ -59,7 +59,7 @@ fn mismatch(a: &DVector<f64>, b: &DVector<f64>) -> Option<usize> {
 }
 
 /// `ė = J v` where the error is zero, and feedback against the error.
-pub(super) fn position_jacobian<P: Subject + ?Sized>(
+pub(crate) fn position_jacobian<P: Subject + ?Sized>(
     bench: &Bench<'_>,
     here: &Inputs,
     scatter: &mut Scatter,
@@ -72,7 +72,7 @@ pub(super) fn position_jacobian<P: Subject + ?Sized>(
         let v = scatter.vector(here.state.v.len(), 1.0);
         let error = |time: f64| {
             let moved = rest.displaced(bench, &v, time);
-            Some(bench.write::<P>(home, &rest, &moved)?.error)
+            Some(bench.write::<P>(home, &rest, &moved)?.rows.error)
         };
         let rate = (error(STEP)? - error(-STEP)?) / (2.0 * STEP);
         let expected = at.rates(&v);
@@ -98,7 +98,7 @@ pub(super) fn position_jacobian<P: Subject + ?Sized>(
         }
         let moved = rest.displaced(bench, &v, 1e-3);
         let moved = bench.write::<P>(home, &rest, &moved)?;
-        let (e, answer) = (&moved.error - &at.error, &moved.lower - &at.lower);
+        let (e, answer) = (&moved.rows.error - &at.rows.error, &moved.lower - &at.lower);
         if along(&answer, &e) {
             let message = "at rest, `b` grows with the error: the feedback drives it away \
                            (error = actual − desired, b = … − K_P error)";
@@ -109,7 +109,7 @@ pub(super) fn position_jacobian<P: Subject + ?Sized>(
 }
 
 /// `∂e/∂v = J`.
-pub(super) fn velocity_jacobian<P: Subject + ?Sized>(
+pub(crate) fn velocity_jacobian<P: Subject + ?Sized>(
     bench: &Bench<'_>,
     here: &Inputs,
     scatter: &mut Scatter,
@@ -121,7 +121,7 @@ pub(super) fn velocity_jacobian<P: Subject + ?Sized>(
         let change = scatter.vector(here.state.v.len(), 1.0);
         let error = |factor: f64| {
             let moved = here.moving(&(&here.state.v + &change * factor));
-            Some(bench.write::<P>(home, here, &moved)?.error)
+            Some(bench.write::<P>(home, here, &moved)?.rows.error)
         };
         let h = 1e-3;
         let slope = (error(h)? - error(-h)?) / (2.0 * h);
@@ -141,7 +141,7 @@ pub(super) fn velocity_jacobian<P: Subject + ?Sized>(
 
 /// The bias from the part of `b` (or of the limits) that is even in v; feedback against the velocity from the odd
 /// part. At a home posture elsewhere, so that errors are not zero.
-pub(super) fn bias_and_damping<P: Subject + ?Sized>(
+pub(crate) fn bias_and_damping<P: Subject + ?Sized>(
     bench: &Bench<'_>,
     here: &Inputs,
     there: &Inputs,
@@ -159,7 +159,7 @@ pub(super) fn bias_and_damping<P: Subject + ?Sized>(
     for side in 0..sides {
         let pick = |w: &Written| {
             if side == 0 {
-                w.lower.clone()
+                w.rows.lower.clone()
             } else {
                 w.upper.clone()
             }
@@ -190,7 +190,7 @@ pub(super) fn bias_and_damping<P: Subject + ?Sized>(
 }
 
 /// Limits of a barrier at rest change by `−c J v` with the configuration, one `c ≥ 0` per row and side.
-pub(super) fn barrier_gradient<P: Subject + ?Sized>(
+pub(crate) fn barrier_gradient<P: Subject + ?Sized>(
     bench: &Bench<'_>,
     here: &Inputs,
     scatter: &mut Scatter,
@@ -208,8 +208,8 @@ pub(super) fn barrier_gradient<P: Subject + ?Sized>(
         slopes.push((
             at.rates(&v),
             [
-                change(plus.lower, minus.lower),
-                change(plus.upper, minus.upper),
+                change(plus.rows.lower, minus.rows.lower),
+                change(plus.rows.upper, minus.rows.upper),
             ],
         ));
     }

@@ -2,14 +2,14 @@
 
 use nalgebra::{DVector, Quaternion, UnitQuaternion, Vector3};
 
-use crate::{model::Model, state::State};
+use wbqp::{model::Model, state::State};
 
 /// SplitMix64 (Steele, Lea and Flood, OOPSLA 2014): enough to scatter numbers.
 #[derive(Clone, Debug)]
-pub(super) struct Scatter(u64);
+pub(crate) struct Scatter(u64);
 
 impl Scatter {
-    pub(super) fn new(seed: u64) -> Self {
+    pub(crate) fn new(seed: u64) -> Self {
         Self(seed)
     }
 
@@ -22,13 +22,13 @@ impl Scatter {
     }
 
     /// Uniform in `[low, high)`.
-    pub(super) fn number(&mut self, low: f64, high: f64) -> f64 {
+    pub(crate) fn number(&mut self, low: f64, high: f64) -> f64 {
         let unit = (self.bits() >> 11) as f64 / (1_u64 << 53) as f64;
         low + (high - low) * unit
     }
 
     /// Each component uniform in `[-size, size)`.
-    pub(super) fn vector(&mut self, n: usize, size: f64) -> DVector<f64> {
+    pub(crate) fn vector(&mut self, n: usize, size: f64) -> DVector<f64> {
         DVector::from_fn(n, |_, _| self.number(-size, size))
     }
 
@@ -41,7 +41,7 @@ impl Scatter {
     }
 
     /// Anywhere within a metre, any attitude, joints within their limits, velocities up to 1 m/s or rad/s.
-    pub(super) fn state(&mut self, model: &Model) -> State {
+    pub(crate) fn state(&mut self, model: &Model) -> State {
         let p = self.vector(3, 1.0);
         State {
             p_WR: Vector3::new(p[0], p[1], p[2]),

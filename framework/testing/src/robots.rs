@@ -4,7 +4,7 @@ use std::{f64::consts::TAU, sync::Arc};
 
 use nalgebra::{Isometry3, Matrix3, Translation3, Unit, UnitQuaternion, Vector3};
 
-use crate::{
+use wbqp::{
     actuator::{Actuator, ActuatorKind, Drive, JointMotor, Reaction, Rotor},
     contact::{ContactKind, ContactSpec, FreeForce, Surface},
     model::{Base, Inertia, Joint, JointKind, JointLimits, ModelBuilder, ModelError},
@@ -185,7 +185,7 @@ fn robot(
     Ok(RobotModel::new(model, actuators, home))
 }
 
-fn rotor(index: u8, frame: crate::model::FrameId) -> Actuator {
+fn rotor(index: u8, frame: wbqp::model::FrameId) -> Actuator {
     Actuator {
         name: format!("rotor_{index}"),
         kind: ActuatorKind::Rotor(Rotor {

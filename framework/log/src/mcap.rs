@@ -12,7 +12,7 @@ use std::{
 use mcap::{Attachment, Compression, McapError, WriteOptions, Writer, records};
 use serde_json::Value;
 
-use super::{ChannelId, LogError, LogSink, RunLock};
+use crate::{ChannelId, LogError, LogSink, RunLock};
 
 /// A sink that writes an MCAP file: JSON messages, jsonschema schemas, zstd chunks. Log time is the message's time in
 /// ns.

@@ -9,7 +9,7 @@ use std::{
 
 use mcap::{MessageStream, Summary};
 use serde_json::json;
-use wbqp::log::{LogError, LogSink, McapLog, repair};
+use wbqp_log::{LogError, LogSink, McapLog, repair};
 
 /// A folder that goes away with its owner.
 struct Folder(PathBuf);

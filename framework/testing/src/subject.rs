@@ -2,18 +2,14 @@
 
 use toml::{Spanned, Table, Value, de::DeValue};
 
-use crate::{
-    error::BindError,
-    plugin::{Constraint, ConstraintRows, Layout, Rows, Setup, Task, Tick, rows::RowStore},
+use wbqp::{
+    controller::Probed,
+    plugin::{Constraint, Task},
     registry::{self, PluginKind},
 };
 
 /// A task or a constraint.
-pub(super) trait Subject: PluginKind {
-    const IS_TASK: bool;
-
-    fn bind(&mut self, setup: &mut Setup<'_>) -> Result<Layout, BindError>;
-    fn update(&mut self, tick: &Tick<'_>, layout: &Layout, store: &mut RowStore);
+pub(crate) trait Subject: PluginKind + Probed {
     /// The plug-in with its `type`.
     fn save(&self) -> Result<Table, String>;
     fn to_json(&self) -> Result<String, String>;
@@ -21,18 +17,8 @@ pub(super) trait Subject: PluginKind {
 }
 
 macro_rules! subject {
-    ($kind:ident, $rows:ident, $is_task:literal) => {
+    ($kind:ident) => {
         impl Subject for dyn $kind {
-            const IS_TASK: bool = $is_task;
-
-            fn bind(&mut self, setup: &mut Setup<'_>) -> Result<Layout, BindError> {
-                $kind::bind(self, setup)
-            }
-
-            fn update(&mut self, tick: &Tick<'_>, layout: &Layout, store: &mut RowStore) {
-                $kind::update(self, tick, &mut $rows::new(layout, store));
-            }
-
             fn save(&self) -> Result<Table, String> {
                 match Value::try_from(self) {
                     Ok(Value::Table(table)) => Ok(table),
@@ -52,11 +38,11 @@ macro_rules! subject {
     };
 }
 
-subject!(Task, Rows, true);
-subject!(Constraint, ConstraintRows, false);
+subject!(Task);
+subject!(Constraint);
 
 /// Makes a plug-in from a table with its `type`, as the loader of configurations does.
-pub(super) fn load<P: Subject + ?Sized>(table: &Table) -> Result<Box<P>, String> {
+pub(crate) fn load<P: Subject + ?Sized>(table: &Table) -> Result<Box<P>, String> {
     let Some(Value::String(tag)) = table.get("type") else {
         return Err("key `type` is missing".into());
     };

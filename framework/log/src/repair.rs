@@ -7,8 +7,8 @@ use mcap::{
     records::{MessageHeader, Record},
 };
 
-use super::{LogError, LogSink, McapLog};
-use crate::input;
+use crate::{LogError, LogSink, McapLog};
+use wbqp::input;
 
 /// With which every MCAP file begins and ends.
 const MAGIC: &[u8] = b"\x89MCAP0\r\n";

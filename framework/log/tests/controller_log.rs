@@ -13,15 +13,15 @@ use wbqp::{
     contact::{ContactId, ContactKind, ContactSpec, FreeForce, Surface},
     controller::Rung,
     error::BindError,
-    log::{
-        ControllerLog, LogError, LogSink, McapLog, MemoryLog, Timeline, TrueContact,
-        configuration_hash, write_rotors, write_run,
-    },
     model::{Base, Inertia, Joint, JointKind, JointLimits, ModelBuilder},
     plugin::{Entry, ForceReport, Hardness, Rows, Setup, Task, Tick},
     robot::{Robot, RobotError, RobotModel, SourceFile},
     settings::Settings,
     state::State,
+};
+use wbqp_log::{
+    ControllerLog, LogError, LogSink, McapLog, MemoryLog, Timeline, TrueContact,
+    configuration_hash, write_rotors, write_run,
 };
 
 /// A body with one rotor and an arm of one joint.
@@ -401,7 +401,7 @@ fn sinks_refuse_what_cannot_be_logged() {
                 Err(LogError::Time(_))
             ));
         }
-        let foreign = wbqp::log::ChannelId::new(5);
+        let foreign = wbqp_log::ChannelId::new(5);
         assert!(matches!(
             sink.write(foreign, 0.0, b"{}"),
             Err(LogError::Channel(_))

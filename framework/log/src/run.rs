@@ -4,8 +4,8 @@ use std::{collections::BTreeMap, fmt::Write as _, path::Path};
 
 use sha2::{Digest, Sha256};
 
-use super::{LogError, LogSink};
-use crate::robot::{RobotModel, SourceFile};
+use crate::{LogError, LogSink};
+use wbqp::robot::{RobotModel, SourceFile};
 
 /// Writes the metadata `run` (`version`, `seed`, `configuration_sha256`) and attaches the files behind it.
 ///
@@ -94,7 +94,7 @@ pub fn write_diagnostics(sink: &mut dyn LogSink, robot: &RobotModel) -> Result<(
 /// Named instants of a run, s: the metadata `timeline`.
 ///
 /// ```
-/// use wbqp::log::Timeline;
+/// use wbqp_log::Timeline;
 /// let timeline = Timeline::default().mark("disturbance_start", 12.0);
 /// assert_eq!(timeline.get("disturbance_start"), Some(12.0));
 /// ```

@@ -3,12 +3,12 @@
 use serde_json::Value as Json;
 use toml::{Table, Value};
 
-use super::{
+use crate::{
     Check,
     report::Report,
     subject::{Subject, load},
 };
-use crate::registry;
+use wbqp::registry;
 
 /// Keys of the framework's entry around a plug-in.
 const RESERVED: [&str; 6] = [
@@ -24,7 +24,7 @@ const RESERVED: [&str; 6] = [
 const UNKNOWN: &str = "no_plugin_has_this_key";
 
 /// Checks the form; gives the table that plug-ins are made from, if any can be made.
-pub(super) fn check<P: Subject + ?Sized>(
+pub(crate) fn check<P: Subject + ?Sized>(
     text: &Result<String, String>,
     report: &mut Report,
 ) -> Option<Table> {

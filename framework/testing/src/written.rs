@@ -2,26 +2,29 @@
 
 use nalgebra::DMatrix;
 
-use super::{
+use crate::{
     Check,
-    bench::{Bench, Inputs, Written, is_unwritten},
+    bench::{Bench, Inputs, Written},
     report::Report,
     subject::Subject,
 };
-use crate::plugin::{Layout, layout::Relation};
+use wbqp::{controller::WrittenRows, plugin::Layout};
 
 /// Largest difference of coefficients that should be the same, relative.
 const SAME: f64 = 1e-9;
 
 /// Labels and units.
-pub(super) fn check_layout<P: Subject + ?Sized>(
+pub(crate) fn check_layout<P: Subject + ?Sized>(
     bench: &Bench<'_>,
     layout: &Layout,
     report: &mut Report,
 ) {
     let mut fail = |message: String| report.fail(Check::Layout, bench.name(), message);
-    let bounds: Vec<_> = layout.bounds.iter().map(|(row, _)| row).collect();
-    for (what, list) in [("row", layout.rows.iter().collect()), ("bound", bounds)] {
+    let bounds: Vec<_> = layout.bound_specs().collect();
+    for (what, list) in [
+        ("row", layout.row_specs().iter().collect()),
+        ("bound", bounds),
+    ] {
         for (k, row) in list.iter().enumerate() {
             if row.label.is_empty() || row.unit.is_empty() {
                 fail(format!(
@@ -37,16 +40,16 @@ pub(super) fn check_layout<P: Subject + ?Sized>(
             }
         }
     }
-    if P::IS_TASK && layout.error_unit.is_empty() {
+    if P::IS_TASK && layout.unit_of_error().is_empty() {
         fail("the error has no unit".into());
     }
-    if layout.rows.is_empty() && layout.bounds.is_empty() {
+    if layout.is_empty() && layout.bound_specs().next().is_none() {
         fail("it declares neither rows nor bounds".into());
     }
 }
 
 /// Checks what is written; false if no sense can be made of it.
-pub(super) fn check_rows<P: Subject + ?Sized>(
+pub(crate) fn check_rows<P: Subject + ?Sized>(
     bench: &Bench<'_>,
     here: &Inputs,
     there: &Inputs,
@@ -66,7 +69,7 @@ pub(super) fn check_rows<P: Subject + ?Sized>(
         let message = "it writes a block of coefficients that its layout does not declare dense";
         report.fail(Check::Layout, robot, message);
     }
-    let sound = match fault::<P>(&bound.layout, &fresh) {
+    let sound = match fault::<P>(bound.probe.layout(), &fresh) {
         Some((check, message)) => {
             report.fail(check, robot, message);
             false
@@ -78,7 +81,7 @@ pub(super) fn check_rows<P: Subject + ?Sized>(
     let v = std::mem::replace(&mut other.state, here.state.clone()).v;
     other.state.v = v;
     let mut compare = |what: &str, written: &Written| {
-        if let Some(message) = different(&bound.layout, &fresh, written) {
+        if let Some(message) = different(bound.probe.layout(), &fresh, written) {
             report.fail(Check::Coefficients, robot, format!("{message} {what}"));
         }
     };
@@ -99,13 +102,13 @@ pub(super) fn check_rows<P: Subject + ?Sized>(
         let message = format!("two updates allocate {} times", last.allocated);
         report.fail(Check::Allocation, robot, message);
     }
-    unchanged(bench, &*bound.plugin, report);
+    unchanged(bench, bound.probe.plugin(), report);
     sound
 }
 
 /// `bind` and `update` leave the configuration alone.
 fn unchanged<P: Subject + ?Sized>(bench: &Bench<'_>, used: &P, report: &mut Report) {
-    let new = super::subject::load::<P>(bench.form).and_then(|plugin| plugin.save());
+    let new = crate::subject::load::<P>(bench.form).and_then(|plugin| plugin.save());
     if let (Ok(new), Ok(used)) = (new, used.save())
         && new != used
     {
@@ -116,7 +119,7 @@ fn unchanged<P: Subject + ?Sized>(bench: &Bench<'_>, used: &P, report: &mut Repo
 
 /// The first number that cannot be.
 fn fault<P: Subject + ?Sized>(layout: &Layout, w: &Written) -> Option<(Check, String)> {
-    let row = |k: usize| format!("row {k} `{}`", layout.rows[k].label);
+    let row = |k: usize| format!("row {k} `{}`", layout.row_specs()[k].label);
     let blocks = [("v̇", w.vdot.as_ref()), ("u", w.effort.as_ref())].into_iter();
     let blocks = blocks.chain(w.forces.iter().map(|(_, block)| ("f", Some(block))));
     for (what, block) in blocks {
@@ -132,14 +135,14 @@ fn fault<P: Subject + ?Sized>(layout: &Layout, w: &Written) -> Option<(Check, St
         } else {
             &[("its limit", w.lower[k])]
         };
-        if let Some((what, _)) = values.iter().find(|(_, x)| is_unwritten(*x)) {
+        if let Some((what, _)) = values.iter().find(|(_, x)| WrittenRows::is_unwritten(*x)) {
             return Some((Check::Layout, format!("{}: {what} is not written", row(k))));
         }
         let (lower, upper) = (w.lower[k], w.upper[k]);
         let problem = if P::IS_TASK {
             let bad = values.iter().find(|(_, x)| !x.is_finite());
             bad.map(|(what, x)| format!("{what} is {x}"))
-        } else if layout.relation == Relation::Equality {
+        } else if layout.is_equality() {
             let sound = lower.is_finite() && lower == upper;
             (!sound).then(|| format!("an equality with the limits {lower} and {upper}"))
         } else {
@@ -149,10 +152,10 @@ fn fault<P: Subject + ?Sized>(layout: &Layout, w: &Written) -> Option<(Check, St
             return Some((Check::Finite, format!("{}: {problem}", row(k))));
         }
     }
-    for (k, (spec, _)) in layout.bounds.iter().enumerate() {
+    for (k, spec) in layout.bound_specs().enumerate() {
         let (lower, upper) = (w.bound_lower[k], w.bound_upper[k]);
         let label = &spec.label;
-        if is_unwritten(lower) || is_unwritten(upper) {
+        if WrittenRows::is_unwritten(lower) || WrittenRows::is_unwritten(upper) {
             return Some((Check::Layout, format!("bound {k} `{label}` is not written")));
         }
         if let Some(problem) = limits(lower, upper) {
@@ -179,7 +182,7 @@ fn different(layout: &Layout, a: &Written, b: &Written) -> Option<String> {
         let (a, b) = (a?, b?);
         let scale = SAME * (1.0 + a.amax());
         let (k, j) = position(&(a - b), |x| x.abs() > scale)?;
-        let label = &layout.rows[k].label;
+        let label = &layout.row_specs()[k].label;
         Some(format!(
             "row {k} `{label}`: coefficient {j} on {what} changes"
         ))

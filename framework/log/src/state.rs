@@ -3,8 +3,8 @@
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 
-use super::{Object, schema};
-use crate::{
+use crate::{Object, schema};
+use wbqp::{
     model::{Joint, JointKind, Model},
     state::State,
 };

@@ -2,9 +2,9 @@
 
 use std::fmt;
 
-use crate::error::BindError;
+use wbqp::error::BindError;
 
-/// What a plug-in is checked for; see the table of the [module](super).
+/// What a plug-in is checked for; see the table of the [module](crate).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum Check {
@@ -107,7 +107,7 @@ pub struct Passed {
 }
 
 /// Collects what fails: of each check on each robot the first failure.
-pub(super) struct Report {
+pub(crate) struct Report {
     plugin: String,
     state: Option<usize>,
     list: Vec<Failure>,
@@ -115,7 +115,7 @@ pub(super) struct Report {
 }
 
 impl Report {
-    pub(super) fn new(kind: &str) -> Self {
+    pub(crate) fn new(kind: &str) -> Self {
         Self {
             plugin: kind.to_owned(),
             state: None,
@@ -128,25 +128,25 @@ impl Report {
     }
 
     /// Names the plug-in.
-    pub(super) fn named(&mut self, tag: &str) {
+    pub(crate) fn named(&mut self, tag: &str) {
         self.plugin.push_str(&format!(" `{tag}`"));
     }
 
     /// Failures are about this random state from now on.
-    pub(super) fn state(&mut self, index: usize) {
+    pub(crate) fn state(&mut self, index: usize) {
         self.state = Some(index);
     }
 
-    pub(super) fn accepted(&mut self, robot: &str) {
+    pub(crate) fn accepted(&mut self, robot: &str) {
         self.state = None;
         self.passed.robots.push(robot.to_owned());
     }
 
-    pub(super) fn refused(&mut self, robot: &str, error: BindError) {
+    pub(crate) fn refused(&mut self, robot: &str, error: BindError) {
         self.passed.refused.push((robot.to_owned(), error));
     }
 
-    pub(super) fn fail(&mut self, check: Check, robot: &str, message: impl Into<String>) {
+    pub(crate) fn fail(&mut self, check: Check, robot: &str, message: impl Into<String>) {
         if self
             .list
             .iter()
@@ -165,7 +165,7 @@ impl Report {
         });
     }
 
-    pub(super) fn finish(mut self) -> Result<Passed, Failures> {
+    pub(crate) fn finish(mut self) -> Result<Passed, Failures> {
         if self.list.is_empty() && self.passed.robots.is_empty() {
             let reasons = self.passed.refused.iter();
             let reasons: Vec<_> = reasons

@@ -3,7 +3,7 @@
 //! ```
 //! # use wbqp::{plugin::Rows, schemars::JsonSchema, serde::{Deserialize, Serialize}, Layout};
 //! # use wbqp::{error::BindError, model::JointId, plugin::{Setup, Task, Tick}};
-//! use wbqp::testing::PluginTest;
+//! use wbqp_testing::PluginTest;
 //!
 //! /// Brings one joint to a position: `q̈ = −kd q̇ − kp (q − target)`.
 //! #[derive(Debug, Serialize, Deserialize, JsonSchema)]
@@ -107,18 +107,15 @@ use std::fmt;
 pub use report::{Check, Failure, Failures, Passed};
 pub use robots::{built_in_contacts, built_in_robots};
 
-use crate::{
-    contact::ContactSpec,
-    plugin::{
-        Constraint, Layout, Task,
-        layout::{Relation, VdotBlock},
-    },
-    robot::RobotModel,
-};
 use bench::{Bench, Inputs};
 use report::Report;
 use scatter::Scatter;
 use subject::Subject;
+use wbqp::{
+    contact::ContactSpec,
+    plugin::{Constraint, Layout, Task},
+    robot::RobotModel,
+};
 
 /// What rows on accelerations mean, hence which derivatives are compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -377,9 +374,9 @@ const STATE_THE_MEANING: &str = "it has inequality rows on v̇, and nothing says
 
 /// What the layout says of the rows' meaning, if it says enough.
 fn assumed<P: Subject + ?Sized>(layout: &Layout) -> Option<Meaning> {
-    let on_motion = layout.vdot != VdotBlock::Absent;
-    let on_forces = layout.effort.is_some() || !layout.forces.is_empty();
-    let is_equality = layout.relation == Relation::Equality;
+    let on_motion = layout.acts_on_accelerations();
+    let on_forces = layout.acts_on_forces();
+    let is_equality = layout.is_equality();
     match (P::IS_TASK, on_motion, on_forces) {
         (true, true, false) => Some(Meaning::Position),
         (true, ..) => Some(Meaning::Affine),

@@ -9,7 +9,7 @@ use std::{
     time::{SystemTime, UNIX_EPOCH},
 };
 
-use super::LogError;
+use crate::LogError;
 
 /// The most that is read of what another run says of itself, bytes.
 const LONGEST: u64 = 4096;

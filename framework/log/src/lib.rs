@@ -11,7 +11,7 @@
 //! with nullable types. Times are seconds of the measurement's clock.
 //!
 //! ```
-//! use wbqp::log::{LogSink, MemoryLog, Object, schema};
+//! use wbqp_log::{LogSink, MemoryLog, Object, schema};
 //!
 //! let mut log = MemoryLog::default();
 //! let description = schema::object("A spring.", [("force", schema::number("N", "Pull"))]);
@@ -20,7 +20,7 @@
 //! Object::write(&mut message, |o| o.number("force", 2.5));
 //! log.write(channel, 0.1, &message)?;
 //! assert_eq!(log.messages("/spring").next().unwrap().1["force"], 2.5);
-//! # Ok::<(), wbqp::log::LogError>(())
+//! # Ok::<(), wbqp_log::LogError>(())
 //! ```
 
 mod controller;

@@ -8,8 +8,8 @@ use wbqp::{
     plugin::{Constraint, ConstraintRows, FrameHandle, Layout, Rows, Setup, Task, Tick},
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
-    testing::{Check, Meaning, PluginTest},
 };
+use wbqp_testing::{Check, Meaning, PluginTest};
 
 /// What can go wrong in a task that moves the tool.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]

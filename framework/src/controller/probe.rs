@@ -1,0 +1,295 @@
+//! One task or constraint by itself: what it writes for any inputs. For tests of plug-ins, and for looking at rows.
+
+use nalgebra::{DMatrix, DVector, Vector6};
+
+use super::{
+    Measurement,
+    fit::{Sizes, check_layout},
+    world::{ContactBinding, World},
+};
+use crate::{
+    contact::{ContactId, ContactSpec},
+    dynamics::{Data, FrameKinematics},
+    error::BindError,
+    plugin::{
+        Constraint, ConstraintRows, EntryState, Layout, Prediction, Rows, Setup, Task, Tick,
+        layout::{Block, VdotBlock},
+        rows::RowStore,
+    },
+    robot::RobotModel,
+    state::State,
+};
+
+/// What is in a row's place before the plug-in writes it: a NaN that no computation gives.
+const UNWRITTEN: u64 = 0x7ff8_0bad_0bad_0bad;
+
+/// A task or constraint (`P` is `dyn Task` or `dyn Constraint`) that is bound to a robot and belongs to no controller.
+/// All contacts are on, and so is its entry.
+#[derive(Debug)]
+pub struct Probe<P: ?Sized> {
+    plugin: Box<P>,
+    layout: Layout,
+    store: RowStore,
+    world: World,
+}
+
+/// Everything that can change from tick to tick.
+#[derive(Clone, Debug)]
+pub struct ProbeInputs {
+    /// Time since the first tick, s.
+    pub time: f64,
+    /// Measured state.
+    pub state: State,
+    /// As sent after the last solution, N or N·m, size nu.
+    pub effort: DVector<f64>,
+    /// Of the last solution, size nv.
+    pub vdot: DVector<f64>,
+    /// Measured, in the axes of the frame that touches, one per contact.
+    pub wrenches: Vec<Vector6<f64>>,
+    /// Of the last solution, C axes, one per contact; zero in the free directions.
+    pub forces: Vec<Vector6<f64>>,
+}
+
+/// What a plug-in wrote, with borrowed and unit blocks written out.
+#[derive(Clone, Debug)]
+pub struct WrittenRows {
+    /// Coefficients on `v̇`, rows × nv.
+    pub vdot: Option<DMatrix<f64>>,
+    /// Coefficients on `u`, rows × nu.
+    pub effort: Option<DMatrix<f64>>,
+    /// Coefficients on the constrained components of contacts' forces, rows × nf each.
+    pub forces: Vec<(ContactId, DMatrix<f64>)>,
+    /// `b`, or the lower limits, size rows.
+    pub lower: DVector<f64>,
+    /// The upper limits, size rows.
+    pub upper: DVector<f64>,
+    /// The error, size rows.
+    pub error: DVector<f64>,
+    /// Lower limits of the bounds.
+    pub bound_lower: Vec<f64>,
+    /// Upper limits of the bounds.
+    pub bound_upper: Vec<f64>,
+    /// Whether a block was written that is not declared.
+    pub undeclared: bool,
+}
+
+impl WrittenRows {
+    /// Whether a number is what stands in a row before the plug-in writes it.
+    pub fn is_unwritten(x: f64) -> bool {
+        x.to_bits() == UNWRITTEN
+    }
+}
+
+/// What can be probed: `dyn Task` and `dyn Constraint`.
+pub trait Probed: probed::Probed {}
+
+impl<P: probed::Probed + ?Sized> Probed for P {}
+
+mod probed {
+    use super::{BindError, Constraint, ConstraintRows, Layout, RowStore, Rows, Setup, Task, Tick};
+
+    /// Where the rows go.
+    #[derive(Debug)]
+    pub struct Store<'a> {
+        pub(super) layout: &'a Layout,
+        pub(super) rows: &'a mut RowStore,
+    }
+
+    pub trait Probed {
+        const IS_TASK: bool;
+
+        fn bind(&mut self, setup: &mut Setup<'_>) -> Result<Layout, BindError>;
+        fn update(&mut self, tick: &Tick<'_>, store: Store<'_>);
+    }
+
+    impl Probed for dyn Task {
+        const IS_TASK: bool = true;
+
+        fn bind(&mut self, setup: &mut Setup<'_>) -> Result<Layout, BindError> {
+            Task::bind(self, setup)
+        }
+
+        fn update(&mut self, tick: &Tick<'_>, store: Store<'_>) {
+            Task::update(self, tick, &mut Rows::new(store.layout, store.rows));
+        }
+    }
+
+    impl Probed for dyn Constraint {
+        const IS_TASK: bool = false;
+
+        fn bind(&mut self, setup: &mut Setup<'_>) -> Result<Layout, BindError> {
+            Constraint::bind(self, setup)
+        }
+
+        fn update(&mut self, tick: &Tick<'_>, store: Store<'_>) {
+            Constraint::update(
+                self,
+                tick,
+                &mut ConstraintRows::new(store.layout, store.rows),
+            );
+        }
+    }
+}
+
+impl<P: Probed + ?Sized> Probe<P> {
+    /// Binds the plug-in to a robot with contacts, all of them on, at a control period in s.
+    ///
+    /// # Errors
+    /// [`BindError`]: what the plug-in refuses, or what does not fit in its layout.
+    pub fn new(
+        mut plugin: Box<P>,
+        robot: &RobotModel,
+        contacts: &[ContactSpec],
+        period: f64,
+    ) -> Result<Self, BindError> {
+        let model = robot.model.clone();
+        let mut frame_ids = vec![model.base_frame()];
+        let layout = plugin.bind(&mut Setup::new(robot, contacts, period, &mut frame_ids))?;
+        let nf: Vec<usize> = contacts
+            .iter()
+            .map(|c| c.kind.constrained().len())
+            .collect();
+        let sizes = Sizes {
+            nv: model.nv(),
+            nu: robot.nu(),
+            nf: &nf,
+        };
+        check_layout(&layout, &sizes, frame_ids.len(), P::IS_TASK)?;
+
+        let mut bindings = Vec::new();
+        let mut states = Vec::new();
+        for spec in contacts {
+            let spec = ContactSpec {
+                active: true,
+                ..spec.clone()
+            };
+            let binding = ContactBinding::new(&spec, &model, period)?;
+            states.push(binding.initial_state(&model));
+            bindings.push(binding);
+        }
+        let mut store = RowStore::new(&layout, model.nv(), robot.nu(), &nf);
+        let unwritten = f64::from_bits(UNWRITTEN);
+        for place in [
+            &mut store.lower,
+            &mut store.error,
+            &mut store.bound_lower,
+            &mut store.bound_upper,
+        ] {
+            place.fill(unwritten);
+        }
+        let world = World {
+            period,
+            elapsed: period,
+            slew_time: period,
+            time: 0.0,
+            origin: Some(0.0),
+            state: robot.home.clone(),
+            data: Data::new(&model),
+            frames: frame_ids
+                .iter()
+                .map(|_| FrameKinematics::new(&model))
+                .collect(),
+            frame_ids,
+            contacts: states,
+            last: Prediction {
+                virtual_input: DVector::zeros(model.nv()),
+                vdot: DVector::zeros(model.nv()),
+                effort: DVector::zeros(robot.nu()),
+            },
+            bindings,
+            model,
+        };
+        Ok(Self {
+            plugin,
+            layout,
+            store,
+            world,
+        })
+    }
+
+    /// The plug-in.
+    pub fn plugin(&self) -> &P {
+        &self.plugin
+    }
+
+    /// What it declares.
+    pub fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    /// Takes the inputs of a tick: kinematics, dynamics and contacts are computed. Panics if they are of another robot.
+    pub fn measure(&mut self, inputs: &ProbeInputs) {
+        self.world.measure(&Measurement {
+            time: inputs.time,
+            state: inputs.state.clone(),
+            wrenches: inputs.wrenches.clone(),
+        });
+        for (contact, force) in self.world.contacts.iter_mut().zip(&inputs.forces) {
+            contact.solution = *force;
+        }
+        self.world.last.effort.copy_from(&inputs.effort);
+        self.world.last.vdot.copy_from(&inputs.vdot);
+    }
+
+    /// Lets the plug-in write its rows; allocates only if the plug-in does.
+    pub fn update(&mut self) {
+        let tick = self.world.tick(EntryState {
+            alpha: 1.0,
+            since: 0.0,
+        });
+        let store = probed::Store {
+            layout: &self.layout,
+            rows: &mut self.store,
+        };
+        self.plugin.update(&tick, store);
+    }
+
+    /// What it wrote in the last update.
+    pub fn written(&self) -> WrittenRows {
+        let (layout, store) = (&self.layout, &self.store);
+        let m = layout.len();
+        let dense = |n: usize, data: &[f64]| DMatrix::from_row_slice(m, n, data);
+        let block = |n: usize, block: &Block, data: &[f64]| match block {
+            Block::Dense => dense(n, data),
+            Block::Unit(columns) => unit(m, n, columns),
+        };
+        let nv = self.world.model.nv();
+        let picked = |jacobian: &nalgebra::Matrix6xX<f64>, rows: &[usize]| {
+            DMatrix::from_fn(m, nv, |k, j| jacobian[(rows[k], j)])
+        };
+        WrittenRows {
+            vdot: match &layout.vdot {
+                VdotBlock::Absent => None,
+                VdotBlock::Dense => Some(dense(nv, &store.vdot)),
+                VdotBlock::Unit(columns) => Some(unit(m, nv, columns)),
+                VdotBlock::Frame(frame, rows) => Some(picked(&self.world.frames[frame.0].J, rows)),
+                VdotBlock::Contact(c, rows) => {
+                    Some(picked(&self.world.contacts[c.index()].J, rows))
+                }
+            },
+            effort: layout
+                .effort
+                .as_ref()
+                .map(|b| block(self.world.last.effort.len(), b, &store.effort)),
+            forces: layout
+                .forces
+                .iter()
+                .zip(&store.forces)
+                .map(|((c, b), data)| {
+                    let n = self.world.contacts[c.index()].kind.constrained().len();
+                    (*c, block(n, b, data))
+                })
+                .collect(),
+            lower: DVector::from_column_slice(&store.lower),
+            upper: DVector::from_column_slice(&store.upper),
+            error: DVector::from_column_slice(&store.error),
+            bound_lower: store.bound_lower.clone(),
+            bound_upper: store.bound_upper.clone(),
+            undeclared: store.undeclared,
+        }
+    }
+}
+
+fn unit(m: usize, n: usize, columns: &[usize]) -> DMatrix<f64> {
+    DMatrix::from_fn(m, n, |k, j| if columns[k] == j { 1.0 } else { 0.0 })
+}
