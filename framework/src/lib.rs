@@ -182,7 +182,6 @@
 //!
 //! A crate of plug-ins that no code of a binary names is left out by the linker: write `use my_plugins as _;`.
 pub mod actuator;
-mod assembly;
 pub mod config;
 pub mod contact;
 pub mod controller;
@@ -192,6 +191,7 @@ pub mod fault;
 pub mod input;
 pub mod model;
 pub mod plugin;
+mod problem;
 pub mod qp;
 pub mod registry;
 pub mod replay;
@@ -204,10 +204,10 @@ pub mod stopwatch;
 pub mod suggestion;
 mod switch;
 
-pub use assembly::{RowInfo, VarInfo};
 pub use config::ControllerConfig;
 pub use controller::{Command, Controller, Measurement, Report};
 pub use plugin::Layout;
+pub use problem::{RowInfo, VarInfo};
 pub use registry::list as registry;
 pub use wbqp_macros::{constraint, reference, robot, solver, task};
 pub use {inventory, nalgebra, schemars, serde, serde_json, toml, typetag};

@@ -29,9 +29,8 @@ use nalgebra::{
 };
 
 use crate::{
-    assembly::Actuation,
     contact::ContactSpec,
-    dynamics::{Data, FrameKinematics},
+    dynamics::{Actuation, Data, FrameKinematics},
     error::{BindError, unknown},
     model::{Base, FrameId},
     qp::{ActiveSet, Capacity, Qp, QpSolver, RowId, Solution, Status, VarId},

@@ -5,7 +5,7 @@ use super::{
     command::Command,
     explanation::owners,
     first::FirstTick,
-    fit::{Sizes, make_group, unlimited_moments},
+    fit::{Sizes, make_entry, unlimited_moments},
     gate::Gate,
     handle::Stamp,
     home,
@@ -19,15 +19,15 @@ use super::{
     world::{ContactBinding, World},
 };
 use crate::{
-    assembly::{
-        Actuation, Assembly, DynamicsTerms, Elastic, Group, Partition, ProblemRows, Table,
-        VariableNames,
-    },
     contact::{ContactSpec, ContactState},
-    dynamics::{Data, FrameKinematics},
+    dynamics::{Actuation, Data, FrameKinematics},
     error::BindError,
     model::FrameId,
     plugin::{Constraint, Entry, Prediction, Setup, Task, rows::RowStore},
+    problem::{
+        BoundEntry, DynamicsTerms, Partition, Problem, ProblemRows, Relaxation, Table,
+        VariableNames,
+    },
     qp::{ActiveSet, Capacity, Qp, QpSolver as _, Solution, Solver, WarmStart},
     robot::RobotModel,
     settings::{MeasurementLimits, Settings},
@@ -35,7 +35,7 @@ use crate::{
 };
 
 impl Controller {
-    /// The terms of the dynamics, borrowed for the assembly.
+    /// The terms of the dynamics, borrowed for the problem.
     pub(super) fn terms(world: &World) -> DynamicsTerms<'_> {
         DynamicsTerms {
             data: &world.data,
@@ -82,7 +82,7 @@ pub(crate) struct Bound {
     table: Table,
     problem_rows: ProblemRows,
     /// Their rows have no storage yet.
-    groups: Vec<Group>,
+    entries: Vec<BoundEntry>,
     partition: Partition,
     need: Need,
 }
@@ -142,19 +142,19 @@ impl Bound {
         let names = VariableNames::new(&robot, &contacts);
         let mut table = Table::default();
         let problem_rows = ProblemRows::new(formulation, &names, &mut table);
-        let mut groups = Vec::new();
+        let mut entries = Vec::new();
         let mut stored = Stored::default();
         for (index, entry) in tasks.iter_mut().enumerate() {
             let mut setup = Setup::new(&robot, &contacts, period, &mut frame_ids);
             let layout = entry.plugin.bind(&mut setup);
-            let group = layout.and_then(|layout| {
-                make_group(true, entry, layout, &sizes, frame_ids.len(), &mut table)
+            let bound = layout.and_then(|layout| {
+                make_entry(true, entry, layout, &sizes, frame_ids.len(), &mut table)
             });
-            match group {
-                Ok(group) => {
-                    misfits.memory(stored.add(&group, &sizes, settings.max_memory));
+            match bound {
+                Ok(bound) => {
+                    misfits.memory(stored.add(&bound, &sizes, settings.max_memory));
                     misfits.stop_if_too_large()?;
-                    groups.push(group);
+                    entries.push(bound);
                 }
                 Err(error) => misfits.task(index, entry, error),
             }
@@ -162,20 +162,20 @@ impl Bound {
         for (index, entry) in constraints.iter_mut().enumerate() {
             let mut setup = Setup::new(&robot, &contacts, period, &mut frame_ids);
             let layout = entry.plugin.bind(&mut setup);
-            let group = layout.and_then(|layout| {
-                make_group(false, entry, layout, &sizes, frame_ids.len(), &mut table)
+            let bound = layout.and_then(|layout| {
+                make_entry(false, entry, layout, &sizes, frame_ids.len(), &mut table)
             });
-            match group {
-                Ok(group) => {
-                    misfits.memory(stored.add(&group, &sizes, settings.max_memory));
+            match bound {
+                Ok(bound) => {
+                    misfits.memory(stored.add(&bound, &sizes, settings.max_memory));
                     misfits.stop_if_too_large()?;
-                    groups.push(group);
+                    entries.push(bound);
                 }
                 Err(error) => misfits.constraint(index, entry, error),
             }
         }
         if misfits.is_empty() {
-            for (index, error) in unlimited_moments(&contacts, &groups[tasks.len()..]) {
+            for (index, error) in unlimited_moments(&contacts, &entries[tasks.len()..]) {
                 misfits.contact(index, &contacts[index].name, error);
             }
         }
@@ -193,7 +193,7 @@ impl Bound {
         let partition = Partition::new(formulation, &robot, &contacts, &frame_ids);
         let need = Need::of(
             &partition,
-            &groups,
+            &entries,
             stored,
             [
                 problem_rows.dynamics_rows(),
@@ -224,7 +224,7 @@ impl Bound {
             actuation,
             table,
             problem_rows,
-            groups,
+            entries,
             partition,
             need,
         })
@@ -258,7 +258,7 @@ impl Bound {
             actuation,
             mut table,
             problem_rows,
-            mut groups,
+            mut entries,
             partition,
             need,
         } = self;
@@ -270,23 +270,23 @@ impl Bound {
             nu: robot.nu(),
             nf: &nf,
         };
-        for group in &mut groups {
-            group.store = RowStore::new(&group.layout, sizes.nv, sizes.nu, sizes.nf);
+        for entry in &mut entries {
+            entry.store = RowStore::new(&entry.layout, sizes.nv, sizes.nu, sizes.nf);
         }
         let names = VariableNames::new(&robot, &contacts);
         let mut native = ActiveSet::default();
         let kept = partition.kept.iter().map(|&i| &robot.actuators[i]);
         let kept = Actuation::new(&model, kept);
-        let assembly = Assembly::new(
+        let problem = Problem::new(
             partition,
             kept,
             settings.regularisation,
             &names,
             problem_rows,
-            &mut groups,
+            &mut entries,
             &mut table,
         );
-        debug_assert!(assembly.capacity(&groups).vars <= need.problem.vars);
+        debug_assert!(problem.capacity(&entries).vars <= need.problem.vars);
         let capacity = need.problem;
         misfits.solver(solver_tag, solver.bind(capacity).map_err(BindError::from));
         misfits.stop_if_any()?;
@@ -314,8 +314,8 @@ impl Bound {
             bindings,
             model,
         };
-        let elastic = Elastic::new(&assembly, &groups, &table, &robot.actuators, capacity);
-        let relaxed = elastic.qp.capacity();
+        let relaxation = Relaxation::new(&problem, &entries, &table, &robot.actuators, capacity);
+        let relaxed = relaxation.qp.capacity();
         misfits.solver("active_set", native.bind(relaxed).map_err(BindError::from));
         let tags: Vec<&'static str> = (tasks.iter().map(|e| e.plugin.typetag_name()))
             .chain(constraints.iter().map(|e| e.plugin.typetag_name()))
@@ -331,21 +331,21 @@ impl Bound {
             is_proven: false,
             solver: native,
             is_native,
-            owners: owners(&table, &groups, &tags, &contact_names),
+            owners: owners(&table, &entries, &tags, &contact_names),
             without_solution: Age::default(),
             without_state: Age::default(),
             clock: Clock::default(),
-            elastic,
+            relaxation,
         };
         let report = Report::new(
-            &groups[..tasks.len()],
+            &entries[..tasks.len()],
             &world,
             capacity,
-            ladder.elastic.limits(),
+            ladder.relaxation.limits(),
         );
         let first = FirstTick::new(
             settings.max_first_error,
-            &groups[..tasks.len()],
+            &entries[..tasks.len()],
             &world.model,
         );
         let mut controller = Controller {
@@ -356,9 +356,9 @@ impl Bound {
             command: Command::new(&robot),
             gate: Gate::new(&robot),
             plausible: Plausible::new(&measurement, &robot, &contacts, period),
-            groups,
+            entries,
             table,
-            assembly,
+            problem,
             actuation,
             qp: Qp::new(capacity),
             solution: Solution::new(capacity),
@@ -375,7 +375,7 @@ impl Bound {
         };
         let is_solved = controller.hover();
         controller
-            .assembly
+            .problem
             .choose_determined(&controller.world.contacts);
         controller.ladder.safe = SafeLaw::new(
             &controller.robot,

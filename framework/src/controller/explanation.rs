@@ -22,8 +22,8 @@ use super::{
     report::{ConflictRow, Rung, Side},
 };
 use crate::{
-    assembly::{Assembly, Group, Table},
     fault::{Fault, Quantity},
+    problem::{BoundEntry, Problem, Table},
     qp::{Qp, RowId, Solution, Status},
 };
 
@@ -91,14 +91,14 @@ fn gap(qp: &Qp, proof: &Solution) -> f64 {
 /// Writes the limits of a proof into storage with room for one per row and bound and one more; the equations of motion,
 /// which always hold, and limits of slacks are left out.
 pub(super) fn write_conflict(
-    assembly: &Assembly,
+    problem: &Problem,
     qp: &Qp,
     proof: &Solution,
     out: &mut Vec<ConflictRow>,
 ) {
     out.clear();
     let mut push = |row: RowId, side: Side, limit: f64, multiplier: f64, short: f64| {
-        if out.len() < out.capacity() && !assembly.is_dynamics(row) {
+        if out.len() < out.capacity() && !problem.is_dynamics(row) {
             out.push(ConflictRow {
                 row,
                 side,
@@ -112,10 +112,10 @@ pub(super) fn write_conflict(
         let (owners, lower, upper) = match index.checked_sub(qp.m()) {
             None => (
                 [Some(qp.rows()[index]); 2],
-                qp.row_lower()[index] + assembly.constant(index),
-                qp.row_upper()[index] + assembly.constant(index),
+                qp.row_lower()[index] + problem.constant(index),
+                qp.row_upper()[index] + problem.constant(index),
             ),
-            Some(j) => (assembly.bound_owner[j], qp.lower()[j], qp.upper()[j]),
+            Some(j) => (problem.bound_owner[j], qp.lower()[j], qp.upper()[j]),
         };
         let limits = [(Side::Lower, lower, -1.0), (Side::Upper, upper, 1.0)];
         for (owner, (side, limit, multiplier)) in owners.into_iter().zip(limits) {
@@ -140,12 +140,12 @@ pub(super) fn write_conflict(
             None => (
                 proof.y[index],
                 [Some(qp.rows()[index]); 2],
-                qp.row_lower()[index] + assembly.constant(index),
-                qp.row_upper()[index] + assembly.constant(index),
+                qp.row_lower()[index] + problem.constant(index),
+                qp.row_upper()[index] + problem.constant(index),
             ),
             Some(j) => (
                 proof.z[j],
-                assembly.bound_owner[j],
+                problem.bound_owner[j],
                 qp.lower()[j],
                 qp.upper()[j],
             ),
@@ -279,8 +279,8 @@ impl Controller {
             Fault::FirstError(task) => self
                 .first_error_text(*task)
                 .unwrap_or_else(|| fault.to_string()),
-            Fault::Rows(index) => match self.groups.get(*index) {
-                Some(group) => format!("entry `{}` wrote a number that is not finite", group.name),
+            Fault::Rows(index) => match self.entries.get(*index) {
+                Some(entry) => format!("entry `{}` wrote a number that is not finite", entry.name),
                 None => fault.to_string(),
             },
             Fault::NotFinite(Quantity::Wrench(contact)) => {
@@ -346,11 +346,11 @@ pub(super) struct Owner {
 /// Whose each row and bound is: of an entry the type of its plug-in, its contact if it has one, and its name.
 pub(super) fn owners(
     table: &Table,
-    groups: &[Group],
+    entries: &[BoundEntry],
     tags: &[&'static str],
     contacts: &[&str],
 ) -> Vec<Owner> {
-    let plain = |info: &crate::assembly::RowInfo| Owner {
+    let plain = |info: &crate::problem::RowInfo| Owner {
         text: if contacts.contains(&info.owner.as_str()) {
             format!("contact `{}`", info.owner)
         } else {
@@ -359,19 +359,19 @@ pub(super) fn owners(
         is_equality: false,
     };
     let mut owners: Vec<Owner> = table.rows.iter().map(plain).collect();
-    for (group, tag) in groups.iter().zip(tags) {
-        let contact = group.layout.contact.or_else(|| {
-            let forces = group.layout.forces.first();
+    for (entry, tag) in entries.iter().zip(tags) {
+        let contact = entry.layout.contact.or_else(|| {
+            let forces = entry.layout.forces.first();
             forces.map(|(contact, _)| *contact)
         });
         let kind = tag.rsplit('.').next().unwrap_or(tag).replace('_', " ");
         let of = contact.and_then(|c| contacts.get(c.index()));
         let of = of.map_or_else(String::new, |name| format!(" of `{name}`"));
-        let text = format!("{kind}{of} (`{}`)", group.name);
-        for id in group.rows.iter().chain(&group.bounds) {
+        let text = format!("{kind}{of} (`{}`)", entry.name);
+        for id in entry.rows.iter().chain(&entry.bounds) {
             if let Some(owner) = owners.get_mut(id.index()) {
                 owner.text.clone_from(&text);
-                owner.is_equality = group.rows.contains(id) && crate::assembly::is_equality(group);
+                owner.is_equality = entry.rows.contains(id) && crate::problem::is_equality(entry);
             }
         }
     }

@@ -6,10 +6,10 @@
 
 use super::Controller;
 use crate::{
-    assembly::Group,
     fault::Fault,
     model::{Base, Model},
     plugin::{Layout, layout::VdotBlock},
+    problem::BoundEntry,
     settings::{FirstError, StartFrom},
 };
 
@@ -53,8 +53,8 @@ pub(super) struct Distance {
 }
 
 impl FirstTick {
-    pub(super) fn new(limits: FirstError, tasks: &[Group], model: &Model) -> Self {
-        let errors = tasks.iter().map(|group| counts(&group.layout, model));
+    pub(super) fn new(limits: FirstError, tasks: &[BoundEntry], model: &Model) -> Self {
+        let errors = tasks.iter().map(|entry| counts(&entry.layout, model));
         Self {
             is_over: false,
             was_refused: false,
@@ -143,21 +143,21 @@ impl Controller {
     /// [`Fault::FirstError`] with the first task whose error is too large.
     pub(super) fn check_first_errors(&mut self) -> Result<(), Fault> {
         let limits = &self.first.limits;
-        let is_far = |(task, group): (usize, &Group)| {
-            let Distance { position, rotation } = self.first.distance(task, &group.store.error);
-            group.live && (position > limits.position || rotation > limits.rotation)
+        let is_far = |(task, entry): (usize, &BoundEntry)| {
+            let Distance { position, rotation } = self.first.distance(task, &entry.store.error);
+            entry.live && (position > limits.position || rotation > limits.rotation)
         };
-        let tasks = &self.groups[..self.tasks.len()];
+        let tasks = &self.entries[..self.tasks.len()];
         let Some(task) = tasks.iter().enumerate().position(is_far) else {
             self.first.is_over = true;
             return Ok(());
         };
         self.first.was_refused = true;
         self.world.origin = None;
-        for (group, report) in tasks.iter().zip(&mut self.report.tasks) {
-            report.alpha = if group.live { group.alpha } else { 0.0 };
-            for (out, error) in report.error.iter_mut().zip(&group.store.error) {
-                *out = if group.live { *error } else { 0.0 };
+        for (entry, report) in tasks.iter().zip(&mut self.report.tasks) {
+            report.alpha = if entry.live { entry.alpha } else { 0.0 };
+            for (out, error) in report.error.iter_mut().zip(&entry.store.error) {
+                *out = if entry.live { *error } else { 0.0 };
             }
         }
         Err(Fault::FirstError(task))
@@ -165,7 +165,7 @@ impl Controller {
 
     /// [`Fault::FirstError`] in words.
     pub(super) fn first_error_text(&self, task: usize) -> Option<String> {
-        let name = &self.groups.get(task)?.name;
+        let name = &self.entries.get(task)?.name;
         let errors = &self.report.tasks.get(task)?.error;
         let Distance { position, rotation } = self.first.distance(task, errors);
         let limits = &self.first.limits;

@@ -2,13 +2,13 @@
 //! an entry asks for has a meaning.
 
 use crate::{
-    assembly::{Group, GroupSpec, Table},
     contact::ContactSpec,
     error::BindError,
     plugin::{
         Entry, Hardness, Layout,
         layout::{BoundTarget, Relation, VdotBlock},
     },
+    problem::{BoundEntry, EntrySpec, Table},
     switch::Switch,
 };
 
@@ -23,7 +23,7 @@ pub(crate) struct Sizes<'a> {
 /// Contacts with moments that no constraint limits: the solver would pull with moments.
 pub(super) fn unlimited_moments(
     contacts: &[ContactSpec],
-    constraints: &[Group],
+    constraints: &[BoundEntry],
 ) -> Vec<(usize, BindError)> {
     let is_limited = |index: usize| {
         let mut limited = constraints.iter().flat_map(|g| &g.layout.moment_limits);
@@ -46,24 +46,24 @@ pub(super) fn unlimited_moments(
 }
 
 /// Checks the entry and its layout and registers its rows.
-pub(super) fn make_group<P: ?Sized>(
+pub(super) fn make_entry<P: ?Sized>(
     is_task: bool,
     entry: &Entry<P>,
     layout: Layout,
     sizes: &Sizes<'_>,
     frames: usize,
     table: &mut Table,
-) -> Result<Group, BindError> {
+) -> Result<BoundEntry, BindError> {
     check_layout(&layout, sizes, frames, is_task)?;
     check_entry(entry, &layout, is_task)?;
-    let spec = GroupSpec {
+    let spec = EntrySpec {
         name: &entry.name,
         weight: &entry.weight,
         hardness: entry.hardness,
         switch: Switch::new(entry.active, entry.transition),
         is_task,
     };
-    Ok(Group::new(&spec, layout, table))
+    Ok(BoundEntry::new(&spec, layout, table))
 }
 
 fn check_entry<P: ?Sized>(

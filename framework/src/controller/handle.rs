@@ -14,8 +14,8 @@ use super::{
     requests::{redirect, reweight},
 };
 use crate::{
-    assembly::Group,
     plugin::{Constraint, Reference, Task, Weight},
+    problem::BoundEntry,
 };
 
 /// A task or constraint of one controller, of known type. Made by [`Controller::task_id`] and
@@ -111,7 +111,7 @@ use key::Among;
 #[derive(Debug)]
 pub struct EntryMut<'c, T> {
     plugin: &'c mut T,
-    group: &'c mut Group,
+    entry: &'c mut BoundEntry,
     next_time: f64,
 }
 
@@ -121,7 +121,7 @@ impl<T: Task> EntryMut<'_, T> {
     /// # Errors
     /// [`RequestError`] if the task follows nothing or the trajectory does not fit; the old one is kept then.
     pub fn follow(&mut self, reference: impl Reference) -> Result<(), RequestError> {
-        let name = &self.group.name;
+        let name = &self.entry.name;
         redirect(self.plugin, name, Box::new(reference), self.next_time)
     }
 }
@@ -129,7 +129,7 @@ impl<T: Task> EntryMut<'_, T> {
 impl<T> EntryMut<'_, T> {
     /// Its name.
     pub fn name(&self) -> &str {
-        &self.group.name
+        &self.entry.name
     }
 
     /// Gives its rows another weight, to which it goes from the next tick on with the entry's ramp.
@@ -137,17 +137,17 @@ impl<T> EntryMut<'_, T> {
     /// # Errors
     /// [`RequestError::Value`] if the weight does not fit the rows.
     pub fn reweight(&mut self, weight: impl Into<Weight>) -> Result<(), RequestError> {
-        reweight(self.group, &weight.into())
+        reweight(self.entry, &weight.into())
     }
 
     /// Switches the entry on, with its ramp. Nothing happens if it is on.
     pub fn activate(&mut self) {
-        self.group.switch.turn(true);
+        self.entry.switch.turn(true);
     }
 
     /// Switches the entry off, with its ramp. Nothing happens if it is off.
     pub fn deactivate(&mut self) {
-        self.group.switch.turn(false);
+        self.entry.switch.turn(false);
     }
 }
 
@@ -235,13 +235,13 @@ impl Controller {
                 plugin: PhantomData,
             })
         } else {
-            Err(other_type::<T>(kind, is, &self.groups[index].name))
+            Err(other_type::<T>(kind, is, &self.entries[index].name))
         }
     }
 
     fn entry_mut<T: Any>(&mut self, index: usize) -> Result<EntryMut<'_, T>, RequestError> {
         let next_time = self.world.next_time();
-        let group = &mut self.groups[index];
+        let entry = &mut self.entries[index];
         let (kind, is, plugin): (_, _, &mut dyn Any) = match index.checked_sub(self.tasks.len()) {
             None => {
                 let task = &mut *self.tasks[index];
@@ -255,10 +255,10 @@ impl Controller {
         match plugin.downcast_mut::<T>() {
             Some(plugin) => Ok(EntryMut {
                 plugin,
-                group,
+                entry,
                 next_time,
             }),
-            None => Err(other_type::<T>(kind, is, &group.name)),
+            None => Err(other_type::<T>(kind, is, &entry.name)),
         }
     }
 }

@@ -9,7 +9,7 @@
 //!
 //! # Giving up
 //! The order is the configuration's: hard tasks, then constraints, then the limits of the contacts' normal forces, of
-//! each the last declared first; `assembly::elastic` says what is never given up. A contradiction is made void by
+//! each the last declared first; `problem::relaxation` says what is never given up. A contradiction is made void by
 //! giving up the first in this order among the limits that contradict one another; if others are left, again. So a
 //! limit goes only if it contradicts limits that are to be kept longer. After [`RESOLVES`] − 1 of them everything goes
 //! at once, which ends it: a tick solves at most [`RESOLVES`] + 2 problems (its own, its own again by the active-set
@@ -34,8 +34,8 @@ use super::{
     safe::SafeLaw,
 };
 use crate::{
-    assembly::{Assembly, DynamicsTerms, Elastic, Group},
     fault::Fault,
+    problem::{BoundEntry, DynamicsTerms, Problem, Relaxation},
     qp::{ActiveSet, ConstraintId, Held, Qp, QpSolver, Solution, Status, WarmStart},
 };
 
@@ -47,7 +47,7 @@ const RESOLVES: u32 = 4;
 /// Rungs, and what they need, in storage made once.
 #[derive(Debug)]
 pub(super) struct Ladder {
-    pub(super) elastic: Elastic,
+    pub(super) relaxation: Relaxation,
     pub(super) solver: ActiveSet,
     pub(super) solution: Solution,
     /// What the relaxed problem of the last tick held, if it had one.
@@ -147,9 +147,9 @@ impl Ladder {
     /// says why there is none.
     pub(super) fn relax(
         &mut self,
-        assembly: &Assembly,
+        problem: &Problem,
         terms: &DynamicsTerms<'_>,
-        groups: &[Group],
+        entries: &[BoundEntry],
         qp: &Qp,
         solution: &mut Solution,
         report: &mut Report,
@@ -175,43 +175,43 @@ impl Ladder {
             report.iterations = report.iterations.saturating_add(self.solution.iterations);
             report.status = Status::Infeasible;
         }
-        write_conflict(assembly, qp, solution, &mut report.conflict);
+        write_conflict(problem, qp, solution, &mut report.conflict);
         write_proof(qp, solution, &mut self.proof);
         self.since_proof = 0;
-        self.elastic.restore();
+        self.relaxation.restore();
         if !self
-            .elastic
-            .give_up_in(assembly, terms.contacts, qp, solution)
+            .relaxation
+            .give_up_in(problem, terms.contacts, qp, solution)
         {
             return Err(Fault::Infeasible);
         }
         if goes_on {
-            self.elastic.give_up_as_before();
+            self.relaxation.give_up_as_before();
         }
         let mut is_last = false;
         for resolve in 1..=RESOLVES {
             is_last |= resolve == RESOLVES;
             if is_last {
-                self.elastic.give_up_all();
+                self.relaxation.give_up_all();
             }
-            self.elastic.build(assembly, terms, groups, qp);
+            self.relaxation.build(problem, terms, entries, qp);
             self.solver.start_from(&self.warm);
-            let status = self.solver.solve(&self.elastic.qp, &mut self.solution);
+            let status = self.solver.solve(&self.relaxation.qp, &mut self.solution);
             report.resolves = resolve;
             report.iterations = report.iterations.saturating_add(self.solution.iterations);
             if status == Ok(Status::Optimal) {
-                self.report_exceeded(assembly, qp, report);
+                self.report_exceeded(problem, qp, report);
                 self.hand_over(n, m, solution);
                 self.solver.warm_start(&mut self.warm);
-                self.elastic.remember(assembly, qp, &self.solution.x);
+                self.relaxation.remember(problem, qp, &self.solution.x);
                 return Ok(Fault::Infeasible);
             }
             if is_last {
                 break;
             }
             let proof = &self.solution;
-            is_last = !(is_proof(&self.elastic.qp, proof)
-                && self.elastic.give_up_more(assembly, terms.contacts, proof));
+            is_last = !(is_proof(&self.relaxation.qp, proof)
+                && self.relaxation.give_up_more(problem, terms.contacts, proof));
         }
         Err(Fault::Infeasible)
     }
@@ -232,9 +232,9 @@ impl Ladder {
         if self.proof.iter().next().is_none() {
             return false;
         }
-        self.elastic.prove(qp, &self.proof);
+        self.relaxation.prove(qp, &self.proof);
         self.solver.start_from(&self.proof);
-        let status = self.solver.solve(&self.elastic.qp, &mut self.solution);
+        let status = self.solver.solve(&self.relaxation.qp, &mut self.solution);
         solution.iterations = self.solution.iterations;
         self.is_proven = status == Ok(Status::Infeasible) && is_proof(qp, &self.solution);
         if self.is_proven {
@@ -251,8 +251,8 @@ impl Ladder {
         solution.z[..n].copy_from_slice(&self.solution.z[..n]);
     }
 
-    fn report_exceeded(&self, assembly: &Assembly, qp: &Qp, report: &mut Report) {
-        for (row, side, limit, by) in self.elastic.exceeded(assembly, qp, &self.solution.x) {
+    fn report_exceeded(&self, problem: &Problem, qp: &Qp, report: &mut Report) {
+        for (row, side, limit, by) in self.relaxation.exceeded(problem, qp, &self.solution.x) {
             if report.relaxed.len() < report.relaxed.capacity() {
                 report.relaxed.push(RelaxedRow {
                     row,

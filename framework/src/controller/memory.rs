@@ -9,10 +9,10 @@ use std::fmt;
 use serde::Serialize;
 
 use crate::{
-    assembly::{Assembly, Elastic, Group, Partition},
     error::BindError,
     input::size,
     plugin::rows::RowStore,
+    problem::{BoundEntry, Partition, Problem, Relaxation},
     qp::{Capacity, QpSolver},
 };
 
@@ -63,20 +63,20 @@ impl Need {
     /// Of what is bound, with a solver for the problem and one for the relaxed problem.
     pub(super) fn of(
         partition: &Partition,
-        groups: &[Group],
+        entries: &[BoundEntry],
         stored: Stored,
         [dynamics_rows, normals, efforts, frames]: [usize; 4],
         solver: &dyn QpSolver,
         native: &dyn QpSolver,
     ) -> Self {
-        let natural = Assembly::natural_variables(partition, groups);
-        let capacity = Assembly::capacity_for(partition, groups, dynamics_rows);
+        let natural = Problem::natural_variables(partition, entries);
+        let capacity = Problem::capacity_for(partition, entries, dynamics_rows);
         // The command before the first tick is a problem of the efforts alone.
         let problem = Capacity {
             vars: capacity.vars.max(efforts),
             ..capacity
         };
-        let relaxed = Elastic::capacity(groups, normals, problem);
+        let relaxed = Relaxation::capacity(entries, normals, problem);
         let square = |n: usize| n.saturating_mul(n);
         let matrices =
             |of: Capacity| square(of.vars).saturating_add(of.rows.saturating_mul(of.vars));
@@ -140,13 +140,13 @@ impl Stored {
     /// Refuses rows that take more than so many MiB together.
     pub(super) fn add(
         &mut self,
-        group: &Group,
+        entry: &BoundEntry,
         sizes: &Sizes<'_>,
         most: f64,
     ) -> Result<(), BindError> {
         let Sizes { nv, nu, nf } = *sizes;
-        self.rows += group.layout.len();
-        let numbers = RowStore::numbers(&group.layout, nv, nu, nf);
+        self.rows += entry.layout.len();
+        let numbers = RowStore::numbers(&entry.layout, nv, nu, nf);
         self.numbers = self.numbers.saturating_add(numbers);
         let bytes = self.numbers.saturating_mul(NUMBER);
         if bytes as f64 <= most * MIB {
@@ -155,7 +155,7 @@ impl Stored {
         let what = format!(
             "the {} rows of tasks and constraints up to `{}` take {}",
             self.rows,
-            group.name,
+            entry.name,
             size(bytes as u64)
         );
         Err(too_much(&what, most))

@@ -52,9 +52,10 @@ pub(crate) use record::{CommandRecord, FORMAT, MadeFrom};
 use nalgebra::DVector;
 
 use crate::{
-    assembly::{Actuation, Assembly, Group, RowInfo, Table, VarInfo},
+    dynamics::Actuation,
     fault::Fault,
     plugin::{Constraint, ConstraintRows, EntryState, Rows, Task},
+    problem::{BoundEntry, Problem, RowInfo, Table, VarInfo},
     qp::{Budget, Qp, RowId, Solution, Solver, Status, VarId},
     robot::RobotModel,
     settings::{MeasurementLimits, Settings},
@@ -80,9 +81,9 @@ pub struct Controller {
     tasks: Vec<Box<dyn Task>>,
     constraints: Vec<Box<dyn Constraint>>,
     /// One per task, then one per constraint.
-    groups: Vec<Group>,
+    entries: Vec<BoundEntry>,
     table: Table,
-    assembly: Assembly,
+    problem: Problem,
     actuation: Actuation,
     qp: Qp,
     solution: Solution,
@@ -199,11 +200,11 @@ impl Controller {
         let is_alert = self.ladder.is_alert();
         let assembled = if is_alert {
             // Rows that hold by substitution are part of a contradiction like all others.
-            self.assembly
-                .assemble_with_all_rows(&terms, &mut self.groups, &mut self.qp)
+            self.problem
+                .assemble_with_all_rows(&terms, &mut self.entries, &mut self.qp)
         } else {
-            self.assembly
-                .assemble(&terms, &mut self.groups, &mut self.qp)
+            self.problem
+                .assemble(&terms, &mut self.entries, &mut self.qp)
         };
         let mut built = self.stopwatch.now();
         assembled?;
@@ -212,8 +213,8 @@ impl Controller {
                 .ladder
                 .is_still_infeasible(&self.qp, &mut self.solution);
         if is_alert && !is_proven {
-            self.assembly
-                .assemble(&terms, &mut self.groups, &mut self.qp)?;
+            self.problem
+                .assemble(&terms, &mut self.entries, &mut self.qp)?;
             built = self.stopwatch.now();
         }
         if !self.report.rung.is_solved() {
@@ -236,25 +237,25 @@ impl Controller {
         }
         self.report.status = status;
         self.report.iterations = self.solution.iterations;
-        self.report.regularisation = self.assembly.regularisation_weight;
+        self.report.regularisation = self.problem.regularisation_weight;
         let mut n = self.qp.n();
         let finite = self.solution.x[..n].iter().all(|x| x.is_finite());
         let fault = if status == Status::Optimal && finite {
             self.ladder.calm();
             None
         } else {
-            if !status.was_cut_short() && self.assembly.has_determined() {
+            if !status.was_cut_short() && self.problem.has_determined() {
                 // Rows that hold by substitution are part of a contradiction like all others, and may be given up.
-                self.assembly
-                    .assemble_with_all_rows(&terms, &mut self.groups, &mut self.qp)?;
+                self.problem
+                    .assemble_with_all_rows(&terms, &mut self.entries, &mut self.qp)?;
                 self.solution.status = Status::Unsolved;
                 n = self.qp.n();
             }
-            self.ladder.elastic.bind_efforts(self.gate.window());
+            self.ladder.relaxation.bind_efforts(self.gate.window());
             Some(self.ladder.relax(
-                &self.assembly,
+                &self.problem,
                 &terms,
-                &self.groups,
+                &self.entries,
                 &self.qp,
                 &mut self.solution,
                 &mut self.report,
@@ -262,8 +263,8 @@ impl Controller {
         };
         let solved = self.stopwatch.now();
         let x = &self.solution.x[..n];
-        self.assembly.recover(&self.groups, &terms, x);
-        let (vdot, effort) = (self.assembly.vdot(), self.assembly.effort());
+        self.problem.recover(&self.entries, &terms, x);
+        let (vdot, effort) = (self.problem.vdot(), self.problem.effort());
         if !vdot.iter().chain(effort).all(|x| x.is_finite()) {
             self.report.relaxed.clear();
             return Err(Fault::Dynamics);
@@ -327,8 +328,8 @@ impl Controller {
     fn update_rows(&mut self) {
         self.report.undeclared = None;
         let now = self.world.time;
-        for (index, group) in self.groups.iter_mut().enumerate() {
-            let (contact_alpha, contact_live, contact_on) = match group.layout.contact {
+        for (index, entry) in self.entries.iter_mut().enumerate() {
+            let (contact_alpha, contact_live, contact_on) = match entry.layout.contact {
                 Some(c) => {
                     let contact = &self.world.contacts[c.index()];
                     let binding = &self.world.bindings[c.index()];
@@ -336,29 +337,29 @@ impl Controller {
                 }
                 None => (1.0, true, false),
             };
-            if group.settle(now) || contact_on {
+            if entry.settle(now) || contact_on {
                 match self.tasks.get_mut(index) {
                     Some(task) => task.activate(),
                     None => self.constraints[index - self.tasks.len()].activate(),
                 }
             }
-            group.live = group.switch.is_live(now) && contact_live;
-            group.alpha = group.switch.alpha(now) * contact_alpha;
-            if !group.live {
+            entry.live = entry.switch.is_live(now) && contact_live;
+            entry.alpha = entry.switch.alpha(now) * contact_alpha;
+            if !entry.live {
                 continue;
             }
             let tick = self.world.tick(EntryState {
-                alpha: group.alpha,
-                since: group.switch.since(),
+                alpha: entry.alpha,
+                since: entry.switch.since(),
             });
             match self.tasks.get_mut(index) {
-                Some(task) => task.update(&tick, &mut Rows::new(&group.layout, &mut group.store)),
+                Some(task) => task.update(&tick, &mut Rows::new(&entry.layout, &mut entry.store)),
                 None => self.constraints[index - self.tasks.len()].update(
                     &tick,
-                    &mut ConstraintRows::new(&group.layout, &mut group.store),
+                    &mut ConstraintRows::new(&entry.layout, &mut entry.store),
                 ),
             }
-            if group.store.undeclared && self.report.undeclared.is_none() {
+            if entry.store.undeclared && self.report.undeclared.is_none() {
                 self.report.undeclared = Some(index);
             }
         }
@@ -404,7 +405,7 @@ impl Controller {
     /// What the substitution of variables took from row `i` of [`Controller::problem`]: its value, and its limits, as
     /// its owner wrote them are larger by that, in the row's unit.
     pub fn row_constant(&self, i: usize) -> f64 {
-        self.assembly.constant(i)
+        self.problem.constant(i)
     }
 
     /// A measurement of the right sizes: the home posture at rest at time 0, no force. For drivers to write into.

@@ -11,10 +11,10 @@ impl Controller {
     /// Turns the solution into command and report.
     pub(super) fn output(&mut self, rung: Rung) {
         self.world.last.vdot.copy_from(&self.report.vdot);
-        let tasks = &self.groups[..self.tasks.len()];
+        let tasks = &self.entries[..self.tasks.len()];
         let asked = self.world.last.virtual_input.as_mut_slice();
-        self.assembly.collect_asked(tasks, asked);
-        self.command.effort.copy_from_slice(self.assembly.effort());
+        self.problem.collect_asked(tasks, asked);
+        self.command.effort.copy_from_slice(self.problem.effort());
         if self.report.rung != rung || self.report.on_rung.ticks == 0 {
             // Velocity references start anew from the measured velocities.
             self.command.engage(&self.robot.model, &self.world.state);
@@ -29,7 +29,7 @@ impl Controller {
         for (i, contact) in self.world.contacts.iter_mut().enumerate() {
             contact.solution.fill(0.0);
             contact.set_point.fill(0.0);
-            if let Some(force) = self.assembly.force(i) {
+            if let Some(force) = self.problem.force(i) {
                 for (&direction, f) in contact.kind.constrained().iter().zip(force) {
                     contact.solution[direction] = *f;
                 }
@@ -43,35 +43,35 @@ impl Controller {
                 position: contact.p_SC,
             };
         }
-        self.report.objective = self.assembly.objective();
+        self.report.objective = self.problem.objective();
         self.report_tasks();
         self.report_active();
     }
 
     fn report_tasks(&mut self) {
-        for ((group, task), report) in self
-            .groups
+        for ((entry, task), report) in self
+            .entries
             .iter()
             .zip(&self.tasks)
             .zip(&mut self.report.tasks)
         {
-            report.alpha = if group.live { group.alpha } else { 0.0 };
-            let residuals = if group.live {
-                self.assembly.residuals(group)
+            report.alpha = if entry.live { entry.alpha } else { 0.0 };
+            let residuals = if entry.live {
+                self.problem.residuals(entry)
             } else {
                 None
             };
-            for k in 0..group.layout.len() {
+            for k in 0..entry.layout.len() {
                 let [r, w] = residuals.map_or([0.0; 2], |residuals| residuals[k]);
-                report.error[k] = if group.live {
-                    group.store.error[k]
+                report.error[k] = if entry.live {
+                    entry.store.error[k]
                 } else {
                     0.0
                 };
                 report.residual[k] = r;
                 report.cost[k] = w * r * r;
             }
-            if let (true, Some(force)) = (group.live, task.force_report())
+            if let (true, Some(force)) = (entry.live, task.force_report())
                 && let Some(contact) = self.report.contacts.get_mut(force.contact.index())
                 && let Some(state) = self.world.contacts.get_mut(force.contact.index())
             {
@@ -112,7 +112,7 @@ impl Controller {
         }
         for j in 0..qp.n() {
             let (side, limit) = near(x[j], qp.lower()[j], qp.upper()[j]);
-            let owner = self.assembly.bound_owner[j][usize::from(side == Side::Upper)];
+            let owner = self.problem.bound_owner[j][usize::from(side == Side::Upper)];
             if let Some(row) = owner
                 && is_active((x[j] - limit).abs(), limit, z[j])
             {

@@ -26,11 +26,11 @@ impl Controller {
         self.world.time = time;
         self.world.origin = Some(0.0);
         let mut planned = Vec::new();
-        for (group, task) in self.groups.iter().zip(&mut self.tasks) {
+        for (bound, task) in self.entries.iter().zip(&mut self.tasks) {
             let Some(contact) = task.pushes() else {
                 continue;
             };
-            if !group.switch.is_wanted() || group.weight.wanted().iter().all(|w| *w == 0.0) {
+            if !bound.switch.is_wanted() || bound.weight.wanted().iter().all(|w| *w == 0.0) {
                 continue;
             }
             let Some(follow) = task.follow() else {
@@ -45,7 +45,7 @@ impl Controller {
                 .reference
                 .sample(&self.world.tick(entry), &mut sample);
             planned.extend(sample.value.first().map(|&normal| PlannedForce {
-                task: &group.name,
+                task: &bound.name,
                 contact,
                 normal,
             }));

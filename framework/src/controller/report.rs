@@ -5,9 +5,9 @@ use serde::{Deserialize, Serialize};
 
 use super::{gate::CutEffort, world::World};
 use crate::{
-    assembly::Group,
     fault::Fault,
     plugin::ForceReport,
+    problem::BoundEntry,
     qp::{Capacity, RowId, Status},
     stopwatch::StageTimes,
 };
@@ -129,8 +129,13 @@ pub struct Report {
 
 impl Report {
     /// Before the first tick, with room for all that one may say; `limits` may be given up.
-    pub(super) fn new(tasks: &[Group], world: &World, capacity: Capacity, limits: usize) -> Self {
-        let zeros = |g: &Group| vec![0.0; g.layout.len()];
+    pub(super) fn new(
+        tasks: &[BoundEntry],
+        world: &World,
+        capacity: Capacity,
+        limits: usize,
+    ) -> Self {
+        let zeros = |g: &BoundEntry| vec![0.0; g.layout.len()];
         Self {
             time: 0.0,
             rung: Rung::Safe,

@@ -4,10 +4,10 @@
 
 use super::{Controller, error::RequestError};
 use crate::{
-    assembly::{Group, Treatment},
     contact::{ContactId, ContactSpec, ContactState, SurfaceMotion},
     error::{BindError, unknown},
     plugin::{Layout, Reference, Task, Weight},
+    problem::{BoundEntry, Treatment},
 };
 
 impl Controller {
@@ -17,7 +17,7 @@ impl Controller {
     /// [`RequestError::Absent`].
     pub fn activate(&mut self, name: &str) -> Result<(), RequestError> {
         let index = self.entry(name)?;
-        self.groups[index].switch.turn(true);
+        self.entries[index].switch.turn(true);
         Ok(())
     }
 
@@ -27,7 +27,7 @@ impl Controller {
     /// [`RequestError::Absent`].
     pub fn deactivate(&mut self, name: &str) -> Result<(), RequestError> {
         let index = self.entry(name)?;
-        self.groups[index].switch.turn(false);
+        self.entries[index].switch.turn(false);
         Ok(())
     }
 
@@ -90,7 +90,7 @@ impl Controller {
     /// [`RequestError`] if the entry does not exist or the weight does not fit its rows.
     pub fn reweight(&mut self, name: &str, weight: &Weight) -> Result<(), RequestError> {
         let index = self.entry(name)?;
-        reweight(&mut self.groups[index], weight)
+        reweight(&mut self.entries[index], weight)
     }
 
     /// The contact of that name.
@@ -117,14 +117,14 @@ impl Controller {
 
     /// Names of the tasks, in the order of [`Report::tasks`](super::Report::tasks).
     pub fn task_names(&self) -> impl Iterator<Item = &str> {
-        self.groups[..self.tasks.len()]
+        self.entries[..self.tasks.len()]
             .iter()
             .map(|g| g.name.as_str())
     }
 
     /// Rows of each task with labels and units, in the order of [`Controller::task_names`].
     pub fn task_layouts(&self) -> impl Iterator<Item = &Layout> {
-        self.groups[..self.tasks.len()].iter().map(|g| &g.layout)
+        self.entries[..self.tasks.len()].iter().map(|g| &g.layout)
     }
 
     /// Names of the contacts, in the order of [`Report::contacts`](super::Report::contacts).
@@ -133,7 +133,7 @@ impl Controller {
     }
 
     fn entry(&self, name: &str) -> Result<usize, RequestError> {
-        let names = || self.groups.iter().map(|g| g.name.as_str());
+        let names = || self.entries.iter().map(|g| g.name.as_str());
         let found = names().position(|n| n == name);
         found.ok_or_else(|| absent("entry", name, names()))
     }
@@ -146,7 +146,7 @@ impl Controller {
     /// The position of a constraint among all entries.
     pub(super) fn constraint_index(&self, name: &str) -> Result<usize, RequestError> {
         let first = self.tasks.len();
-        let names = || self.groups[first..].iter().map(|g| g.name.as_str());
+        let names = || self.entries[first..].iter().map(|g| g.name.as_str());
         let found = names().position(|n| n == name);
         found
             .map(|index| first + index)
@@ -175,11 +175,11 @@ pub(super) fn redirect(
     Ok(())
 }
 
-/// Lets the rows of a group go to another weight.
-pub(super) fn reweight(group: &mut Group, weight: &Weight) -> Result<(), RequestError> {
-    let rows = group.weight.now().len();
+/// Lets the rows of a entry go to another weight.
+pub(super) fn reweight(entry: &mut BoundEntry, weight: &Weight) -> Result<(), RequestError> {
+    let rows = entry.weight.now().len();
     let refused = |problem: String| RequestError::Value {
-        name: group.name.clone(),
+        name: entry.name.clone(),
         source: BindError::value("weight", problem),
     };
     let usable = weight.values().iter().all(|w| w.is_finite() && *w >= 0.0)
@@ -189,11 +189,11 @@ pub(super) fn reweight(group: &mut Group, weight: &Weight) -> Result<(), Request
             "must be one number, or {rows}, finite and not negative"
         )));
     }
-    if group.treatment == Treatment::Slack && weight.values().iter().all(|w| *w == 0.0) {
+    if entry.treatment == Treatment::Slack && weight.values().iter().all(|w| *w == 0.0) {
         let problem = "is zero: a soft inequality without price limits nothing";
         return Err(refused(problem.to_owned()));
     }
-    group.weight.turn(weight);
+    entry.weight.turn(weight);
     Ok(())
 }
 

@@ -33,7 +33,7 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use super::{allocation::Allocation, world::World};
 use crate::{
     actuator::{ActuatorKind, Drive},
-    assembly::Actuation,
+    dynamics::Actuation,
     model::Base,
     robot::RobotModel,
 };

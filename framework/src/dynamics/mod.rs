@@ -43,6 +43,7 @@
 //! (9.3–9.5), hybrid dynamics (9.2). The transform from a body to its parent is here a pure translation,
 //! because all vectors are in world axes.
 
+mod actuation;
 mod coupled;
 mod data;
 mod energy;
@@ -55,6 +56,7 @@ mod spatial_inertia;
 mod spatial_vector;
 mod wrenches;
 
+pub(crate) use actuation::Actuation;
 pub use data::Data;
 pub use energy::{Energy, energy};
 pub use forward::{JointDrive, forward_dynamics};

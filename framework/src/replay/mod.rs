@@ -5,7 +5,7 @@
 //! the last solution, velocity references, the rung, and the solvers' warm starts. A [`Record`](crate::controller::Record) holds all of it and
 //! what came out. Running it again computes kinematics, dynamics, problem, solution and command anew, from the recorded
 //! state and the recorded rows. The rows are data because a plug-in may remember things of its own (an integral, a
-//! trajectory) that the framework cannot see; a plug-in is tested with [`crate::testing`].
+//! trajectory) that the framework cannot see; a plug-in is tested with the crate `wbqp-testing`.
 //!
 //! # How
 //! [`Controller::with_recorder`](crate::Controller::with_recorder) keeps the last ticks in storage made once; in a

@@ -59,21 +59,21 @@ impl Controller {
     }
 
     fn blank_record(&self) -> Record {
-        let entries = self.groups.iter().map(|group| EntryRecord {
-            name: group.name.clone(),
-            weight: group.weight.now().to_vec(),
-            vdot: group.store.vdot.clone(),
-            effort: group.store.effort.clone(),
-            forces: group.store.forces.clone(),
-            lower: group.store.lower.clone(),
-            upper: group.store.upper.clone(),
-            bound_lower: group.store.bound_lower.clone(),
-            bound_upper: group.store.bound_upper.clone(),
-            error: group.store.error.clone(),
+        let entries = self.entries.iter().map(|bound| EntryRecord {
+            name: bound.name.clone(),
+            weight: bound.weight.now().to_vec(),
+            vdot: bound.store.vdot.clone(),
+            effort: bound.store.effort.clone(),
+            forces: bound.store.forces.clone(),
+            lower: bound.store.lower.clone(),
+            upper: bound.store.upper.clone(),
+            bound_lower: bound.store.bound_lower.clone(),
+            bound_upper: bound.store.bound_upper.clone(),
+            error: bound.store.error.clone(),
             ..EntryRecord::default()
         });
         let capacity = self.qp.capacity();
-        let relaxed = self.ladder.elastic.qp.capacity().vars;
+        let relaxed = self.ladder.relaxation.qp.capacity().vars;
         let state = blank_state(&self.world.state);
         let command = blank_command(&self.command);
         let nv = self.world.last.vdot.len();
@@ -91,7 +91,7 @@ impl Controller {
                 warm: WarmStart::with_capacity(capacity.vars),
                 relaxed_warm: WarmStart::with_capacity(relaxed),
                 proof: WarmStart::with_capacity(relaxed + 1),
-                needed: self.ladder.elastic.needed.clone(),
+                needed: self.ladder.relaxation.needed.clone(),
                 ..Memory::default()
             },
             entries: entries.collect(),
@@ -153,14 +153,14 @@ impl Controller {
             return;
         };
         record.written = true;
-        for (entry, group) in record.entries.iter_mut().zip(&self.groups) {
-            entry.live = group.live;
-            entry.alpha = group.alpha;
-            copy(&mut entry.weight, group.weight.now());
-            if !group.live {
+        for (entry, bound) in record.entries.iter_mut().zip(&self.entries) {
+            entry.live = bound.live;
+            entry.alpha = bound.alpha;
+            copy(&mut entry.weight, bound.weight.now());
+            if !bound.live {
                 continue;
             }
-            let store = &group.store;
+            let store = &bound.store;
             copy(&mut entry.vdot, &store.vdot);
             copy(&mut entry.effort, &store.effort);
             for (out, block) in entry.forces.iter_mut().zip(&store.forces) {
@@ -237,11 +237,11 @@ impl Controller {
 
     /// Takes the recorded rows instead of asking the plug-ins.
     pub(in super::super) fn recall_rows(&mut self, entries: &[EntryRecord]) {
-        for (entry, group) in entries.iter().zip(&mut self.groups) {
-            group.live = entry.live;
-            group.alpha = entry.alpha;
-            group.weight.hold(&entry.weight);
-            let store = &mut group.store;
+        for (entry, bound) in entries.iter().zip(&mut self.entries) {
+            bound.live = entry.live;
+            bound.alpha = entry.alpha;
+            bound.weight.hold(&entry.weight);
+            let store = &mut bound.store;
             copy(&mut store.vdot, &entry.vdot);
             copy(&mut store.effort, &entry.effort);
             for (block, recorded) in store.forces.iter_mut().zip(&entry.forces) {
@@ -316,7 +316,7 @@ impl Ladder {
         copy_held(&mut out.relaxed_warm, &self.warm);
         copy_held(&mut out.proof, &self.proof);
         out.since_proof = self.since_proof;
-        for (out, needed) in out.needed.iter_mut().zip(&self.elastic.needed) {
+        for (out, needed) in out.needed.iter_mut().zip(&self.relaxation.needed) {
             *out = *needed;
         }
     }
@@ -336,7 +336,7 @@ impl Ladder {
         copy_held(&mut self.warm, &memory.relaxed_warm);
         copy_held(&mut self.proof, &memory.proof);
         self.since_proof = memory.since_proof;
-        for (needed, recorded) in self.elastic.needed.iter_mut().zip(&memory.needed) {
+        for (needed, recorded) in self.relaxation.needed.iter_mut().zip(&memory.needed) {
             *needed = *recorded;
         }
     }

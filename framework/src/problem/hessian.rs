@@ -16,7 +16,7 @@
 //! (where no row has coefficients on both, `H_zx = 0`, half of the products are enough: `H_xx + Bᵀ (H_zz B)`).
 
 use super::{
-    Live, Motions, Partition, Relations, Support,
+    ActiveVariables, ContactElimination, Partition, ReducedDynamics, SparsityPattern,
     kernels::{add_matrix_rows, add_row, add_six_rows, dot},
 };
 use crate::qp::Qp;
@@ -27,7 +27,7 @@ const BLOCK: usize = 8;
 
 /// `H`, upper triangle, and `g` over y, in storage made once.
 #[derive(Clone, Debug)]
-pub(crate) struct Quadratic {
+pub(crate) struct NaturalCost {
     n: usize,
     h: Vec<f64>,
     g: Vec<f64>,
@@ -52,9 +52,13 @@ pub(crate) struct Block {
     values: Vec<f64>,
 }
 
-impl Quadratic {
+impl NaturalCost {
     /// For at most `capacity` natural variables.
-    pub(crate) fn new(partition: &Partition, motions: &Motions, capacity: usize) -> Self {
+    pub(crate) fn new(
+        partition: &Partition,
+        motions: &ContactElimination,
+        capacity: usize,
+    ) -> Self {
         Self {
             n: 0,
             h: vec![0.0; capacity * capacity],
@@ -115,40 +119,40 @@ impl Quadratic {
     }
 
     /// Adds `Σ w_k ((a_k v̇)² − 2 b_k a_k v̇)`: `a(k, i)` is the coefficient of row `k` on velocity `i`, zero but on
-    /// the support.
+    /// the pattern.
     pub(crate) fn add_motion_rows(
         &mut self,
         rows: usize,
-        support: &Support,
-        motions: &Motions,
+        pattern: &SparsityPattern,
+        motions: &ContactElimination,
         a: impl Fn(usize, usize) -> f64,
         w: impl Fn(usize) -> f64,
         b: impl Fn(usize) -> f64,
     ) {
-        if support.determined.is_empty() {
-            let columns = support.columns.iter().copied();
-            let velocity = |i: usize| support.coordinates[i].velocity;
+        if pattern.determined.is_empty() {
+            let columns = pattern.columns.iter().copied();
+            let velocity = |i: usize| pattern.coordinates[i].velocity;
             self.add_rows(rows, columns, |k, i| a(k, velocity(i)), w, b);
             return;
         }
         self.block.columns.clear();
-        self.block.columns.extend(&support.columns);
+        self.block.columns.extend(&pattern.columns);
         for first in (0..rows).step_by(BLOCK) {
             let count = (rows - first).min(BLOCK);
             let values = &mut self.block.values;
             values.clear();
-            values.resize(support.columns.len() * count, 0.0);
-            for at in &support.coordinates {
+            values.resize(pattern.columns.len() * count, 0.0);
+            for at in &pattern.coordinates {
                 for k in 0..count {
                     values[at.position * count + k] = a(first + k, at.velocity);
                 }
             }
             let mut constants = [0.0; BLOCK];
-            for at in &support.determined {
+            for at in &pattern.determined {
                 let (relation, known) = motions.get(at.motion).row(at.row);
                 for k in 0..count {
                     let a = a(first + k, at.velocity);
-                    for (&position, g) in support.positions[at.motion].iter().zip(relation) {
+                    for (&position, g) in pattern.positions[at.motion].iter().zip(relation) {
                         values[position * count + k] += a * g;
                     }
                     constants[k] += a * known;
@@ -164,7 +168,11 @@ impl Quadratic {
     }
 
     /// Adds what the costs on single accelerations that contacts determine come to.
-    pub(crate) fn add_all_determined(&mut self, partition: &Partition, motions: &Motions) {
+    pub(crate) fn add_all_determined(
+        &mut self,
+        partition: &Partition,
+        motions: &ContactElimination,
+    ) {
         for (index, motion) in motions.live() {
             let costs = &self.determined[index];
             if costs.iter().all(|cost| *cost == [0.0; 2]) {
@@ -221,8 +229,8 @@ impl Quadratic {
     pub(crate) fn add_torques(
         &mut self,
         partition: &Partition,
-        relations: &Relations,
-        live: &Live,
+        reduced: &ReducedDynamics,
+        live: &ActiveVariables,
     ) {
         for branch in &partition.branches {
             for torques in branch.torques.chunks(BLOCK) {
@@ -230,11 +238,11 @@ impl Quadratic {
                 for (k, &index) in torques.iter().enumerate() {
                     let [d, e] = self.torque[index];
                     quadratic[k] = d;
-                    linear[k] = d * relations.torque(index).1 + e;
+                    linear[k] = d * reduced.torque(index).1 + e;
                 }
                 let Block { columns, values } = &mut self.block;
                 columns.clear();
-                columns.extend(&branch.support.columns);
+                columns.extend(&branch.pattern.columns);
                 columns.extend(branch.efforts.iter().map(|k| partition.accelerations + k));
                 for &contact in &branch.contacts {
                     if let Some(start) = live.forces[contact] {
@@ -243,7 +251,7 @@ impl Quadratic {
                 }
                 values.clear();
                 for &column in columns.iter() {
-                    values.extend(torques.iter().map(|&i| relations.torque(i).0[column]));
+                    values.extend(torques.iter().map(|&i| reduced.torque(i).0[column]));
                 }
                 self.h_and_g(torques.len(), &quadratic, &linear);
             }
@@ -296,14 +304,14 @@ impl Quadratic {
     }
 
     /// Writes H and g of the problem.
-    pub(crate) fn write(&mut self, relations: &Relations, live: &Live, qp: &mut Qp) {
+    pub(crate) fn write(&mut self, reduced: &ReducedDynamics, live: &ActiveVariables, qp: &mut Qp) {
         let (n, p) = (self.n, self.n - qp.n());
         let (h, g) = qp.cost_mut();
         let nx = n - p;
         g.copy_from_slice(&self.g[p..n]);
         let width = if p > 0 {
             let width = live.n_physical - p;
-            self.substitute(relations, width, h, g);
+            self.substitute(reduced, width, h, g);
             width
         } else {
             0
@@ -328,10 +336,16 @@ impl Quadratic {
 
     /// Adds `Bᵀ W` to the first rows and columns of `h`, row by row from the diagonal on at least, and adds
     /// what comes from `z = B x + c` to `g`; B has `width` columns. Without coupling W is `H_zz B`.
-    fn substitute(&mut self, relations: &Relations, width: usize, h: &mut [f64], g: &mut [f64]) {
+    fn substitute(
+        &mut self,
+        reduced: &ReducedDynamics,
+        width: usize,
+        h: &mut [f64],
+        g: &mut [f64],
+    ) {
         let (n, nx) = (self.n, g.len());
         let p = n - nx;
-        let (response, stride) = relations.response();
+        let (response, stride) = reduced.response();
         for i in 0..p {
             self.known[i] = response[i * stride + width];
             for k in i + 1..p {

@@ -1,16 +1,18 @@
 //! Rows that must hold, or may give way at the price of a slack; the equations of motion.
 
-use super::{Assembly, DynamicsTerms, Group, Treatment, assemble::is_equality, expand::is_finite};
+use super::{
+    BoundEntry, DynamicsTerms, Problem, Treatment, assemble::is_equality, expand::is_finite,
+};
 use crate::{plugin::layout::Block, qp::Qp};
 
-impl Assembly {
+impl Problem {
     /// `M v̇ − [S J_cᵀ] (u, f) = Σ J_fᵀ f_f − h`.
     pub(super) fn push_dynamics(&mut self, terms: &DynamicsTerms<'_>, qp: &mut Qp) {
         // The formulation that has these rows substitutes nothing.
         let (nv, n) = (self.partition.nv, self.live.n_physical);
         let mass = terms.data.mass_matrix();
         for (i, &id) in self.dynamics_rows.iter().enumerate() {
-            let (forcing, known) = self.relations.forcing(i);
+            let (forcing, known) = self.reduced.forcing(i);
             let Ok(row) = qp.push_row(id, known, known) else {
                 return;
             };
@@ -24,36 +26,36 @@ impl Assembly {
         }
     }
 
-    /// Pushes a group's rows; false if they have numbers that cannot be.
+    /// Pushes a entry's rows; false if they have numbers that cannot be.
     pub(super) fn push_rows(
         &mut self,
         index: usize,
-        group: &Group,
+        entry: &BoundEntry,
         treatment: Treatment,
         terms: &DynamicsTerms<'_>,
         qp: &mut Qp,
     ) -> bool {
-        if group.touches_forces_alone() && treatment == Treatment::Hard {
-            return self.push_force_rows(group, qp);
+        if entry.touches_forces_alone() && treatment == Treatment::Hard {
+            return self.push_force_rows(entry, qp);
         }
         let (n, p) = (self.live.n, self.partition.substituted);
-        let equality = is_equality(group);
+        let equality = is_equality(entry);
         let mut row = std::mem::take(&mut self.row);
         let mut constants = std::mem::take(&mut self.constants);
         let context = self.context(terms);
         let mut good = true;
-        for k in 0..group.layout.len() {
+        for k in 0..entry.layout.len() {
             let y = &mut row[..n];
             y.fill(0.0);
-            let constant = context.natural_row(group, k, y);
+            let constant = context.natural_row(entry, k, y);
             let constant = constant + context.substitute(y);
             let (lower, upper) = (
-                group.store.lower[k] - constant,
-                group.store.upper[k] - constant,
+                entry.store.lower[k] - constant,
+                entry.store.upper[k] - constant,
             );
             // Infinite limits are legal, infinite right-hand sides are not; a NaN never is.
             let usable = |limit: f64| limit.is_finite() || (!equality && !limit.is_nan());
-            if !(is_finite(group, &self.partition, k)
+            if !(is_finite(entry, &self.partition, k)
                 && usable(lower)
                 && (equality || usable(upper)))
             {
@@ -63,7 +65,7 @@ impl Assembly {
             let x = &y[p..];
             if treatment == Treatment::Slack {
                 let slack = self.live.slacks[index];
-                for (side, id) in [(-1.0, group.rows[2 * k]), (1.0, group.rows[2 * k + 1])] {
+                for (side, id) in [(-1.0, entry.rows[2 * k]), (1.0, entry.rows[2 * k + 1])] {
                     let limits = if side < 0.0 {
                         (f64::NEG_INFINITY, upper)
                     } else {
@@ -80,7 +82,7 @@ impl Assembly {
             } else {
                 // Tasks and equalities write one right-hand side, into the lower limit.
                 let upper = if equality { lower } else { upper };
-                if let Ok(out) = qp.push_row(group.rows[k], lower, upper) {
+                if let Ok(out) = qp.push_row(entry.rows[k], lower, upper) {
                     constants.push(constant);
                     out.copy_from_slice(x);
                 }
@@ -90,26 +92,26 @@ impl Assembly {
         self.constants = constants;
         if let (Treatment::Slack, Some(slack)) = (treatment, self.live.slacks[index]) {
             self.quadratic
-                .add_slack(slack, group.slack_weight(), group.slack_penalty());
+                .add_slack(slack, entry.slack_weight(), entry.slack_penalty());
         }
         good
     }
 
     /// Pushes hard rows on forces alone, whose coefficients are variables of the problem as they are.
-    fn push_force_rows(&mut self, group: &Group, qp: &mut Qp) -> bool {
-        let equality = is_equality(group);
-        for k in 0..group.layout.len() {
-            let (lower, upper) = (group.store.lower[k], group.store.upper[k]);
+    fn push_force_rows(&mut self, entry: &BoundEntry, qp: &mut Qp) -> bool {
+        let equality = is_equality(entry);
+        for k in 0..entry.layout.len() {
+            let (lower, upper) = (entry.store.lower[k], entry.store.upper[k]);
             let upper = if equality { lower } else { upper };
             let usable = |limit: f64| limit.is_finite() || (!equality && !limit.is_nan());
-            if !(usable(lower) && usable(upper) && is_finite(group, &self.partition, k)) {
+            if !(usable(lower) && usable(upper) && is_finite(entry, &self.partition, k)) {
                 return false;
             }
-            let Ok(row) = qp.push_row(group.rows[k], lower, upper) else {
+            let Ok(row) = qp.push_row(entry.rows[k], lower, upper) else {
                 continue;
             };
             self.constants.push(0.0);
-            for ((contact, block), source) in group.layout.forces.iter().zip(&group.store.forces) {
+            for ((contact, block), source) in entry.layout.forces.iter().zip(&entry.store.forces) {
                 let Some(start) = self.live.forces[contact.index()] else {
                     continue;
                 };

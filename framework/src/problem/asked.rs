@@ -1,6 +1,6 @@
 //! What tasks ask of single accelerations.
 
-use super::{Group, Treatment};
+use super::{BoundEntry, Treatment};
 use crate::plugin::layout::VdotBlock;
 
 /// Per component of `v̇` the sum of what is asked by weight, and of the weights: infinite once a hard row has asked.
@@ -17,20 +17,20 @@ impl Asked {
         }
     }
 
-    /// Writes what the live groups ask of each component of `v̇` by rows on it alone: their mean by weight, or the
+    /// Writes what the live entries ask of each component of `v̇` by rows on it alone: their mean by weight, or the
     /// first hard one's; zero if none asks.
-    pub(crate) fn collect(&mut self, groups: &[Group], out: &mut [f64]) {
+    pub(crate) fn collect(&mut self, entries: &[BoundEntry], out: &mut [f64]) {
         self.sums.fill([0.0; 2]);
-        for group in groups.iter().filter(|g| g.live) {
-            let layout = &group.layout;
+        for entry in entries.iter().filter(|g| g.live) {
+            let layout = &entry.layout;
             let VdotBlock::Unit(columns) = &layout.vdot else {
                 continue;
             };
             if layout.effort.is_some() || !layout.forces.is_empty() {
                 continue;
             }
-            let hard = group.treatment_now(true) == Treatment::Hard;
-            let rows = group.store.lower.iter().zip(group.weight.now());
+            let hard = entry.treatment_now(true) == Treatment::Hard;
+            let rows = entry.store.lower.iter().zip(entry.weight.now());
             for (&column, (&asked, weight)) in columns.iter().zip(rows) {
                 let [sum, total] = &mut self.sums[column];
                 if *total == f64::INFINITY {
@@ -39,7 +39,7 @@ impl Asked {
                 if hard {
                     (*sum, *total) = (asked, f64::INFINITY);
                 } else {
-                    let weight = weight * group.alpha;
+                    let weight = weight * entry.alpha;
                     *sum += weight * asked;
                     *total += weight;
                 }

@@ -1,12 +1,12 @@
 //! The problem that begins with a proof.
 
-use super::Elastic;
+use super::Relaxation;
 use crate::qp::{ConstraintId, Qp, WarmStart};
 
 /// Size of the multipliers of a proof's constraints, as a multiple of what the cost asks for.
 const PUSH: f64 = 1e3;
 
-impl Elastic {
+impl Relaxation {
     /// Builds a problem with the constraints of another that has no solution if that has none, and whose optimum on the
     /// constraints of a proof has multipliers of the right sign: a dual method that begins there finds a proof near it.
     pub(crate) fn prove(&mut self, base: &Qp, proof: &WarmStart) {

@@ -1,6 +1,6 @@
 //! Permanent names for the physical variables and for the framework's own rows.
 
-use super::{Group, Table, live::FirstIds};
+use super::{BoundEntry, Table, active_variables::FirstIds};
 use crate::{
     actuator::ActuatorKind,
     contact::ContactSpec,
@@ -113,8 +113,8 @@ const FORCE_LABELS: [(&str, &str); 6] = [
 ];
 
 impl VariableNames<'_> {
-    /// Gives the physical variables and the groups' slacks their ids.
-    pub(super) fn register(&self, groups: &mut [Group], table: &mut Table) -> FirstIds {
+    /// Gives the physical variables and the entries' slacks their ids.
+    pub(super) fn register(&self, entries: &mut [BoundEntry], table: &mut Table) -> FirstIds {
         let vdot = table.vars.len() as u32;
         for (label, unit) in &self.accelerations {
             table.add_var("acceleration", label, unit);
@@ -131,8 +131,8 @@ impl VariableNames<'_> {
                 table.add_var(name, label, unit);
             }
         }
-        for group in groups.iter_mut() {
-            group.add_slack(table);
+        for entry in entries.iter_mut() {
+            entry.add_slack(table);
         }
         FirstIds {
             vdot,

@@ -12,9 +12,9 @@
 
 use nalgebra::Vector3;
 
+use super::Data;
 use crate::{
     actuator::{Actuator, ActuatorKind},
-    dynamics::Data,
     model::{BodyId, Model},
 };
 

@@ -7,7 +7,7 @@
 //! ```text
 //! v̇_P = B x + c        τ = T (v̇, u, f) + t
 //! ```
-//! ([`relations`]). Accelerations that hard contacts leave no choice of are substituted from the contacts' rows before
+//! ([`reduced`]). Accelerations that hard contacts leave no choice of are substituted from the contacts' rows before
 //! that ([`motions`]). Each of the plug-ins' rows `A_v v̇ + A_u u + Σ A_c f_c` is then
 //!
 //! * a cost ([`cost`]): summed up over the *natural* variables `(v̇, kept u, f, slacks)`, where it is sparse, and taken
@@ -19,40 +19,38 @@
 //! formulation.
 #![allow(non_snake_case)]
 
-mod actuation;
+mod active_variables;
 mod asked;
 mod assemble;
 mod bounds;
-mod cholesky;
 mod constrain;
+mod contact_elimination;
 mod cost;
-mod elastic;
+mod entry;
 mod expand;
-mod group;
+mod hessian;
 mod kernels;
-mod live;
-mod motions;
 mod names;
 mod partition;
-mod quadratic;
 mod recover;
-mod relations;
-mod support;
+mod reduced_dynamics;
+mod relaxation;
+mod sparsity;
 mod table;
+mod tree_cholesky;
 mod weight;
 
-pub(crate) use actuation::Actuation;
+pub(crate) use active_variables::ActiveVariables;
 use asked::Asked;
-pub(crate) use assemble::{Assembly, DynamicsTerms, is_equality};
-pub(crate) use elastic::Elastic;
-pub(crate) use group::{Group, GroupSpec, Treatment};
-pub(crate) use live::Live;
-pub(crate) use motions::Motions;
+pub(crate) use assemble::{DynamicsTerms, Problem, is_equality};
+pub(crate) use contact_elimination::ContactElimination;
+pub(crate) use entry::{BoundEntry, EntrySpec, Treatment};
+use hessian::NaturalCost;
 pub(crate) use names::{ProblemRows, VariableNames};
 pub(crate) use partition::Partition;
-use quadratic::Quadratic;
 use recover::Recovered;
-use relations::Relations;
-use support::Support;
+use reduced_dynamics::ReducedDynamics;
+pub(crate) use relaxation::Relaxation;
+use sparsity::SparsityPattern;
 pub(crate) use table::Table;
 pub use table::{RowInfo, VarInfo};

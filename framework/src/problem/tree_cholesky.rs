@@ -10,7 +10,7 @@ use super::kernels::{add_four_rows, add_row, add_two_rows};
 /// `Lᵀ D L` of a matrix with a tree's sparsity, in storage that is reused every tick. Row-major, strict lower triangle
 /// valid.
 #[derive(Clone, Debug)]
-pub(crate) struct Cholesky {
+pub(crate) struct TreeCholesky {
     n: usize,
     l: Vec<f64>,
     /// `D⁻¹`.
@@ -21,7 +21,7 @@ pub(crate) struct Cholesky {
     descendants: Vec<Vec<usize>>,
 }
 
-impl Cholesky {
+impl TreeCholesky {
     /// For a matrix whose entry `(i, j)`, `j < i`, is zero unless `j` is an ancestor of `i`.
     pub(crate) fn new(ancestors: Vec<Vec<usize>>) -> Self {
         let n = ancestors.len();
@@ -115,7 +115,7 @@ fn subtract<'x>(
 
 #[cfg(test)]
 mod tests {
-    use super::Cholesky;
+    use super::TreeCholesky;
     use nalgebra::DMatrix;
 
     fn chain(n: usize) -> Vec<Vec<usize>> {
@@ -124,7 +124,7 @@ mod tests {
 
     fn check(ancestors: Vec<Vec<usize>>, m: &DMatrix<f64>) {
         let n = m.nrows();
-        let mut cholesky = Cholesky::new(ancestors);
+        let mut cholesky = TreeCholesky::new(ancestors);
         assert!(cholesky.factorise(|i, j| m[(i, j)]));
         let stride = 4;
         let mut x: Vec<f64> = (0..n * stride).map(|i| (i as f64).cos()).collect();
@@ -160,7 +160,7 @@ mod tests {
 
     #[test]
     fn refuses_indefinite_and_nan() {
-        let mut cholesky = Cholesky::new(chain(2));
+        let mut cholesky = TreeCholesky::new(chain(2));
         assert!(!cholesky.factorise(|i, j| if i == j { 1.0 } else { 2.0 }));
         assert!(!cholesky.factorise(|_, _| f64::NAN));
     }

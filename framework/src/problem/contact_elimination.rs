@@ -17,7 +17,7 @@
 //!
 //! D is chosen once, at home: of the joints that qualify, those with the largest pivots.
 
-use super::{Group, Treatment, assemble::is_equality, partition::Partition};
+use super::{BoundEntry, Treatment, assemble::is_equality, partition::Partition};
 use crate::{contact::ContactState, plugin::layout::VdotBlock};
 
 /// Pivots below this share of the largest coefficient of their row on `v̇_D` are as good as none.
@@ -25,9 +25,9 @@ const SINGULAR: f64 = 1e-2;
 
 /// One contact's.
 #[derive(Clone, Debug)]
-pub(crate) struct Motion {
+pub(crate) struct EliminatedContact {
     /// Whose rows.
-    group: usize,
+    entry: usize,
     pub(crate) contact: usize,
     /// Rows of the contact's Jacobian.
     directions: Vec<usize>,
@@ -47,24 +47,24 @@ pub(crate) struct Motion {
 
 /// All of them.
 #[derive(Clone, Debug)]
-pub(crate) struct Motions {
-    list: Vec<Motion>,
+pub(crate) struct ContactElimination {
+    list: Vec<EliminatedContact>,
 }
 
-impl Motions {
+impl ContactElimination {
     /// One for each contact that has hard rows on its acceleration and enough joints of its own with motors whose
     /// efforts are eliminated.
-    pub(crate) fn new(partition: &Partition, groups: &[Group]) -> Self {
-        let mut list: Vec<Motion> = Vec::new();
-        for (index, group) in groups.iter().enumerate() {
-            let VdotBlock::Contact(contact, directions) = &group.layout.vdot else {
+    pub(crate) fn new(partition: &Partition, entries: &[BoundEntry]) -> Self {
+        let mut list: Vec<EliminatedContact> = Vec::new();
+        for (index, entry) in entries.iter().enumerate() {
+            let VdotBlock::Contact(contact, directions) = &entry.layout.vdot else {
                 continue;
             };
             let contact = contact.index();
-            let is_motion = group.treatment == Treatment::Hard
-                && is_equality(group)
-                && group.layout.effort.is_none()
-                && group.layout.forces.is_empty();
+            let is_motion = entry.treatment == Treatment::Hard
+                && is_equality(entry)
+                && entry.layout.effort.is_none()
+                && entry.layout.forces.is_empty();
             if !is_motion || list.iter().any(|motion| motion.contact == contact) {
                 continue;
             }
@@ -73,15 +73,15 @@ impl Motions {
                 let others = partition.contacts.iter().enumerate();
                 let mut others = others.filter(|(other, _)| *other != contact);
                 partition.torques.iter().any(|t| t.velocity == velocity)
-                    && !others.any(|(_, support)| support.velocities.contains(&velocity))
+                    && !others.any(|(_, pattern)| pattern.velocities.contains(&velocity))
             };
             let own: Vec<usize> = carriers.iter().copied().filter(|&v| is_own(v)).collect();
             if own.len() < directions.len() {
                 continue;
             }
             let (rows, columns) = (directions.len(), carriers.len() + 1);
-            list.push(Motion {
-                group: index,
+            list.push(EliminatedContact {
+                entry: index,
                 contact,
                 directions: directions.clone(),
                 own,
@@ -114,13 +114,13 @@ impl Motions {
     }
 
     /// Takes the contacts' rows of this tick; true if other contacts are substituted than in the last one.
-    pub(crate) fn update(&mut self, groups: &[Group], contacts: &[ContactState]) -> bool {
+    pub(crate) fn update(&mut self, entries: &[BoundEntry], contacts: &[ContactState]) -> bool {
         let mut changed = false;
         for motion in &mut self.list {
-            let group = &groups[motion.group];
-            let live = group.live
-                && group.treatment_now(true) == Treatment::Hard
-                && motion.solve(&contacts[motion.contact], &group.store.lower);
+            let entry = &entries[motion.entry];
+            let live = entry.live
+                && entry.treatment_now(true) == Treatment::Hard
+                && motion.solve(&contacts[motion.contact], &entry.store.lower);
             changed |= live != motion.live;
             motion.live = live;
         }
@@ -136,9 +136,9 @@ impl Motions {
         changed
     }
 
-    /// Whether a group's rows hold by substitution.
-    pub(crate) fn hold(&self, group: usize) -> bool {
-        self.list.iter().any(|m| m.live && m.group == group)
+    /// Whether a entry's rows hold by substitution.
+    pub(crate) fn hold(&self, entry: usize) -> bool {
+        self.list.iter().any(|m| m.live && m.entry == entry)
     }
 
     /// Whether any are substituted.
@@ -151,17 +151,17 @@ impl Motions {
         self.list.iter().map(|motion| motion.directions.len())
     }
 
-    pub(crate) fn get(&self, index: usize) -> &Motion {
+    pub(crate) fn get(&self, index: usize) -> &EliminatedContact {
         &self.list[index]
     }
 
     /// Those that are substituted.
-    pub(crate) fn live(&self) -> impl Iterator<Item = (usize, &Motion)> {
+    pub(crate) fn live(&self) -> impl Iterator<Item = (usize, &EliminatedContact)> {
         self.list.iter().enumerate().filter(|(_, m)| m.live)
     }
 }
 
-impl Motion {
+impl EliminatedContact {
     /// D: the accelerations that are substituted, by velocity.
     pub(crate) fn own(&self) -> &[usize] {
         &self.own

@@ -13,7 +13,7 @@
 //! | torque-eliminated | those that no joint motor drives | joint motors', one per joint | none |
 //! | explicit | none | none | all |
 //!
-//! In the torque-eliminated form accelerations that hard contacts *determine* are substituted too ([`Motions`]), as
+//! In the torque-eliminated form accelerations that hard contacts *determine* are substituted too ([`ContactElimination`]), as
 //! long as the contact is on. They are neither in P nor in A: each tick's [`Partition::arrange`] says where the others
 //! are.
 //!
@@ -27,7 +27,7 @@
 
 use std::collections::HashMap;
 
-use super::{Motions, Support};
+use super::{ContactElimination, SparsityPattern};
 use crate::{
     actuator::ActuatorKind,
     contact::ContactSpec,
@@ -69,7 +69,7 @@ pub(crate) struct Branch {
     /// Indices into [`Partition::torques`].
     pub(crate) torques: Vec<usize>,
     /// The accelerations.
-    pub(crate) support: Support,
+    pub(crate) pattern: SparsityPattern,
     /// The kept efforts, of [`Partition::kept`].
     pub(crate) efforts: Vec<usize>,
     /// The contacts.
@@ -99,11 +99,11 @@ pub(crate) struct Partition {
     /// Number of force components of each contact.
     pub(crate) nf: Vec<usize>,
     /// What carries each contact.
-    pub(crate) contacts: Vec<Support>,
+    pub(crate) contacts: Vec<SparsityPattern>,
     /// What carries each requested frame.
-    pub(crate) frames: Vec<Support>,
+    pub(crate) frames: Vec<SparsityPattern>,
     /// All accelerations.
-    pub(crate) all: Support,
+    pub(crate) all: SparsityPattern,
 }
 
 impl Partition {
@@ -161,12 +161,12 @@ impl Partition {
                 .iter()
                 .map(|c| c.kind.constrained().len())
                 .collect(),
-            contacts: contact_carriers.map(Support::new).collect(),
+            contacts: contact_carriers.map(SparsityPattern::new).collect(),
             frames: frames
                 .iter()
-                .map(|&frame| Support::new(carriers(model, body_of(frame))))
+                .map(|&frame| SparsityPattern::new(carriers(model, body_of(frame))))
                 .collect(),
-            all: Support::new((0..nv).collect()),
+            all: SparsityPattern::new((0..nv).collect()),
             torques,
             velocities,
         };
@@ -178,11 +178,11 @@ impl Partition {
     pub(crate) fn reserve(&mut self, motions: usize) {
         let nv = self.nv;
         self.velocities.reserve(nv);
-        self.supports_mut().for_each(|s| s.reserve(nv, motions));
+        self.patterns_mut().for_each(|s| s.reserve(nv, motions));
     }
 
     /// Finds the accelerations that no contact determines this tick, and where they are in y.
-    pub(crate) fn arrange(&mut self, motions: &Motions) {
+    pub(crate) fn arrange(&mut self, motions: &ContactElimination) {
         self.velocities.truncate(self.substituted);
         self.places.fill(Place::Column(usize::MAX));
         for (index, motion) in motions.live() {
@@ -201,13 +201,13 @@ impl Partition {
         }
         self.accelerations = self.velocities.len();
         let places = std::mem::take(&mut self.places);
-        self.supports_mut()
+        self.patterns_mut()
             .for_each(|s| s.arrange(&places, motions));
         self.places = places;
     }
 
-    fn supports_mut(&mut self) -> impl Iterator<Item = &mut Support> {
-        let branches = self.branches.iter_mut().map(|branch| &mut branch.support);
+    fn patterns_mut(&mut self) -> impl Iterator<Item = &mut SparsityPattern> {
+        let branches = self.branches.iter_mut().map(|branch| &mut branch.pattern);
         let frames = self.contacts.iter_mut().chain(&mut self.frames);
         frames.chain(branches).chain([&mut self.all])
     }
@@ -249,8 +249,8 @@ impl Partition {
             }
         }
         let mut contacts_at: Vec<Vec<usize>> = vec![Vec::new(); self.nv];
-        for (c, support) in self.contacts.iter().enumerate() {
-            for &velocity in &support.velocities {
+        for (c, pattern) in self.contacts.iter().enumerate() {
+            for &velocity in &pattern.velocities {
                 contacts_at[velocity].push(c);
             }
         }
@@ -271,7 +271,7 @@ impl Partition {
             let (velocities, efforts, contacts) = key;
             branches.push(Branch {
                 torques: vec![index],
-                support: Support::new(velocities),
+                pattern: SparsityPattern::new(velocities),
                 efforts,
                 contacts,
             });

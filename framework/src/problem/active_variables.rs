@@ -6,10 +6,10 @@ use crate::qp::VarId;
 /// Columns of y of the live variables, see [`Partition`]; the packed problem has those that are not substituted, in id
 /// order. The layout depends on what is on and not on history.
 #[derive(Clone, Debug)]
-pub(crate) struct Live {
+pub(crate) struct ActiveVariables {
     /// First force component of each contact that is live.
     pub(crate) forces: Vec<Option<usize>>,
-    /// Slack of each group that has a live one.
+    /// Slack of each entry that has a live one.
     pub(crate) slacks: Vec<Option<usize>>,
     /// Columns before the slacks.
     pub(crate) n_physical: usize,
@@ -28,11 +28,11 @@ pub(crate) struct FirstIds {
     pub(crate) force: Vec<u32>,
 }
 
-impl Live {
-    pub(crate) fn new(contacts: usize, groups: usize, capacity: usize) -> Self {
+impl ActiveVariables {
+    pub(crate) fn new(contacts: usize, entries: usize, capacity: usize) -> Self {
         Self {
             forces: vec![None; contacts],
-            slacks: vec![None; groups],
+            slacks: vec![None; entries],
             n_physical: 0,
             n: 0,
             vars: Vec::with_capacity(capacity),
@@ -64,8 +64,8 @@ impl Live {
             }
         }
         self.n_physical = column;
-        for (group, slack) in self.slacks.iter_mut().enumerate() {
-            let id = live_slack(group);
+        for (entry, slack) in self.slacks.iter_mut().enumerate() {
+            let id = live_slack(entry);
             *slack = id.map(|_| column);
             if let Some(id) = id {
                 self.vars.push(id);

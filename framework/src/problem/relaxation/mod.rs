@@ -18,10 +18,10 @@
 //! to stay within the actuators' limits, and no contact force at all, satisfies them: with everything else given up the
 //! problem is feasible unless a plug-in contradicts that.
 
+mod certificate;
 mod problem;
-mod proof;
 
-use super::{Assembly, Group, Table, Treatment};
+use super::{BoundEntry, Problem, Table, Treatment};
 use crate::{
     actuator::Actuator,
     contact::ContactState,
@@ -42,7 +42,7 @@ enum Level {
 
 /// A limit that is given up, in the problem that is built.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Given {
+pub(crate) struct RelaxedLimit {
     /// Whose.
     pub(crate) id: RowId,
     level: usize,
@@ -65,7 +65,7 @@ enum At {
 
 /// The order of giving up, and storage for the problem.
 #[derive(Debug)]
-pub(crate) struct Elastic {
+pub(crate) struct Relaxation {
     levels: Vec<Level>,
     /// By level.
     given_up: Vec<bool>,
@@ -77,45 +77,45 @@ pub(crate) struct Elastic {
     first_row: u32,
     /// Own limits of the actuators in this tick: what they can bear, and how fast they can go there.
     efforts: Vec<[f64; 2]>,
-    given: Vec<Given>,
+    given: Vec<RelaxedLimit>,
     /// Who set the lower and the upper bound of each variable.
     bound_owner: Vec<[Option<RowId>; 2]>,
     pub(crate) qp: Qp,
 }
 
-impl Elastic {
+impl Relaxation {
     /// The order of giving up: hard tasks, then constraints, then the limits of contacts' forces; of each, the last
     /// declared goes first.
     pub(crate) fn new(
-        assembly: &Assembly,
-        groups: &[Group],
+        problem: &Problem,
+        entries: &[BoundEntry],
         table: &Table,
         actuators: &[Actuator],
         capacity: Capacity,
     ) -> Self {
         let mut levels = Vec::new();
         let mut level_of = vec![None; table.rows.len()];
-        let limits = Self::limits_of(groups, assembly.normal_rows.len());
+        let limits = Self::limits_of(entries, problem.normal_rows.len());
         for of_tasks in [true, false] {
-            for (index, group) in groups.iter().enumerate().rev() {
-                if group.is_task != of_tasks {
+            for (index, entry) in entries.iter().enumerate().rev() {
+                if entry.is_task != of_tasks {
                     continue;
                 }
-                let rows = given_up(group);
-                if rows.is_empty() && group.bounds.is_empty() {
+                let rows = given_up(entry);
+                if rows.is_empty() && entry.bounds.is_empty() {
                     continue;
                 }
-                for id in rows.iter().chain(&group.bounds) {
+                for id in rows.iter().chain(&entry.bounds) {
                     level_of[id.index()] = Some(levels.len());
                 }
                 levels.push(Level::Entry(index));
             }
         }
-        for (contact, id) in assembly.normal_rows.iter().enumerate().rev() {
+        for (contact, id) in problem.normal_rows.iter().enumerate().rev() {
             level_of[id.index()] = Some(levels.len());
             levels.push(Level::Contact(contact));
         }
-        let capacity = Self::capacity(groups, assembly.normal_rows.len(), capacity);
+        let capacity = Self::capacity(entries, problem.normal_rows.len(), capacity);
         Self {
             given_up: vec![false; levels.len()],
             needed: vec![false; levels.len()],
@@ -131,8 +131,8 @@ impl Elastic {
     }
 
     /// The largest problem with all limits given up, of one with so many bounds on normal forces.
-    pub(crate) fn capacity(groups: &[Group], normals: usize, problem: Capacity) -> Capacity {
-        let limits = Self::limits_of(groups, normals);
+    pub(crate) fn capacity(entries: &[BoundEntry], normals: usize, problem: Capacity) -> Capacity {
+        let limits = Self::limits_of(entries, normals);
         Capacity {
             vars: problem.vars + limits,
             rows: problem.rows + limits,
@@ -140,8 +140,8 @@ impl Elastic {
     }
 
     /// How many limits there are to give up.
-    fn limits_of(groups: &[Group], normals: usize) -> usize {
-        let of_groups = groups.iter().map(|g| given_up(g).len() + g.bounds.len());
+    fn limits_of(entries: &[BoundEntry], normals: usize) -> usize {
+        let of_groups = entries.iter().map(|g| given_up(g).len() + g.bounds.len());
         of_groups.sum::<usize>() + normals
     }
 
@@ -164,10 +164,10 @@ impl Elastic {
     }
 
     /// Takes down what was needed: the levels of which a solution is beyond a limit by more than tasks pull it there.
-    pub(crate) fn remember(&mut self, assembly: &Assembly, base: &Qp, x: &[f64]) {
+    pub(crate) fn remember(&mut self, problem: &Problem, base: &Qp, x: &[f64]) {
         let mut needed = std::mem::take(&mut self.needed);
         needed.fill(false);
-        for (id, _, limit, by) in self.exceeded(assembly, base, x) {
+        for (id, _, limit, by) in self.exceeded(problem, base, x) {
             if by > NEEDED * (1.0 + limit.abs())
                 && let Some(level) = self.level_of.get(id.index()).copied().flatten()
             {
@@ -186,7 +186,7 @@ impl Elastic {
     /// nothing in it can be given up, or was given up before. `owners` are those of the bounds of `qp`.
     fn give_up_first(
         &mut self,
-        assembly: &Assembly,
+        problem: &Problem,
         contacts: &[ContactState],
         qp: &Qp,
         owners: impl Fn(usize) -> [Option<RowId>; 2],
@@ -196,9 +196,9 @@ impl Elastic {
         let mut first = self.levels.len();
         for (i, (y, id)) in proof.y.iter().zip(qp.rows()).enumerate() {
             let is_asked = *y != 0.0
-                && assembly.torque_row(*id).is_none_or(|(_, actuator)| {
+                && problem.torque_row(*id).is_none_or(|(_, actuator)| {
                     let [least, most] = self.efforts[actuator];
-                    let constant = assembly.constant(i);
+                    let constant = problem.constant(i);
                     let (lower, upper) = (qp.row_lower()[i], qp.row_upper()[i]);
                     let crossed = lower > upper;
                     let below = (*y < 0.0 || crossed) && is_above(lower + constant, least);
@@ -215,7 +215,7 @@ impl Elastic {
             }
             let (lower, upper) = (qp.lower()[j], qp.upper()[j]);
             let crossed = lower > upper;
-            let [least, most] = self.of_the_world(assembly, contacts, j);
+            let [least, most] = self.of_the_world(problem, contacts, j);
             let [below, above] = owners(j);
             let lower = below.filter(|_| (z < 0.0 || crossed) && lower > least);
             let upper = above.filter(|_| (z > 0.0 || crossed) && upper < most);
@@ -229,22 +229,22 @@ impl Elastic {
         }
     }
 
-    /// Like [`Elastic::give_up_first`] for the tick's problem.
+    /// Like [`Relaxation::give_up_first`] for the tick's problem.
     pub(crate) fn give_up_in(
         &mut self,
-        assembly: &Assembly,
+        problem: &Problem,
         contacts: &[ContactState],
         qp: &Qp,
         proof: &Solution,
     ) -> bool {
-        let owners = |j: usize| assembly.bound_owner[j];
-        self.give_up_first(assembly, contacts, qp, owners, proof)
+        let owners = |j: usize| problem.bound_owner[j];
+        self.give_up_first(problem, contacts, qp, owners, proof)
     }
 
     /// Gives up more, from the proof that the problem built last has no solution.
     pub(crate) fn give_up_more(
         &mut self,
-        assembly: &Assembly,
+        problem: &Problem,
         contacts: &[ContactState],
         proof: &Solution,
     ) -> bool {
@@ -252,7 +252,7 @@ impl Elastic {
         let qp = std::mem::replace(&mut self.qp, Qp::new(Capacity { vars: 0, rows: 0 }));
         let owners = std::mem::take(&mut self.bound_owner);
         let owner = |j: usize| owners.get(j).copied().unwrap_or_default();
-        let more = self.give_up_first(assembly, contacts, &qp, owner, proof);
+        let more = self.give_up_first(problem, contacts, &qp, owner, proof);
         self.qp = qp;
         self.bound_owner = owners;
         more
@@ -261,18 +261,18 @@ impl Elastic {
     /// Bounds on a variable that always hold.
     fn of_the_world(
         &self,
-        assembly: &Assembly,
+        problem: &Problem,
         contacts: &[ContactState],
         position: usize,
     ) -> [f64; 2] {
-        let live = &assembly.live;
-        if let Some(limits) = assembly
+        let live = &problem.live;
+        if let Some(limits) = problem
             .effort_at(position)
             .and_then(|i| self.efforts.get(i))
         {
             return *limits;
         }
-        let column = position + assembly.partition.substituted;
+        let column = position + problem.partition.substituted;
         let is_slack = live.slacks.iter().flatten().any(|s| *s == column);
         let normals = contacts.iter().zip(&live.forces);
         let is_normal = normals
@@ -289,7 +289,7 @@ impl Elastic {
     /// 1, what it was, and by how much.
     pub(crate) fn exceeded<'a>(
         &'a self,
-        assembly: &'a Assembly,
+        problem: &'a Problem,
         base: &'a Qp,
         x: &'a [f64],
     ) -> impl Iterator<Item = (RowId, f64, f64, f64)> + 'a {
@@ -297,7 +297,7 @@ impl Elastic {
             let (value, constant) = match given.at {
                 At::Row(i) | At::Torque(i) => {
                     let value: f64 = base.row(i).iter().zip(x).map(|(a, x)| a * x).sum();
-                    (value, assembly.constant(i))
+                    (value, problem.constant(i))
                 }
                 At::Variable(j) => (x[j], 0.0),
             };
@@ -311,16 +311,16 @@ impl Elastic {
         })
     }
 
-    /// The most entries that [`Elastic::exceeded`] may give.
+    /// The most entries that [`Relaxation::exceeded`] may give.
     pub(crate) fn limits(&self) -> usize {
         2 * self.given.capacity()
     }
 }
 
 /// The rows of an entry that are given up with it.
-fn given_up(group: &Group) -> &[RowId] {
-    match group.treatment {
-        Treatment::Hard if !group.layout.of_the_world => &group.rows,
+fn given_up(entry: &BoundEntry) -> &[RowId] {
+    match entry.treatment {
+        Treatment::Hard if !entry.layout.of_the_world => &entry.rows,
         _ => &[],
     }
 }

@@ -1,8 +1,8 @@
 //! The problem in which limits are given up: its variables, rows, prices and bounds.
 
 use super::{
-    super::{Assembly, DynamicsTerms, Group, bounds::BoundPlace},
-    At, Elastic, Given,
+    super::{BoundEntry, DynamicsTerms, Problem, bounds::BoundPlace},
+    At, Relaxation, RelaxedLimit,
 };
 use crate::{
     contact::ContactState,
@@ -15,17 +15,17 @@ const PRICE: f64 = 1e4;
 /// Factors of the levels, the first to go first; those of the rest are the last.
 const STEPS: [f64; 5] = [1.0, 1e1, 1e2, 1e3, 1e4];
 
-impl Elastic {
+impl Relaxation {
     /// Builds the problem from the tick's. Its first variables are those of the tick's problem.
     pub(crate) fn build(
         &mut self,
-        assembly: &Assembly,
+        problem: &Problem,
         terms: &DynamicsTerms<'_>,
-        groups: &[Group],
+        entries: &[BoundEntry],
         base: &Qp,
     ) {
         let n = base.n();
-        self.collect(assembly, terms, groups, base);
+        self.collect(problem, terms, entries, base);
         let (first_slack, first_row) = (self.first_slack, self.first_row);
         let slacks = self.given.iter().map(|given| {
             let id = match given.at {
@@ -36,16 +36,16 @@ impl Elastic {
         });
         let made = self.qp.reset(base.vars().iter().copied().chain(slacks));
         debug_assert!(made.is_ok(), "{made:?}");
-        self.write_cost(assembly, base);
+        self.write_cost(problem, base);
         let mut next = 0;
         for i in 0..base.m() {
             let given = self.given.get(next);
             let given = given.filter(|given| matches!(given.at, At::Row(at) if at == i));
             let (lower, upper) = match given {
                 Some(given) => (given.lower, given.upper),
-                None if self.is_given_up_torque(assembly, base.rows()[i]) => {
-                    let constant = assembly.constant(i);
-                    let [least, most] = self.own_limits(assembly, base.rows()[i]);
+                None if self.is_given_up_torque(problem, base.rows()[i]) => {
+                    let constant = problem.constant(i);
+                    let [least, most] = self.own_limits(problem, base.rows()[i]);
                     (least - constant, most - constant)
                 }
                 None => (base.row_lower()[i], base.row_upper()[i]),
@@ -79,11 +79,11 @@ impl Elastic {
             }
             row[n + k] = 1.0;
         }
-        self.write_bounds(assembly, terms, groups, n);
+        self.write_bounds(problem, terms, entries, n);
     }
 
     /// The cost of the tick, and the prices.
-    fn write_cost(&mut self, assembly: &Assembly, base: &Qp) {
+    fn write_cost(&mut self, problem: &Problem, base: &Qp) {
         let n = base.n();
         let wide = self.qp.n();
         let (h, g) = self.qp.cost_mut();
@@ -91,8 +91,8 @@ impl Elastic {
             to[..n].copy_from_slice(from);
         }
         g[..n].copy_from_slice(base.g());
-        let floor = if assembly.partition.substituted < assembly.partition.nv {
-            assembly.largest_weight
+        let floor = if problem.partition.substituted < problem.partition.nv {
+            problem.largest_weight
         } else {
             0.0
         };
@@ -123,63 +123,63 @@ impl Elastic {
     /// Lists what is given up and in the problem: rows, then bounds, each in the order of their ids.
     fn collect(
         &mut self,
-        assembly: &Assembly,
+        problem: &Problem,
         terms: &DynamicsTerms<'_>,
-        groups: &[Group],
+        entries: &[BoundEntry],
         base: &Qp,
     ) {
         self.given.clear();
         for (i, &id) in base.rows().iter().enumerate() {
-            if assembly.torque_row(id).is_none() {
+            if problem.torque_row(id).is_none() {
                 let limits = [base.row_lower()[i], base.row_upper()[i]];
                 self.give(id, limits, At::Row(i));
             }
         }
-        for (c, &id) in assembly.normal_rows.iter().enumerate() {
-            if let Some(start) = assembly.live.forces[c] {
+        for (c, &id) in problem.normal_rows.iter().enumerate() {
+            if let Some(start) = problem.live.forces[c] {
                 let contact = &terms.contacts[c];
                 let column = start + contact.kind.normal();
-                let at = At::Variable(column - assembly.partition.substituted);
+                let at = At::Variable(column - problem.partition.substituted);
                 self.give(id, contact.force_limits, at);
             }
         }
-        for group in groups.iter().filter(|g| g.live) {
-            for (b, (_, target)) in group.layout.bounds.iter().enumerate() {
-                let limits = [group.store.bound_lower[b], group.store.bound_upper[b]];
+        for entry in entries.iter().filter(|g| g.live) {
+            for (b, (_, target)) in entry.layout.bounds.iter().enumerate() {
+                let limits = [entry.store.bound_lower[b], entry.store.bound_upper[b]];
                 if repeats(*target, limits, terms.contacts) {
                     continue;
                 }
-                let ([least, most], shift, at) = match assembly.place(*target) {
+                let ([least, most], shift, at) = match problem.place(*target) {
                     None => continue,
                     Some(BoundPlace::Variable(p)) => {
-                        let limits = self.of_the_world(assembly, terms.contacts, p);
+                        let limits = self.of_the_world(problem, terms.contacts, p);
                         (limits, 0.0, At::Variable(p))
                     }
                     Some(BoundPlace::Torque(actuator)) => {
-                        let Some((row, _)) = assembly.torque_row(group.bounds[b]) else {
+                        let Some((row, _)) = problem.torque_row(entry.bounds[b]) else {
                             continue;
                         };
-                        let constant = assembly.constant(row);
+                        let constant = problem.constant(row);
                         (self.efforts[actuator], constant, At::Torque(row))
                     }
                 };
                 // What the world forbids anyway needs no row.
                 if limits[0] > least || limits[1] < most {
-                    self.give(group.bounds[b], limits.map(|limit| limit - shift), at);
+                    self.give(entry.bounds[b], limits.map(|limit| limit - shift), at);
                 }
             }
         }
     }
 
     /// Whether a row of the tick's problem is a bound on an eliminated effort that is given up.
-    fn is_given_up_torque(&self, assembly: &Assembly, id: RowId) -> bool {
+    fn is_given_up_torque(&self, problem: &Problem, id: RowId) -> bool {
         let level = self.level_of.get(id.index()).copied().flatten();
-        assembly.torque_row(id).is_some() && level.is_some_and(|level| self.given_up[level])
+        problem.torque_row(id).is_some() && level.is_some_and(|level| self.given_up[level])
     }
 
     /// The actuator's own limits, for such a row.
-    fn own_limits(&self, assembly: &Assembly, id: RowId) -> [f64; 2] {
-        let actuator = assembly.torque_row(id).map(|(_, actuator)| actuator);
+    fn own_limits(&self, problem: &Problem, id: RowId) -> [f64; 2] {
+        let actuator = problem.torque_row(id).map(|(_, actuator)| actuator);
         let limits = actuator.and_then(|i| self.efforts.get(i));
         limits
             .copied()
@@ -209,7 +209,7 @@ impl Elastic {
             limits = [0.5 * (limits[0] + limits[1]); 2];
         }
         if self.given.len() < self.given.capacity() {
-            self.given.push(Given {
+            self.given.push(RelaxedLimit {
                 id,
                 level,
                 lower: limits[0],
@@ -223,31 +223,31 @@ impl Elastic {
     /// The tightest of the bounds that still hold, and whose they are.
     fn write_bounds(
         &mut self,
-        assembly: &Assembly,
+        problem: &Problem,
         terms: &DynamicsTerms<'_>,
-        groups: &[Group],
+        entries: &[BoundEntry],
         n: usize,
     ) {
         self.bound_owner[..n].fill([None; 2]);
         for p in 0..n {
-            let [least, most] = self.of_the_world(assembly, terms.contacts, p);
+            let [least, most] = self.of_the_world(problem, terms.contacts, p);
             let (lower, upper) = self.qp.bounds_mut();
             (lower[p], upper[p]) = (least, most);
         }
         for (c, contact) in terms.contacts.iter().enumerate() {
-            if let Some(start) = assembly.live.forces[c] {
+            if let Some(start) = problem.live.forces[c] {
                 let p = start + contact.kind.normal();
-                let p = p - assembly.partition.substituted;
-                self.tighten(p, contact.force_limits, assembly.normal_rows[c]);
+                let p = p - problem.partition.substituted;
+                self.tighten(p, contact.force_limits, problem.normal_rows[c]);
             }
         }
-        for group in groups.iter().filter(|g| g.live) {
-            for (b, (_, target)) in group.layout.bounds.iter().enumerate() {
-                let limits = [group.store.bound_lower[b], group.store.bound_upper[b]];
-                if let Some(BoundPlace::Variable(p)) = assembly.place(*target)
+        for entry in entries.iter().filter(|g| g.live) {
+            for (b, (_, target)) in entry.layout.bounds.iter().enumerate() {
+                let limits = [entry.store.bound_lower[b], entry.store.bound_upper[b]];
+                if let Some(BoundPlace::Variable(p)) = problem.place(*target)
                     && !repeats(*target, limits, terms.contacts)
                 {
-                    self.tighten(p, limits, group.bounds[b]);
+                    self.tighten(p, limits, entry.bounds[b]);
                 }
             }
         }

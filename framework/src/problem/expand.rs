@@ -1,4 +1,4 @@
-//! The coefficients of a group's row over the natural variables, and over those of the problem.
+//! The coefficients of a entry's row over the natural variables, and over those of the problem.
 //!
 //! # Mathematics
 //! A row is `A_v v̇ + A_u u + Σ A_c f_c` over accelerations, efforts and forces. In y it is the same, but for
@@ -6,7 +6,7 @@
 //! the part on `v̇_P` is `a_P (B x + c)` in addition. What is constant, `a t`, `a g` and `a_P c`, goes to the limits.
 
 use super::{
-    DynamicsTerms, Group, Live, Motions, Partition, Relations,
+    ActiveVariables, BoundEntry, ContactElimination, DynamicsTerms, Partition, ReducedDynamics,
     partition::{EffortPlace, Place},
 };
 use crate::plugin::{
@@ -18,9 +18,9 @@ use crate::plugin::{
 #[derive(Clone, Copy)]
 pub(crate) struct Context<'a> {
     pub(crate) partition: &'a Partition,
-    pub(crate) motions: &'a Motions,
-    pub(crate) relations: &'a Relations,
-    pub(crate) live: &'a Live,
+    pub(crate) motions: &'a ContactElimination,
+    pub(crate) reduced: &'a ReducedDynamics,
+    pub(crate) live: &'a ActiveVariables,
     pub(crate) terms: DynamicsTerms<'a>,
 }
 
@@ -36,8 +36,13 @@ pub(crate) enum Target {
 }
 
 impl Context<'_> {
-    /// Hands out the coefficients of a group's row.
-    pub(crate) fn coefficients(&self, group: &Group, k: usize, mut add: impl FnMut(Target, f64)) {
+    /// Hands out the coefficients of a entry's row.
+    pub(crate) fn coefficients(
+        &self,
+        entry: &BoundEntry,
+        k: usize,
+        mut add: impl FnMut(Target, f64),
+    ) {
         let Self {
             partition,
             live,
@@ -48,11 +53,11 @@ impl Context<'_> {
             Place::Column(column) => Target::Column(column),
             Place::Determined(motion, row) => Target::Determined(motion, row),
         };
-        match &group.layout.vdot {
+        match &entry.layout.vdot {
             VdotBlock::Absent => {}
             VdotBlock::Dense => {
                 let nv = partition.nv;
-                let row = &group.store.vdot[k * nv..(k + 1) * nv];
+                let row = &entry.store.vdot[k * nv..(k + 1) * nv];
                 for (velocity, &a) in row.iter().enumerate() {
                     add(target(velocity), a);
                 }
@@ -71,11 +76,11 @@ impl Context<'_> {
                 }
             }
         }
-        match &group.layout.effort {
+        match &entry.layout.effort {
             None => {}
             Some(Block::Dense) => {
                 let nu = partition.efforts.len();
-                let row = &group.store.effort[k * nu..(k + 1) * nu];
+                let row = &entry.store.effort[k * nu..(k + 1) * nu];
                 for (actuator, &a) in row.iter().enumerate() {
                     if a != 0.0 {
                         add(self.effort(actuator), a);
@@ -84,7 +89,7 @@ impl Context<'_> {
             }
             Some(Block::Unit(actuators)) => add(self.effort(actuators[k]), 1.0),
         }
-        for ((contact, block), source) in group.layout.forces.iter().zip(&group.store.forces) {
+        for ((contact, block), source) in entry.layout.forces.iter().zip(&entry.store.forces) {
             let Some(start) = live.forces[contact.index()] else {
                 continue;
             };
@@ -108,10 +113,10 @@ impl Context<'_> {
         }
     }
 
-    /// Writes a group's row over y into `row` (zeroed); returns the constant part.
-    pub(crate) fn natural_row(&self, group: &Group, k: usize, row: &mut [f64]) -> f64 {
+    /// Writes a entry's row over y into `row` (zeroed); returns the constant part.
+    pub(crate) fn natural_row(&self, entry: &BoundEntry, k: usize, row: &mut [f64]) -> f64 {
         let mut constant = 0.0;
-        self.coefficients(group, k, |target, a| match target {
+        self.coefficients(entry, k, |target, a| match target {
             Target::Column(column) => row[column] += a,
             Target::Determined(motion, index) => {
                 let motion = self.motions.get(motion);
@@ -124,7 +129,7 @@ impl Context<'_> {
                 constant += a * known;
             }
             Target::Torque(index) => {
-                let (torque, known) = self.relations.torque(index);
+                let (torque, known) = self.reduced.torque(index);
                 for (row, t) in row.iter_mut().zip(torque) {
                     *row += a * t;
                 }
@@ -141,26 +146,26 @@ impl Context<'_> {
         if head.iter().all(|a| *a == 0.0) {
             return 0.0;
         }
-        self.relations.substitute(head, tail)
+        self.reduced.substitute(head, tail)
     }
 }
 
 /// Whether a row's dense coefficients, which the plug-in wrote, are all finite.
-pub(crate) fn is_finite(group: &Group, partition: &Partition, k: usize) -> bool {
+pub(crate) fn is_finite(entry: &BoundEntry, partition: &Partition, k: usize) -> bool {
     let Layout {
         vdot,
         effort,
         forces,
         ..
-    } = &group.layout;
+    } = &entry.layout;
     let row = |data: &[f64], n: usize| data[k * n..(k + 1) * n].iter().all(|a| a.is_finite());
-    let vdot = !matches!(vdot, VdotBlock::Dense) || row(&group.store.vdot, partition.nv);
+    let vdot = !matches!(vdot, VdotBlock::Dense) || row(&entry.store.vdot, partition.nv);
     let effort =
-        !matches!(effort, Some(Block::Dense)) || row(&group.store.effort, partition.efforts.len());
+        !matches!(effort, Some(Block::Dense)) || row(&entry.store.effort, partition.efforts.len());
     vdot && effort
         && forces
             .iter()
-            .zip(&group.store.forces)
+            .zip(&entry.store.forces)
             .all(|((contact, block), data)| {
                 !matches!(block, Block::Dense) || row(data, partition.nf[contact.index()])
             })

@@ -1,6 +1,6 @@
 //! Bounds on single variables, and those on eliminated efforts, which are rows.
 
-use super::{Assembly, DynamicsTerms, Group, Partition, partition::EffortPlace};
+use super::{BoundEntry, DynamicsTerms, Partition, Problem, partition::EffortPlace};
 use crate::{
     fault::Fault,
     plugin::layout::BoundTarget,
@@ -27,34 +27,34 @@ pub(super) struct TorqueRow {
     pub(super) actuator: usize,
 }
 
-impl Assembly {
-    /// Pushes a group's bounds on eliminated efforts, which are rows; false if a limit is not a number.
-    pub(super) fn push_torque_bounds(&mut self, group: &Group, qp: &mut Qp) -> bool {
+impl Problem {
+    /// Pushes a entry's bounds on eliminated efforts, which are rows; false if a limit is not a number.
+    pub(super) fn push_torque_bounds(&mut self, entry: &BoundEntry, qp: &mut Qp) -> bool {
         let p = self.partition.substituted;
-        for (b, (_, target)) in group.layout.bounds.iter().enumerate() {
+        for (b, (_, target)) in entry.layout.bounds.iter().enumerate() {
             let BoundTarget::Effort(actuator) = *target else {
                 continue;
             };
             let EffortPlace::Eliminated(index) = self.partition.efforts[actuator] else {
                 continue;
             };
-            let (lower, upper) = (group.store.bound_lower[b], group.store.bound_upper[b]);
+            let (lower, upper) = (entry.store.bound_lower[b], entry.store.bound_upper[b]);
             if lower.is_nan() || upper.is_nan() {
                 return false;
             }
             if lower == f64::NEG_INFINITY && upper == f64::INFINITY {
                 continue;
             }
-            let (torque, known) = self.relations.torque(index);
+            let (torque, known) = self.reduced.torque(index);
             let (head, tail) = torque.split_at(p);
             let row = &mut self.row[..tail.len()];
             row.copy_from_slice(tail);
-            let constant = known + self.relations.substitute(head, row);
+            let constant = known + self.reduced.substitute(head, row);
             let limits = (lower - constant, upper - constant);
-            if let Ok(out) = qp.push_row(group.bounds[b], limits.0, limits.1) {
+            if let Ok(out) = qp.push_row(entry.bounds[b], limits.0, limits.1) {
                 self.constants.push(constant);
                 self.torque_rows.push(TorqueRow {
-                    id: group.bounds[b],
+                    id: entry.bounds[b],
                     row: self.constants.len() - 1,
                     actuator,
                 });
@@ -64,11 +64,11 @@ impl Assembly {
         true
     }
 
-    /// Intersects the bounds of all live groups and remembers whose are the tightest.
+    /// Intersects the bounds of all live entries and remembers whose are the tightest.
     pub(super) fn add_bounds(
         &mut self,
         terms: &DynamicsTerms<'_>,
-        groups: &[Group],
+        entries: &[BoundEntry],
         qp: &mut Qp,
     ) -> Result<(), Fault> {
         let (n, p) = (qp.n(), self.partition.substituted);
@@ -84,22 +84,22 @@ impl Assembly {
                 self.bound_owner[at] = [Some(self.normal_rows[c]); 2];
             }
         }
-        for (index, group) in groups.iter().enumerate().filter(|(_, g)| g.live) {
-            for (b, (_, target)) in group.layout.bounds.iter().enumerate() {
+        for (index, entry) in entries.iter().enumerate().filter(|(_, g)| g.live) {
+            for (b, (_, target)) in entry.layout.bounds.iter().enumerate() {
                 let Some(BoundPlace::Variable(at)) = self.place(*target) else {
                     continue;
                 };
-                let (l, u) = (group.store.bound_lower[b], group.store.bound_upper[b]);
+                let (l, u) = (entry.store.bound_lower[b], entry.store.bound_upper[b]);
                 if l.is_nan() || u.is_nan() {
                     return Err(Fault::Rows(index));
                 }
                 if l > lower[at] {
                     lower[at] = l;
-                    self.bound_owner[at][0] = Some(group.bounds[b]);
+                    self.bound_owner[at][0] = Some(entry.bounds[b]);
                 }
                 if u < upper[at] {
                     upper[at] = u;
-                    self.bound_owner[at][1] = Some(group.bounds[b]);
+                    self.bound_owner[at][1] = Some(entry.bounds[b]);
                 }
             }
         }

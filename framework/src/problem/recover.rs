@@ -6,8 +6,8 @@
 //! the cost is the sum of `w r²` over all soft rows, of slacks and regularisation.
 
 use super::{
-    DynamicsTerms, Group, Live, Motions, Partition, Relations, Support, kernels::dot,
-    partition::EffortPlace,
+    ActiveVariables, BoundEntry, ContactElimination, DynamicsTerms, Partition, ReducedDynamics,
+    SparsityPattern, kernels::dot, partition::EffortPlace,
 };
 use crate::plugin::layout::{Block, VdotBlock};
 
@@ -20,7 +20,7 @@ pub(crate) struct Recovered {
     pub(crate) effort: Vec<f64>,
     /// `Σ w r²` over the cost rows, plus slacks and regularisation.
     pub(crate) objective: f64,
-    /// Residual and weight of every cost row, in the order of the groups' [`cost_start`](Group::cost_start).
+    /// Residual and weight of every cost row, in the order of the entries' [`cost_start`](BoundEntry::cost_start).
     pub(crate) residuals: Vec<[f64; 2]>,
     y: Vec<f64>,
 }
@@ -41,15 +41,15 @@ impl Recovered {
     pub(crate) fn take(
         &mut self,
         partition: &Partition,
-        motions: &Motions,
-        relations: &Relations,
-        live: &Live,
+        motions: &ContactElimination,
+        reduced: &ReducedDynamics,
+        live: &ActiveVariables,
         x: &[f64],
     ) {
         let p = partition.substituted;
         let (head, tail) = self.y[..live.n].split_at_mut(p);
         tail.copy_from_slice(&x[..live.n - p]);
-        for (y, value) in head.iter_mut().zip(relations.substituted(x)) {
+        for (y, value) in head.iter_mut().zip(reduced.substituted(x)) {
             *y = value;
         }
         for (&velocity, y) in partition.velocities.iter().zip(&self.y) {
@@ -68,7 +68,7 @@ impl Recovered {
             *effort = match *place {
                 EffortPlace::Kept(index) => self.y[partition.accelerations + index],
                 EffortPlace::Eliminated(index) => {
-                    let (torque, known) = relations.torque(index);
+                    let (torque, known) = reduced.torque(index);
                     dot(torque, &self.y) + known
                 }
             };
@@ -78,19 +78,19 @@ impl Recovered {
     /// Takes residuals and cost; accelerations and efforts have been taken.
     pub(crate) fn assess(
         &mut self,
-        groups: &[Group],
-        live: &Live,
+        entries: &[BoundEntry],
+        live: &ActiveVariables,
         terms: &DynamicsTerms<'_>,
         partition: &Partition,
         regularisation: f64,
     ) {
         self.residuals.clear();
         let mut sum = 0.0;
-        for group in groups.iter().filter(|g| g.cost_start.is_some()) {
-            let weights = group.weight.now();
+        for entry in entries.iter().filter(|g| g.cost_start.is_some()) {
+            let weights = entry.weight.now();
             for (k, weight) in weights.iter().enumerate() {
-                let residual = self.value(group, k, live, terms, partition) - group.store.lower[k];
-                let weight = weight * group.alpha;
+                let residual = self.value(entry, k, live, terms, partition) - entry.store.lower[k];
+                let weight = weight * entry.alpha;
                 sum += weight * residual * residual;
                 self.residuals.push([residual, weight]);
             }
@@ -98,10 +98,10 @@ impl Recovered {
         let forces = &self.y[partition.first_force()..live.n_physical];
         let inputs = self.effort.iter().chain(forces);
         sum += regularisation * inputs.map(|x| x * x).sum::<f64>();
-        for (group, slack) in groups.iter().zip(&live.slacks) {
+        for (entry, slack) in entries.iter().zip(&live.slacks) {
             if let Some(slack) = slack {
                 let s = self.y[*slack];
-                sum += group.slack_weight() * s * s + group.slack_penalty() * s;
+                sum += entry.slack_weight() * s * s + entry.slack_penalty() * s;
             }
         }
         self.objective = sum;
@@ -110,19 +110,20 @@ impl Recovered {
     /// `A_v v̇ + A_u u + Σ A_c f_c` of a row.
     fn value(
         &self,
-        group: &Group,
+        entry: &BoundEntry,
         k: usize,
-        live: &Live,
+        live: &ActiveVariables,
         terms: &DynamicsTerms<'_>,
         partition: &Partition,
     ) -> f64 {
-        let along = |jacobian: &nalgebra::Matrix6xX<f64>, row: usize, carriers: &Support| -> f64 {
-            let terms = carriers.velocities.iter();
-            terms.map(|&v| jacobian[(row, v)] * self.vdot[v]).sum()
-        };
-        let mut sum = match &group.layout.vdot {
+        let along =
+            |jacobian: &nalgebra::Matrix6xX<f64>, row: usize, carriers: &SparsityPattern| -> f64 {
+                let terms = carriers.velocities.iter();
+                terms.map(|&v| jacobian[(row, v)] * self.vdot[v]).sum()
+            };
+        let mut sum = match &entry.layout.vdot {
             VdotBlock::Absent => 0.0,
-            VdotBlock::Dense => dot(&group.store.vdot[k * partition.nv..], &self.vdot),
+            VdotBlock::Dense => dot(&entry.store.vdot[k * partition.nv..], &self.vdot),
             VdotBlock::Unit(velocities) => self.vdot[velocities[k]],
             VdotBlock::Frame(frame, rows) => along(
                 &terms.frames[frame.0].J,
@@ -138,12 +139,12 @@ impl Recovered {
                 )
             }
         };
-        sum += match &group.layout.effort {
+        sum += match &entry.layout.effort {
             None => 0.0,
-            Some(Block::Dense) => dot(&group.store.effort[k * self.effort.len()..], &self.effort),
+            Some(Block::Dense) => dot(&entry.store.effort[k * self.effort.len()..], &self.effort),
             Some(Block::Unit(actuators)) => self.effort[actuators[k]],
         };
-        for ((contact, block), source) in group.layout.forces.iter().zip(&group.store.forces) {
+        for ((contact, block), source) in entry.layout.forces.iter().zip(&entry.store.forces) {
             let Some(start) = live.forces[contact.index()] else {
                 continue;
             };
@@ -160,7 +161,7 @@ impl Recovered {
     /// Force components of a contact that is live.
     pub(crate) fn force(
         &self,
-        live: &Live,
+        live: &ActiveVariables,
         partition: &Partition,
         contact: usize,
     ) -> Option<&[f64]> {

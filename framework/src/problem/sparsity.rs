@@ -4,14 +4,14 @@
 //! By *velocity* an acceleration is numbered as in `v̇`, by *column* as in y of this tick, see
 //! [`Partition`](super::Partition).
 
-use super::{Motions, partition::Place};
+use super::{ContactElimination, partition::Place};
 
 /// An acceleration in y.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Coordinate {
     pub(crate) velocity: usize,
     pub(crate) column: usize,
-    /// Where its column is in [`Support::columns`].
+    /// Where its column is in [`SparsityPattern::columns`].
     pub(crate) position: usize,
 }
 
@@ -27,7 +27,7 @@ pub(crate) struct Determined {
 
 /// Accelerations, and how they are found in y.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Support {
+pub(crate) struct SparsityPattern {
     /// All of them; never changes.
     pub(crate) velocities: Vec<usize>,
     /// Those in y, by column.
@@ -40,7 +40,7 @@ pub(crate) struct Support {
     pub(crate) positions: Vec<Vec<usize>>,
 }
 
-impl Support {
+impl SparsityPattern {
     /// To be arranged.
     pub(crate) fn new(velocities: Vec<usize>) -> Self {
         Self {
@@ -61,7 +61,7 @@ impl Support {
     }
 
     /// Finds the accelerations where they are now. `places` is by velocity.
-    pub(crate) fn arrange(&mut self, places: &[Place], motions: &Motions) {
+    pub(crate) fn arrange(&mut self, places: &[Place], motions: &ContactElimination) {
         self.coordinates.clear();
         self.determined.clear();
         self.columns.clear();

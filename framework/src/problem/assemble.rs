@@ -1,13 +1,13 @@
 //! Puts the problem of a tick together: rows, cost, bounds.
 
 use super::{
-    Actuation, Asked, Group, Live, Motions, Partition, ProblemRows, Quadratic, Recovered,
-    Relations, Table, Treatment, VariableNames, bounds::TorqueRow, expand::Context, live::FirstIds,
-    partition::EffortPlace,
+    ActiveVariables, Asked, BoundEntry, ContactElimination, NaturalCost, Partition, ProblemRows,
+    Recovered, ReducedDynamics, Table, Treatment, VariableNames, active_variables::FirstIds,
+    bounds::TorqueRow, expand::Context, partition::EffortPlace,
 };
 use crate::{
     contact::ContactState,
-    dynamics::{Data, FrameKinematics},
+    dynamics::{Actuation, Data, FrameKinematics},
     fault::Fault,
     plugin::layout::{BoundTarget, Relation},
     qp::{Capacity, Qp, RowId},
@@ -21,24 +21,24 @@ pub(crate) struct DynamicsTerms<'a> {
     pub(crate) contacts: &'a [ContactState],
 }
 
-/// Workspace of the assembly.
+/// Workspace of the problem.
 #[derive(Clone, Debug)]
-pub(crate) struct Assembly {
+pub(crate) struct Problem {
     pub(super) regularisation: f64,
     pub(super) partition: Partition,
     pub(super) first_ids: FirstIds,
     pub(super) dynamics_rows: Vec<RowId>,
     /// The bound on each contact's normal force, which every contact brings.
     pub(super) normal_rows: Vec<RowId>,
-    pub(crate) live: Live,
-    pub(super) motions: Motions,
-    pub(super) relations: Relations,
-    pub(super) quadratic: Quadratic,
+    pub(crate) live: ActiveVariables,
+    pub(super) motions: ContactElimination,
+    pub(super) reduced: ReducedDynamics,
+    pub(super) quadratic: NaturalCost,
     pub(super) recovered: Recovered,
     asked: Asked,
     /// A row over y.
     pub(super) row: Vec<f64>,
-    /// The rows over y of a group that is a cost.
+    /// The rows over y of a entry that is a cost.
     pub(super) block: Vec<f64>,
     /// Their constant parts.
     pub(super) block_constants: Vec<f64>,
@@ -56,7 +56,7 @@ pub(crate) struct Assembly {
     pub(crate) regularisation_weight: f64,
 }
 
-impl Assembly {
+impl Problem {
     /// Gives the physical variables, the dynamics rows and the slacks their ids. `actuation` has the efforts that the
     /// partition keeps.
     pub(crate) fn new(
@@ -65,25 +65,25 @@ impl Assembly {
         regularisation: f64,
         names: &VariableNames<'_>,
         own_rows: ProblemRows,
-        groups: &mut [Group],
+        entries: &mut [BoundEntry],
         table: &mut Table,
     ) -> Self {
         let rows_of_motion = own_rows.dynamics.len();
-        let first_ids = names.register(groups, table);
+        let first_ids = names.register(entries, table);
         let capacity = table.vars.len() - partition.torques.len();
-        let rows: usize = groups.iter().map(|g| g.layout.len()).sum();
-        let bounds: usize = groups.iter().map(|g| g.layout.bounds.len()).sum();
-        let longest = groups.iter().map(|g| g.layout.len()).max().unwrap_or(0);
-        let motions = Motions::new(&partition, groups);
+        let rows: usize = entries.iter().map(|g| g.layout.len()).sum();
+        let bounds: usize = entries.iter().map(|g| g.layout.bounds.len()).sum();
+        let longest = entries.iter().map(|g| g.layout.len()).max().unwrap_or(0);
+        let motions = ContactElimination::new(&partition, entries);
         partition.reserve(motions.sizes().len());
         partition.arrange(&motions);
         Self {
             regularisation,
             dynamics_rows: own_rows.dynamics,
             normal_rows: own_rows.normals,
-            live: Live::new(partition.nf.len(), groups.len(), capacity),
-            relations: Relations::new(&partition, actuation, partition.nf.iter().sum()),
-            quadratic: Quadratic::new(&partition, &motions, capacity),
+            live: ActiveVariables::new(partition.nf.len(), entries.len(), capacity),
+            reduced: ReducedDynamics::new(&partition, actuation, partition.nf.iter().sum()),
+            quadratic: NaturalCost::new(&partition, &motions, capacity),
             recovered: Recovered::new(&partition, rows, capacity),
             asked: Asked::new(partition.nv),
             row: vec![0.0; capacity],
@@ -123,14 +123,14 @@ impl Assembly {
     }
 
     /// The largest problem that can come up.
-    pub(crate) fn capacity(&self, groups: &[Group]) -> Capacity {
-        Self::capacity_for(&self.partition, groups, self.dynamics_rows.len())
+    pub(crate) fn capacity(&self, entries: &[BoundEntry]) -> Capacity {
+        Self::capacity_for(&self.partition, entries, self.dynamics_rows.len())
     }
 
-    /// The same before there is an assembly.
+    /// The same before there is an problem.
     pub(crate) fn capacity_for(
         partition: &Partition,
-        groups: &[Group],
+        entries: &[BoundEntry],
         dynamics_rows: usize,
     ) -> Capacity {
         let is_row = |target: &BoundTarget| match *target {
@@ -139,17 +139,17 @@ impl Assembly {
             }
             BoundTarget::Force(..) => false,
         };
-        let bounds = |g: &Group| g.layout.bounds.iter().filter(|(_, t)| is_row(t)).count();
-        let rows: usize = groups.iter().map(|g| g.row_capacity() + bounds(g)).sum();
+        let bounds = |g: &BoundEntry| g.layout.bounds.iter().filter(|(_, t)| is_row(t)).count();
+        let rows: usize = entries.iter().map(|g| g.row_capacity() + bounds(g)).sum();
         Capacity {
-            vars: Self::natural_variables(partition, groups) - partition.substituted,
+            vars: Self::natural_variables(partition, entries) - partition.substituted,
             rows: rows + dynamics_rows,
         }
     }
 
     /// Accelerations, kept efforts, forces and slacks.
-    pub(crate) fn natural_variables(partition: &Partition, groups: &[Group]) -> usize {
-        let slacks = groups.iter().filter(|g| g.treatment == Treatment::Slack);
+    pub(crate) fn natural_variables(partition: &Partition, entries: &[BoundEntry]) -> usize {
+        let slacks = entries.iter().filter(|g| g.treatment == Treatment::Slack);
         let forces: usize = partition.nf.iter().sum();
         partition.nv + partition.kept.len() + forces + slacks.count()
     }
@@ -158,16 +158,16 @@ impl Assembly {
     pub(crate) fn assemble(
         &mut self,
         terms: &DynamicsTerms<'_>,
-        groups: &mut [Group],
+        entries: &mut [BoundEntry],
         qp: &mut Qp,
     ) -> Result<(), Fault> {
-        if self.motions.update(groups, terms.contacts) {
+        if self.motions.update(entries, terms.contacts) {
             self.partition.arrange(&self.motions);
         }
-        if self.relate(terms, groups) {
-            self.put_together(terms, groups, qp)
+        if self.relate(terms, entries) {
+            self.put_together(terms, entries, qp)
         } else {
-            self.assemble_with_all_rows(terms, groups, qp)
+            self.assemble_with_all_rows(terms, entries, qp)
         }
     }
 
@@ -175,36 +175,36 @@ impl Assembly {
     pub(crate) fn assemble_with_all_rows(
         &mut self,
         terms: &DynamicsTerms<'_>,
-        groups: &mut [Group],
+        entries: &mut [BoundEntry],
         qp: &mut Qp,
     ) -> Result<(), Fault> {
         if self.motions.keep_all() {
             self.partition.arrange(&self.motions);
         }
-        if self.relate(terms, groups) {
-            self.put_together(terms, groups, qp)
+        if self.relate(terms, entries) {
+            self.put_together(terms, entries, qp)
         } else {
             Err(Fault::MassMatrix)
         }
     }
 
     /// Lays out the variables and what is substituted; false if that cannot be.
-    fn relate(&mut self, terms: &DynamicsTerms<'_>, groups: &[Group]) -> bool {
-        let live_slack = |g: usize| groups[g].live.then_some(groups[g].slack).flatten();
+    fn relate(&mut self, terms: &DynamicsTerms<'_>, entries: &[BoundEntry]) -> bool {
+        let live_slack = |g: usize| entries[g].live.then_some(entries[g].slack).flatten();
         self.live.refresh(
             &self.partition,
             &self.first_ids,
             |c| terms.contacts[c].live,
             live_slack,
         );
-        self.relations
+        self.reduced
             .update(&self.partition, &self.motions, &self.live, terms)
     }
 
     fn put_together(
         &mut self,
         terms: &DynamicsTerms<'_>,
-        groups: &mut [Group],
+        entries: &mut [BoundEntry],
         qp: &mut Qp,
     ) -> Result<(), Fault> {
         let made = qp.reset(self.live.vars.iter().copied());
@@ -214,61 +214,61 @@ impl Assembly {
         self.push_dynamics(terms, qp);
         self.quadratic.reset(self.live.n);
         let mut cost_rows = 0;
-        for (index, group) in groups.iter_mut().enumerate() {
-            group.cost_start = None;
-            if !group.live {
+        for (index, entry) in entries.iter_mut().enumerate() {
+            entry.cost_start = None;
+            if !entry.live {
                 continue;
             }
-            let treatment = group.treatment_now(is_equality(group));
+            let treatment = entry.treatment_now(is_equality(entry));
             if self.motions.hold(index) {
                 // By substitution.
             } else if treatment == Treatment::Cost {
-                group.cost_start = Some(cost_rows);
-                cost_rows += group.layout.len();
-                self.add_cost(group, terms);
-            } else if !self.push_rows(index, group, treatment, terms, qp) {
+                entry.cost_start = Some(cost_rows);
+                cost_rows += entry.layout.len();
+                self.add_cost(entry, terms);
+            } else if !self.push_rows(index, entry, treatment, terms, qp) {
                 return Err(Fault::Rows(index));
             }
-            if !self.push_torque_bounds(group, qp) {
+            if !self.push_torque_bounds(entry, qp) {
                 return Err(Fault::Rows(index));
             }
         }
         if !self.quadratic.is_finite()
-            && let Some(index) = groups.iter().position(|g| !self.is_cost_finite(g))
+            && let Some(index) = entries.iter().position(|g| !self.is_cost_finite(g))
         {
             return Err(Fault::Rows(index));
         }
-        self.regularise(groups);
+        self.regularise(entries);
         self.quadratic
             .add_all_determined(&self.partition, &self.motions);
         self.quadratic
-            .add_torques(&self.partition, &self.relations, &self.live);
-        self.quadratic.write(&self.relations, &self.live, qp);
-        self.add_bounds(terms, groups, qp)
+            .add_torques(&self.partition, &self.reduced, &self.live);
+        self.quadratic.write(&self.reduced, &self.live, qp);
+        self.add_bounds(terms, entries, qp)
     }
 
     pub(super) fn context<'a>(&'a self, terms: &DynamicsTerms<'a>) -> Context<'a> {
         Context {
             partition: &self.partition,
             motions: &self.motions,
-            relations: &self.relations,
+            reduced: &self.reduced,
             live: &self.live,
             terms: *terms,
         }
     }
 
     /// Takes a solution of the problem.
-    pub(crate) fn recover(&mut self, groups: &[Group], terms: &DynamicsTerms<'_>, x: &[f64]) {
+    pub(crate) fn recover(&mut self, entries: &[BoundEntry], terms: &DynamicsTerms<'_>, x: &[f64]) {
         let Self {
             recovered,
             partition,
             motions,
-            relations,
+            reduced,
             live,
             ..
         } = self;
-        recovered.take(partition, motions, relations, live, x);
-        recovered.assess(groups, live, terms, partition, self.regularisation_weight);
+        recovered.take(partition, motions, reduced, live, x);
+        recovered.assess(entries, live, terms, partition, self.regularisation_weight);
     }
 
     /// `v̇` of the solution taken last.
@@ -277,7 +277,7 @@ impl Assembly {
     }
 
     /// Writes what tasks ask of single components of `v̇`, see [`Asked::collect`].
-    pub(crate) fn collect_asked(&mut self, tasks: &[Group], out: &mut [f64]) {
+    pub(crate) fn collect_asked(&mut self, tasks: &[BoundEntry], out: &mut [f64]) {
         self.asked.collect(tasks, out);
     }
 
@@ -296,16 +296,16 @@ impl Assembly {
         self.recovered.objective
     }
 
-    /// Its residuals `a x − b` and weights of a group's rows, if the group is a cost this tick.
-    pub(crate) fn residuals(&self, group: &Group) -> Option<&[[f64; 2]]> {
-        let start = group.cost_start?;
+    /// Its residuals `a x − b` and weights of a entry's rows, if the entry is a cost this tick.
+    pub(crate) fn residuals(&self, entry: &BoundEntry) -> Option<&[[f64; 2]]> {
+        let start = entry.cost_start?;
         self.recovered
             .residuals
-            .get(start..start + group.layout.len())
+            .get(start..start + entry.layout.len())
     }
 }
 
 /// Whether the rows have one right-hand side.
-pub(crate) fn is_equality(group: &Group) -> bool {
-    group.is_task || group.layout.relation == Relation::Equality
+pub(crate) fn is_equality(entry: &BoundEntry) -> bool {
+    entry.is_task || entry.layout.relation == Relation::Equality
 }

@@ -1,19 +1,19 @@
 //! Rows that are a cost, and the regularisation.
 
 use super::{
-    Assembly, DynamicsTerms, Group,
+    BoundEntry, DynamicsTerms, Problem,
     expand::is_finite,
     partition::{EffortPlace, Place},
 };
 use crate::plugin::layout::{Block, VdotBlock};
 
-impl Assembly {
-    /// Adds a group's rows to the cost, by what their blocks leave zero.
-    pub(super) fn add_cost(&mut self, group: &Group, terms: &DynamicsTerms<'_>) {
-        let (weights, alpha) = (group.weight.now(), group.alpha);
+impl Problem {
+    /// Adds a entry's rows to the cost, by what their blocks leave zero.
+    pub(super) fn add_cost(&mut self, entry: &BoundEntry, terms: &DynamicsTerms<'_>) {
+        let (weights, alpha) = (entry.weight.now(), entry.alpha);
         let weight = |k: usize| weights[k] * alpha;
-        let b = |k: usize| group.store.lower[k];
-        let layout = &group.layout;
+        let b = |k: usize| entry.store.lower[k];
+        let layout = &entry.layout;
         let (rows, partition) = (layout.len(), &self.partition);
         let (quadratic, motions) = (&mut self.quadratic, &self.motions);
         match (&layout.vdot, &layout.effort, layout.forces.as_slice()) {
@@ -30,18 +30,18 @@ impl Assembly {
             (VdotBlock::Frame(frame, directions), None, []) => {
                 let jacobian = &terms.frames[frame.0].J;
                 let a = |k: usize, velocity: usize| jacobian[(directions[k], velocity)];
-                let support = &partition.frames[frame.0];
-                quadratic.add_motion_rows(rows, support, motions, a, weight, b);
+                let pattern = &partition.frames[frame.0];
+                quadratic.add_motion_rows(rows, pattern, motions, a, weight, b);
             }
             (VdotBlock::Contact(contact, directions), None, []) => {
                 let jacobian = &terms.contacts[contact.index()].J;
                 let a = |k: usize, velocity: usize| jacobian[(directions[k], velocity)];
-                let support = &partition.contacts[contact.index()];
-                quadratic.add_motion_rows(rows, support, motions, a, weight, b);
+                let pattern = &partition.contacts[contact.index()];
+                quadratic.add_motion_rows(rows, pattern, motions, a, weight, b);
             }
             (VdotBlock::Dense, None, []) => {
                 let nv = partition.nv;
-                let a = |k: usize, velocity: usize| group.store.vdot[k * nv + velocity];
+                let a = |k: usize, velocity: usize| entry.store.vdot[k * nv + velocity];
                 quadratic.add_motion_rows(rows, &partition.all, motions, a, weight, b);
             }
             (VdotBlock::Absent, Some(Block::Unit(actuators)), []) => {
@@ -61,22 +61,22 @@ impl Assembly {
                     }
                 }
             }
-            _ => self.add_mixed_cost(group, terms),
+            _ => self.add_mixed_cost(entry, terms),
         }
     }
 
     /// Adds rows with several blocks, or dense ones on efforts and forces, to the cost.
-    fn add_mixed_cost(&mut self, group: &Group, terms: &DynamicsTerms<'_>) {
-        let (rows, n) = (group.layout.len(), self.live.n_physical);
+    fn add_mixed_cost(&mut self, entry: &BoundEntry, terms: &DynamicsTerms<'_>) {
+        let (rows, n) = (entry.layout.len(), self.live.n_physical);
         let mut block = std::mem::take(&mut self.block);
         let mut constants = std::mem::take(&mut self.block_constants);
         block[..rows * n].fill(0.0);
         let context = self.context(terms);
         for (k, row) in block.chunks_exact_mut(n).take(rows).enumerate() {
-            constants[k] = context.natural_row(group, k, row);
+            constants[k] = context.natural_row(entry, k, row);
         }
         // Efforts that are not kept are given by accelerations, too.
-        let no_vdot = matches!(group.layout.vdot, VdotBlock::Absent);
+        let no_vdot = matches!(entry.layout.vdot, VdotBlock::Absent);
         if !no_vdot {
             self.quadratic.couple();
         }
@@ -85,7 +85,7 @@ impl Assembly {
         } else {
             0
         };
-        let (weights, alpha) = (group.weight.now(), group.alpha);
+        let (weights, alpha) = (entry.weight.now(), entry.alpha);
         let is_there = |column: usize| (0..rows).any(|k| block[k * n + column] != 0.0);
         self.columns.clear();
         self.columns
@@ -96,23 +96,23 @@ impl Assembly {
             columns.iter().copied(),
             |k, i| block[k * n + columns[i]],
             |k| weights[k] * alpha,
-            |k| group.store.lower[k] - constants[k],
+            |k| entry.store.lower[k] - constants[k],
         );
         self.block = block;
         self.block_constants = constants;
     }
 
-    /// Whether what a group wrote for the cost is finite.
-    pub(super) fn is_cost_finite(&self, group: &Group) -> bool {
-        group.cost_start.is_none()
-            || (0..group.layout.len())
-                .all(|k| group.store.lower[k].is_finite() && is_finite(group, &self.partition, k))
+    /// Whether what a entry wrote for the cost is finite.
+    pub(super) fn is_cost_finite(&self, entry: &BoundEntry) -> bool {
+        entry.cost_start.is_none()
+            || (0..entry.layout.len())
+                .all(|k| entry.store.lower[k].is_finite() && is_finite(entry, &self.partition, k))
     }
 
     /// `w_ε ‖(u, f)‖²` with `w_ε` relative to the largest weight that is on.
-    pub(super) fn regularise(&mut self, groups: &[Group]) {
-        let on = groups.iter().filter(|g| g.cost_start.is_some());
-        let largest = on.map(Group::largest_weight).fold(0.0, f64::max);
+    pub(super) fn regularise(&mut self, entries: &[BoundEntry]) {
+        let on = entries.iter().filter(|g| g.cost_start.is_some());
+        let largest = on.map(BoundEntry::largest_weight).fold(0.0, f64::max);
         self.largest_weight = if largest > 0.0 { largest } else { 1.0 };
         let weight = self.regularisation * self.largest_weight;
         self.regularisation_weight = weight;

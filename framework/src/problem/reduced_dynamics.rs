@@ -9,26 +9,27 @@
 //! ```
 //! T is sparse in y: a joint's row has the accelerations that carry it or that it carries, and the forces beyond it.
 //!
-//! Where contacts determine accelerations, `v̇_D = G v̇_S + g` ([`Motions`]), these go first: `M_PP` becomes
+//! Where contacts determine accelerations, `v̇_D = G v̇_S + g` ([`ContactElimination`]), these go first: `M_PP` becomes
 //! `N = M_PP + M_PD G_P`, which is not symmetric (Gaussian elimination with row pivoting, in units in which the
 //! diagonal of `M_PP` is one), `M_PA` and T likewise, and `M_PD g` goes to the known forces. N can be singular where M
 //! cannot: then the contacts keep their rows this tick.
 
 use super::{
-    Actuation, DynamicsTerms, Live, Motions, Partition,
-    cholesky::Cholesky,
+    ActiveVariables, ContactElimination, DynamicsTerms, Partition,
     kernels::{add_matrix_rows, add_row, dot},
     partition::Place,
+    tree_cholesky::TreeCholesky,
 };
+use crate::dynamics::Actuation;
 
 /// Pivots of N below this, in units in which the diagonal of `M_PP` is one, are as good as none.
 const SINGULAR: f64 = 1e-2;
 
 /// `[F | k]`, `[B | c]` and `T`, `t`; row-major.
 #[derive(Clone, Debug)]
-pub(crate) struct Relations {
+pub(crate) struct ReducedDynamics {
     actuation: Actuation,
-    cholesky: Cholesky,
+    cholesky: TreeCholesky,
     /// N, and the units of its columns and of its rows.
     coupled: Vec<f64>,
     scale: Vec<f64>,
@@ -49,7 +50,7 @@ pub(crate) struct Relations {
     n_physical: usize,
 }
 
-impl Relations {
+impl ReducedDynamics {
     /// For at most `forces` force components; `actuation` has the kept efforts.
     pub(crate) fn new(partition: &Partition, actuation: Actuation, forces: usize) -> Self {
         let (nv, inputs) = (partition.nv, partition.kept.len() + forces);
@@ -57,7 +58,7 @@ impl Relations {
         let torques = partition.torques.len();
         Self {
             actuation,
-            cholesky: Cholesky::new(partition.ancestors.clone()),
+            cholesky: TreeCholesky::new(partition.ancestors.clone()),
             coupled: vec![0.0; partition.substituted * partition.substituted],
             scale: vec![0.0; partition.substituted],
             units: vec![0.0; partition.substituted],
@@ -76,8 +77,8 @@ impl Relations {
     pub(crate) fn update(
         &mut self,
         partition: &Partition,
-        motions: &Motions,
-        live: &Live,
+        motions: &ContactElimination,
+        live: &ActiveVariables,
         terms: &DynamicsTerms<'_>,
     ) -> bool {
         self.n_physical = live.n_physical;
@@ -92,7 +93,12 @@ impl Relations {
         }
     }
 
-    fn load_forcing(&mut self, partition: &Partition, live: &Live, terms: &DynamicsTerms<'_>) {
+    fn load_forcing(
+        &mut self,
+        partition: &Partition,
+        live: &ActiveVariables,
+        terms: &DynamicsTerms<'_>,
+    ) {
         let (nv, known) = (partition.nv, self.inputs);
         let first = partition.accelerations;
         let stride = known + 1;
@@ -123,20 +129,20 @@ impl Relations {
     fn load_torques(
         &mut self,
         partition: &Partition,
-        motions: &Motions,
+        motions: &ContactElimination,
         terms: &DynamicsTerms<'_>,
     ) {
         let (nv, n) = (partition.nv, self.n_physical);
         let accelerations = partition.accelerations;
         let mass = terms.data.mass_matrix().as_slice();
         for branch in &partition.branches {
-            let support = &branch.support;
+            let pattern = &branch.pattern;
             for &index in &branch.torques {
                 let velocity = partition.torques[index].velocity;
                 let mass = &mass[velocity * nv..(velocity + 1) * nv];
                 let row = &mut self.torque[index * n..(index + 1) * n];
                 row[..accelerations].fill(0.0);
-                for at in &support.coordinates {
+                for at in &pattern.coordinates {
                     row[at.column] = mass[at.velocity];
                 }
                 let (forcing, known) = split(&self.forcing, velocity, self.inputs);
@@ -144,13 +150,13 @@ impl Relations {
                     *t = -f;
                 }
                 let mut constant = -known;
-                for at in &support.determined {
+                for at in &pattern.determined {
                     let (relation, known) = motions.get(at.motion).row(at.row);
                     let (mass, lead) = (mass[at.velocity], motions.get(at.motion).leading);
                     add_row(&mut row[..lead], mass, &relation[..lead]);
-                    let positions = &support.positions[at.motion][lead..];
+                    let positions = &pattern.positions[at.motion][lead..];
                     for (&position, g) in positions.iter().zip(&relation[lead..]) {
-                        row[support.columns[position]] += mass * g;
+                        row[pattern.columns[position]] += mass * g;
                     }
                     constant += mass * known;
                 }
@@ -195,7 +201,7 @@ impl Relations {
     fn respond_coupled(
         &mut self,
         partition: &Partition,
-        motions: &Motions,
+        motions: &ContactElimination,
         terms: &DynamicsTerms<'_>,
     ) -> bool {
         let (nv, p) = (partition.nv, partition.substituted);

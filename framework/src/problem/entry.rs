@@ -1,17 +1,17 @@
 //! One entry's rows inside the problem: layout, storage, weights, identities and switch.
 
 use crate::{
-    assembly::{Table, weight::WeightRamp},
     plugin::{
         Hardness, Layout, Weight,
         layout::{Relation, VdotBlock},
         rows::RowStore,
     },
+    problem::{Table, weight::WeightRamp},
     qp::{RowId, VarId},
     switch::Switch,
 };
 
-/// How the rows of a group enter the problem.
+/// How the rows of a entry enter the problem.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Treatment {
     /// Weighted squares: soft tasks and soft equality constraints.
@@ -24,7 +24,7 @@ pub(crate) enum Treatment {
 
 /// The rows of one entry.
 #[derive(Clone, Debug)]
-pub(crate) struct Group {
+pub(crate) struct BoundEntry {
     pub(crate) name: String,
     pub(crate) is_task: bool,
     pub(crate) layout: Layout,
@@ -47,7 +47,7 @@ pub(crate) struct Group {
 }
 
 /// What an entry says about its rows.
-pub(crate) struct GroupSpec<'a> {
+pub(crate) struct EntrySpec<'a> {
     pub(crate) name: &'a str,
     pub(crate) weight: &'a Weight,
     pub(crate) hardness: Hardness,
@@ -56,10 +56,10 @@ pub(crate) struct GroupSpec<'a> {
     pub(crate) is_task: bool,
 }
 
-impl Group {
-    /// Registers the rows in the table; their storage comes later. Slacks are added by [`Group::add_slack`], so that
+impl BoundEntry {
+    /// Registers the rows in the table; their storage comes later. Slacks are added by [`BoundEntry::add_slack`], so that
     /// the ids of physical variables come first.
-    pub(crate) fn new(spec: &GroupSpec<'_>, layout: Layout, table: &mut Table) -> Self {
+    pub(crate) fn new(spec: &EntrySpec<'_>, layout: Layout, table: &mut Table) -> Self {
         let equality = spec.is_task || layout.relation == Relation::Equality;
         let (treatment, linear_penalty) = match (spec.hardness, equality) {
             (Hardness::Hard, _) => (Treatment::Hard, 0.0),
@@ -147,7 +147,7 @@ impl Group {
         self.layout.vdot == VdotBlock::Absent && self.layout.effort.is_none()
     }
 
-    /// Number of rows this group may put into the problem.
+    /// Number of rows this entry may put into the problem.
     pub(crate) fn row_capacity(&self) -> usize {
         self.rows.len()
     }
