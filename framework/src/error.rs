@@ -58,23 +58,24 @@ impl BindError {
             expected: expected.into(),
         }
     }
-}
 
-/// An error that lists what is known and guesses what was meant.
-pub(crate) fn unknown<'a>(
-    kind: &'static str,
-    name: &str,
-    known: impl Iterator<Item = &'a str>,
-) -> BindError {
-    let known: Vec<&str> = known.collect();
-    let hint = match kind {
-        "contact" if known.is_empty() => "; add a `[[contact]]` with this name".to_owned(),
-        _ => suggestion::hint(name, &known),
-    };
-    BindError::Unknown {
-        kind,
-        name: name.to_owned(),
-        hint,
-        known: suggestion::list(&known),
+    /// A name that does not exist: `kind` (`frame`, `joint`, `contact`, `actuator`), with what is known, and a guess of what
+    /// was meant.
+    pub fn unknown<'a>(
+        kind: &'static str,
+        name: &str,
+        known: impl Iterator<Item = &'a str>,
+    ) -> Self {
+        let known: Vec<&str> = known.collect();
+        let hint = match kind {
+            "contact" if known.is_empty() => "; add a `[[contact]]` with this name".to_owned(),
+            _ => suggestion::hint(name, &known),
+        };
+        Self::Unknown {
+            kind,
+            name: name.to_owned(),
+            hint,
+            known: suggestion::list(&known),
+        }
     }
 }

@@ -199,7 +199,6 @@ pub mod robot;
 pub mod settings;
 pub mod spatial;
 pub mod state;
-pub mod statics;
 pub mod stopwatch;
 pub mod suggestion;
 mod switch;

@@ -35,6 +35,7 @@ pub mod plant;
 mod run;
 pub mod scenario;
 pub mod sensors;
+pub mod statics;
 
 pub use closed_loop::{ClosedLoop, Requests};
 pub use plant::{CommandDelay, Plant, PlantCommand, PlantConfig, PlantError};

@@ -6,8 +6,8 @@ use std::{alloc::System, process::ExitCode};
 
 use stats_alloc::{INSTRUMENTED_SYSTEM, StatsAlloc};
 use wbqp::registry;
-use wbqp_testing::{Meaning, PluginTest};
 use wbqp_tasks as _;
+use wbqp_testing::{Meaning, PluginTest};
 
 #[global_allocator]
 static ALLOCATOR: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;

@@ -14,10 +14,10 @@ use wbqp::{
     robot::RobotModel,
     settings::Target,
     state::State,
-    statics::{Load, Push, largest_push},
     toml,
 };
 use wbqp_robots::{othex, othex_vertical};
+use wbqp_sim::statics::{Load, Push, largest_push};
 use wbqp_sim::{Scenario, Variation};
 use wbqp_tasks as _;
 

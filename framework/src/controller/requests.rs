@@ -5,7 +5,7 @@
 use super::{Controller, error::RequestError};
 use crate::{
     contact::{ContactId, ContactSpec, ContactState, SurfaceMotion},
-    error::{BindError, unknown},
+    error::BindError,
     plugin::{Layout, Reference, Task, Weight},
     problem::{BoundEntry, Treatment},
 };
@@ -203,7 +203,7 @@ fn absent<'a>(
     known: impl Iterator<Item = &'a str>,
 ) -> RequestError {
     // The same list and guess as when a plug-in names something that does not exist.
-    match unknown(kind, name, known) {
+    match BindError::unknown(kind, name, known) {
         BindError::Unknown {
             kind,
             name,

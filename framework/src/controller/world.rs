@@ -14,7 +14,7 @@ use super::{measurement::Measurement, record::ContactMemory};
 use crate::{
     contact::{ContactSpec, ContactState, FreeForce, SurfaceMotion},
     dynamics::{Data, FrameKinematics},
-    error::{BindError, unknown},
+    error::BindError,
     model::{BodyId, FrameId, Model},
     plugin::{EntryState, Prediction, Tick},
     state::State,
@@ -70,7 +70,7 @@ impl ContactBinding {
         spec.validate()?;
         let id = model.frame(&spec.frame).ok_or_else(|| {
             let known = model.frames().iter().map(|f| f.name.as_str());
-            unknown("frame", &spec.frame, known)
+            BindError::unknown("frame", &spec.frame, known)
         })?;
         let frame = &model.frames()[id.index()];
         let offset = Translation3::from(Vector3::from(spec.offset));

@@ -33,18 +33,15 @@ enum Column {
     },
 }
 
-/// The rules of all columns.
+/// The actuation matrix S(q), nv × nu: the generalised force of a unit of each effort (N or N·m).
 #[derive(Clone, Debug)]
-pub(crate) struct Actuation {
+pub struct Actuation {
     columns: Vec<Column>,
 }
 
 impl Actuation {
-    /// One column for each of these actuators.
-    pub(crate) fn new<'a>(
-        model: &Model,
-        actuators: impl IntoIterator<Item = &'a Actuator>,
-    ) -> Self {
+    /// One column for each of these actuators of a robot with this model.
+    pub fn new<'a>(model: &Model, actuators: impl IntoIterator<Item = &'a Actuator>) -> Self {
         let column = |actuator: &Actuator| match &actuator.kind {
             ActuatorKind::Joint(motor) => Column::Joint {
                 velocity: model.velocity_index(motor.joint),
@@ -65,8 +62,9 @@ impl Actuation {
         }
     }
 
-    /// Writes `S` into the first columns of the row-major matrix `out` (row stride `stride`, rows zeroed).
-    pub(crate) fn write(&self, data: &Data, out: &mut [f64], stride: usize) {
+    /// Writes `S` into the first columns of the row-major matrix `out` of row stride `stride`, whose rows are zero. Panics
+    /// if it has fewer than nv rows, or a stride below nu.
+    pub fn write(&self, data: &Data, out: &mut [f64], stride: usize) {
         for (j, column) in self.columns.iter().enumerate() {
             match column {
                 Column::Joint { velocity } => out[velocity * stride + j] = 1.0,

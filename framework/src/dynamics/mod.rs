@@ -56,7 +56,7 @@ mod spatial_inertia;
 mod spatial_vector;
 mod wrenches;
 
-pub(crate) use actuation::Actuation;
+pub use actuation::Actuation;
 pub use data::Data;
 pub use energy::{Energy, energy};
 pub use forward::{JointDrive, forward_dynamics};

@@ -4,7 +4,7 @@ use crate::{
     actuator::{Actuator, ActuatorKind},
     contact::{ContactId, ContactSpec},
     dynamics::{Data, FrameMotion, frame_motion},
-    error::{BindError, unknown},
+    error::BindError,
     model::{FrameId, JointId, Model},
     plugin::FrameHandle,
     robot::RobotModel,
@@ -89,7 +89,7 @@ impl<'a> Setup<'a> {
     fn frame_id(&self, name: &str) -> Result<FrameId, BindError> {
         let model = self.model();
         model.frame(name).ok_or_else(|| {
-            unknown(
+            BindError::unknown(
                 "frame",
                 name,
                 model.frames().iter().map(|f| f.name.as_str()),
@@ -140,7 +140,7 @@ impl<'a> Setup<'a> {
             )));
         }
         model.joint(name).ok_or_else(|| {
-            unknown(
+            BindError::unknown(
                 "joint",
                 name,
                 model.joints().iter().map(|j| j.name.as_str()),
@@ -158,7 +158,7 @@ impl<'a> Setup<'a> {
             .position(|c| c.name == name)
             .map(|i| ContactId(i as u32))
             .ok_or_else(|| {
-                unknown(
+                BindError::unknown(
                     "contact",
                     name,
                     self.contacts.iter().map(|c| c.name.as_str()),

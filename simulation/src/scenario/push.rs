@@ -1,12 +1,12 @@
 //! Whether the plant can push as hard as a scenario asks.
 
+use crate::statics::{Load, Push, largest_push};
 use nalgebra::{UnitQuaternion, Vector6};
 use wbqp::{
     config::{ControllerConfig, ControllerError},
     contact::ContactSpec,
     controller::Controller,
     robot::RobotModel,
-    statics::{Load, Push, largest_push},
     suggestion::suggestion,
 };
 

@@ -28,10 +28,10 @@ use nalgebra::{
     Vector6,
 };
 
-use crate::{
+use wbqp::{
     contact::ContactSpec,
     dynamics::{Actuation, Data, FrameKinematics},
-    error::{BindError, unknown},
+    error::BindError,
     model::{Base, FrameId},
     qp::{ActiveSet, Capacity, Qp, QpSolver, RowId, Solution, Status, VarId},
     robot::RobotModel,
@@ -157,7 +157,7 @@ impl<'a> Problem<'a> {
             spec.validate()?;
             let frame = model.frame(&spec.frame).ok_or_else(|| {
                 let known = model.frames().iter().map(|f| f.name.as_str());
-                unknown("frame", &spec.frame, known)
+                BindError::unknown("frame", &spec.frame, known)
             })?;
             supports.push(Support {
                 spec,
