@@ -56,11 +56,11 @@ use crate::error::BindError;
 #[typetag::serde(tag = "type")]
 pub trait Solver: QpSolver + Any {}
 
-#[crate::solver("active_set")]
+#[wbqp::solver("active_set")]
 impl Solver for ActiveSet {}
 
 #[cfg(feature = "clarabel")]
-#[crate::solver("clarabel")]
+#[wbqp::solver("clarabel")]
 impl Solver for Clarabel {}
 
 impl From<QpError> for BindError {
