@@ -9,7 +9,7 @@ use std::{
 use wbqp::{Controller, controller::Rung, nalgebra::Vector3, settings::Target};
 use wbqp_sim::{ClosedLoop, Scenario, ScenarioError, Variation};
 
-use crate::collection::RobotFile;
+use crate::{collection::RobotFile, files::workspace};
 
 /// A robot of the gallery.
 #[derive(Clone, Copy, Debug)]
@@ -123,11 +123,6 @@ pub const GALLERY: [Exhibit; 10] = [
         share: 0.8,
     },
 ];
-
-/// A file of the repository.
-pub fn workspace(path: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(path)
-}
 
 impl Exhibit {
     /// Its controller's file.

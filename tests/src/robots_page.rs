@@ -11,7 +11,8 @@ use wbqp_sim::Scenario;
 
 use crate::{
     collection::RobotFile,
-    gallery::{GALLERY, Outcome, run, workspace},
+    files::workspace,
+    gallery::{GALLERY, Outcome, run},
 };
 
 /// How often times are compared.
