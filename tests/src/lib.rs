@@ -18,6 +18,7 @@ pub mod qp_ticks;
 pub mod random_model;
 pub mod random_qp;
 pub mod robots_page;
+pub mod runs;
 pub mod said;
 pub mod scenes;
 

@@ -12,7 +12,8 @@ use wbqp_sim::Scenario;
 use crate::{
     collection::RobotFile,
     files::workspace,
-    gallery::{GALLERY, Outcome, run},
+    gallery::GALLERY,
+    runs::{Outcome, run},
 };
 
 /// How often times are compared.

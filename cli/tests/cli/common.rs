@@ -1,5 +1,4 @@
 //! The binary, run on files.
-#![allow(dead_code, reason = "each test uses a part")]
 
 use std::{
     env, fs,

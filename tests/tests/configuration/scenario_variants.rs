@@ -5,7 +5,7 @@ use wbqp_log::MemoryLog;
 use wbqp_robots as _;
 use wbqp_sim::{Scenario, Variation};
 use wbqp_tasks as _;
-use wbqp_tests::said::scenario;
+use wbqp_tests::{runs::logged, said::scenario};
 
 const TEXT: &str = r#"name = "variants"
 controller = "push_with_disturbance.controller.toml"
@@ -114,14 +114,9 @@ fn each_case_has_its_own() {
 #[test]
 fn a_run_is_its_cases() {
     let scenario = good();
-    let run = |case| {
-        let mut log = MemoryLog::default();
-        let summary =
-            wbqp_sim::run(&scenario, case, 1, &mut log, &mut |_| ()).expect("is simulated");
-        (summary.ticks, log)
-    };
-    let ((ticks, plain), (more, other)) = (run("plain"), run("other"));
-    assert_eq!((ticks, more), (250, 500));
+    let (short, plain) = logged(&scenario, "plain");
+    let (long, other) = logged(&scenario, "other");
+    assert_eq!((short.ticks, long.ticks), (250, 500));
     let timeline = |log: &MemoryLog| log.metadata["timeline"].clone();
     assert_eq!(timeline(&plain)["gust_start"], "0.2");
     assert!(!timeline(&plain).contains_key("late"));
@@ -294,8 +289,7 @@ fn a_variation_is_on_top_of_every_case() {
     let other = scenario.case("other").expect("exists");
     assert_eq!(other.plant().mismatch.thrust_scale, 0.95);
 
-    let mut log = MemoryLog::default();
-    wbqp_sim::run(&scenario, "plain", 1, &mut log, &mut |_| ()).expect("is simulated");
+    let (_, log) = logged(&scenario, "plain");
     let kept = std::str::from_utf8(&log.attachments["variation.toml"].1).expect("is text");
     assert_eq!(
         &Variation::from_toml(kept).expect("is TOML"),

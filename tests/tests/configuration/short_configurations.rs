@@ -7,14 +7,16 @@ use wbqp::{
     config::{self, Overrides},
     contact::ShortContact,
     controller::Rung,
-    nalgebra::Vector3,
     plugin::Entry,
     settings::{Settings, Target},
 };
 use wbqp_robots::Quadruped;
 use wbqp_sim::{ClosedLoop, Scenario};
 use wbqp_tasks::{BaseOrientation, Com, Posture};
-use wbqp_tests::files::{lines_that_count, workspace};
+use wbqp_tests::{
+    files::{lines_that_count, workspace},
+    runs::run,
+};
 
 /// Scenario, controller, the most lines that it may have.
 const SHORT: [(&str, &str, usize); 3] = [
@@ -44,60 +46,22 @@ fn they_are_short() {
     }
 }
 
-/// What became of a run.
-#[derive(Debug, Default)]
-struct Outcome {
-    ticks: usize,
-    not_optimal: usize,
-    /// Largest error of the first task's position at the end, m.
-    error: f64,
-    /// How far a contact point has slipped since half a second, m.
-    slip: f64,
-    lifted: usize,
-}
-
-fn run(path: &Path) -> Outcome {
-    let scenario = Scenario::from_file(path).unwrap_or_else(|e| panic!("{e}"));
-    let name = scenario.cases().next().expect("has one").to_owned();
-    let case = scenario.case(&name).expect("is there");
-    let config = case.controller_config().expect("loads");
-    let mut controller = Controller::new(config).unwrap_or_else(|e| panic!("{e}"));
-    let mut plant = ClosedLoop::new(case, &controller, 1).expect("fits");
-    let rate = controller.settings().rate;
-    let mut outcome = Outcome::default();
-    let mut feet: Vec<Vector3<f64>> = Vec::new();
-    for tick in 0..case.ticks(rate) {
-        let (command, report) = controller.tick(plant.measure());
-        outcome.ticks += 1;
-        outcome.not_optimal += usize::from(report.rung != Rung::Optimal);
-        let error = Vector3::from_column_slice(&report.tasks[0].error[..3]).norm();
-        outcome.error = outcome.error.max(error);
-        plant.advance(command).expect("does not diverge");
-        let points = || plant.plant().contacts().map(|(_, _, truth)| truth);
-        // At home the feet touch the ground without pressing on it.
-        let has_settled = tick as f64 >= rate / 2.0;
-        let is_lifted = points().any(|truth| !truth.in_contact);
-        outcome.lifted += usize::from(has_settled && is_lifted);
-        if tick as f64 == rate / 2.0 {
-            feet = points().map(|truth| truth.p_WC).collect();
-        }
-        for (foot, truth) in feet.iter().zip(points()) {
-            outcome.slip = outcome.slip.max((foot - truth.p_WC).norm());
-        }
-    }
-    outcome
-}
-
 #[test]
 fn they_stand_and_hold() {
     for (scenario, _, _) in SHORT {
-        let outcome = run(&workspace(scenario));
-        println!("{scenario}: {outcome:?}");
-        assert!(outcome.ticks >= 2000);
-        assert_eq!(outcome.not_optimal, 0, "{scenario}: {outcome:?}");
-        assert!(outcome.error < 0.005, "{scenario}: {outcome:?}");
-        assert!(outcome.slip < 0.001, "{scenario}: {outcome:?}");
-        assert_eq!(outcome.lifted, 0, "{scenario}: {outcome:?}");
+        let loaded = Scenario::from_file(&workspace(scenario));
+        let outcome = run(&loaded.unwrap_or_else(|e| panic!("{e}")));
+        let said = format!(
+            "{scenario}: {} ticks, {} not optimal, error {:.1e} m, slip {:.1e} m, {} times lifted",
+            outcome.ticks, outcome.not_optimal, outcome.first_error, outcome.slip, outcome.lifted
+        );
+        println!("{said}");
+        assert!(outcome.ticks >= 2000, "{said}");
+        assert_eq!((outcome.not_optimal, outcome.lifted), (0, 0), "{said}");
+        assert!(
+            outcome.first_error < 0.005 && outcome.slip < 0.001,
+            "{said}"
+        );
     }
 }
 

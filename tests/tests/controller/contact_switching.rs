@@ -1,14 +1,14 @@
 //! A contact that comes and goes: by time, by measured force, with and without a ramp.
 
 use wbqp::{config::Overrides, contact::Detector, controller::Controller, settings::Target};
-use wbqp_log::MemoryLog;
 use wbqp_robots as _;
-use wbqp_sim::{Scenario, plant};
+use wbqp_sim::plant;
 use wbqp_tasks::MinJerk;
 use wbqp_tests::{
     approach::{self, BEFORE},
     closed_loop::ClosedLoop,
-    files::scenarios,
+    runs::logged,
+    said::scenario,
 };
 
 /// Largest normal force of the contact, N, as configured.
@@ -202,7 +202,6 @@ fn the_measured_force_switches() {
 
 #[test]
 fn an_event_switches_at_its_tick() {
-    let directory = scenarios();
     let text = r#"
 name = "by_time"
 controller = "push_with_disturbance.controller.toml"
@@ -223,9 +222,7 @@ activate_contact = ["tip"]
 name = "only"
 set.contact.tip.transition = 0.0
 "#;
-    let scenario = Scenario::from_text(text, "s.toml", &directory).expect("is good");
-    let mut log = MemoryLog::default();
-    wbqp_sim::run(&scenario, "only", 1, &mut log, &mut |_| ()).expect("runs");
+    let (_, log) = logged(&scenario(text).expect("is good"), "only");
     let on: Vec<f64> = log
         .messages("/contact/tip")
         .filter(|(_, message)| message["active"] == true)

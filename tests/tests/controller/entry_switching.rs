@@ -6,11 +6,9 @@ use wbqp::{
     plugin::{Reference, Weight},
     settings::Target,
 };
-use wbqp_log::MemoryLog;
 use wbqp_robots as _;
-use wbqp_sim::Scenario;
 use wbqp_tasks::{Hold, MinJerk};
-use wbqp_tests::{approach::approaching, closed_loop::ClosedLoop, files::scenarios};
+use wbqp_tests::{approach::approaching, closed_loop::ClosedLoop, runs::logged, said::scenario};
 
 /// Largest changes from one tick to the next.
 #[derive(Clone, Copy, Debug, Default)]
@@ -148,7 +146,6 @@ fn a_reference_changes() {
 
 #[test]
 fn references_and_ramps_count_from_the_tick_of_their_event() {
-    let directory = scenarios();
     let text = r#"
 name = "by_time"
 controller = "push_with_disturbance.controller.toml"
@@ -164,9 +161,7 @@ activate_contact = ["tip"]
 name = "only"
 set.contact.tip.transition = 0.2
 "#;
-    let scenario = Scenario::from_text(text, "s.toml", &directory).expect("is good");
-    let mut log = MemoryLog::default();
-    wbqp_sim::run(&scenario, "only", 1, &mut log, &mut |_| ()).expect("runs");
+    let (_, log) = logged(&scenario(text).expect("is good"), "only");
     let at = |topic: &str, pointer: &str| -> Vec<(f64, f64)> {
         let number = |m: &wbqp::serde_json::Value| m.pointer(pointer)?.as_f64();
         let messages = log.messages(topic);

@@ -103,6 +103,26 @@ fn pushing() -> ControllerConfig {
     config
 }
 
+/// f_n ≤ `upper`, N.
+fn normal_force_up_to(upper: f64) -> Linear {
+    Linear {
+        force: vec![0.0, 0.0, 1.0],
+        lower: f64::NEG_INFINITY,
+        upper,
+        ..Linear::default()
+    }
+}
+
+/// f_x ≥ `lower`, N.
+fn tangential_force_from(lower: f64) -> Linear {
+    Linear {
+        force: vec![1.0, 0.0, 0.0],
+        lower,
+        upper: f64::INFINITY,
+        ..Linear::default()
+    }
+}
+
 fn ticked(config: ControllerConfig) -> Controller {
     let mut controller = Controller::new(config).expect("is valid");
     let mut measurement = Measurement::home(controller.robot(), 1);
@@ -129,13 +149,7 @@ fn explained(config: ControllerConfig) -> String {
 fn a_least_normal_force_beyond_the_largest() {
     // 2 N ≤ f_n of the contact against f_n ≤ 0.7 N.
     let mut config = pushing();
-    let cap = Linear {
-        force: vec![0.0, 0.0, 1.0],
-        lower: f64::NEG_INFINITY,
-        upper: 0.7,
-        ..Linear::default()
-    };
-    add(&mut config, "cap", cap);
+    add(&mut config, "cap", normal_force_up_to(0.7));
     assert_eq!(
         explained(config),
         "contact `contact_0`, normal force: lower limit 2.0 N, short by 1.3 N\n\
@@ -147,13 +161,7 @@ fn a_least_normal_force_beyond_the_largest() {
 fn a_tangential_force_beyond_friction() {
     // f_x ≥ 3 N, but f_x ≤ μ/√2 f_n and f_n ≤ 5 N allow 1.7678 N: f_x is 1.2322 N short, f_n 1.2322 √2/μ = 3.4853 N.
     let mut config = pushing();
-    let pull = Linear {
-        force: vec![1.0, 0.0, 0.0],
-        lower: 3.0,
-        upper: f64::INFINITY,
-        ..Linear::default()
-    };
-    add(&mut config, "pull", pull);
+    add(&mut config, "pull", tangential_force_from(3.0));
     assert_eq!(
         explained(config),
         "contact `contact_0`, normal force: upper limit 5.0 N, short by 3.485 N\n\
@@ -254,13 +262,7 @@ fn hard_tasks_go_before_constraints_and_contacts_last() {
     assert_eq!(given[0].0, "wish");
     // A constraint goes before the contact's limits.
     let mut config = pushing();
-    let cap = Linear {
-        force: vec![0.0, 0.0, 1.0],
-        lower: f64::NEG_INFINITY,
-        upper: 0.7,
-        ..Linear::default()
-    };
-    add(&mut config, "cap", cap);
+    add(&mut config, "cap", normal_force_up_to(0.7));
     let controller = ticked(config);
     let given = given_up(&controller);
     assert_eq!(given.len(), 1, "{given:?}");
@@ -271,13 +273,7 @@ fn hard_tasks_go_before_constraints_and_contacts_last() {
 #[test]
 fn friction_is_not_given_up() {
     let mut config = pushing();
-    let pull = Linear {
-        force: vec![1.0, 0.0, 0.0],
-        lower: 3.0,
-        upper: f64::INFINITY,
-        ..Linear::default()
-    };
-    add(&mut config, "pull", pull);
+    add(&mut config, "pull", tangential_force_from(3.0));
     let controller = ticked(config);
     let force = controller.report().contacts[0].solution;
     assert_eq!(given_up(&controller)[0].0, "pull");

@@ -120,6 +120,25 @@ fn same_solution(a: &Controller, b: &Controller) -> Result<(), TestCaseError> {
     Ok(())
 }
 
+/// Both are optimal at the same cost, with the same efforts where these are well determined.
+fn same_efforts(a: &Controller, b: &Controller) -> Result<(), TestCaseError> {
+    let rungs = (a.report().rung, b.report().rung);
+    prop_assert_eq!(rungs, (Rung::Optimal, Rung::Optimal));
+    prop_assert!(cost_difference(a, b, 1.0) < 1e-9);
+    let condition = condition(a.problem());
+    if condition < 1e8 {
+        for (a, b) in a.command().effort.iter().zip(&b.command().effort) {
+            prop_assert!(
+                relative(*a, *b) < tolerance(condition),
+                "efforts {} {}",
+                a,
+                b
+            );
+        }
+    }
+    Ok(())
+}
+
 /// The same limits are reached, under the same names, at the same price, where one is noticeable.
 fn same_limits(a: &Controller, b: &Controller) -> Result<(), TestCaseError> {
     let condition = condition(a.problem());
@@ -354,15 +373,7 @@ proptest! {
         yaw in -3.0..3.0_f64,
     ) {
         let turned = Scene { yaw, ..scene.clone() };
-        let (a, b) = (solved(&scene), solved(&turned));
-        prop_assert_eq!((a.report().rung, b.report().rung), (Rung::Optimal, Rung::Optimal));
-        prop_assert!(cost_difference(&a, &b, 1.0) < 1e-9);
-        let condition = condition(a.problem());
-        if condition < 1e8 {
-            for (a, b) in a.command().effort.iter().zip(&b.command().effort) {
-                prop_assert!(relative(*a, *b) < tolerance(condition), "efforts {} {}", a, b);
-            }
-        }
+        same_efforts(&solved(&scene), &solved(&turned))?;
     }
 
     #[test]
@@ -373,15 +384,7 @@ proptest! {
         let scene = Scene { per_axis: true, ..scene };
         let yaw = f64::from(quarters) * std::f64::consts::FRAC_PI_2;
         let turned = Scene { yaw, ..scene.clone() };
-        let (a, b) = (solved(&scene), solved(&turned));
-        prop_assert_eq!((a.report().rung, b.report().rung), (Rung::Optimal, Rung::Optimal));
-        prop_assert!(cost_difference(&a, &b, 1.0) < 1e-9);
-        let condition = condition(a.problem());
-        if condition < 1e8 {
-            for (a, b) in a.command().effort.iter().zip(&b.command().effort) {
-                prop_assert!(relative(*a, *b) < tolerance(condition), "efforts {} {}", a, b);
-            }
-        }
+        same_efforts(&solved(&scene), &solved(&turned))?;
     }
 }
 

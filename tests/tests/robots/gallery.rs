@@ -11,7 +11,8 @@ use wbqp_tasks as _;
 use wbqp_tests::{
     collection::collection,
     files::{lines_that_count, workspace},
-    gallery::{GALLERY, run},
+    gallery::GALLERY,
+    runs::run,
 };
 
 fn runs(name: &str) {
