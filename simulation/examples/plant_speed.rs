@@ -2,7 +2,7 @@
 //! --example plant_speed`.
 #![allow(non_snake_case)]
 
-#[path = "../tests/common/mod.rs"]
+#[path = "../tests/simulation/common.rs"]
 mod common;
 
 use std::time::Instant;

@@ -1,6 +1,7 @@
 //! After set-up nothing allocates.
 #![allow(non_snake_case)]
 
+#[path = "simulation/common.rs"]
 mod common;
 
 use std::alloc::System;

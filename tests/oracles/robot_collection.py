@@ -5,7 +5,7 @@
     target/oracles-venv/bin/pip install -r tests/oracles/requirements.txt
     target/oracles-venv/bin/python tests/oracles/robot_collection.py target/oracles/robot_collection
 
-The test `robot_collection` reads that folder. Nothing of it is committed: the robots are other people's.
+The tests `tests/robots/collection.rs` read that folder. Nothing of it is committed: the robots are other people's.
 
 `tree.py` says how quantities are computed and in which conventions.
 

@@ -1,19 +1,10 @@
 //! An experiment as it ships against what is promised of it.
 
-use std::{env, fs, path::PathBuf, process};
-
 use wbqp_examples::{cli::Common, experiment::Experiment, markdown};
 
+use crate::files::Temporary;
+
 const DOCUMENTED: &str = include_str!("../../docs/replication.md");
-
-/// A directory that goes away with its owner.
-struct Temporary(PathBuf);
-
-impl Drop for Temporary {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
-}
 
 /// Runs an experiment with seed 1. Its rows are as `promised_rows.toml` has them and as
 /// `docs/replication.md` says, and logs of all cases, figures and
@@ -23,9 +14,9 @@ impl Drop for Temporary {
 /// If not.
 pub fn assert_as_promised(experiment: &Experiment) {
     let name = experiment.name;
-    let out = Temporary(env::temp_dir().join(format!("wbqp-{name}-{}", process::id())));
+    let out = Temporary::new(name);
     let args = Common {
-        out: out.0.clone(),
+        out: out.path().to_owned(),
         seed: 1,
     };
     let outcome = experiment.run(&args).expect("runs");
@@ -41,7 +32,7 @@ pub fn assert_as_promised(experiment: &Experiment) {
     let logs = outcome.runs.cases().map(|case| format!("{case}.mcap"));
     let figures = outcome.pictures.iter().map(|p| p.file.clone());
     for file in logs.chain(figures).chain(["results.json".to_owned()]) {
-        let path = out.0.join(name).join(&file);
+        let path = out.file(name).join(&file);
         assert!(path.metadata().is_ok_and(|m| m.len() > 0), "{file}");
     }
 }

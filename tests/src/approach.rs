@@ -1,7 +1,5 @@
 //! Experiment B close to its wall, without noise and disturbance: a contact to switch and to push on.
 
-use std::path::Path;
-
 use wbqp::{
     config::{ControllerConfig, Overrides},
     controller::Controller,
@@ -15,7 +13,7 @@ use wbqp_sim::{
 };
 use wbqp_tasks::MinJerk;
 
-use crate::closed_loop::ClosedLoop;
+use crate::{closed_loop::ClosedLoop, files::scenarios};
 
 /// Base position 2 cm before the tip touches, m.
 pub const BEFORE: [f64; 3] = [-0.14, 0.0, 1.258];
@@ -27,8 +25,7 @@ pub const BEYOND: [f64; 3] = [-0.0688, 0.0, 1.258];
 /// # Panics
 /// If the overrides do not fit the controller.
 pub fn experiment(overrides: &Overrides) -> ControllerConfig {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../examples/scenarios/push_with_disturbance.controller.toml");
+    let file = scenarios().join("push_with_disturbance.controller.toml");
     ControllerConfig::from_file_with(file, overrides).expect("ships")
 }
 

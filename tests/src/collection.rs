@@ -10,7 +10,7 @@ use serde_json::Value;
 use wbqp::robot::{RobotError, RobotModel};
 use wbqp_robots::{BaseKind, Options, from_files};
 
-use crate::oracle::list;
+use crate::{files::workspace, oracle::list};
 
 /// What is said of the files is said of this version of the package.
 pub const VERSION: &str = "6.0.0";
@@ -64,7 +64,7 @@ pub fn label(base: BaseKind) -> &'static str {
 /// # Panics
 /// If the oracle has not been made and `WBQP_REQUIRE_ORACLES` is set, or if it is another version's.
 pub fn collection() -> Option<Vec<RobotFile>> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/oracles/robot_collection");
+    let folder = workspace("target/oracles/robot_collection");
     let index = folder.join("index.json");
     if !index.exists() {
         assert!(

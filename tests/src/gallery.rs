@@ -1,15 +1,12 @@
 //! The gallery, `examples/robots`: other people's robots from the PyPI package `example-robot-data`, each in one
 //! scenario.
 
-use std::{
-    path::{Path, PathBuf},
-    time::Instant,
-};
+use std::path::{Path, PathBuf};
 
-use wbqp::{Controller, controller::Rung, nalgebra::Vector3, settings::Target};
-use wbqp_sim::{ClosedLoop, Scenario, ScenarioError, Variation};
+use wbqp::settings::Target;
+use wbqp_sim::{Scenario, ScenarioError, Variation};
 
-use crate::collection::RobotFile;
+use crate::{collection::RobotFile, files::workspace};
 
 /// A robot of the gallery.
 #[derive(Clone, Copy, Debug)]
@@ -124,11 +121,6 @@ pub const GALLERY: [Exhibit; 10] = [
     },
 ];
 
-/// A file of the repository.
-pub fn workspace(path: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(path)
-}
-
 impl Exhibit {
     /// Its controller's file.
     pub fn controller_file(&self) -> PathBuf {
@@ -155,110 +147,4 @@ impl Exhibit {
         let file = workspace(&format!("examples/robots/{}.toml", self.name));
         Scenario::from_file_with(&file, &variation)
     }
-}
-
-/// What became of a run.
-#[derive(Clone, Debug, Default)]
-pub struct Outcome {
-    /// Control periods.
-    pub ticks: usize,
-    /// Commands that were not the optimum, and the worst that they came from.
-    pub not_optimal: usize,
-    /// The worst that a command came from.
-    pub worst: Rung,
-    /// Root of the mean square of the error over the last tenth of the run, by task.
-    pub errors: Vec<(String, f64)>,
-    /// The largest share of its limit that an effort took, and whose.
-    pub share: (f64, String),
-    /// How far a contact point moved after the first half second, m.
-    pub slip: f64,
-    /// Ticks after the first half second in which a contact point did not touch.
-    pub lifted: usize,
-    /// How long each tick took, s.
-    pub times: Vec<f64>,
-}
-
-impl Outcome {
-    /// Of a task that there is.
-    pub fn error(&self, task: &str) -> Option<f64> {
-        let found = self.errors.iter().find(|(name, _)| name == task);
-        found.map(|(_, error)| *error)
-    }
-
-    /// Median time of a tick, s.
-    pub fn median(&self) -> f64 {
-        let mut times = self.times.clone();
-        times.sort_by(f64::total_cmp);
-        times.get(times.len() / 2).copied().unwrap_or(f64::NAN)
-    }
-}
-
-/// Runs the first case of a scenario to its end; events are not looked at.
-///
-/// # Panics
-/// If it cannot be made or diverges.
-pub fn run(scenario: &Scenario) -> Outcome {
-    let name = scenario.cases().next().expect("has a case").to_owned();
-    let case = scenario.case(&name).expect("is there");
-    let config = case.controller_config().unwrap_or_else(|e| panic!("{e}"));
-    let mut controller = Controller::new(config).unwrap_or_else(|e| panic!("{e}"));
-    let mut closed_loop = ClosedLoop::new(case, &controller, 1).unwrap_or_else(|e| panic!("{e}"));
-    let rate = controller.settings().rate;
-    let limits: Vec<(String, f64, f64)> = controller
-        .robot()
-        .actuators
-        .iter()
-        .map(|a| (a.name.clone(), a.lower, a.upper))
-        .collect();
-    let tasks: Vec<String> = controller.task_names().map(str::to_owned).collect();
-    let mut squares = vec![0.0; tasks.len()];
-    let mut outcome = Outcome {
-        worst: Rung::Optimal,
-        ..Outcome::default()
-    };
-    let ticks = case.ticks(rate);
-    let end = ticks - ticks / 10;
-    let mut places: Vec<Vector3<f64>> = Vec::new();
-    for tick in 0..ticks {
-        let measurement = closed_loop.measure();
-        let before = Instant::now();
-        let (command, report) = controller.tick(measurement);
-        outcome.times.push(before.elapsed().as_secs_f64());
-        outcome.ticks += 1;
-        outcome.not_optimal += usize::from(report.rung != Rung::Optimal);
-        outcome.worst = outcome.worst.max(report.rung);
-        if tick >= end {
-            for (sum, task) in squares.iter_mut().zip(&report.tasks) {
-                *sum += task.error.iter().map(|e| e * e).sum::<f64>();
-            }
-        }
-        for (effort, (name, lower, upper)) in command.effort.iter().zip(&limits) {
-            let limit = if *effort < 0.0 { lower } else { upper };
-            let share = effort / limit;
-            if limit.is_finite() && share > outcome.share.0 {
-                outcome.share = (share, name.clone());
-            }
-        }
-        let advanced = closed_loop.advance(command);
-        advanced.unwrap_or_else(|e| panic!("tick {tick}: {e}"));
-        let points = || closed_loop.plant().contacts().map(|(_, _, truth)| truth);
-        // At home the contacts touch the ground without pressing on it.
-        let settled = 0.5 * rate;
-        if (tick as f64) < settled {
-            continue;
-        }
-        if places.is_empty() {
-            places = points().map(|truth| truth.p_WC).collect();
-        }
-        outcome.lifted += usize::from(points().any(|truth| !truth.in_contact));
-        for (place, truth) in places.iter().zip(points()) {
-            outcome.slip = outcome.slip.max((place - truth.p_WC).norm());
-        }
-    }
-    let mean = |sum: f64| (sum / (ticks - end).max(1) as f64).sqrt();
-    outcome.errors = tasks
-        .into_iter()
-        .zip(squares.into_iter().map(mean))
-        .collect();
-    outcome
 }

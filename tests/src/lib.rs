@@ -2,9 +2,11 @@
 
 pub mod acceptance;
 pub mod adversary;
+pub mod alone;
 pub mod approach;
 pub mod closed_loop;
 pub mod collection;
+pub mod files;
 pub mod gallery;
 pub mod hostile;
 pub mod listener;
@@ -16,6 +18,8 @@ pub mod qp_ticks;
 pub mod random_model;
 pub mod random_qp;
 pub mod robots_page;
+pub mod runs;
+pub mod said;
 pub mod scenes;
 
 /// The page's code is compiled and run with the tests.

@@ -5,7 +5,7 @@ use proptest::test_runner::{Config, RngSeed};
 /// The same cases in every run, so that what holds on a commit holds on it tomorrow. Other ones, and more:
 ///
 /// ```sh
-/// PROPTEST_RNG_SEED=$RANDOM PROPTEST_CASES=20000 cargo test --release -p wbqp-tests --test qp_properties
+/// PROPTEST_RNG_SEED=$RANDOM PROPTEST_CASES=20000 cargo test --release -p wbqp-tests --test problem
 /// ```
 ///
 /// Tolerances are those of doubles on ordinary problems: of 20 000 hard ones, one or two may exceed one of them by a

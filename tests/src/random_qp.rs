@@ -2,7 +2,7 @@
 
 use wbqp::qp::Qp;
 
-#[path = "../../framework/qp/tests/families/mod.rs"]
+#[path = "../../framework/qp/tests/solver/families.rs"]
 mod families;
 
 pub use families::Family;

@@ -11,7 +11,9 @@ use wbqp_sim::Scenario;
 
 use crate::{
     collection::RobotFile,
-    gallery::{GALLERY, Outcome, run, workspace},
+    files::workspace,
+    gallery::GALLERY,
+    runs::{Outcome, run},
 };
 
 /// How often times are compared.

@@ -23,6 +23,8 @@ use wbqp_tasks::{
     FrictionPyramid, Hold, Origin, Posture, PropellerRegularisation,
 };
 
+use crate::files::workspace;
+
 /// The robots of the property tests.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
@@ -102,9 +104,7 @@ impl Scene {
 
     /// Path of a robot written for the tests.
     pub fn fixture(name: &str) -> std::path::PathBuf {
-        std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
-            .join("fixtures/robots")
-            .join(name)
+        workspace("tests/fixtures/robots").join(name)
     }
 
     fn robot_plugin(&self) -> Box<dyn Robot> {

@@ -5,7 +5,7 @@
 //! generate_json Unbounded 1000 [largest number of variables, 16] [exponent of the units, 0] [first seed, 0]
 //! ```
 
-#[path = "../tests/families/mod.rs"]
+#[path = "../tests/solver/families.rs"]
 mod families;
 
 use families::{FAMILIES, Truth, draw};

@@ -6,7 +6,7 @@ use wbqp_robots as _;
 use wbqp_tasks as _;
 use wbqp_tests::{
     collection::collection,
-    gallery::workspace,
+    files::workspace,
     robots_page::{Table, collection_table, gallery_table},
 };
 

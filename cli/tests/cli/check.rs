@@ -1,0 +1,289 @@
+//! `wbqp check`: JSON, exit codes, and that errors come with their places.
+
+use std::fs;
+
+use wbqp::serde_json::Value;
+
+use crate::common::{Temporary, root, wbqp};
+
+const HUMANOID: &str = "robots/files/humanoid/humanoid.urdf";
+const OTHEX: &str = "robots/files/othex/othex.urdf";
+const ROTORS: &str = "robots/files/othex/othex.rotors.toml";
+
+#[test]
+fn the_json_of_a_robot_has_its_name_size_mass_and_diagnostics() {
+    let done = wbqp(&["check", HUMANOID, "--json"]);
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    let json = done.json();
+    assert_eq!(json["kind"], "urdf");
+    assert_eq!(json["name"], "humanoid");
+    assert_eq!(json["nv"], 37);
+    assert!((json["total_mass"].as_f64().unwrap() - 75.0).abs() < 1e-9);
+    assert!(json["diagnostics"].is_array());
+    assert!(json["errors"].as_array().unwrap().is_empty());
+    assert_eq!(json["joints"].as_array().unwrap().len(), 31);
+    let frames = json["frames"].as_array().unwrap();
+    let sole = frames.iter().find(|f| f["name"] == "left_sole").unwrap();
+    assert_eq!(sole["body"], "left_foot");
+    let masses = json["bodies"].as_array().unwrap().iter();
+    let sum: f64 = masses.map(|b| b["mass"].as_f64().unwrap()).sum();
+    assert!((sum - 75.0).abs() < 1e-9);
+    // Nothing says what carries it.
+    assert_eq!(json["holding"]["means"], "nothing");
+    let weight = json["holding"]["weight"].as_f64().unwrap();
+    assert!((weight - 75.0 * 9.81).abs() < 1e-6);
+    assert!(json["holding"]["efforts"].as_array().unwrap().is_empty());
+}
+
+#[test]
+fn a_fixed_base_needs_gravity_compensation() {
+    let done = wbqp(&["check", HUMANOID, "--base", "fixed", "--json"]);
+    let json = done.json();
+    assert_eq!(done.code, 0);
+    assert_eq!(json["base"], "fixed");
+    assert_eq!(json["nv"], 31);
+    assert_eq!(json["holding"]["means"], "gravity_compensation");
+    assert!(json["holding"]["missing"].as_array().unwrap().is_empty());
+    // The legs hang straight from a fixed pelvis; a leaning head does not.
+    let effort = |name: &str| -> f64 {
+        let efforts = json["holding"]["efforts"].as_array().unwrap();
+        let found = efforts.iter().find(|e| e["actuator"] == name).unwrap();
+        found["effort"].as_f64().unwrap()
+    };
+    assert!(effort("waist_yaw").abs() < 1e-6);
+    let of_text = wbqp(&["check", HUMANOID, "--base", "fixed"]);
+    assert!(of_text.stdout.contains("fixed base, nv = 31 (31 joints)"));
+    assert!(of_text.stdout.contains("gravity compensation"));
+}
+
+#[test]
+fn rotors_carry_the_weight_at_home() {
+    let done = wbqp(&["check", OTHEX, "--rotors", ROTORS, "--json"]);
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    let json = done.json();
+    assert_eq!(json["holding"]["means"], "hover");
+    assert_eq!(json["nu"], 9);
+    assert!(json["holding"]["missing"].as_array().unwrap().is_empty());
+    let efforts = json["holding"]["efforts"].as_array().unwrap();
+    let thrusts = efforts.iter().take(6);
+    let sum: f64 = thrusts.map(|e| e["effort"].as_f64().unwrap()).sum();
+    // The rotors are tilted by 35°, and one side carries an arm: they push more than the weight.
+    let weight = json["holding"]["weight"].as_f64().unwrap();
+    assert!(sum > weight && sum < 1.3 * weight, "{sum} of {weight}");
+    for each in efforts.iter().take(6) {
+        assert_eq!(each["limit"], 10.0);
+        let share = each["effort"].as_f64().unwrap() / 10.0;
+        assert!((each["share"].as_f64().unwrap() - share).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn a_controller_with_contacts_stands() {
+    for file in [
+        "examples/scenarios/quadruped_stand.controller.toml",
+        "examples/scenarios/quadruped_stand.toml",
+    ] {
+        let done = wbqp(&["check", file, "--json"]);
+        assert_eq!(done.code, 0, "{}", done.stderr);
+        let json = done.json();
+        assert_eq!(json["holding"]["means"], "stand");
+        assert_eq!(json["holding"]["first_tick"]["rung"], "optimal");
+        let contacts = json["holding"]["first_tick"]["contacts"]
+            .as_array()
+            .unwrap();
+        let sum: f64 = contacts.iter().map(|c| c[1].as_f64().unwrap()).sum();
+        let weight = json["holding"]["weight"].as_f64().unwrap();
+        assert!((sum - weight).abs() < 0.05 * weight, "{sum} of {weight}");
+        assert_eq!(json["controller"]["contacts"].as_array().unwrap().len(), 4);
+    }
+}
+
+#[test]
+fn values_are_put_into_the_file() {
+    let file = "examples/scenarios/quadruped_stand.controller.toml";
+    let rate = |arguments: &[&str]| wbqp(arguments).json()["controller"]["rate"].clone();
+    assert_eq!(rate(&["check", file, "--json"]), 1000.0);
+    let changed = ["check", file, "--json", "--set", "controller.rate=500"];
+    assert_eq!(rate(&changed), 500.0);
+    let done = wbqp(&["check", file, "--set", "task.nobody.kp=1"]);
+    assert_eq!(done.code, 1);
+    assert!(
+        done.stderr.contains("no task has this name"),
+        "{}",
+        done.stderr
+    );
+    let done = wbqp(&["check", file, "--set", "duration=1"]);
+    assert_eq!(done.code, 2, "{}", done.stderr);
+}
+
+#[test]
+fn a_broken_robot_is_refused_with_its_line() {
+    let folder = Temporary::new("broken");
+    let urdf = fs::read_to_string(root().join(HUMANOID)).unwrap();
+    let line = |text: &str, part: &str| 1 + text.lines().position(|l| l.contains(part)).unwrap();
+    let joint = urdf
+        .lines()
+        .find(|l| l.contains("<joint name=\"left_knee\""))
+        .unwrap();
+    let broken = urdf.replacen(joint, &joint.replace("revolute", "hinge"), 1);
+    let file = folder.file("broken.urdf");
+    fs::write(&file, &broken).unwrap();
+    let place = format!("broken.urdf:{}:", line(&broken, "left_knee"));
+    let done = wbqp(&["check", &file]);
+    assert_eq!(done.code, 1);
+    assert!(
+        done.stderr.contains(&place),
+        "{} has no {place}",
+        done.stderr
+    );
+    let done = wbqp(&["check", &file, "--json"]);
+    assert_eq!(done.code, 1);
+    let json = done.json();
+    let first = json["errors"][0].as_str().unwrap();
+    assert!(first.contains(&place), "{first}");
+    assert_eq!(json["name"], Value::Null);
+}
+
+#[test]
+fn every_mistake_of_a_controller_is_printed_with_its_place() {
+    let file = "tests/fixtures/broken/controller/everything_at_once.toml";
+    let done = wbqp(&["check", file]);
+    assert_eq!(done.code, 1);
+    let lines: Vec<&str> = done.stderr.lines().collect();
+    assert!(lines.len() > 3, "{}", done.stderr);
+    for line in lines {
+        assert!(line.contains("everything_at_once.toml:"), "{line}");
+    }
+}
+
+#[test]
+fn other_files_are_told_apart() {
+    let folder = Temporary::new("other");
+    let refused = |name: &str, text: &str, expected: &str| {
+        let file = folder.file(name);
+        fs::write(&file, text).unwrap();
+        let done = wbqp(&["check", &file]);
+        assert_eq!(done.code, 1, "{name}");
+        assert!(done.stderr.contains(expected), "{name}: {}", done.stderr);
+    };
+    refused("a.sdf", "<?xml version=\"1.0\"?><sdf/>", "SDF");
+    refused("a.xml", "<mujoco/>", "MuJoCo");
+    refused("a.txt", "hello", "neither a URDF");
+    refused("a.toml", "[[rotor]]\nname = \"a\"", "neither a URDF");
+    let done = wbqp(&["check", "nowhere.urdf"]);
+    assert_eq!(done.code, 1);
+    assert!(done.stderr.contains("nowhere.urdf: cannot be read"));
+    assert_eq!(wbqp(&["check"]).code, 2);
+    // A URDF under another name.
+    let file = folder.file("robot.xml");
+    fs::copy(root().join(HUMANOID), &file).unwrap();
+    assert_eq!(wbqp(&["check", &file]).code, 0);
+}
+
+#[test]
+fn the_long_form_of_a_short_file_says_the_same() {
+    let folder = Temporary::new("expand");
+    let short = "examples/scenarios/quadruped_short.controller.toml";
+    let done = wbqp(&["check", short, "--expand"]);
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    let long = folder.file("long.toml");
+    fs::write(&long, &done.stdout).unwrap();
+    let (a, b) = (
+        wbqp(&["check", short, "--json"]),
+        wbqp(&["check", &long, "--json"]),
+    );
+    assert_eq!(b.code, 0, "{}", b.stderr);
+    assert_eq!(a.json()["holding"], b.json()["holding"]);
+    // Nothing is left to say of the long one that matters.
+    let implied = |file: &str| wbqp(&["check", file, "--explain-config"]).stdout;
+    assert!(
+        implied(short).contains("critically damped"),
+        "{}",
+        implied(short)
+    );
+    assert!(
+        !implied(&long).contains("critically damped"),
+        "{}",
+        implied(&long)
+    );
+    assert_eq!(wbqp(&["check", HUMANOID, "--expand"]).code, 1);
+}
+
+#[test]
+fn a_robot_can_be_named_by_an_option() {
+    let folder = Temporary::new("urdf");
+    let file = folder.file("stand.toml");
+    let text = "[controller]\nrate = 500.0\n[robot]\nfile = \"elsewhere.urdf\"\n[[contact]]\n\
+                frames = [\"left_sole\", \"right_sole\"]\nmotion = \"hard\"\nsize = [0.2, 0.1]\n\
+                [[task]]\ntype = \"com\"\nkp = 50.0";
+    fs::write(&file, text).unwrap();
+    let done = wbqp(&["check", &file]);
+    assert_eq!(done.code, 1);
+    assert!(done.stderr.contains("elsewhere.urdf"), "{}", done.stderr);
+    let done = wbqp(&["check", &file, "--urdf", HUMANOID, "--json"]);
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    let json = done.json();
+    assert_eq!(json["name"], "humanoid");
+    assert_eq!(json["holding"]["means"], "stand");
+}
+
+#[test]
+fn strict_mode_and_options_reach_the_loader() {
+    let folder = Temporary::new("strict");
+    let urdf = fs::read_to_string(root().join(HUMANOID)).unwrap();
+    let joint = urdf
+        .lines()
+        .position(|l| l.contains("<joint name=\"left_knee\""))
+        .unwrap();
+    let limit = joint
+        + urdf
+            .lines()
+            .skip(joint)
+            .position(|l| l.contains("<limit"))
+            .unwrap();
+    let lines: Vec<String> = urdf.lines().map(str::to_owned).collect();
+    let velocity = lines[limit].split("velocity=\"").nth(1).unwrap();
+    let velocity = velocity.split('"').next().unwrap();
+    let mut lax = lines.clone();
+    lax[limit] = lines[limit].replace(&format!("velocity=\"{velocity}\""), "velocity=\"0\"");
+    let file = folder.file("lax.urdf");
+    fs::write(&file, lax.join("\n")).unwrap();
+    let done = wbqp(&["check", &file, "--json"]);
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    let json = done.json();
+    let found = &json["diagnostics"][0];
+    assert_eq!(found["severity"], "warning");
+    for key in ["place", "element", "found", "done", "remedy"] {
+        assert!(found[key].is_string(), "{key}");
+    }
+    assert!(
+        found["place"].as_str().unwrap().contains("lax.urdf:"),
+        "{found}"
+    );
+    assert!(
+        found["element"].as_str().unwrap().contains("left_knee"),
+        "{found}"
+    );
+    let text = wbqp(&["check", &file]).stdout;
+    assert!(
+        text.contains("Warnings (1)") && text.contains("left_knee"),
+        "{text}"
+    );
+    let done = wbqp(&["check", &file, "--strict"]);
+    assert_eq!(done.code, 1);
+    assert!(done.stderr.contains("lax.urdf:"), "{}", done.stderr);
+    // The option that the warning names cures it.
+    let set = [
+        "check",
+        &file,
+        "--json",
+        "--set",
+        "robot.options={velocity={left_knee=5.0}}",
+    ];
+    let done = wbqp(&set);
+    assert!(
+        done.json()["diagnostics"].as_array().unwrap().is_empty(),
+        "{}",
+        done.stdout
+    );
+}

@@ -1,0 +1,221 @@
+//! Files on a disk: devices and pipes, closed pipes, two runs into one folder, logs that were cut.
+
+use std::{
+    fs,
+    io::Read as _,
+    process::{Command, Stdio},
+};
+
+use wbqp_log::RunLock;
+
+use crate::common::{Temporary, root, wbqp};
+
+const STAND: &str = include_str!("../../../examples/scenarios/quadruped_short.controller.toml");
+
+/// A folder with the file, and where a run is to write.
+fn with_stand(name: &str) -> (Temporary, String, String) {
+    let folder = Temporary::new(name);
+    let (file, out) = (folder.file("stand.toml"), folder.file("out"));
+    fs::write(&file, STAND).unwrap();
+    (folder, file, out)
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn devices_and_pipes_are_refused_in_words_whatever_reads_them() {
+    let folder = Temporary::new("devices");
+    let pipe = folder.file("a.pipe");
+    let made = Command::new("mkfifo").arg(&pipe).status().unwrap();
+    assert!(made.success());
+    let file = folder.file("robot.toml");
+    fs::write(
+        &file,
+        "[controller]\nrate = 100.0\n[robot]\nfile = \"/dev/zero\"\n",
+    )
+    .unwrap();
+    for arguments in [
+        vec!["check", "/dev/zero"],
+        vec!["check", &pipe],
+        vec!["run", "/dev/zero"],
+        vec!["run", &pipe],
+        vec!["replay", "/dev/zero"],
+        vec!["log", "repair", "/dev/zero"],
+        vec!["check", &file],
+        vec!["check", &file, "--set", "robot.file='a.pipe'"],
+        vec!["new", "--urdf", "/dev/zero", "--kind", "arm"],
+    ] {
+        let done = wbqp(&arguments);
+        assert_eq!(done.code, 1, "{arguments:?}");
+        let words = ["only regular files are read", "is a "];
+        assert!(
+            words.iter().all(|w| done.stderr.contains(w)),
+            "{arguments:?}: {}",
+            done.stderr
+        );
+    }
+}
+
+#[test]
+fn a_reader_that_has_enough_ends_no_run() {
+    let (folder, file, out) = with_stand("closed_pipe");
+    for arguments in [
+        vec!["run", &file, "--duration", "0.1", "--out", &out],
+        vec!["check", &file],
+        vec!["plugins"],
+    ] {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_wbqp"))
+            .current_dir(root())
+            .args(&arguments)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        // As `| head` does in the end.
+        drop(child.stdout.take());
+        let mut said = String::new();
+        child
+            .stderr
+            .take()
+            .unwrap()
+            .read_to_string(&mut said)
+            .unwrap();
+        let code = child.wait().unwrap().code();
+        assert!(!said.contains("panicked"), "{arguments:?}: {said}");
+        assert!(
+            code == Some(0) || code == Some(141),
+            "{arguments:?}: {code:?}"
+        );
+    }
+    assert!(folder.0.join("out/stand/summary.json").is_file());
+}
+
+#[test]
+fn a_second_run_into_the_same_log_is_told_of_the_first() {
+    let (folder, file, out) = with_stand("two_runs");
+    let log = folder.0.join("out/stand/default.mcap");
+    let lock = RunLock::take(&log).unwrap();
+    fs::write(&log, "of the other run").unwrap();
+    let arguments = ["run", &file, "--duration", "0.1", "--out", &out];
+    let done = wbqp(&arguments);
+    assert_eq!(done.code, 1);
+    let process = format!("process {}", std::process::id());
+    for part in [
+        "default.mcap: another run is writing it",
+        &process,
+        "since 20",
+        "command ",
+    ] {
+        assert!(done.stderr.contains(part), "{}", done.stderr);
+    }
+    assert_eq!(fs::read_to_string(&log).unwrap(), "of the other run");
+    drop(lock);
+    assert_eq!(wbqp(&arguments).code, 0);
+    let left: Vec<_> = fs::read_dir(folder.0.join("out/stand")).unwrap().collect();
+    let name = |entry: &std::io::Result<fs::DirEntry>| {
+        entry
+            .as_ref()
+            .unwrap()
+            .file_name()
+            .to_string_lossy()
+            .into_owned()
+    };
+    assert!(left.iter().all(|entry| !name(entry).contains(".lock")));
+}
+
+#[test]
+fn shards_share_a_folder_and_its_summary() {
+    let folder = Temporary::new("shards");
+    fs::write(folder.file("stand.controller.toml"), STAND).unwrap();
+    let ground = "[[plant.wall]]\nname = \"ground\"\npoint = [0.0, 0.0, 0.0]\nnormal = [0.0, 0.0, 1.0]\n\
+                  stiffness = 2e4\ndamping = 60.0\nfriction = 0.8\n";
+    let feet = ["fl", "fr", "hl", "hr"];
+    let points = feet.map(|foot| format!("[[plant.contact_point]]\nframe = \"{foot}_foot\"\n"));
+    let cases = ["a", "b", "c"].map(|case| format!("[[case]]\nname = \"{case}\"\n"));
+    let text = format!(
+        "name = \"s\"\ncontroller = \"stand.controller.toml\"\nduration = 0.1\n{ground}{}{}",
+        points.concat(),
+        cases.concat()
+    );
+    let file = folder.file("s.toml");
+    fs::write(&file, text).unwrap();
+    let out = folder.file("out");
+    let shard = |case: &str| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_wbqp"));
+        let arguments = ["run", &file, "--out", &out, "--case", case];
+        command
+            .args(arguments)
+            .stdout(Stdio::null())
+            .stderr(Stdio::null());
+        command.spawn().unwrap()
+    };
+    let shards: Vec<_> = ["c", "a", "b"].into_iter().map(shard).collect();
+    for mut shard in shards {
+        assert!(shard.wait().unwrap().success());
+    }
+    let summary = fs::read_to_string(folder.0.join("out/s/summary.json")).unwrap();
+    let summary: wbqp::serde_json::Value = wbqp::serde_json::from_str(&summary).unwrap();
+    let names: Vec<&str> = summary
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|case| case["case"].as_str().unwrap())
+        .collect();
+    assert_eq!(names, ["a", "b", "c"]);
+}
+
+#[test]
+fn a_log_that_was_cut_is_repaired_beside_it() {
+    let (folder, file, out) = with_stand("repair");
+    let done = wbqp(&["run", &file, "--duration", "1.2", "--out", &out]);
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    let log = folder.0.join("out/stand/default.mcap");
+    let whole = fs::read(&log).unwrap();
+    let cut = folder.file("cut.mcap");
+    fs::write(&cut, &whole[..whole.len() * 9 / 10]).unwrap();
+    let done = wbqp(&["log", "repair", &cut]);
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    assert!(done.stdout.contains("are cut off"), "{}", done.stdout);
+    let saved = wbqp_examples::log_reader::Log::open(&folder.0.join("cut.repaired.mcap")).unwrap();
+    assert!(saved.topics().count() > 3);
+    // A second time there is a file in the way.
+    assert_eq!(wbqp(&["log", "repair", &cut]).code, 1);
+}
+
+#[test]
+fn a_contact_on_a_frame_that_touches_nothing_is_said() {
+    let folder = Temporary::new("wrong_frame");
+    let file = folder.file("stand.toml");
+    fs::write(&file, STAND.replace("\"hr_foot\"", "\"hr_thigh\"")).unwrap();
+    let done = wbqp(&["check", &file]);
+    assert!(
+        done.stdout.contains("contact `hr_thigh` is 0."),
+        "{}",
+        done.stdout
+    );
+    assert!(
+        done.stdout.contains("is its frame the right one?"),
+        "{}",
+        done.stdout
+    );
+    fs::write(&file, STAND).unwrap();
+    let done = wbqp(&["check", &file]);
+    assert!(!done.stdout.contains("its surface"), "{}", done.stdout);
+}
+
+#[test]
+fn an_option_beside_its_table_is_told_where_it_belongs() {
+    let folder = Temporary::new("option");
+    let file = folder.file("robot.toml");
+    fs::write(
+        &file,
+        "[controller]\nrate = 100.0\n[robot]\nfile = \"r.urdf\"\neffort = { a = 1 }\n",
+    )
+    .unwrap();
+    let done = wbqp(&["check", &file]);
+    assert!(
+        done.stderr
+            .contains("unknown key `effort`; it belongs into `options`: `options.effort = …`"),
+        "{}",
+        done.stderr
+    );
+}

@@ -1,0 +1,215 @@
+//! `wbqp new`: what it writes loads, ticks optimally, and runs.
+
+use std::{fs, path::Path};
+
+use wbqp::{Controller, ControllerConfig, Measurement, controller::Rung, serde_json};
+use {wbqp_robots as _, wbqp_tasks as _};
+
+use crate::common::{Temporary, fixture, root, wbqp};
+
+const QUADRUPED: &str = "robots/files/quadruped/quadruped.urdf";
+const HUMANOID: &str = "robots/files/humanoid/humanoid.urdf";
+
+/// Writes a controller; returns it, made.
+fn new(folder: &Temporary, urdf: &str, kind: &str, code: i32) -> (String, Controller) {
+    let file = folder.file("new.toml");
+    let done = wbqp(&["new", "--urdf", urdf, "--kind", kind, "--output", &file]);
+    let text = fs::read_to_string(&file).unwrap_or_default();
+    assert_eq!(done.code, code, "{}\n{}\n{text}", done.stdout, done.stderr);
+    assert!(
+        done.stdout.contains("100 ticks from home, all optimal"),
+        "{}",
+        done.stdout
+    );
+    let controller = Controller::new(ControllerConfig::from_file(&file).unwrap()).unwrap();
+    (text, controller)
+}
+
+/// Not what the command says but what the file does.
+fn ticks_optimally(controller: &mut Controller) {
+    let contacts = controller.contact_names().count();
+    let mut measurement = Measurement::home(controller.robot(), contacts);
+    let period = 1.0 / controller.settings().rate;
+    for tick in 0..100 {
+        measurement.time = f64::from(tick) * period;
+        let (command, report) = controller.tick(&measurement);
+        assert_eq!(report.rung, Rung::Optimal, "tick {tick}");
+        assert!(command.effort.iter().all(|u| u.is_finite()));
+    }
+    // At home and at rest it stays: nothing accelerates.
+    let fastest = controller.report().vdot.amax();
+    assert!(fastest < 1e-2, "{fastest}");
+}
+
+/// It stays where it is in simulation, too.
+fn stands(folder: &Temporary, file: &Path) {
+    let out = folder.file("out");
+    let file = file.display().to_string();
+    let done = wbqp(&["run", &file, "--duration", "0.6", "--out", &out]);
+    assert_eq!(done.code, 0, "{}{}", done.stdout, done.stderr);
+    let summary = Path::new(&out).join("new/summary.json");
+    let summary: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(summary).unwrap()).unwrap();
+    assert_eq!(summary[0]["not_optimal"], 0, "{}", done.stdout);
+    for task in summary[0]["tasks"].as_array().unwrap() {
+        let end = task["end"].as_f64().unwrap();
+        // The ground gives way a little; the posture pays for it.
+        let most = if task["name"] == "posture" {
+            0.05
+        } else {
+            0.002
+        };
+        assert!(end < most, "{task}");
+    }
+}
+
+#[test]
+fn a_quadruped_stands_on_its_feet() {
+    let folder = Temporary::new("quadruped");
+    let (text, mut controller) = new(&folder, QUADRUPED, "quadruped", 0);
+    let names: Vec<&str> = controller.contact_names().collect();
+    assert_eq!(names, ["fl_foot", "fr_foot", "hl_foot", "hr_foot"]);
+    // The knees are bent, the legs alike.
+    let robot = controller.robot();
+    let q = |name: &str| robot.home.q[robot.model.joint(name).unwrap().index()];
+    assert!(q("fl_knee").abs() > 0.5 && (q("fl_knee") - q("fr_knee")).abs() < 1e-3);
+    assert!(q("fl_hip_roll").abs() < 1e-3);
+    ticks_optimally(&mut controller);
+    let lines = text.lines().map(str::trim);
+    let counted = lines.filter(|line| !line.is_empty() && !line.starts_with('#'));
+    assert!(counted.count() <= 35, "{text}");
+    stands(&folder, Path::new(&folder.file("new.toml")));
+}
+
+#[test]
+fn a_humanoid_stands_on_soles_of_an_assumed_size() {
+    let folder = Temporary::new("humanoid");
+    // The file has no shapes: that is said, in the file as well.
+    let (text, mut controller) = new(&folder, HUMANOID, "humanoid", 1);
+    assert!(
+        text.contains("ATTENTION") && text.contains("ASSUMED"),
+        "{text}"
+    );
+    let names: Vec<&str> = controller.contact_names().collect();
+    assert_eq!(names, ["left_sole", "right_sole"]);
+    let robot = controller.robot();
+    let knee = robot.home.q[robot.model.joint("left_knee").unwrap().index()];
+    assert!(knee > 0.3, "{knee}");
+    ticks_optimally(&mut controller);
+    let lines = text.lines().map(str::trim);
+    let counted = lines.filter(|line| !line.is_empty() && !line.starts_with('#'));
+    assert!(counted.count() <= 40, "{text}");
+    stands(&folder, Path::new(&folder.file("new.toml")));
+}
+
+#[test]
+fn soles_have_the_size_of_their_collision_shapes() {
+    let folder = Temporary::new("soles");
+    let urdf = fs::read_to_string(root().join(HUMANOID)).unwrap();
+    let mut boxed = urdf;
+    for side in ["left", "right"] {
+        let shape = "<collision><origin xyz=\"0.01 0.02 0.03\"/>\
+                     <geometry><box size=\"0.2 0.1 0.06\"/></geometry></collision>";
+        let link = format!("<link name=\"{side}_sole\"");
+        let start = boxed.find(&link).unwrap();
+        let end = start + boxed[start..].find('>').unwrap();
+        let shaped = if boxed[..end].ends_with('/') {
+            format!("{}>{shape}</link>{}", &boxed[..end - 1], &boxed[end + 1..])
+        } else {
+            format!("{}>{shape}{}", &boxed[..end], &boxed[end + 1..])
+        };
+        boxed = shaped;
+    }
+    let file = folder.file("boxed.urdf");
+    fs::write(&file, boxed).unwrap();
+    let (text, _) = new(&folder, &file, "humanoid", 0);
+    for line in ["size = [0.2, 0.1]", "offset = [0.01, 0.02, 0.0]"] {
+        assert!(text.contains(line), "{line}\n{text}");
+    }
+}
+
+#[test]
+fn an_arm_holds_its_tip() {
+    let folder = Temporary::new("arm");
+    let (text, mut controller) = new(&folder, &fixture("arm.urdf"), "arm", 0);
+    assert!(text.contains("frame = \"tool0\""), "{text}");
+    assert!(text.contains("base = \"fixed\""), "{text}");
+    // The elbow is bent.
+    let robot = controller.robot();
+    let elbow = robot.home.q[robot.model.joint("elbow").unwrap().index()];
+    assert!(elbow < -0.3, "{text}");
+    ticks_optimally(&mut controller);
+    stands(&folder, Path::new(&folder.file("new.toml")));
+}
+
+#[test]
+fn a_quadrotor_hovers_on_rotors_that_are_assumed() {
+    let folder = Temporary::new("quadrotor");
+    let (text, mut controller) = new(&folder, &fixture("quadrotor.urdf"), "multirotor", 0);
+    // Turning propellers are locked: thrusts stand for them.
+    assert_eq!(controller.robot().model.nv(), 6);
+    assert!(text.contains("rotor_3_joint"), "{text}");
+    assert_eq!(controller.robot().nu(), 4);
+    let rotors = fs::read_to_string(folder.file("new.rotors.toml")).unwrap();
+    assert!(rotors.contains("ASSUMED"), "{rotors}");
+    // Neighbours turn against one another, or the base would turn.
+    let reaction = |name: &str| {
+        let found = controller.robot().rotors().find(|(_, a, _)| a.name == name);
+        found.unwrap().2.reaction
+    };
+    assert_eq!(reaction("rotor_0"), reaction("rotor_1"));
+    assert_ne!(reaction("rotor_0"), reaction("rotor_2"));
+    ticks_optimally(&mut controller);
+    stands(&folder, Path::new(&folder.file("new.toml")));
+}
+
+#[test]
+fn rotors_that_no_frame_shows_are_assumed_and_that_is_said() {
+    let folder = Temporary::new("no-frames");
+    let urdf = fs::read_to_string(fixture("quadrotor.urdf")).unwrap();
+    let file = folder.file("hex_tilt.urdf");
+    let urdf = urdf
+        .replace("rotor_", "blade_")
+        .replace("four_rotors", "hex_tilt");
+    fs::write(&file, urdf).unwrap();
+    let (text, mut controller) = new(&folder, &file, "multirotor", 1);
+    assert!(text.contains("ATTENTION"), "{text}");
+    assert_eq!(controller.robot().rotors().count(), 6);
+    ticks_optimally(&mut controller);
+}
+
+#[test]
+fn nothing_is_replaced_unless_asked() {
+    let folder = Temporary::new("replace");
+    let file = folder.file("new.toml");
+    fs::write(&file, "mine").unwrap();
+    let arguments = [
+        "new",
+        "--urdf",
+        QUADRUPED,
+        "--kind",
+        "quadruped",
+        "--output",
+        &file,
+    ];
+    let done = wbqp(&arguments);
+    assert_eq!(done.code, 1);
+    assert!(done.stderr.contains("--force"), "{}", done.stderr);
+    assert_eq!(fs::read_to_string(&file).unwrap(), "mine");
+    let done = wbqp(&[&arguments[..], &["--force"]].concat());
+    assert_eq!(done.code, 0, "{}", done.stderr);
+}
+
+#[test]
+fn what_a_robot_does_not_have_is_said() {
+    let folder = Temporary::new("lacking");
+    let refused = |urdf: &str, kind: &str, expected: &str| {
+        let file = folder.file("lacking.toml");
+        let done = wbqp(&["new", "--urdf", urdf, "--kind", kind, "--output", &file]);
+        assert_eq!(done.code, 1);
+        assert!(done.stderr.contains(expected), "{}", done.stderr);
+        assert!(!Path::new(&file).exists());
+    };
+    refused(&fixture("arm.urdf"), "quadruped", "needs four");
+    refused(&fixture("quadrotor.urdf"), "humanoid", "needs two legs");
+}

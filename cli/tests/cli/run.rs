@@ -1,0 +1,125 @@
+//! `wbqp run`: logs, figures, summary, exit codes.
+
+use std::{fs, path::Path};
+
+use wbqp::serde_json::{self, Value};
+
+use crate::common::{Temporary, wbqp};
+
+const QUADRUPED: &str = "examples/scenarios/quadruped_stand.toml";
+
+fn summary(folder: &Path) -> Value {
+    let text = fs::read_to_string(folder.join("summary.json")).unwrap();
+    serde_json::from_str(&text).unwrap()
+}
+
+#[test]
+fn a_legged_scenario_leaves_a_log_figures_and_a_summary() {
+    let out = Temporary::new("run");
+    let done = wbqp(&[
+        "run",
+        QUADRUPED,
+        "--set",
+        "change.duration=0.5",
+        "--set",
+        "change.event=[]",
+        "--set",
+        "task.com.kp=80",
+        "--out",
+        &out.0.display().to_string(),
+    ]);
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    assert!(
+        done.stdout.contains("stand: ran to its end"),
+        "{}",
+        done.stdout
+    );
+    let folder = out.0.join("quadruped_stand");
+    for file in ["motion", "tasks", "efforts", "contacts"] {
+        let svg = fs::read_to_string(folder.join(format!("stand.{file}.svg"))).unwrap();
+        assert!(svg.contains("<svg") && svg.contains("polyline"), "{file}");
+    }
+    let log = wbqp_examples::log_reader::Log::open(&folder.join("stand.mcap")).unwrap();
+    assert!((log.end() - 0.499).abs() < 1e-9);
+    let varied = log.attachment("variation.toml").unwrap();
+    let varied = std::str::from_utf8(varied).unwrap();
+    assert!(varied.contains("kp = 80"), "{varied}");
+    let case = &summary(&folder)[0];
+    assert_eq!(case["ticks"], 500);
+    assert_eq!(case["not_optimal"], 0);
+    assert_eq!(case["worst_rung"], "optimal");
+    let com = &case["tasks"][0];
+    assert_eq!((&com["name"], &com["unit"]), (&"com".into(), &"m".into()));
+    assert!(com["end"].as_f64().unwrap() < 2e-3);
+    let share = case["efforts"][2]["share"].as_f64().unwrap();
+    assert!(share > 0.2 && share < 0.4, "{share}");
+    assert_eq!(case["contacts"][0]["on"], 1.0);
+}
+
+#[test]
+fn a_controller_runs_on_ground_of_its_own() {
+    let out = Temporary::new("default");
+    let directory = out.0.display().to_string();
+    for (name, duration) in [("quadruped_stand", "0.5"), ("humanoid_stand", "0.3")] {
+        let done = wbqp(&[
+            "run",
+            &format!("examples/scenarios/{name}.controller.toml"),
+            "--duration",
+            duration,
+            "--out",
+            &directory,
+        ]);
+        assert_eq!(done.code, 0, "{}", done.stderr);
+        let case = &summary(&out.0.join(format!("{name}.controller")))[0];
+        assert_eq!(case["not_optimal"], 0);
+        // It stands: the contacts bear it, and the centre of mass stays where it is.
+        assert!(case["contacts"][0]["peak_real"].as_f64().unwrap() > 1.0);
+        assert!(case["tasks"][0]["peak"].as_f64().unwrap() < 2e-3);
+    }
+}
+
+#[test]
+fn a_run_that_diverges_fails() {
+    let out = Temporary::new("diverges");
+    // Nothing is there to stand on.
+    let done = wbqp(&[
+        "run",
+        QUADRUPED,
+        "--set",
+        "change.duration=20",
+        "--set",
+        "change.plant.contact_point=[]",
+        "--set",
+        "change.event=[]",
+        "--set",
+        "change.plant.mismatch.mass_scale=1e-9",
+        "--out",
+        &out.0.display().to_string(),
+    ]);
+    assert_eq!(done.code, 1, "{}{}", done.stdout, done.stderr);
+    assert!(
+        done.stdout.contains("DIVERGED"),
+        "{}{}",
+        done.stdout,
+        done.stderr
+    );
+}
+
+#[test]
+fn what_is_not_there_is_refused_with_a_hint() {
+    let refused = |arguments: &[&str], expected: &str| {
+        let done = wbqp(arguments);
+        assert_eq!(done.code, 1, "{}", done.stderr);
+        assert!(done.stderr.contains(expected), "{}", done.stderr);
+    };
+    refused(
+        &["run", QUADRUPED, "--case", "stnad"],
+        "did you mean `stand`",
+    );
+    refused(&["run", QUADRUPED, "--duration", "1"], "change.duration");
+    refused(&["run", "robots/files/othex/othex.urdf"], "wbqp new");
+    refused(
+        &["run", QUADRUPED, "--set", "change.plant.walls=1"],
+        "unknown field `walls`",
+    );
+}

@@ -1,0 +1,155 @@
+//! Logs on a disk: short chunks, logs that were cut, and two runs that want the same file.
+
+use std::{
+    collections::BTreeMap,
+    fs,
+    path::{Path, PathBuf},
+};
+
+use mcap::{MessageStream, Summary};
+use serde_json::json;
+use wbqp_log::{LogError, LogSink, McapLog, repair};
+
+/// A folder that goes away with its owner.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("wbqp_log_{name}_{}", std::process::id()));
+        fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+
+    fn file(&self, name: &str) -> PathBuf {
+        self.0.join(name)
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+/// Four seconds at 100 Hz on two channels, with metadata and an attachment.
+fn write(path: &Path) {
+    let mut log = McapLog::create(path).unwrap();
+    let table = BTreeMap::from([("key".to_owned(), "value".to_owned())]);
+    log.metadata("table", &table).unwrap();
+    log.attach("a.toml", "application/toml", b"a = 1").unwrap();
+    let schema = json!({ "type": "object" });
+    let a = log.channel("/a", "A", &schema).unwrap();
+    let b = log.channel("/b", "B", &schema).unwrap();
+    for k in 0..400 {
+        let text = format!("{{\"k\":{k}}}");
+        log.write(a, f64::from(k) * 0.01, text.as_bytes()).unwrap();
+        log.write(b, f64::from(k) * 0.01, b"{}").unwrap();
+    }
+    log.finish().unwrap();
+}
+
+/// Topic, time in ns and text of every message.
+fn messages(bytes: &[u8]) -> Vec<(String, u64, Vec<u8>)> {
+    let all = MessageStream::new(bytes).unwrap().map(Result::unwrap);
+    all.map(|m| (m.channel.topic.clone(), m.log_time, m.data.into_owned()))
+        .collect()
+}
+
+#[test]
+fn a_chunk_has_at_most_half_a_second() {
+    let folder = Folder::new("chunks");
+    let path = folder.file("a.mcap");
+    write(&path);
+    let summary = Summary::read(&fs::read(&path).unwrap()).unwrap().unwrap();
+    assert_eq!(summary.chunk_indexes.len(), 8);
+    for chunk in &summary.chunk_indexes {
+        assert!(chunk.message_end_time - chunk.message_start_time < 500_000_000);
+    }
+}
+
+#[test]
+fn what_was_written_is_in_the_file_while_the_run_goes_on() {
+    let folder = Folder::new("flushed");
+    let path = folder.file("a.mcap");
+    let mut log = McapLog::create(&path).unwrap();
+    let channel = log.channel("/a", "A", &json!({})).unwrap();
+    for k in 0..100 {
+        log.write(channel, f64::from(k) * 0.01, b"{}").unwrap();
+    }
+    // As after `kill -9`: nothing is completed.
+    let saved = folder.file("saved.mcap");
+    let found = repair(&path, &saved).unwrap();
+    assert!(!found.was_whole);
+    assert_eq!((found.messages, found.end), (50, 0.49));
+}
+
+#[test]
+fn a_log_that_is_cut_anywhere_is_saved_up_to_its_last_chunk() {
+    let folder = Folder::new("cut");
+    let path = folder.file("a.mcap");
+    write(&path);
+    let whole = fs::read(&path).unwrap();
+    let all = messages(&whole);
+    let chunks = Summary::read(&whole).unwrap().unwrap().chunk_indexes;
+    let cut = folder.file("cut.mcap");
+    let saved = folder.file("saved.mcap");
+    for length in (8..whole.len()).step_by(97) {
+        fs::write(&cut, &whole[..length]).unwrap();
+        let found = repair(&cut, &saved).unwrap();
+        let bytes = fs::read(&saved).unwrap();
+        let is_there = |end: u64| end <= length as u64;
+        let expected = chunks
+            .iter()
+            .filter(|chunk| is_there(chunk.chunk_start_offset + chunk.chunk_length))
+            .count();
+        // A hundred messages a chunk: fifty ticks on two channels.
+        assert_eq!(messages(&bytes), all[..100 * expected], "{length} bytes");
+        assert_eq!(found.messages as usize, 100 * expected);
+        assert!(!found.was_whole);
+        fs::remove_file(&saved).unwrap();
+    }
+    // Of a whole one nothing is lost, its tables and files neither.
+    let found = repair(&path, &saved).unwrap();
+    assert!(found.was_whole && found.lost == 0, "{found:?}");
+    let bytes = fs::read(&saved).unwrap();
+    assert_eq!(messages(&bytes), all);
+    let summary = Summary::read(&bytes).unwrap().unwrap();
+    assert_eq!(summary.metadata_indexes.len(), 1);
+    assert_eq!(summary.attachment_indexes.len(), 1);
+    assert_eq!(summary.schemas.len(), 2);
+}
+
+#[test]
+fn what_is_no_log_is_not_repaired_and_nothing_is_written_over() {
+    let folder = Folder::new("no_log");
+    let (path, to) = (folder.file("a.mcap"), folder.file("b.mcap"));
+    for text in ["", "a", "\u{89}MCAP1\r\n and more"] {
+        fs::write(&path, text).unwrap();
+        assert!(matches!(repair(&path, &to), Err(LogError::Read { .. })));
+        assert!(!to.exists());
+    }
+    write(&to);
+    fs::remove_file(&path).unwrap();
+    write(&path);
+    assert!(matches!(repair(&path, &to), Err(LogError::Create { .. })));
+    assert!(matches!(repair(&path, &path), Err(LogError::Create { .. })));
+}
+
+#[test]
+fn a_second_run_does_not_touch_the_log_of_the_first() {
+    let folder = Folder::new("two");
+    let path = folder.file("a.mcap");
+    let mut first = McapLog::create(&path).unwrap();
+    let channel = first.channel("/a", "A", &json!({})).unwrap();
+    first.write(channel, 0.0, b"{}").unwrap();
+    let error = McapLog::create(&path).expect_err("is taken");
+    assert!(matches!(error, LogError::Taken { .. }));
+    let words = error.to_string();
+    let process = format!("process {}", std::process::id());
+    assert!(words.contains(&process), "{words}");
+    McapLog::create(&folder.file("b.mcap")).expect("another case is nobody's");
+    first.finish().unwrap();
+    assert_eq!(messages(&fs::read(&path).unwrap()).len(), 1);
+    drop(first);
+    McapLog::create(&path).expect("is free");
+}

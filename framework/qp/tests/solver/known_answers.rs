@@ -1,0 +1,131 @@
+//! Random problems whose answers are known by construction. `WBQP_QP_PROBLEMS` sets how many of each family and range
+//! of units.
+
+use wbqp_qp::{ActiveSet, ConstraintId, Held, QpSolver, Solution, WarmStart};
+
+use crate::{
+    families::{FAMILIES, Family, draw},
+    judge::judge,
+};
+
+/// Exponents of the units.
+const EXPONENTS: [f64; 3] = [0.0, 4.0, 8.0];
+
+/// What was answered wrongly once, among some million: an optimum where the cost falls for ever, a ray with rounding of
+/// a variable in a large unit, and constraints let go by multipliers compared without their units.
+const ONCE_WRONG: [(Family, u64, f64); 9] = [
+    (Family::Unbounded, 22034, 4.0),
+    (Family::Unbounded, 539, 8.0),
+    (Family::Unbounded, 214_994, 8.0),
+    (Family::Regular, 19624, 4.0),
+    (Family::Regular, 19624, 8.0),
+    (Family::Degenerate, 6439, 4.0),
+    (Family::Degenerate, 6439, 8.0),
+    (Family::Semidefinite, 781, 4.0),
+    (Family::Semidefinite, 781, 8.0),
+];
+
+/// What is wrong with the answer to a random problem, and its iterations.
+fn answer(family: Family, seed: u64, exponent: f64) -> (u32, Option<String>) {
+    let known = draw(family, seed, 16, exponent);
+    let mut solver = ActiveSet::default();
+    solver.bind(known.qp.capacity()).expect("is good");
+    let mut solution = Solution::new(known.qp.capacity());
+    solver.solve(&known.qp, &mut solution).expect("fits");
+    let wrong = judge(&known, &solution).err().map(|what| {
+        let (n, m) = (known.qp.n(), known.qp.m());
+        format!("{family:?} 1e±{exponent} {seed} (n {n}, m {m}): {what}")
+    });
+    (solution.iterations, wrong)
+}
+
+#[test]
+fn what_was_wrong_once_is_right() {
+    let wrong = |(family, seed, exponent)| answer(family, seed, exponent).1;
+    let wrong: Vec<_> = ONCE_WRONG.into_iter().filter_map(wrong).collect();
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn every_answer_is_right() {
+    let count: u64 =
+        std::env::var("WBQP_QP_PROBLEMS").map_or(300, |c| c.parse().expect("a number"));
+    let first: u64 = std::env::var("WBQP_QP_FIRST").map_or(0, |c| c.parse().expect("a number"));
+    let mut wrong = Vec::new();
+    // One family alone, by its name.
+    let only = std::env::var("WBQP_QP_FAMILY").ok();
+    let is_wanted = |family: &Family| {
+        only.as_ref()
+            .is_none_or(|name| format!("{family:?}") == *name)
+    };
+    for family in FAMILIES.into_iter().filter(is_wanted) {
+        for exponent in EXPONENTS {
+            let (mut iterations, mut before) = (0_u64, wrong.len());
+            for seed in first..first + count {
+                let (count, what) = answer(family, seed, exponent);
+                iterations += u64::from(count);
+                wrong.extend(what);
+            }
+            before = wrong.len() - before;
+            eprintln!(
+                "{family:?} 1e±{exponent}: {before} wrong, {:.1} iterations",
+                iterations as f64 / count as f64
+            );
+        }
+    }
+    let shown = wrong
+        .iter()
+        .take(60)
+        .cloned()
+        .collect::<Vec<_>>()
+        .join("\n");
+    assert!(wrong.is_empty(), "{} wrong:\n{shown}", wrong.len());
+}
+
+/// Whatever is remembered, constraints at any side with multipliers of any sign and size, decides how long a solve takes,
+/// not what it answers.
+#[test]
+fn any_warm_start_ends_at_a_right_answer() {
+    let multipliers = [1.0, -1.0, 0.0, 1e-300, 1e300, f64::NAN, f64::INFINITY];
+    let mut wrong = Vec::new();
+    for family in FAMILIES {
+        for seed in 0..200 {
+            let known = draw(family, seed, 16, 0.0);
+            let qp = &known.qp;
+            let rows = qp.rows().iter().map(|row| ConstraintId::Row(*row));
+            let bounds = qp.vars().iter().map(|var| ConstraintId::Bound(*var));
+            let mut start = WarmStart::with_capacity(qp.n() + qp.m());
+            for (i, constraint) in rows.chain(bounds).enumerate() {
+                // Some of them, some known; where the seed is a multiple of seven, all multipliers are.
+                let draw = (i * 7919 + seed as usize * 104_729) % 101;
+                if !draw.is_multiple_of(3) {
+                    let side = if draw.is_multiple_of(2) { 1.0 } else { -1.0 };
+                    let multiplier = if seed.is_multiple_of(7) {
+                        side
+                    } else {
+                        multipliers[draw % 7]
+                    };
+                    start.push(Held {
+                        constraint,
+                        side,
+                        multiplier,
+                    });
+                }
+            }
+            let mut solver = ActiveSet::default();
+            solver.bind(qp.capacity()).expect("is good");
+            solver.start_from(&start);
+            let mut solution = Solution::new(qp.capacity());
+            solver.solve(qp, &mut solution).expect("fits");
+            if let Err(what) = judge(&known, &solution) {
+                wrong.push(format!("{family:?} {seed}: {what}"));
+            }
+        }
+    }
+    assert!(
+        wrong.is_empty(),
+        "{} wrong:\n{}",
+        wrong.len(),
+        wrong.join("\n")
+    );
+}

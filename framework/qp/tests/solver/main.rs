@@ -1,0 +1,9 @@
+//! The solver: problems whose answers are known by construction, the smallest that were ever answered wrongly,
+//! independence of units, and problems put together wrongly.
+
+mod families;
+mod judge;
+mod known_answers;
+mod misuse;
+mod smallest_cases;
+mod units;

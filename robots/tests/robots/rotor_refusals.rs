@@ -1,0 +1,257 @@
+//! One test per way a rotor side-car can be wrong.
+
+use wbqp::robot::{RobotError, RobotModel, SourceFile};
+use wbqp_robots::{Options, from_sources};
+
+const URDF: &str = include_str!("../../files/othex/othex.urdf");
+
+const DEFAULTS: &str = "[defaults]
+thrust_coefficient = 2.5e-5
+moment_coefficient = 0.02
+thrust = { min = 0.2, max = 10 }
+time_constant = { rise = 0.01, fall = 0.02 }
+";
+
+const ROTOR: &str = "[[rotor]]
+name = 'left'
+frame = 'rotor_1'
+reaction = -1
+";
+
+fn source(name: &str, contents: &str) -> SourceFile {
+    SourceFile {
+        name: name.to_owned(),
+        media_type: "",
+        contents: contents.to_owned(),
+    }
+}
+
+fn load(rotors: &str) -> Result<RobotModel, RobotError> {
+    from_sources(
+        source("r.urdf", URDF),
+        Some(source("r.toml", rotors)),
+        &Options::default(),
+    )
+}
+
+/// The text without the lines that `drop` picks.
+fn without(text: &str, drop: impl Fn(&str) -> bool) -> String {
+    text.split_inclusive('\n')
+        .filter(|line| !drop(line))
+        .collect()
+}
+
+#[track_caller]
+fn refused(rotors: &str, parts: &[&str]) {
+    match load(rotors) {
+        Ok(_) => panic!("accepted:\n{rotors}"),
+        Err(error) => {
+            let message = error.to_string();
+            for part in parts {
+                assert!(message.contains(part), "`{part}` is not in: {message}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_file_that_the_others_are_made_from_is_accepted() {
+    load(&format!("{DEFAULTS}{ROTOR}")).unwrap();
+}
+
+#[test]
+fn malformed_toml() {
+    refused("[defaults\n", &["r.toml:1:"]);
+    refused("[defaults]\nslew = fast\n", &["r.toml:2:8"]);
+}
+
+#[test]
+fn unknown_keys() {
+    refused(
+        &format!("{DEFAULTS}{ROTOR}thrst = 1\n"),
+        &["r.toml:10:1", "`thrst`", "`thrust`"],
+    );
+    refused(
+        &format!("{DEFAULTS}name = 'x'\n{ROTOR}"),
+        &["r.toml:6:1", "unknown field `name`"],
+    );
+    refused(
+        &format!("{DEFAULTS}{ROTOR}[rotors]\n"),
+        &["unknown field `rotors`"],
+    );
+    let range = DEFAULTS.replace("max = 10", "max = 10, mean = 5");
+    refused(
+        &format!("{range}{ROTOR}"),
+        &["r.toml:4:", "unknown field `mean`"],
+    );
+}
+
+#[test]
+fn missing_keys() {
+    for key in [
+        "thrust_coefficient",
+        "moment_coefficient",
+        "thrust",
+        "time_constant",
+    ] {
+        let without = without(DEFAULTS, |line| line.starts_with(&format!("{key} ")));
+        refused(
+            &format!("{without}{ROTOR}"),
+            &[
+                "r.toml:5:1",
+                "rotor `left`",
+                &format!("`{key}` is missing"),
+                "[defaults]",
+            ],
+        );
+    }
+    let without_frame = without(ROTOR, |line| line.starts_with("frame"));
+    refused(
+        &format!("{DEFAULTS}{without_frame}"),
+        &[
+            "r.toml:6:1",
+            "rotor `left`",
+            "`frame` is missing",
+            "[defaults]",
+        ],
+    );
+    for key in ["name", "reaction"] {
+        let without = without(ROTOR, |line| line.starts_with(key));
+        refused(
+            &format!("{DEFAULTS}{without}"),
+            &["r.toml:6:", &format!("missing field `{key}`")],
+        );
+    }
+}
+
+#[test]
+fn rotors_that_are_placed_in_one_link_name_it_once() {
+    let rotor = |name: &str, x: f64| {
+        format!("[[rotor]]\nname = \"{name}\"\nposition = [{x:?}, 0.0, 0.0]\nreaction = 1\n")
+    };
+    let rotors = [rotor("left", -0.2), rotor("right", 0.2)].concat();
+    let robot = load(&format!("{DEFAULTS}frame = \"base_link\"\n{rotors}")).expect("a robot");
+    let model = &robot.model;
+    for (name, x) in [("left", -0.2), ("right", 0.2)] {
+        let frame = &model.frames()[model.frame(name).expect("is there").index()];
+        assert_eq!(frame.body, model.frames()[model.base_frame().index()].body);
+        assert_eq!(frame.X_BF.translation.x, x);
+    }
+}
+
+#[test]
+fn unknown_frame() {
+    let rotor = ROTOR.replace("rotor_1", "rotor1");
+    refused(
+        &format!("{DEFAULTS}{rotor}"),
+        &[
+            "r.toml:8:9",
+            "rotor `left`",
+            "robot `othex` has no frame `rotor1`; did you mean `rotor_1`?",
+        ],
+    );
+}
+
+#[test]
+fn reaction_is_a_sign() {
+    for wrong in ["0", "2", "-5"] {
+        let rotor = ROTOR.replace("-1", wrong);
+        refused(
+            &format!("{DEFAULTS}{rotor}"),
+            &[
+                "r.toml:9:12",
+                "rotor `left`",
+                &format!("reaction is {wrong}, must be 1"),
+            ],
+        );
+    }
+    let rotor = ROTOR.replace("-1", "'ccw'");
+    refused(&format!("{DEFAULTS}{rotor}"), &["r.toml:9:12", "ccw"]);
+}
+
+#[test]
+fn impossible_thrust() {
+    for (min, max) in [("5", "1"), ("-1", "5"), ("nan", "5"), ("0", "inf")] {
+        let own = format!("thrust = {{ min = {min}, max = {max} }}\n");
+        refused(
+            &format!("{DEFAULTS}{ROTOR}{own}"),
+            &["r.toml:10:10", "rotor `left`", "needs 0 <= min <= max"],
+        );
+    }
+}
+
+#[test]
+fn impossible_coefficients() {
+    for key in ["thrust_coefficient", "moment_coefficient", "slew"] {
+        for value in ["0", "-1.0", "nan", "inf"] {
+            refused(
+                &format!("{DEFAULTS}{ROTOR}{key} = {value}\n"),
+                &[
+                    "r.toml:10:",
+                    "rotor `left`",
+                    key,
+                    "must be positive and finite",
+                ],
+            );
+        }
+    }
+}
+
+#[test]
+fn impossible_time_constants() {
+    for value in ["0", "-1.0", "nan", "inf"] {
+        let own = format!("time_constant = {{ rise = 0.01, fall = {value} }}\n");
+        refused(
+            &format!("{DEFAULTS}{ROTOR}{own}"),
+            &[
+                "r.toml:10:17",
+                "rotor `left`",
+                "both must be positive and finite",
+            ],
+        );
+    }
+}
+
+/// A wrong default is shown where it stands, with the rotor that uses it.
+#[test]
+fn impossible_default() {
+    let defaults = DEFAULTS.replace("2.5e-5", "-2.5e-5");
+    refused(
+        &format!("{defaults}{ROTOR}"),
+        &["r.toml:2:22", "rotor `left`"],
+    );
+}
+
+#[test]
+fn duplicates() {
+    let other_frame = ROTOR.replace("rotor_1", "rotor_2");
+    refused(
+        &format!("{DEFAULTS}{ROTOR}{other_frame}"),
+        &["r.toml:11:8", "rotor `left`", "defined twice"],
+    );
+    let other_name = ROTOR.replace("left", "right");
+    refused(
+        &format!("{DEFAULTS}{ROTOR}{other_name}"),
+        &[
+            "r.toml:12:9",
+            "rotor `right`",
+            "already carries rotor `left`",
+        ],
+    );
+    let joint = ROTOR.replace("left", "arm_roll");
+    refused(
+        &format!("{DEFAULTS}{joint}"),
+        &["r.toml", "rotor `arm_roll`", "a joint has the same name"],
+    );
+}
+
+#[test]
+fn no_name_and_no_rotor() {
+    refused(
+        &format!("{DEFAULTS}{}", ROTOR.replace("left", " ")),
+        &["`name` is empty"],
+    );
+    refused(DEFAULTS, &["r.toml", "has no [[rotor]]"]);
+    refused(&format!("rotor = []\n{DEFAULTS}"), &["has no [[rotor]]"]);
+    refused("", &["has no [[rotor]]"]);
+}

@@ -1,0 +1,788 @@
+//! One test per habit of real files: it is read, and a diagnostic says where, what was done and how to say otherwise;
+//! and what has no meaning is refused all the same.
+
+use wbqp::{
+    dynamics::{Data, FrameKinematics, frame_motion},
+    nalgebra::DVector,
+    robot::{Diagnostic, RobotModel, Severity, SourceFile},
+    state::State,
+};
+use wbqp_robots::{BaseKind, MimicKind, Options, RobotFiles, from_sources};
+
+use crate::texts::{INERTIAL, LIMIT, arm, arm_link, inertial, joint, link, robot};
+
+fn source(name: &str, text: &str) -> SourceFile {
+    SourceFile {
+        name: name.to_owned(),
+        media_type: "application/xml",
+        contents: text.to_owned(),
+    }
+}
+
+#[track_caller]
+fn load_with(text: &str, options: &Options) -> RobotModel {
+    match from_sources(source("r.urdf", text), None, options) {
+        Ok(robot) => robot,
+        Err(error) => panic!("refused: {error}\n{text}"),
+    }
+}
+
+#[track_caller]
+fn load(text: &str) -> RobotModel {
+    load_with(text, &Options::default())
+}
+
+/// It loads, with these parts in the only diagnostic.
+#[track_caller]
+fn noticed(text: &str, severity: Severity, parts: &[&str]) -> RobotModel {
+    let robot = load(text);
+    let [diagnostic] = robot.diagnostics.as_slice() else {
+        panic!("{:#?}", robot.diagnostics);
+    };
+    assert_eq!(diagnostic.severity, severity, "{diagnostic}");
+    contains(&diagnostic.to_string(), parts);
+    robot
+}
+
+#[track_caller]
+fn warned(text: &str, parts: &[&str]) -> RobotModel {
+    noticed(text, Severity::Warning, parts)
+}
+
+#[track_caller]
+fn contains(text: &str, parts: &[&str]) {
+    for part in parts {
+        assert!(text.contains(part), "`{part}` is not in: {text}");
+    }
+}
+
+#[track_caller]
+fn silent(text: &str) -> RobotModel {
+    let robot = load(text);
+    let said: Vec<String> = robot
+        .diagnostics
+        .iter()
+        .map(Diagnostic::to_string)
+        .collect();
+    assert!(said.is_empty(), "{said:#?}");
+    robot
+}
+
+#[track_caller]
+fn refused_with(text: &str, options: &Options, parts: &[&str]) {
+    match from_sources(source("r.urdf", text), None, options) {
+        Ok(_) => panic!("accepted:\n{text}"),
+        Err(error) => contains(&error.to_string(), parts),
+    }
+}
+
+#[track_caller]
+fn refused(text: &str, parts: &[&str]) {
+    refused_with(text, &Options::default(), parts);
+}
+
+fn toml(text: &str) -> Options {
+    toml::from_str(text).expect("options")
+}
+
+#[test]
+fn links_without_mass_on_fixed_joints_are_frames() {
+    let frame = format!(
+        "<link name=\"tool\">{}</link>\n",
+        inertial("0", ["0", "0", "0"])
+    );
+    let root = format!(
+        "<link name=\"world\">{}</link>\n",
+        inertial("0", ["0", "0", "0"])
+    );
+    let text = robot(
+        &(root
+            + &link("base")
+            + &link("arm")
+            + &frame
+            + &joint("weld", "fixed", "world", "base", "")
+            + &joint("elbow", "revolute", "base", "arm", LIMIT)
+            + &joint("flange", "fixed", "arm", "tool", "<origin xyz=\"1 0 0\"/>")),
+    );
+    let robot = silent(&text);
+    assert!(robot.model.frame("tool").is_some() && robot.model.frame("world").is_some());
+    assert_eq!(robot.model.mass(), 4.0);
+}
+
+#[test]
+fn bodies_are_judged_with_all_that_is_fixed_to_them() {
+    // A point mass and a rod on fixed joints.
+    let point = format!(
+        "<link name=\"point\">{}</link>\n",
+        inertial("0.1", ["0", "0", "0"])
+    );
+    let rod = format!(
+        "<link name=\"rod\">{}</link>\n",
+        inertial("0.1", ["1e-3", "1e-3", "-2e-22"])
+    );
+    silent(&robot(
+        &(link("base")
+            + &link("arm")
+            + &point
+            + &rod
+            + &joint("elbow", "revolute", "base", "arm", LIMIT)
+            + &joint("a", "fixed", "arm", "point", "")
+            + &joint("b", "fixed", "arm", "rod", "")),
+    ));
+    let robot = warned(
+        &arm_link(
+            &inertial("1e-6", ["0", "0", "0"]).replace("<mass", "<origin xyz=\"0 0.1 0\"/><mass"),
+        ),
+        &[
+            "r.urdf:3:18: warning: link `arm`: inertia has a principal moment that is zero to rounding",
+            "taken as it is; joint `elbow` feels",
+            "options `inertia` for the link, or `armature` for joint `elbow`",
+        ],
+    );
+    assert_eq!(robot.model.bodies()[1].inertia.mass, 1e-6);
+}
+
+#[test]
+fn the_triangle_inequality_is_broken_with_digits() {
+    warned(
+        &arm_link(&inertial("1", ["0.01", "0.01", "0.020001"])),
+        &[
+            "link `arm`",
+            "breaks the triangle inequality",
+            "(by 1.0e-6)",
+        ],
+    );
+    noticed(
+        &robot(
+            &(link("base")
+                + &link("arm")
+                + &format!(
+                    "<link name=\"odd\">{}</link>\n",
+                    inertial("1e-3", ["1e-6", "1e-6", "9e-6"])
+                )
+                + &joint("elbow", "revolute", "base", "arm", LIMIT)
+                + &joint("weld", "fixed", "arm", "odd", "")),
+        ),
+        Severity::Note,
+        &[
+            "link `odd`",
+            "(by 7.0e-6)",
+            "together with the links fixed to it, it is physical",
+        ],
+    );
+}
+
+#[test]
+fn limits_that_say_nothing_are_none() {
+    let limits = |robot: &RobotModel| robot.model.joints()[0].limits;
+    let robot = warned(
+        &arm(
+            "revolute",
+            r#"<limit lower="-1" upper="1" effort="5" velocity="0"/>"#,
+        ),
+        &[
+            "r.urdf:4:",
+            "joint `elbow`: velocity limit is 0: taken as unlimited",
+            "option `velocity`",
+        ],
+    );
+    assert_eq!(limits(&robot).velocity, f64::INFINITY);
+    let robot = warned(
+        &arm(
+            "revolute",
+            r#"<limit lower="-1" upper="1" effort="0" velocity="3"/>"#,
+        ),
+        &["effort limit is 0: taken as unlimited"],
+    );
+    assert_eq!(robot.actuators[0].upper, f64::INFINITY);
+    let robot = warned(
+        &arm("revolute", r#"<limit upper="1" effort="5" velocity="3"/>"#),
+        &[
+            "<limit> has no `lower`: taken as unlimited on that side",
+            "option `range`",
+        ],
+    );
+    assert_eq!(
+        (limits(&robot).lower, limits(&robot).upper),
+        (f64::NEG_INFINITY, 1.0)
+    );
+    for kind in ["continuous", "revolute"] {
+        let robot = warned(
+            &arm(kind, ""),
+            &[
+                "<limit>",
+                "taken as unlimited in position, velocity and effort",
+            ],
+        );
+        assert_eq!(limits(&robot).upper, f64::INFINITY);
+    }
+    warned(
+        &arm(
+            "revolute",
+            r#"<limit lower="1" upper="-1" effort="5" velocity="3"/>"#,
+        ),
+        &["lower limit 1 is above upper limit -1: taken as unlimited"],
+    );
+    let robot = warned(
+        &arm(
+            "revolute",
+            r#"<limit lower="0" upper="0" effort="0" velocity="0"/>"#,
+        ),
+        &["joint `elbow`: all limits are 0: taken as unlimited in position, velocity and effort"],
+    );
+    assert_eq!(limits(&robot).upper, f64::INFINITY);
+    warned(
+        &arm(
+            "revolute",
+            r#"<limit lower="-1" upper="1" effort="0" velocity="0"/>"#,
+        ),
+        &["velocity and effort limits are 0: taken as unlimited"],
+    );
+    warned(
+        &arm("revolute", r#"<limit effort="5" velocity="3"/>"#),
+        &["<limit> has neither `lower` nor `upper`: taken as unlimited in position"],
+    );
+    noticed(
+        &arm(
+            "continuous",
+            r#"<limit lower="-6" upper="6" effort="5" velocity="3"/>"#,
+        ),
+        Severity::Note,
+        &["a continuous joint has a range, -6 to 6: taken as unlimited in position"],
+    );
+    let given = toml("velocity.elbow = 2.0\neffort.'el.*' = 4.0\nrange.elbow = [-0.5, 0.5]");
+    let robot = load_with(&arm("revolute", ""), &given);
+    assert!(robot.diagnostics.is_empty(), "{:#?}", robot.diagnostics);
+    assert_eq!(limits(&robot).velocity, 2.0);
+    assert_eq!((limits(&robot).lower, limits(&robot).upper), (-0.5, 0.5));
+    assert_eq!(robot.actuators[0].upper, 4.0);
+}
+
+#[test]
+fn a_moving_link_without_mass_needs_what_it_carries() {
+    let chain = |last: &str| {
+        robot(
+            &(link("base")
+                + "<link name=\"wrist\"/>\n"
+                + &format!("<link name=\"hand\">{last}</link>\n")
+                + &joint("bend", "revolute", "base", "wrist", LIMIT)
+                + &joint(
+                    "turn",
+                    "revolute",
+                    "wrist",
+                    "hand",
+                    &format!("<axis xyz=\"0 0 1\"/>{LIMIT}"),
+                )),
+        )
+    };
+    noticed(
+        &chain(INERTIAL),
+        Severity::Note,
+        &[
+            "link `wrist`: moves on its own without mass",
+            "it carries 2.000 kg",
+        ],
+    );
+    let robot = load(&chain(""));
+    let said: Vec<String> = robot
+        .diagnostics
+        .iter()
+        .map(Diagnostic::to_string)
+        .collect();
+    assert_eq!(said.len(), 2, "{said:#?}");
+    contains(
+        &said[0],
+        &[
+            "joint `bend`: the mass matrix is not positive definite",
+            "armature = { bend = 1e-3 }",
+        ],
+    );
+    contains(&said[1], &["joint `turn`"]);
+    let cured = toml("armature.'.*' = 1e-3");
+    let robot = load_with(&chain(""), &cured);
+    assert!(
+        robot
+            .diagnostics
+            .iter()
+            .all(|d| !d.found.contains("mass matrix")),
+        "{:#?}",
+        robot.diagnostics
+    );
+}
+
+/// Parallel axes with nothing between: singular in every posture, though no joint feels nothing.
+#[test]
+fn joints_that_cannot_be_told_apart_are_named() {
+    let text = robot(
+        &(link("base")
+            + "<link name=\"sleeve\"/>\n"
+            + &link("arm")
+            + &joint("outer", "revolute", "base", "sleeve", LIMIT)
+            + &joint("inner", "revolute", "sleeve", "arm", LIMIT)),
+    );
+    let robot = load(&text);
+    let said = robot
+        .diagnostics
+        .iter()
+        .map(Diagnostic::to_string)
+        .find(|d| d.contains("mass matrix"));
+    contains(
+        &said.expect("a diagnostic"),
+        &[
+            "joint `outer`",
+            "with the joints beyond it let go, this one moves nothing",
+        ],
+    );
+}
+
+#[test]
+fn what_is_not_about_dynamics_is_never_an_error() {
+    let decorated = |inside: &str| arm_link(&format!("{INERTIAL}{inside}"));
+    for inside in [
+        "<visual><geometry><cube/></geometry></visual>",
+        "<visual/>",
+        "<visual><geometry><mesh/></geometry></visual>",
+        "<visual><geometry><mesh filename=\"a.dae\" scale=\"2\"/></geometry></visual>",
+        "<visual><geometry><sphere radius=\"1\"/></geometry><material><texture/></material></visual>",
+        "<visual><geometry><sphere radius=\"x\"/></geometry>\
+         <material name=\"m\"><color rgba=\"1 1 1\"/></material></visual>",
+        "<collision><contact_coefficients mu=\"0\"/></collision>",
+        "<sensor:camera>a</sensor:camera>",
+    ] {
+        silent(&decorated(inside));
+    }
+    silent(&robot(
+        &(link("base")
+            + &link("arm")
+            + &joint("elbow", "revolute", "base", "arm", LIMIT)
+            + "<transmission/><gazebo><plugin/></gazebo><material/><controller:x a:b=\"1\"/>"),
+    ));
+    silent(&arm("revolute", LIMIT).replacen(
+        "<robot",
+        "\n<!-- made by hand --><?xml version=\"1.0\"?><robot",
+        1,
+    ));
+    noticed(
+        &arm("revolute", LIMIT).replace(" name=\"r\"", ""),
+        Severity::Note,
+        &["<robot>: has no name: called `r`"],
+    );
+}
+
+#[test]
+fn all_errors_of_a_file_come_at_once() {
+    let text = robot(
+        &(format!(
+            "<link name=\"base\">{}</link>\n",
+            inertial("-1", ["1", "1", "1"])
+        ) + &format!(
+            "<link name=\"arm\">{}</link>\n",
+            inertial("x", ["1", "1", "1"])
+        ) + &joint("elbow", "hinge", "base", "arm", LIMIT)
+            + &joint("wrist", "revolute", "base", "arm", "<axis xyz=\"0 0 0\"/>")),
+    );
+    refused(
+        &text,
+        &[
+            "r.urdf:2:29: link `base`: mass is -1 kg",
+            "\nr.urdf:3:28: link `arm`: <mass> value=\"x\" is not a number",
+            "\nr.urdf:4:1: joint `elbow`: unknown type `hinge`",
+            ": joint `wrist`: axis is 0 0 0",
+        ],
+    );
+}
+
+#[test]
+fn what_has_no_meaning_is_refused_in_either_mode() {
+    let ring = link("b")
+        + &link("c")
+        + &joint("bc", "revolute", "b", "c", LIMIT)
+        + &joint("cb", "revolute", "c", "b", LIMIT);
+    let cases = [
+        (robot(&ring), "cycle"),
+        (robot(&(link("a") + &link("b"))), "one root"),
+        (robot(""), "no links"),
+        (arm_link(&inertial("NaN", ["1", "1", "1"])), "is not a number"),
+        (arm_link(&inertial("-1", ["1", "1", "1"])), "mass is -1 kg"),
+        (arm_link(&inertial("1", ["1", "inf", "1"])), "must be at most"),
+        (arm("revolute", &format!("<axis xyz=\"0 0 0\"/>{LIMIT}")), "axis is 0 0 0"),
+        (robot(&(link("a") + &link("a"))), "defined twice"),
+        (arm("floating", ""), "type `floating` is supported for the joint between the world"),
+        (arm("revolute", "<limit lower=\"nan\" upper=\"1\"/>"), "is not a number"),
+        (robot("<link name=\"a\"/>"), "no link has mass"),
+        (
+            "<robot name='r' xmlns:xacro='http://www.ros.org/wiki/xacro'><xacro:arg name='a'/></robot>".to_owned(),
+            "xacro robot.urdf.xacro > robot.urdf",
+        ),
+        (
+            "<robot name='r'><xacro:include filename='a'/></robot>".to_owned(),
+            "<xacro>: this is a xacro file; expand it first",
+        ),
+    ];
+    for (text, what) in cases {
+        refused(&text, &[what]);
+    }
+}
+
+fn gripper() -> String {
+    robot(
+        &(link("palm")
+            + &link("left")
+            + &link("right")
+            + &joint(
+                "left_finger",
+                "prismatic",
+                "palm",
+                "left",
+                &format!("<axis xyz=\"0 1 0\"/>{LIMIT}"),
+            )
+            + &joint(
+                "right_finger",
+                "prismatic",
+                "palm",
+                "right",
+                "<axis xyz=\"0 1 0\"/><mimic joint=\"left_finger\" multiplier=\"-2\" offset=\"0.1\"/>\
+                 <limit lower=\"-1\" upper=\"1\" effort=\"1\" velocity=\"3\"/>",
+            )),
+    )
+}
+
+#[test]
+fn mimic_joints_are_coupled_unless_an_option_says_otherwise() {
+    let robot = warned(
+        &gripper(),
+        &["`left_finger` keeps -0.45 to 0.55 of its range, -1 to 1"],
+    );
+    assert_eq!(
+        (
+            robot.model.joints().len(),
+            robot.model.mimics().len(),
+            robot.nu()
+        ),
+        (1, 1, 1)
+    );
+    let limits = robot.model.joints()[0].limits;
+    assert_eq!((limits.lower, limits.upper), (-0.45, 0.55));
+    assert_eq!((limits.velocity, limits.effort), (1.5, 2.0));
+    let free = load_with(&gripper(), &toml("mimic.'.*' = 'free'"));
+    assert_eq!((free.model.joints().len(), free.nu()), (2, 2));
+    let locked = load_with(
+        &gripper(),
+        &toml("mimic.right_finger = 'lock'\nhome.left_finger = 0.2"),
+    );
+    assert_eq!((locked.model.joints().len(), locked.nu()), (1, 1));
+    let mut data = Data::new(&locked.model);
+    data.update(&locked.model, &locked.home);
+    let right = locked.model.frame("right").expect("still a frame");
+    assert!((frame_motion(&locked.model, &data, right).p_WF.y + 0.3).abs() < 1e-15);
+    assert_eq!(MimicKind::default(), MimicKind::Couple);
+}
+
+#[test]
+fn followers_that_leave_little_of_their_leaders_range_are_said() {
+    let fingers = |range: &str| {
+        gripper().replace(
+            "lower=\"-1\" upper=\"1\" effort=\"1\"",
+            &format!("{range} effort=\"1\""),
+        )
+    };
+    // −2 q + 0.1 within 0.1 … 3 leaves the leader −1 … 0.
+    let robot = warned(
+        &fingers("lower=\"0.1\" upper=\"3\""),
+        &[
+            "joint `right_finger`: follows joint `left_finger` by -2 q + 0.1",
+            "keeps -1 to 0 of its range, -1 to 1",
+        ],
+    );
+    assert_eq!(robot.model.joints()[0].limits.upper, 0.0);
+    // Never both within their ranges: still a robot.
+    let robot = warned(
+        &fingers("lower=\"5\" upper=\"6\""),
+        &[
+            "its own range is 5 to 6: its range is dropped",
+            "option `range` for either joint",
+        ],
+    );
+    assert_eq!(robot.model.joints()[0].limits.lower, -1.0);
+    let given = toml("range.right_finger = [-1.0, 1.0]");
+    let robot = load_with(&fingers("lower=\"5\" upper=\"6\""), &given);
+    assert_eq!(robot.model.joints()[0].limits.lower, -0.45);
+}
+
+#[test]
+fn mimic_joints_of_what_does_not_move_are_frozen_and_of_nothing_are_free() {
+    let fixed = gripper().replacen("type=\"prismatic\"", "type=\"fixed\"", 1);
+    noticed(
+        &fixed,
+        Severity::Note,
+        &[
+            "joint `right_finger`: follows joint `left_finger`, which is fixed: frozen at 0.1",
+            "\"free\"",
+        ],
+    );
+    warned(
+        &gripper().replace("joint=\"left_finger\"", "joint=\"left_fingr\""),
+        &[
+            "follows joint `left_fingr`, which does not exist; did you mean `left_finger`?",
+            "moves on its own",
+        ],
+    );
+    noticed(
+        &arm("fixed", "<mimic joint=\"x\"/>"),
+        Severity::Note,
+        &["a fixed joint has a <mimic>: it stays fixed"],
+    );
+    refused(
+        &gripper().replace("joint=\"left_finger\"", "joint=\"right_finger\""),
+        &["joint `right_finger`: follows itself"],
+    );
+    let locked = load_with(
+        &gripper(),
+        &toml("lock = ['left_finger']\nhome.left_finger = 0.25"),
+    );
+    assert_eq!(locked.model.joints().len(), 0);
+    contains(
+        &locked.diagnostics[0].to_string(),
+        &["which is locked: frozen at -0.4"],
+    );
+}
+
+#[test]
+fn locked_joints_are_lumped_at_home() {
+    let text = arm(
+        "revolute",
+        &format!("<origin xyz=\"0 0 1\"/><axis xyz=\"0 1 0\"/>{LIMIT}"),
+    )
+    .replace(
+        "</link>\n<joint",
+        "</link>\n<link name=\"tip\"/><joint name=\"t\" type=\"fixed\"><origin xyz=\"1 0 0\"/>\
+             <parent link=\"arm\"/><child link=\"tip\"/></joint>\n<joint",
+    );
+    let free = load(&text);
+    let locked = load_with(&text, &toml("lock = ['elb.w']\nhome.elbow = 0.7"));
+    assert_eq!(locked.model.joints().len(), 0);
+    let mut state = State::neutral(&free.model);
+    state.q[0] = 0.7;
+    let (mut a, mut b) = (Data::new(&free.model), Data::new(&locked.model));
+    a.update(&free.model, &state);
+    b.update(&locked.model, &locked.home);
+    let tip = |model: &wbqp::model::Model, data: &Data| {
+        frame_motion(model, data, model.frame("tip").expect("a frame")).p_WF
+    };
+    assert!((tip(&free.model, &a) - tip(&locked.model, &b)).norm() < 1e-15);
+    let block = a.mass_matrix().view((0, 0), (6, 6)).into_owned();
+    assert!((block - b.mass_matrix()).norm() < 1e-12);
+}
+
+/// The same robot from another base: the same kinetic energy and the same place of every link.
+#[test]
+fn another_root_is_the_same_robot() {
+    let origin = "<origin xyz=\"0.1 0.2 0.3\" rpy=\"0.4 -0.5 0.6\"/>";
+    let text = robot(
+        &(link("a")
+            + &link("b")
+            + &link("c")
+            + &link("d")
+            + &link("e")
+            + &joint(
+                "ab",
+                "revolute",
+                "a",
+                "b",
+                &format!("{origin}<axis xyz=\"1 2 3\"/>{LIMIT}"),
+            )
+            + &joint(
+                "bc",
+                "prismatic",
+                "b",
+                "c",
+                &format!("{origin}<axis xyz=\"0 1 1\"/>{LIMIT}"),
+            )
+            + &joint("bd", "fixed", "b", "d", origin)
+            + &joint(
+                "ce",
+                "revolute",
+                "c",
+                "e",
+                &format!("{origin}<axis xyz=\"1 0 -1\"/>{LIMIT}"),
+            )),
+    );
+    let own = silent(&text);
+    for root in ["b", "c", "d", "e"] {
+        let other = load_with(&text, &toml(&format!("root = '{root}'")));
+        assert_eq!(other.model.frames()[0].name, root);
+        let mut state = State::neutral(&own.model);
+        state.q = DVector::from_row_slice(&[0.3, -0.4, 0.5]);
+        state.v = DVector::from_row_slice(&[1.0, 2.0, 3.0, -1.0, 0.5, 0.2, 0.7, -0.8, 0.9]);
+        let mut data = Data::new(&own.model);
+        data.update(&own.model, &state);
+        let mut kinematics = FrameKinematics::new(&own.model);
+        kinematics.update(&own.model, &data, own.model.frame(root).expect("a link"));
+        let mut seen = State::neutral(&other.model);
+        seen.p_WR = kinematics.p_WF;
+        seen.R_WR = wbqp::nalgebra::UnitQuaternion::from_rotation_matrix(&kinematics.R_WF);
+        for k in 0..3 {
+            seen.v[k] = kinematics.v_WF[k];
+            seen.v[3 + k] = kinematics.w_WF[k];
+        }
+        for (joint, (q, v)) in own
+            .model
+            .joints()
+            .iter()
+            .zip(state.q.iter().zip(state.v.iter().skip(6)))
+        {
+            let id = other.model.joint(&joint.name).expect("the same joints");
+            seen.q[id.index()] = *q;
+            seen.v[other.model.velocity_index(id)] = *v;
+        }
+        let mut theirs = Data::new(&other.model);
+        theirs.update(&other.model, &seen);
+        for frame in ["a", "b", "c", "d", "e"] {
+            let [ours, others] =
+                [(&own.model, &data), (&other.model, &theirs)].map(|(model, data)| {
+                    frame_motion(model, data, model.frame(frame).expect("a link"))
+                });
+            assert!((ours.p_WF - others.p_WF).norm() < 1e-12, "{root} {frame}");
+            assert!(
+                (ours.R_WF.matrix() - others.R_WF.matrix()).norm() < 1e-12,
+                "{root} {frame}"
+            );
+            assert!((ours.v_WF - others.v_WF).norm() < 1e-12, "{root} {frame}");
+        }
+        let energy = |data: &Data, state: &State| state.v.dot(&(data.mass_matrix() * &state.v));
+        assert!(
+            (energy(&data, &state) - energy(&theirs, &seen)).abs() < 1e-10,
+            "{root}"
+        );
+    }
+    refused_with(
+        &text,
+        &toml("root = 'f'"),
+        &["option `root`: robot `r` has no link `f`"],
+    );
+}
+
+#[test]
+fn a_floating_joint_from_the_world_is_the_floating_base() {
+    let text = robot(
+        &("<link name=\"world\"/>\n".to_owned()
+            + &link("pelvis")
+            + &link("arm")
+            + &joint("float", "floating", "world", "pelvis", "")
+            + &joint("elbow", "revolute", "pelvis", "arm", LIMIT)),
+    );
+    let robot = silent(&text);
+    assert_eq!(
+        (robot.model.nv(), robot.model.frames()[0].name.as_str()),
+        (7, "pelvis")
+    );
+}
+
+#[test]
+fn a_planar_joint_is_two_slides_and_a_turn() {
+    let options = Options {
+        base: BaseKind::Fixed,
+        ..Options::default()
+    };
+    let robot = load_with(&arm("planar", "<axis xyz=\"0 0 2\"/>"), &options);
+    let names: Vec<&str> = robot
+        .model
+        .joints()
+        .iter()
+        .map(|j| j.name.as_str())
+        .collect();
+    assert_eq!(names, ["elbow.x", "elbow.y", "elbow.turn"]);
+    let mut state = State::neutral(&robot.model);
+    state.q = DVector::from_row_slice(&[0.5, -0.25, 1.0]);
+    let mut data = Data::new(&robot.model);
+    data.update(&robot.model, &state);
+    let arm = frame_motion(
+        &robot.model,
+        &data,
+        robot.model.frame("arm").expect("a link"),
+    );
+    assert!((arm.p_WF - wbqp::nalgebra::Vector3::new(0.5, -0.25, 0.0)).norm() < 1e-15);
+    assert!((arm.R_WF.angle() - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn a_state_of_the_srdf_is_home_and_places_the_base() {
+    let srdf = r#"<robot name="r"><group_state name="ready" group="all">
+        <joint name="root_joint" value="0 0 1.5 0 0 0 1"/><joint name="elbow" value="0.5"/><joint name="tail" value="1"/>
+        </group_state></robot>"#;
+    let files = |srdf: Option<&str>| RobotFiles {
+        urdf: source("r.urdf", &arm("revolute", LIMIT)),
+        rotors: None,
+        srdf: srdf.map(|text| source("r.srdf", text)),
+    };
+    let options = toml("state = 'ready'");
+    let robot = files(Some(srdf)).load(&options).expect("a robot");
+    assert_eq!(
+        (robot.home.q[0], robot.home.p_WR.z, robot.base_is_placed),
+        (0.5, 1.5, true)
+    );
+    contains(
+        &robot.diagnostics[0].to_string(),
+        &["does not have: `tail`"],
+    );
+    assert_eq!(robot.sources.len(), 2);
+    let error = files(None).load(&options).expect_err("no file").to_string();
+    contains(&error, &["state `ready` is in no file"]);
+    let far = srdf.replace("\"0.5\"", "\"1.5\"");
+    let robot = files(Some(&far)).load(&options).expect("a robot");
+    assert_eq!(robot.home.q[0], 1.0);
+    assert!(!load(&arm("revolute", LIMIT)).base_is_placed);
+    let placed = load_with(&arm("revolute", LIMIT), &toml("position = [0.0, 0.0, 2.0]"));
+    assert_eq!((placed.home.p_WR.z, placed.base_is_placed), (2.0, true));
+}
+
+#[test]
+fn options_are_by_name_or_by_expression() {
+    let text = robot(
+        &(link("base")
+            + &link("a")
+            + &link("b")
+            + &joint("arm_1", "revolute", "base", "a", LIMIT)
+            + &joint("arm_2", "revolute", "a", "b", LIMIT)),
+    );
+    let robot = load_with(
+        &text,
+        &toml("armature.'arm_.' = 0.1\narmature.arm_2 = 0.2\ndamping.'.*' = 3.0"),
+    );
+    let joints = robot.model.joints();
+    assert_eq!((joints[0].armature, joints[1].armature), (0.1, 0.2));
+    assert_eq!((joints[0].damping, joints[1].damping), (3.0, 3.0));
+    let robot = load_with(
+        &text,
+        &toml("[inertia.'[ab]']\nmass = 3.0\nmoments = [1.0, 1.0, 1.0]"),
+    );
+    assert_eq!(robot.model.mass(), 8.0);
+    refused_with(
+        &text,
+        &toml("armature.'arm_.' = 0.1\narmature.'.*_2' = 0.2"),
+        &[
+            "option `armature`",
+            "both match moving joint `arm_2`, with different values",
+        ],
+    );
+    refused_with(
+        &text,
+        &toml("lock = ['arm']"),
+        &["no moving joint `arm` (known: arm_1, arm_2)"],
+    );
+    refused_with(
+        &text,
+        &toml("lock = ['leg_.*']"),
+        &["no moving joint whose whole name the expression `leg_.*` matches"],
+    );
+    refused_with(
+        &text,
+        &toml("lock = ['(']"),
+        &["neither a moving joint nor a regular expression: error: unclosed group"],
+    );
+    refused_with(
+        &text,
+        &toml("servo = ['x']\npassive = ['y']\nlock = ['z']"),
+        &["option `servo`", "\noption `passive`", "\noption `lock`"],
+    );
+}

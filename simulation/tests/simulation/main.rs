@@ -1,0 +1,8 @@
+//! The plant: integrator, actuators, walls, sensors, and what their configuration refuses.
+
+mod actuators;
+mod common;
+mod configuration;
+mod integration;
+mod sensors;
+mod wall;

@@ -1,0 +1,217 @@
+//! Numbers of files by what they are of: what cannot be meant is refused, what may be a mistake is said.
+
+use wbqp::{ControllerConfig, controller::Controller};
+use wbqp_robots as _;
+use wbqp_tasks as _;
+use wbqp_tests::files::{scenarios, texts};
+
+const STAND: &str = r#"[controller]
+rate = 500.0
+
+[robot]
+type = "quadruped"
+
+[[contact]]
+frames = ["fl_foot", "fr_foot", "hl_foot", "hr_foot"]
+motion = "hard"
+
+[[task]]
+type = "com"
+weight = 10.0
+kp = 100.0
+
+[[task]]
+type = "posture"
+weight = 1.0
+kp = 30.0
+kd = 10.0
+reference = { type = "min_jerk", to = [0, 0.8, -1.6, 0, 0.8, -1.6, 0, -0.8, 1.6, 0, -0.8, 1.6], duration = 2.0 }
+"#;
+
+/// Errors and warnings of a file.
+fn load(text: &str) -> Result<Vec<String>, String> {
+    let config = ControllerConfig::from_str(text, "x.toml", "").map_err(|e| e.to_string())?;
+    Ok(config.warnings().iter().map(ToString::to_string).collect())
+}
+
+/// The file with one line replaced.
+fn with(old: &str, new: &str) -> String {
+    assert!(STAND.contains(old), "{old}");
+    STAND.replacen(old, new, 1)
+}
+
+#[test]
+fn what_is_usual_is_taken_without_a_word() {
+    assert_eq!(load(STAND), Ok(Vec::new()));
+}
+
+#[test]
+fn shipped_controllers_have_no_warnings() {
+    let files = texts("examples/scenarios", ".controller.toml");
+    for (name, _) in &files {
+        let config = ControllerConfig::from_file(scenarios().join(name)).expect("ships");
+        assert_eq!(config.warnings(), [], "{name}");
+    }
+    assert!(files.len() >= 4);
+}
+
+#[test]
+fn what_cannot_be_meant_is_refused_at_its_place() {
+    for (old, new, said) in [
+        (
+            "kp = 30.0",
+            "kp = 1e308",
+            "x.toml:19:6: task[1] `posture` (posture): kp: is 1e308 1/s²",
+        ),
+        (
+            "kd = 10.0",
+            "kd = 1e300",
+            "x.toml:20:6: task[1] `posture` (posture): kd: is 1e300 1/s",
+        ),
+        (
+            "weight = 10.0",
+            "weight = 1e308",
+            "x.toml:13:10: task[0] `com` (com): weight: is 1e308",
+        ),
+        (
+            "weight = 10.0",
+            "weight = 1e-300",
+            "x.toml:13:10: task[0] `com` (com): weight: is 1e-300",
+        ),
+        (
+            "motion = \"hard\"",
+            "motion = \"hard\"\nforce_max = inf",
+            "x.toml:10:13: contact[0] `fl_foot`: force_max: is inf",
+        ),
+        (
+            "motion = \"hard\"",
+            "motion = \"hard\"\nforce_max = 1e300",
+            "force_max: is 1e300 N: no robot has more than 1e8",
+        ),
+        (
+            "motion = \"hard\"",
+            "motion = \"hard\"\nfriction = 1e200",
+            "friction: is 1e200 1",
+        ),
+        (
+            "motion = \"hard\"",
+            "motion = \"hard\"\ntransition = 1e200",
+            "transition: is 1e200 s: longer than any run",
+        ),
+        (
+            "motion = \"hard\"",
+            "motion = \"hard\"\nsurface = { origin = [0, 0, 1e300] }",
+            "surface.origin[2]: is 1e300 m",
+        ),
+        (
+            "kp = 100.0",
+            "kp = 100.0\ntransition = 1e-300",
+            "transition: is 1e-300 s: shorter than any period",
+        ),
+        (
+            "[0, 0.8",
+            "[0, 1e100",
+            "x.toml:21:43: task[1] `posture` (posture): reference.to[1]: is 1e100 rad or m",
+        ),
+        (
+            "duration = 2.0",
+            "duration = 1e-300",
+            "reference.duration: is 1e-300 s: shorter than any period",
+        ),
+    ] {
+        let error = load(&with(old, new)).expect_err(new);
+        assert!(error.contains(said), "{new}:\n{error}");
+    }
+}
+
+#[test]
+fn what_may_be_a_mistake_is_said_and_taken() {
+    for (old, new, said) in [
+        (
+            "kp = 30.0",
+            "kp = 2e6",
+            "x.toml:19:6: warning: task[1] `posture` (posture): kp is 2e6 1/s²",
+        ),
+        (
+            "kd = 10.0",
+            "kd = 2e3",
+            "a loop at 500 Hz is stable with less than 1e3 1/s at best",
+        ),
+        (
+            "weight = 10.0",
+            "weight = 1e13",
+            "x.toml:18:10: warning: task[1] `posture` (posture): weight 1e0 is 1e-13 of",
+        ),
+        (
+            "motion = \"hard\"",
+            "motion = \"hard\"\nforce_max = 1e9",
+            "force_max is 1e9 N",
+        ),
+        (
+            "kp = 100.0",
+            "kp = 100.0\ntransition = 1e8",
+            "transition is 1e8 s: longer than any run",
+        ),
+    ] {
+        let warnings = load(&with(old, new)).expect(new);
+        let all = warnings.join("\n");
+        assert!(all.contains(said), "{new}:\n{all}");
+        assert!(all.contains("taken as it is; "), "{all}");
+    }
+    // They go with the robot, into logs and dumps.
+    let text = with("weight = 10.0", "weight = 1e13");
+    let config = ControllerConfig::from_str(&text, "x.toml", "").expect("is taken");
+    let controller = Controller::new(config).expect("is taken");
+    assert_eq!(controller.robot().diagnostics.len(), 1);
+}
+
+#[test]
+fn an_override_is_called_by_its_name() {
+    use wbqp::{config::Overrides, settings::Target};
+    let overrides = Overrides::new().with(Target::Task("posture".into()), "kp", 1e300);
+    let error = ControllerConfig::from_str_with(STAND, "x.toml", "", &overrides);
+    let error = error.expect_err("is refused").to_string();
+    assert!(
+        error.starts_with("x.toml: override task `posture`.`kp`: is 1e300 1/s²"),
+        "{error}"
+    );
+}
+
+/// Any number times ten to any power: it is refused in words, or the controller's first command is finite.
+#[test]
+fn every_size_of_every_number_is_refused_or_harmless() {
+    let (mut refused, mut taken) = (0, 0);
+    for old in [
+        "kp = 100.0",
+        "kp = 30.0",
+        "kd = 10.0",
+        "weight = 10.0",
+        "weight = 1.0",
+        "duration = 2.0",
+        "rate = 500.0",
+    ] {
+        for exponent in (-300..=300).step_by(20) {
+            let (key, _) = old.split_once(" = ").expect("has one");
+            let text = with(old, &format!("{key} = 3e{exponent}"));
+            let made = ControllerConfig::from_str(&text, "x.toml", "")
+                .map_err(|e| e.to_string())
+                .and_then(|config| Controller::new(config).map_err(|e| e.to_string()));
+            match made {
+                Err(words) => {
+                    assert!(words.starts_with("x.toml:"), "{words}");
+                    refused += 1;
+                }
+                Ok(mut controller) => {
+                    let home = controller.measurement();
+                    let (command, _) = controller.tick(&home);
+                    assert!(
+                        command.effort.iter().all(|u| u.is_finite()),
+                        "{old} e{exponent}"
+                    );
+                    taken += 1;
+                }
+            }
+        }
+    }
+    assert!(refused > 20 && taken > 20, "{refused} {taken}");
+}

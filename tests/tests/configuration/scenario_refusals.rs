@@ -1,0 +1,608 @@
+//! Every way in which a scenario's file can be wrong, by its message; and that no text makes loading panic.
+
+use std::path::Path;
+
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use wbqp_robots as _;
+use wbqp_sim::Scenario;
+use wbqp_tasks as _;
+use wbqp_tests::{files::scenarios, said::scenario};
+
+/// A scenario that is accepted.
+const GOOD: &str = r#"name = "push"
+controller = "push_with_disturbance.controller.toml"
+duration = 2.0
+
+[initial]
+position = [-0.5, 0.0, 1.258]
+rpy = [0.0, 0.0, 0.0]
+
+[initial.joints]
+arm_pitch1 = 0.3
+
+[plant]
+step = 0.00025
+
+[[plant.wall]]
+name = "wall"
+point = [0.0, 0.0, 0.0]
+normal = [-1.0, 0.0, 0.0]
+
+[[plant.contact_point]]
+frame = "tool"
+
+[[plant.disturbance]]
+frame = "base_link"
+force = [-3.5, 0.0, 0.0]
+from = 1.0
+until = 2.0
+
+[sensors.base]
+position_sd = 0.0005
+
+[[sensors.force_torque]]
+frame = "tool"
+force_sd = 0.05
+
+[[detector]]
+contact = "tip"
+on = 1.0
+
+[[event]]
+at = 1.0
+follow.base_position = { type = "min_jerk", to = [-0.1, 0.0, 1.258], duration = 6.0 }
+weight.contact_force = [1e-3, 1e-3, 3.0]
+
+[[case]]
+name = "one"
+
+[[case]]
+name = "two"
+set.task.contact_force.feedback = "off"
+"#;
+
+/// The good scenario with the first occurrence of a piece replaced.
+fn replaced(piece: &str, other: &str) -> String {
+    assert!(GOOD.contains(piece), "{piece}");
+    GOOD.replacen(piece, other, 1)
+}
+
+/// Asserts what is said of it, in full. `{controller}` is the controller's file.
+fn refused(piece: &str, other: &str, expected: &str) {
+    let controller = scenarios().join("push_with_disturbance.controller.toml");
+    let expected = expected.replace("{controller}", &controller.display().to_string());
+    match scenario(&replaced(piece, other)) {
+        Ok(_) => panic!("accepted: {other}"),
+        Err(message) => assert_eq!(message, expected),
+    }
+}
+
+#[test]
+fn a_good_one_is_accepted() {
+    let good = scenario(GOOD).expect("is good");
+    assert_eq!(good.name(), "push");
+    assert_eq!(good.case("one").expect("exists").duration(), 2.0);
+    assert_eq!(good.cases().collect::<Vec<_>>(), ["one", "two"]);
+    scenario(&replaced("duration = 2.0", "duration = 2")).expect("an integer is a number");
+}
+
+#[test]
+fn file_that_is_not_there() {
+    let error = Scenario::from_file(Path::new("none/s.toml")).expect_err("is not there");
+    assert!(
+        error
+            .to_string()
+            .starts_with("none/s.toml: cannot be read: ")
+    );
+}
+
+#[test]
+fn unknown_keys() {
+    let unknown = |piece: &str, other: &str, place: &str, known: &str| {
+        let key = other.split([' ', '.']).next().unwrap_or_default();
+        let expected = format!("s.toml:{place}: unknown field `{key}`, expected {known}");
+        refused(piece, other, &expected);
+    };
+    let top = "one of `name`, `controller`, `duration`, `initial`, `plant`, `sensors`, \
+               `detector`, `event`, `case`";
+    unknown("duration", "druation", "3:1", top);
+    unknown("rpy", "rpx", "7:1", "one of `position`, `rpy`, `joints`");
+    let plant = "one of `step`, `command_delay`, `friction_speed`, `mismatch`, `servo`, `wall`, \
+                 `contact_point`, `disturbance`";
+    unknown("step =", "stop =", "13:1", plant);
+    let base = "one of `position_sd`, `rotation_sd`, `linear_sd`, `angular_sd`";
+    unknown("position_sd", "position_sf", "30:1", base);
+    let force = "one of `frame`, `force_bias`, `moment_bias`, `force_sd`, `moment_sd`, `cutoff`";
+    unknown("force_sd", "force_df", "34:1", force);
+    let detector = "one of `contact`, `on`, `off`, `dwell`";
+    unknown(
+        "on = 1.0\n\n[[event",
+        "onn = 1.0\n\n[[event",
+        "38:1",
+        detector,
+    );
+    let event = "one of `at`, `mark`, `deactivate_contact`, `activate_contact`, `deactivate`, \
+                 `activate`, `weight`, `follow`";
+    unknown("weight.contact", "weigth.contact", "43:1", event);
+    unknown(
+        "set.task",
+        "sett.task",
+        "50:1",
+        "one of `name`, `set`, `change`",
+    );
+    refused(
+        "set.task",
+        "set.tusk",
+        "s.toml:50:5: unknown field `tusk`, expected one of `controller`, `robot`, `solver`, \
+         `measurement`, `contact`, `task`, `constraint`",
+    );
+}
+
+#[test]
+fn missing_keys() {
+    refused("name = \"push\"\n", "", "s.toml:1:1: missing field `name`");
+    refused(
+        "duration = 2.0\n",
+        "",
+        "s.toml:1:1: missing field `duration`",
+    );
+    refused("at = 1.0\n", "", "s.toml:40:1: missing field `at`");
+    refused(
+        "frame = \"base_link\"\n",
+        "",
+        "s.toml:23:1: missing field `frame`",
+    );
+}
+
+#[test]
+fn wrong_types() {
+    refused(
+        "duration = 2.0",
+        "duration = \"long\"",
+        "s.toml:3:12: invalid type: string \"long\", expected f64",
+    );
+    refused(
+        "position = [-0.5, 0.0, 1.258]",
+        "position = [-0.5, 0.0]",
+        "s.toml:6:12: invalid length 2, expected an array of length 3",
+    );
+    refused(
+        "step = 0.00025",
+        "command_delay = -1",
+        "s.toml:13:17: invalid value: integer `-1`, expected usize",
+    );
+    refused(
+        "set.task.contact_force.feedback = \"off\"",
+        "set = 3",
+        "s.toml:50:7: invalid type: integer `3`, expected tables of values, like \
+         task.<name>.<key> = …",
+    );
+    refused(
+        "[1e-3, 1e-3, 3.0]",
+        "\"x\"",
+        "s.toml:43:24: invalid type: string \"x\", expected a number or a list of numbers, one per row",
+    );
+    refused(
+        "duration = 2.0",
+        "duration = 2.0 s",
+        "s.toml:3:12: string values must be quoted, expected literal string",
+    );
+}
+
+#[test]
+fn duration() {
+    for (value, shown) in [("0.0", "0"), ("-1.0", "-1"), ("nan", "NaN"), ("inf", "inf")] {
+        refused(
+            "duration = 2.0",
+            &format!("duration = {value}"),
+            &format!("s.toml: duration: is {shown} s, must be positive and finite"),
+        );
+    }
+}
+
+#[test]
+fn cases() {
+    let without = &GOOD[..GOOD.find("[[case]]").expect("has cases")];
+    assert_eq!(
+        scenario(without).expect_err("has no case"),
+        "s.toml: case: there is none; add a [[case]] with a name"
+    );
+    refused(
+        "\"two\"",
+        "\"one\"",
+        "s.toml: case[1]: the name `one` is used twice",
+    );
+    for name in ["a/b", "", "ä", "."] {
+        refused(
+            "\"two\"",
+            &format!("\"{name}\""),
+            &format!("s.toml: case[1]: name `{name}` must be made of letters, digits, `_` and `-`"),
+        );
+    }
+    let scenario = scenario(GOOD).expect("is good");
+    assert_eq!(
+        scenario
+            .controller_config("three")
+            .expect_err("is none")
+            .to_string(),
+        "s.toml: there is no case `three` (known: one, two)"
+    );
+}
+
+#[test]
+fn the_controllers_file() {
+    let missing = scenario(&replaced(
+        "push_with_disturbance.controller.toml",
+        "none.toml",
+    ))
+    .expect_err("is not there");
+    let file = scenarios().join("none.toml");
+    let start = format!("{}: cannot be read: ", file.display());
+    assert!(missing.starts_with(&start), "{missing}");
+    assert!(missing.ends_with("\nin case `one` of s.toml"), "{missing}");
+    // Another file's errors are shown as that file's.
+    let wrong = scenario(&replaced(
+        "push_with_disturbance.controller.toml",
+        "push_with_disturbance.toml",
+    ))
+    .expect_err("is no controller");
+    let file = scenarios().join("push_with_disturbance.toml");
+    let start = format!(
+        "{}: top level: table `[robot]` is missing\n",
+        file.display()
+    );
+    assert!(wrong.starts_with(&start), "{wrong}");
+}
+
+#[test]
+fn overrides() {
+    let over = "contact_force.feedback = \"off\"";
+    refused(
+        over,
+        "force.feedback = \"off\"",
+        "{controller}: override task `force`.`feedback`: no task has this name; did you mean `contact_force`? \
+         (known: base_position, base_orientation, posture, contact_force, propeller_regularisation)\n\
+         in case `two` of s.toml",
+    );
+    refused(
+        over,
+        "contact_force.feedback = \"of\"",
+        "{controller}: override task `contact_force`.`feedback`: unknown value `of`, expected `off` \
+         or `pi`\nin case `two` of s.toml",
+    );
+    refused(
+        over,
+        "contact_force.feed = \"off\"",
+        "{controller}: override task `contact_force`.`feed`: unknown key `feed`; did you mean `feedback`? \
+         (known: active, anti_windup, clamp, contact, feedback, hardness, ki, kp, name, reference, tangential, \
+         transition, type, weight)\nin case `two` of s.toml",
+    );
+    // What only the robot can tell.
+    refused(
+        over,
+        "contact_force.weight = [1, 2]",
+        "{controller}: override task `contact_force`.`weight`: has 2 entries, expected one \
+         number, or 3: one per row\nin case `two` of s.toml",
+    );
+}
+
+#[test]
+fn initial_state() {
+    refused(
+        "arm_pitch1",
+        "arm_pitch9",
+        "s.toml: initial.joints: the robot has no joint `arm_pitch9`; did you mean `arm_pitch1`? \
+         (known: arm_roll, arm_pitch1, arm_pitch2)",
+    );
+    for (piece, other) in [
+        ("arm_pitch1 = 0.3", "arm_pitch1 = nan"),
+        ("rpy = [0.0", "rpy = [inf"),
+        ("position = [-0.5", "position = [nan"),
+    ] {
+        refused(
+            piece,
+            other,
+            "s.toml: initial: has a number that is not finite",
+        );
+    }
+    refused(
+        "arm_pitch1 = 0.3",
+        "arm_pitch1 = 7.0",
+        "s.toml: initial state: joint `arm_pitch1` at 7 is outside its range -1.570796 to 1.570796",
+    );
+    refused(
+        "position = [-0.5",
+        "position = [0.5",
+        "s.toml: initial state: contact point `tool` is 0.630 m behind wall `wall`; does the wall's \
+         normal point to the robot?",
+    );
+}
+
+const FRAMES: &str = "(known: base_link, arm_base, arm_link1, arm_link2, arm_link3, tool, rotor_1, \
+                      rotor_2, rotor_3, rotor_4, rotor_5, rotor_6)";
+
+#[test]
+fn plant() {
+    refused(
+        "step = 0.00025",
+        "step = 0.1",
+        "s.toml: plant.step: is 0.1, must be positive and at most 0.0004 s\n\
+         s.toml: plant.servo.time_constant: is 0.03, must be at least two steps of 0.1 s\n\
+         s.toml: plant.wall[0] `wall`: tangential_damping: is 60, must be at least \
+         tangential_stiffness × step = 2000",
+    );
+    refused(
+        "step = 0.00025",
+        "step = nan\ncommand_delay = 2000\nmismatch.mass_scale = 0",
+        "s.toml: plant.step: is NaN, must be positive and at most 0.0004 s\n\
+         s.toml: plant.command_delay: is 2000, must be at most 1000 periods\n\
+         s.toml: plant.mismatch.mass_scale: is 0, must be positive and finite",
+    );
+    refused(
+        "normal = [-1.0, 0.0, 0.0]",
+        "normal = [0.0, 0.0, 0.0]\nfriction = -1",
+        "s.toml: plant.wall[0] `wall`: normal: is zero, must point from the wall to the robot\n\
+         s.toml: plant.wall[0] `wall`: friction: is -1, must be finite and not negative",
+    );
+    refused(
+        "normal = [-1.0, 0.0, 0.0]",
+        "normal = [-1.0, nan, 0.0]",
+        "s.toml: plant.wall[0] `wall`: normal: is [-1.0, NaN, 0.0], must be finite",
+    );
+    refused(
+        "frame = \"tool\"",
+        "frame = \"toll\"",
+        &format!(
+            "s.toml: plant.contact_point[0].frame: robot `othex` has no frame `toll`; did you mean `tool`? {FRAMES}"
+        ),
+    );
+    refused(
+        "frame = \"base_link\"",
+        "frame = \"base_lnik\"",
+        &format!(
+            "s.toml: plant.disturbance[0].frame: robot `othex` has no frame `base_lnik`; did you mean `base_link`? \
+             {FRAMES}"
+        ),
+    );
+    refused(
+        "force = [-3.5",
+        "force = [nan",
+        "s.toml: plant.disturbance[0].force: is [NaN, 0.0, 0.0], must be finite",
+    );
+    refused(
+        "until = 2.0",
+        "until = 0.5",
+        "s.toml: plant.disturbance[0].until: is 0.5, must not be before from = 1",
+    );
+    let stiff = "normal = [-1.0, 0.0, 0.0]\nstiffness = 1e9\ntangential_stiffness = 1e4";
+    let message =
+        scenario(&replaced("normal = [-1.0, 0.0, 0.0]", stiff)).expect_err("is too stiff");
+    let start = "s.toml: step of 0.00025 s is too large: wall `wall` has up to 1000000000 N/m and ";
+    assert!(message.starts_with(start), "{message}");
+}
+
+#[test]
+fn sensors() {
+    refused(
+        "position_sd = 0.0005",
+        "position_sd = -1",
+        "s.toml: sensors.base.position_sd: is -1, must be finite and not negative",
+    );
+    refused(
+        "force_sd = 0.05",
+        "force_sd = nan\ncutoff = 0",
+        "s.toml: sensors.force_torque[0].force_sd: is NaN, must be finite and not negative\n\
+         s.toml: sensors.force_torque[0].cutoff: is 0, must be positive",
+    );
+    refused(
+        "frame = \"tool\"\nforce_sd",
+        "frame = \"toll\"\nforce_sd",
+        &format!(
+            "s.toml: sensors.force_torque[0].frame: robot `othex` has no frame `toll`; did you mean `tool`? {FRAMES}"
+        ),
+    );
+}
+
+#[test]
+fn detectors() {
+    refused(
+        "contact = \"tip\"",
+        "contact = \"top\"",
+        "s.toml:36:1: detector: there is no contact `top`; did you mean `tip`? (known: tip)",
+    );
+    refused(
+        "\non = 1.0",
+        "\non = 0.1",
+        "s.toml:36:1: detector: `on` is 0.1 N, must be above off = 0.3 N",
+    );
+    refused(
+        "\non = 1.0",
+        "\ndwell = -1.0",
+        "s.toml:36:1: detector: `dwell` is -1 s, must be finite and not negative",
+    );
+    refused(
+        "frame = \"tool\"\nforce_sd",
+        "frame = \"base_link\"\nforce_sd",
+        "s.toml:36:1: detector: no force is measured at contact `tip`: there is no \
+         [[sensors.force_torque]] with frame = \"tool\"",
+    );
+}
+
+#[test]
+fn events() {
+    let event = |piece: &str, other: &str, expected: &str| {
+        refused(
+            piece,
+            other,
+            &format!("s.toml:40:1: event at 1 s: {expected}"),
+        );
+    };
+    for (value, shown) in [("-1.0", "-1"), ("nan", "NaN"), ("inf", "inf")] {
+        refused(
+            "at = 1.0",
+            &format!("at = {value}"),
+            &format!("s.toml:40:1: event at {shown} s: `at` must be finite and not negative"),
+        );
+    }
+    let entries =
+        "base_position, base_orientation, posture, contact_force, propeller_regularisation";
+    for action in ["activate", "deactivate"] {
+        event(
+            "at = 1.0",
+            &format!("at = 1.0\n{action}_contact = [\"top\"]"),
+            "there is no contact `top`; did you mean `tip`? (known: tip)",
+        );
+        event(
+            "at = 1.0",
+            &format!("at = 1.0\n{action} = [\"cones\"]"),
+            &format!(
+                "there is no entry `cones`; did you mean `cone`? (known: {entries}, limits, cone, \
+                 no_slip)"
+            ),
+        );
+    }
+    let (follow, weight) = (
+        "follow.base_position",
+        "weight.contact_force = [1e-3, 1e-3, 3.0]",
+    );
+    event(
+        follow,
+        "follow.base_pose",
+        &format!("there is no task `base_pose` (known: {entries})"),
+    );
+    event(
+        follow,
+        "follow.propeller_regularisation",
+        "task `propeller_regularisation` follows no reference",
+    );
+    event(
+        "\"min_jerk\"",
+        "\"minjerk\"",
+        "follow.base_position: unknown variant `minjerk`, expected one of `ellipse`, `hold`, \
+         `min_jerk`, `thrust_attitude`, `waypoints`",
+    );
+    event(
+        "to = [",
+        "too = [",
+        "follow.base_position: unknown field `too`, expected one of `to`, `duration`, `from`, `start`",
+    );
+    event(
+        "to = [-0.1, 0.0, 1.258]",
+        "to = [-0.1, 0.0]",
+        "`base_position`: `to` has 2 entries, expected 3",
+    );
+    event(
+        "duration = 6.0",
+        "duration = -6.0",
+        "`base_position`: `duration` is -6, must be finite and above zero",
+    );
+    event(
+        "{ type = \"min_jerk\", to = [-0.1, 0.0, 1.258], duration = 6.0 }",
+        "3",
+        "follow.base_position: must be a table with a `type`, found integer",
+    );
+    for value in ["[1e-3, 3.0]", "-1.0", "nan"] {
+        event(
+            weight,
+            &format!("weight.contact_force = {value}"),
+            "`contact_force`: `weight` must be one number, or 3, finite and not negative",
+        );
+    }
+    event(
+        weight,
+        "weight.contactforce = 1.0",
+        &format!(
+            "there is no entry `contactforce`; did you mean `contact_force`? (known: {entries}, \
+             limits, cone, no_slip)"
+        ),
+    );
+}
+
+/// Values and pieces of text that may stand where a scenario has something else.
+const PIECES: &[&str] = &[
+    "nan",
+    "inf",
+    "-inf",
+    "0",
+    "-1",
+    "1e300",
+    "-1e-300",
+    "9223372036854775807",
+    "\"\"",
+    "\"tip\"",
+    "\"ä\"",
+    "[]",
+    "{}",
+    "[1]",
+    "[[1]]",
+    "true",
+    "1979-05-27",
+    "\n",
+    "\"",
+    "]",
+    "}",
+    "=",
+    "#",
+    ".",
+    "\0",
+    "[plant]",
+    "[[case]]",
+    "type = \"hold\"",
+];
+
+/// A text with a word, a line or a character changed.
+fn mutated(text: &str, rng: &mut ChaCha8Rng) -> String {
+    let piece = PIECES[rng.random_range(0..PIECES.len())];
+    let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+    let i = rng.random_range(0..lines.len());
+    let line = lines[i].clone();
+    match rng.random_range(0..6) {
+        0 => drop(lines.remove(i)),
+        1 => lines.insert(rng.random_range(0..i + 1), line),
+        2 => {
+            let j = rng.random_range(0..lines.len());
+            lines.swap(i, j);
+        }
+        3 => {
+            let at = rng.random_range(0..line.chars().count() + 1);
+            let byte = line.char_indices().nth(at).map_or(line.len(), |(b, _)| b);
+            lines[i].insert_str(byte, piece);
+        }
+        // A whole value or one of a list's.
+        4 => {
+            if let Some((key, _)) = line.split_once(" = ") {
+                lines[i] = format!("{key} = {piece}");
+            }
+        }
+        _ => {
+            let words: Vec<&str> = line.split(", ").collect();
+            let word = words[rng.random_range(0..words.len())];
+            if !word.is_empty() {
+                lines[i] = line.replacen(word, piece, 1);
+            }
+        }
+    }
+    lines.join("\n") + "\n"
+}
+
+#[test]
+fn no_text_makes_loading_panic() {
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    let (mut accepted, mut refused) = (0, 0);
+    for _ in 0..600 {
+        let mut text = GOOD.to_owned();
+        for _ in 0..rng.random_range(1..4) {
+            text = mutated(&text, &mut rng);
+        }
+        match scenario(&text) {
+            Ok(_) => accepted += 1,
+            Err(message) => {
+                assert!(!message.is_empty());
+                refused += 1;
+            }
+        }
+    }
+    println!("{accepted} accepted, {refused} refused");
+    assert!(accepted > 20 && refused > 200, "{accepted} {refused}");
+}

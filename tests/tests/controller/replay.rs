@@ -1,0 +1,250 @@
+//! Recorded ticks run again to the bit, from a file, on every rung.
+
+use std::{collections::BTreeSet, fs, path::Path};
+
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use wbqp::{
+    Controller, Measurement,
+    controller::{Dump, Rung},
+    error::BindError,
+    plugin::{Constraint, ConstraintRows, Entry, Layout, Setup, Tick},
+    replay::{DumpError, DumpFolder, Matrices, ProblemTable},
+    schemars::JsonSchema,
+    serde::{Deserialize, Serialize},
+};
+use wbqp_tests::{
+    files::Temporary,
+    scenes::{Kind, Scene},
+};
+
+/// Asks from time to time for an effort that the limits do not allow, and once for one that is no number.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(crate = "wbqp::serde")]
+#[schemars(crate = "wbqp::schemars")]
+struct Impossible {}
+
+#[wbqp::constraint("test.impossible")]
+impl Constraint for Impossible {
+    fn bind(&mut self, _: &mut Setup<'_>) -> Result<Layout, BindError> {
+        Ok(Layout::rows([("much", "N")]).effort_unit([0]))
+    }
+
+    fn update(&mut self, tick: &Tick<'_>, rows: &mut ConstraintRows<'_>) {
+        let tenth = (tick.time * 10.0) as u32 % 10;
+        let least = match tenth {
+            3 => 1e6,
+            7 => f64::NAN,
+            _ => f64::NEG_INFINITY,
+        };
+        rows.limit(0, least, f64::INFINITY);
+    }
+}
+
+const TICKS: usize = 240;
+
+/// A controller whose ticks are all recorded, and that is switched, misled and contradicted.
+fn eventful(kind: Kind, seed: u64) -> Controller {
+    let scene = Scene::new(kind, seed, 0b11, 0b1);
+    let config = scene
+        .config()
+        .with_constraint(Entry::constraint("impossible", Impossible {}));
+    let controller = config.build().expect("the scene is valid");
+    let mut controller = controller.with_recorder(TICKS).expect("can be saved");
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut measurement = scene.measurement();
+    for k in 0..TICKS {
+        measurement.time = 0.004 * k as f64;
+        for v in measurement.state.v.iter_mut() {
+            *v += rng.random_range(-0.02..0.02);
+        }
+        for w in measurement.wrenches.iter_mut().flat_map(|w| w.iter_mut()) {
+            *w += rng.random_range(-0.1..0.1);
+        }
+        let asked = match k % 60 {
+            10 => controller.deactivate_contact("contact_0"),
+            20 => controller.deactivate("posture"),
+            30 => controller.activate_contact("contact_0"),
+            40 => controller.activate("posture"),
+            45 => controller.reweight("posture", &0.5.into()),
+            _ => Ok(()),
+        };
+        asked.expect("these exist");
+        let mut spoiled = measurement.clone();
+        match k {
+            100..105 => spoiled.state.q[0] = f64::NAN,
+            130 => spoiled.time = f64::NAN,
+            131 => spoiled.wrenches.clear(),
+            150 => spoiled.time = 0.1,
+            _ => {}
+        }
+        controller.tick(&spoiled);
+    }
+    controller
+}
+
+#[test]
+fn every_tick_is_the_same_to_the_bit() {
+    let mut rungs = BTreeSet::new();
+    for (kind, seed) in [
+        (Kind::Othex, 1),
+        (Kind::OthexVertical, 2),
+        (Kind::Quadruped, 3),
+        (Kind::FixedArm, 4),
+    ] {
+        let dump = eventful(kind, seed).dump().expect("ticks were recorded");
+        let folder = Temporary::new("replay");
+        let path = folder.file("x.tick.toml");
+        dump.save(&path).expect("can be written");
+        let loaded = Dump::load(&path).expect("was written");
+        assert_eq!(loaded.records.len(), TICKS);
+        for index in 0..TICKS {
+            let replayed = loaded.replay(index, None).expect("fits");
+            assert!(
+                replayed.differences.is_empty(),
+                "{kind:?}, tick {index}: {:?}",
+                replayed.differences
+            );
+            rungs.insert(replayed.controller.report().rung);
+        }
+    }
+    assert_eq!(rungs.into_iter().collect::<Vec<_>>(), Rung::ALL);
+}
+
+/// A dump with one value of its text replaced.
+fn changed(dump: &Dump, change: impl FnOnce(&mut toml::Table)) -> Result<Dump, DumpError> {
+    let folder = Temporary::new("changed");
+    let path = folder.file("x.tick.toml");
+    dump.save(&path).expect("can be written");
+    let text = fs::read_to_string(&path).expect("was written");
+    let mut table: toml::Table = text.parse().expect("is TOML");
+    change(&mut table);
+    fs::write(&path, table.to_string()).expect("can be written");
+    Dump::load(&path)
+}
+
+#[test]
+fn what_is_recorded_matters() {
+    let dump = eventful(Kind::Othex, 1).dump().expect("recorded");
+    let index = 50;
+    let run = |change: &dyn Fn(&mut toml::Value)| {
+        let changed = changed(&dump, |table| change(&mut table["records"][index]));
+        let replayed = changed.expect("is a dump").replay(index, None);
+        replayed.expect("fits").differences
+    };
+    assert!(run(&|_| {}).is_empty());
+    assert!(!run(&|tick| tick["measured"]["q"][0] = 0.3.into()).is_empty());
+    assert!(!run(&|tick| tick["entries"][0]["weight"][0] = 9.0.into()).is_empty());
+    assert!(!run(&|tick| tick["entries"][0]["lower"][0] = 9.0.into()).is_empty());
+    assert!(!run(&|tick| tick["before"]["command"]["joint_velocity"][0] = 0.9.into()).is_empty());
+    let differences = run(&|tick| tick["outcome"]["command"]["effort"][2] = 1.5.into());
+    let [difference] = differences.as_slice() else {
+        panic!("{differences:?}");
+    };
+    let text = difference.to_string();
+    assert!(text.starts_with("effort[2]: 1.5 recorded, "), "{text}");
+}
+
+#[test]
+fn a_change_of_the_rung_writes_a_bounded_number_of_files() {
+    let scene = Scene::new(Kind::Othex, 1, 0b11, 0b1);
+    let controller = scene.controller();
+    assert!(controller.dump().is_none(), "nothing is recorded");
+    let mut controller = controller.with_recorder(5).expect("can be saved");
+    assert!(controller.dump().is_none(), "no tick yet");
+    let folder = Temporary::new("dumps");
+    let mut dumps = DumpFolder::new(folder.file("run"), 3);
+    let mut measurement: Measurement = scene.measurement();
+    let mut written = Vec::new();
+    for k in 0..40 {
+        measurement.time = 0.004 * f64::from(k);
+        let mut spoiled = measurement.clone();
+        if k % 10 == 9 {
+            spoiled.state.v[0] = f64::INFINITY;
+        }
+        controller.tick(&spoiled);
+        if dumps
+            .write_if_changed(&mut controller)
+            .expect("can be written")
+            .is_some()
+        {
+            written.push(k);
+        }
+    }
+    // Down, up, down; then it is enough.
+    assert_eq!(written, [9, 10, 19]);
+    let dump = Dump::load(&dumps.written()[0]).expect("was written");
+    assert_eq!(dump.records.len(), 5);
+    assert_eq!(dump.records[4].time, 0.004 * 9.0);
+    let replayed = dump.replay(4, None).expect("fits");
+    assert_eq!(replayed.differences, []);
+    assert_eq!(replayed.controller.report().rung, Rung::Extrapolated);
+}
+
+#[test]
+fn the_problem_is_printed_by_name() {
+    let dump = eventful(Kind::Othex, 1).dump().expect("recorded");
+    let replayed = dump.replay(TICKS - 1, None).expect("fits");
+    let hidden = ProblemTable::new(&replayed.controller, Matrices::Hidden).to_string();
+    for part in [
+        "rotor_1.effort",
+        "contact_0.normal",
+        "cone_0.",
+        "active set",
+        "multiplier",
+    ] {
+        assert!(hidden.contains(part), "{part} is not in\n{hidden}");
+    }
+    let shown = ProblemTable::new(&replayed.controller, Matrices::Shown).to_string();
+    assert!(shown.starts_with(&hidden));
+    let n = replayed.controller.problem().n();
+    let h = shown
+        .lines()
+        .skip_while(|line| !line.starts_with("H ("))
+        .nth(1);
+    assert_eq!(h.map(|row| row.split_whitespace().count()), Some(n));
+}
+
+#[test]
+fn files_that_do_not_fit_are_refused() {
+    let dump = eventful(Kind::Othex, 1).dump().expect("recorded");
+    let refused = |change: &dyn Fn(&mut toml::Table)| {
+        let replayed = changed(&dump, |table| change(table)).and_then(|dump| dump.replay(7, None));
+        replayed.expect_err("does not fit").to_string()
+    };
+    let message = refused(&|table| table["format"] = 7.into());
+    assert!(
+        message.ends_with("is not a dump of ticks: format 7, this version reads 1"),
+        "{message}"
+    );
+    let message = refused(&|table| table["records"][7]["entries"][0]["name"] = "other".into());
+    assert_eq!(message, "record 7: an entry does not fit the configuration");
+    let message =
+        refused(&|table| table["records"][7]["before"]["vdot"] = toml::Value::Array(Vec::new()));
+    assert_eq!(
+        message,
+        "record 7: the robot's size does not fit the configuration"
+    );
+    let message = refused(&|table| table["robot"][0]["contents"] = "<robot/>".into());
+    assert!(
+        message.starts_with("the robot's file `")
+            && message.ends_with("is not the one in the dump"),
+        "{message}"
+    );
+    let message = refused(&|table| table["configuration"] = "rate = 1".into());
+    assert!(
+        message.starts_with("the dump's configuration: configuration: top level: "),
+        "{message}"
+    );
+    let message = refused(&|table| table["records"] = toml::Value::Array(Vec::new()));
+    assert_eq!(
+        message,
+        "record 7: there are 0 records, it does not fit the configuration"
+    );
+    let message = refused(&|table| table["records"][7]["sizes"] = "many".into());
+    assert!(message.contains("is not a dump of ticks"), "{message}");
+    let missing = Dump::load(Path::new("not_there"))
+        .expect_err("is not there")
+        .to_string();
+    assert!(missing.contains("cannot be read"), "{missing}");
+}

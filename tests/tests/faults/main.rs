@@ -1,0 +1,11 @@
+//! What happens when something is wrong: measurements, rows of plug-ins, limits that contradict one another, solvers
+//! that fail. Every rung of the ladder, the last gate before the actuators, and the law that needs no solver.
+
+mod adversarial;
+mod bad_measurements;
+mod bad_rows;
+mod ladder;
+mod last_gate;
+mod plausible_measurements;
+mod relaxed_in_time;
+mod safe_law;
