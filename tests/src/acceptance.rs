@@ -2,7 +2,7 @@
 
 use std::{env, fs, path::PathBuf, process};
 
-use wbqp_examples::{cli::Common, experiment::Experiment, markdown};
+use wbqp_replication::{Common, experiment::Experiment, markdown};
 
 const DOCUMENTED: &str = include_str!("../../docs/replication.md");
 
@@ -22,7 +22,7 @@ impl Drop for Temporary {
 /// # Panics
 /// If not.
 pub fn assert_as_promised(experiment: &Experiment) {
-    let name = experiment.name;
+    let name = experiment.measures.name;
     let out = Temporary(env::temp_dir().join(format!("wbqp-{name}-{}", process::id())));
     let args = Common {
         out: out.0.clone(),
