@@ -2,7 +2,7 @@
 
 use std::{fs, path::Path};
 
-use wbqp_examples::plugin_table;
+use wbqp_cli::plugin_table;
 
 #[test]
 fn page_is_up_to_date() {

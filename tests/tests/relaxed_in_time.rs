@@ -12,7 +12,7 @@ use wbqp::{
     controller::Rung,
     fault::{Fault, Measured},
 };
-use wbqp_examples::tick_stats::workload::Workload;
+use wbqp_bench::workload::Workload;
 
 /// Tests run side by side, and each has files of its own.
 static FILES: AtomicUsize = AtomicUsize::new(0);

@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
-use wbqp_examples::experiments;
+use wbqp_measures::experiments;
 use wbqp_sim::Scenario;
 use wbqp_tests::listener::Listener;
+use {wbqp_robots as _, wbqp_tasks as _}; // plug-ins are registered by linking
 
 #[test]
 fn every_experiment_runs_on_optima_alone() {
