@@ -41,20 +41,19 @@ fn a_loop_of_ones_own_has_optimal_ticks() {
 fn a_controller_in_code_is_a_file_and_can_be_changed() {
     let text = printed(env!("CARGO_BIN_EXE_in_code"));
     assert!(
-        text.contains("[[task]]") && text.contains("min_jerk"),
+        text.contains("[[task]]\nname = \"arm\"\ntype = \"posture\""),
         "{text}"
     );
-    assert_eq!(text.matches("optimal").count(), 4, "{text}");
+    assert_eq!(text.matches("s, optimal: joints").count(), 4, "{text}");
 }
 
 #[test]
 fn contradicting_limits_are_named() {
     let text = printed(env!("CARGO_BIN_EXE_limits"));
     assert!(text.contains("contradict"), "{text}");
-    assert!(
-        text.contains("fl_foot") && text.contains("limits"),
-        "{text}"
-    );
+    for limit in ["above the floor", "below the ceiling"] {
+        assert!(text.contains(limit), "{text}");
+    }
 }
 
 #[test]

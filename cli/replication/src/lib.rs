@@ -1,7 +1,7 @@
 //! The replication of the paper's experiments: run, measure, draw, report.
 //!
-//! A program runs the cases of a scenario into logs; every figure and every row (measured by `wbqp_measures`) is then made
-//! from the logs alone.
+//! A program runs the cases of a scenario into logs; every figure and every row (measured by `wbqp_measures`) is then
+//! made from the logs alone.
 
 pub mod command;
 pub mod experiment;

@@ -1,4 +1,6 @@
-//! Runs an experiment's scenario in memory and prints what was measured: `cargo run --release --bin experiment push_away`.
+//! Runs an experiment's scenario in memory and prints what was measured.
+//!
+//! `cargo run --release --bin experiment push_away`
 
 use std::{env, error::Error, path::Path};
 

@@ -40,13 +40,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         measurement.time = f64::from(tick) / controller.settings().rate;
         let (command, report) = controller.tick(&measurement);
         if tick % 125 == 0 {
-            let [first, ..] = command.joint_acceleration.as_slice() else {
-                break;
-            };
+            let rung = report.rung.as_str();
             println!(
-                "{:.1} s, {}: the arm's first joint {first:6.2} rad/s²",
-                report.time,
-                report.rung.as_str()
+                "{:.1} s, {rung}: joints {:6.2?} rad/s²",
+                report.time, command.joint_acceleration
             );
         }
     }
