@@ -1,11 +1,15 @@
 //! What the command `wbqp` does: [`check`] a robot, a controller or a scenario, run a scenario, write a new
-//! controller. The binary parses the command line and calls this.
+//! controller, look at plug-ins, schemas and recorded ticks. The binaries parse the command line and call this.
 
 pub mod assignment;
 pub mod check;
 pub mod log;
 pub mod new;
+pub mod plugin_table;
+pub mod plugins;
+pub mod replay;
 pub mod run;
+pub mod schema;
 pub mod subject;
 pub mod text;
 

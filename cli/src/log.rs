@@ -8,8 +8,8 @@ use std::{
 use anyhow::Result;
 use clap::{Args, Subcommand};
 use wbqp::input::size;
-use wbqp_examples::say;
 use wbqp_log::repair;
+use wbqp_terminal::say;
 
 /// Looks after logs
 #[derive(Args, Debug)]

@@ -5,9 +5,10 @@ use std::{alloc::System, io, process::ExitCode};
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
-use wbqp_cli::{check, log, new, run};
-use wbqp_examples::commands::{plugins, replay, replicate, schema, tick_stats};
-use wbqp_examples::complain;
+use wbqp_bench::command as tick_stats;
+use wbqp_cli::{check, log, new, plugins, replay, run, schema};
+use wbqp_replication::command as replicate;
+use wbqp_terminal::complain;
 
 // `tick-stats` counts allocations.
 #[global_allocator]

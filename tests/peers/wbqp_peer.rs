@@ -32,7 +32,7 @@ use wbqp::{
     nalgebra::{Quaternion, UnitQuaternion, Vector3},
     plugin::{Sample, Task},
 };
-use wbqp_examples::tick_stats::workload::{Player, Workload};
+use wbqp_bench::workload::{Player, Workload};
 use wbqp_tasks::{BaseOrientation, Com, FramePosition, Posture};
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;

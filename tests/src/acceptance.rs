@@ -1,6 +1,6 @@
 //! An experiment as it ships against what is promised of it.
 
-use wbqp_examples::{cli::Common, experiment::Experiment, markdown};
+use wbqp_replication::{Common, experiment::Experiment, markdown};
 
 use crate::files::Temporary;
 
@@ -13,7 +13,7 @@ const DOCUMENTED: &str = include_str!("../../docs/replication.md");
 /// # Panics
 /// If not.
 pub fn assert_as_promised(experiment: &Experiment) {
-    let name = experiment.name;
+    let name = experiment.measures.name;
     let out = Temporary::new(name);
     let args = Common {
         out: out.path().to_owned(),

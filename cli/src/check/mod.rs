@@ -11,7 +11,7 @@ pub use examination::{
 };
 pub use holding::{Effort, FirstTick, Holding, Means, Missing};
 pub use load::{Request, configuration, examine, robot_of};
-use wbqp_examples::complain;
+use wbqp_terminal::complain;
 
 use std::{
     io::{self, Write},

@@ -14,7 +14,7 @@ use std::{
     path::{Path, PathBuf},
     process::ExitCode,
 };
-use wbqp_examples::{complain, say};
+use wbqp_terminal::{complain, say};
 
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};

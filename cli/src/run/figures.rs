@@ -4,15 +4,12 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use wbqp::{Controller, actuator::Actuator, model::Base};
-use wbqp_examples::{
-    log_reader::Log,
-    plots::{Colour, Figure, Line, Panel},
-    series::Series,
-};
+use wbqp_measures::{Recording, Series, escaped, log::Log};
+use wbqp_replication::plots::{Colour, Figure, Line, Panel};
 
 use super::{
     summary::effort_pointer,
-    traces::{columns, escaped, norm},
+    traces::{columns, norm},
 };
 use crate::{check::effort_unit, text::number};
 

@@ -8,7 +8,6 @@ mod summary;
 mod traces;
 
 pub use summary::{CaseSummary, ContactSummary, EffortSummary, TaskSummary, TickTime};
-use wbqp_examples::say;
 
 use std::{
     path::{Path, PathBuf},
@@ -19,12 +18,10 @@ use anyhow::{Context, Result, bail};
 use clap::Args;
 use rayon::prelude::*;
 use wbqp::replay::DumpFolder;
-use wbqp_examples::{
-    cli::{Common, ProgressBars},
-    log_reader::Log,
-};
 use wbqp_log::{LogSink, McapLog};
+use wbqp_measures::log::Log;
 use wbqp_sim::Scenario;
+use wbqp_terminal::{Common, ProgressBars, say};
 
 use self::soles::Soles;
 use crate::{assignment::Assignment, check::RobotOptions, subject::Subject};

@@ -11,11 +11,11 @@ use wbqp::{
     input,
     serde_json::{self, Value},
 };
-use wbqp_examples::log_reader::Log;
 use wbqp_log::{LogError, RunLock};
+use wbqp_measures::{Recording, escaped, log::Log};
 use wbqp_sim::Summary;
 
-use super::traces::{columns, escaped, norm};
+use super::traces::{columns, norm};
 use crate::{
     check::effort_unit,
     text::{indented, number, per_cent, quantity, table},
@@ -311,7 +311,7 @@ fn efforts(log: &Log, controller: &Controller) -> Result<Vec<EffortSummary>> {
         .map(|i| effort_pointer(controller, i).unwrap_or_default())
         .collect();
     let efforts = columns(log, "/command", &pointers)?;
-    let of = |(actuator, effort): (&wbqp::actuator::Actuator, &wbqp_examples::series::Series)| {
+    let of = |(actuator, effort): (&wbqp::actuator::Actuator, &wbqp_measures::Series)| {
         let share = |u: f64| {
             let limit = if u < 0.0 {
                 actuator.lower

@@ -1,15 +1,6 @@
-//! Signals of a log, several of a topic at once: a message is parsed once.
+//! Signals of a log, several of a topic at once.
 
-use wbqp::serde_json::Value;
-use wbqp_examples::{
-    log_reader::{Log, ReadError},
-    series::Series,
-};
-
-/// Part of a JSON pointer to a field.
-pub(super) fn escaped(name: &str) -> String {
-    name.replace('~', "~0").replace('/', "~1")
-}
+use wbqp_measures::{MeasureError, Recording, Series, log::Log};
 
 /// Numbers over time, by JSON pointers; true is 1 and false is 0, what a message does not have is NaN.
 ///
@@ -19,26 +10,11 @@ pub(super) fn columns(
     log: &Log,
     topic: &str,
     pointers: &[String],
-) -> Result<Vec<Series>, ReadError> {
-    let mut columns = vec![Series::default(); pointers.len()];
-    if !log.has(topic) {
-        return Ok(columns);
-    }
-    for message in log.messages(topic)? {
-        let (time, message) = message?;
-        for (column, pointer) in columns.iter_mut().zip(pointers) {
-            let value = message.pointer(pointer);
-            column.t.push(time);
-            column.y.push(value.map_or(f64::NAN, number));
-        }
-    }
-    Ok(columns)
-}
-
-fn number(value: &Value) -> f64 {
-    match value {
-        Value::Bool(b) => f64::from(u8::from(*b)),
-        other => other.as_f64().unwrap_or(f64::NAN),
+) -> Result<Vec<Series>, MeasureError> {
+    if log.has(topic) {
+        log.columns(topic, pointers)
+    } else {
+        Ok(vec![Series::default(); pointers.len()])
     }
 }
 

@@ -175,7 +175,7 @@ fn a_log_that_was_cut_is_repaired_beside_it() {
     let done = wbqp(&["log", "repair", &cut]);
     assert_eq!(done.code, 0, "{}", done.stderr);
     assert!(done.stdout.contains("are cut off"), "{}", done.stdout);
-    let saved = wbqp_examples::log_reader::Log::open(&folder.0.join("cut.repaired.mcap")).unwrap();
+    let saved = wbqp_measures::log::Log::open(&folder.0.join("cut.repaired.mcap")).unwrap();
     assert!(saved.topics().count() > 3);
     // A second time there is a file in the way.
     assert_eq!(wbqp(&["log", "repair", &cut]).code, 1);

@@ -3,6 +3,7 @@
 use std::{fs, path::Path};
 
 use wbqp::serde_json::{self, Value};
+use wbqp_measures::Recording;
 
 use crate::common::{Temporary, wbqp};
 
@@ -39,7 +40,7 @@ fn a_legged_scenario_leaves_a_log_figures_and_a_summary() {
         let svg = fs::read_to_string(folder.join(format!("stand.{file}.svg"))).unwrap();
         assert!(svg.contains("<svg") && svg.contains("polyline"), "{file}");
     }
-    let log = wbqp_examples::log_reader::Log::open(&folder.join("stand.mcap")).unwrap();
+    let log = wbqp_measures::log::Log::open(&folder.join("stand.mcap")).unwrap();
     assert!((log.end() - 0.499).abs() < 1e-9);
     let varied = log.attachment("variation.toml").unwrap();
     let varied = std::str::from_utf8(varied).unwrap();

@@ -1,7 +1,7 @@
 //! Ticks of a closed loop, recorded, to be run again as often as a benchmark wants.
 
 use wbqp::{Controller, Measurement, stopwatch::StageTimes};
-use wbqp_examples::tick_stats::workload::{Contact, Robot, Workload};
+use wbqp_bench::workload::{Contact, Robot, Workload};
 
 /// Consecutive ticks that are recorded.
 const LENGTH: usize = 400;

@@ -8,7 +8,7 @@
 //!     --robot othex --ticks 5000 --hash
 //! ```
 
-use wbqp_examples::tick_stats::{
+use wbqp_bench::{
     hash, measure,
     workload::{Contact, Robot, Workload},
 };

@@ -4,9 +4,9 @@
 use std::collections::BTreeMap;
 
 use serde_json::Value;
-use wbqp_examples as _;
 use wbqp_sim::Scenario;
 use wbqp_tests::{files::scenarios, listener::Listener};
+use {wbqp_robots as _, wbqp_tasks as _}; // plug-ins are registered by linking
 
 /// Four sides inside a cone with the friction 0.5.
 fn is_on_the_pyramid(contact: &Value) -> bool {

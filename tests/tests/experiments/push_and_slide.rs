@@ -1,6 +1,6 @@
 //! Experiment C as it ships: every row of its table is as promised.
 
-use wbqp_examples::push_and_slide;
+use wbqp_replication::push_and_slide;
 use wbqp_tests::acceptance::assert_as_promised;
 
 #[test]

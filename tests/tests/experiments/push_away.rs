@@ -1,6 +1,6 @@
 //! Experiment D as it ships: every row of its table is as promised.
 
-use wbqp_examples::push_away;
+use wbqp_replication::push_away;
 use wbqp_tests::acceptance::assert_as_promised;
 
 #[test]

@@ -2,7 +2,7 @@
 
 use std::{collections::BTreeMap, fs};
 
-use wbqp_examples::push_with_disturbance;
+use wbqp_replication::push_with_disturbance;
 use wbqp_sim::Scenario;
 use wbqp_tests::{acceptance::assert_as_promised, files::scenarios, listener::Listener};
 

@@ -3,9 +3,10 @@
 
 use serde_json::Value;
 use wbqp::{settings::Target, toml};
-use wbqp_examples::experiments;
+use wbqp_measures::experiments;
 use wbqp_sim::{Scenario, Variation};
 use wbqp_tests::{files::scenarios, listener::Listener};
+use {wbqp_robots as _, wbqp_tasks as _}; // plug-ins are registered by linking
 
 const CONTACT: &str = "tip";
 /// How long before the end is looked at, s.

@@ -1,8 +1,9 @@
 //! Every experiment as published runs on optima alone: nothing of the ladder below shows in its results.
 
-use wbqp_examples::experiments;
+use wbqp_measures::experiments;
 use wbqp_sim::Scenario;
 use wbqp_tests::{files::scenarios, listener::Listener};
+use {wbqp_robots as _, wbqp_tasks as _}; // plug-ins are registered by linking
 
 #[test]
 fn every_experiment_runs_on_optima_alone() {

@@ -1,6 +1,6 @@
 //! Switching as it ships: every row of its table is as promised.
 
-use wbqp_examples::switching;
+use wbqp_replication::switching;
 use wbqp_tests::acceptance::assert_as_promised;
 
 #[test]

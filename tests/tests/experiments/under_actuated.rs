@@ -1,6 +1,6 @@
 //! Experiment E as it ships: every row of its table is as promised.
 
-use wbqp_examples::under_actuated;
+use wbqp_replication::under_actuated;
 use wbqp_tests::acceptance::assert_as_promised;
 
 #[test]

@@ -7,7 +7,7 @@ use wbqp::{
     controller::Rung,
     fault::{Fault, Measured},
 };
-use wbqp_examples::tick_stats::workload::Workload;
+use wbqp_bench::workload::Workload;
 use wbqp_tests::files::{Temporary, scenarios};
 
 /// The shipped scenario with another force in its first disturbance.

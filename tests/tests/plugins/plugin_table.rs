@@ -3,7 +3,7 @@
 use std::fs;
 
 use wbqp::registry::Listing;
-use wbqp_examples::plugin_table;
+use wbqp_cli::plugin_table;
 use wbqp_tests::files::workspace;
 
 /// What is linked but the tests' own plug-ins.

@@ -1,7 +1,7 @@
 //! Legged robots stand in their closed loop: what `tick_stats` times is control, not numbers that pass through.
 
 use wbqp::{controller::Rung, nalgebra::Vector3};
-use wbqp_examples::tick_stats::workload::{Contact, Robot, Workload};
+use wbqp_bench::workload::{Contact, Robot, Workload};
 
 /// What became of a run.
 #[derive(Debug, Default)]

@@ -23,17 +23,13 @@ use wbqp::{
     robot::RobotModel,
     state::State,
 };
-use wbqp_examples::{log_reader::Log, series::Series};
+use wbqp_measures::{Series, escaped, log::Log};
 
 use self::{
     canvas::{Canvas, Pen, Shape},
     skeleton::{Posture, Style, hull},
 };
-use super::{
-    soles::Soles,
-    summary::effort_pointer,
-    traces::{columns, escaped},
-};
+use super::{soles::Soles, summary::effort_pointer, traces::columns};
 use crate::text::number;
 
 /// Postures that the traces are drawn from.

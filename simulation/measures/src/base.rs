@@ -1,0 +1,39 @@
+//! The base's motion in a log.
+
+use crate::{MeasureError, Recording, Series};
+
+/// The plant's state if the log has it, else the estimate.
+pub fn topic(log: &dyn Recording) -> &'static str {
+    if log.has("/plant") {
+        "/plant"
+    } else {
+        "/state"
+    }
+}
+
+/// Position of the base's origin along a world axis (`x`, `y` or `z`), m.
+///
+/// # Errors
+/// [`MeasureError`] if the log has no state.
+pub fn position(log: &dyn Recording, axis: &str) -> Result<Series, MeasureError> {
+    log.series(topic(log), &format!("/base/position/{axis}"))
+}
+
+/// Roll, pitch and yaw of the base, rad (z-y-x convention); positive pitch is nose down.
+///
+/// # Errors
+/// [`MeasureError`] if the log has no state.
+pub fn angles(log: &dyn Recording) -> Result<[Series; 3], MeasureError> {
+    let fields = ["w", "x", "y", "z"].map(|c| format!("/base/orientation/{c}"));
+    let quaternion = log.columns(topic(log), &fields)?;
+    let [w, x, y, z] = quaternion.as_slice() else {
+        return Ok(Default::default());
+    };
+    let mut angles = [const { Vec::new() }; 3];
+    for (((w, x), y), z) in w.y.iter().zip(&x.y).zip(&y.y).zip(&z.y) {
+        angles[0].push((2.0 * (w * x + y * z)).atan2(1.0 - 2.0 * (x * x + y * y)));
+        angles[1].push((2.0 * (w * y - z * x)).clamp(-1.0, 1.0).asin());
+        angles[2].push((2.0 * (w * z + x * y)).atan2(1.0 - 2.0 * (y * y + z * z)));
+    }
+    Ok(angles.map(|y| Series { t: w.t.clone(), y }))
+}

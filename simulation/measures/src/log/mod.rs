@@ -1,0 +1,340 @@
+//! Reads logs back: figures and tables are made from the file, not from the simulator's memory.
+
+mod recorder;
+
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+
+use mcap::{McapError, MessageStream, read::LinearReader, records::Record};
+use serde_json::Value;
+use wbqp::input;
+use wbqp_log::Timeline;
+
+use crate::{MeasureError, Recording, RotorLimits, Series, Signals, escaped};
+
+pub use recorder::Recorder;
+
+/// Times, s, and texts of a topic's messages.
+type Messages = Vec<(f64, Vec<u8>)>;
+
+/// A log in memory: the text of each message by topic, schemas, metadata and attachments. Clones share the messages.
+#[derive(Clone, Debug, Default)]
+pub struct Log {
+    topics: BTreeMap<String, Arc<Messages>>,
+    schemas: BTreeMap<String, Value>,
+    metadata: BTreeMap<String, BTreeMap<String, String>>,
+    attachments: BTreeMap<String, Vec<u8>>,
+}
+
+/// Why a file could not be read as a log.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReadError {
+    /// The file cannot be read.
+    #[error("{}: {source}", path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// What the operating system says.
+        source: std::io::Error,
+    },
+    /// The file is not an MCAP file, or damaged.
+    #[error("not a complete MCAP file: {0}")]
+    Mcap(#[from] McapError),
+}
+
+impl Log {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// [`ReadError::File`] or [`ReadError::Mcap`].
+    pub fn open(path: &Path) -> Result<Self, ReadError> {
+        Self::from_bytes(&read(path)?)
+    }
+
+    /// Reads metadata and attachments of a file, not its messages.
+    ///
+    /// # Errors
+    /// [`ReadError::File`] or [`ReadError::Mcap`].
+    pub fn open_header(path: &Path) -> Result<Self, ReadError> {
+        Self::header(&read(path)?)
+    }
+
+    /// Reads the contents of an MCAP file.
+    ///
+    /// # Errors
+    /// [`ReadError::Mcap`].
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, ReadError> {
+        let mut topics: BTreeMap<String, Messages> = BTreeMap::new();
+        let mut schemas = BTreeMap::new();
+        for message in MessageStream::new(bytes)? {
+            let message = message?;
+            if let Some(schema) = &message.channel.schema
+                && !schemas.contains_key(&message.channel.topic)
+            {
+                // One that is no JSON describes nothing.
+                let schema = serde_json::from_slice(&schema.data).unwrap_or_default();
+                schemas.insert(message.channel.topic.clone(), schema);
+            }
+            let time = message.log_time as f64 * 1e-9;
+            let sample = (time, message.data.into_owned());
+            match topics.get_mut(&message.channel.topic) {
+                Some(samples) => samples.push(sample),
+                None => {
+                    topics.insert(message.channel.topic.clone(), vec![sample]);
+                }
+            }
+        }
+        Ok(Self {
+            topics: topics.into_iter().map(|(t, m)| (t, Arc::new(m))).collect(),
+            schemas,
+            ..Self::header(bytes)?
+        })
+    }
+
+    fn header(bytes: &[u8]) -> Result<Self, ReadError> {
+        let mut log = Self::default();
+        for record in LinearReader::new(bytes)? {
+            match record? {
+                Record::Metadata(m) => {
+                    log.metadata.insert(m.name, m.metadata);
+                }
+                Record::Attachment { header, data, .. } => {
+                    log.attachments.insert(header.name, data.into_owned());
+                }
+                _ => {}
+            }
+        }
+        Ok(log)
+    }
+
+    /// The topics that have messages.
+    pub fn topics(&self) -> impl Iterator<Item = &str> {
+        self.topics.keys().map(String::as_str)
+    }
+
+    /// What a topic's messages have inside an object that is inside other objects, by the names of these: the names of
+    /// its fields.
+    pub fn fields(&self, topic: &str, path: &[&str]) -> Vec<&str> {
+        let object = self.schema(topic, path).and_then(Value::as_object);
+        object.map_or_else(Vec::new, |o| o.keys().map(String::as_str).collect())
+    }
+
+    /// The unit of a number, by the names of the objects around it and its own.
+    pub fn unit(&self, topic: &str, path: &[&str]) -> Option<&str> {
+        let (name, objects) = path.split_last()?;
+        let unit = self.schema(topic, objects)?.get(name)?.get("unit")?;
+        unit.as_str()
+    }
+
+    /// The properties of an object.
+    fn schema(&self, topic: &str, path: &[&str]) -> Option<&Value> {
+        let root = self.schemas.get(topic)?.get("properties");
+        path.iter()
+            .fold(root, |inner, name| inner?.get(name)?.get("properties"))
+    }
+
+    /// Times (s) and contents of a topic's messages.
+    ///
+    /// # Errors
+    /// [`MeasureError::Topic`] now, [`MeasureError::Unreadable`] per message.
+    pub fn messages(
+        &self,
+        topic: &str,
+    ) -> Result<impl Iterator<Item = Result<(f64, Value), MeasureError>>, MeasureError> {
+        let messages = self.topics.get(topic).ok_or_else(|| MeasureError::Topic {
+            topic: topic.to_owned(),
+            known: self.topics().collect::<Vec<_>>().join(", "),
+        })?;
+        Ok(messages.iter().map(move |(time, text)| {
+            let message =
+                serde_json::from_slice(text).map_err(|source| MeasureError::Unreadable {
+                    topic: topic.to_owned(),
+                    source: Box::new(source),
+                })?;
+            Ok((*time, message))
+        }))
+    }
+
+    /// A table of texts.
+    pub fn metadata(&self, name: &str) -> Option<&BTreeMap<String, String>> {
+        self.metadata.get(name)
+    }
+
+    /// The log's named instants; empty if it has none.
+    pub fn timeline(&self) -> Timeline {
+        self.metadata(Timeline::NAME)
+            .map(Timeline::from_metadata)
+            .unwrap_or_default()
+    }
+
+    /// Names and contents of the attached TOML files.
+    pub fn attached_texts(&self) -> impl Iterator<Item = (&str, &str)> {
+        let toml = self.attachments.iter();
+        let toml = toml.filter(|(name, _)| has_extension(name, "toml"));
+        toml.filter_map(|(name, data)| Some((name.as_str(), std::str::from_utf8(data).ok()?)))
+    }
+
+    /// Contents of an attachment.
+    pub fn attachment(&self, name: &str) -> Option<&[u8]> {
+        self.attachments.get(name).map(Vec::as_slice)
+    }
+
+    /// All its series, read at once: for who asks for many of them.
+    ///
+    /// # Errors
+    /// [`MeasureError::Unreadable`].
+    pub fn signals(&self) -> Result<Signals, MeasureError> {
+        let mut signals = Signals::new();
+        for topic in self.topics() {
+            let mut fields = BTreeSet::new();
+            for message in self.messages(topic)? {
+                leaves(&message?.1, &mut String::new(), &mut fields);
+            }
+            let fields: Vec<String> = fields.into_iter().collect();
+            for (field, series) in fields.iter().zip(self.columns(topic, &fields)?) {
+                signals = signals.with_series(topic, field, series);
+            }
+        }
+        let timeline = self.timeline();
+        let names = self.metadata(Timeline::NAME).into_iter().flatten();
+        for (name, _) in names {
+            signals = match timeline.get(name) {
+                Some(time) => signals.with_mark(name, time),
+                None => signals,
+            };
+        }
+        if self.metadata("rotors").is_some() {
+            signals = self
+                .rotors()?
+                .into_iter()
+                .fold(signals, Signals::with_rotor);
+        }
+        let files = self.attached_tables();
+        Ok(files.fold(signals, Signals::with_configuration))
+    }
+
+    fn attached_tables(&self) -> impl Iterator<Item = toml::Table> {
+        self.attached_texts()
+            .filter_map(|(_, text)| text.parse::<toml::Table>().ok())
+    }
+}
+
+impl Recording for Log {
+    fn has(&self, topic: &str) -> bool {
+        self.topics.contains_key(topic)
+    }
+
+    fn columns(&self, topic: &str, fields: &[String]) -> Result<Vec<Series>, MeasureError> {
+        let mut columns = vec![Series::default(); fields.len()];
+        for message in self.messages(topic)? {
+            let (time, message) = message?;
+            for (column, field) in columns.iter_mut().zip(fields) {
+                column.t.push(time);
+                column
+                    .y
+                    .push(message.pointer(field).map_or(f64::NAN, to_number));
+            }
+        }
+        Ok(columns)
+    }
+
+    fn names(&self, topic: &str, object: &str) -> Result<Vec<String>, MeasureError> {
+        for message in self.messages(topic)? {
+            let (_, message) = message?;
+            if let Some(object) = message.pointer(object).and_then(Value::as_object) {
+                return Ok(object.keys().cloned().collect());
+            }
+        }
+        Ok(Vec::new())
+    }
+
+    fn end(&self) -> f64 {
+        let last = self.topics.values().filter_map(|m| m.last());
+        last.map(|m| m.0).fold(0.0, f64::max)
+    }
+
+    fn mark(&self, name: &str) -> Result<f64, MeasureError> {
+        self.timeline()
+            .get(name)
+            .ok_or_else(|| MeasureError::Metadata {
+                name: Timeline::NAME.to_owned(),
+                key: name.to_owned(),
+            })
+    }
+
+    fn rotors(&self) -> Result<Vec<RotorLimits>, MeasureError> {
+        let lacks = |key: &str| MeasureError::Metadata {
+            name: "rotors".to_owned(),
+            key: key.to_owned(),
+        };
+        let table = self.metadata("rotors").ok_or_else(|| lacks("*.min"))?;
+        let number = |key: String| {
+            let text = table.get(&key).ok_or_else(|| lacks(&key))?;
+            text.parse::<f64>().map_err(|_| lacks(&key))
+        };
+        let names = table.keys().filter_map(|k| k.strip_suffix(".min"));
+        names
+            .map(|name| {
+                Ok(RotorLimits {
+                    name: name.to_owned(),
+                    thrust: [
+                        number(format!("{name}.min"))?,
+                        number(format!("{name}.max"))?,
+                    ],
+                    speed: [
+                        number(format!("{name}.speed_min"))?,
+                        number(format!("{name}.speed_max"))?,
+                    ],
+                    lag: [
+                        number(format!("{name}.rise"))?,
+                        number(format!("{name}.fall"))?,
+                    ],
+                })
+            })
+            .collect()
+    }
+
+    fn configuration(&self, key: &str) -> Result<toml::Table, MeasureError> {
+        let found = self.attached_tables().find(|table| table.contains_key(key));
+        found.ok_or_else(|| MeasureError::Attachment(key.to_owned()))
+    }
+}
+
+/// Paths of everything in a message that is no object.
+fn leaves(value: &Value, path: &mut String, fields: &mut BTreeSet<String>) {
+    let Value::Object(object) = value else {
+        fields.insert(path.clone());
+        return;
+    };
+    for (name, inner) in object {
+        let length = path.len();
+        path.push('/');
+        path.push_str(&escaped(name));
+        leaves(inner, path, fields);
+        path.truncate(length);
+    }
+}
+
+fn read(path: &Path) -> Result<Vec<u8>, ReadError> {
+    input::read(path, input::LARGEST_LOG).map_err(|source| ReadError::File {
+        path: path.to_owned(),
+        source,
+    })
+}
+
+fn to_number(value: &Value) -> f64 {
+    match value {
+        Value::Bool(b) => f64::from(u8::from(*b)),
+        other => other.as_f64().unwrap_or(f64::NAN),
+    }
+}
+
+fn has_extension(name: &str, extension: &str) -> bool {
+    Path::new(name)
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case(extension))
+}

@@ -1,0 +1,93 @@
+#!/usr/bin/env python3
+"""The spine: the files and lines of code that an optimal tick runs through, from `Controller::tick` to the command.
+
+    python3 tests/spine.py [--keep]
+
+Runs the benchmark's closed loops without optimisation below callgrind (Debian's package `valgrind`), collects the functions
+that run below `Controller::tick`, and counts the lines of the files of `framework/src` that they are in: without comments,
+blank lines and tests, and without the dynamics. Solver, logs and plug-ins are crates of their own.
+"""
+
+import argparse
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+SOURCE = ROOT / "framework" / "src"
+# Beside the spine: what a tick needs to know of bodies in motion.
+WITHOUT = ("dynamics", "spatial.rs", "state.rs", "model")
+ROBOTS = ("othex", "quadruped", "humanoid")
+
+
+def build():
+    target = ROOT / "target" / "spine"
+    flags = ["--config", "profile.dev.opt-level=0", "--config", "profile.dev.debug='line-tables-only'"]
+    command = ["cargo", "build", "--locked", "--bin", "tick_stats", "--target-dir", target, *flags]
+    subprocess.run(command, cwd=ROOT, check=True)
+    return target / "debug" / "tick_stats"
+
+
+def functions(program, robot):
+    """Files and functions below the tick."""
+    with tempfile.TemporaryDirectory() as folder:
+        out = pathlib.Path(folder) / "callgrind.out"
+        command = ["valgrind", "--tool=callgrind", f"--callgrind-out-file={out}", "--dump-instr=no",
+                   "--toggle-collect=*Controller*::tick*", program, "--robot", robot, "--ticks", "200"]
+        done = subprocess.run(command, capture_output=True, text=True, cwd=folder)
+        if done.returncode != 0:
+            sys.exit(done.stderr)
+        text = out.read_text()
+    files, names, found = {}, {}, set()
+    file = None
+    for line in text.splitlines():
+        if match := re.match(r"(fl|fi|fe)=\((\d+)\)(?: (.*))?", line):
+            if match[3]:
+                files[match[2]] = match[3]
+            if match[1] == "fl":
+                file = files[match[2]]
+        elif match := re.match(r"fn=\((\d+)\)(?: (.*))?", line):
+            if match[2]:
+                names[match[1]] = match[2]
+            function = names[match[1]]
+        elif match := re.match(r"c(?:fi|fl|ob)=\((\d+)\)(?: (.*))?", line):
+            if match[2]:
+                files[match[1]] = match[2]
+        elif match := re.match(r"cfn=\((\d+)\)(?: (.*))?", line):
+            if match[2]:
+                names[match[1]] = match[2]
+        elif re.match(r"[+\-*\d]", line) and file:
+            found.add((file, function))
+    return found
+
+
+def lines_of_code(path):
+    text = path.read_text().split("\n#[cfg(test)]\nmod tests")[0]
+    lines = (line.strip() for line in text.splitlines())
+    return sum(1 for line in lines if line and not line.startswith("//"))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--program", help="a `tick_stats` that is there, built without optimisation")
+    arguments = parser.parse_args()
+    program = arguments.program or build()
+    reached = {}
+    for robot in ROBOTS:
+        for file, function in functions(program, robot):
+            match = re.search(r"framework/src/(.*\.rs)$", file)
+            if match and not match[1].startswith(WITHOUT):
+                reached.setdefault(match[1], set()).add(function)
+    source = pathlib.Path(arguments.program).resolve().parents[2] / "framework" / "src" if arguments.program else SOURCE
+    total = 0
+    for file in sorted(reached):
+        count = lines_of_code((source if (source / file).exists() else SOURCE) / file)
+        total += count
+        print(f"{count:6} {len(reached[file]):4} functions  {file}")
+    print(f"{total:6} lines of code in {len(reached)} files")
+
+
+if __name__ == "__main__":
+    main()
