@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """The spine: the files and lines of code that an optimal tick runs through, from `Controller::tick` to the command.
 
-    python3 tests/spine.py [--keep]
+    python3 tests/spine.py
 
-Runs the benchmark's closed loops without optimisation below callgrind (Debian's package `valgrind`), collects the functions
-that run below `Controller::tick`, and counts the lines of the files of `framework/src` that they are in: without comments,
-blank lines and tests, and without the dynamics. Solver, logs and plug-ins are crates of their own.
+Runs `spine` (tests/src/bin/spine.rs: three controllers that ship) without optimisation below callgrind (Debian's package
+`valgrind`), collects the functions that run below `Controller::tick`, and counts the lines of the files of `framework/src`
+that they are in: without comments, blank lines and tests, and without the dynamics. Solver, logs and plug-ins are crates of
+their own.
 """
 
 import argparse
@@ -19,24 +20,23 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 SOURCE = ROOT / "framework" / "src"
 # Beside the spine: what a tick needs to know of bodies in motion.
 WITHOUT = ("dynamics", "spatial.rs", "state.rs", "model")
-ROBOTS = ("othex", "quadruped", "humanoid")
 
 
 def build():
     target = ROOT / "target" / "spine"
     flags = ["--config", "profile.dev.opt-level=0", "--config", "profile.dev.debug='line-tables-only'"]
-    command = ["cargo", "build", "--locked", "--bin", "tick_stats", "--target-dir", target, *flags]
+    command = ["cargo", "build", "--locked", "-p", "wbqp-tests", "--bin", "spine", "--target-dir", target, *flags]
     subprocess.run(command, cwd=ROOT, check=True)
-    return target / "debug" / "tick_stats"
+    return target / "debug" / "spine"
 
 
-def functions(program, robot):
+def functions(program):
     """Files and functions below the tick."""
     with tempfile.TemporaryDirectory() as folder:
         out = pathlib.Path(folder) / "callgrind.out"
         command = ["valgrind", "--tool=callgrind", f"--callgrind-out-file={out}", "--dump-instr=no",
-                   "--toggle-collect=*Controller*::tick*", program, "--robot", robot, "--ticks", "200"]
-        done = subprocess.run(command, capture_output=True, text=True, cwd=folder)
+                   "--toggle-collect=*Controller*::tick*", program]
+        done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT)
         if done.returncode != 0:
             sys.exit(done.stderr)
         text = out.read_text()
@@ -71,19 +71,17 @@ def lines_of_code(path):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--program", help="a `tick_stats` that is there, built without optimisation")
+    parser.add_argument("--program", help="a `spine` that is there, built without optimisation")
     arguments = parser.parse_args()
     program = arguments.program or build()
     reached = {}
-    for robot in ROBOTS:
-        for file, function in functions(program, robot):
-            match = re.search(r"framework/src/(.*\.rs)$", file)
-            if match and not match[1].startswith(WITHOUT):
-                reached.setdefault(match[1], set()).add(function)
-    source = pathlib.Path(arguments.program).resolve().parents[2] / "framework" / "src" if arguments.program else SOURCE
+    for file, function in functions(program):
+        match = re.search(r"framework/src/(.*\.rs)$", file)
+        if match and not match[1].startswith(WITHOUT):
+            reached.setdefault(match[1], set()).add(function)
     total = 0
     for file in sorted(reached):
-        count = lines_of_code((source if (source / file).exists() else SOURCE) / file)
+        count = lines_of_code(SOURCE / file)
         total += count
         print(f"{count:6} {len(reached[file]):4} functions  {file}")
     print(f"{total:6} lines of code in {len(reached)} files")

@@ -371,7 +371,7 @@ pub(super) fn owners(
         for id in entry.rows.iter().chain(&entry.bounds) {
             if let Some(owner) = owners.get_mut(id.index()) {
                 owner.text.clone_from(&text);
-                owner.is_equality = entry.rows.contains(id) && crate::problem::is_equality(entry);
+                owner.is_equality = entry.rows.contains(id) && entry.is_equality();
             }
         }
     }

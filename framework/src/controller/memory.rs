@@ -88,6 +88,7 @@ impl Need {
             square(partition.nv).saturating_mul(2),
             (frames + normals).saturating_mul(6 * partition.nv),
             stored.numbers,
+            Problem::row_numbers(partition, entries),
         ];
         let numbers = numbers.into_iter().fold(0, usize::saturating_add);
         let bytes = [

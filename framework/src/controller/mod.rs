@@ -55,7 +55,7 @@ use crate::{
     dynamics::Actuation,
     fault::Fault,
     plugin::{Constraint, ConstraintRows, EntryState, Rows, Task},
-    problem::{BoundEntry, Problem, RowInfo, Table, VarInfo},
+    problem::{BoundEntry, Problem, RowInfo, Solved, Table, VarInfo},
     qp::{Budget, Qp, RowId, Solution, Solver, Status, VarId},
     robot::RobotModel,
     settings::{MeasurementLimits, Settings},
@@ -201,10 +201,9 @@ impl Controller {
         let assembled = if is_alert {
             // Rows that hold by substitution are part of a contradiction like all others.
             self.problem
-                .assemble_with_all_rows(&terms, &mut self.entries, &mut self.qp)
+                .build_with_all_rows(&terms, &self.entries, &mut self.qp)
         } else {
-            self.problem
-                .assemble(&terms, &mut self.entries, &mut self.qp)
+            self.problem.build(&terms, &self.entries, &mut self.qp)
         };
         let mut built = self.stopwatch.now();
         assembled?;
@@ -213,8 +212,7 @@ impl Controller {
                 .ladder
                 .is_still_infeasible(&self.qp, &mut self.solution);
         if is_alert && !is_proven {
-            self.problem
-                .assemble(&terms, &mut self.entries, &mut self.qp)?;
+            self.problem.build(&terms, &self.entries, &mut self.qp)?;
             built = self.stopwatch.now();
         }
         if !self.report.rung.is_solved() {
@@ -247,7 +245,7 @@ impl Controller {
             if !status.was_cut_short() && self.problem.has_determined() {
                 // Rows that hold by substitution are part of a contradiction like all others, and may be given up.
                 self.problem
-                    .assemble_with_all_rows(&terms, &mut self.entries, &mut self.qp)?;
+                    .build_with_all_rows(&terms, &self.entries, &mut self.qp)?;
                 self.solution.status = Status::Unsolved;
                 n = self.qp.n();
             }
@@ -263,8 +261,8 @@ impl Controller {
         };
         let solved = self.stopwatch.now();
         let x = &self.solution.x[..n];
-        self.problem.recover(&self.entries, &terms, x);
-        let (vdot, effort) = (self.problem.vdot(), self.problem.effort());
+        self.problem.recover(&self.entries, x);
+        let Solved { vdot, effort, .. } = self.problem.solved();
         if !vdot.iter().chain(effort).all(|x| x.is_finite()) {
             self.report.relaxed.clear();
             return Err(Fault::Dynamics);

@@ -14,7 +14,9 @@ impl Controller {
         let tasks = &self.entries[..self.tasks.len()];
         let asked = self.world.last.virtual_input.as_mut_slice();
         self.problem.collect_asked(tasks, asked);
-        self.command.effort.copy_from_slice(self.problem.effort());
+        self.command
+            .effort
+            .copy_from_slice(&self.problem.solved().effort);
         if self.report.rung != rung || self.report.on_rung.ticks == 0 {
             // Velocity references start anew from the measured velocities.
             self.command.engage(&self.robot.model, &self.world.state);
@@ -43,21 +45,17 @@ impl Controller {
                 position: contact.p_SC,
             };
         }
-        self.report.objective = self.problem.objective();
+        self.report.objective = self.problem.solved().objective;
         self.report_tasks();
         self.report_active();
     }
 
     fn report_tasks(&mut self) {
-        for ((entry, task), report) in self
-            .entries
-            .iter()
-            .zip(&self.tasks)
-            .zip(&mut self.report.tasks)
-        {
+        let tasks = self.entries.iter().zip(&self.tasks);
+        for (index, ((entry, task), report)) in tasks.zip(&mut self.report.tasks).enumerate() {
             report.alpha = if entry.live { entry.alpha } else { 0.0 };
             let residuals = if entry.live {
-                self.problem.residuals(entry)
+                self.problem.solved().residuals(index)
             } else {
                 None
             };

@@ -13,8 +13,7 @@ use crate::{
     error::BindError,
     plugin::{
         Constraint, ConstraintRows, EntryState, Layout, Prediction, Rows, Setup, Task, Tick,
-        layout::{Block, VdotBlock},
-        rows::RowStore,
+        rows::{RowStore, Variable},
     },
     robot::RobotModel,
     state::State,
@@ -248,38 +247,32 @@ impl<P: Probed + ?Sized> Probe<P> {
     pub fn written(&self) -> WrittenRows {
         let (layout, store) = (&self.layout, &self.store);
         let m = layout.len();
-        let dense = |n: usize, data: &[f64]| DMatrix::from_row_slice(m, n, data);
-        let block = |n: usize, block: &Block, data: &[f64]| match block {
-            Block::Dense => dense(n, data),
-            Block::Unit(columns) => unit(m, n, columns),
+        let zeros = |n: usize| DMatrix::zeros(m, n);
+        let mut vdot = zeros(self.world.model.nv());
+        let mut effort = zeros(self.world.last.effort.len());
+        let on_contact = |contact: ContactId| {
+            let kind = self.world.contacts[contact.index()].kind;
+            (contact, zeros(kind.constrained().len()))
         };
-        let nv = self.world.model.nv();
-        let picked = |jacobian: &nalgebra::Matrix6xX<f64>, rows: &[usize]| {
-            DMatrix::from_fn(m, nv, |k, j| jacobian[(rows[k], j)])
-        };
-        WrittenRows {
-            vdot: match &layout.vdot {
-                VdotBlock::Absent => None,
-                VdotBlock::Dense => Some(dense(nv, &store.vdot)),
-                VdotBlock::Unit(columns) => Some(unit(m, nv, columns)),
-                VdotBlock::Frame(frame, rows) => Some(picked(&self.world.frames[frame.0].J, rows)),
-                VdotBlock::Contact(c, rows) => {
-                    Some(picked(&self.world.contacts[c.index()].J, rows))
+        let mut forces: Vec<_> = layout.forces.iter().map(|(c, _)| on_contact(*c)).collect();
+        let World {
+            frames, contacts, ..
+        } = &self.world;
+        for k in 0..m {
+            store.for_each_coefficient(layout, k, frames, contacts, |variable, a| match variable {
+                Variable::Acceleration(i) => vdot[(k, i)] += a,
+                Variable::Effort(i) => effort[(k, i)] += a,
+                Variable::Force(contact, i) => {
+                    if let Some((_, block)) = forces.iter_mut().find(|(c, _)| *c == contact) {
+                        block[(k, i)] += a;
+                    }
                 }
-            },
-            effort: layout
-                .effort
-                .as_ref()
-                .map(|b| block(self.world.last.effort.len(), b, &store.effort)),
-            forces: layout
-                .forces
-                .iter()
-                .zip(&store.forces)
-                .map(|((c, b), data)| {
-                    let n = self.world.contacts[c.index()].kind.constrained().len();
-                    (*c, block(n, b, data))
-                })
-                .collect(),
+            });
+        }
+        WrittenRows {
+            vdot: layout.acts_on_accelerations().then_some(vdot),
+            effort: layout.effort.is_some().then_some(effort),
+            forces,
             lower: DVector::from_column_slice(&store.lower),
             upper: DVector::from_column_slice(&store.upper),
             error: DVector::from_column_slice(&store.error),
@@ -288,8 +281,4 @@ impl<P: Probed + ?Sized> Probe<P> {
             undeclared: store.undeclared,
         }
     }
-}
-
-fn unit(m: usize, n: usize, columns: &[usize]) -> DMatrix<f64> {
-    DMatrix::from_fn(m, n, |k, j| if columns[k] == j { 1.0 } else { 0.0 })
 }

@@ -7,7 +7,8 @@
 use nalgebra::{DVectorViewMut, Dyn, MatrixViewMut, U1};
 
 use crate::{
-    contact::ContactId,
+    contact::{ContactId, ContactState},
+    dynamics::FrameKinematics,
     plugin::{
         Layout,
         layout::{Block, VdotBlock},
@@ -93,6 +94,119 @@ impl RowStore {
             .into_iter()
             .chain(forces)
             .fold(0, usize::saturating_add)
+    }
+}
+
+/// What a coefficient belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Variable {
+    /// A component of `v̇`.
+    Acceleration(usize),
+    /// The effort of an actuator.
+    Effort(usize),
+    /// A component of a contact's force.
+    Force(ContactId, usize),
+}
+
+/// Coefficients on accelerations that stand in a matrix: the plug-in's own, or rows of a Jacobian.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct MotionMatrix<'a> {
+    data: &'a [f64],
+    /// Rows of the Jacobian; row by row the plug-in's own without.
+    rows: Option<&'a [usize]>,
+    /// From one column to the next.
+    stride: usize,
+    /// From one row to the next.
+    row_stride: usize,
+}
+
+impl MotionMatrix<'_> {
+    /// The coefficient of row `k` on a velocity's derivative.
+    pub(crate) fn get(&self, k: usize, velocity: usize) -> f64 {
+        let row = self.rows.map_or(k, |rows| rows[k]);
+        self.data[row * self.row_stride + velocity * self.stride]
+    }
+}
+
+impl RowStore {
+    /// The coefficients on accelerations; none if there are none, or if each row is a component.
+    pub(crate) fn motion_matrix<'a>(
+        &'a self,
+        layout: &'a Layout,
+        frames: &'a [FrameKinematics],
+        contacts: &'a [ContactState],
+    ) -> Option<MotionMatrix<'a>> {
+        let jacobian = |data: &'a [f64], rows: &'a [usize]| MotionMatrix {
+            data,
+            rows: Some(rows),
+            stride: 6,
+            row_stride: 1,
+        };
+        match &layout.vdot {
+            VdotBlock::Absent | VdotBlock::Unit(_) => None,
+            VdotBlock::Dense => Some(MotionMatrix {
+                data: &self.vdot,
+                rows: None,
+                stride: 1,
+                row_stride: self.nv,
+            }),
+            VdotBlock::Frame(frame, rows) => Some(jacobian(frames[frame.0].J.as_slice(), rows)),
+            VdotBlock::Contact(contact, rows) => {
+                Some(jacobian(contacts[contact.index()].J.as_slice(), rows))
+            }
+        }
+    }
+
+    /// Hands out the coefficients of row `k` that are not zero.
+    pub(crate) fn for_each_coefficient(
+        &self,
+        layout: &Layout,
+        k: usize,
+        frames: &[FrameKinematics],
+        contacts: &[ContactState],
+        mut add: impl FnMut(Variable, f64),
+    ) {
+        if let VdotBlock::Unit(velocities) = &layout.vdot {
+            add(Variable::Acceleration(velocities[k]), 1.0);
+        } else if let Some(matrix) = self.motion_matrix(layout, frames, contacts) {
+            for velocity in 0..self.nv {
+                let a = matrix.get(k, velocity);
+                if a != 0.0 {
+                    add(Variable::Acceleration(velocity), a);
+                }
+            }
+        }
+        let mut block =
+            |block: &Block, data: &[f64], n: usize, variable: &dyn Fn(usize) -> Variable| {
+                match block {
+                    Block::Dense => {
+                        for (i, &a) in data[k * n..(k + 1) * n].iter().enumerate() {
+                            if a != 0.0 {
+                                add(variable(i), a);
+                            }
+                        }
+                    }
+                    Block::Unit(columns) => add(variable(columns[k]), 1.0),
+                }
+            };
+        if let Some(effort) = &layout.effort {
+            block(effort, &self.effort, self.nu, &Variable::Effort);
+        }
+        for ((contact, force), source) in layout.forces.iter().zip(&self.forces) {
+            let nf = self.nf[contact.index()];
+            block(force, source, nf, &|i| Variable::Force(*contact, i));
+        }
+    }
+
+    /// Whether the coefficients of row `k` that the plug-in wrote are all finite.
+    pub(crate) fn is_finite(&self, k: usize) -> bool {
+        let row = |data: &[f64], n: usize| {
+            let row = data.get(k * n..(k + 1) * n).unwrap_or_default();
+            row.iter().all(|a| a.is_finite())
+        };
+        let rows = self.lower.len().max(1);
+        let forces = self.forces.iter().all(|data| row(data, data.len() / rows));
+        row(&self.vdot, self.nv) && row(&self.effort, self.nu) && forces
     }
 }
 

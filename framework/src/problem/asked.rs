@@ -29,7 +29,7 @@ impl Asked {
             if layout.effort.is_some() || !layout.forces.is_empty() {
                 continue;
             }
-            let hard = entry.treatment_now(true) == Treatment::Hard;
+            let hard = entry.treatment_now() == Treatment::Hard;
             let rows = entry.store.lower.iter().zip(entry.weight.now());
             for (&column, (&asked, weight)) in columns.iter().zip(rows) {
                 let [sum, total] = &mut self.sums[column];

@@ -17,7 +17,7 @@
 //!
 //! D is chosen once, at home: of the joints that qualify, those with the largest pivots.
 
-use super::{BoundEntry, Treatment, assemble::is_equality, partition::Partition};
+use super::{BoundEntry, Treatment, partition::Partition};
 use crate::{contact::ContactState, plugin::layout::VdotBlock};
 
 /// Pivots below this share of the largest coefficient of their row on `v̇_D` are as good as none.
@@ -62,7 +62,7 @@ impl ContactElimination {
             };
             let contact = contact.index();
             let is_motion = entry.treatment == Treatment::Hard
-                && is_equality(entry)
+                && entry.is_equality()
                 && entry.layout.effort.is_none()
                 && entry.layout.forces.is_empty();
             if !is_motion || list.iter().any(|motion| motion.contact == contact) {
@@ -119,7 +119,7 @@ impl ContactElimination {
         for motion in &mut self.list {
             let entry = &entries[motion.entry];
             let live = entry.live
-                && entry.treatment_now(true) == Treatment::Hard
+                && entry.treatment_now() == Treatment::Hard
                 && motion.solve(&contacts[motion.contact], &entry.store.lower);
             changed |= live != motion.live;
             motion.live = live;
@@ -172,6 +172,11 @@ impl EliminatedContact {
         let n = self.others.len();
         let row = &self.relation[k * (n + 1)..(k + 1) * (n + 1)];
         (&row[..n], row[n])
+    }
+
+    /// `[G | g]`, row-major, and its row stride.
+    pub(crate) fn relations(&self) -> (&[f64], usize) {
+        (&self.relation, self.others.len() + 1)
     }
 
     /// Keeps as many joints as there are rows: in each step of an elimination the one with the largest pivot.

@@ -1,11 +1,7 @@
 //! One entry's rows inside the problem: layout, storage, weights, identities and switch.
 
 use crate::{
-    plugin::{
-        Hardness, Layout, Weight,
-        layout::{Relation, VdotBlock},
-        rows::RowStore,
-    },
+    plugin::{Hardness, Layout, Weight, layout::Relation, rows::RowStore},
     problem::{Table, weight::WeightRamp},
     qp::{RowId, VarId},
     switch::Switch,
@@ -42,8 +38,6 @@ pub(crate) struct BoundEntry {
     pub(crate) live: bool,
     /// This tick: ramp of the entry times ramp of its contact.
     pub(crate) alpha: f64,
-    /// This tick: where its rows begin among all cost rows.
-    pub(crate) cost_start: Option<usize>,
 }
 
 /// What an entry says about its rows.
@@ -101,7 +95,6 @@ impl BoundEntry {
             slack: None,
             live: false,
             alpha: 0.0,
-            cost_start: None,
         }
     }
 
@@ -118,9 +111,14 @@ impl BoundEntry {
         self.switch.settle(now) == Some(true)
     }
 
+    /// Whether the rows have one right-hand side.
+    pub(crate) fn is_equality(&self) -> bool {
+        self.is_task || self.layout.relation == Relation::Equality
+    }
+
     /// How the rows are treated this tick: hard equalities ramp as a cost and become hard at the end.
-    pub(crate) fn treatment_now(&self, is_equality: bool) -> Treatment {
-        if self.treatment == Treatment::Hard && is_equality && self.alpha < 1.0 {
+    pub(crate) fn treatment_now(&self) -> Treatment {
+        if self.treatment == Treatment::Hard && self.is_equality() && self.alpha < 1.0 {
             Treatment::Cost
         } else {
             self.treatment
@@ -140,15 +138,5 @@ impl BoundEntry {
     /// Linear price of the slack, the ramp applied.
     pub(crate) fn slack_penalty(&self) -> f64 {
         self.linear_penalty * self.alpha
-    }
-
-    /// Whether no row has coefficients on accelerations or efforts.
-    pub(crate) fn touches_forces_alone(&self) -> bool {
-        self.layout.vdot == VdotBlock::Absent && self.layout.effort.is_none()
-    }
-
-    /// Number of rows this entry may put into the problem.
-    pub(crate) fn row_capacity(&self) -> usize {
-        self.rows.len()
     }
 }

@@ -15,25 +15,26 @@
 //! ```
 //! (where no row has coefficients on both, `H_zx = 0`, half of the products are enough: `H_xx + Bᵀ (H_zz B)`).
 
+use std::array::from_fn;
+
 use super::{
-    ActiveVariables, ContactElimination, Partition, ReducedDynamics, SparsityPattern,
+    ActiveVariables, ContactElimination, Partition, ReducedDynamics,
     kernels::{add_matrix_rows, add_row, add_six_rows, dot},
 };
 use crate::qp::Qp;
-use std::array::from_fn;
 
 /// Rows that are summed up together.
 const BLOCK: usize = 8;
 
 /// `H`, upper triangle, and `g` over y, in storage made once.
 #[derive(Clone, Debug)]
-pub(crate) struct NaturalCost {
+pub(super) struct NaturalCost {
     n: usize,
     h: Vec<f64>,
     g: Vec<f64>,
     /// `d` and `e` of every eliminated effort.
     torque: Vec<[f64; 2]>,
-    /// The same of every acceleration that a contact may determine, by motion.
+    /// The same of every acceleration that a contact may determine, by elimination.
     determined: Vec<Vec<[f64; 2]>>,
     /// Whether a row has coefficients on `v̇_P` and on others.
     is_coupled: bool,
@@ -41,22 +42,18 @@ pub(crate) struct NaturalCost {
     carried: Vec<f64>,
     /// `c`.
     known: Vec<f64>,
-    block: Block,
-}
-
-/// Rows with nonzero coefficients in the same columns.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Block {
+    /// Columns and coefficients of rows that lie elsewhere.
     columns: Vec<usize>,
-    /// One row's coefficient after the other, column by column.
     values: Vec<f64>,
+    /// One row of a sum.
+    sums: Vec<f64>,
 }
 
 impl NaturalCost {
     /// For at most `capacity` natural variables.
-    pub(crate) fn new(
+    pub(super) fn new(
         partition: &Partition,
-        motions: &ContactElimination,
+        elimination: &ContactElimination,
         capacity: usize,
     ) -> Self {
         Self {
@@ -64,19 +61,21 @@ impl NaturalCost {
             h: vec![0.0; capacity * capacity],
             g: vec![0.0; capacity],
             torque: vec![[0.0; 2]; partition.torques.len()],
-            determined: motions.sizes().map(|rows| vec![[0.0; 2]; rows]).collect(),
+            determined: elimination
+                .sizes()
+                .map(|rows| vec![[0.0; 2]; rows])
+                .collect(),
             is_coupled: false,
             carried: vec![0.0; partition.substituted * capacity],
             known: vec![0.0; partition.substituted],
-            block: Block {
-                columns: Vec::with_capacity(capacity),
-                values: Vec::with_capacity(capacity * BLOCK),
-            },
+            columns: Vec::with_capacity(capacity),
+            values: Vec::with_capacity(capacity * BLOCK),
+            sums: vec![0.0; capacity],
         }
     }
 
     /// No cost, over `n` natural variables.
-    pub(crate) fn reset(&mut self, n: usize) {
+    pub(super) fn reset(&mut self, n: usize) {
         self.n = n;
         self.h[..n * n].fill(0.0);
         self.g[..n].fill(0.0);
@@ -88,214 +87,163 @@ impl NaturalCost {
     }
 
     /// There are rows with coefficients on `v̇_P` and on others.
-    pub(crate) fn couple(&mut self) {
+    pub(super) fn couple(&mut self) {
         self.is_coupled = true;
     }
 
     /// Adds `w y_i² − 2 w b y_i`.
-    pub(crate) fn add_unit(&mut self, column: usize, w: f64, b: f64) {
+    pub(super) fn add_unit(&mut self, column: usize, w: f64, b: f64) {
         self.h[column * self.n + column] += 2.0 * w;
         self.g[column] -= 2.0 * w * b;
     }
 
     /// Adds the cost `w s² + λ s` of a slack.
-    pub(crate) fn add_slack(&mut self, column: usize, weight: f64, penalty: f64) {
+    pub(super) fn add_slack(&mut self, column: usize, weight: f64, penalty: f64) {
         self.h[column * self.n + column] += 2.0 * weight;
         self.g[column] += penalty;
     }
 
     /// Adds `w τ² − 2 w b τ` for an eliminated effort.
-    pub(crate) fn add_torque(&mut self, index: usize, w: f64, b: f64) {
+    pub(super) fn add_torque(&mut self, index: usize, w: f64, b: f64) {
         let [d, e] = &mut self.torque[index];
         *d += 2.0 * w;
         *e -= 2.0 * w * b;
     }
 
     /// Adds `w v̇² − 2 w b v̇` for an acceleration that a contact determines.
-    pub(crate) fn add_determined(&mut self, motion: usize, row: usize, w: f64, b: f64) {
+    pub(super) fn add_determined(&mut self, motion: usize, row: usize, w: f64, b: f64) {
         let [d, e] = &mut self.determined[motion][row];
         *d += 2.0 * w;
         *e -= 2.0 * w * b;
     }
 
-    /// Adds `Σ w_k ((a_k v̇)² − 2 b_k a_k v̇)`: `a(k, i)` is the coefficient of row `k` on velocity `i`, zero but on
-    /// the pattern.
-    pub(crate) fn add_motion_rows(
+    /// Adds `Σ_k ½ q_k (a_k y)² + l_k a_k y` for `rows` rows that have coefficients in these columns, which ascend: row `k` of
+    /// the row-major matrix `values`; `weights` gives `(q_k, l_k)`.
+    pub(super) fn add_rows(
         &mut self,
+        columns: &[usize],
+        values: &[f64],
+        stride: usize,
         rows: usize,
-        pattern: &SparsityPattern,
-        motions: &ContactElimination,
-        a: impl Fn(usize, usize) -> f64,
-        w: impl Fn(usize) -> f64,
-        b: impl Fn(usize) -> f64,
+        weights: impl Fn(usize) -> (f64, f64),
     ) {
-        if pattern.determined.is_empty() {
-            let columns = pattern.columns.iter().copied();
-            let velocity = |i: usize| pattern.coordinates[i].velocity;
-            self.add_rows(rows, columns, |k, i| a(k, velocity(i)), w, b);
-            return;
-        }
-        self.block.columns.clear();
-        self.block.columns.extend(&pattern.columns);
         for first in (0..rows).step_by(BLOCK) {
             let count = (rows - first).min(BLOCK);
-            let values = &mut self.block.values;
-            values.clear();
-            values.resize(pattern.columns.len() * count, 0.0);
-            for at in &pattern.coordinates {
-                for k in 0..count {
-                    values[at.position * count + k] = a(first + k, at.velocity);
-                }
-            }
-            let mut constants = [0.0; BLOCK];
-            for at in &pattern.determined {
-                let (relation, known) = motions.get(at.motion).row(at.row);
-                for k in 0..count {
-                    let a = a(first + k, at.velocity);
-                    for (&position, g) in pattern.positions[at.motion].iter().zip(relation) {
-                        values[position * count + k] += a * g;
-                    }
-                    constants[k] += a * known;
-                }
-            }
+            let values = &values[first * stride..];
             let (mut quadratic, mut linear) = ([0.0; BLOCK], [0.0; BLOCK]);
             for k in 0..count {
-                quadratic[k] = 2.0 * w(first + k);
-                linear[k] = -quadratic[k] * (b(first + k) - constants[k]);
+                (quadratic[k], linear[k]) = weights(first + k);
             }
-            self.h_and_g(count, &quadratic, &linear);
+            let (q, l) = (&quadratic, &linear);
+            match count {
+                1 => self.add_block::<1>(columns, values, stride, q, l),
+                2 => self.add_block::<2>(columns, values, stride, q, l),
+                3 => self.add_block::<3>(columns, values, stride, q, l),
+                4 => self.add_block::<4>(columns, values, stride, q, l),
+                5 => self.add_block::<5>(columns, values, stride, q, l),
+                6 => self.add_block::<6>(columns, values, stride, q, l),
+                7 => self.add_block::<7>(columns, values, stride, q, l),
+                _ => self.add_block::<BLOCK>(columns, values, stride, q, l),
+            }
+        }
+    }
+
+    fn add_block<const K: usize>(
+        &mut self,
+        columns: &[usize],
+        values: &[f64],
+        stride: usize,
+        quadratic: &[f64; BLOCK],
+        linear: &[f64; BLOCK],
+    ) {
+        let width = columns.len();
+        let rows: [&[f64]; K] = from_fn(|k| &values[k * stride..k * stride + width]);
+        for (position, &i) in columns.iter().enumerate() {
+            let mut weighted = [0.0; K];
+            let mut g = 0.0;
+            for k in 0..K {
+                let a = rows[k][position];
+                weighted[k] = quadratic[k] * a;
+                g += linear[k] * a;
+            }
+            self.g[i] += g;
+            let tails = rows.map(|row| &row[position..width]);
+            let sums = &mut self.sums[..width - position];
+            for (j, sum) in sums.iter_mut().enumerate() {
+                let mut s = weighted[0] * tails[0][j];
+                for k in 1..K {
+                    s += weighted[k] * tails[k][j];
+                }
+                *sum = s;
+            }
+            let row = &mut self.h[i * self.n..(i + 1) * self.n];
+            for (&j, sum) in columns[position..].iter().zip(sums) {
+                row[j] += *sum;
+            }
         }
     }
 
     /// Adds what the costs on single accelerations that contacts determine come to.
-    pub(crate) fn add_all_determined(
+    pub(super) fn add_all_determined(
         &mut self,
         partition: &Partition,
-        motions: &ContactElimination,
+        elimination: &ContactElimination,
     ) {
-        for (index, motion) in motions.live() {
-            let costs = &self.determined[index];
-            if costs.iter().all(|cost| *cost == [0.0; 2]) {
-                continue;
+        for (index, contact) in elimination.live() {
+            let costs = std::mem::take(&mut self.determined[index]);
+            if costs.iter().any(|cost| *cost != [0.0; 2]) {
+                let mut columns = std::mem::take(&mut self.columns);
+                columns.clear();
+                columns.extend(contact.others.iter().filter_map(|&v| partition.column(v)));
+                let (relations, stride) = contact.relations();
+                self.add_rows(&columns, relations, stride, costs.len(), |k| {
+                    let [d, e] = costs[k];
+                    (d, d * contact.row(k).1 + e)
+                });
+                self.columns = columns;
             }
-            let count = costs.len();
-            let Block { columns, values } = &mut self.block;
-            let (mut quadratic, mut linear) = ([0.0; BLOCK], [0.0; BLOCK]);
-            columns.clear();
-            columns.extend(motion.others.iter().filter_map(|&v| partition.column(v)));
-            values.clear();
-            values.resize(columns.len() * count, 0.0);
-            for (k, [d, e]) in costs.iter().enumerate() {
-                let (relation, known) = motion.row(k);
-                quadratic[k] = *d;
-                linear[k] = d * known + e;
-                for (i, g) in relation.iter().enumerate() {
-                    values[i * count + k] = *g;
-                }
-            }
-            self.h_and_g(count, &quadratic, &linear);
-        }
-    }
-
-    /// Adds `Σ w_k ((a_k y)² − 2 b_k a_k y)`: `a(k, i)` is the coefficient of row `k` in column `columns[i]`; columns
-    /// ascend. Row `k` has the weight `w(k)` and the right-hand side `b(k)`.
-    pub(crate) fn add_rows(
-        &mut self,
-        rows: usize,
-        columns: impl Iterator<Item = usize>,
-        a: impl Fn(usize, usize) -> f64,
-        w: impl Fn(usize) -> f64,
-        b: impl Fn(usize) -> f64,
-    ) {
-        self.block.columns.clear();
-        self.block.columns.extend(columns);
-        for first in (0..rows).step_by(BLOCK) {
-            let count = (rows - first).min(BLOCK);
-            let Block { columns, values } = &mut self.block;
-            values.clear();
-            for i in 0..columns.len() {
-                values.extend((first..first + count).map(|k| a(k, i)));
-            }
-            let (mut quadratic, mut linear) = ([0.0; BLOCK], [0.0; BLOCK]);
-            for k in 0..count {
-                quadratic[k] = 2.0 * w(first + k);
-                linear[k] = -quadratic[k] * b(first + k);
-            }
-            self.h_and_g(count, &quadratic, &linear);
+            self.determined[index] = costs;
         }
     }
 
     /// Adds what the costs on eliminated efforts come to.
-    pub(crate) fn add_torques(
+    pub(super) fn add_torques(
         &mut self,
         partition: &Partition,
         reduced: &ReducedDynamics,
-        live: &ActiveVariables,
+        active: &ActiveVariables,
     ) {
+        let mut columns = std::mem::take(&mut self.columns);
+        let mut values = std::mem::take(&mut self.values);
         for branch in &partition.branches {
+            columns.clear();
+            columns.extend(&branch.pattern.columns);
+            columns.extend(branch.efforts.iter().map(|k| partition.accelerations + k));
+            for &contact in &branch.contacts {
+                if let Some(start) = active.forces[contact] {
+                    columns.extend(start..start + partition.nf[contact]);
+                }
+            }
             for torques in branch.torques.chunks(BLOCK) {
-                let (mut quadratic, mut linear) = ([0.0; BLOCK], [0.0; BLOCK]);
-                for (k, &index) in torques.iter().enumerate() {
-                    let [d, e] = self.torque[index];
-                    quadratic[k] = d;
-                    linear[k] = d * reduced.torque(index).1 + e;
-                }
-                let Block { columns, values } = &mut self.block;
-                columns.clear();
-                columns.extend(&branch.pattern.columns);
-                columns.extend(branch.efforts.iter().map(|k| partition.accelerations + k));
-                for &contact in &branch.contacts {
-                    if let Some(start) = live.forces[contact] {
-                        columns.extend(start..start + partition.nf[contact]);
-                    }
-                }
                 values.clear();
-                for &column in columns.iter() {
-                    values.extend(torques.iter().map(|&i| reduced.torque(i).0[column]));
+                for &index in torques {
+                    let (row, _) = reduced.torque(index);
+                    values.extend(columns.iter().map(|&column| row[column]));
                 }
-                self.h_and_g(torques.len(), &quadratic, &linear);
+                let torque = std::mem::take(&mut self.torque);
+                self.add_rows(&columns, &values, columns.len(), torques.len(), |k| {
+                    let [d, e] = torque[torques[k]];
+                    (d, d * reduced.torque(torques[k]).1 + e)
+                });
+                self.torque = torque;
             }
         }
-    }
-
-    /// Adds `Σ_k ½ q_k (a_k y)² + l_k a_k y` for the rows of the block.
-    fn h_and_g(&mut self, rows: usize, quadratic: &[f64; BLOCK], linear: &[f64; BLOCK]) {
-        match rows {
-            1 => self.add_block::<1>(quadratic, linear),
-            2 => self.add_block::<2>(quadratic, linear),
-            3 => self.add_block::<3>(quadratic, linear),
-            4 => self.add_block::<4>(quadratic, linear),
-            5 => self.add_block::<5>(quadratic, linear),
-            6 => self.add_block::<6>(quadratic, linear),
-            7 => self.add_block::<7>(quadratic, linear),
-            _ => self.add_block::<BLOCK>(quadratic, linear),
-        }
-    }
-
-    fn add_block<const K: usize>(&mut self, quadratic: &[f64; BLOCK], linear: &[f64; BLOCK]) {
-        let Block { columns, values } = &self.block;
-        let values = values.as_chunks::<K>().0;
-        for (position, (&i, a)) in columns.iter().zip(values).enumerate() {
-            let mut weighted = [0.0; K];
-            let mut g = 0.0;
-            for k in 0..K {
-                weighted[k] = quadratic[k] * a[k];
-                g += linear[k] * a[k];
-            }
-            self.g[i] += g;
-            let row = &mut self.h[i * self.n..(i + 1) * self.n];
-            for (&j, a) in columns[position..].iter().zip(&values[position..]) {
-                let mut sum = weighted[0] * a[0];
-                for k in 1..K {
-                    sum += weighted[k] * a[k];
-                }
-                row[j] += sum;
-            }
-        }
+        self.columns = columns;
+        self.values = values;
     }
 
     /// Whether all that was added is finite.
-    pub(crate) fn is_finite(&self) -> bool {
+    pub(super) fn is_finite(&self) -> bool {
         let diagonal = (0..self.n).map(|i| self.h[i * self.n + i]);
         let torques = self.torque.iter().chain(self.determined.iter().flatten());
         let torques = torques.flatten().copied();
@@ -304,13 +252,18 @@ impl NaturalCost {
     }
 
     /// Writes H and g of the problem.
-    pub(crate) fn write(&mut self, reduced: &ReducedDynamics, live: &ActiveVariables, qp: &mut Qp) {
+    pub(super) fn write(
+        &mut self,
+        reduced: &ReducedDynamics,
+        active: &ActiveVariables,
+        qp: &mut Qp,
+    ) {
         let (n, p) = (self.n, self.n - qp.n());
         let (h, g) = qp.cost_mut();
         let nx = n - p;
         g.copy_from_slice(&self.g[p..n]);
         let width = if p > 0 {
-            let width = live.n_physical - p;
+            let width = active.n_physical - p;
             self.substitute(reduced, width, h, g);
             width
         } else {

@@ -182,10 +182,10 @@ impl Partition {
     }
 
     /// Finds the accelerations that no contact determines this tick, and where they are in y.
-    pub(crate) fn arrange(&mut self, motions: &ContactElimination) {
+    pub(crate) fn arrange(&mut self, elimination: &ContactElimination) {
         self.velocities.truncate(self.substituted);
         self.places.fill(Place::Column(usize::MAX));
-        for (index, motion) in motions.live() {
+        for (index, motion) in elimination.live() {
             for (row, &velocity) in motion.own().iter().enumerate() {
                 self.places[velocity] = Place::Determined(index, row);
             }
@@ -202,7 +202,7 @@ impl Partition {
         self.accelerations = self.velocities.len();
         let places = std::mem::take(&mut self.places);
         self.patterns_mut()
-            .for_each(|s| s.arrange(&places, motions));
+            .for_each(|s| s.arrange(&places, elimination));
         self.places = places;
     }
 

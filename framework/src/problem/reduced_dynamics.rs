@@ -77,17 +77,17 @@ impl ReducedDynamics {
     pub(crate) fn update(
         &mut self,
         partition: &Partition,
-        motions: &ContactElimination,
-        live: &ActiveVariables,
+        elimination: &ContactElimination,
+        active: &ActiveVariables,
         terms: &DynamicsTerms<'_>,
     ) -> bool {
-        self.n_physical = live.n_physical;
-        self.inputs = live.n_physical - partition.accelerations;
-        self.width = live.n_physical - partition.substituted;
-        self.load_forcing(partition, live, terms);
-        self.load_torques(partition, motions, terms);
-        if motions.any() {
-            self.respond_coupled(partition, motions, terms)
+        self.n_physical = active.n_physical;
+        self.inputs = active.n_physical - partition.accelerations;
+        self.width = active.n_physical - partition.substituted;
+        self.load_forcing(partition, active, terms);
+        self.load_torques(partition, elimination, terms);
+        if elimination.any() {
+            self.respond_coupled(partition, elimination, terms)
         } else {
             self.respond(partition, terms)
         }
@@ -96,7 +96,7 @@ impl ReducedDynamics {
     fn load_forcing(
         &mut self,
         partition: &Partition,
-        live: &ActiveVariables,
+        active: &ActiveVariables,
         terms: &DynamicsTerms<'_>,
     ) {
         let (nv, known) = (partition.nv, self.inputs);
@@ -111,7 +111,7 @@ impl ReducedDynamics {
         {
             row[known] = -h;
         }
-        let contacts = terms.contacts.iter().zip(&live.forces);
+        let contacts = terms.contacts.iter().zip(&active.forces);
         for ((contact, start), carriers) in contacts.zip(&partition.contacts) {
             let Some(start) = start else { continue };
             let directions = contact.kind.constrained();
@@ -129,7 +129,7 @@ impl ReducedDynamics {
     fn load_torques(
         &mut self,
         partition: &Partition,
-        motions: &ContactElimination,
+        elimination: &ContactElimination,
         terms: &DynamicsTerms<'_>,
     ) {
         let (nv, n) = (partition.nv, self.n_physical);
@@ -151,8 +151,8 @@ impl ReducedDynamics {
                 }
                 let mut constant = -known;
                 for at in &pattern.determined {
-                    let (relation, known) = motions.get(at.motion).row(at.row);
-                    let (mass, lead) = (mass[at.velocity], motions.get(at.motion).leading);
+                    let (relation, known) = elimination.get(at.motion).row(at.row);
+                    let (mass, lead) = (mass[at.velocity], elimination.get(at.motion).leading);
                     add_row(&mut row[..lead], mass, &relation[..lead]);
                     let positions = &pattern.positions[at.motion][lead..];
                     for (&position, g) in positions.iter().zip(&relation[lead..]) {
@@ -201,7 +201,7 @@ impl ReducedDynamics {
     fn respond_coupled(
         &mut self,
         partition: &Partition,
-        motions: &ContactElimination,
+        elimination: &ContactElimination,
         terms: &DynamicsTerms<'_>,
     ) -> bool {
         let (nv, p) = (partition.nv, partition.substituted);
@@ -221,7 +221,7 @@ impl ReducedDynamics {
                 return false;
             }
             self.scale[i] = 1.0 / own.sqrt();
-            for (_, motion) in motions.live() {
+            for (_, motion) in elimination.live() {
                 for (row, &velocity) in motion.own().iter().enumerate() {
                     let mass = mass[velocity];
                     if mass == 0.0 {

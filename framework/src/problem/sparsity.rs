@@ -61,7 +61,7 @@ impl SparsityPattern {
     }
 
     /// Finds the accelerations where they are now. `places` is by velocity.
-    pub(crate) fn arrange(&mut self, places: &[Place], motions: &ContactElimination) {
+    pub(crate) fn arrange(&mut self, places: &[Place], elimination: &ContactElimination) {
         self.coordinates.clear();
         self.determined.clear();
         self.columns.clear();
@@ -88,7 +88,7 @@ impl SparsityPattern {
                         motion,
                         row,
                     });
-                    let others = &motions.get(motion).others;
+                    let others = &elimination.get(motion).others;
                     let positions = &mut self.positions[motion];
                     if positions.is_empty() {
                         positions.resize(others.len(), 0);
@@ -107,7 +107,7 @@ impl SparsityPattern {
             at.position = find(at.column);
         }
         for (motion, positions) in self.positions.iter_mut().enumerate() {
-            let others = &motions.get(motion).others;
+            let others = &elimination.get(motion).others;
             for (position, &velocity) in positions.iter_mut().zip(others) {
                 *position = column(velocity).map_or(0, find);
             }

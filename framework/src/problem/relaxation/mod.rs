@@ -265,7 +265,7 @@ impl Relaxation {
         contacts: &[ContactState],
         position: usize,
     ) -> [f64; 2] {
-        let live = &problem.live;
+        let active = &problem.active;
         if let Some(limits) = problem
             .effort_at(position)
             .and_then(|i| self.efforts.get(i))
@@ -273,8 +273,8 @@ impl Relaxation {
             return *limits;
         }
         let column = position + problem.partition.substituted;
-        let is_slack = live.slacks.iter().flatten().any(|s| *s == column);
-        let normals = contacts.iter().zip(&live.forces);
+        let is_slack = active.slacks.iter().flatten().any(|s| *s == column);
+        let normals = contacts.iter().zip(&active.forces);
         let is_normal = normals
             .map(|(contact, start)| start.map(|start| start + contact.kind.normal()))
             .any(|normal| normal == Some(column));

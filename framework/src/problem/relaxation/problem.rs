@@ -1,7 +1,7 @@
 //! The problem in which limits are given up: its variables, rows, prices and bounds.
 
 use super::{
-    super::{BoundEntry, DynamicsTerms, Problem, bounds::BoundPlace},
+    super::{BoundEntry, DynamicsTerms, Problem, constraints::BoundPlace},
     At, Relaxation, RelaxedLimit,
 };
 use crate::{
@@ -136,7 +136,7 @@ impl Relaxation {
             }
         }
         for (c, &id) in problem.normal_rows.iter().enumerate() {
-            if let Some(start) = problem.live.forces[c] {
+            if let Some(start) = problem.active.forces[c] {
                 let contact = &terms.contacts[c];
                 let column = start + contact.kind.normal();
                 let at = At::Variable(column - problem.partition.substituted);
@@ -235,7 +235,7 @@ impl Relaxation {
             (lower[p], upper[p]) = (least, most);
         }
         for (c, contact) in terms.contacts.iter().enumerate() {
-            if let Some(start) = problem.live.forces[c] {
+            if let Some(start) = problem.active.forces[c] {
                 let p = start + contact.kind.normal();
                 let p = p - problem.partition.substituted;
                 self.tighten(p, contact.force_limits, problem.normal_rows[c]);

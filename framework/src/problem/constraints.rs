@@ -1,6 +1,12 @@
-//! Bounds on single variables, and those on eliminated efforts, which are rows.
+//! What must hold: the equations of motion (10d), rows that are hard or give way at the price of a slack, and bounds.
+//!
+//! # Mathematics
+//! A row over y is one over the variables x of the problem by `v̇_P = B x + c`: `a_P (B x + c) + a_x x`. What does not depend
+//! on x is taken from its limits. A bound on an eliminated effort `τ = T y + t` is such a row, others are bounds.
 
-use super::{BoundEntry, DynamicsTerms, Partition, Problem, partition::EffortPlace};
+use super::{
+    BoundEntry, DynamicsTerms, Partition, Problem, Treatment, partition::EffortPlace, rows::Context,
+};
 use crate::{
     fault::Fault,
     plugin::layout::BoundTarget,
@@ -28,7 +34,86 @@ pub(super) struct TorqueRow {
 }
 
 impl Problem {
-    /// Pushes a entry's bounds on eliminated efforts, which are rows; false if a limit is not a number.
+    /// `M v̇ − [S J_cᵀ] (u, f) = Σ J_fᵀ f_f − h`, in the formulation that substitutes nothing.
+    pub(super) fn push_dynamics(&mut self, terms: &DynamicsTerms<'_>, qp: &mut Qp) {
+        let (nv, n) = (self.partition.nv, self.active.n_physical);
+        let mass = terms.data.mass_matrix();
+        for (i, &id) in self.dynamics_rows.iter().enumerate() {
+            let (forcing, known) = self.reduced.forcing(i);
+            let Ok(row) = qp.push_row(id, known, known) else {
+                return;
+            };
+            self.constants.push(0.0);
+            for (a, m) in row[..nv].iter_mut().zip(mass.column(i).iter()) {
+                *a = *m;
+            }
+            for (a, s) in row[nv..n].iter_mut().zip(forcing) {
+                *a = -s;
+            }
+        }
+    }
+
+    /// Pushes an entry's rows, which have been expanded; false if they have numbers that cannot be.
+    pub(super) fn push_rows(
+        &mut self,
+        index: usize,
+        entry: &BoundEntry,
+        terms: &DynamicsTerms<'_>,
+        qp: &mut Qp,
+    ) -> bool {
+        let p = self.partition.substituted;
+        let is_equality = entry.is_equality();
+        let context = Context {
+            partition: &self.partition,
+            elimination: &self.elimination,
+            reduced: &self.reduced,
+            active: &self.active,
+            terms: *terms,
+        };
+        let rows = &self.rows[index];
+        let slack = self.active.slacks[index];
+        for k in 0..entry.layout.len() {
+            let row = &mut self.row[..self.active.n];
+            row.fill(0.0);
+            let constant = rows.write(k, row, &context);
+            let constant = constant + context.substitute(row);
+            let x = &row[p..];
+            let (lower, upper) = (
+                entry.store.lower[k] - constant,
+                entry.store.upper[k] - constant,
+            );
+            // Infinite limits are legal, infinite right-hand sides are not; a NaN never is.
+            let usable = |limit: f64| limit.is_finite() || (!is_equality && !limit.is_nan());
+            let usable = usable(lower) && (is_equality || usable(upper));
+            if !(usable && entry.store.is_finite(k)) {
+                return false;
+            }
+            let mut push = |id: RowId, lower: f64, upper: f64, side: f64| {
+                if let Ok(out) = qp.push_row(id, lower, upper) {
+                    self.constants.push(constant);
+                    out.copy_from_slice(x);
+                    if let Some(slack) = slack {
+                        out[slack - p] = side;
+                    }
+                }
+            };
+            if entry.treatment == Treatment::Slack {
+                push(entry.rows[2 * k], f64::NEG_INFINITY, upper, -1.0);
+                push(entry.rows[2 * k + 1], lower, f64::INFINITY, 1.0);
+            } else {
+                // Tasks and equalities write one right-hand side, into the lower limit.
+                let upper = if is_equality { lower } else { upper };
+                push(entry.rows[k], lower, upper, 0.0);
+            }
+        }
+        if let (Treatment::Slack, Some(slack)) = (entry.treatment, slack) {
+            self.cost
+                .add_slack(slack, entry.slack_weight(), entry.slack_penalty());
+        }
+        true
+    }
+
+    /// Pushes an entry's bounds on eliminated efforts, which are rows; false if a limit is not a number.
     pub(super) fn push_torque_bounds(&mut self, entry: &BoundEntry, qp: &mut Qp) -> bool {
         let p = self.partition.substituted;
         for (b, (_, target)) in entry.layout.bounds.iter().enumerate() {
@@ -74,17 +159,17 @@ impl Problem {
         let (n, p) = (qp.n(), self.partition.substituted);
         self.bound_owner[..n].fill([None; 2]);
         let (lower, upper) = qp.bounds_mut();
-        for slack in self.live.slacks.iter().flatten() {
+        for slack in self.active.slacks.iter().flatten() {
             lower[slack - p] = 0.0;
         }
         for (c, contact) in terms.contacts.iter().enumerate() {
-            if let Some(start) = self.live.forces[c] {
+            if let Some(start) = self.active.forces[c] {
                 let at = start - p + contact.kind.normal();
                 [lower[at], upper[at]] = contact.force_limits;
                 self.bound_owner[at] = [Some(self.normal_rows[c]); 2];
             }
         }
-        for (index, entry) in entries.iter().enumerate().filter(|(_, g)| g.live) {
+        for (index, entry) in entries.iter().enumerate().filter(|(_, e)| e.live) {
             for (b, (_, target)) in entry.layout.bounds.iter().enumerate() {
                 let Some(BoundPlace::Variable(at)) = self.place(*target) else {
                     continue;
@@ -137,7 +222,7 @@ impl Problem {
                 EffortPlace::Eliminated(_) => Some(BoundPlace::Torque(i)),
             },
             BoundTarget::Force(contact, i) => {
-                self.live.forces[contact.index()].map(|start| variable(start + i))
+                self.active.forces[contact.index()].map(|start| variable(start + i))
             }
         }
     }

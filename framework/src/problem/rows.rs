@@ -1,0 +1,435 @@
+//! The rows of an entry over the natural variables of this tick: the one walk over what a plug-in wrote.
+//!
+//! # Mathematics
+//! A row is `A_v v̇ + A_u u + Σ A_c f_c` over accelerations, efforts and forces. Over the natural variables y
+//! ([`Partition`](super::Partition)) it is the same, but for eliminated efforts, `a τ = a (T y + t)`, and accelerations that
+//! contacts determine, `a v̇_D = a (G v̇_S + g)`. What does not depend on y, `a t` and `a g`, is the row's constant.
+//!
+//! A row that is one component of v̇, u or a force is kept as that ([`Single`]); others are written out where they are not
+//! zero. Cost, constraints and residuals come from here alone.
+
+use super::{
+    ActiveVariables, BoundEntry, ContactElimination, DynamicsTerms, NaturalCost, Partition,
+    ReducedDynamics, SparsityPattern,
+    partition::{EffortPlace, Place},
+    solution::Solved,
+};
+use crate::plugin::{
+    Layout,
+    layout::{Block, VdotBlock},
+    rows::{MotionMatrix, Variable},
+};
+
+/// What rows are expanded with.
+#[derive(Clone, Copy)]
+pub(super) struct Context<'a> {
+    pub(super) partition: &'a Partition,
+    pub(super) elimination: &'a ContactElimination,
+    pub(super) reduced: &'a ReducedDynamics,
+    pub(super) active: &'a ActiveVariables,
+    pub(super) terms: DynamicsTerms<'a>,
+}
+
+impl Context<'_> {
+    /// Turns a row over y, whose first part is on `v̇_P`, into one over x, in place of the rest; returns what the
+    /// constant part grows by.
+    pub(super) fn substitute(&self, row: &mut [f64]) -> f64 {
+        let (head, tail) = row.split_at_mut(self.partition.substituted);
+        if head.iter().all(|a| *a == 0.0) {
+            return 0.0;
+        }
+        self.reduced.substitute(head, tail)
+    }
+}
+
+/// Where a row that is one component is.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Single {
+    /// A natural variable.
+    Column(usize),
+    /// An eliminated effort: which, and whose.
+    Torque(usize, usize),
+    /// An acceleration, by velocity, that a contact determines: by this elimination, as this one of its joints.
+    Determined(usize, usize, usize),
+    /// A force of a contact that is off: zero.
+    Nothing,
+}
+
+/// How the rows of an entry are expanded: by its layout, once and for all.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    /// Each is one component.
+    Single,
+    /// On accelerations alone.
+    Motion,
+    /// On the forces of contacts alone.
+    Forces,
+    /// Anything else.
+    Mixed,
+}
+
+/// The rows of an entry in storage made once.
+#[derive(Clone, Debug)]
+pub(super) struct NaturalRows {
+    kind: Kind,
+    count: usize,
+    singles: Vec<Single>,
+    /// Natural variables with coefficients other than zero, ascending.
+    columns: Vec<usize>,
+    /// Their coefficients, rows × columns, row-major.
+    values: Vec<f64>,
+    /// What does not depend on the variables.
+    constants: Vec<f64>,
+}
+
+impl NaturalRows {
+    /// For at most `capacity` natural variables.
+    pub(super) fn new(layout: &Layout, capacity: usize) -> Self {
+        let count = layout.len();
+        let kind = kind(layout);
+        let wide = if kind == Kind::Single { 0 } else { capacity };
+        Self {
+            kind,
+            count,
+            singles: Vec::with_capacity(if kind == Kind::Single { count } else { 0 }),
+            columns: Vec::with_capacity(wide),
+            values: Vec::with_capacity(count * wide),
+            constants: vec![0.0; count],
+        }
+    }
+
+    /// Numbers that the rows of a layout take.
+    pub(super) fn numbers(layout: &Layout, capacity: usize) -> usize {
+        match kind(layout) {
+            Kind::Single => 3 * layout.len(),
+            _ => layout.len().saturating_add(1).saturating_mul(capacity),
+        }
+    }
+
+    /// Takes what the plug-in wrote in this tick.
+    pub(super) fn expand(&mut self, entry: &BoundEntry, context: &Context<'_>) {
+        match self.kind {
+            Kind::Single => self.place(entry, context),
+            Kind::Motion => self.expand_motion(entry, context),
+            Kind::Forces => self.expand_forces(entry, context),
+            Kind::Mixed => self.expand_mixed(entry, context),
+        }
+    }
+
+    fn place(&mut self, entry: &BoundEntry, context: &Context<'_>) {
+        let Context {
+            partition, active, ..
+        } = context;
+        let layout = &entry.layout;
+        self.singles.clear();
+        match (&layout.vdot, &layout.effort, layout.forces.as_slice()) {
+            (VdotBlock::Unit(velocities), ..) => {
+                self.singles
+                    .extend(velocities.iter().map(|&v| match partition.places[v] {
+                        Place::Column(column) => Single::Column(column),
+                        Place::Determined(by, row) => Single::Determined(v, by, row),
+                    }));
+            }
+            (_, Some(Block::Unit(actuators)), _) => {
+                self.singles
+                    .extend(actuators.iter().map(|&u| match partition.efforts[u] {
+                        EffortPlace::Kept(index) => Single::Column(partition.accelerations + index),
+                        EffortPlace::Eliminated(torque) => Single::Torque(torque, u),
+                    }));
+            }
+            (.., [(contact, Block::Unit(components))]) => {
+                let start = active.forces[contact.index()];
+                self.singles.extend(components.iter().map(|component| {
+                    start.map_or(Single::Nothing, |start| Single::Column(start + component))
+                }));
+            }
+            _ => {}
+        }
+    }
+
+    fn expand_motion(&mut self, entry: &BoundEntry, context: &Context<'_>) {
+        let DynamicsTerms {
+            frames, contacts, ..
+        } = context.terms;
+        let Some(matrix) = entry.store.motion_matrix(&entry.layout, frames, contacts) else {
+            return;
+        };
+        let pattern = pattern(&entry.layout, context.partition);
+        self.columns.clear();
+        self.columns.extend(&pattern.columns);
+        let width = self.columns.len();
+        self.values.clear();
+        self.values.resize(self.count * width, 0.0);
+        if pattern.determined.is_empty() {
+            self.constants.fill(0.0);
+            for k in 0..self.count {
+                let row = &mut self.values[k * width..(k + 1) * width];
+                for (out, at) in row.iter_mut().zip(&pattern.coordinates) {
+                    *out = matrix.get(k, at.velocity);
+                }
+            }
+        } else {
+            self.expand_determined(&matrix, pattern, context.elimination);
+        }
+    }
+
+    /// Rows on accelerations of which contacts determine some.
+    fn expand_determined(
+        &mut self,
+        matrix: &MotionMatrix<'_>,
+        pattern: &SparsityPattern,
+        elimination: &ContactElimination,
+    ) {
+        let width = self.columns.len();
+        for (k, constant) in self.constants.iter_mut().enumerate() {
+            let row = &mut self.values[k * width..(k + 1) * width];
+            for at in &pattern.coordinates {
+                row[at.position] = matrix.get(k, at.velocity);
+            }
+            *constant = 0.0;
+            for at in &pattern.determined {
+                let (relation, known) = elimination.get(at.motion).row(at.row);
+                let a = matrix.get(k, at.velocity);
+                for (&position, g) in pattern.positions[at.motion].iter().zip(relation) {
+                    row[position] += a * g;
+                }
+                *constant += a * known;
+            }
+        }
+    }
+
+    fn expand_forces(&mut self, entry: &BoundEntry, context: &Context<'_>) {
+        let (layout, store) = (&entry.layout, &entry.store);
+        let (partition, active) = (context.partition, context.active);
+        self.columns.clear();
+        for (contact, _) in &layout.forces {
+            if let Some(start) = active.forces[contact.index()] {
+                let nf = partition.nf[contact.index()];
+                self.columns.extend(start..start + nf);
+            }
+        }
+        let width = self.columns.len();
+        self.values.clear();
+        self.values.resize(self.count * width, 0.0);
+        let mut first = 0;
+        for ((contact, block), source) in layout.forces.iter().zip(&store.forces) {
+            if active.forces[contact.index()].is_none() {
+                continue;
+            }
+            let nf = partition.nf[contact.index()];
+            for k in 0..self.count {
+                let row = &mut self.values[k * width + first..][..nf];
+                match block {
+                    Block::Dense => row.copy_from_slice(&source[k * nf..(k + 1) * nf]),
+                    Block::Unit(components) => row[components[k]] = 1.0,
+                }
+            }
+            first += nf;
+        }
+    }
+
+    fn expand_mixed(&mut self, entry: &BoundEntry, context: &Context<'_>) {
+        let Context {
+            partition,
+            elimination,
+            reduced,
+            active,
+            terms,
+        } = *context;
+        let n = active.n_physical;
+        self.values.clear();
+        self.values.resize(self.count * n, 0.0);
+        for k in 0..self.count {
+            let row = &mut self.values[k * n..(k + 1) * n];
+            let mut constant = 0.0;
+            let DynamicsTerms {
+                frames, contacts, ..
+            } = terms;
+            let store = &entry.store;
+            store.for_each_coefficient(&entry.layout, k, frames, contacts, |variable, a| {
+                match variable {
+                    Variable::Acceleration(velocity) => match partition.places[velocity] {
+                        Place::Column(column) => row[column] += a,
+                        Place::Determined(by, index) => {
+                            let contact = elimination.get(by);
+                            let (relation, known) = contact.row(index);
+                            for (g, &velocity) in relation.iter().zip(&contact.others) {
+                                if let Place::Column(column) = partition.places[velocity] {
+                                    row[column] += a * g;
+                                }
+                            }
+                            constant += a * known;
+                        }
+                    },
+                    Variable::Effort(actuator) => match partition.efforts[actuator] {
+                        EffortPlace::Kept(index) => row[partition.accelerations + index] += a,
+                        EffortPlace::Eliminated(torque) => {
+                            let (torque, known) = reduced.torque(torque);
+                            for (row, t) in row.iter_mut().zip(torque) {
+                                *row += a * t;
+                            }
+                            constant += a * known;
+                        }
+                    },
+                    Variable::Force(contact, component) => {
+                        if let Some(start) = active.forces[contact.index()] {
+                            row[start + component] += a;
+                        }
+                    }
+                }
+            });
+            self.constants[k] = constant;
+        }
+        self.drop_zero_columns(n);
+    }
+
+    /// Keeps the columns of `n` in which a row is not zero.
+    fn drop_zero_columns(&mut self, n: usize) {
+        let (values, count) = (&self.values, self.count);
+        let is_there = |column: usize| (0..count).any(|k| values[k * n + column] != 0.0);
+        self.columns.clear();
+        self.columns
+            .extend((0..n).filter(|&column| is_there(column)));
+        let width = self.columns.len();
+        for k in 0..count {
+            // From the first row on, each goes to a place that was read before.
+            for (i, &column) in self.columns.iter().enumerate() {
+                self.values[k * width + i] = self.values[k * n + column];
+            }
+        }
+        self.values.truncate(count * width);
+    }
+
+    /// Adds `Σ w_k (row_k − b_k)²` to the cost.
+    pub(super) fn add_cost(&self, entry: &BoundEntry, cost: &mut NaturalCost) {
+        let (weights, alpha) = (entry.weight.now(), entry.alpha);
+        let weight = |k: usize| weights[k] * alpha;
+        let b = &entry.store.lower;
+        match self.kind {
+            Kind::Single => {
+                for (k, single) in self.singles.iter().enumerate() {
+                    match *single {
+                        Single::Column(column) => cost.add_unit(column, weight(k), b[k]),
+                        Single::Torque(torque, _) => cost.add_torque(torque, weight(k), b[k]),
+                        Single::Determined(_, by, row) => {
+                            cost.add_determined(by, row, weight(k), b[k]);
+                        }
+                        Single::Nothing => {}
+                    }
+                }
+            }
+            _ => cost.add_rows(
+                &self.columns,
+                &self.values,
+                self.columns.len(),
+                self.count,
+                |k| {
+                    let quadratic = 2.0 * weight(k);
+                    (quadratic, -quadratic * (b[k] - self.constants[k]))
+                },
+            ),
+        }
+    }
+
+
+    /// The rows, if they are written out.
+    fn sparse(&self) -> Option<Sparse<'_>> {
+        (self.kind != Kind::Single).then_some(Sparse {
+            columns: &self.columns,
+            values: &self.values,
+        })
+    }
+
+    /// Adds row `k` over y to `row`; returns its constant.
+    pub(super) fn write(&self, k: usize, row: &mut [f64], context: &Context<'_>) -> f64 {
+        if let Some(sparse) = self.sparse() {
+            let (columns, values) = sparse.row(k);
+            for (&column, value) in columns.iter().zip(values) {
+                row[column] += value;
+            }
+            return self.constants[k];
+        }
+        match self.singles[k] {
+            Single::Column(column) => {
+                row[column] += 1.0;
+                0.0
+            }
+            Single::Torque(torque, _) => {
+                let (torque, known) = context.reduced.torque(torque);
+                for (row, t) in row.iter_mut().zip(torque) {
+                    *row += t;
+                }
+                known
+            }
+            Single::Determined(_, by, index) => {
+                let contact = context.elimination.get(by);
+                let (relation, known) = contact.row(index);
+                for (g, &velocity) in relation.iter().zip(&contact.others) {
+                    if let Place::Column(column) = context.partition.places[velocity] {
+                        row[column] += g;
+                    }
+                }
+                known
+            }
+            Single::Nothing => 0.0,
+        }
+    }
+
+    /// The value of row `k` at a solution.
+    pub(super) fn value(&self, k: usize, solved: &Solved) -> f64 {
+        match self.sparse() {
+            None => match self.singles[k] {
+                Single::Column(column) => solved.y[column],
+                Single::Torque(_, actuator) => solved.effort[actuator],
+                Single::Determined(velocity, ..) => solved.vdot[velocity],
+                Single::Nothing => 0.0,
+            },
+            Some(sparse) => {
+                let (columns, values) = sparse.row(k);
+                let terms = columns.iter().zip(values);
+                let sum: f64 = terms.map(|(&column, a)| a * solved.y[column]).sum();
+                sum + self.constants[k]
+            }
+        }
+    }
+}
+
+/// Rows that are written out.
+#[derive(Clone, Copy, Debug)]
+struct Sparse<'a> {
+    columns: &'a [usize],
+    values: &'a [f64],
+}
+
+impl<'a> Sparse<'a> {
+    /// Columns and coefficients of row `k`.
+    fn row(&self, k: usize) -> (&'a [usize], &'a [f64]) {
+        let width = self.columns.len();
+        (self.columns, &self.values[k * width..(k + 1) * width])
+    }
+}
+
+fn kind(layout: &Layout) -> Kind {
+    let ascend = |forces: &[(crate::contact::ContactId, Block)]| {
+        forces.windows(2).all(|pair| pair[0].0 < pair[1].0)
+    };
+    match (&layout.vdot, &layout.effort, layout.forces.as_slice()) {
+        (VdotBlock::Unit(_), None, [])
+        | (VdotBlock::Absent, Some(Block::Unit(_)), [])
+        | (VdotBlock::Absent, None, [(_, Block::Unit(_))]) => Kind::Single,
+        (VdotBlock::Frame(..) | VdotBlock::Contact(..) | VdotBlock::Dense, None, []) => {
+            Kind::Motion
+        }
+        (VdotBlock::Absent, None, forces) if ascend(forces) => Kind::Forces,
+        _ => Kind::Mixed,
+    }
+}
+
+/// The accelerations that rows on accelerations alone may have coefficients on.
+fn pattern<'p>(layout: &Layout, partition: &'p Partition) -> &'p SparsityPattern {
+    match &layout.vdot {
+        VdotBlock::Frame(frame, _) => &partition.frames[frame.0],
+        VdotBlock::Contact(contact, _) => &partition.contacts[contact.index()],
+        VdotBlock::Dense | VdotBlock::Unit(_) | VdotBlock::Absent => &partition.all,
+    }
+}

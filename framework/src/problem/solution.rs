@@ -1,0 +1,126 @@
+//! From a solution of the problem back to accelerations, efforts and forces, residuals and the cost.
+//!
+//! # Mathematics
+//! `v̇_P = B x + c`, `v̇_D = G v̇_S + g` and `τ = T y + t` give what is no variable. Residuals `A_v v̇ + A_u u + Σ A_c f_c − b`
+//! are those of the rows as the plug-ins wrote them, in every formulation, and the cost is the sum of `w r²` over all soft
+//! rows, of slacks and regularisation.
+
+use super::{
+    ActiveVariables, BoundEntry, ContactElimination, Partition, ReducedDynamics, kernels::dot,
+    partition::EffortPlace, rows::NaturalRows,
+};
+
+/// What a solution means, in storage made once.
+#[derive(Clone, Debug)]
+pub(crate) struct Solved {
+    /// Generalised acceleration, size nv.
+    pub(crate) vdot: Vec<f64>,
+    /// Efforts, size nu.
+    pub(crate) effort: Vec<f64>,
+    /// `Σ w r²` over the cost rows, plus slacks and regularisation.
+    pub(crate) objective: f64,
+    /// Natural variables.
+    pub(super) y: Vec<f64>,
+    /// Residual `a x − b` and weight of every cost row, entry by entry.
+    residuals: Vec<[f64; 2]>,
+    /// Where the residuals of each entry begin, if it is a cost.
+    starts: Vec<Option<usize>>,
+}
+
+impl Solved {
+    /// For at most `rows` cost rows of so many entries, and `capacity` natural variables.
+    pub(super) fn new(partition: &Partition, entries: usize, rows: usize, capacity: usize) -> Self {
+        Self {
+            vdot: vec![0.0; partition.nv],
+            effort: vec![0.0; partition.efforts.len()],
+            objective: 0.0,
+            y: vec![0.0; capacity],
+            residuals: Vec::with_capacity(rows),
+            starts: vec![None; entries],
+        }
+    }
+
+    /// Takes the accelerations and efforts of a solution.
+    pub(super) fn take(
+        &mut self,
+        partition: &Partition,
+        elimination: &ContactElimination,
+        reduced: &ReducedDynamics,
+        active: &ActiveVariables,
+        x: &[f64],
+    ) {
+        let p = partition.substituted;
+        let (head, tail) = self.y[..active.n].split_at_mut(p);
+        tail.copy_from_slice(&x[..active.n - p]);
+        for (y, value) in head.iter_mut().zip(reduced.substituted(x)) {
+            *y = value;
+        }
+        for (&velocity, y) in partition.velocities.iter().zip(&self.y) {
+            self.vdot[velocity] = *y;
+        }
+        for (_, contact) in elimination.live() {
+            for (row, &velocity) in contact.own().iter().enumerate() {
+                let (relation, mut sum) = contact.row(row);
+                for (g, &other) in relation.iter().zip(&contact.others) {
+                    sum += g * self.vdot[other];
+                }
+                self.vdot[velocity] = sum;
+            }
+        }
+        for (effort, place) in self.effort.iter_mut().zip(&partition.efforts) {
+            *effort = match *place {
+                EffortPlace::Kept(index) => self.y[partition.accelerations + index],
+                EffortPlace::Eliminated(index) => {
+                    let (torque, known) = reduced.torque(index);
+                    dot(torque, &self.y) + known
+                }
+            };
+        }
+    }
+
+    /// Takes residuals and cost; accelerations and efforts have been taken. `is_cost` says which entries are one.
+    pub(super) fn assess(
+        &mut self,
+        entries: &[BoundEntry],
+        rows: &[NaturalRows],
+        is_cost: &[bool],
+        active: &ActiveVariables,
+        first_force: usize,
+        regularisation: f64,
+    ) {
+        let mut residuals = std::mem::take(&mut self.residuals);
+        residuals.clear();
+        let mut sum = 0.0;
+        for (index, (entry, rows)) in entries.iter().zip(rows).enumerate() {
+            self.starts[index] = is_cost[index].then_some(residuals.len());
+            if !is_cost[index] {
+                continue;
+            }
+            for (k, weight) in entry.weight.now().iter().enumerate() {
+                let residual = rows.value(k, self) - entry.store.lower[k];
+                let weight = weight * entry.alpha;
+                sum += weight * residual * residual;
+                residuals.push([residual, weight]);
+            }
+        }
+        self.residuals = residuals;
+        let forces = &self.y[first_force..active.n_physical];
+        let inputs = self.effort.iter().chain(forces);
+        sum += regularisation * inputs.map(|x| x * x).sum::<f64>();
+        for (entry, slack) in entries.iter().zip(&active.slacks) {
+            if let Some(slack) = slack {
+                let s = self.y[*slack];
+                sum += entry.slack_weight() * s * s + entry.slack_penalty() * s;
+            }
+        }
+        self.objective = sum;
+    }
+
+    /// Residuals `a x − b` and weights of an entry's rows, if it is a cost.
+    pub(crate) fn residuals(&self, entry: usize) -> Option<&[[f64; 2]]> {
+        let start = self.starts.get(entry).copied().flatten()?;
+        let later = self.starts[entry + 1..].iter().flatten().next();
+        let end = later.copied().unwrap_or(self.residuals.len());
+        self.residuals.get(start..end)
+    }
+}
