@@ -1,7 +1,7 @@
 //! What a solved tick leaves: the command, and the report of forces, tasks and limits.
 
 use super::{ActiveRow, ContactReport, Controller, Rung, Side};
-use crate::qp::Solution;
+use crate::{problem::dot, qp::Solution};
 
 /// How near a limit a value is at it, in the unit of the limit, and as a share of the limit where that is larger than
 /// one.
@@ -95,12 +95,13 @@ impl Controller {
         };
         for (i, &row) in qp.rows().iter().enumerate() {
             let (lower, upper) = (qp.row_lower()[i], qp.row_upper()[i]);
-            if lower == upper || qp.row(i).iter().all(|a| *a == 0.0) {
+            if lower == upper {
                 continue;
             }
-            let ax: f64 = qp.row(i).iter().zip(x).map(|(a, x)| a * x).sum();
+            let a = qp.row(i);
+            let ax = dot(a, x);
             let (side, limit) = near(ax, lower, upper);
-            if is_active((ax - limit).abs(), limit, y[i]) {
+            if is_active((ax - limit).abs(), limit, y[i]) && a.iter().any(|a| *a != 0.0) {
                 self.report.active.push(ActiveRow {
                     row,
                     side,

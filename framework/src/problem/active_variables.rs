@@ -39,14 +39,14 @@ impl ActiveVariables {
         }
     }
 
-    /// Lays out the live variables.
+    /// Lays out the live variables; true if forces are elsewhere than in the last tick.
     pub(crate) fn refresh(
         &mut self,
         partition: &Partition,
         first: &FirstIds,
         contact_is_live: impl Fn(usize) -> bool,
         live_slack: impl Fn(usize) -> Option<VarId>,
-    ) {
+    ) -> bool {
         self.vars.clear();
         let kept = &partition.velocities[partition.substituted..];
         self.vars
@@ -55,8 +55,11 @@ impl ActiveVariables {
         self.vars
             .extend(efforts.iter().map(|&u| VarId::new(first.effort + u as u32)));
         let mut column = partition.first_force();
+        let mut changed = false;
         for (contact, force) in self.forces.iter_mut().enumerate() {
-            *force = contact_is_live(contact).then_some(column);
+            let now = contact_is_live(contact).then_some(column);
+            changed |= *force != now;
+            *force = now;
             if force.is_some() {
                 let (id, count) = (first.force[contact], partition.nf[contact]);
                 self.vars.extend((id..id + count as u32).map(VarId::new));
@@ -73,5 +76,6 @@ impl ActiveVariables {
             }
         }
         self.n = column;
+        changed
     }
 }

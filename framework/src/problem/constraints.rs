@@ -74,9 +74,13 @@ impl Problem {
         let slack = self.active.slacks[index];
         for k in 0..entry.layout.len() {
             let row = &mut self.row[..self.active.n];
-            row.fill(0.0);
-            let constant = rows.write(k, row, &context);
-            let constant = constant + context.substitute(row);
+            let constant = if rows.is_over_x() {
+                0.0
+            } else {
+                row.fill(0.0);
+                let constant = rows.write(k, row, &context);
+                constant + context.substitute(row)
+            };
             let x = &row[p..];
             let (lower, upper) = (
                 entry.store.lower[k] - constant,
@@ -91,7 +95,11 @@ impl Problem {
             let mut push = |id: RowId, lower: f64, upper: f64, side: f64| {
                 if let Ok(out) = qp.push_row(id, lower, upper) {
                     self.constants.push(constant);
-                    out.copy_from_slice(x);
+                    if rows.is_over_x() {
+                        rows.write_over_x(k, p, out);
+                    } else {
+                        out.copy_from_slice(x);
+                    }
                     if let Some(slack) = slack {
                         out[slack - p] = side;
                     }

@@ -174,11 +174,6 @@ impl EliminatedContact {
         (&row[..n], row[n])
     }
 
-    /// `[G | g]`, row-major, and its row stride.
-    pub(crate) fn relations(&self) -> (&[f64], usize) {
-        (&self.relation, self.others.len() + 1)
-    }
-
     /// Keeps as many joints as there are rows: in each step of an elimination the one with the largest pivot.
     fn choose_own(&mut self, jacobian: impl Fn(usize, usize) -> f64) {
         let (rows, columns) = (self.directions.len(), self.own.len());

@@ -15,16 +15,47 @@
 //! ```
 //! (where no row has coefficients on both, `H_zx = 0`, half of the products are enough: `H_xx + Bᵀ (H_zz B)`).
 
-use std::array::from_fn;
-
 use super::{
     ActiveVariables, ContactElimination, Partition, ReducedDynamics,
     kernels::{add_matrix_rows, add_row, add_six_rows, dot},
 };
 use crate::qp::Qp;
+use std::array::from_fn;
 
 /// Rows that are summed up together.
-const BLOCK: usize = 8;
+pub(super) const BLOCK: usize = 8;
+
+/// Where the coefficients of a row are: rows stand in blocks of [`BLOCK`], and in a block one row's coefficient after the
+/// other, column by column.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Slots {
+    first: usize,
+    stride: usize,
+}
+
+impl Slots {
+    /// Of row `k` of so many rows with coefficients in so many columns.
+    pub(super) fn of_row(k: usize, rows: usize, columns: usize) -> Self {
+        let block = k - k % BLOCK;
+        Self {
+            first: block * columns + k % BLOCK,
+            stride: (rows - block).min(BLOCK),
+        }
+    }
+
+    /// Of row `k` of rows that stand one after the other.
+    pub(super) fn of_plain_row(k: usize, columns: usize) -> Self {
+        Self {
+            first: k * columns,
+            stride: 1,
+        }
+    }
+
+    /// Of the column at a position.
+    pub(super) fn at(self, position: usize) -> usize {
+        self.first + position * self.stride
+    }
+}
 
 /// `H`, upper triangle, and `g` over y, in storage made once.
 #[derive(Clone, Debug)]
@@ -45,8 +76,6 @@ pub(super) struct NaturalCost {
     /// Columns and coefficients of rows that lie elsewhere.
     columns: Vec<usize>,
     values: Vec<f64>,
-    /// One row of a sum.
-    sums: Vec<f64>,
 }
 
 impl NaturalCost {
@@ -70,7 +99,6 @@ impl NaturalCost {
             known: vec![0.0; partition.substituted],
             columns: Vec::with_capacity(capacity),
             values: Vec::with_capacity(capacity * BLOCK),
-            sums: vec![0.0; capacity],
         }
     }
 
@@ -117,68 +145,80 @@ impl NaturalCost {
         *e -= 2.0 * w * b;
     }
 
-    /// Adds `Σ_k ½ q_k (a_k y)² + l_k a_k y` for `rows` rows that have coefficients in these columns, which ascend: row `k` of
-    /// the row-major matrix `values`; `weights` gives `(q_k, l_k)`.
+    /// Adds `Σ_k ½ q_k (a_k y)² + l_k a_k y` for rows that have coefficients in these columns, which ascend; `weights` gives
+    /// `(q_k, l_k)`. Values are [laid out in blocks](Slots).
     pub(super) fn add_rows(
         &mut self,
         columns: &[usize],
         values: &[f64],
-        stride: usize,
         rows: usize,
         weights: impl Fn(usize) -> (f64, f64),
     ) {
         for first in (0..rows).step_by(BLOCK) {
             let count = (rows - first).min(BLOCK);
-            let values = &values[first * stride..];
+            let values = &values[first * columns.len()..(first + count) * columns.len()];
             let (mut quadratic, mut linear) = ([0.0; BLOCK], [0.0; BLOCK]);
             for k in 0..count {
                 (quadratic[k], linear[k]) = weights(first + k);
             }
             let (q, l) = (&quadratic, &linear);
             match count {
-                1 => self.add_block::<1>(columns, values, stride, q, l),
-                2 => self.add_block::<2>(columns, values, stride, q, l),
-                3 => self.add_block::<3>(columns, values, stride, q, l),
-                4 => self.add_block::<4>(columns, values, stride, q, l),
-                5 => self.add_block::<5>(columns, values, stride, q, l),
-                6 => self.add_block::<6>(columns, values, stride, q, l),
-                7 => self.add_block::<7>(columns, values, stride, q, l),
-                _ => self.add_block::<BLOCK>(columns, values, stride, q, l),
+                1 => self.add_block::<1>(columns, values, q, l),
+                2 => self.add_block::<2>(columns, values, q, l),
+                3 => self.add_block::<3>(columns, values, q, l),
+                4 => self.add_block::<4>(columns, values, q, l),
+                5 => self.add_block::<5>(columns, values, q, l),
+                6 => self.add_block::<6>(columns, values, q, l),
+                7 => self.add_block::<7>(columns, values, q, l),
+                _ => self.add_block::<BLOCK>(columns, values, q, l),
             }
         }
+    }
+
+    /// Like [`add_rows`](Self::add_rows), of rows that stand one after the other.
+    pub(super) fn add_plain_rows(
+        &mut self,
+        columns: &[usize],
+        values: &[f64],
+        rows: usize,
+        weights: impl Fn(usize) -> (f64, f64),
+    ) {
+        let mut blocks = std::mem::take(&mut self.values);
+        let width = columns.len();
+        for first in (0..rows).step_by(BLOCK) {
+            let count = (rows - first).min(BLOCK);
+            blocks.clear();
+            for i in 0..width {
+                blocks.extend((first..first + count).map(|k| values[k * width + i]));
+            }
+            self.add_rows(columns, &blocks, count, |k| weights(first + k));
+        }
+        self.values = blocks;
     }
 
     fn add_block<const K: usize>(
         &mut self,
         columns: &[usize],
         values: &[f64],
-        stride: usize,
         quadratic: &[f64; BLOCK],
         linear: &[f64; BLOCK],
     ) {
-        let width = columns.len();
-        let rows: [&[f64]; K] = from_fn(|k| &values[k * stride..k * stride + width]);
-        for (position, &i) in columns.iter().enumerate() {
+        let values = values.as_chunks::<K>().0;
+        for (position, (&i, a)) in columns.iter().zip(values).enumerate() {
             let mut weighted = [0.0; K];
             let mut g = 0.0;
             for k in 0..K {
-                let a = rows[k][position];
-                weighted[k] = quadratic[k] * a;
-                g += linear[k] * a;
+                weighted[k] = quadratic[k] * a[k];
+                g += linear[k] * a[k];
             }
             self.g[i] += g;
-            let tails = rows.map(|row| &row[position..width]);
-            let sums = &mut self.sums[..width - position];
-            for (j, sum) in sums.iter_mut().enumerate() {
-                let mut s = weighted[0] * tails[0][j];
-                for k in 1..K {
-                    s += weighted[k] * tails[k][j];
-                }
-                *sum = s;
-            }
             let row = &mut self.h[i * self.n..(i + 1) * self.n];
-            for (&j, sum) in columns[position..].iter().zip(sums) {
-                row[j] += *sum;
+            for (&j, a) in columns[position..].iter().zip(&values[position..]) {
+                let mut sum = weighted[0] * a[0];
+                for k in 1..K {
+                    sum += weighted[k] * a[k];
+                }
+                row[j] += sum;
             }
         }
     }
@@ -189,21 +229,31 @@ impl NaturalCost {
         partition: &Partition,
         elimination: &ContactElimination,
     ) {
+        let mut columns = std::mem::take(&mut self.columns);
+        let mut values = std::mem::take(&mut self.values);
         for (index, contact) in elimination.live() {
-            let costs = std::mem::take(&mut self.determined[index]);
-            if costs.iter().any(|cost| *cost != [0.0; 2]) {
-                let mut columns = std::mem::take(&mut self.columns);
-                columns.clear();
-                columns.extend(contact.others.iter().filter_map(|&v| partition.column(v)));
-                let (relations, stride) = contact.relations();
-                self.add_rows(&columns, relations, stride, costs.len(), |k| {
-                    let [d, e] = costs[k];
-                    (d, d * contact.row(k).1 + e)
-                });
-                self.columns = columns;
+            let mut costs = [[0.0; 2]; BLOCK];
+            let count = self.determined[index].len().min(BLOCK);
+            costs[..count].copy_from_slice(&self.determined[index][..count]);
+            if costs.iter().all(|cost| *cost == [0.0; 2]) {
+                continue;
             }
-            self.determined[index] = costs;
+            columns.clear();
+            columns.extend(contact.others.iter().filter_map(|&v| partition.column(v)));
+            values.clear();
+            values.resize(columns.len() * count, 0.0);
+            let (mut quadratic, mut linear) = ([0.0; BLOCK], [0.0; BLOCK]);
+            for k in 0..count {
+                let ([d, e], (relation, known)) = (costs[k], contact.row(k));
+                (quadratic[k], linear[k]) = (d, d * known + e);
+                for (i, g) in relation.iter().enumerate() {
+                    values[i * count + k] = *g;
+                }
+            }
+            self.add_rows(&columns, &values, count, |k| (quadratic[k], linear[k]));
         }
+        self.columns = columns;
+        self.values = values;
     }
 
     /// Adds what the costs on eliminated efforts come to.
@@ -225,17 +275,18 @@ impl NaturalCost {
                 }
             }
             for torques in branch.torques.chunks(BLOCK) {
-                values.clear();
-                for &index in torques {
-                    let (row, _) = reduced.torque(index);
-                    values.extend(columns.iter().map(|&column| row[column]));
+                let (mut quadratic, mut linear) = ([0.0; BLOCK], [0.0; BLOCK]);
+                for (k, &index) in torques.iter().enumerate() {
+                    let [d, e] = self.torque[index];
+                    (quadratic[k], linear[k]) = (d, d * reduced.torque(index).1 + e);
                 }
-                let torque = std::mem::take(&mut self.torque);
-                self.add_rows(&columns, &values, columns.len(), torques.len(), |k| {
-                    let [d, e] = torque[torques[k]];
-                    (d, d * reduced.torque(torques[k]).1 + e)
+                values.clear();
+                for &column in &columns {
+                    values.extend(torques.iter().map(|&i| reduced.torque(i).0[column]));
+                }
+                self.add_rows(&columns, &values, torques.len(), |k| {
+                    (quadratic[k], linear[k])
                 });
-                self.torque = torque;
             }
         }
         self.columns = columns;

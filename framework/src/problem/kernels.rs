@@ -80,7 +80,7 @@ pub(super) fn add_matrix_rows(y: &mut [f64], coefficients: &[f64], matrix: &[f64
 }
 
 /// `aᵀ b` over the shorter length.
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     let n = a.len().min(b.len());
     let (a, b) = (a[..n].as_chunks::<4>(), b[..n].as_chunks::<4>());
     let mut sums = [0.0; 4];

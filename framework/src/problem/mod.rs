@@ -50,6 +50,7 @@ use constraints::TorqueRow;
 pub(crate) use contact_elimination::ContactElimination;
 pub(crate) use entry::{BoundEntry, EntrySpec, Treatment};
 use hessian::NaturalCost;
+pub(crate) use kernels::dot;
 pub(crate) use names::{ProblemRows, VariableNames};
 use partition::EffortPlace;
 pub(crate) use partition::Partition;
@@ -91,6 +92,8 @@ pub(crate) struct Problem {
     reduced: ReducedDynamics,
     /// One per entry.
     rows: Vec<NaturalRows>,
+    /// Whether they are found where the variables are now.
+    is_arranged: bool,
     /// Whether each entry's rows are a cost, this tick.
     is_cost: Vec<bool>,
     cost: NaturalCost,
@@ -119,7 +122,7 @@ impl Problem {
         qp: &mut Qp,
     ) -> Result<(), Fault> {
         if self.elimination.update(entries, terms.contacts) {
-            self.partition.arrange(&self.elimination);
+            self.arrange();
         }
         if self.substitute(terms, entries) {
             self.put_together(terms, entries, qp)
@@ -136,7 +139,7 @@ impl Problem {
         qp: &mut Qp,
     ) -> Result<(), Fault> {
         if self.elimination.keep_all() {
-            self.partition.arrange(&self.elimination);
+            self.arrange();
         }
         if self.substitute(terms, entries) {
             self.put_together(terms, entries, qp)
@@ -145,15 +148,22 @@ impl Problem {
         }
     }
 
+    /// Other accelerations are substituted than before.
+    fn arrange(&mut self) {
+        self.partition.arrange(&self.elimination);
+        self.is_arranged = false;
+    }
+
     /// Lays out the variables and what is substituted; false if that cannot be.
     fn substitute(&mut self, terms: &DynamicsTerms<'_>, entries: &[BoundEntry]) -> bool {
         let live_slack = |e: usize| entries[e].live.then_some(entries[e].slack).flatten();
-        self.active.refresh(
+        let changed = self.active.refresh(
             &self.partition,
             &self.first_ids,
             |c| terms.contacts[c].live,
             live_slack,
         );
+        self.is_arranged &= !changed;
         self.reduced
             .update(&self.partition, &self.elimination, &self.active, terms)
     }
@@ -168,6 +178,9 @@ impl Problem {
         debug_assert!(made.is_ok(), "{made:?}");
         self.constants.clear();
         self.torque_rows.clear();
+        if !self.is_arranged {
+            self.arrange_rows(terms, entries);
+        }
         self.push_dynamics(terms, qp);
         self.cost.reset(self.active.n);
         for (index, entry) in entries.iter().enumerate() {
@@ -204,6 +217,21 @@ impl Problem {
             .add_torques(&self.partition, &self.reduced, &self.active);
         self.cost.write(&self.reduced, &self.active, qp);
         self.add_bounds(terms, entries, qp)
+    }
+
+    /// Finds where all entries' rows are.
+    fn arrange_rows(&mut self, terms: &DynamicsTerms<'_>, entries: &[BoundEntry]) {
+        let context = Context {
+            partition: &self.partition,
+            elimination: &self.elimination,
+            reduced: &self.reduced,
+            active: &self.active,
+            terms: *terms,
+        };
+        for (rows, entry) in self.rows.iter_mut().zip(entries) {
+            rows.arrange(&entry.layout, &context);
+        }
+        self.is_arranged = true;
     }
 
     /// Takes what an entry wrote.
@@ -317,6 +345,7 @@ impl Problem {
             active: ActiveVariables::new(partition.nf.len(), entries.len(), capacity),
             reduced: ReducedDynamics::new(&partition, actuation, partition.nf.iter().sum()),
             rows: entries.iter().map(natural).collect(),
+            is_arranged: false,
             is_cost: vec![false; entries.len()],
             cost: NaturalCost::new(&partition, &elimination, capacity),
             solved: Solved::new(&partition, entries.len(), rows, capacity),
@@ -336,7 +365,7 @@ impl Problem {
     /// Chooses what contacts may determine. The robot is at home.
     pub(crate) fn choose_determined(&mut self, contacts: &[ContactState]) {
         self.elimination.choose(&self.partition, contacts);
-        self.partition.arrange(&self.elimination);
+        self.arrange();
     }
 
     /// The largest problem that can come up.

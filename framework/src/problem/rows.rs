@@ -11,6 +11,7 @@
 use super::{
     ActiveVariables, BoundEntry, ContactElimination, DynamicsTerms, NaturalCost, Partition,
     ReducedDynamics, SparsityPattern,
+    hessian::{BLOCK, Slots},
     partition::{EffortPlace, Place},
     solution::Solved,
 };
@@ -76,8 +77,10 @@ pub(super) struct NaturalRows {
     singles: Vec<Single>,
     /// Natural variables with coefficients other than zero, ascending.
     columns: Vec<usize>,
-    /// Their coefficients, rows × columns, row-major.
+    /// Their coefficients, see [`Slots`]; of rows on forces alone row by row.
     values: Vec<f64>,
+    /// Rows over all natural variables.
+    dense: Vec<f64>,
     /// What does not depend on the variables.
     constants: Vec<f64>,
 }
@@ -94,6 +97,7 @@ impl NaturalRows {
             singles: Vec::with_capacity(if kind == Kind::Single { count } else { 0 }),
             columns: Vec::with_capacity(wide),
             values: Vec::with_capacity(count * wide),
+            dense: vec![0.0; if kind == Kind::Mixed { count * wide } else { 0 }],
             constants: vec![0.0; count],
         }
     }
@@ -106,21 +110,34 @@ impl NaturalRows {
         }
     }
 
+    /// Finds where the rows are, after variables have come or gone.
+    pub(super) fn arrange(&mut self, layout: &Layout, context: &Context<'_>) {
+        match self.kind {
+            Kind::Single => self.place(layout, context),
+            Kind::Motion => {
+                self.columns.clear();
+                self.columns
+                    .extend(&pattern(layout, context.partition).columns);
+            }
+            Kind::Forces => self.find_forces(layout, context),
+            Kind::Mixed => {}
+        }
+    }
+
     /// Takes what the plug-in wrote in this tick.
     pub(super) fn expand(&mut self, entry: &BoundEntry, context: &Context<'_>) {
         match self.kind {
-            Kind::Single => self.place(entry, context),
+            Kind::Single => {}
             Kind::Motion => self.expand_motion(entry, context),
             Kind::Forces => self.expand_forces(entry, context),
             Kind::Mixed => self.expand_mixed(entry, context),
         }
     }
 
-    fn place(&mut self, entry: &BoundEntry, context: &Context<'_>) {
+    fn place(&mut self, layout: &Layout, context: &Context<'_>) {
         let Context {
             partition, active, ..
         } = context;
-        let layout = &entry.layout;
         self.singles.clear();
         match (&layout.vdot, &layout.effort, layout.forces.as_slice()) {
             (VdotBlock::Unit(velocities), ..) => {
@@ -155,17 +172,15 @@ impl NaturalRows {
             return;
         };
         let pattern = pattern(&entry.layout, context.partition);
-        self.columns.clear();
-        self.columns.extend(&pattern.columns);
         let width = self.columns.len();
         self.values.clear();
         self.values.resize(self.count * width, 0.0);
         if pattern.determined.is_empty() {
             self.constants.fill(0.0);
             for k in 0..self.count {
-                let row = &mut self.values[k * width..(k + 1) * width];
-                for (out, at) in row.iter_mut().zip(&pattern.coordinates) {
-                    *out = matrix.get(k, at.velocity);
+                let slots = Slots::of_row(k, self.count, width);
+                for (position, at) in pattern.coordinates.iter().enumerate() {
+                    self.values[slots.at(position)] = matrix.get(k, at.velocity);
                 }
             }
         } else {
@@ -182,18 +197,29 @@ impl NaturalRows {
     ) {
         let width = self.columns.len();
         for (k, constant) in self.constants.iter_mut().enumerate() {
-            let row = &mut self.values[k * width..(k + 1) * width];
+            let slots = Slots::of_row(k, self.count, width);
+            let values = &mut self.values;
             for at in &pattern.coordinates {
-                row[at.position] = matrix.get(k, at.velocity);
+                values[slots.at(at.position)] = matrix.get(k, at.velocity);
             }
             *constant = 0.0;
             for at in &pattern.determined {
                 let (relation, known) = elimination.get(at.motion).row(at.row);
                 let a = matrix.get(k, at.velocity);
                 for (&position, g) in pattern.positions[at.motion].iter().zip(relation) {
-                    row[position] += a * g;
+                    values[slots.at(position)] += a * g;
                 }
                 *constant += a * known;
+            }
+        }
+    }
+
+    fn find_forces(&mut self, layout: &Layout, context: &Context<'_>) {
+        self.columns.clear();
+        for (contact, _) in &layout.forces {
+            if let Some(start) = context.active.forces[contact.index()] {
+                let nf = context.partition.nf[contact.index()];
+                self.columns.extend(start..start + nf);
             }
         }
     }
@@ -201,15 +227,11 @@ impl NaturalRows {
     fn expand_forces(&mut self, entry: &BoundEntry, context: &Context<'_>) {
         let (layout, store) = (&entry.layout, &entry.store);
         let (partition, active) = (context.partition, context.active);
-        self.columns.clear();
-        for (contact, _) in &layout.forces {
-            if let Some(start) = active.forces[contact.index()] {
-                let nf = partition.nf[contact.index()];
-                self.columns.extend(start..start + nf);
-            }
-        }
         let width = self.columns.len();
         self.values.clear();
+        if width == 0 {
+            return;
+        }
         self.values.resize(self.count * width, 0.0);
         let mut first = 0;
         for ((contact, block), source) in layout.forces.iter().zip(&store.forces) {
@@ -217,8 +239,8 @@ impl NaturalRows {
                 continue;
             }
             let nf = partition.nf[contact.index()];
-            for k in 0..self.count {
-                let row = &mut self.values[k * width + first..][..nf];
+            for (k, row) in self.values.chunks_exact_mut(width).enumerate() {
+                let row = &mut row[first..first + nf];
                 match block {
                     Block::Dense => row.copy_from_slice(&source[k * nf..(k + 1) * nf]),
                     Block::Unit(components) => row[components[k]] = 1.0,
@@ -237,10 +259,9 @@ impl NaturalRows {
             terms,
         } = *context;
         let n = active.n_physical;
-        self.values.clear();
-        self.values.resize(self.count * n, 0.0);
+        self.dense[..self.count * n].fill(0.0);
         for k in 0..self.count {
-            let row = &mut self.values[k * n..(k + 1) * n];
+            let row = &mut self.dense[k * n..(k + 1) * n];
             let mut constant = 0.0;
             let DynamicsTerms {
                 frames, contacts, ..
@@ -285,19 +306,20 @@ impl NaturalRows {
 
     /// Keeps the columns of `n` in which a row is not zero.
     fn drop_zero_columns(&mut self, n: usize) {
-        let (values, count) = (&self.values, self.count);
-        let is_there = |column: usize| (0..count).any(|k| values[k * n + column] != 0.0);
+        let (dense, count) = (&self.dense, self.count);
+        let is_there = |column: usize| (0..count).any(|k| dense[k * n + column] != 0.0);
         self.columns.clear();
         self.columns
             .extend((0..n).filter(|&column| is_there(column)));
         let width = self.columns.len();
+        self.values.clear();
+        self.values.resize(count * width, 0.0);
         for k in 0..count {
-            // From the first row on, each goes to a place that was read before.
+            let slots = Slots::of_row(k, count, width);
             for (i, &column) in self.columns.iter().enumerate() {
-                self.values[k * width + i] = self.values[k * n + column];
+                self.values[slots.at(i)] = dense[k * n + column];
             }
         }
-        self.values.truncate(count * width);
     }
 
     /// Adds `Σ w_k (row_k − b_k)²` to the cost.
@@ -318,34 +340,48 @@ impl NaturalRows {
                     }
                 }
             }
-            _ => cost.add_rows(
-                &self.columns,
-                &self.values,
-                self.columns.len(),
-                self.count,
-                |k| {
+            kind => {
+                let weights = |k: usize| {
                     let quadratic = 2.0 * weight(k);
                     (quadratic, -quadratic * (b[k] - self.constants[k]))
-                },
-            ),
+                };
+                if kind == Kind::Forces {
+                    cost.add_plain_rows(&self.columns, &self.values, self.count, weights);
+                } else {
+                    cost.add_rows(&self.columns, &self.values, self.count, weights);
+                }
+            }
         }
     }
 
+    /// Columns and coefficients of row `k`, which is written out.
+    fn written(&self, k: usize) -> impl Iterator<Item = (usize, f64)> {
+        let width = self.columns.len();
+        let slots = match self.kind {
+            Kind::Forces => Slots::of_plain_row(k, width),
+            _ => Slots::of_row(k, self.count, width),
+        };
+        let columns = self.columns.iter().enumerate();
+        columns.map(move |(i, &column)| (column, self.values[slots.at(i)]))
+    }
 
-    /// The rows, if they are written out.
-    fn sparse(&self) -> Option<Sparse<'_>> {
-        (self.kind != Kind::Single).then_some(Sparse {
-            columns: &self.columns,
-            values: &self.values,
-        })
+    /// Writes row `k` straight into a row over x, behind `p` substituted accelerations, if [it is](Self::is_over_x).
+    pub(super) fn write_over_x(&self, k: usize, p: usize, row: &mut [f64]) {
+        for (column, a) in self.written(k) {
+            row[column - p] = a;
+        }
+    }
+
+    /// Whether the rows are on forces alone, which are variables of the problem as they are.
+    pub(super) fn is_over_x(&self) -> bool {
+        self.kind == Kind::Forces
     }
 
     /// Adds row `k` over y to `row`; returns its constant.
     pub(super) fn write(&self, k: usize, row: &mut [f64], context: &Context<'_>) -> f64 {
-        if let Some(sparse) = self.sparse() {
-            let (columns, values) = sparse.row(k);
-            for (&column, value) in columns.iter().zip(values) {
-                row[column] += value;
+        if self.kind != Kind::Single {
+            for (column, a) in self.written(k) {
+                row[column] += a;
             }
             return self.constants[k];
         }
@@ -375,37 +411,44 @@ impl NaturalRows {
         }
     }
 
-    /// The value of row `k` at a solution.
-    pub(super) fn value(&self, k: usize, solved: &Solved) -> f64 {
-        match self.sparse() {
-            None => match self.singles[k] {
-                Single::Column(column) => solved.y[column],
-                Single::Torque(_, actuator) => solved.effort[actuator],
-                Single::Determined(velocity, ..) => solved.vdot[velocity],
-                Single::Nothing => 0.0,
-            },
-            Some(sparse) => {
-                let (columns, values) = sparse.row(k);
-                let terms = columns.iter().zip(values);
-                let sum: f64 = terms.map(|(&column, a)| a * solved.y[column]).sum();
-                sum + self.constants[k]
+    /// Adds the values of all rows at a solution to `out`, which is zero.
+    pub(super) fn evaluate(&self, solved: &Solved, out: &mut [f64]) {
+        match self.kind {
+            Kind::Single => {
+                for (out, single) in out.iter_mut().zip(&self.singles) {
+                    *out = match *single {
+                        Single::Column(column) => solved.y[column],
+                        Single::Torque(_, actuator) => solved.effort[actuator],
+                        Single::Determined(velocity, ..) => solved.vdot[velocity],
+                        Single::Nothing => 0.0,
+                    };
+                }
+            }
+            Kind::Forces => {
+                for (k, out) in out.iter_mut().enumerate() {
+                    let terms = self.written(k).map(|(column, a)| a * solved.y[column]);
+                    *out = terms.sum();
+                }
+            }
+            Kind::Motion | Kind::Mixed => {
+                let width = self.columns.len();
+                let blocks = out
+                    .chunks_mut(BLOCK)
+                    .zip(self.values.chunks(width.max(1) * BLOCK));
+                for (out, values) in blocks {
+                    let rows = values.chunks_exact(out.len());
+                    for (&column, values) in self.columns.iter().zip(rows) {
+                        let y = solved.y[column];
+                        for (out, a) in out.iter_mut().zip(values) {
+                            *out += a * y;
+                        }
+                    }
+                }
+                for (out, constant) in out.iter_mut().zip(&self.constants) {
+                    *out += constant;
+                }
             }
         }
-    }
-}
-
-/// Rows that are written out.
-#[derive(Clone, Copy, Debug)]
-struct Sparse<'a> {
-    columns: &'a [usize],
-    values: &'a [f64],
-}
-
-impl<'a> Sparse<'a> {
-    /// Columns and coefficients of row `k`.
-    fn row(&self, k: usize) -> (&'a [usize], &'a [f64]) {
-        let width = self.columns.len();
-        (self.columns, &self.values[k * width..(k + 1) * width])
     }
 }
 

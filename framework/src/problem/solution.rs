@@ -21,6 +21,8 @@ pub(crate) struct Solved {
     pub(crate) objective: f64,
     /// Natural variables.
     pub(super) y: Vec<f64>,
+    /// Values of an entry's rows.
+    values: Vec<f64>,
     /// Residual `a x − b` and weight of every cost row, entry by entry.
     residuals: Vec<[f64; 2]>,
     /// Where the residuals of each entry begin, if it is a cost.
@@ -35,6 +37,7 @@ impl Solved {
             effort: vec![0.0; partition.efforts.len()],
             objective: 0.0,
             y: vec![0.0; capacity],
+            values: vec![0.0; rows],
             residuals: Vec::with_capacity(rows),
             starts: vec![None; entries],
         }
@@ -96,12 +99,16 @@ impl Solved {
             if !is_cost[index] {
                 continue;
             }
-            for (k, weight) in entry.weight.now().iter().enumerate() {
-                let residual = rows.value(k, self) - entry.store.lower[k];
-                let weight = weight * entry.alpha;
+            let weights = entry.weight.now();
+            let mut values = std::mem::take(&mut self.values);
+            values[..weights.len()].fill(0.0);
+            rows.evaluate(self, &mut values[..weights.len()]);
+            for ((weight, value), b) in weights.iter().zip(&values).zip(&entry.store.lower) {
+                let (residual, weight) = (value - b, weight * entry.alpha);
                 sum += weight * residual * residual;
                 residuals.push([residual, weight]);
             }
+            self.values = values;
         }
         self.residuals = residuals;
         let forces = &self.y[first_force..active.n_physical];
