@@ -9,12 +9,13 @@ use super::{
     gate::Gate,
     handle::Stamp,
     home,
+    hover::{hover, missing_wrench, must_hover},
     ladder::{Age, Clock, Ladder},
     memory::{Memory, Need, Stored},
     misfits::{Misfit, Misfits},
     plausible::Plausible,
     record::MadeFrom,
-    report::Report,
+    report::{OnRung, Report, Rung},
     safe::SafeLaw,
     world::{ContactBinding, World},
 };
@@ -24,26 +25,12 @@ use crate::{
     error::BindError,
     model::FrameId,
     plugin::{Constraint, Entry, Prediction, Setup, Task, rows::RowStore},
-    problem::{
-        BoundEntry, DynamicsTerms, Partition, Problem, ProblemRows, Relaxation, Table,
-        VariableNames,
-    },
+    problem::{BoundEntry, Partition, Problem, ProblemRows, Relaxation, Table, VariableNames},
     qp::{ActiveSet, Capacity, Qp, QpSolver as _, Solution, Solver, WarmStart},
     robot::RobotModel,
     settings::{MeasurementLimits, Settings},
     stopwatch::NoStopwatch,
 };
-
-impl Controller {
-    /// The terms of the dynamics, borrowed for the problem.
-    pub(super) fn terms(world: &World) -> DynamicsTerms<'_> {
-        DynamicsTerms {
-            data: &world.data,
-            frames: &world.frames,
-            contacts: &world.contacts,
-        }
-    }
-}
 
 /// What a controller is made of beside its robot.
 #[derive(Debug)]
@@ -323,6 +310,8 @@ impl Bound {
         let contact_names: Vec<&str> = contacts.iter().map(|c| c.name.as_str()).collect();
         let is_native = (&*solver as &dyn std::any::Any).is::<ActiveSet>();
         let ladder = Ladder {
+            rung: Rung::Safe,
+            on_rung: OnRung::default(),
             safe: SafeLaw::new(&robot, &world, &actuation, &vec![0.0; sizes.nu]),
             solution: Solution::new(relaxed),
             warm: WarmStart::with_capacity(relaxed.vars),
@@ -373,7 +362,7 @@ impl Bound {
             stamp: Stamp::next(),
             robot,
         };
-        let is_solved = controller.hover();
+        let is_solved = hover(&mut controller);
         controller
             .problem
             .choose_determined(&controller.world.contacts);
@@ -384,8 +373,8 @@ impl Bound {
             &controller.command.effort,
         );
         if is_solved
-            && controller.must_hover()
-            && let Some(missing) = controller.missing_wrench()
+            && must_hover(&controller)
+            && let Some(missing) = missing_wrench(&controller)
         {
             misfits.hover(tag, missing);
         }

@@ -255,85 +255,91 @@ impl fmt::Display for Explanation {
     }
 }
 
-impl Controller {
-    /// Why the last tick did not end with the optimum of its problem; nothing if it did. Allocates: not for inside the
-    /// loop.
-    pub fn explain(&self) -> Option<Explanation> {
-        let report = &self.report;
+impl Explanation {
+    /// Of a controller's last tick; nothing if it ended with the optimum.
+    pub(super) fn of(controller: &Controller) -> Option<Self> {
+        let report = &controller.report;
         let fault = report.fault.as_ref()?;
         let conflict = report.conflict.iter();
-        let conflict = conflict.filter_map(|c| self.limit(c.row, c.side, c.limit, c.short));
+        let conflict = conflict.filter_map(|c| named(controller, c.row, c.side, c.limit, c.short));
         let relaxed = report.relaxed.iter();
-        let relaxed = relaxed.filter_map(|r| self.limit(r.row, r.side, r.limit, r.by));
-        Some(Explanation {
+        let relaxed = relaxed.filter_map(|r| named(controller, r.row, r.side, r.limit, r.by));
+        Some(Self {
             rung: report.rung,
-            fault: self.fault_text(fault),
+            fault: fault_text(controller, fault),
             conflict: conflict.collect(),
             relaxed: relaxed.collect(),
         })
     }
+}
 
-    /// A fault with the names of the entries and contacts that it counts.
-    pub(crate) fn fault_text(&self, fault: &Fault) -> String {
-        match fault {
-            Fault::FirstError(task) => self
-                .first_error_text(*task)
-                .unwrap_or_else(|| fault.to_string()),
-            Fault::Rows(index) => match self.entries.get(*index) {
-                Some(entry) => format!("entry `{}` wrote a number that is not finite", entry.name),
-                None => fault.to_string(),
-            },
-            Fault::NotFinite(Quantity::Wrench(contact)) => {
-                match self.world.bindings.get(contact.index()) {
-                    Some(binding) => format!(
-                        "measurement not finite: wrench of contact `{}`",
-                        binding.spec.name
-                    ),
-                    None => fault.to_string(),
+/// A fault with the names of the entries and contacts that it counts.
+fn fault_text(controller: &Controller, fault: &Fault) -> String {
+    match fault {
+        Fault::FirstError(task) => {
+            let name = controller.entries.get(*task).map(|entry| &entry.name);
+            match (name, controller.report.tasks.get(*task)) {
+                (Some(name), Some(report)) => {
+                    controller.first.error_text(*task, name, &report.error)
                 }
+                _ => fault.to_string(),
             }
-            Fault::Implausible(implausible) => implausible.text(&self.robot.model, |contact| {
-                let binding = self.world.bindings.get(contact.index());
-                binding.map(|binding| binding.spec.name.as_str())
-            }),
-            Fault::CutEffort(actuator) => match self.robot.actuators.get(actuator.index()) {
-                Some(actuator) => {
-                    let name = &actuator.name;
-                    let cut = self.report.cut.map_or_else(String::new, |cut| {
-                        let (asked, sent) = (Rounded(cut.asked), Rounded(cut.sent));
-                        format!(": {asked} asked, {sent} sent")
-                    });
-                    format!("the effort of actuator `{name}` had to be cut to its limits{cut}")
-                }
-                None => fault.to_string(),
-            },
-            Fault::CutVelocity(joint) => match self.robot.model.joints().get(joint.index()) {
-                Some(joint) => format!(
-                    "the velocity reference of joint `{}` is not finite",
-                    joint.name
+        }
+        Fault::Rows(index) => match controller.entries.get(*index) {
+            Some(entry) => format!("entry `{}` wrote a number that is not finite", entry.name),
+            None => fault.to_string(),
+        },
+        Fault::NotFinite(Quantity::Wrench(contact)) => {
+            match controller.world.bindings.get(contact.index()) {
+                Some(binding) => format!(
+                    "measurement not finite: wrench of contact `{}`",
+                    binding.spec.name
                 ),
                 None => fault.to_string(),
-            },
-            _ => fault.to_string(),
+            }
         }
+        Fault::Implausible(implausible) => implausible.text(&controller.robot.model, |contact| {
+            let binding = controller.world.bindings.get(contact.index());
+            binding.map(|binding| binding.spec.name.as_str())
+        }),
+        Fault::CutEffort(actuator) => match controller.robot.actuators.get(actuator.index()) {
+            Some(actuator) => {
+                let name = &actuator.name;
+                let cut = controller.report.cut.map_or_else(String::new, |cut| {
+                    let (asked, sent) = (Rounded(cut.asked), Rounded(cut.sent));
+                    format!(": {asked} asked, {sent} sent")
+                });
+                format!("the effort of actuator `{name}` had to be cut to its limits{cut}")
+            }
+            None => fault.to_string(),
+        },
+        Fault::CutVelocity(joint) => match controller.robot.model.joints().get(joint.index()) {
+            Some(joint) => format!(
+                "the velocity reference of joint `{}` is not finite",
+                joint.name
+            ),
+            None => fault.to_string(),
+        },
+        _ => fault.to_string(),
     }
+}
 
-    fn limit(&self, row: RowId, side: Side, limit: f64, short: f64) -> Option<Limit> {
-        let info = self.table.rows.get(row.index())?;
-        let (owner, is_equality) = match self.ladder.owners.get(row.index()) {
-            Some(owner) => (owner.text.clone(), owner.is_equality),
-            None => (format!("`{}`", info.owner), false),
-        };
-        Some(Limit {
-            owner,
-            label: info.label.clone(),
-            is_equality,
-            side,
-            limit,
-            short,
-            unit: info.unit.clone(),
-        })
-    }
+/// A limit by name.
+fn named(controller: &Controller, row: RowId, side: Side, limit: f64, short: f64) -> Option<Limit> {
+    let info = controller.table.rows.get(row.index())?;
+    let (owner, is_equality) = match controller.ladder.owners.get(row.index()) {
+        Some(owner) => (owner.text.clone(), owner.is_equality),
+        None => (format!("`{}`", info.owner), false),
+    };
+    Some(Limit {
+        owner,
+        label: info.label.clone(),
+        is_equality,
+        side,
+        limit,
+        short,
+        unit: info.unit.clone(),
+    })
 }
 
 /// Whose a row is, in words.

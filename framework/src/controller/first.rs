@@ -4,11 +4,11 @@
 //! A tick is the first until one was plausible: after a refused one time counts anew, and references begin at what the
 //! next one measures.
 
-use super::Controller;
+use super::{report::TaskReport, world::World};
 use crate::{
     fault::Fault,
     model::{Base, Model},
-    plugin::{Layout, layout::VdotBlock},
+    plugin::{Constraint, EntryState, Layout, Task, layout::VdotBlock},
     problem::BoundEntry,
     settings::{FirstError, StartFrom},
 };
@@ -117,44 +117,56 @@ fn counts(layout: &Layout, model: &Model) -> Vec<Counts> {
     layout.rows.iter().enumerate().map(count).collect()
 }
 
-impl Controller {
+impl FirstTick {
     /// Lets tasks begin where they are measured. Before the plug-ins write the rows of a first tick.
-    pub(super) fn begin(&mut self) {
-        if self.first.was_refused {
+    pub(super) fn begin(
+        &self,
+        start: StartFrom,
+        world: &World,
+        tasks: &mut [Box<dyn Task>],
+        constraints: &mut [Box<dyn Constraint>],
+    ) {
+        if self.was_refused {
             // What the refused tick left in integrators and at points of touch.
-            self.tasks.iter_mut().for_each(|task| task.activate());
-            self.constraints.iter_mut().for_each(|c| c.activate());
+            for task in tasks.iter_mut() {
+                task.activate();
+            }
+            for constraint in constraints {
+                constraint.activate();
+            }
         }
-        if self.settings.start == StartFrom::Home {
+        if start == StartFrom::Home {
             return;
         }
-        let tick = self.world.tick(crate::plugin::EntryState {
+        let tick = world.tick(EntryState {
             alpha: 1.0,
             since: f64::NEG_INFINITY,
         });
-        for task in &mut self.tasks {
+        for task in tasks {
             task.begin(&tick);
         }
     }
 
-    /// Whether the rows of a first tick are plausible.
+    /// Whether the rows of a first tick are plausible; the errors of all tasks are in their reports if they are not.
     ///
     /// # Errors
     /// [`Fault::FirstError`] with the first task whose error is too large.
-    pub(super) fn check_first_errors(&mut self) -> Result<(), Fault> {
-        let limits = &self.first.limits;
+    pub(super) fn check(
+        &mut self,
+        tasks: &[BoundEntry],
+        reports: &mut [TaskReport],
+    ) -> Result<(), Fault> {
+        let limits = &self.limits;
         let is_far = |(task, entry): (usize, &BoundEntry)| {
-            let Distance { position, rotation } = self.first.distance(task, &entry.store.error);
+            let Distance { position, rotation } = self.distance(task, &entry.store.error);
             entry.live && (position > limits.position || rotation > limits.rotation)
         };
-        let tasks = &self.entries[..self.tasks.len()];
         let Some(task) = tasks.iter().enumerate().position(is_far) else {
-            self.first.is_over = true;
+            self.is_over = true;
             return Ok(());
         };
-        self.first.was_refused = true;
-        self.world.origin = None;
-        for (entry, report) in tasks.iter().zip(&mut self.report.tasks) {
+        self.was_refused = true;
+        for (entry, report) in tasks.iter().zip(reports) {
             report.alpha = if entry.live { entry.alpha } else { 0.0 };
             for (out, error) in report.error.iter_mut().zip(&entry.store.error) {
                 *out = if entry.live { *error } else { 0.0 };
@@ -163,21 +175,19 @@ impl Controller {
         Err(Fault::FirstError(task))
     }
 
-    /// [`Fault::FirstError`] in words.
-    pub(super) fn first_error_text(&self, task: usize) -> Option<String> {
-        let name = &self.entries.get(task)?.name;
-        let errors = &self.report.tasks.get(task)?.error;
-        let Distance { position, rotation } = self.first.distance(task, errors);
-        let limits = &self.first.limits;
+    /// [`Fault::FirstError`] in words, of a task with these errors.
+    pub(super) fn error_text(&self, task: usize, name: &str, errors: &[f64]) -> String {
+        let Distance { position, rotation } = self.distance(task, errors);
+        let limits = &self.limits;
         let (key, unit, error, limit) = if position > limits.position {
             ("position", "m", position, limits.position)
         } else {
             ("rotation", "rad", rotation, limits.rotation)
         };
-        Some(format!(
+        format!(
             "task `{name}` is {error:.3} {unit} from its reference in the first tick, more than \
              `max_first_error.{key}` = {limit} {unit} in [controller] allows: nothing moves until it is nearer"
-        ))
+        )
     }
 }
 

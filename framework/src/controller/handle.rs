@@ -1,7 +1,7 @@
 //! Typed access to a task or constraint of a running controller, by name or by an id that was resolved once.
 
 use std::{
-    any::{Any, type_name},
+    any::type_name,
     fmt,
     marker::PhantomData,
     ops::{Deref, DerefMut},
@@ -14,7 +14,7 @@ use super::{
     requests::{redirect, reweight},
 };
 use crate::{
-    plugin::{Constraint, Reference, Task, Weight},
+    plugin::{Reference, Task, Weight},
     problem::BoundEntry,
 };
 
@@ -25,6 +25,16 @@ pub struct EntryId<T> {
     index: u32,
     controller: Stamp,
     plugin: PhantomData<fn() -> T>,
+}
+
+impl<T> EntryId<T> {
+    pub(super) fn new(index: usize, controller: Stamp) -> Self {
+        Self {
+            index: index as u32,
+            controller,
+            plugin: PhantomData,
+        }
+    }
 }
 
 impl<T> Clone for EntryId<T> {
@@ -58,7 +68,7 @@ pub trait EntryKey<T>: key::Find<T> {}
 impl<T, K: key::Find<T>> EntryKey<T> for K {}
 
 /// Keeps [`EntryKey`] to the types here.
-mod key {
+pub(super) mod key {
     use super::{Controller, EntryId, RequestError, short_name};
 
     /// Where a name is looked for.
@@ -101,8 +111,6 @@ mod key {
     }
 }
 
-use key::Among;
-
 /// A task or constraint of a running controller, between two ticks: its parameters (it dereferences to the plug-in)
 /// and what belongs to its entry.
 ///
@@ -110,9 +118,9 @@ use key::Among;
 /// tick survives them, since rows that are not finite make it fall back and say so, but the robot does what they say.
 #[derive(Debug)]
 pub struct EntryMut<'c, T> {
-    plugin: &'c mut T,
-    entry: &'c mut BoundEntry,
-    next_time: f64,
+    pub(super) plugin: &'c mut T,
+    pub(super) entry: &'c mut BoundEntry,
+    pub(super) next_time: f64,
 }
 
 impl<T: Task> EntryMut<'_, T> {
@@ -165,105 +173,7 @@ impl<T> DerefMut for EntryMut<'_, T> {
     }
 }
 
-impl Controller {
-    /// A task by name, resolved once: for access in every period without looking for the name.
-    ///
-    /// # Errors
-    /// [`RequestError`] if there is no such task or it is of another type.
-    pub fn task_id<T: Task>(&self, name: &str) -> Result<EntryId<T>, RequestError> {
-        let index = self.task_index(name)?;
-        let task = &*self.tasks[index];
-        self.entry_id("task", index, task, task.typetag_name())
-    }
-
-    /// A constraint by name, resolved once, as [`Controller::task_id`].
-    ///
-    /// # Errors
-    /// [`RequestError`] if there is no such constraint or it is of another type.
-    pub fn constraint_id<T: Constraint>(&self, name: &str) -> Result<EntryId<T>, RequestError> {
-        let index = self.constraint_index(name)?;
-        let constraint = &*self.constraints[index - self.tasks.len()];
-        self.entry_id("constraint", index, constraint, constraint.typetag_name())
-    }
-
-    /// A task as its own type, to read or change its parameters, trajectory, weight and activation:
-    ///
-    /// ```text
-    /// let mut arm = controller.task_mut::<Posture>("arm")?;
-    /// arm.kp = 40.0.into();
-    /// arm.reweight(0.5)?;
-    /// arm.follow(MinJerk::new([0.0, 0.3, 0.9], 2.0))?;
-    /// ```
-    ///
-    /// # Errors
-    /// [`RequestError`] if there is no such task, it is of another type, or the id is another controller's.
-    pub fn task_mut<T: Task>(
-        &mut self,
-        task: impl EntryKey<T>,
-    ) -> Result<EntryMut<'_, T>, RequestError> {
-        let index = task.find(self, Among::Tasks)?;
-        self.entry_mut(index)
-    }
-
-    /// A constraint as its own type, to read or change its parameters, weight and activation:
-    ///
-    /// ```text
-    /// controller.constraint_mut::<TiltLimit>("tilt")?.max_tilt = 0.2;
-    /// ```
-    ///
-    /// # Errors
-    /// [`RequestError`] if there is no such constraint, it is of another type, or the id is another controller's.
-    pub fn constraint_mut<T: Constraint>(
-        &mut self,
-        constraint: impl EntryKey<T>,
-    ) -> Result<EntryMut<'_, T>, RequestError> {
-        let index = constraint.find(self, Among::Constraints)?;
-        self.entry_mut(index)
-    }
-
-    fn entry_id<T: Any>(
-        &self,
-        kind: &'static str,
-        index: usize,
-        plugin: &dyn Any,
-        is: &'static str,
-    ) -> Result<EntryId<T>, RequestError> {
-        if plugin.is::<T>() {
-            Ok(EntryId {
-                index: index as u32,
-                controller: self.stamp,
-                plugin: PhantomData,
-            })
-        } else {
-            Err(other_type::<T>(kind, is, &self.entries[index].name))
-        }
-    }
-
-    fn entry_mut<T: Any>(&mut self, index: usize) -> Result<EntryMut<'_, T>, RequestError> {
-        let next_time = self.world.next_time();
-        let entry = &mut self.entries[index];
-        let (kind, is, plugin): (_, _, &mut dyn Any) = match index.checked_sub(self.tasks.len()) {
-            None => {
-                let task = &mut *self.tasks[index];
-                ("task", task.typetag_name(), task)
-            }
-            Some(index) => {
-                let constraint = &mut *self.constraints[index];
-                ("constraint", constraint.typetag_name(), constraint)
-            }
-        };
-        match plugin.downcast_mut::<T>() {
-            Some(plugin) => Ok(EntryMut {
-                plugin,
-                entry,
-                next_time,
-            }),
-            None => Err(other_type::<T>(kind, is, &entry.name)),
-        }
-    }
-}
-
-fn other_type<T>(kind: &'static str, is: &'static str, name: &str) -> RequestError {
+pub(super) fn other_type<T>(kind: &'static str, is: &'static str, name: &str) -> RequestError {
     RequestError::OtherType {
         kind,
         name: name.to_owned(),

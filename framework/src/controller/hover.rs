@@ -38,110 +38,118 @@ fn rounded(x: f64) -> String {
     }
 }
 
-impl Controller {
-    /// The command before the first tick: the efforts within limits that come nearest to holding the home
-    /// posture, `min ‖S u − g(q_home)‖²`. False if the solver could not find them.
-    pub(super) fn hover(&mut self) -> bool {
-        let at_home = super::Measurement::home(&self.robot, self.world.contacts.len());
-        self.world.measure(&at_home);
-        let (nv, nu) = (self.robot.model.nv(), self.robot.nu());
-        let mut s = vec![0.0; nv * nu];
-        self.actuation.write(&self.world.data, &mut s, nu);
-        let s = s.as_slice();
-        let gravity = self.world.data.gravity();
-        let made = self.qp.reset((0..nu).map(|i| VarId::new(i as u32)));
-        debug_assert!(made.is_ok(), "the efforts are among the variables");
-        let (h, g) = self.qp.cost_mut();
-        // A motor acts on one velocity, a rotor on those that carry it: S has few entries, and few are looked at.
-        let acts_on = |i: usize| (0..nv).filter(move |k| s[k * nu + i] != 0.0);
-        let columns: Vec<Vec<usize>> = (0..nu).map(|i| acts_on(i).collect()).collect();
-        for (i, column) in columns.iter().enumerate() {
-            for (j, other) in columns.iter().enumerate() {
-                let shorter = if column.len() < other.len() {
-                    column
-                } else {
-                    other
-                };
-                let products = shorter.iter().map(|k| 2.0 * s[k * nu + i] * s[k * nu + j]);
-                h[i * nu + j] = products.sum::<f64>() + 0.0;
-            }
-            g[i] = column
-                .iter()
-                .map(|k| -2.0 * s[k * nu + i] * gravity[*k])
-                .sum();
-            h[i * nu + i] += 1e-9;
+/// The command before the first tick: the efforts within limits that come nearest to holding the home
+/// posture, `min ‖S u − g(q_home)‖²`. False if the solver could not find them.
+pub(super) fn hover(controller: &mut Controller) -> bool {
+    let at_home = super::Measurement::home(&controller.robot, controller.world.contacts.len());
+    controller.world.measure(&at_home);
+    let (nv, nu) = (controller.robot.model.nv(), controller.robot.nu());
+    let mut s = vec![0.0; nv * nu];
+    controller
+        .actuation
+        .write(&controller.world.data, &mut s, nu);
+    let s = s.as_slice();
+    let gravity = controller.world.data.gravity();
+    let made = controller.qp.reset((0..nu).map(|i| VarId::new(i as u32)));
+    debug_assert!(made.is_ok(), "the efforts are among the variables");
+    let (h, g) = controller.qp.cost_mut();
+    // A motor acts on one velocity, a rotor on those that carry it: S has few entries, and few are looked at.
+    let acts_on = |i: usize| (0..nv).filter(move |k| s[k * nu + i] != 0.0);
+    let columns: Vec<Vec<usize>> = (0..nu).map(|i| acts_on(i).collect()).collect();
+    for (i, column) in columns.iter().enumerate() {
+        for (j, other) in columns.iter().enumerate() {
+            let shorter = if column.len() < other.len() {
+                column
+            } else {
+                other
+            };
+            let products = shorter.iter().map(|k| 2.0 * s[k * nu + i] * s[k * nu + j]);
+            h[i * nu + j] = products.sum::<f64>() + 0.0;
         }
-        let (lower, upper) = self.qp.bounds_mut();
-        for (i, actuator) in self.robot.actuators.iter().enumerate() {
-            lower[i] = actuator.lower;
-            upper[i] = actuator.upper;
-        }
-        let status = self.solver.solve(&self.qp, &mut self.solution);
-        let finite = self.solution.x[..nu].iter().all(|x| x.is_finite());
-        let is_solved = status == Ok(Status::Optimal) && finite;
-        if !is_solved {
-            // As near to no effort as the limits allow.
-            self.solution.x[..nu].fill(0.0);
-        }
-        self.command.hover(&self.robot, &self.solution.x);
-        for k in 0..nv {
-            let su: f64 = (0..nu)
-                .map(|j| s[k * nu + j] * self.command.effort[j])
-                .sum();
-            self.hover_residual[k] = gravity[k] - su;
-        }
-        self.world.last.effort.copy_from_slice(&self.command.effort);
-        self.solver.reset();
-        let _ = self.qp.reset([]);
-        self.world.origin = None;
-        is_solved
-    }
-
-    /// Whether nothing but its actuators holds the robot up: rotors, or nothing at all.
-    pub(super) fn must_hover(&self) -> bool {
-        self.settings.hover == Hover::Required
-            && self.robot.model.base() == Base::Floating
-            && !self
-                .world
-                .bindings
-                .iter()
-                .any(|contact| contact.switch.is_on())
-    }
-
-    /// What is missing for hovering, in words, and what to do; nothing if the robot hovers.
-    pub(super) fn missing_wrench(&self) -> Option<String> {
-        let model = &self.robot.model;
-        let weight = model.mass() * model.gravity().norm();
-        let parts: Vec<String> = self
-            .hover_residual
+        g[i] = column
             .iter()
-            .zip(DIRECTIONS)
-            .filter(|(short, _)| short.abs() > NEGLIGIBLE * weight)
-            .map(|(short, (direction, unit))| {
-                let sign = if *short > 0.0 { "+" } else { "-" };
-                let direction = direction.replace("{}", sign);
-                format!("{} {unit} short {direction}", rounded(short.abs()))
-            })
-            .collect();
-        if parts.is_empty() {
-            return None;
-        }
-        if self.robot.rotors().next().is_none() {
-            return Some(format!(
-                "floats, and has neither rotors nor a contact that is on at the start: nothing carries its weight of \
-                 {} N; set `base = \"fixed\"` in [robot], name its `rotors`, give a contact `active = true`, or set \
-                 `hover = \"unchecked\"` in [controller]",
-                rounded(weight),
-            ));
-        }
-        Some(format!(
-            "cannot hover in its home posture: {} (weight {} N; {}); mend the masses, the rotors or their limits, or \
-             set `hover = \"unchecked\"` in [controller] if something else carries the robot",
-            parts.join(", "),
-            rounded(weight),
-            saturation(&self.robot, self.command.effort.as_slice()),
-        ))
+            .map(|k| -2.0 * s[k * nu + i] * gravity[*k])
+            .sum();
+        h[i * nu + i] += 1e-9;
     }
+    let (lower, upper) = controller.qp.bounds_mut();
+    for (i, actuator) in controller.robot.actuators.iter().enumerate() {
+        lower[i] = actuator.lower;
+        upper[i] = actuator.upper;
+    }
+    let status = controller
+        .solver
+        .solve(&controller.qp, &mut controller.solution);
+    let finite = controller.solution.x[..nu].iter().all(|x| x.is_finite());
+    let is_solved = status == Ok(Status::Optimal) && finite;
+    if !is_solved {
+        // As near to no effort as the limits allow.
+        controller.solution.x[..nu].fill(0.0);
+    }
+    controller
+        .command
+        .hover(&controller.robot, &controller.solution.x);
+    for k in 0..nv {
+        let su: f64 = (0..nu)
+            .map(|j| s[k * nu + j] * controller.command.effort[j])
+            .sum();
+        controller.hover_residual[k] = gravity[k] - su;
+    }
+    controller
+        .world
+        .last
+        .effort
+        .copy_from_slice(&controller.command.effort);
+    controller.solver.reset();
+    let _ = controller.qp.reset([]);
+    controller.world.origin = None;
+    is_solved
+}
+
+/// Whether nothing but its actuators holds the robot up: rotors, or nothing at all.
+pub(super) fn must_hover(controller: &Controller) -> bool {
+    controller.settings.hover == Hover::Required
+        && controller.robot.model.base() == Base::Floating
+        && !controller
+            .world
+            .bindings
+            .iter()
+            .any(|contact| contact.switch.is_on())
+}
+
+/// What is missing for hovering, in words, and what to do; nothing if the robot hovers.
+pub(super) fn missing_wrench(controller: &Controller) -> Option<String> {
+    let model = &controller.robot.model;
+    let weight = model.mass() * model.gravity().norm();
+    let parts: Vec<String> = controller
+        .hover_residual
+        .iter()
+        .zip(DIRECTIONS)
+        .filter(|(short, _)| short.abs() > NEGLIGIBLE * weight)
+        .map(|(short, (direction, unit))| {
+            let sign = if *short > 0.0 { "+" } else { "-" };
+            let direction = direction.replace("{}", sign);
+            format!("{} {unit} short {direction}", rounded(short.abs()))
+        })
+        .collect();
+    if parts.is_empty() {
+        return None;
+    }
+    if controller.robot.rotors().next().is_none() {
+        return Some(format!(
+            "floats, and has neither rotors nor a contact that is on at the start: nothing carries its weight of \
+             {} N; set `base = \"fixed\"` in [robot], name its `rotors`, give a contact `active = true`, or set \
+             `hover = \"unchecked\"` in [controller]",
+            rounded(weight),
+        ));
+    }
+    Some(format!(
+        "cannot hover in its home posture: {} (weight {} N; {}); mend the masses, the rotors or their limits, or \
+         set `hover = \"unchecked\"` in [controller] if something else carries the robot",
+        parts.join(", "),
+        rounded(weight),
+        saturation(&controller.robot, controller.command.effort.as_slice()),
+    ))
 }
 
 /// How many rotors are at a limit.

@@ -47,6 +47,9 @@ const RESOLVES: u32 = 4;
 /// Rungs, and what they need, in storage made once.
 #[derive(Debug)]
 pub(super) struct Ladder {
+    /// Where the last tick ended, and since when.
+    pub(super) rung: Rung,
+    pub(super) on_rung: OnRung,
     pub(super) relaxation: Relaxation,
     pub(super) solver: ActiveSet,
     pub(super) solution: Solution,

@@ -27,7 +27,6 @@ mod record;
 mod rehearsal;
 mod report;
 mod requests;
-mod restart;
 mod safe;
 mod world;
 
@@ -47,7 +46,7 @@ pub use report::{
 
 pub(crate) use bind::{Bound, Parts};
 pub(crate) use misfits::{Misfit, MisfitKind};
-pub(crate) use record::{CommandRecord, FORMAT, MadeFrom};
+pub(crate) use record::{CommandRecord, FORMAT, MadeFrom, misfit, rerun};
 
 use nalgebra::DVector;
 
@@ -67,7 +66,7 @@ use gate::Gate;
 use handle::Stamp;
 use ladder::Ladder;
 use plausible::Plausible;
-use record::Recorder;
+use record::{Recorder, recall_rows, record_inputs, record_outcome, record_rows};
 use world::World;
 
 /// A whole-body controller bound to a robot.
@@ -117,7 +116,7 @@ impl Controller {
 
     /// A tick, with the plug-ins' rows or recorded ones.
     fn run(&mut self, measurement: &Measurement, recorded: Option<&Record>) {
-        self.record_inputs(measurement);
+        record_inputs(self, measurement);
         self.report.time = measurement.time;
         self.report.active.clear();
         self.report.conflict.clear();
@@ -164,11 +163,13 @@ impl Controller {
         if rung == Rung::Optimal && self.report.fault.is_some() {
             rung = Rung::Relaxed;
         }
-        let changed = rung != self.report.rung;
-        let is_first = self.report.on_rung.ticks == 0;
-        self.report.on_rung.step(changed, measurement, last);
+        let changed = rung != self.ladder.rung;
+        let is_first = self.ladder.on_rung.ticks == 0;
+        self.ladder.on_rung.step(changed, measurement, last);
+        self.ladder.rung = rung;
         self.report.rung = rung;
-        self.record_outcome(changed && !is_first);
+        self.report.on_rung = self.ladder.on_rung;
+        record_outcome(self, changed && !is_first);
     }
 
     /// From a usable measurement to command and report; with a fault if limits were given up.
@@ -185,18 +186,27 @@ impl Controller {
         match recorded {
             None => {
                 if is_first {
-                    self.begin();
+                    self.first.begin(
+                        self.settings.start,
+                        &self.world,
+                        &mut self.tasks,
+                        &mut self.constraints,
+                    );
                 }
                 self.update_rows();
             }
-            Some(record) => self.recall_rows(&record.entries),
+            Some(record) => recall_rows(self, &record.entries),
         }
-        self.record_rows();
+        record_rows(self);
         if is_first {
-            self.check_first_errors()?;
+            let tasks = &self.entries[..self.tasks.len()];
+            if let Err(fault) = self.first.check(tasks, &mut self.report.tasks) {
+                self.world.origin = None;
+                return Err(fault);
+            }
         }
         let written = self.stopwatch.now();
-        let terms = Self::terms(&self.world);
+        let terms = self.world.terms();
         let is_alert = self.ladder.is_alert();
         let assembled = if is_alert {
             // Rows that hold by substitution are part of a contradiction like all others.
@@ -215,7 +225,7 @@ impl Controller {
             self.problem.build(&terms, &self.entries, &mut self.qp)?;
             built = self.stopwatch.now();
         }
-        if !self.report.rung.is_solved() {
+        if !self.ladder.rung.is_solved() {
             // What was active some time ago is no good guess.
             self.solver.reset();
         }
@@ -267,14 +277,23 @@ impl Controller {
             self.report.relaxed.clear();
             return Err(Fault::Dynamics);
         }
-        self.report.vdot.copy_from_slice(vdot);
         let cut = self.gate.first_cut(&self.robot, effort);
         let fault = fault.or(cut.map(|cut| Fault::CutEffort(cut.actuator)));
         let rung = match fault {
             None => Rung::Optimal,
             Some(_) => Rung::Relaxed,
         };
-        self.output(rung);
+        self.world
+            .remember(&mut self.problem, &self.entries, &self.tasks);
+        self.send(rung);
+        self.report.fill(
+            &self.problem,
+            &self.entries,
+            &self.tasks,
+            &self.world,
+            &self.qp,
+            &self.solution,
+        );
         self.ladder.without_solution.renew(measurement.time);
         let done = self.stopwatch.now();
         self.report.times = StageTimes {
@@ -287,6 +306,24 @@ impl Controller {
         Ok(fault)
     }
 
+    /// Takes the solution's efforts and velocity references.
+    fn send(&mut self, rung: Rung) {
+        self.command
+            .effort
+            .copy_from_slice(&self.problem.solved().effort);
+        if self.ladder.rung != rung || self.ladder.on_rung.ticks == 0 {
+            // Velocity references start anew from the measured velocities.
+            self.command.engage(&self.robot.model, &self.world.state);
+        }
+        self.command.integrate(
+            &self.robot.model,
+            &self.world.state,
+            self.world.last.vdot.as_slice(),
+            self.world.elapsed,
+            self.settings.velocity_leak,
+        );
+    }
+
     /// A command without a solution.
     fn fall_back(&mut self, time: f64, since_last_tick: f64) -> Rung {
         let period = self.world.period;
@@ -297,7 +334,7 @@ impl Controller {
         } else {
             Rung::Safe
         };
-        let changed = self.report.rung != rung || self.report.on_rung.ticks == 0;
+        let changed = self.ladder.rung != rung || self.ladder.on_rung.ticks == 0;
         let model = &self.robot.model;
         if rung == Rung::Extrapolated {
             if changed {

@@ -2,11 +2,21 @@
 //!
 //! It takes effect in the next tick, and ramps and trajectories begin at that tick's time.
 
-use super::{Controller, error::RequestError};
+use std::any::Any;
+
+use super::{
+    Controller, Measurement,
+    error::RequestError,
+    explanation::Explanation,
+    handle::{EntryId, EntryKey, EntryMut, key::Among, other_type},
+    record::{Dump, Record, Recorder, blank_record},
+    rehearsal::PlannedForce,
+};
 use crate::{
     contact::{ContactId, ContactSpec, ContactState, SurfaceMotion},
     error::BindError,
-    plugin::{Layout, Reference, Task, Weight},
+    fault::Fault,
+    plugin::{Constraint, EntryState, Layout, Reference, Sample, Space, Task, Weight},
     problem::{BoundEntry, Treatment},
 };
 
@@ -130,6 +140,207 @@ impl Controller {
     /// Names of the contacts, in the order of [`Report::contacts`](super::Report::contacts).
     pub fn contact_names(&self) -> impl Iterator<Item = &str> {
         self.world.bindings.iter().map(|b| b.spec.name.as_str())
+    }
+
+    /// A task by name, resolved once: for access in every period without looking for the name.
+    ///
+    /// # Errors
+    /// [`RequestError`] if there is no such task or it is of another type.
+    pub fn task_id<T: Task>(&self, name: &str) -> Result<EntryId<T>, RequestError> {
+        let index = self.task_index(name)?;
+        let task = &*self.tasks[index];
+        self.entry_id("task", index, task, task.typetag_name())
+    }
+
+    /// A constraint by name, resolved once, as [`Controller::task_id`].
+    ///
+    /// # Errors
+    /// [`RequestError`] if there is no such constraint or it is of another type.
+    pub fn constraint_id<T: Constraint>(&self, name: &str) -> Result<EntryId<T>, RequestError> {
+        let index = self.constraint_index(name)?;
+        let constraint = &*self.constraints[index - self.tasks.len()];
+        self.entry_id("constraint", index, constraint, constraint.typetag_name())
+    }
+
+    /// A task as its own type, to read or change its parameters, trajectory, weight and activation:
+    ///
+    /// ```text
+    /// let mut arm = controller.task_mut::<Posture>("arm")?;
+    /// arm.kp = 40.0.into();
+    /// arm.reweight(0.5)?;
+    /// arm.follow(MinJerk::new([0.0, 0.3, 0.9], 2.0))?;
+    /// ```
+    ///
+    /// # Errors
+    /// [`RequestError`] if there is no such task, it is of another type, or the id is another controller's.
+    pub fn task_mut<T: Task>(
+        &mut self,
+        task: impl EntryKey<T>,
+    ) -> Result<EntryMut<'_, T>, RequestError> {
+        let index = task.find(self, Among::Tasks)?;
+        self.entry_mut(index)
+    }
+
+    /// A constraint as its own type, to read or change its parameters, weight and activation:
+    ///
+    /// ```text
+    /// controller.constraint_mut::<TiltLimit>("tilt")?.max_tilt = 0.2;
+    /// ```
+    ///
+    /// # Errors
+    /// [`RequestError`] if there is no such constraint, it is of another type, or the id is another controller's.
+    pub fn constraint_mut<T: Constraint>(
+        &mut self,
+        constraint: impl EntryKey<T>,
+    ) -> Result<EntryMut<'_, T>, RequestError> {
+        let index = constraint.find(self, Among::Constraints)?;
+        self.entry_mut(index)
+    }
+
+    fn entry_id<T: Any>(
+        &self,
+        kind: &'static str,
+        index: usize,
+        plugin: &dyn Any,
+        is: &'static str,
+    ) -> Result<EntryId<T>, RequestError> {
+        if plugin.is::<T>() {
+            Ok(EntryId::new(index, self.stamp))
+        } else {
+            Err(other_type::<T>(kind, is, &self.entries[index].name))
+        }
+    }
+
+    fn entry_mut<T: Any>(&mut self, index: usize) -> Result<EntryMut<'_, T>, RequestError> {
+        let next_time = self.world.next_time();
+        let entry = &mut self.entries[index];
+        let (kind, is, plugin): (_, _, &mut dyn Any) = match index.checked_sub(self.tasks.len()) {
+            None => {
+                let task = &mut *self.tasks[index];
+                ("task", task.typetag_name(), task)
+            }
+            Some(index) => {
+                let constraint = &mut *self.constraints[index];
+                ("constraint", constraint.typetag_name(), constraint)
+            }
+        };
+        match plugin.downcast_mut::<T>() {
+            Some(plugin) => Ok(EntryMut {
+                plugin,
+                entry,
+                next_time,
+            }),
+            None => Err(other_type::<T>(kind, is, &entry.name)),
+        }
+    }
+
+    /// Says that what the next tick measures is meant to be elsewhere than what was measured last: the robot was
+    /// carried, a simulation was set back, an estimator has found out where it is. The next measurement is compared
+    /// with this one.
+    ///
+    /// Velocity references start at these velocities, filters of forces at these forces, and the solver without a warm
+    /// start. What is wanted stays: references, ramps, integrals and switches go on, and so does the controller's time,
+    /// also if the stamp is an earlier one. Efforts stay within `slew` of the last ones. Does not allocate.
+    ///
+    /// # Errors
+    /// What is not usable or not plausible in this measurement by itself; nothing has changed then.
+    pub fn reset(&mut self, measurement: &Measurement) -> Result<(), Fault> {
+        if let Some(fault) = measurement.fault(&self.robot, self.world.contacts.len(), None) {
+            return Err(fault);
+        }
+        if let Some(implausible) = self.plausible.in_itself(measurement) {
+            return Err(Fault::Implausible(implausible));
+        }
+        let (stamp, period) = (measurement.time, self.world.period);
+        // As if it had been measured a period ago, so that a tick may take the same measurement.
+        let before = stamp - period;
+        if let Some(last) = self.ladder.without_state.time() {
+            if stamp <= last && self.world.origin.is_some() {
+                self.world.rebase(stamp);
+            }
+            self.ladder.without_state.renew(before);
+        }
+        self.ladder.clock.previous = None;
+        self.ladder.clock.steady = 0;
+        self.world.restart(measurement);
+        self.plausible.restart(before);
+        self.command.engage(&self.robot.model, &self.world.state);
+        self.solver.reset();
+        Ok(())
+    }
+
+    /// The set points, at a time in s, of the tasks that push, are switched on and have a weight.
+    ///
+    /// For a controller that is only looked at: it has not run and will not. What is asked of it afterwards
+    /// ([`follow`](Controller::follow) and so on) counts from one period after that time.
+    pub fn rehearse(&mut self, time: f64) -> Vec<PlannedForce<'_>> {
+        self.world.time = time;
+        self.world.origin = Some(0.0);
+        let mut planned = Vec::new();
+        for (bound, task) in self.entries.iter().zip(&mut self.tasks) {
+            let Some(contact) = task.pushes() else {
+                continue;
+            };
+            if !bound.switch.is_wanted() || bound.weight.wanted().iter().all(|w| *w == 0.0) {
+                continue;
+            }
+            let Some(follow) = task.follow() else {
+                continue;
+            };
+            let mut sample = Sample::new(Space::Vector(1));
+            let entry = EntryState {
+                alpha: 1.0,
+                since: f64::NEG_INFINITY,
+            };
+            follow
+                .reference
+                .sample(&self.world.tick(entry), &mut sample);
+            planned.extend(sample.value.first().map(|&normal| PlannedForce {
+                task: &bound.name,
+                contact,
+                normal,
+            }));
+        }
+        planned
+    }
+
+    /// Why the last tick did not end with the optimum of its problem; nothing if it did. Allocates: not for inside the
+    /// loop.
+    pub fn explain(&self) -> Option<Explanation> {
+        Explanation::of(self)
+    }
+
+    /// Records the last `ticks` ticks, at least one. Costs a copy of the rows per tick.
+    ///
+    /// # Errors
+    /// [`RequestError::Unrecordable`] if a plug-in cannot be written to a file.
+    pub fn with_recorder(mut self, ticks: usize) -> Result<Self, RequestError> {
+        if let Err(problem) = &self.made_from.configuration {
+            return Err(RequestError::Unrecordable {
+                problem: problem.clone(),
+            });
+        }
+        let blank = blank_record(&self);
+        self.recorder = Some(Recorder::new(&blank, ticks));
+        Ok(self)
+    }
+
+    /// The recorded ticks if the rung has changed in one of them since this was last asked. Allocates: call it outside
+    /// the real-time part.
+    pub fn take_dump(&mut self) -> Option<Dump> {
+        let recorder = self.recorder.as_mut()?;
+        if !std::mem::take(&mut recorder.pending) {
+            return None;
+        }
+        self.dump()
+    }
+
+    /// The recorded ticks; nothing without a recorder or before the first tick. Allocates.
+    pub fn dump(&self) -> Option<Dump> {
+        let records: Vec<Record> = self.recorder.as_ref()?.records().cloned().collect();
+        let configuration = self.made_from.configuration.clone().ok()?;
+        let directory = &self.made_from.directory;
+        (!records.is_empty()).then(|| Dump::new(directory, configuration, &self.robot, records))
     }
 
     fn entry(&self, name: &str) -> Result<usize, RequestError> {

@@ -16,7 +16,8 @@ use crate::{
     dynamics::{Data, FrameKinematics},
     error::BindError,
     model::{BodyId, FrameId, Model},
-    plugin::{EntryState, Prediction, Tick},
+    plugin::{EntryState, Prediction, Task, Tick},
+    problem::{BoundEntry, DynamicsTerms, Problem},
     state::State,
     switch::Switch,
 };
@@ -316,6 +317,34 @@ impl World {
         }
     }
 
+    /// Takes down what the next tick needs of a solution that the problem has recovered.
+    pub(crate) fn remember(
+        &mut self,
+        problem: &mut Problem,
+        entries: &[BoundEntry],
+        tasks: &[Box<dyn Task>],
+    ) {
+        self.last.vdot.copy_from_slice(&problem.solved().vdot);
+        let entries = &entries[..tasks.len()];
+        problem.collect_asked(entries, self.last.virtual_input.as_mut_slice());
+        for (index, contact) in self.contacts.iter_mut().enumerate() {
+            contact.solution.fill(0.0);
+            contact.set_point.fill(0.0);
+            if let Some(force) = problem.force(index) {
+                for (&direction, f) in contact.kind.constrained().iter().zip(force) {
+                    contact.solution[direction] = *f;
+                }
+            }
+        }
+        for (entry, task) in entries.iter().zip(tasks) {
+            if let (true, Some(force)) = (entry.live, task.force_report())
+                && let Some(contact) = self.contacts.get_mut(force.contact.index())
+            {
+                contact.set_point = force.reference;
+            }
+        }
+    }
+
     /// The robot is elsewhere: everything that depends on its state, and filters without a past.
     pub(crate) fn restart(&mut self, m: &Measurement) {
         self.state.copy_from(&m.state);
@@ -338,6 +367,15 @@ impl World {
         match self.origin {
             Some(_) => self.time + self.period,
             None => 0.0,
+        }
+    }
+
+    /// The terms of the dynamics, borrowed for the problem.
+    pub(crate) fn terms(&self) -> DynamicsTerms<'_> {
+        DynamicsTerms {
+            data: &self.data,
+            frames: &self.frames,
+            contacts: &self.contacts,
         }
     }
 

@@ -5,7 +5,7 @@ use std::{fmt, path::Path};
 use super::DumpError;
 use crate::{
     config::ControllerConfig,
-    controller::{CommandRecord, Controller, Dump, Record},
+    controller::{CommandRecord, Controller, Dump, Record, misfit, rerun},
 };
 
 /// A tick that was run again.
@@ -58,13 +58,13 @@ impl Dump {
                 return Err(DumpError::OtherRobot(was.name.clone()));
             }
         }
-        if let Some(what) = controller.misfit(record) {
+        if let Some(what) = misfit(&controller, record) {
             return Err(DumpError::Misfit {
                 index,
                 what: what.to_owned(),
             });
         }
-        controller.rerun(record);
+        rerun(&mut controller, record);
         let again = controller.dump().map(|dump| dump.records);
         let differences = match again.as_deref() {
             Some([again]) => differences(record, again),

@@ -10,6 +10,7 @@ pub use tick_record::Record;
 
 pub(crate) use dump::FORMAT;
 pub(super) use recorder::Recorder;
-pub(crate) use recording::MadeFrom;
+pub(crate) use recording::{MadeFrom, misfit, rerun};
+pub(super) use recording::{blank_record, recall_rows, record_inputs, record_outcome, record_rows};
 pub(crate) use tick_record::{CommandRecord, ContactMemory};
 use tick_record::{EntryRecord, Memory, Outcome, StateRecord};

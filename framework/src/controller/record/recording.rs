@@ -6,12 +6,11 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector6};
 
 use super::{
     super::{
-        Command, Controller, Measurement, RequestError,
+        Command, Controller, Measurement,
         ladder::{Age, Clock, Ladder},
         plausible::Seen,
     },
-    CommandRecord, ContactMemory, Dump, EntryRecord, Memory, Outcome, Record, Recorder,
-    StateRecord,
+    CommandRecord, ContactMemory, EntryRecord, Memory, Outcome, Record, Recorder, StateRecord,
 };
 use crate::{qp::WarmStart, state::State};
 
@@ -24,286 +23,256 @@ pub(crate) struct MadeFrom {
     pub(crate) configuration: Result<String, String>,
 }
 
-impl Controller {
-    /// Records the last `ticks` ticks, at least one. Costs a copy of the rows per tick.
-    ///
-    /// # Errors
-    /// [`RequestError::Unrecordable`] if a plug-in cannot be written to a file.
-    pub fn with_recorder(mut self, ticks: usize) -> Result<Self, RequestError> {
-        if let Err(problem) = &self.made_from.configuration {
-            return Err(RequestError::Unrecordable {
-                problem: problem.clone(),
-            });
-        }
-        let blank = self.blank_record();
-        self.recorder = Some(Recorder::new(&blank, ticks));
-        Ok(self)
-    }
-
-    /// The recorded ticks if the rung has changed in one of them since this was last asked. Allocates: call it outside
-    /// the real-time part.
-    pub fn take_dump(&mut self) -> Option<Dump> {
-        let recorder = self.recorder.as_mut()?;
-        if !std::mem::take(&mut recorder.pending) {
-            return None;
-        }
-        self.dump()
-    }
-
-    /// The recorded ticks; nothing without a recorder or before the first tick. Allocates.
-    pub fn dump(&self) -> Option<Dump> {
-        let records: Vec<Record> = self.recorder.as_ref()?.records().cloned().collect();
-        let configuration = self.made_from.configuration.clone().ok()?;
-        let directory = &self.made_from.directory;
-        (!records.is_empty()).then(|| Dump::new(directory, configuration, &self.robot, records))
-    }
-
-    fn blank_record(&self) -> Record {
-        let entries = self.entries.iter().map(|bound| EntryRecord {
-            name: bound.name.clone(),
-            weight: bound.weight.now().to_vec(),
-            vdot: bound.store.vdot.clone(),
-            effort: bound.store.effort.clone(),
-            forces: bound.store.forces.clone(),
-            lower: bound.store.lower.clone(),
-            upper: bound.store.upper.clone(),
-            bound_lower: bound.store.bound_lower.clone(),
-            bound_upper: bound.store.bound_upper.clone(),
-            error: bound.store.error.clone(),
-            ..EntryRecord::default()
-        });
-        let capacity = self.qp.capacity();
-        let relaxed = self.ladder.relaxation.qp.capacity().vars;
-        let state = blank_state(&self.world.state);
-        let command = blank_command(&self.command);
-        let nv = self.world.last.vdot.len();
-        Record {
-            measured: state.clone(),
-            wrenches: vec![[0.0; 6]; self.world.contacts.len()],
-            before: Memory {
-                state,
-                contacts: vec![ContactMemory::default(); self.world.contacts.len()],
-                asked: vec![0.0; nv],
-                vdot: vec![0.0; nv],
-                sent: vec![0.0; self.command.effort.len()],
-                command: command.clone(),
-                held: vec![0.0; self.world.state.q.len()],
-                warm: WarmStart::with_capacity(capacity.vars),
-                relaxed_warm: WarmStart::with_capacity(relaxed),
-                proof: WarmStart::with_capacity(relaxed + 1),
-                needed: self.ladder.relaxation.needed.clone(),
-                ..Memory::default()
-            },
-            entries: entries.collect(),
-            outcome: Outcome {
-                command,
-                x: vec![0.0; capacity.vars],
-                ..Outcome::default()
-            },
-            ..Record::default()
-        }
+/// A record of the controller's sizes.
+pub(in super::super) fn blank_record(controller: &Controller) -> Record {
+    let entries = controller.entries.iter().map(|bound| EntryRecord {
+        name: bound.name.clone(),
+        weight: bound.weight.now().to_vec(),
+        vdot: bound.store.vdot.clone(),
+        effort: bound.store.effort.clone(),
+        forces: bound.store.forces.clone(),
+        lower: bound.store.lower.clone(),
+        upper: bound.store.upper.clone(),
+        bound_lower: bound.store.bound_lower.clone(),
+        bound_upper: bound.store.bound_upper.clone(),
+        error: bound.store.error.clone(),
+        ..EntryRecord::default()
+    });
+    let capacity = controller.qp.capacity();
+    let relaxed = controller.ladder.relaxation.qp.capacity().vars;
+    let state = blank_state(&controller.world.state);
+    let command = blank_command(&controller.command);
+    let nv = controller.world.last.vdot.len();
+    Record {
+        measured: state.clone(),
+        wrenches: vec![[0.0; 6]; controller.world.contacts.len()],
+        before: Memory {
+            state,
+            contacts: vec![ContactMemory::default(); controller.world.contacts.len()],
+            asked: vec![0.0; nv],
+            vdot: vec![0.0; nv],
+            sent: vec![0.0; controller.command.effort.len()],
+            command: command.clone(),
+            held: vec![0.0; controller.world.state.q.len()],
+            warm: WarmStart::with_capacity(capacity.vars),
+            relaxed_warm: WarmStart::with_capacity(relaxed),
+            proof: WarmStart::with_capacity(relaxed + 1),
+            needed: controller.ladder.relaxation.needed.clone(),
+            ..Memory::default()
+        },
+        entries: entries.collect(),
+        outcome: Outcome {
+            command,
+            x: vec![0.0; capacity.vars],
+            ..Outcome::default()
+        },
+        ..Record::default()
     }
 }
 
-/// During a tick: nothing is allocated.
-impl Controller {
-    /// Before anything is computed.
-    pub(in super::super) fn record_inputs(&mut self, measurement: &Measurement) {
-        let Some(record) = self.recorder.as_mut().and_then(Recorder::current) else {
-            return;
-        };
-        record.time = measurement.time;
-        record.written = false;
-        let state = &measurement.state;
-        record.sizes = [state.q.len(), state.v.len(), measurement.wrenches.len()];
-        write_state(state, &mut record.measured);
-        for (out, wrench) in record.wrenches.iter_mut().zip(&measurement.wrenches) {
-            *out = (*wrench).into();
-        }
-        let before = &mut record.before;
-        before.time = self.world.time;
-        before.origin = self.world.origin;
-        write_state(&self.world.state, &mut before.state);
-        let contacts = self.world.contacts.iter().zip(&self.world.bindings);
-        for (out, (contact, binding)) in before.contacts.iter_mut().zip(contacts) {
-            binding.remember(out);
-            out.measured = contact.measured.into();
-            out.measured_at_switch = contact.measured_at_switch.into();
-            out.set_point = contact.set_point.into();
-            out.solution = contact.solution.into();
-        }
-        let last = &self.world.last;
-        copy(&mut before.asked, last.virtual_input.as_slice());
-        copy(&mut before.vdot, last.vdot.as_slice());
-        copy(&mut before.sent, last.effort.as_slice());
-        write_command(&self.command, &mut before.command);
-        before.has_begun = self.first.is_over;
-        before.rung = self.report.rung;
-        before.on_rung_since = self.report.on_rung.since;
-        before.on_rung_ticks = self.report.on_rung.ticks;
-        before.seen = self.plausible.seen.last;
-        before.unseen = self.plausible.seen.gap;
-        self.ladder.remember(before);
-        self.solver.warm_start(&mut before.warm);
+/// Before anything is computed.
+pub(in super::super) fn record_inputs(controller: &mut Controller, measurement: &Measurement) {
+    let Some(record) = controller.recorder.as_mut().and_then(Recorder::current) else {
+        return;
+    };
+    record.time = measurement.time;
+    record.written = false;
+    let state = &measurement.state;
+    record.sizes = [state.q.len(), state.v.len(), measurement.wrenches.len()];
+    write_state(state, &mut record.measured);
+    for (out, wrench) in record.wrenches.iter_mut().zip(&measurement.wrenches) {
+        *out = (*wrench).into();
     }
+    let before = &mut record.before;
+    before.time = controller.world.time;
+    before.origin = controller.world.origin;
+    write_state(&controller.world.state, &mut before.state);
+    let contacts = controller
+        .world
+        .contacts
+        .iter()
+        .zip(&controller.world.bindings);
+    for (out, (contact, binding)) in before.contacts.iter_mut().zip(contacts) {
+        binding.remember(out);
+        out.measured = contact.measured.into();
+        out.measured_at_switch = contact.measured_at_switch.into();
+        out.set_point = contact.set_point.into();
+        out.solution = contact.solution.into();
+    }
+    let last = &controller.world.last;
+    copy(&mut before.asked, last.virtual_input.as_slice());
+    copy(&mut before.vdot, last.vdot.as_slice());
+    copy(&mut before.sent, last.effort.as_slice());
+    write_command(&controller.command, &mut before.command);
+    before.has_begun = controller.first.is_over;
+    before.rung = controller.ladder.rung;
+    before.on_rung_since = controller.ladder.on_rung.since;
+    before.on_rung_ticks = controller.ladder.on_rung.ticks;
+    before.seen = controller.plausible.seen.last;
+    before.unseen = controller.plausible.seen.gap;
+    controller.ladder.remember(before);
+    controller.solver.warm_start(&mut before.warm);
+}
 
-    /// After the plug-ins have written their rows.
-    pub(in super::super) fn record_rows(&mut self) {
-        let Some(record) = self.recorder.as_mut().and_then(Recorder::current) else {
-            return;
-        };
-        record.written = true;
-        for (entry, bound) in record.entries.iter_mut().zip(&self.entries) {
-            entry.live = bound.live;
-            entry.alpha = bound.alpha;
-            copy(&mut entry.weight, bound.weight.now());
-            if !bound.live {
-                continue;
-            }
-            let store = &bound.store;
-            copy(&mut entry.vdot, &store.vdot);
-            copy(&mut entry.effort, &store.effort);
-            for (out, block) in entry.forces.iter_mut().zip(&store.forces) {
-                copy(out, block);
-            }
-            copy(&mut entry.lower, &store.lower);
-            copy(&mut entry.upper, &store.upper);
-            copy(&mut entry.bound_lower, &store.bound_lower);
-            copy(&mut entry.bound_upper, &store.bound_upper);
-            copy(&mut entry.error, &store.error);
+/// After the plug-ins have written their rows.
+pub(in super::super) fn record_rows(controller: &mut Controller) {
+    let Some(record) = controller.recorder.as_mut().and_then(Recorder::current) else {
+        return;
+    };
+    record.written = true;
+    for (entry, bound) in record.entries.iter_mut().zip(&controller.entries) {
+        entry.live = bound.live;
+        entry.alpha = bound.alpha;
+        copy(&mut entry.weight, bound.weight.now());
+        if !bound.live {
+            continue;
         }
-    }
-
-    /// After the tick.
-    pub(in super::super) fn record_outcome(&mut self, changed: bool) {
-        let Some(recorder) = &mut self.recorder else {
-            return;
-        };
-        if let Some(record) = recorder.current() {
-            let outcome = &mut record.outcome;
-            outcome.rung = self.report.rung;
-            outcome.status = self.report.status;
-            outcome.iterations = self.report.iterations;
-            write_command(&self.command, &mut outcome.command);
-            outcome.n = if self.report.rung.is_solved() {
-                self.qp.n()
-            } else {
-                0
-            };
-            copy(&mut outcome.x[..outcome.n], &self.solution.x[..outcome.n]);
+        let store = &bound.store;
+        copy(&mut entry.vdot, &store.vdot);
+        copy(&mut entry.effort, &store.effort);
+        for (out, block) in entry.forces.iter_mut().zip(&store.forces) {
+            copy(out, block);
         }
-        recorder.pending |= changed;
-        recorder.advance();
+        copy(&mut entry.lower, &store.lower);
+        copy(&mut entry.upper, &store.upper);
+        copy(&mut entry.bound_lower, &store.bound_lower);
+        copy(&mut entry.bound_upper, &store.bound_upper);
+        copy(&mut entry.error, &store.error);
     }
+}
 
-    /// Runs a recorded tick again. For a controller of the record's configuration; the sizes are checked by the caller.
-    pub(crate) fn rerun(&mut self, record: &Record) {
-        self.restore(record);
-        let measurement = measurement(record, &self.world.state);
-        self.run(&measurement, Some(record));
-    }
-
-    /// Remembers what was remembered before the recorded tick.
-    fn restore(&mut self, record: &Record) {
-        let before = &record.before;
-        let world = &mut self.world;
-        world.time = before.time;
-        world.origin = before.origin;
-        read_state(&before.state, &mut world.state);
-        world.refresh();
-        let contacts = world.contacts.iter_mut().zip(&mut world.bindings);
-        for (memory, (contact, binding)) in before.contacts.iter().zip(contacts) {
-            binding.recall(memory);
-            contact.measured = memory.measured.into();
-            contact.measured_at_switch = memory.measured_at_switch.into();
-            contact.set_point = memory.set_point.into();
-            contact.solution = memory.solution.into();
-        }
-        copy(world.last.virtual_input.as_mut_slice(), &before.asked);
-        copy(world.last.vdot.as_mut_slice(), &before.vdot);
-        copy(world.last.effort.as_mut_slice(), &before.sent);
-        read_command(&before.command, &mut self.command);
-        self.first.is_over = before.has_begun;
-        self.report.rung = before.rung;
-        self.report.on_rung.since = before.on_rung_since;
-        self.report.on_rung.ticks = before.on_rung_ticks;
-        self.plausible.seen = Seen {
-            last: before.seen,
-            gap: before.unseen,
+/// After the tick.
+pub(in super::super) fn record_outcome(controller: &mut Controller, changed: bool) {
+    let Some(recorder) = &mut controller.recorder else {
+        return;
+    };
+    if let Some(record) = recorder.current() {
+        let outcome = &mut record.outcome;
+        outcome.rung = controller.report.rung;
+        outcome.status = controller.report.status;
+        outcome.iterations = controller.report.iterations;
+        write_command(&controller.command, &mut outcome.command);
+        outcome.n = if controller.report.rung.is_solved() {
+            controller.qp.n()
+        } else {
+            0
         };
-        self.ladder.recall(before);
-        self.solver.start_from(&before.warm);
+        copy(
+            &mut outcome.x[..outcome.n],
+            &controller.solution.x[..outcome.n],
+        );
     }
+    recorder.pending |= changed;
+    recorder.advance();
+}
 
-    /// Takes the recorded rows instead of asking the plug-ins.
-    pub(in super::super) fn recall_rows(&mut self, entries: &[EntryRecord]) {
-        for (entry, bound) in entries.iter().zip(&mut self.entries) {
-            bound.live = entry.live;
-            bound.alpha = entry.alpha;
-            bound.weight.hold(&entry.weight);
-            let store = &mut bound.store;
-            copy(&mut store.vdot, &entry.vdot);
-            copy(&mut store.effort, &entry.effort);
-            for (block, recorded) in store.forces.iter_mut().zip(&entry.forces) {
-                copy(block, recorded);
-            }
-            copy(&mut store.lower, &entry.lower);
-            copy(&mut store.upper, &entry.upper);
-            copy(&mut store.bound_lower, &entry.bound_lower);
-            copy(&mut store.bound_upper, &entry.bound_upper);
-            copy(&mut store.error, &entry.error);
-        }
-    }
+/// Runs a recorded tick again. For a controller of the record's configuration; the sizes are checked by the caller.
+pub(crate) fn rerun(controller: &mut Controller, record: &Record) {
+    restore(controller, record);
+    let measurement = measurement(record, &controller.world.state);
+    controller.run(&measurement, Some(record));
+}
 
-    /// What of a record does not have this controller's sizes, if anything.
-    pub(crate) fn misfit(&self, record: &Record) -> Option<&'static str> {
-        let blank = self.blank_record();
-        let sizes = |r: &Record| {
-            let s = |s: &StateRecord| [s.q.len(), s.v.len()];
-            let c = |c: &CommandRecord| {
-                [
-                    c.effort.len(),
-                    c.rotor_speed.len(),
-                    c.joint_acceleration.len(),
-                    c.joint_velocity.len(),
-                ]
-            };
-            let b = &r.before;
-            (
-                s(&r.measured),
-                s(&b.state),
-                c(&b.command),
-                c(&r.outcome.command),
-                [
-                    r.wrenches.len(),
-                    b.contacts.len(),
-                    b.asked.len(),
-                    b.vdot.len(),
-                    b.sent.len(),
-                    b.held.len(),
-                ],
-            )
-        };
-        if sizes(&blank) != sizes(record) {
-            return Some("the robot's size");
-        }
-        let entry = |e: &EntryRecord| {
-            let forces: Vec<usize> = e.forces.iter().map(Vec::len).collect();
-            let rest = [
-                &e.weight,
-                &e.vdot,
-                &e.effort,
-                &e.lower,
-                &e.upper,
-                &e.bound_lower,
-                &e.bound_upper,
-                &e.error,
-            ];
-            (e.name.clone(), forces, rest.map(Vec::len))
-        };
-        let entries = |r: &Record| r.entries.iter().map(entry).collect::<Vec<_>>();
-        (entries(&blank) != entries(record)).then_some("an entry")
+/// Remembers what was remembered before the recorded tick.
+fn restore(controller: &mut Controller, record: &Record) {
+    let before = &record.before;
+    let world = &mut controller.world;
+    world.time = before.time;
+    world.origin = before.origin;
+    read_state(&before.state, &mut world.state);
+    world.refresh();
+    let contacts = world.contacts.iter_mut().zip(&mut world.bindings);
+    for (memory, (contact, binding)) in before.contacts.iter().zip(contacts) {
+        binding.recall(memory);
+        contact.measured = memory.measured.into();
+        contact.measured_at_switch = memory.measured_at_switch.into();
+        contact.set_point = memory.set_point.into();
+        contact.solution = memory.solution.into();
     }
+    copy(world.last.virtual_input.as_mut_slice(), &before.asked);
+    copy(world.last.vdot.as_mut_slice(), &before.vdot);
+    copy(world.last.effort.as_mut_slice(), &before.sent);
+    read_command(&before.command, &mut controller.command);
+    controller.first.is_over = before.has_begun;
+    controller.ladder.rung = before.rung;
+    controller.ladder.on_rung.since = before.on_rung_since;
+    controller.ladder.on_rung.ticks = before.on_rung_ticks;
+    controller.plausible.seen = Seen {
+        last: before.seen,
+        gap: before.unseen,
+    };
+    controller.ladder.recall(before);
+    controller.solver.start_from(&before.warm);
+}
+
+/// Takes the recorded rows instead of asking the plug-ins.
+pub(in super::super) fn recall_rows(controller: &mut Controller, entries: &[EntryRecord]) {
+    for (entry, bound) in entries.iter().zip(&mut controller.entries) {
+        bound.live = entry.live;
+        bound.alpha = entry.alpha;
+        bound.weight.hold(&entry.weight);
+        let store = &mut bound.store;
+        copy(&mut store.vdot, &entry.vdot);
+        copy(&mut store.effort, &entry.effort);
+        for (block, recorded) in store.forces.iter_mut().zip(&entry.forces) {
+            copy(block, recorded);
+        }
+        copy(&mut store.lower, &entry.lower);
+        copy(&mut store.upper, &entry.upper);
+        copy(&mut store.bound_lower, &entry.bound_lower);
+        copy(&mut store.bound_upper, &entry.bound_upper);
+        copy(&mut store.error, &entry.error);
+    }
+}
+
+/// What of a record does not have this controller's sizes, if anything.
+pub(crate) fn misfit(controller: &Controller, record: &Record) -> Option<&'static str> {
+    let blank = blank_record(controller);
+    let sizes = |r: &Record| {
+        let s = |s: &StateRecord| [s.q.len(), s.v.len()];
+        let c = |c: &CommandRecord| {
+            [
+                c.effort.len(),
+                c.rotor_speed.len(),
+                c.joint_acceleration.len(),
+                c.joint_velocity.len(),
+            ]
+        };
+        let b = &r.before;
+        (
+            s(&r.measured),
+            s(&b.state),
+            c(&b.command),
+            c(&r.outcome.command),
+            [
+                r.wrenches.len(),
+                b.contacts.len(),
+                b.asked.len(),
+                b.vdot.len(),
+                b.sent.len(),
+                b.held.len(),
+            ],
+        )
+    };
+    if sizes(&blank) != sizes(record) {
+        return Some("the robot's size");
+    }
+    let entry = |e: &EntryRecord| {
+        let forces: Vec<usize> = e.forces.iter().map(Vec::len).collect();
+        let rest = [
+            &e.weight,
+            &e.vdot,
+            &e.effort,
+            &e.lower,
+            &e.upper,
+            &e.bound_lower,
+            &e.bound_upper,
+            &e.error,
+        ];
+        (e.name.clone(), forces, rest.map(Vec::len))
+    };
+    let entries = |r: &Record| r.entries.iter().map(entry).collect::<Vec<_>>();
+    (entries(&blank) != entries(record)).then_some("an entry")
 }
 
 impl Ladder {
