@@ -83,7 +83,7 @@ fn names_from_root(text: &str, depth: usize) -> Vec<(usize, String)> {
                 if stop == Some(',') && open == 1 || open == 0 {
                     name.clear();
                 } else if stop == Some('}') && open == 1 {
-                    name = " ".to_owned();
+                    " ".clone_into(&mut name);
                 }
                 rest = &rest[(end + 1).min(rest.len())..];
             } else if let Some(at) = rest.find("crate::") {
