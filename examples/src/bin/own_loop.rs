@@ -13,6 +13,7 @@ use {wbqp_robots as _, wbqp_tasks as _};
 struct Driver {
     period: f64,
     ticks: u32,
+    sent: Vec<f64>,
 }
 
 impl Driver {
@@ -25,7 +26,9 @@ impl Driver {
     }
 
     /// Sends efforts to torque-driven joints (N·m) and rotors (N); servoed joints take `joint_velocity` (rad/s).
-    fn write(&mut self, _: &Command) {}
+    fn write(&mut self, command: &Command) {
+        self.sent.copy_from_slice(&command.effort);
+    }
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -35,6 +38,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut driver = Driver {
         period: 1.0 / controller.settings().rate,
         ticks: 0,
+        sent: vec![0.0; controller.robot().nu()],
     };
     for _ in 0..1000 {
         driver.read(&mut measurement);
@@ -44,9 +48,9 @@ fn main() -> Result<(), Box<dyn Error>> {
             eprintln!("{why}"); // in words: not in a real-time loop
         }
     }
-    let (rung, command) = (controller.report().rung.as_str(), controller.command());
+    let rung = controller.report().rung.as_str();
     println!("after {} s, {rung}", measurement.time);
-    for (actuator, effort) in controller.robot().actuators.iter().zip(&command.effort) {
+    for (actuator, effort) in controller.robot().actuators.iter().zip(&driver.sent) {
         println!("  {:14} {effort:7.3} N·m", actuator.name);
     }
     Ok(())
