@@ -51,7 +51,7 @@ impl Arguments {
         if let Some(explanation) = controller.explain() {
             say!("{explanation}\n");
         } else {
-            say!("{}\n", report.rung.as_str());
+            say!("{}\n", report.level.as_str());
         }
         let matrices = if self.matrices {
             Matrices::Shown

@@ -16,7 +16,7 @@
 //!
 //! use wbqp::{
 //!     actuator::{Actuator, ActuatorKind, Drive, JointMotor},
-//!     controller::Rung,
+//!     controller::FallbackLevel,
 //!     error::BindError,
 //!     model::{Base, Inertia, Joint, JointId, JointKind, JointLimits, ModelBuilder},
 //!     nalgebra::{Isometry3, Matrix3, Vector3},
@@ -119,7 +119,7 @@
 //!
 //! let mut measurement = Measurement::home(controller.robot(), 0);
 //! let (command, report) = controller.tick(&measurement);
-//! assert_eq!(report.rung, Rung::Optimal);
+//! assert_eq!(report.level, FallbackLevel::Optimal);
 //! // At home and at rest, the motor carries the link: 1 kg × 9.81 m/s² × 0.5 m, upwards about −y.
 //! assert!((command.effort[0] + 9.81 * 0.5).abs() < 1e-6);
 //!
@@ -127,7 +127,7 @@
 //! measurement.state.q[0] = f64::NAN;
 //! let (command, report) = controller.tick(&measurement);
 //! // No state to compute with: for a short time the last efforts are kept.
-//! assert_eq!(report.rung, Rung::Extrapolated);
+//! assert_eq!(report.level, FallbackLevel::Extrapolated);
 //! assert!((command.effort[0] + 9.81 * 0.5).abs() < 1e-6);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

@@ -108,7 +108,7 @@ impl RobotFiles {
         if let Some(rotor) = actuators.iter().find(is_taken) {
             let file = rotors.as_ref().map_or(&urdf.name, |r| &r.name);
             return Err(RobotError::Element {
-                place: wbqp::robot::Place::file(file),
+                place: wbqp::robot::SourceLocation::file(file),
                 element: format!("rotor `{}`", rotor.name),
                 what: "a joint has the same name; give each actuator a name of its own".into(),
             });
@@ -318,7 +318,7 @@ fn motors(file: &str, robot: &urdf::Robot) -> Result<Vec<Actuator>, RobotError> 
         let effort = joint.limits.effort;
         if effort == 0.0 {
             return Err(RobotError::Element {
-                place: wbqp::robot::Place::file(file),
+                place: wbqp::robot::SourceLocation::file(file),
                 element: format!("joint `{}`", joint.name),
                 what: "effort limit is 0: its motor could do nothing; set it in <limit> or in option `effort`, \
                        or list the joint in `passive`"

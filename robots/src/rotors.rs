@@ -34,7 +34,7 @@ use wbqp::{
     input,
     model::{FrameId, Model},
     nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3},
-    robot::{Place, RobotError},
+    robot::{RobotError, SourceLocation},
     suggestion::suggestion,
 };
 
@@ -103,18 +103,19 @@ pub fn attach(
 ) -> Result<(Model, Vec<Actuator>), RobotError> {
     let source = Source::new(file, text);
     input::check_toml(text).map_err(|what| RobotError::Syntax {
-        place: Place::file(file),
+        place: SourceLocation::file(file),
         what,
     })?;
     let parsed: File = toml::from_str(text).map_err(|e| RobotError::Syntax {
-        place: e
-            .span()
-            .map_or_else(|| Place::file(file), |span| source.place(span.start)),
+        place: e.span().map_or_else(
+            || SourceLocation::file(file),
+            |span| source.place(span.start),
+        ),
         what: e.message().to_owned(),
     })?;
     if parsed.rotor.is_empty() {
         return Err(RobotError::Syntax {
-            place: Place::file(file),
+            place: SourceLocation::file(file),
             what: "has no [[rotor]]; leave the file out for a robot without rotors".into(),
         });
     }

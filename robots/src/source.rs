@@ -1,6 +1,6 @@
 //! A text with its name: turns byte offsets into places, and places into errors.
 
-use wbqp::robot::{Place, RobotError};
+use wbqp::robot::{RobotError, SourceLocation};
 
 /// A file's name and text.
 pub(crate) struct Source<'a> {
@@ -21,11 +21,11 @@ impl<'a> Source<'a> {
     }
 
     /// Line and column of a byte offset.
-    pub(crate) fn place(&self, offset: usize) -> Place {
+    pub(crate) fn place(&self, offset: usize) -> SourceLocation {
         let line = self.lines.partition_point(|&start| start <= offset).max(1);
         let start = self.lines.get(line - 1).copied().unwrap_or(0);
         let before = self.text.get(start..offset).unwrap_or_default();
-        Place::at(self.file, line, before.chars().count() + 1)
+        SourceLocation::at(self.file, line, before.chars().count() + 1)
     }
 
     /// The error for an element that cannot be used.

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use roxmltree::{Document, Node};
 use wbqp::{
     nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion},
-    robot::{Place, RobotError},
+    robot::{RobotError, SourceLocation},
     suggestion::suggestion,
 };
 
@@ -30,7 +30,7 @@ pub(crate) fn state(file: &str, text: &str, name: &str) -> Result<GroupState, Ro
     let source = Source::new(file, text);
     xml::check(&source)?;
     let document = Document::parse(text).map_err(|e| RobotError::Syntax {
-        place: Place::at(file, e.pos().row as usize, e.pos().col as usize),
+        place: SourceLocation::at(file, e.pos().row as usize, e.pos().col as usize),
         what: format!("malformed XML: {e}"),
     })?;
     let states = || {
@@ -52,7 +52,7 @@ pub(crate) fn state(file: &str, text: &str, name: &str) -> Result<GroupState, Ro
     known.dedup();
     let hint = suggestion(name, &known);
     Err(RobotError::Syntax {
-        place: Place::file(file),
+        place: SourceLocation::file(file),
         what: format!("has no group state `{name}`{hint}"),
     })
 }

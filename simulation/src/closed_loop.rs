@@ -3,7 +3,7 @@
 
 use nalgebra::Vector6;
 use wbqp::{
-    contact::{Detector, Touch},
+    contact::{ContactEvent, Detector},
     controller::{Command, Controller, Measurement},
     robot::RobotModel,
 };
@@ -146,8 +146,8 @@ impl Requests {
             };
             let normal = controller.report().contacts[contact.index()].measured[2];
             let _ = match detector.update(measurement.time, normal) {
-                Some(Touch::Made) => controller.activate_contact(&detector.contact),
-                Some(Touch::Lost) => controller.deactivate_contact(&detector.contact),
+                Some(ContactEvent::Made) => controller.activate_contact(&detector.contact),
+                Some(ContactEvent::Lost) => controller.deactivate_contact(&detector.contact),
                 None => Ok(()),
             };
         }

@@ -12,7 +12,7 @@ use std::time::Instant;
 
 use nalgebra::Vector3;
 use wbqp::{
-    controller::{Controller, Rung},
+    controller::{Controller, FallbackLevel},
     replay::{DumpError, DumpFolder},
     stopwatch::Stopwatch,
 };
@@ -36,7 +36,7 @@ pub struct Summary {
     /// Time at which the plant diverged, s, if it did.
     pub diverged: Option<f64>,
     /// Where the last tick's command came from.
-    pub last_rung: Rung,
+    pub last_rung: FallbackLevel,
     /// Why it was not that tick's optimum, in words.
     pub why: Option<String>,
 }
@@ -58,7 +58,7 @@ pub fn run(
     run_case(scenario, case, seed, sink, progress, None)
 }
 
-/// Like [`run()`]; the ticks before a change of the rung are written into files, for `replay`.
+/// Like [`run()`]; the ticks before a change of the level are written into files, for `replay`.
 ///
 /// # Errors
 /// Those of [`run()`], and [`RunError::Dump`].
@@ -132,8 +132,8 @@ fn run_case(
         }
         let (_, report) = controller.tick(measurement);
         summary.ticks += 1;
-        summary.held += usize::from(report.rung != Rung::Optimal);
-        summary.last_rung = report.rung;
+        summary.held += usize::from(report.level != FallbackLevel::Optimal);
+        summary.last_rung = report.level;
         requests.detect(&mut controller, measurement);
         if let Some(dumps) = &mut dumps {
             dumps.write_if_changed(&mut controller)?;

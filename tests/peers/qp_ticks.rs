@@ -18,7 +18,7 @@ use std::{
 };
 
 use wbqp::{
-    controller::Rung,
+    controller::FallbackLevel,
     qp::{ActiveSet, Capacity, Qp, QpSolver, Solution},
 };
 use wbqp_sim::{ClosedLoop, Requests, Scenario, Variation};
@@ -155,7 +155,7 @@ fn closed_loop(
                 .iter()
                 .filter(|c| c.on && c.alpha >= 1.0)
                 .count(),
-            is_optimal: report.rung == Rung::Optimal,
+            is_optimal: report.level == FallbackLevel::Optimal,
             active: active(qp, &controller.solution().y, &controller.solution().z),
         };
         let keeps = wanted(&seen);

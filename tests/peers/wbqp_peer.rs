@@ -27,7 +27,7 @@ use std::{
 
 use wbqp::{
     Controller, Measurement,
-    controller::Rung,
+    controller::FallbackLevel,
     input,
     nalgebra::{Quaternion, UnitQuaternion, Vector3},
     plugin::{Sample, Task},
@@ -64,7 +64,7 @@ fn record(workload: &Workload, file: &Path) -> Result<()> {
         let mut line = Ok(Vec::new());
         run.step(|controller, measurement| {
             let report = controller.tick(measurement).1;
-            not_optimal += usize::from(report.rung != Rung::Optimal);
+            not_optimal += usize::from(report.level != FallbackLevel::Optimal);
             let active = active(controller);
             limited = [0, 1].map(|i| limited[i] + usize::from(active[i] > 0));
             line = describe(controller, measurement);
@@ -198,7 +198,7 @@ impl Peer {
             let spent = start.elapsed();
             self.times[i].push(spent.as_nanos());
             let answer = &mut self.answers[i];
-            answer.optimal = report.rung == Rung::Optimal;
+            answer.optimal = report.level == FallbackLevel::Optimal;
             answer.vdot.copy_from_slice(report.vdot.as_slice());
             answer.effort.copy_from_slice(&command.effort);
             self.iterations[i] = report.iterations;

@@ -1,7 +1,7 @@
 //! A controller on a plant, period by period, for tests that look into both.
 
 use wbqp::{
-    contact::{Detector, Touch},
+    contact::{ContactEvent, Detector},
     controller::{Controller, Measurement},
     state::State,
 };
@@ -98,8 +98,8 @@ impl ClosedLoop {
         let touch = detector.update(self.measurement.time, normal);
         let contact = detector.contact.as_str();
         let switched = match touch {
-            Some(Touch::Made) => self.controller.activate_contact(contact),
-            Some(Touch::Lost) => self.controller.deactivate_contact(contact),
+            Some(ContactEvent::Made) => self.controller.activate_contact(contact),
+            Some(ContactEvent::Lost) => self.controller.deactivate_contact(contact),
             None => Ok(()),
         };
         switched.expect("the detector's contact exists");

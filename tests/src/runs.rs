@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use wbqp::{Controller, controller::Rung, nalgebra::Vector3};
+use wbqp::{Controller, controller::FallbackLevel, nalgebra::Vector3};
 use wbqp_log::MemoryLog;
 use wbqp_sim::{ClosedLoop, Scenario, Summary};
 
@@ -14,7 +14,7 @@ pub struct Outcome {
     /// Commands that were not the optimum, and the worst that they came from.
     pub not_optimal: usize,
     /// The worst that a command came from.
-    pub worst: Rung,
+    pub worst: FallbackLevel,
     /// Root of the mean square of the error over the last tenth of the run, by task.
     pub errors: Vec<(String, f64)>,
     /// The largest error of the first task: the norm of its first three entries, m or rad.
@@ -74,7 +74,7 @@ pub fn run(scenario: &Scenario) -> Outcome {
     let tasks: Vec<String> = controller.task_names().map(str::to_owned).collect();
     let mut squares = vec![0.0; tasks.len()];
     let mut outcome = Outcome {
-        worst: Rung::Optimal,
+        worst: FallbackLevel::Optimal,
         ..Outcome::default()
     };
     let ticks = case.ticks(rate);
@@ -86,8 +86,8 @@ pub fn run(scenario: &Scenario) -> Outcome {
         let (command, report) = controller.tick(measurement);
         outcome.times.push(before.elapsed().as_secs_f64());
         outcome.ticks += 1;
-        outcome.not_optimal += usize::from(report.rung != Rung::Optimal);
-        outcome.worst = outcome.worst.max(report.rung);
+        outcome.not_optimal += usize::from(report.level != FallbackLevel::Optimal);
+        outcome.worst = outcome.worst.max(report.level);
         let first = report.tasks.first().map(|task| &task.error);
         let squares_of_first = first.into_iter().flatten().take(3).map(|e| e * e);
         let first_error = squares_of_first.sum::<f64>().sqrt();

@@ -85,7 +85,7 @@ fn finish(
 /// The most dumps of ticks that a case writes.
 const MOST_DUMPS: usize = 4;
 
-/// Runs a case into `<directory>/<case>.mcap`, and dumps of ticks in which the rung changed beside it.
+/// Runs a case into `<directory>/<case>.mcap`, and dumps of ticks in which the level changed beside it.
 fn run_case(
     experiment: &Experiment,
     scenario: &Scenario,
@@ -104,7 +104,7 @@ fn run_case(
         wbqp_sim::run_with_dumps(scenario, case, seed, &mut log, &mut update, &mut dumps)?;
     for file in dumps.written() {
         bars.say(&format!(
-            "the controller changed its rung: {}",
+            "the controller changed its level: {}",
             file.display()
         ));
     }

@@ -3,7 +3,7 @@
 use serde::Serialize;
 use wbqp::{
     Controller,
-    controller::Rung,
+    controller::FallbackLevel,
     dynamics::{Data, frame_motion},
     model::Base,
     nalgebra::Vector3,
@@ -73,7 +73,7 @@ pub struct Missing {
 #[derive(Clone, Debug, Serialize)]
 pub struct FirstTick {
     /// Where its command comes from: `optimal` is what should be there.
-    pub rung: &'static str,
+    pub level: &'static str,
     /// Why it is not the optimum.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub why: Option<String>,
@@ -127,7 +127,7 @@ impl Holding {
         let mut holding = Self::of_robot(controller);
         let home = controller.measurement();
         let (command, report) = controller.tick(&home);
-        let (effort, rung) = (command.effort.clone(), report.rung);
+        let (effort, level) = (command.effort.clone(), report.level);
         let acceleration = report
             .vdot
             .iter()
@@ -151,9 +151,9 @@ impl Holding {
         let forces = controller.report().contacts.iter();
         let on = names.zip(forces).filter(|(_, contact)| contact.on);
         holding.first_tick = Some(FirstTick {
-            rung: rung.as_str(),
-            why: match rung {
-                Rung::Optimal => None,
+            level: level.as_str(),
+            why: match level {
+                FallbackLevel::Optimal => None,
                 _ => controller.explain().map(|why| why.to_string()),
             },
             falls: (stands && controller.robot().model.base() == Base::Floating)

@@ -2,7 +2,7 @@
 
 use std::{collections::HashMap, fmt::Write as _, path::Path};
 
-use wbqp::robot::{Diagnostic, Place, Severity};
+use wbqp::robot::{Diagnostic, Severity, SourceLocation};
 
 use super::{
     examination::{BodyFacts, ControllerFacts, Examination, JointFacts, MimicFacts, Robot},
@@ -126,10 +126,10 @@ fn group_text(group: &[&Diagnostic], out: &mut String) {
 }
 
 /// Without the folders, which the first line has and which are longer than the rest.
-fn short_place(place: &Place) -> Place {
+fn short_place(place: &SourceLocation) -> SourceLocation {
     let name = Path::new(&place.file).file_name();
     let file = name.map(|name| name.to_string_lossy().into_owned());
-    Place {
+    SourceLocation {
         file: file.unwrap_or_else(|| place.file.clone()),
         position: place.position,
     }
@@ -325,7 +325,7 @@ fn holding_text(holding: &Holding, out: &mut String) {
                 number(*above)
             );
         }
-        let _ = writeln!(out, "  first tick at home: {}", tick.rung);
+        let _ = writeln!(out, "  first tick at home: {}", tick.level);
         if let Some(acceleration) = tick.falls {
             let _ = writeln!(
                 out,

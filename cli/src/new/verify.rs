@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use wbqp::{Controller, ControllerConfig, controller::Rung};
+use wbqp::{Controller, ControllerConfig, controller::FallbackLevel};
 
 /// Ticks that are tried.
 pub(super) const TICKS: usize = 100;
@@ -19,7 +19,7 @@ pub(super) fn tick(file: &Path) -> Result<(), String> {
     for tick in 0..TICKS {
         measurement.time = tick as f64 * period;
         let (_, report) = controller.tick(&measurement);
-        if report.rung != Rung::Optimal {
+        if report.level != FallbackLevel::Optimal {
             let why = controller.explain().map(|why| why.to_string());
             return Err(format!(
                 "tick {} from home is not optimal: {}",

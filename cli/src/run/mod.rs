@@ -146,7 +146,7 @@ impl Arguments {
         progress.finish();
         for file in dumps.written() {
             bars.say(&format!(
-                "{case}: the controller changed its rung; `wbqp replay {}` shows the tick",
+                "{case}: the controller changed its level; `wbqp replay {}` shows the tick",
                 file.display()
             ));
         }

@@ -7,7 +7,7 @@ use serde::Serialize;
 use wbqp::{
     Controller,
     actuator::ActuatorKind,
-    controller::Rung,
+    controller::FallbackLevel,
     input,
     serde_json::{self, Value},
 };
@@ -86,7 +86,7 @@ pub struct CaseSummary {
     /// Time at which the plant diverged, s.
     pub diverged: Option<f64>,
     /// Where the last tick's command came from.
-    pub last_rung: Rung,
+    pub last_rung: FallbackLevel,
     /// Why it was not that tick's optimum.
     pub why: Option<String>,
     /// In the configuration's order.
@@ -172,7 +172,7 @@ impl CaseSummary {
 
     /// Whether it ran to its end, and the controller had a solution there.
     pub fn completed(&self) -> bool {
-        self.diverged.is_none() && self.last_rung <= Rung::Relaxed
+        self.diverged.is_none() && self.last_rung <= FallbackLevel::Relaxed
     }
 
     /// Tables for a terminal.
@@ -244,14 +244,16 @@ impl CaseSummary {
     }
 }
 
-fn worst_rung(log: &Log) -> Result<Rung> {
-    let mut worst = Rung::Optimal;
+fn worst_rung(log: &Log) -> Result<FallbackLevel> {
+    let mut worst = FallbackLevel::Optimal;
     if log.has("/qp") {
         for message in log.messages("/qp")? {
             let (_, message) = message?;
-            let name = message.pointer("/rung").and_then(|rung| rung.as_str());
-            let rung = Rung::ALL.into_iter().find(|r| Some(r.as_str()) == name);
-            worst = worst.max(rung.unwrap_or_default());
+            let name = message.pointer("/level").and_then(|level| level.as_str());
+            let level = FallbackLevel::ALL
+                .into_iter()
+                .find(|r| Some(r.as_str()) == name);
+            worst = worst.max(level.unwrap_or_default());
         }
     }
     Ok(worst)

@@ -87,7 +87,7 @@ fn a_controller_with_contacts_stands() {
         assert_eq!(done.code, 0, "{}", done.stderr);
         let json = done.json();
         assert_eq!(json["holding"]["means"], "stand");
-        assert_eq!(json["holding"]["first_tick"]["rung"], "optimal");
+        assert_eq!(json["holding"]["first_tick"]["level"], "optimal");
         let contacts = json["holding"]["first_tick"]["contacts"]
             .as_array()
             .unwrap();

@@ -2,7 +2,7 @@
 
 use std::{fs, path::Path};
 
-use wbqp::{Controller, ControllerConfig, Measurement, controller::Rung, serde_json};
+use wbqp::{Controller, ControllerConfig, Measurement, controller::FallbackLevel, serde_json};
 use {wbqp_robots as _, wbqp_tasks as _};
 
 use crate::common::{Temporary, fixture, root, wbqp};
@@ -33,7 +33,7 @@ fn ticks_optimally(controller: &mut Controller) {
     for tick in 0..100 {
         measurement.time = f64::from(tick) * period;
         let (command, report) = controller.tick(&measurement);
-        assert_eq!(report.rung, Rung::Optimal, "tick {tick}");
+        assert_eq!(report.level, FallbackLevel::Optimal, "tick {tick}");
         assert!(command.effort.iter().all(|u| u.is_finite()));
     }
     // At home and at rest it stays: nothing accelerates.

@@ -1,7 +1,7 @@
 //! The plug-ins pass wbqp's test kit.
 
 use pointing as _;
-use wbqp_testing::{Meaning, PluginTest};
+use wbqp_testing::{PluginTest, RowSemantics};
 
 #[test]
 fn point_at() {
@@ -12,6 +12,6 @@ fn point_at() {
 #[test]
 fn max_tilt() {
     PluginTest::constraint("type = 'pointing.max_tilt'\ndegrees = 20.0")
-        .meaning(Meaning::Barrier)
+        .semantics(RowSemantics::Barrier)
         .assert_passes();
 }

@@ -40,9 +40,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         measurement.time = f64::from(tick) / controller.settings().rate;
         let (command, report) = controller.tick(&measurement);
         if tick % 125 == 0 {
-            let rung = report.rung.as_str();
+            let level = report.level.as_str();
             println!(
-                "{:.1} s, {rung}: joints {:6.2?} rad/s²",
+                "{:.1} s, {level}: joints {:6.2?} rad/s²",
                 report.time, command.joint_acceleration
             );
         }

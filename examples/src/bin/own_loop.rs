@@ -48,8 +48,8 @@ fn main() -> Result<(), Box<dyn Error>> {
             eprintln!("{why}"); // in words: not in a real-time loop
         }
     }
-    let rung = controller.report().rung.as_str();
-    println!("after {} s, {rung}", measurement.time);
+    let level = controller.report().level.as_str();
+    println!("after {} s, {level}", measurement.time);
     for (actuator, effort) in controller.robot().actuators.iter().zip(&driver.sent) {
         println!("  {:14} {effort:7.3} N·m", actuator.name);
     }

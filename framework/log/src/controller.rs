@@ -4,7 +4,7 @@ use nalgebra::{Vector3, Vector6};
 use serde_json::{Value, json};
 
 use crate::{
-    ChannelId, LogError, LogSink, Object, schema,
+    ChannelId, JsonWriter, LogError, LogSink, schema,
     state::{joint_unit, state_message, state_schema},
 };
 use wbqp::{
@@ -24,7 +24,7 @@ use wbqp::{
 /// | `/task/<name>` | ramp, and per row error, residual and cost |
 /// | `/qp` | status, fault, iterations, times of the stages, active limits |
 ///
-/// A tick without a solution ([`Rung::is_solved`](wbqp::controller::Rung::is_solved)) has no new contact and task
+/// A tick without a solution ([`FallbackLevel::is_solved`](wbqp::controller::FallbackLevel::is_solved)) has no new contact and task
 /// reports: it writes `/state`, `/command` and `/qp` only.
 #[derive(Debug)]
 pub struct ControllerLog {
@@ -114,7 +114,7 @@ impl ControllerLog {
         sink.write(self.command, time, message)?;
         qp_message(controller, message);
         sink.write(self.qp, time, message)?;
-        if !report.rung.is_solved() {
+        if !report.level.is_solved() {
             return Ok(());
         }
         for (i, channel) in self.contacts.iter().enumerate() {
@@ -190,7 +190,7 @@ fn command_schema(robot: &RobotModel) -> Value {
 
 fn command_message(controller: &Controller, out: &mut Vec<u8>) {
     let (robot, command) = (controller.robot(), controller.command());
-    Object::write(out, |o| {
+    JsonWriter::write(out, |o| {
         o.object("rotors", |o| {
             for (i, actuator, _) in robot.rotors() {
                 o.object(&actuator.name, |o| {
@@ -265,7 +265,7 @@ fn contact_schema() -> Value {
 fn contact_message(report: &Report, index: usize, truth: Option<TrueContact>, out: &mut Vec<u8>) {
     let contact = &report.contacts[index];
     let force = |w: &Vector6<f64>| Vector3::new(w[0], w[1], w[2]);
-    Object::write(out, |o| {
+    JsonWriter::write(out, |o| {
         o.boolean("active", contact.on);
         o.number("alpha", contact.alpha);
         if let Some(task) = &contact.task {
@@ -312,7 +312,7 @@ fn task_schema(layout: &Layout, labels: &[String]) -> Value {
 
 fn task_message(report: &Report, index: usize, labels: &[String], out: &mut Vec<u8>) {
     let task = &report.tasks[index];
-    Object::write(out, |o| {
+    JsonWriter::write(out, |o| {
         o.number("alpha", task.alpha);
         o.object("rows", |o| {
             for (k, label) in labels.iter().enumerate() {
@@ -372,16 +372,16 @@ fn qp_schema() -> Value {
             [
                 ("status", schema::text("Status of the solver")),
                 (
-                    "rung",
+                    "level",
                     schema::text(
                         "Where the command comes from: `optimal`, `relaxed`, `extrapolated` or `safe`",
                     ),
                 ),
                 (
-                    "rung_since",
-                    schema::number("s", "Time of the first tick on the rung"),
+                    "level_since",
+                    schema::number("s", "Time of the first tick on the level"),
                 ),
-                ("rung_ticks", schema::integer("Ticks on the rung")),
+                ("level_ticks", schema::integer("Ticks on the level")),
                 (
                     "fault",
                     schema::text("Why the command is not the optimum; absent if it is"),
@@ -404,15 +404,15 @@ fn qp_schema() -> Value {
 
 fn qp_message(controller: &Controller, out: &mut Vec<u8>) {
     let report = controller.report();
-    Object::write(out, |o| {
+    JsonWriter::write(out, |o| {
         o.text("status", report.status.as_str());
-        o.text("rung", report.rung.as_str());
-        o.number("rung_since", report.on_rung.since);
-        o.integer("rung_ticks", report.on_rung.ticks);
+        o.text("level", report.level.as_str());
+        o.number("level_since", report.on_level.since);
+        o.integer("level_ticks", report.on_level.ticks);
         if let Some(why) = controller.explain() {
             o.text("fault", &why.fault);
         }
-        let short = |o: &mut Object<'_>, row, side: Side, limit: f64, short: f64| {
+        let short = |o: &mut JsonWriter<'_>, row, side: Side, limit: f64, short: f64| {
             if let Some(row) = controller.row(row) {
                 o.display("row", row);
             }

@@ -7,21 +7,21 @@ use serde::Serialize;
 ///
 /// Give every field once: names are not checked.
 #[derive(Debug)]
-pub struct Object<'a> {
+pub struct JsonWriter<'a> {
     out: &'a mut Vec<u8>,
     empty: bool,
 }
 
-impl Object<'_> {
+impl JsonWriter<'_> {
     /// Replaces the buffer's contents by one object.
-    pub fn write(out: &mut Vec<u8>, fill: impl FnOnce(&mut Object<'_>)) {
+    pub fn write(out: &mut Vec<u8>, fill: impl FnOnce(&mut JsonWriter<'_>)) {
         out.clear();
-        Object::append(out, fill);
+        JsonWriter::append(out, fill);
     }
 
-    fn append(out: &mut Vec<u8>, fill: impl FnOnce(&mut Object<'_>)) {
+    fn append(out: &mut Vec<u8>, fill: impl FnOnce(&mut JsonWriter<'_>)) {
         out.push(b'{');
-        fill(&mut Object {
+        fill(&mut JsonWriter {
             out: &mut *out,
             empty: true,
         });
@@ -71,9 +71,9 @@ impl Object<'_> {
     }
 
     /// A nested object.
-    pub fn object(&mut self, name: &str, fill: impl FnOnce(&mut Object<'_>)) {
+    pub fn object(&mut self, name: &str, fill: impl FnOnce(&mut JsonWriter<'_>)) {
         self.name(name);
-        Object::append(self.out, fill);
+        JsonWriter::append(self.out, fill);
     }
 
     /// A list of objects.
@@ -81,7 +81,7 @@ impl Object<'_> {
         &mut self,
         name: &str,
         items: impl IntoIterator<Item = T>,
-        mut fill: impl FnMut(&mut Object<'_>, T),
+        mut fill: impl FnMut(&mut JsonWriter<'_>, T),
     ) {
         self.name(name);
         self.out.push(b'[');
@@ -89,7 +89,7 @@ impl Object<'_> {
             if i > 0 {
                 self.out.push(b',');
             }
-            Object::append(self.out, |o| fill(o, item));
+            JsonWriter::append(self.out, |o| fill(o, item));
         }
         self.out.push(b']');
     }
@@ -125,7 +125,7 @@ mod tests {
     #[test]
     fn writes_nested_fields_and_leaves_out_what_is_not_finite() {
         let mut text = b"old".to_vec();
-        Object::write(&mut text, |o| {
+        JsonWriter::write(&mut text, |o| {
             o.number("nan", f64::NAN);
             o.number("a \"quoted\"", 1e-7);
             o.xyz("v", &Vector3::new(1.0, f64::INFINITY, 3.0));

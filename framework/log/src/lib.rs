@@ -11,13 +11,13 @@
 //! with nullable types. Times are seconds of the measurement's clock.
 //!
 //! ```
-//! use wbqp_log::{LogSink, MemoryLog, Object, schema};
+//! use wbqp_log::{LogSink, MemoryLog, JsonWriter, schema};
 //!
 //! let mut log = MemoryLog::default();
 //! let description = schema::object("A spring.", [("force", schema::number("N", "Pull"))]);
 //! let channel = log.channel("/spring", "Spring", &description)?;
 //! let mut message = Vec::new();
-//! Object::write(&mut message, |o| o.number("force", 2.5));
+//! JsonWriter::write(&mut message, |o| o.number("force", 2.5));
 //! log.write(channel, 0.1, &message)?;
 //! assert_eq!(log.messages("/spring").next().unwrap().1["force"], 2.5);
 //! # Ok::<(), wbqp_log::LogError>(())
@@ -36,7 +36,7 @@ pub mod schema;
 mod state;
 
 pub use controller::{ControllerLog, TrueContact};
-pub use json::Object;
+pub use json::JsonWriter;
 pub use lock::RunLock;
 #[cfg(feature = "mcap")]
 pub use mcap::McapLog;

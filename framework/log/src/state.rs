@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 
-use crate::{Object, schema};
+use crate::{JsonWriter, schema};
 use wbqp::{
     model::{Joint, JointKind, Model},
     state::State,
@@ -64,7 +64,7 @@ pub fn state_message(model: &Model, state: &State, out: &mut Vec<u8>) {
             Vector3::zeros()
         }
     };
-    Object::write(out, |o| {
+    JsonWriter::write(out, |o| {
         o.object("base", |o| {
             o.xyz("position", &state.p_WR);
             o.object("orientation", |o| {

@@ -1,7 +1,7 @@
 //! What can be wrong when a controller is made.
 
 use super::ConfigErrors;
-use crate::robot::{Place, RobotError};
+use crate::robot::{RobotError, SourceLocation};
 
 /// Why a controller could not be made.
 #[derive(Debug, thiserror::Error)]
@@ -12,7 +12,7 @@ pub enum ControllerError {
     Robot {
         /// For each thing that is wrong, the key in the configuration's file, or its table `[robot]`; nothing if there
         /// is no file.
-        places: Vec<Option<Place>>,
+        places: Vec<Option<SourceLocation>>,
         /// The robot's tag.
         tag: String,
         /// What is wrong.
@@ -25,7 +25,7 @@ pub enum ControllerError {
 }
 
 /// One line for each thing that is wrong.
-fn robot_lines(places: &[Option<Place>], tag: &str, source: &RobotError) -> String {
+fn robot_lines(places: &[Option<SourceLocation>], tag: &str, source: &RobotError) -> String {
     let errors = match source {
         RobotError::Several { errors } => errors.as_slice(),
         one => std::slice::from_ref(one),

@@ -16,7 +16,7 @@ use super::{
 use crate::{
     plugin::{Entry, Hardness, Weight},
     registry::PluginKind,
-    robot::Place,
+    robot::SourceLocation,
 };
 
 /// Reads a task or constraint.
@@ -166,7 +166,7 @@ pub(super) fn subject(kind: &str, index: Option<usize>, section: &Section<'_>) -
 
 /// The names given so far, with their places.
 #[derive(Default)]
-pub(super) struct Names(HashMap<String, Place>);
+pub(super) struct Names(HashMap<String, SourceLocation>);
 
 impl Names {
     pub(super) fn check(

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::robot::Place;
+use crate::robot::SourceLocation;
 
 /// One thing that is wrong, written `file:line:column: whose: what`.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -13,7 +13,7 @@ pub struct ConfigError {
     pub kind: ConfigErrorKind,
     /// Where; without a position if it is about the file as a whole or about an override, nowhere if the configuration
     /// was made in code.
-    pub place: Option<Place>,
+    pub place: Option<SourceLocation>,
     /// Whose it is, such as ``task[0] `arm` (posture)`` or ``override task `force`.`ki` ``; may be empty.
     pub subject: String,
     /// What is wrong, and what to do.

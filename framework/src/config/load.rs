@@ -16,7 +16,7 @@ use super::{
     entry,
     expand::{self, Texts},
     meaning, origin,
-    overrides::Appendix,
+    overrides::OverrideText,
     report::{At, Report},
     table::{self, Section},
 };
@@ -27,7 +27,7 @@ use crate::{
     plugin::{Constraint, Entry, Hardness, Task},
     qp::{ActiveSet, Solver},
     registry::{self, PluginKind, schema::Node},
-    robot::{Place, Robot, SourceFile},
+    robot::{Robot, SourceFile, SourceLocation},
 };
 
 impl ControllerConfig {
@@ -52,7 +52,7 @@ impl ControllerConfig {
         let source = input::read_text(path).map_err(|error| {
             ConfigErrors::new(vec![ConfigError {
                 kind: Kind::Read,
-                place: Some(Place::file(&name)),
+                place: Some(SourceLocation::file(&name)),
                 subject: String::new(),
                 message: format!("cannot be read: {error}"),
             }])
@@ -87,12 +87,12 @@ impl ControllerConfig {
         if let Err(what) = input::check_toml(source) {
             return Err(ConfigErrors::new(vec![ConfigError {
                 kind: Kind::Read,
-                place: Some(Place::file(file_name)),
+                place: Some(SourceLocation::file(file_name)),
                 subject: String::new(),
                 message: what,
             }]));
         }
-        let appendix = Appendix::new(overrides, source.len());
+        let appendix = OverrideText::new(overrides, source.len());
         let mut report = Report::new(file_name, source, appendix.applied(overrides));
         for message in registry_faults() {
             let at = At::subject("internal error");
@@ -125,7 +125,7 @@ impl ControllerConfig {
             // Whatever is not there was reported; this is for a reader that forgot to.
             None => Err(ConfigErrors::new(vec![ConfigError {
                 kind: Kind::Internal,
-                place: Some(Place::file(file_name)),
+                place: Some(SourceLocation::file(file_name)),
                 subject: String::new(),
                 message: "internal error: something is wrong that has no message".to_owned(),
             }])),

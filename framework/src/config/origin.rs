@@ -12,14 +12,14 @@ use super::{
     ConfigError, ConfigErrorKind as Kind, ConfigErrors, Overrides,
     document::{Directory, Document},
     expand::{self, Texts},
-    overrides::Appendix,
+    overrides::OverrideText,
     report::{At, Path, Report, Span, Step},
     table::Section,
 };
 use crate::{
     controller::{Misfit, MisfitKind},
     error::BindError,
-    robot::{Place, RobotError, SourceFile},
+    robot::{RobotError, SourceFile, SourceLocation},
     settings::Target,
 };
 
@@ -57,7 +57,7 @@ impl Origin {
     }
 
     /// Where in `[robot]` the cause of an error is: the option, or the name of the file.
-    pub(crate) fn robot_place(&self, error: &RobotError) -> Option<Place> {
+    pub(crate) fn robot_place(&self, error: &RobotError) -> Option<SourceLocation> {
         let source = self.source.as_ref()?;
         let errors = self.with_document(source, |document, report| {
             let Ok(section) = document.target(&Target::Robot, &Directory::default()) else {
@@ -85,7 +85,7 @@ impl Origin {
         add: impl FnOnce(&mut Document<'_>, &mut Report<'_>),
     ) -> ConfigErrors {
         let text = &source.contents;
-        let appendix = Appendix::new(&self.overrides, text.len());
+        let appendix = OverrideText::new(&self.overrides, text.len());
         let applied = || appendix.applied(&self.overrides);
         // The text was accepted before.
         let mut ignored = Report::new(&source.name, text, applied());

@@ -203,12 +203,12 @@ pub(super) struct Applied {
 
 /// The overrides' values as text, placed behind the end of the file: what is read from them has spans that
 /// no part of the file has.
-pub(super) struct Appendix {
+pub(super) struct OverrideText {
     text: String,
     applied: Vec<Span>,
 }
 
-impl Appendix {
+impl OverrideText {
     pub(super) fn new(overrides: &Overrides, file_length: usize) -> Self {
         let mut text = " ".repeat(file_length + 1);
         let mut applied = Vec::new();

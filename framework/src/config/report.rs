@@ -3,7 +3,7 @@
 use std::{fmt, ops::Range};
 
 use super::{ConfigError, ConfigErrorKind, ConfigErrors, overrides::Applied};
-use crate::robot::Place;
+use crate::robot::SourceLocation;
 
 /// Syntax errors that are told: one slip makes a parser stumble over what follows.
 const SYNTAX_ERRORS: usize = 3;
@@ -190,12 +190,12 @@ impl<'a> Report<'a> {
         self.problems.len() + self.untold
     }
 
-    pub(super) fn place(&self, span: &Span) -> Place {
+    pub(super) fn place(&self, span: &Span) -> SourceLocation {
         if self.applied(span).is_some() {
-            return Place::file(self.file);
+            return SourceLocation::file(self.file);
         }
         let (line, column) = self.position(span.start);
-        Place::at(self.file, line, column)
+        SourceLocation::at(self.file, line, column)
     }
 
     fn applied(&self, span: &Span) -> Option<&Applied> {
@@ -265,7 +265,7 @@ impl<'a> Report<'a> {
         if self.untold > 0 {
             errors.push(ConfigError {
                 kind: ConfigErrorKind::Value,
-                place: Some(Place::file(self.file)),
+                place: Some(SourceLocation::file(self.file)),
                 subject: String::new(),
                 message: format!("{} more errors are not told", self.untold),
             });
@@ -277,7 +277,7 @@ impl<'a> Report<'a> {
         let At { subject, path } = problem.at;
         let mut path = path.as_slice();
         let (place, subject) = match &problem.span {
-            None => (Place::file(self.file), subject),
+            None => (SourceLocation::file(self.file), subject),
             Some(span) => match self.applied(span) {
                 None => (self.place(span), subject),
                 Some(applied) => {
@@ -287,7 +287,7 @@ impl<'a> Report<'a> {
                     {
                         path = rest;
                     }
-                    (Place::file(self.file), applied.subject.clone())
+                    (SourceLocation::file(self.file), applied.subject.clone())
                 }
             },
         };

@@ -40,7 +40,7 @@ fn default_dwell() -> f64 {
 
 /// A change of mind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Touch {
+pub enum ContactEvent {
     /// The surface has been touched.
     Made,
     /// The surface has been left.
@@ -82,7 +82,7 @@ impl Detector {
     }
 
     /// Takes a measured normal force (N) at a time (s) and says whether the answer has changed.
-    pub fn update(&mut self, time: f64, normal_force: f64) -> Option<Touch> {
+    pub fn update(&mut self, time: f64, normal_force: f64) -> Option<ContactEvent> {
         let beyond = if self.touching {
             normal_force < self.off
         } else {
@@ -100,16 +100,16 @@ impl Detector {
         self.beyond_since = None;
         self.touching = !self.touching;
         Some(if self.touching {
-            Touch::Made
+            ContactEvent::Made
         } else {
-            Touch::Lost
+            ContactEvent::Lost
         })
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Detector, Touch};
+    use super::{ContactEvent, Detector};
 
     #[test]
     fn a_short_peak_is_no_contact_and_hysteresis_holds() {
@@ -129,6 +129,9 @@ mod tests {
                 changes.push((k, change));
             }
         }
-        assert_eq!(changes, [(25, Touch::Made), (155, Touch::Lost)]);
+        assert_eq!(
+            changes,
+            [(25, ContactEvent::Made), (155, ContactEvent::Lost)]
+        );
     }
 }

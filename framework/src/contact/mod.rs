@@ -14,7 +14,7 @@ mod short;
 mod spec;
 mod state;
 
-pub use detector::{Detector, Touch};
+pub use detector::{ContactEvent, Detector};
 pub use motion::SurfaceMotion;
 pub use short::{Motion, ShortContact};
 pub use spec::{ContactKind, ContactSpec, FreeForce, Surface};

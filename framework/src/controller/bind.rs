@@ -4,18 +4,18 @@ use super::{
     Controller,
     command::Command,
     explanation::owners,
+    fallback::{Age, Clock, Fallback},
     first::FirstTick,
     fit::{Sizes, make_entry, unlimited_moments},
     gate::Gate,
     handle::Stamp,
     home,
     hover::{hover, missing_wrench, must_hover},
-    ladder::{Age, Clock, Ladder},
     memory::{Memory, Need, Stored},
     misfits::{Misfit, Misfits},
     plausible::Plausible,
     record::MadeFrom,
-    report::{OnRung, Report, Rung},
+    report::{FallbackLevel, OnLevel, Report},
     safe::SafeLaw,
     world::{ContactBinding, World},
 };
@@ -24,7 +24,7 @@ use crate::{
     dynamics::{Actuation, Data, FrameKinematics},
     error::BindError,
     model::FrameId,
-    plugin::{Constraint, Entry, Prediction, Setup, Task, rows::RowStore},
+    plugin::{Constraint, Entry, PreviousSolution, Setup, Task, rows::RowStore},
     problem::{BoundEntry, Partition, Problem, ProblemRows, Relaxation, Table, VariableNames},
     qp::{ActiveSet, Capacity, Qp, QpSolver as _, Solution, Solver, WarmStart},
     robot::RobotModel,
@@ -293,7 +293,7 @@ impl Bound {
             frame_ids,
             frames,
             contacts: contact_states,
-            last: Prediction {
+            last: PreviousSolution {
                 virtual_input: nalgebra::DVector::zeros(sizes.nv),
                 vdot: nalgebra::DVector::zeros(sizes.nv),
                 effort: nalgebra::DVector::zeros(sizes.nu),
@@ -309,9 +309,9 @@ impl Bound {
             .collect();
         let contact_names: Vec<&str> = contacts.iter().map(|c| c.name.as_str()).collect();
         let is_native = (&*solver as &dyn std::any::Any).is::<ActiveSet>();
-        let ladder = Ladder {
-            rung: Rung::Safe,
-            on_rung: OnRung::default(),
+        let fallback = Fallback {
+            level: FallbackLevel::Safe,
+            on_level: OnLevel::default(),
             safe: SafeLaw::new(&robot, &world, &actuation, &vec![0.0; sizes.nu]),
             solution: Solution::new(relaxed),
             warm: WarmStart::with_capacity(relaxed.vars),
@@ -330,7 +330,7 @@ impl Bound {
             &entries[..tasks.len()],
             &world,
             capacity,
-            ladder.relaxation.limits(),
+            fallback.relaxation.limits(),
         );
         let first = FirstTick::new(
             settings.max_first_error,
@@ -354,7 +354,7 @@ impl Bound {
             solver,
             world,
             report,
-            ladder,
+            fallback,
             made_from,
             recorder: None,
             hover_residual: nalgebra::DVector::zeros(sizes.nv),
@@ -366,7 +366,7 @@ impl Bound {
         controller
             .problem
             .choose_determined(&controller.world.contacts);
-        controller.ladder.safe = SafeLaw::new(
+        controller.fallback.safe = SafeLaw::new(
             &controller.robot,
             &controller.world,
             &controller.actuation,

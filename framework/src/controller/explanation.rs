@@ -19,7 +19,7 @@ use std::fmt;
 
 use super::{
     Controller,
-    report::{ConflictRow, Rung, Side},
+    report::{ConflictRow, FallbackLevel, Side},
 };
 use crate::{
     fault::{Fault, Quantity},
@@ -168,7 +168,7 @@ pub(super) fn write_conflict(
 #[derive(Clone, Debug, PartialEq)]
 pub struct Explanation {
     /// Where the command comes from.
-    pub rung: Rung,
+    pub level: FallbackLevel,
     /// What happened.
     pub fault: String,
     /// The smallest set of limits that contradict one another, if that is why.
@@ -238,7 +238,7 @@ impl fmt::Display for Rounded {
 
 impl fmt::Display for Explanation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: {}", self.rung.as_str(), self.fault)?;
+        write!(f, "{}: {}", self.level.as_str(), self.fault)?;
         if !self.conflict.is_empty() {
             f.write_str("\nany one of these would have to give:")?;
             for limit in &self.conflict {
@@ -265,7 +265,7 @@ impl Explanation {
         let relaxed = report.relaxed.iter();
         let relaxed = relaxed.filter_map(|r| named(controller, r.row, r.side, r.limit, r.by));
         Some(Self {
-            rung: report.rung,
+            level: report.level,
             fault: fault_text(controller, fault),
             conflict: conflict.collect(),
             relaxed: relaxed.collect(),
@@ -327,7 +327,7 @@ fn fault_text(controller: &Controller, fault: &Fault) -> String {
 /// A limit by name.
 fn named(controller: &Controller, row: RowId, side: Side, limit: f64, short: f64) -> Option<Limit> {
     let info = controller.table.rows.get(row.index())?;
-    let (owner, is_equality) = match controller.ladder.owners.get(row.index()) {
+    let (owner, is_equality) = match controller.fallback.owners.get(row.index()) {
         Some(owner) => (owner.text.clone(), owner.is_equality),
         None => (format!("`{}`", info.owner), false),
     };

@@ -1,4 +1,4 @@
-//! The last gate: through it every command of every rung leaves the controller.
+//! The last gate: through it every command of every level leaves the controller.
 //!
 //! # Mathematics
 //! An effort may be anything within

@@ -10,13 +10,13 @@ mod command;
 mod elapsed;
 mod error;
 mod explanation;
+mod fallback;
 mod first;
 mod fit;
 mod gate;
 mod handle;
 mod home;
 mod hover;
-mod ladder;
 mod measurement;
 mod memory;
 mod misfits;
@@ -41,7 +41,8 @@ pub use probe::{Probe, ProbeInputs, Probed, WrittenRows};
 pub use record::{Dump, Record, Source};
 pub use rehearsal::PlannedForce;
 pub use report::{
-    ActiveRow, ConflictRow, ContactReport, OnRung, RelaxedRow, Report, Rung, Side, TaskReport,
+    ActiveRow, ConflictRow, ContactReport, FallbackLevel, OnLevel, RelaxedRow, Report, Side,
+    TaskReport,
 };
 
 pub(crate) use bind::{Bound, Parts};
@@ -61,10 +62,10 @@ use crate::{
     stopwatch::{StageTimes, Stopwatch},
 };
 use elapsed::elapsed;
+use fallback::Fallback;
 use first::FirstTick;
 use gate::Gate;
 use handle::Stamp;
-use ladder::Ladder;
 use plausible::Plausible;
 use record::{Recorder, recall_rows, record_inputs, record_outcome, record_rows};
 use world::World;
@@ -92,7 +93,7 @@ pub struct Controller {
     gate: Gate,
     plausible: Plausible,
     report: Report,
-    ladder: Ladder,
+    fallback: Fallback,
     /// Where dumps find what the controller was made from.
     made_from: MadeFrom,
     recorder: Option<Recorder>,
@@ -107,7 +108,7 @@ impl Controller {
     /// One control period: from a measurement to a command.
     ///
     /// Always returns a finite command within the actuators' limits, and within their `slew` of the last one: the
-    /// optimum, or what the [`Rung`] of the report says, with the reason beside it. Does not allocate (unless the
+    /// optimum, or what the [`FallbackLevel`] of the report says, with the reason beside it. Does not allocate (unless the
     /// solver does), lock, block or read a clock.
     pub fn tick(&mut self, measurement: &Measurement) -> (&Command, &Report) {
         self.run(measurement, None);
@@ -126,15 +127,15 @@ impl Controller {
         self.report.iterations = 0;
         self.report.objective = 0.0;
         self.report.times = StageTimes::default();
-        self.ladder.is_proven = false;
-        self.ladder.without_solution.pass();
-        self.ladder.without_state.pass();
-        let mut last = self.ladder.without_state.time();
+        self.fallback.is_proven = false;
+        self.fallback.without_solution.pass();
+        self.fallback.without_state.pass();
+        let mut last = self.fallback.without_state.time();
         let period = self.world.period;
-        let since_last_tick = elapsed(measurement.time, self.ladder.clock.previous, period);
-        if self.ladder.clock.was_set(measurement.time, last, period) {
+        let since_last_tick = elapsed(measurement.time, self.fallback.clock.previous, period);
+        if self.fallback.clock.was_set(measurement.time, last, period) {
             self.world.rebase(measurement.time);
-            let unseen = self.ladder.without_state.seconds(f64::NAN, period);
+            let unseen = self.fallback.without_state.seconds(f64::NAN, period);
             self.plausible.restart(measurement.time - unseen);
             last = None;
         }
@@ -148,9 +149,9 @@ impl Controller {
             Some(fault) => Err(fault),
             None => self.solve(measurement, recorded),
         };
-        let mut rung = match outcome {
-            Ok(None) => Rung::Optimal,
-            Ok(Some(_)) => Rung::Relaxed,
+        let mut level = match outcome {
+            Ok(None) => FallbackLevel::Optimal,
+            Ok(Some(_)) => FallbackLevel::Relaxed,
             Err(_) => self.fall_back(measurement.time, since_last_tick),
         };
         let cut = self.gate.pass(&self.robot, &mut self.command);
@@ -160,15 +161,15 @@ impl Controller {
             Ok(None) => cut.fault(),
             Ok(Some(fault)) | Err(fault) => Some(fault),
         };
-        if rung == Rung::Optimal && self.report.fault.is_some() {
-            rung = Rung::Relaxed;
+        if level == FallbackLevel::Optimal && self.report.fault.is_some() {
+            level = FallbackLevel::Relaxed;
         }
-        let changed = rung != self.ladder.rung;
-        let is_first = self.ladder.on_rung.ticks == 0;
-        self.ladder.on_rung.step(changed, measurement, last);
-        self.ladder.rung = rung;
-        self.report.rung = rung;
-        self.report.on_rung = self.ladder.on_rung;
+        let changed = level != self.fallback.level;
+        let is_first = self.fallback.on_level.ticks == 0;
+        self.fallback.on_level.step(changed, measurement, last);
+        self.fallback.level = level;
+        self.report.level = level;
+        self.report.on_level = self.fallback.on_level;
         record_outcome(self, changed && !is_first);
     }
 
@@ -180,7 +181,7 @@ impl Controller {
     ) -> Result<Option<Fault>, Fault> {
         let start = self.stopwatch.now();
         self.world.measure(measurement);
-        self.ladder.without_state.renew(measurement.time);
+        self.fallback.without_state.renew(measurement.time);
         let measured = self.stopwatch.now();
         let is_first = !self.first.is_over;
         match recorded {
@@ -207,7 +208,7 @@ impl Controller {
         }
         let written = self.stopwatch.now();
         let terms = self.world.terms();
-        let is_alert = self.ladder.is_alert();
+        let is_alert = self.fallback.is_alert();
         let assembled = if is_alert {
             // Rows that hold by substitution are part of a contradiction like all others.
             self.problem
@@ -219,13 +220,13 @@ impl Controller {
         assembled?;
         let is_proven = is_alert
             && self
-                .ladder
+                .fallback
                 .is_still_infeasible(&self.qp, &mut self.solution);
         if is_alert && !is_proven {
             self.problem.build(&terms, &self.entries, &mut self.qp)?;
             built = self.stopwatch.now();
         }
-        if !self.ladder.rung.is_solved() {
+        if !self.fallback.level.is_solved() {
             // What was active some time ago is no good guess.
             self.solver.reset();
         }
@@ -249,7 +250,7 @@ impl Controller {
         let mut n = self.qp.n();
         let finite = self.solution.x[..n].iter().all(|x| x.is_finite());
         let fault = if status == Status::Optimal && finite {
-            self.ladder.calm();
+            self.fallback.calm();
             None
         } else {
             if !status.was_cut_short() && self.problem.has_determined() {
@@ -259,8 +260,8 @@ impl Controller {
                 self.solution.status = Status::Unsolved;
                 n = self.qp.n();
             }
-            self.ladder.relaxation.bind_efforts(self.gate.window());
-            Some(self.ladder.relax(
+            self.fallback.relaxation.bind_efforts(self.gate.window());
+            Some(self.fallback.relax(
                 &self.problem,
                 &terms,
                 &self.entries,
@@ -279,13 +280,13 @@ impl Controller {
         }
         let cut = self.gate.first_cut(&self.robot, effort);
         let fault = fault.or(cut.map(|cut| Fault::CutEffort(cut.actuator)));
-        let rung = match fault {
-            None => Rung::Optimal,
-            Some(_) => Rung::Relaxed,
+        let level = match fault {
+            None => FallbackLevel::Optimal,
+            Some(_) => FallbackLevel::Relaxed,
         };
         self.world
             .remember(&mut self.problem, &self.entries, &self.tasks);
-        self.send(rung);
+        self.send(level);
         self.report.fill(
             &self.problem,
             &self.entries,
@@ -294,7 +295,7 @@ impl Controller {
             &self.qp,
             &self.solution,
         );
-        self.ladder.without_solution.renew(measurement.time);
+        self.fallback.without_solution.renew(measurement.time);
         let done = self.stopwatch.now();
         self.report.times = StageTimes {
             dynamics: measured - start,
@@ -307,11 +308,11 @@ impl Controller {
     }
 
     /// Takes the solution's efforts and velocity references.
-    fn send(&mut self, rung: Rung) {
+    fn send(&mut self, level: FallbackLevel) {
         self.command
             .effort
             .copy_from_slice(&self.problem.solved().effort);
-        if self.ladder.rung != rung || self.ladder.on_rung.ticks == 0 {
+        if self.fallback.level != level || self.fallback.on_level.ticks == 0 {
             // Velocity references start anew from the measured velocities.
             self.command.engage(&self.robot.model, &self.world.state);
         }
@@ -325,18 +326,18 @@ impl Controller {
     }
 
     /// A command without a solution.
-    fn fall_back(&mut self, time: f64, since_last_tick: f64) -> Rung {
+    fn fall_back(&mut self, time: f64, since_last_tick: f64) -> FallbackLevel {
         let period = self.world.period;
-        let age = self.ladder.without_solution.seconds(time, period);
+        let age = self.fallback.without_solution.seconds(time, period);
         // Periods do not add up exactly.
-        let rung = if age <= self.settings.extrapolation + 1e-6 * period {
-            Rung::Extrapolated
+        let level = if age <= self.settings.extrapolation + 1e-6 * period {
+            FallbackLevel::Extrapolated
         } else {
-            Rung::Safe
+            FallbackLevel::Safe
         };
-        let changed = self.ladder.rung != rung || self.ladder.on_rung.ticks == 0;
+        let changed = self.fallback.level != level || self.fallback.on_level.ticks == 0;
         let model = &self.robot.model;
-        if rung == Rung::Extrapolated {
+        if level == FallbackLevel::Extrapolated {
             if changed {
                 self.command.engage(model, &self.world.state);
             }
@@ -346,17 +347,17 @@ impl Controller {
                 since_last_tick,
                 self.settings.velocity_leak,
             );
-            return rung;
+            return level;
         }
-        let safe = &mut self.ladder.safe;
+        let safe = &mut self.fallback.safe;
         if changed {
             safe.engage(&self.world);
         }
-        let age = self.ladder.without_state.seconds(time, period);
+        let age = self.fallback.without_state.seconds(time, period);
         safe.update(&self.robot, &self.world, &self.actuation, age);
         self.command.effort.copy_from_slice(&safe.effort);
         self.command.stop_joints();
-        rung
+        level
     }
 
     /// Lets every live plug-in write its rows.
@@ -431,7 +432,7 @@ impl Controller {
         &self.qp
     }
 
-    /// Its solution, in physical units; on the rung [`Rung::Relaxed`] that of the relaxed problem, as far as it is
+    /// Its solution, in physical units; on the level [`FallbackLevel::Relaxed`] that of the relaxed problem, as far as it is
     /// about the same variables and rows.
     pub fn solution(&self) -> &Solution {
         &self.solution

@@ -12,7 +12,7 @@ use crate::{
     dynamics::{Data, FrameKinematics},
     error::BindError,
     plugin::{
-        Constraint, ConstraintRows, EntryState, Layout, Prediction, Rows, Setup, Task, Tick,
+        Constraint, ConstraintRows, EntryState, Layout, PreviousSolution, Rows, Setup, Task, Tick,
         rows::{RowStore, Variable},
     },
     robot::RobotModel,
@@ -190,7 +190,7 @@ impl<P: Probed + ?Sized> Probe<P> {
                 .collect(),
             frame_ids,
             contacts: states,
-            last: Prediction {
+            last: PreviousSolution {
                 virtual_input: DVector::zeros(model.nv()),
                 vdot: DVector::zeros(model.nv()),
                 effort: DVector::zeros(robot.nu()),

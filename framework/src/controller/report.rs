@@ -12,12 +12,12 @@ use crate::{
     stopwatch::StageTimes,
 };
 
-/// Where the command of a tick comes from: the highest rung of a ladder that was possible. All commands are finite and
+/// Where the command of a tick comes from: the highest level of a ladder that was possible. All commands are finite and
 /// within the actuators' limits and slew.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
-pub enum Rung {
+pub enum FallbackLevel {
     /// The optimum of this tick's problem.
     Optimal,
     /// The optimum with limits given up in the declared order ([`Report::relaxed`]), because they contradict one
@@ -31,7 +31,7 @@ pub enum Rung {
     Safe,
 }
 
-impl Rung {
+impl FallbackLevel {
     /// All of them, from the top.
     pub const ALL: [Self; 4] = [Self::Optimal, Self::Relaxed, Self::Extrapolated, Self::Safe];
 
@@ -46,9 +46,9 @@ impl Rung {
     }
 }
 
-/// Since when the controller stands on a rung.
+/// Since when the controller stands on a level.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct OnRung {
+pub struct OnLevel {
     /// Time stamp of the first tick on it, s (of the last usable one where that tick's was not a number).
     pub since: f64,
     /// Ticks on it, this one included.
@@ -89,16 +89,16 @@ pub struct Report {
     /// Time of the measurement, s.
     pub time: f64,
     /// Where the command comes from.
-    pub rung: Rung,
+    pub level: FallbackLevel,
     /// Since when.
-    pub on_rung: OnRung,
+    pub on_level: OnLevel,
     /// Why the command is not this tick's optimum; [`Controller::explain`](super::Controller::explain) says it by name.
     pub fault: Option<Fault>,
     /// The smallest set of limits that contradict one another, if that is why.
     pub conflict: Vec<ConflictRow>,
     /// The limits that were given up and that the command is beyond.
     pub relaxed: Vec<RelaxedRow>,
-    /// The first effort of which the last gate cut off more than rounding, whatever the rung; nothing in an ordinary
+    /// The first effort of which the last gate cut off more than rounding, whatever the level; nothing in an ordinary
     /// tick.
     pub cut: Option<CutEffort>,
     /// Relaxed problems that were solved.
@@ -138,8 +138,8 @@ impl Report {
         let zeros = |g: &BoundEntry| vec![0.0; g.layout.len()];
         Self {
             time: 0.0,
-            rung: Rung::Safe,
-            on_rung: OnRung::default(),
+            level: FallbackLevel::Safe,
+            on_level: OnLevel::default(),
             fault: None,
             conflict: Vec::with_capacity(capacity.vars + capacity.rows + 1),
             relaxed: Vec::with_capacity(limits),

@@ -254,14 +254,14 @@ impl Controller {
         let (stamp, period) = (measurement.time, self.world.period);
         // As if it had been measured a period ago, so that a tick may take the same measurement.
         let before = stamp - period;
-        if let Some(last) = self.ladder.without_state.time() {
+        if let Some(last) = self.fallback.without_state.time() {
             if stamp <= last && self.world.origin.is_some() {
                 self.world.rebase(stamp);
             }
-            self.ladder.without_state.renew(before);
+            self.fallback.without_state.renew(before);
         }
-        self.ladder.clock.previous = None;
-        self.ladder.clock.steady = 0;
+        self.fallback.clock.previous = None;
+        self.fallback.clock.steady = 0;
         self.world.restart(measurement);
         self.plausible.restart(before);
         self.command.engage(&self.robot.model, &self.world.state);
@@ -273,7 +273,7 @@ impl Controller {
     ///
     /// For a controller that is only looked at: it has not run and will not. What is asked of it afterwards
     /// ([`follow`](Controller::follow) and so on) counts from one period after that time.
-    pub fn rehearse(&mut self, time: f64) -> Vec<PlannedForce<'_>> {
+    pub fn planned_forces(&mut self, time: f64) -> Vec<PlannedForce<'_>> {
         self.world.time = time;
         self.world.origin = Some(0.0);
         let mut planned = Vec::new();
@@ -325,7 +325,7 @@ impl Controller {
         Ok(self)
     }
 
-    /// The recorded ticks if the rung has changed in one of them since this was last asked. Allocates: call it outside
+    /// The recorded ticks if the level has changed in one of them since this was last asked. Allocates: call it outside
     /// the real-time part.
     pub fn take_dump(&mut self) -> Option<Dump> {
         let recorder = self.recorder.as_mut()?;

@@ -16,7 +16,7 @@ use crate::{
     dynamics::{Data, FrameKinematics},
     error::BindError,
     model::{BodyId, FrameId, Model},
-    plugin::{EntryState, Prediction, Task, Tick},
+    plugin::{EntryState, PreviousSolution, Task, Tick},
     problem::{BoundEntry, DynamicsTerms, Problem},
     state::State,
     switch::Switch,
@@ -40,7 +40,7 @@ pub(crate) struct World {
     pub(crate) frame_ids: Vec<FrameId>,
     pub(crate) frames: Vec<FrameKinematics>,
     pub(crate) contacts: Vec<ContactState>,
-    pub(crate) last: Prediction,
+    pub(crate) last: PreviousSolution,
     pub(crate) bindings: Vec<ContactBinding>,
 }
 

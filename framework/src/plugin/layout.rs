@@ -73,7 +73,7 @@ pub struct Layout {
     pub(crate) relation: Relation,
     pub(crate) contact: Option<ContactId>,
     pub(crate) moment_limits: Vec<ContactId>,
-    pub(crate) of_the_world: bool,
+    pub(crate) never_relaxed: bool,
 }
 
 impl Layout {
@@ -95,7 +95,7 @@ impl Layout {
             relation: Relation::Inequality,
             contact: None,
             moment_limits: Vec::new(),
-            of_the_world: false,
+            never_relaxed: false,
         }
     }
 
@@ -213,8 +213,8 @@ impl Layout {
     /// The rows (not the bounds) say what the world can bear, such as friction, and not what is wanted (constraints
     /// only). They are kept where other limits are given up because all together cannot hold: a plan that exceeds them
     /// would not come true.
-    pub fn of_the_world(mut self) -> Self {
-        self.of_the_world = true;
+    pub fn never_relaxed(mut self) -> Self {
+        self.never_relaxed = true;
         self
     }
 

@@ -22,4 +22,4 @@ pub use reference::{Reference, Sample, Space, Start};
 pub use rows::{ConstraintRows, RowMajorMut, Rows};
 pub use setup::Setup;
 pub use task::{ForceReport, Task};
-pub use tick::{EntryState, Prediction, Tick};
+pub use tick::{EntryState, PreviousSolution, Tick};

@@ -220,9 +220,9 @@ fn begin_anew(reference: &mut dyn Reference, sample: &mut Sample, space: Space) 
 /// A task's reference and where it stands: given by [`Task::follow`](crate::plugin::Task::follow), so that another
 /// one can take over.
 ///
-/// The successor is bound to [`Follow::start`] first, and takes the place of `reference` if that succeeds.
+/// The successor is bound to [`ReferenceSlot::start`] first, and takes the place of `reference` if that succeeds.
 #[derive(Debug)]
-pub struct Follow<'a> {
+pub struct ReferenceSlot<'a> {
     /// The trajectory followed now.
     pub reference: &'a mut Box<dyn Reference>,
     /// What the task followed in its last update; before the first, where it starts.
@@ -231,7 +231,7 @@ pub struct Follow<'a> {
     pub space: Space,
 }
 
-impl Follow<'_> {
+impl ReferenceSlot<'_> {
     /// Where a successor takes over at `time` (s).
     pub fn start(&self, time: f64) -> Start<'_> {
         Start {

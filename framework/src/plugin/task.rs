@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 use crate::{
     contact::ContactId,
     error::BindError,
-    plugin::{Layout, Rows, Setup, Tick, reference::Follow},
+    plugin::{Layout, Rows, Setup, Tick, reference::ReferenceSlot},
 };
 
 /// A task adds `Σ_k w_k (A x − b)_k²` to the cost, with `A x = A_v v̇ + A_u u + Σ A_c f_c`.
@@ -52,7 +52,7 @@ pub trait Task: Any + Send + Debug {
     fn activate(&mut self) {}
 
     /// The trajectory that the task follows, if it has one, with what is needed to replace it while running.
-    fn follow(&mut self) -> Option<Follow<'_>> {
+    fn follow(&mut self) -> Option<ReferenceSlot<'_>> {
         None
     }
 

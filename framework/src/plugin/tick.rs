@@ -31,7 +31,7 @@ pub struct Tick<'a> {
     /// `M`, `h`, gravity, centre of mass for that state.
     pub dynamics: &'a Data,
     /// Solution of the last tick that had one.
-    pub last: &'a Prediction,
+    pub last: &'a PreviousSolution,
     /// The plug-in's own switch.
     pub entry: EntryState,
     pub(crate) frames: &'a [FrameKinematics],
@@ -40,7 +40,7 @@ pub struct Tick<'a> {
 
 /// The decision variables of the last solved tick, and what was asked of them.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Prediction {
+pub struct PreviousSolution {
     /// What tasks asked of `v̇`, size nv: for each component the virtual input `a*` of the live tasks whose rows are
     /// that component alone, their mean by weight if there are several, the hard one's if one is hard. Zero where
     /// no task asks, and before the first tick.

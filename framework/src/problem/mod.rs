@@ -5,11 +5,11 @@
 //! ```text
 //! dynamics     M v̇ + h = S u + Σ J_cᵀ f_c + Σ J_fᵀ f_f                              (5a), (8)
 //! minimise     Σ w (A_v v̇ + A_u u + A_f f − b)² + w_ε ‖(u, f)‖² + Σ (w s² + λ s)    (10a)
-//! subject to   lower − s ≤ C_v v̇ + C_u u + C_f f ≤ upper + s,   s ≥ 0               (10b), (10e)
-//!              bounds on single efforts and force components                        (10c)
+//! subject to   lower − s ≤ C_v v̇ + C_u u + C_f f ≤ upper + s,   s ≥ 0               (10c), (10e)
+//!              bounds on single efforts and force components                        (10b)
 //!              the dynamics, where nothing is substituted from them                 (10d)
 //! ```
-//! The rows of (10b), (10c), (10e) and the force loop's (11) are plug-ins': `tasks/`, linked by name in
+//! The rows and bounds of (10b), (10c), (10e) and the tasks of (11) are plug-ins': `tasks/`, linked by name in
 //! docs/paper-to-code.md.
 //!
 //! 1. [`contact_elimination`]: accelerations that contacts which do not move leave no choice of, `v̇_D = G v̇_S + g`.

@@ -5,7 +5,7 @@ use std::{fs, io, path::PathBuf};
 use super::DumpError;
 use crate::controller::{Controller, Dump};
 
-/// Writes what a recorder holds when the rung has changed; called after ticks, outside the real-time part.
+/// Writes what a recorder holds when the level has changed; called after ticks, outside the real-time part.
 #[derive(Clone, Debug)]
 pub struct DumpFolder {
     stem: PathBuf,
@@ -40,7 +40,7 @@ impl DumpFolder {
         Ok(())
     }
 
-    /// Writes a dump if the rung has changed in a tick since the last call, and returns its file.
+    /// Writes a dump if the level has changed in a tick since the last call, and returns its file.
     ///
     /// # Errors
     /// [`DumpError`] if the file cannot be written.

@@ -89,7 +89,7 @@ fn differences(recorded: &Record, again: &Record) -> Vec<Difference> {
             });
         }
     };
-    word("rung", was.rung.as_str().into(), is.rung.as_str().into());
+    word("level", was.level.as_str().into(), is.level.as_str().into());
     word(
         "status",
         was.status.as_str().into(),

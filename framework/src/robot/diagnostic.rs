@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::{Serialize, Serializer};
 
-use super::Place;
+use super::SourceLocation;
 
 /// How much a diagnostic matters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -25,7 +25,7 @@ pub struct Diagnostic {
     pub severity: Severity,
     /// Where; written `file:line:column`.
     #[serde(serialize_with = "as_text")]
-    pub place: Place,
+    pub place: SourceLocation,
     /// The element, such as ``joint `elbow` ``.
     pub element: String,
     /// What was found, with its numbers.
@@ -36,7 +36,7 @@ pub struct Diagnostic {
     pub remedy: String,
 }
 
-fn as_text<S: Serializer>(place: &Place, serializer: S) -> Result<S::Ok, S::Error> {
+fn as_text<S: Serializer>(place: &SourceLocation, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.collect_str(place)
 }
 

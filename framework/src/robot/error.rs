@@ -1,6 +1,6 @@
 //! Why a robot cannot be loaded.
 
-use super::Place;
+use super::SourceLocation;
 use crate::model::ModelError;
 
 /// Why a robot's description was refused. Messages start with the file and name the element.
@@ -19,7 +19,7 @@ pub enum RobotError {
     #[error("{place}: {what}")]
     Syntax {
         /// Where.
-        place: Place,
+        place: SourceLocation,
         /// What is wrong.
         what: String,
     },
@@ -27,7 +27,7 @@ pub enum RobotError {
     #[error("{place}: {element}: {what}")]
     Element {
         /// Where.
-        place: Place,
+        place: SourceLocation,
         /// The element, such as ``joint `elbow` ``.
         element: String,
         /// What is wrong, and what to do.

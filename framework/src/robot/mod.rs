@@ -6,7 +6,7 @@ mod place;
 
 pub use diagnostic::{Diagnostic, Severity};
 pub use error::RobotError;
-pub use place::Place;
+pub use place::SourceLocation;
 
 use std::{fmt, sync::Arc};
 

@@ -4,14 +4,14 @@ use std::fmt;
 
 /// A place in a file, written `file:line:column`.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Place {
+pub struct SourceLocation {
     /// File name or path, as given.
     pub file: String,
     /// Line and column, from 1, where known.
     pub position: Option<(usize, usize)>,
 }
 
-impl Place {
+impl SourceLocation {
     /// The file as a whole.
     pub fn file(file: &str) -> Self {
         Self {
@@ -29,7 +29,7 @@ impl Place {
     }
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for SourceLocation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.position {
             Some((line, column)) => write!(f, "{}:{line}:{column}", self.file),

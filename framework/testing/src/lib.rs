@@ -63,16 +63,16 @@
 //! | [`UnknownKeys`](Check::UnknownKeys) | an unknown key is refused, in the table and in every table inside |
 //! | [`Schema`](Check::Schema) | every key is in the schema, with a description |
 //! | [`Panic`](Check::Panic) | `bind` and `update` do not panic |
-//! | [`Meaning`](Check::Meaning) | inequality rows on `v̇` come with their [`Meaning`], since none can be assumed |
+//! | [`RowSemantics`](Check::RowSemantics) | inequality rows on `v̇` come with their [`RowSemantics`], since none can be assumed |
 //! | [`Layout`](Check::Layout) | rows have labels (all different) and units; only declared blocks are written; every `b`, error, limit and bound is written; what is declared exists |
 //! | [`Finite`](Check::Finite) | coefficients, `b` and errors are finite; limits are numbers in order |
 //! | [`Coefficients`](Check::Coefficients) | they depend on the configuration and on time alone: not on velocities, measured forces, the last solution or the states before |
 //! | [`Allocation`](Check::Allocation) | `update` does not allocate, if a counter is given: see [`PluginTest::counting`] |
 //!
-//! What else is checked depends on what the rows mean, their [`Meaning`]. With `J` the coefficients on `v̇`,
+//! What else is checked depends on what the rows mean, their [`RowSemantics`]. With `J` the coefficients on `v̇`,
 //! `J̇v` their bias and `e` the error, a row `J v̇ = b` asks for `ë = J v̇ + J̇v = a*`, so `b = a* − J̇v`:
 //!
-//! | check | [`Position`](Meaning::Position) | [`Velocity`](Meaning::Velocity) | [`Motion`](Meaning::Motion) | [`Barrier`](Meaning::Barrier) | [`Affine`](Meaning::Affine) |
+//! | check | [`Position`](RowSemantics::Position) | [`Velocity`](RowSemantics::Velocity) | [`Motion`](RowSemantics::Motion) | [`Barrier`](RowSemantics::Barrier) | [`Affine`](RowSemantics::Affine) |
 //! |---|---|---|---|---|---|
 //! | [`Jacobian`](Check::Jacobian) | `ė = J v` | `∂e/∂v = J` | – | limit at rest: gradient `−c J` | error affine in efforts and forces, with slope `A` |
 //! | [`Bias`](Check::Bias) | yes | yes | yes | yes | – |
@@ -120,7 +120,7 @@ use wbqp::{
 /// What rows on accelerations mean, hence which derivatives are compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
-pub enum Meaning {
+pub enum RowSemantics {
     /// The rows are the second derivative of the error. Assumed of tasks on `v̇` alone.
     Position,
     /// The rows are the first derivative of the error, as of a momentum.
@@ -141,7 +141,7 @@ pub struct PluginTest {
     kind: Kind,
     /// The plug-in's TOML form, or why there is none.
     text: Result<String, String>,
-    meaning: Option<Meaning>,
+    meaning: Option<RowSemantics>,
     built_in: bool,
     robots: Vec<RobotModel>,
     contacts: Vec<ContactSpec>,
@@ -193,7 +193,7 @@ impl PluginTest {
     }
 
     /// Says what the rows mean, where the assumption is wrong.
-    pub fn meaning(mut self, meaning: Meaning) -> Self {
+    pub fn semantics(mut self, meaning: RowSemantics) -> Self {
         self.meaning = Some(meaning);
         self
     }
@@ -317,8 +317,8 @@ impl PluginTest {
         written::check_layout::<P>(bench, &layout, report);
         let meaning = self.meaning.or_else(|| assumed::<P>(&layout));
         let meaning = meaning.unwrap_or_else(|| {
-            report.fail(Check::Meaning, "", STATE_THE_MEANING);
-            Meaning::Other
+            report.fail(Check::RowSemantics, "", STATE_THE_MEANING);
+            RowSemantics::Other
         });
         for k in 0..self.states {
             let mut scatter = Scatter::new(self.seed.wrapping_add(1000 * k as u64));
@@ -330,21 +330,22 @@ impl PluginTest {
                 return;
             }
             let compared = match meaning {
-                Meaning::Position => {
+                RowSemantics::Position => {
                     motion::position_jacobian::<P>(bench, &here, &mut scatter, report)
                         .and_then(|()| motion::bias_and_damping::<P>(bench, &here, &there, report))
                 }
-                Meaning::Velocity => {
+                RowSemantics::Velocity => {
                     motion::velocity_jacobian::<P>(bench, &here, &mut scatter, report)
                         .and_then(|()| motion::bias_and_damping::<P>(bench, &here, &there, report))
                 }
-                Meaning::Motion => motion::bias_and_damping::<P>(bench, &here, &there, report),
-                Meaning::Barrier => motion::bias_and_damping::<P>(bench, &here, &there, report)
-                    .and_then(|()| {
+                RowSemantics::Motion => motion::bias_and_damping::<P>(bench, &here, &there, report),
+                RowSemantics::Barrier => {
+                    motion::bias_and_damping::<P>(bench, &here, &there, report).and_then(|()| {
                         motion::barrier_gradient::<P>(bench, &here, &mut scatter, report)
-                    }),
-                Meaning::Affine => affine::check::<P>(bench, &here, &mut scatter, report),
-                Meaning::Other => Some(()),
+                    })
+                }
+                RowSemantics::Affine => affine::check::<P>(bench, &here, &mut scatter, report),
+                RowSemantics::Other => Some(()),
             };
             if compared.is_none() {
                 let message = "it refuses the robot with some home postures";
@@ -368,20 +369,20 @@ impl fmt::Debug for PluginTest {
 
 /// Of inequality rows on `v̇` whose author has not said what they mean.
 const STATE_THE_MEANING: &str = "it has inequality rows on v̇, and nothing says what they mean, so neither \
-    coefficients nor bias are compared: state it with `.meaning(Meaning::Barrier)` \
-    (limits on the second derivative of a function of the configuration), `.meaning(Meaning::Motion)` \
-    (limits on accelerations that have no error) or, for neither, `.meaning(Meaning::Other)` (nothing is compared)";
+    coefficients nor bias are compared: state it with `.semantics(RowSemantics::Barrier)` \
+    (limits on the second derivative of a function of the configuration), `.semantics(RowSemantics::Motion)` \
+    (limits on accelerations that have no error) or, for neither, `.semantics(RowSemantics::Other)` (nothing is compared)";
 
 /// What the layout says of the rows' meaning, if it says enough.
-fn assumed<P: Subject + ?Sized>(layout: &Layout) -> Option<Meaning> {
+fn assumed<P: Subject + ?Sized>(layout: &Layout) -> Option<RowSemantics> {
     let on_motion = layout.acts_on_accelerations();
     let on_forces = layout.acts_on_forces();
     let is_equality = layout.is_equality();
     match (P::IS_TASK, on_motion, on_forces) {
-        (true, true, false) => Some(Meaning::Position),
-        (true, ..) => Some(Meaning::Affine),
-        (false, true, false) if is_equality => Some(Meaning::Motion),
+        (true, true, false) => Some(RowSemantics::Position),
+        (true, ..) => Some(RowSemantics::Affine),
+        (false, true, false) if is_equality => Some(RowSemantics::Motion),
         (false, true, _) if !is_equality => None,
-        (false, ..) => Some(Meaning::Other),
+        (false, ..) => Some(RowSemantics::Other),
     }
 }

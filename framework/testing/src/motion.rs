@@ -43,7 +43,7 @@ fn unit_hint<P: Subject + ?Sized>(bench: &Bench<'_>, k: usize) -> String {
     match row.map(|row| &row.unit) {
         Some(row) if *row == format!("{error}/s") || *row == format!("{error}²") => format!(
             "; the row is in {row}, the error in {error}: if the row is the error's first derivative, say so with \
-             `.meaning(Meaning::Velocity)`"
+             `.semantics(RowSemantics::Velocity)`"
         ),
         _ => String::new(),
     }

@@ -17,7 +17,7 @@ pub enum Check {
     /// The plug-in does not panic.
     Panic,
     /// What the rows mean is stated where nothing can be assumed.
-    Meaning,
+    RowSemantics,
     /// What is declared is what is written.
     Layout,
     /// Numbers that are numbers.
@@ -41,7 +41,7 @@ impl fmt::Display for Check {
             Self::UnknownKeys => "unknown keys",
             Self::Schema => "schema",
             Self::Panic => "panic",
-            Self::Meaning => "meaning",
+            Self::RowSemantics => "meaning",
             Self::Layout => "layout",
             Self::Finite => "finite",
             Self::Coefficients => "coefficients",

@@ -9,7 +9,7 @@ use wbqp::{
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
 };
-use wbqp_testing::{Check, Meaning, PluginTest};
+use wbqp_testing::{Check, PluginTest, RowSemantics};
 
 /// What can go wrong in a task that moves the tool.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -311,7 +311,9 @@ impl Constraint for KeepAbove {
 fn barriers_are_compared_without_knowing_their_gains() {
     let test = |keys: &str| {
         let text = format!("type = \"test.keep_above\"\n{keys}");
-        PluginTest::constraint(text).meaning(Meaning::Barrier).run()
+        PluginTest::constraint(text)
+            .semantics(RowSemantics::Barrier)
+            .run()
     };
     test("a = 5.0").expect("it is right");
     for (keys, check) in [
@@ -329,11 +331,15 @@ fn the_meaning_of_inequalities_has_to_be_stated() {
     let test = || PluginTest::constraint("type = \"test.keep_above\"\na = 5.0\nbias = 0.0");
     let failures = test().run().expect_err("nothing says what it means");
     assert_eq!(failures.list.len(), 1, "{failures}");
-    assert_eq!(failures.list[0].check, Check::Meaning);
-    for meaning in ["Meaning::Barrier", "Meaning::Motion", "Meaning::Other"] {
+    assert_eq!(failures.list[0].check, Check::RowSemantics);
+    for meaning in [
+        "RowSemantics::Barrier",
+        "RowSemantics::Motion",
+        "RowSemantics::Other",
+    ] {
         assert!(failures.to_string().contains(meaning), "{failures}");
     }
-    test().meaning(Meaning::Other).assert_passes();
+    test().semantics(RowSemantics::Other).assert_passes();
 }
 
 /// Turns the tool at a rate: `ω̇ = −k (ω − rate)`.
@@ -372,9 +378,9 @@ fn an_error_of_velocities_points_to_its_meaning() {
     let test = || PluginTest::task("type = \"test.spin\"\nk = 5.0\nrate = 0.5");
     let failures = test().run().expect_err("its error is no position");
     let hint = "the row is in rad/s², the error in rad/s: if the row is the error's first derivative, say so with \
-        `.meaning(Meaning::Velocity)`";
+        `.semantics(RowSemantics::Velocity)`";
     assert!(failures.to_string().contains(hint), "{failures}");
-    test().meaning(Meaning::Velocity).assert_passes();
+    test().semantics(RowSemantics::Velocity).assert_passes();
 }
 
 /// Asks for a normal force.

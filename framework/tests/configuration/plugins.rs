@@ -8,7 +8,7 @@ use wbqp::{
     plugin::{
         Constraint, ConstraintRows, Layout, Reference, Rows, Sample, Setup, Start, Task, Tick,
     },
-    robot::{Place, Robot, RobotError, RobotModel},
+    robot::{Robot, RobotError, RobotModel, SourceLocation},
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
 };
@@ -133,7 +133,7 @@ impl Reference for Ramp {
 impl Robot for TestRobot {
     fn load(&self, _: &Path) -> Result<RobotModel, RobotError> {
         Err(RobotError::Syntax {
-            place: Place::file(&self.file),
+            place: SourceLocation::file(&self.file),
             what: "is only data".to_owned(),
         })
     }

@@ -111,7 +111,7 @@ impl Case {
         let period = 1.0 / controller.settings().rate;
         let mut asked: Vec<Asked> = Vec::new();
         let mut look = |controller: &mut Controller, time: f64| {
-            for planned in controller.rehearse(time) {
+            for planned in controller.planned_forces(time) {
                 let contact = planned.contact.index();
                 let known = asked
                     .iter_mut()
@@ -135,7 +135,7 @@ impl Case {
                 time += interval;
             }
             if let Some(event) = event {
-                controller.rehearse(event.at - period);
+                controller.planned_forces(event.at - period);
                 event.apply(controller).map_err(|what| self.refuse(&what))?;
                 time = event.at;
             }

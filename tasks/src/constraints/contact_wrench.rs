@@ -132,7 +132,7 @@ impl Constraint for ContactWrench {
             .bound_force(contact, kind.normal(), "normal", "N")
             .limits_moments(contact)
             .while_contact(contact)
-            .of_the_world())
+            .never_relaxed())
     }
 
     fn update(&mut self, tick: &Tick<'_>, rows: &mut ConstraintRows<'_>) {

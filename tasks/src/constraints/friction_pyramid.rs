@@ -131,7 +131,7 @@ impl Constraint for FrictionPyramid {
             Layout::rows(rows).force_dense(contact)
         };
         layout = layout.bound_force(contact, kind.normal(), "normal", "N");
-        Ok(layout.while_contact(contact).of_the_world())
+        Ok(layout.while_contact(contact).never_relaxed())
     }
 
     fn update(&mut self, tick: &Tick<'_>, rows: &mut ConstraintRows<'_>) {

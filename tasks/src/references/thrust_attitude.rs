@@ -44,7 +44,7 @@ use crate::check;
 ///
 /// `F = m (a_R* − g) − Σ_c R_WC f_c^d`, `z_R = F/‖F‖`, with F low-passed and the tilt limited.
 ///
-/// Nothing has to be named: `a_R*` is the [virtual input](wbqp::plugin::Prediction::virtual_input) of whatever task moves
+/// Nothing has to be named: `a_R*` is the [virtual input](wbqp::plugin::PreviousSolution::virtual_input) of whatever task moves
 /// the base, and [`f_c^d`](wbqp::contact::ContactState::set_point) that of every contact with a force task, both of the
 /// tick before. It begins with the attitude where it takes over, apart from the yaw.
 ///

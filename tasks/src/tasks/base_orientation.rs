@@ -9,7 +9,7 @@ use wbqp::{
     nalgebra::{UnitQuaternion, Vector3},
     plugin::{
         Layout, Reference, Rows, Sample, Setup, Space, Task, Tick,
-        reference::{Follow, begin, begin_turned},
+        reference::{ReferenceSlot, begin, begin_turned},
     },
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
@@ -181,8 +181,8 @@ impl Task for BaseOrientation {
         rows.error().copy_from(&error);
     }
 
-    fn follow(&mut self) -> Option<Follow<'_>> {
-        Some(Follow {
+    fn follow(&mut self) -> Option<ReferenceSlot<'_>> {
+        Some(ReferenceSlot {
             reference: &mut self.reference,
             sample: &self.sample,
             space: Space::Rotation,

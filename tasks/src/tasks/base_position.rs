@@ -10,7 +10,7 @@ use wbqp::{
     nalgebra::Vector3,
     plugin::{
         Layout, Reference, Rows, Sample, Setup, Space, Task, Tick,
-        reference::{Follow, begin, begin_at},
+        reference::{ReferenceSlot, begin, begin_at},
     },
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
@@ -151,8 +151,8 @@ impl Task for BasePosition {
         self.integral.reset();
     }
 
-    fn follow(&mut self) -> Option<Follow<'_>> {
-        Some(Follow {
+    fn follow(&mut self) -> Option<ReferenceSlot<'_>> {
+        Some(ReferenceSlot {
             reference: &mut self.reference,
             sample: &self.sample,
             space: Space::Vector(3),

@@ -9,7 +9,7 @@ use wbqp::{
     nalgebra::Vector3,
     plugin::{
         Layout, Reference, Rows, Sample, Setup, Space, Task, Tick,
-        reference::{Follow, begin},
+        reference::{ReferenceSlot, begin},
     },
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
@@ -99,8 +99,8 @@ impl Task for CentroidalAngularMomentum {
         rows.error().copy_from(&error);
     }
 
-    fn follow(&mut self) -> Option<Follow<'_>> {
-        Some(Follow {
+    fn follow(&mut self) -> Option<ReferenceSlot<'_>> {
+        Some(ReferenceSlot {
             reference: &mut self.reference,
             sample: &self.sample,
             space: Space::Vector(3),

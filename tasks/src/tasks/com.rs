@@ -8,7 +8,7 @@ use wbqp::{
     error::BindError,
     plugin::{
         Layout, Reference, Rows, Sample, Setup, Space, Task, Tick,
-        reference::{Follow, begin, begin_at},
+        reference::{ReferenceSlot, begin, begin_at},
     },
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
@@ -125,8 +125,8 @@ impl Task for Com {
         }
     }
 
-    fn follow(&mut self) -> Option<Follow<'_>> {
-        Some(Follow {
+    fn follow(&mut self) -> Option<ReferenceSlot<'_>> {
+        Some(ReferenceSlot {
             reference: &mut self.reference,
             sample: &self.sample,
             space: Space::Vector(self.moved.len()),

@@ -15,7 +15,7 @@ use wbqp::{
     nalgebra::Vector3,
     plugin::{
         ForceReport, Layout, Reference, Rows, Sample, Setup, Space, Task, Tick,
-        reference::{Follow, begin},
+        reference::{ReferenceSlot, begin},
     },
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
@@ -273,8 +273,8 @@ impl Task for ContactForce {
         self.report = None;
     }
 
-    fn follow(&mut self) -> Option<Follow<'_>> {
-        Some(Follow {
+    fn follow(&mut self) -> Option<ReferenceSlot<'_>> {
+        Some(ReferenceSlot {
             reference: &mut self.reference,
             sample: &self.sample,
             space: Space::Vector(1),

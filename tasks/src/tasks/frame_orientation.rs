@@ -9,7 +9,7 @@ use wbqp::{
     nalgebra::{UnitQuaternion, Vector3},
     plugin::{
         FrameHandle, Layout, Reference, Rows, Sample, Setup, Space, Task, Tick,
-        reference::{Follow, begin, begin_turned},
+        reference::{ReferenceSlot, begin, begin_turned},
     },
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
@@ -120,8 +120,8 @@ impl Task for FrameOrientation {
         rows.error().copy_from(&error);
     }
 
-    fn follow(&mut self) -> Option<Follow<'_>> {
-        Some(Follow {
+    fn follow(&mut self) -> Option<ReferenceSlot<'_>> {
+        Some(ReferenceSlot {
             reference: &mut self.reference,
             sample: &self.sample,
             space: Space::Rotation,

@@ -9,7 +9,7 @@ use wbqp::{
     nalgebra::UnitQuaternion,
     plugin::{
         FrameHandle, Layout, Reference, Rows, Sample, Setup, Space, Task, Tick,
-        reference::{Follow, begin, begin_at, begin_turned},
+        reference::{ReferenceSlot, begin, begin_at, begin_turned},
     },
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
@@ -156,8 +156,8 @@ impl Task for FramePose {
         }
     }
 
-    fn follow(&mut self) -> Option<Follow<'_>> {
-        Some(Follow {
+    fn follow(&mut self) -> Option<ReferenceSlot<'_>> {
+        Some(ReferenceSlot {
             reference: &mut self.position,
             sample: &self.place,
             space: Space::Vector(3),

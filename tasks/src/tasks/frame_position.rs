@@ -8,7 +8,7 @@ use wbqp::{
     error::BindError,
     plugin::{
         FrameHandle, Layout, Reference, Rows, Sample, Setup, Space, Task, Tick,
-        reference::{Follow, begin, begin_at},
+        reference::{ReferenceSlot, begin, begin_at},
     },
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
@@ -126,9 +126,9 @@ impl Task for FramePosition {
         }
     }
 
-    fn follow(&mut self) -> Option<Follow<'_>> {
+    fn follow(&mut self) -> Option<ReferenceSlot<'_>> {
         let (_, axes) = self.bound.as_ref()?;
-        Some(Follow {
+        Some(ReferenceSlot {
             reference: &mut self.reference,
             sample: &self.sample,
             space: Space::Vector(axes.len()),

@@ -12,7 +12,7 @@ use wbqp::{
     nalgebra::Vector3,
     plugin::{
         Layout, Reference, Rows, Sample, Setup, Space, Task, Tick,
-        reference::{Follow, begin, begin_at},
+        reference::{ReferenceSlot, begin, begin_at},
     },
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
@@ -322,9 +322,9 @@ impl Task for FreeMotion {
         }
     }
 
-    fn follow(&mut self) -> Option<Follow<'_>> {
+    fn follow(&mut self) -> Option<ReferenceSlot<'_>> {
         let bound = self.bound.as_ref()?;
-        Some(Follow {
+        Some(ReferenceSlot {
             reference: &mut self.reference,
             sample: &self.sample,
             space: Space::Vector(bound.axes.len()),

@@ -3,7 +3,7 @@
 use wbqp::{
     error::BindError,
     model::JointKind,
-    plugin::{Layout, Reference, Rows, Setup, Space, Task, Tick, reference::Follow},
+    plugin::{Layout, Reference, Rows, Setup, Space, Task, Tick, reference::ReferenceSlot},
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
 };
@@ -119,8 +119,8 @@ impl Task for JointTorqueRegularisation {
         self.efforts.update(self.reference.as_mut(), tick, rows);
     }
 
-    fn follow(&mut self) -> Option<Follow<'_>> {
-        Some(Follow {
+    fn follow(&mut self) -> Option<ReferenceSlot<'_>> {
+        Some(ReferenceSlot {
             reference: &mut self.reference,
             sample: &self.efforts.sample,
             space: Space::Vector(self.efforts.indices.len()),

@@ -11,7 +11,7 @@ use wbqp::{
     nalgebra::{UnitQuaternion, Vector3},
     plugin::{
         FrameHandle, Layout, Reference, Rows, Sample, Setup, Space, Task, Tick,
-        reference::{Follow, begin, begin_at, begin_turned},
+        reference::{ReferenceSlot, begin, begin_at, begin_turned},
     },
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
@@ -204,8 +204,8 @@ impl Task for RelativePose {
         }
     }
 
-    fn follow(&mut self) -> Option<Follow<'_>> {
-        Some(Follow {
+    fn follow(&mut self) -> Option<ReferenceSlot<'_>> {
+        Some(ReferenceSlot {
             reference: &mut self.position,
             sample: &self.place,
             space: Space::Vector(3),

@@ -2,7 +2,7 @@
 
 use wbqp::{
     error::BindError,
-    plugin::{Layout, Reference, Rows, Setup, Space, Task, Tick, reference::Follow},
+    plugin::{Layout, Reference, Rows, Setup, Space, Task, Tick, reference::ReferenceSlot},
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
 };
@@ -109,8 +109,8 @@ impl Task for ThrustRegularisation {
         self.efforts.update(self.reference.as_mut(), tick, rows);
     }
 
-    fn follow(&mut self) -> Option<Follow<'_>> {
-        Some(Follow {
+    fn follow(&mut self) -> Option<ReferenceSlot<'_>> {
+        Some(ReferenceSlot {
             reference: &mut self.reference,
             sample: &self.efforts.sample,
             space: Space::Vector(self.efforts.indices.len()),

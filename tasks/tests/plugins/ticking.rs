@@ -3,7 +3,7 @@
 
 use wbqp::{
     Controller, ControllerConfig, Measurement, Report,
-    controller::Rung,
+    controller::FallbackLevel,
     nalgebra::{Vector3, Vector6},
     plugin::{Constraint, Entry, Hardness, Task, Weight},
     settings::{FirstError, Settings, StartFrom},
@@ -75,11 +75,11 @@ fn home() -> Measurement {
 fn tick(controller: &mut Controller, measurement: &Measurement) -> Report {
     let mut measurement = measurement.clone();
     let last = controller.report();
-    if last.on_rung.ticks > 0 && measurement.time <= last.time {
+    if last.on_level.ticks > 0 && measurement.time <= last.time {
         measurement.time = last.time + 1e-13;
     }
     let (_, report) = controller.tick(&measurement);
-    assert_eq!(report.rung, Rung::Optimal, "{:?}", report.fault);
+    assert_eq!(report.level, FallbackLevel::Optimal, "{:?}", report.fault);
     assert_eq!(report.undeclared, None);
     report.clone()
 }

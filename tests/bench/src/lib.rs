@@ -21,7 +21,7 @@ use anyhow::{Result, ensure};
 use serde::Serialize;
 use wbqp::{
     Controller, Measurement,
-    controller::{Command, Rung},
+    controller::{Command, FallbackLevel},
     dynamics::{Data, FrameKinematics},
     stopwatch::Stopwatch,
 };
@@ -359,7 +359,7 @@ fn dynamics_set(player: &Player, chunk: &Chunk, out: &mut Vec<u32>) {
 
 fn note(controller: &Controller, statistics: &mut Statistics, samples: &mut Samples) {
     let report = controller.report();
-    statistics.not_optimal += usize::from(report.rung != Rung::Optimal);
+    statistics.not_optimal += usize::from(report.level != FallbackLevel::Optimal);
     samples.iterations.push(report.iterations);
     let qp = controller.problem();
     if qp.n() + qp.m() > statistics.problem.rows() {

@@ -1,6 +1,6 @@
 //! Three controllers that tick: what `tests/spine.py` looks at.
 
-use wbqp::{Controller, ControllerConfig, controller::Rung, settings::FirstError};
+use wbqp::{Controller, ControllerConfig, controller::FallbackLevel, settings::FirstError};
 use wbqp_tests::files::scenarios;
 use {wbqp_robots as _, wbqp_tasks as _}; // plug-ins are registered by linking
 
@@ -13,7 +13,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let mut measurement = controller.measurement();
         for _ in 0..3 {
             let (_, report) = controller.tick(&measurement);
-            assert_eq!(report.rung, Rung::Optimal, "{name}");
+            assert_eq!(report.level, FallbackLevel::Optimal, "{name}");
             measurement.time += 1.0 / 1000.0;
         }
     }

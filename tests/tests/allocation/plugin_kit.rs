@@ -2,12 +2,12 @@
 
 use wbqp::registry;
 use wbqp_tasks as _;
-use wbqp_testing::{Meaning, PluginTest};
+use wbqp_testing::{PluginTest, RowSemantics};
 
 use crate::allocations;
 
 /// Tasks in their TOML forms, and what their rows mean where it is not what is assumed.
-const TASKS: &[(&str, Option<Meaning>)] = &[
+const TASKS: &[(&str, Option<RowSemantics>)] = &[
     ("type = 'base_position'\nkp = [9, 8, 7]\nkd = 5", None),
     (
         "type = 'base_position'\nkp = 4\nkd = 1\nki = 2\n\
@@ -21,7 +21,7 @@ const TASKS: &[(&str, Option<Meaning>)] = &[
     ),
     (
         "type = 'base_orientation'\nkp = 4\nkd = 1\nreference = { type = 'thrust_attitude' }",
-        Some(Meaning::Motion),
+        Some(RowSemantics::Motion),
     ),
     ("type = 'posture'\nkp = 4\nkd = 1", None),
     (
@@ -78,7 +78,7 @@ const TASKS: &[(&str, Option<Meaning>)] = &[
     ("type = 'com'\nkp = [9, 8]\nkd = 5\naxes = ['x', 'y']", None),
     (
         "type = 'centroidal_angular_momentum'\nk = [3, 4, 5]",
-        Some(Meaning::Velocity),
+        Some(RowSemantics::Velocity),
     ),
     ("type = 'joint_torque_regularisation'", None),
     (
@@ -103,7 +103,7 @@ const TASKS: &[(&str, Option<Meaning>)] = &[
 ];
 
 /// Constraints, likewise.
-const CONSTRAINTS: &[(&str, Option<Meaning>)] = &[
+const CONSTRAINTS: &[(&str, Option<RowSemantics>)] = &[
     ("type = 'actuator_limits'", None),
     ("type = 'contact_motion'\ncontact = 'point'", None),
     (
@@ -116,10 +116,10 @@ const CONSTRAINTS: &[(&str, Option<Meaning>)] = &[
         None,
     ),
     // They brake in time: no function of the configuration has them as its second derivative.
-    ("type = 'joint_limits'", Some(Meaning::Other)),
+    ("type = 'joint_limits'", Some(RowSemantics::Other)),
     (
         "type = 'joint_limits'\nacceleration = [10, 30]\nmargin = 0.05\njoints = ['wrist', 'elbow']",
-        Some(Meaning::Other),
+        Some(RowSemantics::Other),
     ),
     ("type = 'thrust_rate_limits'", None),
     (
@@ -129,11 +129,11 @@ const CONSTRAINTS: &[(&str, Option<Meaning>)] = &[
     (
         "type = 'plane_distance'\nframe = 'tool'\noffset = [0.1, 0.2, -0.1]\npoint = [0, 0, -1]\nnormal = [1, 2, 3]\n\
          margin = 0.1\na1 = 3\na2 = 4",
-        Some(Meaning::Barrier),
+        Some(RowSemantics::Barrier),
     ),
     (
         "type = 'tilt_limit'\nmax_tilt = 0.4\na1 = 3",
-        Some(Meaning::Barrier),
+        Some(RowSemantics::Barrier),
     ),
     (
         "type = 'contact_wrench'\ncontact = 'full'\nhalf_length_x = 0.1\nhalf_length_y = 0.05",
@@ -154,12 +154,12 @@ pub(crate) fn constraints_pass_the_kit() {
     run(CONSTRAINTS, "constraint", PluginTest::constraint);
 }
 
-fn run(list: &[(&str, Option<Meaning>)], kind: &str, test: fn(String) -> PluginTest) {
+fn run(list: &[(&str, Option<RowSemantics>)], kind: &str, test: fn(String) -> PluginTest) {
     let mut failed = Vec::new();
     for (text, meaning) in list {
         let mut test = test((*text).to_owned()).counting(allocations);
         if let Some(meaning) = meaning {
-            test = test.meaning(*meaning);
+            test = test.semantics(*meaning);
         }
         let line = text.replace('\n', ", ");
         match test.run() {
@@ -172,7 +172,7 @@ fn run(list: &[(&str, Option<Meaning>)], kind: &str, test: fn(String) -> PluginT
 
 /// A plug-in that is added is added here too.
 pub(crate) fn no_plug_in_is_missing() {
-    let named = |list: &[(&str, Option<Meaning>)], tag: &str| {
+    let named = |list: &[(&str, Option<RowSemantics>)], tag: &str| {
         let start = format!("type = '{tag}'");
         list.iter()
             .any(|(text, _)| text.lines().next() == Some(start.as_str()))

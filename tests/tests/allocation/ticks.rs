@@ -7,7 +7,7 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use wbqp::{
     ControllerConfig,
-    controller::Rung,
+    controller::FallbackLevel,
     fault::Fault,
     nalgebra::UnitQuaternion,
     plugin::{Entry, Weight},
@@ -129,9 +129,9 @@ fn with_solver(solver: Option<fn() -> Box<dyn Solver>>) {
                 }
                 .expect("the names exist");
                 let (before, solver) = (allocations(), IN_SOLVER.load(Ordering::Relaxed));
-                let rung = controller.tick(&measurement).1.rung;
+                let level = controller.tick(&measurement).1.level;
                 let in_tick = allocations() - before;
-                optimal += u32::from(rung == Rung::Optimal);
+                optimal += u32::from(level == FallbackLevel::Optimal);
                 outside += in_tick - (IN_SOLVER.load(Ordering::Relaxed) - solver);
             }
             assert!(
@@ -204,7 +204,7 @@ pub(crate) fn the_first_tick_allocates_nothing() {
     assert_eq!(refused, 10, "the first tick that counts is the eleventh");
 }
 
-/// Contacts, tasks and weights switch at random, limits contradict one another, measurements are nonsense: all rungs.
+/// Contacts, tasks and weights switch at random, limits contradict one another, measurements are nonsense: all levels.
 /// `WBQP_TICKS` says how many ticks are run, 100 000 if it is not set.
 pub(crate) fn no_rung_allocates() {
     let given = std::env::var("WBQP_TICKS").ok();
@@ -234,7 +234,7 @@ pub(crate) fn no_rung_allocates() {
         let good = scene.measurement();
         let mut measurement = good.clone();
         let (mut inside, mut outage) = (0, 0_u32);
-        let mut rungs = [0_u32; 4];
+        let mut levels = [0_u32; 4];
         let ticks = (f64::from(total) * share) as u32;
         for tick in 0..ticks {
             measurement.state.copy_from(&good.state);
@@ -260,13 +260,16 @@ pub(crate) fn no_rung_allocates() {
             }
             .expect("the names exist");
             let before = allocations();
-            let rung = controller.tick(&measurement).1.rung;
+            let level = controller.tick(&measurement).1.level;
             inside += allocations() - before;
-            let position = Rung::ALL.iter().position(|r| *r == rung);
-            rungs[position.expect("is one of all")] += 1;
+            let position = FallbackLevel::ALL.iter().position(|r| *r == level);
+            levels[position.expect("is one of all")] += 1;
         }
-        println!("{kind:?}: {ticks} ticks, {inside} allocations, optimal to safe {rungs:?}");
+        println!("{kind:?}: {ticks} ticks, {inside} allocations, optimal to safe {levels:?}");
         assert_eq!(inside, 0, "{kind:?}");
-        assert!(rungs.iter().all(|count| *count > 0), "{kind:?}: {rungs:?}");
+        assert!(
+            levels.iter().all(|count| *count > 0),
+            "{kind:?}: {levels:?}"
+        );
     }
 }

@@ -6,7 +6,7 @@ use wbqp::{
     Controller, ControllerConfig,
     config::{self, Overrides},
     contact::ShortContact,
-    controller::Rung,
+    controller::FallbackLevel,
     plugin::Entry,
     settings::{Settings, Target},
 };
@@ -86,7 +86,7 @@ fn the_long_form_gives_the_same_bits() {
         for tick in 0..500 {
             let measurement = plant.measure().clone();
             let (command, report) = short.tick(&measurement);
-            assert_eq!(report.rung, Rung::Optimal);
+            assert_eq!(report.level, FallbackLevel::Optimal);
             let (other, _) = long.tick(&measurement);
             let bits = |list: &[f64]| list.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
             assert_eq!(bits(&command.effort), bits(&other.effort), "{tick}");

@@ -3,7 +3,7 @@
 use wbqp::{
     Controller, ControllerConfig, Measurement,
     contact::{ContactKind, ContactSpec, Surface},
-    controller::{Dump, Rung},
+    controller::{Dump, FallbackLevel},
     fault::Fault,
     nalgebra::{UnitQuaternion, Vector3},
     plugin::{Entry, reference::AT_HOME},
@@ -75,7 +75,7 @@ fn references_begin_at_what_is_measured() {
     for tick in 0..10 {
         m.time = 0.004 * f64::from(tick);
         let (_, report) = controller.tick(&m);
-        assert_eq!(report.rung, Rung::Optimal);
+        assert_eq!(report.level, FallbackLevel::Optimal);
         assert!(largest_error(&controller) < 1e-12, "{tick}");
     }
     // Later they stay where they began.
@@ -127,7 +127,7 @@ fn home_says_otherwise_and_far_from_home_nothing_moves() {
     let mut controller = everywhere(at_home.clone()).build().expect("fits");
     let m = elsewhere(&controller);
     let (command, report) = controller.tick(&m);
-    assert_eq!(report.rung, Rung::Safe);
+    assert_eq!(report.level, FallbackLevel::Safe);
     assert_eq!(report.fault, Some(Fault::FirstError(0)));
     assert!(command.joint_velocity.iter().all(|v| *v == 0.0));
     let said = controller.explain().expect("there is a fault").to_string();
@@ -143,7 +143,7 @@ fn home_says_otherwise_and_far_from_home_nothing_moves() {
         ..at_home
     };
     let mut controller = everywhere(any).build().expect("fits");
-    assert_eq!(controller.tick(&m).1.rung, Rung::Optimal);
+    assert_eq!(controller.tick(&m).1.level, FallbackLevel::Optimal);
     assert!((controller.report().tasks[0].error[0] - 3.0).abs() < 1e-12);
 }
 
@@ -188,8 +188,8 @@ fn a_refused_tick_is_no_first_one() {
         m.time = 0.004 * f64::from(tick);
         let (_, report) = controller.tick(&m);
         assert_eq!(
-            (report.rung, report.fault),
-            (Rung::Safe, Some(Fault::FirstError(1))),
+            (report.level, report.fault),
+            (FallbackLevel::Safe, Some(Fault::FirstError(1))),
             "{tick}"
         );
         assert!((report.tasks[1].error[0] + 0.7).abs() < 1e-12);
@@ -199,7 +199,7 @@ fn a_refused_tick_is_no_first_one() {
     // From the first plausible tick on it is as if there had been none before: clock, trajectories, integrators.
     for tick in 20..40 {
         m.time = 0.004 * f64::from(tick);
-        assert_eq!(controller.tick(&m).1.rung, Rung::Optimal);
+        assert_eq!(controller.tick(&m).1.level, FallbackLevel::Optimal);
         let mut shifted = m.clone();
         shifted.time -= 0.08;
         fresh.tick(&shifted);
@@ -257,9 +257,9 @@ fn errors_of_joints_count_by_themselves_and_those_of_entries_that_are_off_not_at
     for q in m.state.q.iter_mut() {
         *q += 0.02;
     }
-    for (limit, rung) in [(0.03, Rung::Optimal), (0.01, Rung::Safe)] {
+    for (limit, level) in [(0.03, FallbackLevel::Optimal), (0.01, FallbackLevel::Safe)] {
         let mut controller = config(limit).build().expect("fits");
-        assert_eq!(controller.tick(&m).1.rung, rung, "{limit}");
+        assert_eq!(controller.tick(&m).1.level, level, "{limit}");
     }
 }
 

@@ -1,4 +1,4 @@
-//! Recorded ticks run again to the bit, from a file, on every rung.
+//! Recorded ticks run again to the bit, from a file, on every level.
 
 use std::{collections::BTreeSet, fs, path::Path};
 
@@ -6,7 +6,7 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use wbqp::{
     Controller, Measurement,
-    controller::{Dump, Rung},
+    controller::{Dump, FallbackLevel},
     error::BindError,
     plugin::{Constraint, ConstraintRows, Entry, Layout, Setup, Tick},
     replay::{DumpError, DumpFolder, Matrices, ProblemTable},
@@ -85,7 +85,7 @@ fn eventful(kind: Kind, seed: u64) -> Controller {
 
 #[test]
 fn every_tick_is_the_same_to_the_bit() {
-    let mut rungs = BTreeSet::new();
+    let mut levels = BTreeSet::new();
     for (kind, seed) in [
         (Kind::Othex, 1),
         (Kind::OthexVertical, 2),
@@ -105,10 +105,10 @@ fn every_tick_is_the_same_to_the_bit() {
                 "{kind:?}, tick {index}: {:?}",
                 replayed.differences
             );
-            rungs.insert(replayed.controller.report().rung);
+            levels.insert(replayed.controller.report().level);
         }
     }
-    assert_eq!(rungs.into_iter().collect::<Vec<_>>(), Rung::ALL);
+    assert_eq!(levels.into_iter().collect::<Vec<_>>(), FallbackLevel::ALL);
 }
 
 /// A dump with one value of its text replaced.
@@ -178,7 +178,10 @@ fn a_change_of_the_rung_writes_a_bounded_number_of_files() {
     assert_eq!(dump.records[4].time, 0.004 * 9.0);
     let replayed = dump.replay(4, None).expect("fits");
     assert_eq!(replayed.differences, []);
-    assert_eq!(replayed.controller.report().rung, Rung::Extrapolated);
+    assert_eq!(
+        replayed.controller.report().level,
+        FallbackLevel::Extrapolated
+    );
 }
 
 #[test]

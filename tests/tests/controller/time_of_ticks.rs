@@ -6,7 +6,7 @@ use rand_chacha::ChaCha8Rng;
 use wbqp::{
     Controller, Measurement,
     contact::ContactKind,
-    controller::{Command, Rung},
+    controller::{Command, FallbackLevel},
     settings::MeasurementLimits,
 };
 use wbqp_tasks::ContactForce;
@@ -42,7 +42,7 @@ fn run(controller: &mut Controller, measurement: &Measurement, stamps: impl Iter
     for time in stamps {
         measurement.time = time;
         controller.tick(&measurement);
-        assert_eq!(controller.report().rung, Rung::Optimal, "{time}");
+        assert_eq!(controller.report().level, FallbackLevel::Optimal, "{time}");
     }
 }
 

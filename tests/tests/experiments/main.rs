@@ -2,11 +2,11 @@
 //! in their logs.
 
 mod active_limits;
+mod levels;
 mod no_ft_error;
 mod push_and_slide;
 mod push_away;
 mod push_with_disturbance;
 mod robustness;
-mod rungs;
 mod switching;
 mod under_actuated;

@@ -9,7 +9,7 @@ use rand_chacha::ChaCha8Rng;
 use wbqp::{
     config::ControllerConfig,
     contact::ContactKind,
-    controller::{Controller, Rung},
+    controller::{Controller, FallbackLevel},
     plugin::{Entry, Hardness, Weight},
     settings::Formulation,
 };
@@ -89,7 +89,7 @@ fn meddle(controller: &mut Controller, rng: &mut ChaCha8Rng) {
 fn every_command_is_finite_and_within_bounds_and_every_rung_is_reached() {
     let total = ticks();
     let lives = total.div_ceil(LIFE).max(KINDS.len());
-    let mut rungs: BTreeMap<(&str, &str), usize> = BTreeMap::new();
+    let mut levels: BTreeMap<(&str, &str), usize> = BTreeMap::new();
     let mut resolves = [0_usize; 6];
     let (mut changes, mut count) = (0_usize, 0_usize);
     for life in 0..lives {
@@ -124,29 +124,32 @@ fn every_command_is_finite_and_within_bounds_and_every_rung_is_reached() {
             let (command, report) = controller.tick(&measurement);
             let context = || format!("life {life}, tick {tick}, {kind:?}: {report:?}\n{command:?}");
             assert!(is_within_bounds(&robot, command), "{}", context());
-            assert_eq!(report.fault.is_none(), report.rung == Rung::Optimal);
-            assert!(report.on_rung.ticks > 0 && report.on_rung.since.is_finite());
-            assert!(report.rung == Rung::Relaxed || report.relaxed.is_empty());
+            assert_eq!(
+                report.fault.is_none(),
+                report.level == FallbackLevel::Optimal
+            );
+            assert!(report.on_level.ticks > 0 && report.on_level.since.is_finite());
+            assert!(report.level == FallbackLevel::Relaxed || report.relaxed.is_empty());
             let limits = report.conflict.iter().all(|c| c.short > 0.0);
             assert!(limits, "{}", context());
-            *rungs
-                .entry((scene_name(kind), report.rung.as_str()))
+            *levels
+                .entry((scene_name(kind), report.level.as_str()))
                 .or_default() += 1;
             resolves[report.resolves as usize] += 1;
-            changes += usize::from(last.is_some_and(|last| last != report.rung));
-            last = Some(report.rung);
+            changes += usize::from(last.is_some_and(|last| last != report.level));
+            last = Some(report.level);
             count += 1;
         }
         if let Some(explanation) = controller.explain() {
             assert!(!explanation.to_string().is_empty());
         }
     }
-    println!("{count} ticks, {changes} changes of rung, relaxed problems per tick {resolves:?}");
+    println!("{count} ticks, {changes} changes of level, relaxed problems per tick {resolves:?}");
     for kind in KINDS {
-        for rung in Rung::ALL {
-            let found = rungs.get(&(scene_name(kind), rung.as_str()));
-            println!("{kind:?} {}: {}", rung.as_str(), found.unwrap_or(&0));
-            assert!(found.is_some(), "{kind:?} never was {}", rung.as_str());
+        for level in FallbackLevel::ALL {
+            let found = levels.get(&(scene_name(kind), level.as_str()));
+            println!("{kind:?} {}: {}", level.as_str(), found.unwrap_or(&0));
+            assert!(found.is_some(), "{kind:?} never was {}", level.as_str());
         }
     }
 }

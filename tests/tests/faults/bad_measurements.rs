@@ -2,7 +2,7 @@
 
 use nalgebra::Quaternion;
 use wbqp::{
-    controller::{Measurement, Rung},
+    controller::{FallbackLevel, Measurement},
     nalgebra,
     nalgebra::UnitQuaternion,
 };
@@ -45,20 +45,20 @@ fn not_finite_is_reported_by_name_and_the_efforts_stay() {
         for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
             let mut controller = scene.controller();
             let (command, report) = controller.tick(&good);
-            assert_eq!(report.rung, Rung::Optimal);
+            assert_eq!(report.level, FallbackLevel::Optimal);
             let last = command.clone();
             let mut measurement = good.clone();
             measurement.time = 0.004;
             let message = spoil(what, &mut measurement, bad);
             let (command, report) = controller.tick(&measurement);
             assert_eq!(command.effort, last.effort);
-            assert_eq!(report.rung, Rung::Extrapolated);
+            assert_eq!(report.level, FallbackLevel::Extrapolated);
             assert_eq!(report.fault.expect("a fault").to_string(), message);
             // And the next good one is used again.
             let mut next = good.clone();
             next.time = 0.008;
             let (_, report) = controller.tick(&next);
-            assert_eq!((report.rung, report.fault), (Rung::Optimal, None));
+            assert_eq!((report.level, report.fault), (FallbackLevel::Optimal, None));
         }
     }
 }
@@ -117,16 +117,16 @@ fn a_clock_that_does_not_go_on_is_reported() {
     let scene = Scene::new(Kind::Othex, 5, u32::MAX, 1);
     let mut controller = scene.controller();
     let mut measurement = scene.measurement();
-    for (time, rung) in [
-        (1.0, Rung::Optimal),
-        (1.0, Rung::Extrapolated),
-        (0.9, Rung::Extrapolated),
-        (1.004, Rung::Optimal),
+    for (time, level) in [
+        (1.0, FallbackLevel::Optimal),
+        (1.0, FallbackLevel::Extrapolated),
+        (0.9, FallbackLevel::Extrapolated),
+        (1.004, FallbackLevel::Optimal),
     ] {
         measurement.time = time;
         let report = controller.tick(&measurement).1;
-        assert_eq!(report.rung, rung, "{time}");
-        if rung != Rung::Optimal {
+        assert_eq!(report.level, level, "{time}");
+        if level != FallbackLevel::Optimal {
             let message = report.fault.expect("a fault").to_string();
             let expected = "measurement: the time stamp is not later than the last";
             assert_eq!(message, expected);

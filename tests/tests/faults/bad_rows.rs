@@ -1,7 +1,7 @@
 //! A plug-in that writes numbers that are not finite is found out, and nothing of them reaches the command.
 
 use wbqp::{
-    controller::{Controller, Rung},
+    controller::{Controller, FallbackLevel},
     error::BindError,
     fault::Fault,
     plugin::{Constraint, ConstraintRows, Entry, Hardness, Layout, Rows, Setup, Task, Tick},
@@ -58,11 +58,18 @@ fn fault(scene: &Scene, spoil: impl FnOnce(&mut wbqp::ControllerConfig)) -> Opti
     spoil(&mut config);
     let mut controller = Controller::new(config).expect("the scene is valid");
     let mut measurement = scene.measurement();
-    assert_eq!(controller.tick(&measurement).1.rung, Rung::Optimal);
+    assert_eq!(
+        controller.tick(&measurement).1.level,
+        FallbackLevel::Optimal
+    );
     measurement.time = 1.0;
     let (command, report) = controller.tick(&measurement);
     if report.fault.is_some() {
-        assert_eq!(report.rung, Rung::Safe, "a second after the last solution");
+        assert_eq!(
+            report.level,
+            FallbackLevel::Safe,
+            "a second after the last solution"
+        );
         assert!(command.effort.iter().all(|u| u.is_finite()));
         assert_ne!(report.status, Status::Optimal);
     }

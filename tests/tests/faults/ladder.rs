@@ -3,7 +3,7 @@
 use wbqp::{
     config::ControllerConfig,
     contact::ContactId,
-    controller::{Controller, Measurement, Rung, Side},
+    controller::{Controller, FallbackLevel, Measurement, Side},
     error::BindError,
     fault::Fault,
     plugin::{Constraint, ConstraintRows, Entry, Hardness, Layout, Rows, Setup, Task, Tick},
@@ -133,7 +133,7 @@ fn ticked(config: ControllerConfig) -> Controller {
 
 fn explained(config: ControllerConfig) -> String {
     let controller = ticked(config);
-    assert_eq!(controller.report().rung, Rung::Relaxed);
+    assert_eq!(controller.report().level, FallbackLevel::Relaxed);
     assert_eq!(controller.report().fault, Some(Fault::Infeasible));
     let explanation = controller.explain().expect("is not optimal");
     let conflict = explanation
@@ -239,7 +239,7 @@ fn the_last_declared_of_those_in_conflict_goes_first() {
             add(&mut config, name, linear);
         }
         let controller = ticked(config);
-        assert_eq!(controller.report().rung, Rung::Relaxed);
+        assert_eq!(controller.report().level, FallbackLevel::Relaxed);
         let given = given_up(&controller);
         assert_eq!(given.len(), 1, "{given:?}");
         assert_eq!(given[0].0, lost);
@@ -306,17 +306,17 @@ fn as_soon_as_it_is_feasible_the_optimum_is_back() {
         tick(&mut a, &mut b);
         let report = a.report();
         assert_eq!(
-            (report.rung, report.on_rung.ticks),
-            (Rung::Relaxed, expected)
+            (report.level, report.on_level.ticks),
+            (FallbackLevel::Relaxed, expected)
         );
-        assert_eq!(report.on_rung.since, 0.004);
+        assert_eq!(report.on_level.since, 0.004);
         assert_eq!(report.status, Status::Infeasible);
     }
     a.deactivate("most").expect("exists");
     tick(&mut a, &mut b);
     let report = a.report();
-    assert_eq!((report.rung, report.fault), (Rung::Optimal, None));
-    assert_eq!((report.on_rung.ticks, report.resolves), (1, 0));
+    assert_eq!((report.level, report.fault), (FallbackLevel::Optimal, None));
+    assert_eq!((report.on_level.ticks, report.resolves), (1, 0));
     assert!(report.relaxed.is_empty() && report.conflict.is_empty() && a.explain().is_none());
     for (a, b) in a.command().effort.iter().zip(&b.command().effort) {
         assert!((a - b).abs() < 1e-9, "{a} {b}");
@@ -331,7 +331,7 @@ fn as_soon_as_it_is_feasible_the_optimum_is_back() {
 fn without_a_solution_the_last_is_carried_on_and_then_the_safe_law_takes_over() {
     let mut controller = Controller::new(pushing()).expect("is valid");
     let mut measurement = Measurement::home(controller.robot(), 1);
-    let mut rungs = Vec::new();
+    let mut levels = Vec::new();
     for tick in 0..20 {
         measurement.time = 0.004 * f64::from(tick);
         measurement.state.v[6] = if (3..15).contains(&tick) {
@@ -340,19 +340,19 @@ fn without_a_solution_the_last_is_carried_on_and_then_the_safe_law_takes_over() 
             0.0
         };
         let report = controller.tick(&measurement).1;
-        rungs.push(report.rung);
+        levels.push(report.level);
         if tick == 10 {
-            assert_eq!(report.on_rung.ticks, 3);
-            assert!((report.on_rung.since - 0.032).abs() < 1e-12);
+            assert_eq!(report.on_level.ticks, 3);
+            assert!((report.on_level.since - 0.032).abs() < 1e-12);
             let text = controller.explain().expect("is not optimal").to_string();
             assert_eq!(text, "safe: measurement not finite: velocities");
         }
     }
-    let count = |rung| rungs.iter().filter(|r| **r == rung).count();
-    assert_eq!(rungs[..3], [Rung::Optimal; 3]);
-    assert_eq!(rungs[3..8], [Rung::Extrapolated; 5]);
-    assert_eq!(rungs[8..15], [Rung::Safe; 7]);
-    assert_eq!(count(Rung::Optimal), 8);
+    let count = |level| levels.iter().filter(|r| **r == level).count();
+    assert_eq!(levels[..3], [FallbackLevel::Optimal; 3]);
+    assert_eq!(levels[3..8], [FallbackLevel::Extrapolated; 5]);
+    assert_eq!(levels[8..15], [FallbackLevel::Safe; 7]);
+    assert_eq!(count(FallbackLevel::Optimal), 8);
 }
 
 #[test]
@@ -367,29 +367,29 @@ fn nothing_jumps_at_the_edge_of_feasibility() {
     add(&mut config, "most", most);
     let mut controller = Controller::new(config).expect("is valid");
     let mut measurement = Measurement::home(controller.robot(), 1);
-    let mut last: Option<(Rung, Vec<f64>)> = None;
+    let mut last: Option<(FallbackLevel, Vec<f64>)> = None;
     let (mut changes, mut largest) = (0, 0.0_f64);
     for tick in 0..1000 {
         measurement.time = 0.004 * f64::from(tick);
         let (command, report) = controller.tick(&measurement);
-        if let Some((rung, effort)) = &last {
-            changes += i32::from(*rung != report.rung);
+        if let Some((level, effort)) = &last {
+            changes += i32::from(*level != report.level);
             let jumps = effort
                 .iter()
                 .zip(&command.effort)
                 .map(|(a, b)| (a - b).abs());
             largest = jumps.fold(largest, f64::max);
         }
-        last = Some((report.rung, command.effort.clone()));
+        last = Some((report.level, command.effort.clone()));
     }
     println!("largest change of an effort per tick {largest:.2e} N");
     assert_eq!(changes, 1);
     assert!(largest < 1e-2, "{largest}");
 }
 
-/// Runs the same ticks several times: the rung of each, and the least time that it took, µs.
-fn timed(kind: Kind, ticks: u32) -> (Vec<(Rung, f64)>, u32) {
-    let mut best: Vec<(Rung, f64)> = Vec::new();
+/// Runs the same ticks several times: the level of each, and the least time that it took, µs.
+fn timed(kind: Kind, ticks: u32) -> (Vec<(FallbackLevel, f64)>, u32) {
+    let mut best: Vec<(FallbackLevel, f64)> = Vec::new();
     let mut most = 0;
     for round in 0..9 {
         let mut scene = Scene::new(kind, 5, u32::MAX, u32::MAX);
@@ -406,10 +406,10 @@ fn timed(kind: Kind, ticks: u32) -> (Vec<(Rung, f64)>, u32) {
             let time = 1e6 * start.elapsed().as_secs_f64();
             most = most.max(report.resolves);
             if round == 0 {
-                best.push((report.rung, time));
+                best.push((report.level, time));
             } else {
                 let best = &mut best[tick as usize];
-                assert_eq!(best.0, report.rung, "the same ticks");
+                assert_eq!(best.0, report.level, "the same ticks");
                 best.1 = best.1.min(time);
             }
         }
@@ -423,8 +423,8 @@ fn timed(kind: Kind, ticks: u32) -> (Vec<(Rung, f64)>, u32) {
 fn what_a_relaxed_tick_costs() {
     for kind in KINDS {
         let (ticks, most) = timed(kind, 4000);
-        let quantiles = [Rung::Optimal, Rung::Relaxed].map(|rung| {
-            let of_rung = ticks.iter().filter(|t| t.0 == rung);
+        let quantiles = [FallbackLevel::Optimal, FallbackLevel::Relaxed].map(|level| {
+            let of_rung = ticks.iter().filter(|t| t.0 == level);
             let mut times: Vec<f64> = of_rung.map(|t| t.1).collect();
             times.sort_by(f64::total_cmp);
             [0.5, 0.99, 1.0].map(|q| times[(q * (times.len() - 1) as f64) as usize])

@@ -6,7 +6,7 @@
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use wbqp::{
-    controller::{Command, Controller, Measurement, Rung},
+    controller::{Command, Controller, FallbackLevel, Measurement},
     fault::Fault,
     nalgebra::Vector6,
     plugin::{Constraint, Entry, Hardness, Weight},
@@ -161,7 +161,7 @@ fn check(controller: &Controller, before: &Command, context: &dyn Fn() -> String
             actuator.slew
         );
     }
-    let is_optimal = report.rung == Rung::Optimal;
+    let is_optimal = report.level == FallbackLevel::Optimal;
     assert_eq!(is_optimal, report.fault.is_none(), "{}", context());
     if let Some(cut) = report.cut {
         let actuator = &robot.actuators[cut.actuator.index()];
@@ -190,7 +190,7 @@ fn live(scene: &Scene, rng: &mut ChaCha8Rng, changes: &[Change], from: usize) ->
     let robot = with_slew(scene, rng);
     let mut controller = Controller::with_robot(config, robot).expect("the scene is valid");
     let start = scene.measurement();
-    let mut rungs = [0; 4];
+    let mut levels = [0; 4];
     for tick in 0..LIFE {
         let mut measurement = start.clone();
         measurement.time = tick as f64 * PERIOD;
@@ -208,9 +208,9 @@ fn live(scene: &Scene, rng: &mut ChaCha8Rng, changes: &[Change], from: usize) ->
                 controller.report()
             )
         });
-        rungs[controller.report().rung as usize] += 1;
+        levels[controller.report().level as usize] += 1;
     }
-    rungs
+    levels
 }
 
 fn random_scene(kind: Kind, seed: u64, rng: &mut ChaCha8Rng) -> Scene {
@@ -227,7 +227,7 @@ fn random_scene(kind: Kind, seed: u64, rng: &mut ChaCha8Rng) -> Scene {
 
 #[test]
 fn every_power_of_ten_leaves_commands_within_limits_and_slew() {
-    let mut rungs = [0_usize; 4];
+    let mut levels = [0_usize; 4];
     for life in 0..lives() {
         let mut rng = ChaCha8Rng::seed_from_u64(life as u64);
         let scene = random_scene(KINDS[life % KINDS.len()], life as u64, &mut rng);
@@ -239,12 +239,12 @@ fn every_power_of_ten_leaves_commands_within_limits_and_slew() {
             .collect();
         let from = rng.random_range(0..LIFE / 2);
         let lived = live(&scene, &mut rng, &changes, from);
-        for (sum, ticks) in rungs.iter_mut().zip(lived) {
+        for (sum, ticks) in levels.iter_mut().zip(lived) {
             *sum += ticks;
         }
     }
-    println!("ticks by rung: {rungs:?}");
-    assert!(rungs.iter().all(|ticks| *ticks > 0), "{rungs:?}");
+    println!("ticks by level: {levels:?}");
+    assert!(levels.iter().all(|ticks| *ticks > 0), "{levels:?}");
 }
 
 /// Joint velocities of 1e8, tool forces of 1e20, positions of 1e28: where ticks called themselves optimal that were
@@ -288,7 +288,7 @@ fn an_effort_that_is_cut_is_a_fault_with_its_actuators_name() {
     let mut controller = Controller::with_robot(config, robot).expect("valid");
     controller.tick(&scene.measurement());
     let report = controller.report();
-    assert_eq!(report.rung, Rung::Relaxed);
+    assert_eq!(report.level, FallbackLevel::Relaxed);
     let cut = report.cut.expect("something was cut");
     assert_eq!(report.fault, Some(Fault::CutEffort(cut.actuator)));
     assert!(cut.asked.abs() > 1e-3 && cut.sent.abs() == 1e-3);

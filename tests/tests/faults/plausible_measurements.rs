@@ -5,7 +5,7 @@ use rand_chacha::ChaCha8Rng;
 use wbqp::{
     Controller, ControllerConfig, Measurement,
     config::Overrides,
-    controller::{Dump, Rung},
+    controller::{Dump, FallbackLevel},
     fault::{Fault, Implausible, Measured},
     nalgebra::{UnitQuaternion, Vector3, Vector6},
     settings::MeasurementLimits,
@@ -49,8 +49,13 @@ fn a_flying_robot_stays_up_when_its_speed_is_nonsense() {
         running.step_with(spoil).expect("the plant moves on");
         let found = implausible(&running.controller);
         assert_eq!(found.is_some(), is_spoilt, "{} s", running.time());
-        let rung = running.controller.report().rung;
-        assert_eq!(rung == Rung::Optimal, !is_spoilt, "{} s", running.time());
+        let level = running.controller.report().level;
+        assert_eq!(
+            level == FallbackLevel::Optimal,
+            !is_spoilt,
+            "{} s",
+            running.time()
+        );
         if let Some(found) = found {
             assert_eq!(found.quantity, Measured::LinearVelocity);
             assert!((found.value / 1e12 - 1.0).abs() < 1e-9 && found.limit < 1e3);
@@ -71,7 +76,7 @@ fn started(kind: Kind, config: impl FnOnce(&mut ControllerConfig)) -> (Controlle
     let mut controller = Controller::new(changed).expect("the scene is valid");
     let mut measurement = scene.measurement();
     controller.tick(&measurement);
-    assert!(controller.report().rung.is_solved());
+    assert!(controller.report().level.is_solved());
     measurement.time = PERIOD;
     (controller, measurement)
 }
@@ -179,7 +184,7 @@ fn each_bound_is_where_the_file_says_and_names_itself() {
                 let Some(found) = found else { continue };
                 assert_eq!(found.quantity, quantity);
                 assert!((found.value - by).abs() <= 1e-9 * by && found.limit == limit);
-                assert_eq!(controller.report().rung, Rung::Extrapolated);
+                assert_eq!(controller.report().level, FallbackLevel::Extrapolated);
                 let text = controller.explain().expect("a fault").to_string();
                 let key = format!("`{}` in [measurement] = {limit}", quantity.key());
                 assert!(text.contains(&key), "{text}");
@@ -249,7 +254,7 @@ fn a_jump_is_a_fault_until_it_is_said_to_be_meant() {
         controller.reset(&measurement).expect("is plausible");
         measurement.time = 1002.0 * PERIOD;
         controller.tick(&measurement);
-        assert!(controller.report().rung.is_solved(), "{kind:?}");
+        assert!(controller.report().level.is_solved(), "{kind:?}");
         // From there, not from where it was.
         back.time = 1003.0 * PERIOD;
         controller.tick(&back);
@@ -304,7 +309,7 @@ fn reset_takes_a_clock_that_was_set_and_refuses_what_is_not_plausible() {
     for tick in 1..100 {
         m.time = 10.0 + f64::from(tick) * PERIOD;
         controller.tick(&m);
-        assert_eq!(controller.report().rung, Rung::Optimal);
+        assert_eq!(controller.report().level, FallbackLevel::Optimal);
     }
     let effort = controller.command().effort.clone();
     let mut bad = m.clone();

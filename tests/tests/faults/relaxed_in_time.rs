@@ -4,7 +4,7 @@
 use std::{fs, time::Instant};
 
 use wbqp::{
-    controller::Rung,
+    controller::FallbackLevel,
     fault::{Fault, Measured},
 };
 use wbqp_bench::workload::Workload;
@@ -39,9 +39,9 @@ fn quadruped() -> Workload {
     pushed("quadruped_stand", shipped, force, 4)
 }
 
-/// A tick: its rung and fault, height of the base in m, time in µs, relaxed problems and iterations.
+/// A tick: its level and fault, height of the base in m, time in µs, relaxed problems and iterations.
 struct Tick {
-    rung: Rung,
+    level: FallbackLevel,
     fault: Option<Fault>,
     height: f64,
     micros: f64,
@@ -59,7 +59,7 @@ fn run(workload: &Workload) -> Vec<Tick> {
             let micros = 1e6 * start.elapsed().as_secs_f64();
             let report = controller.report();
             ticks.push(Tick {
-                rung: report.rung,
+                level: report.level,
                 fault: report.fault,
                 height: measurement.state.p_WR.z,
                 micros,
@@ -75,14 +75,18 @@ fn run(workload: &Workload) -> Vec<Tick> {
     ticks
 }
 
-fn quantiles<T: Copy + PartialOrd>(ticks: &[Tick], rung: Rung, of: fn(&Tick) -> T) -> [T; 3] {
-    let of_rung = ticks.iter().filter(|tick| tick.rung == rung);
+fn quantiles<T: Copy + PartialOrd>(
+    ticks: &[Tick],
+    level: FallbackLevel,
+    of: fn(&Tick) -> T,
+) -> [T; 3] {
+    let of_rung = ticks.iter().filter(|tick| tick.level == level);
     let mut values: Vec<T> = of_rung.map(of).collect();
     values.sort_by(|a, b| a.partial_cmp(b).expect("is a number"));
     assert!(
         values.len() > 20,
         "{}: {} ticks",
-        rung.as_str(),
+        level.as_str(),
         values.len()
     );
     [0.5, 0.99, 1.0].map(|q| values[(q * (values.len() - 1) as f64) as usize])
@@ -93,8 +97,8 @@ fn quantiles<T: Copy + PartialOrd>(ticks: &[Tick], rung: Rung, of: fn(&Tick) -> 
 fn a_contradiction_that_lasts_is_gone_on_with() {
     for (name, workload) in [("humanoid", humanoid()), ("quadruped", quadruped())] {
         let ticks = run(&workload);
-        let iterations = quantiles(&ticks, Rung::Relaxed, |tick| tick.iterations);
-        let resolves = quantiles(&ticks, Rung::Relaxed, |tick| tick.resolves);
+        let iterations = quantiles(&ticks, FallbackLevel::Relaxed, |tick| tick.iterations);
+        let resolves = quantiles(&ticks, FallbackLevel::Relaxed, |tick| tick.resolves);
         println!(
             "{name}: iterations {iterations:?}, relaxed problems {resolves:?} (p50, p99, most)"
         );
@@ -144,15 +148,16 @@ fn what_relaxed_ticks_cost_beside_optimal_ones() {
                 tick.micros = tick.micros.min(again.micros);
             }
         }
-        let counts = Rung::ALL.map(|rung| ticks.iter().filter(|t| t.rung == rung).count());
+        let counts =
+            FallbackLevel::ALL.map(|level| ticks.iter().filter(|t| t.level == level).count());
         println!(
-            "{name}: {} ticks, {counts:?} by rung, optimal to safe",
+            "{name}: {} ticks, {counts:?} by level, optimal to safe",
             ticks.len()
         );
-        let optimal = quantiles(&ticks, Rung::Optimal, |tick| tick.micros);
-        let relaxed = quantiles(&ticks, Rung::Relaxed, |tick| tick.micros);
-        let resolves = quantiles(&ticks, Rung::Relaxed, |tick| tick.resolves);
-        let iterations = quantiles(&ticks, Rung::Relaxed, |tick| tick.iterations);
+        let optimal = quantiles(&ticks, FallbackLevel::Optimal, |tick| tick.micros);
+        let relaxed = quantiles(&ticks, FallbackLevel::Relaxed, |tick| tick.micros);
+        let resolves = quantiles(&ticks, FallbackLevel::Relaxed, |tick| tick.resolves);
+        let iterations = quantiles(&ticks, FallbackLevel::Relaxed, |tick| tick.iterations);
         println!(
             "  p50, p99, worst: optimal {optimal:.1?} µs, relaxed {relaxed:.1?} µs, relaxed problems \
              {resolves:?}, iterations {iterations:?}; p99 of relaxed to median of optimal {:.1}",

@@ -3,7 +3,7 @@
 
 use wbqp::{
     config::{ControllerConfig, Overrides},
-    controller::{Controller, Measurement, Rung},
+    controller::{Controller, FallbackLevel, Measurement},
     error::BindError,
     nalgebra::Vector3,
     plugin::{Entry, Hardness, Layout, Rows, Setup, Task, Tick},
@@ -91,7 +91,7 @@ fn a_tumbling_robot_comes_to_rest() {
         let mut most = 0.0_f64;
         while running.time() < 8.0 {
             step(&mut running);
-            assert_eq!(running.controller.report().rung, Rung::Safe);
+            assert_eq!(running.controller.report().level, FallbackLevel::Safe);
             most = most.max(tilt(running.plant.state()));
         }
         let state = running.plant.state();
@@ -147,14 +147,14 @@ fn it_lets_go_of_a_wall() {
     assert!(largest < 8.0 && v < 0.1 && w < 0.05 && tilt(running.plant.state()) < 3.0);
 }
 
-/// How a failure of 0.2 s ends: rungs in their order, largest distance from the set point, distance after 3 s.
+/// How a failure of 0.2 s ends: levels in their order, largest distance from the set point, distance after 3 s.
 fn bridge(
     running: &mut ClosedLoop,
     fail: impl Fn(&mut ClosedLoop, bool),
-) -> (Vec<(Rung, u32)>, f64, f64) {
+) -> (Vec<(FallbackLevel, u32)>, f64, f64) {
     let before = running.plant.state().p_WR;
     let start = running.time();
-    let mut rungs: Vec<(Rung, u32)> = Vec::new();
+    let mut levels: Vec<(FallbackLevel, u32)> = Vec::new();
     let mut farthest = 0.0_f64;
     fail(running, true);
     let mut failing = true;
@@ -164,15 +164,15 @@ fn bridge(
             failing = false;
         }
         step(running);
-        let rung = running.controller.report().rung;
-        match rungs.last_mut() {
-            Some((last, count)) if *last == rung => *count += 1,
-            _ => rungs.push((rung, 1)),
+        let level = running.controller.report().level;
+        match levels.last_mut() {
+            Some((last, count)) if *last == level => *count += 1,
+            _ => levels.push((level, 1)),
         }
         farthest = farthest.max((running.plant.state().p_WR - before).norm());
     }
     let left = (running.plant.state().p_WR - before).norm();
-    (rungs, farthest, left)
+    (levels, farthest, left)
 }
 
 fn breaking(running: &mut ClosedLoop, on: bool) {
@@ -194,14 +194,14 @@ fn a_failure_in_flight_is_bridged() {
     while running.time() < 2.0 {
         step(&mut running);
     }
-    let (rungs, farthest, left) = bridge(&mut running, breaking);
-    println!("{rungs:?}: {farthest:.4} m away, {left:.5} m after 3 s");
+    let (levels, farthest, left) = bridge(&mut running, breaking);
+    println!("{levels:?}: {farthest:.4} m away, {left:.5} m after 3 s");
     let expected = [
-        (Rung::Extrapolated, 5),
-        (Rung::Safe, 45),
-        (Rung::Optimal, 700),
+        (FallbackLevel::Extrapolated, 5),
+        (FallbackLevel::Safe, 45),
+        (FallbackLevel::Optimal, 700),
     ];
-    assert_eq!(rungs, expected);
+    assert_eq!(levels, expected);
     assert!(farthest < 0.02 && left < 0.005);
 }
 
@@ -221,16 +221,16 @@ fn a_failure_while_moving_is_bridged() {
     bridge(&mut running, breaking);
     let left = (running.plant.state().p_WR - Vector3::new(-1.0, 0.5, 1.5)).norm();
     println!("{left:.4} m from the goal 3 s after a failure half way");
-    assert!(left < 0.02 && running.controller.report().rung == Rung::Optimal);
+    assert!(left < 0.02 && running.controller.report().level == FallbackLevel::Optimal);
 }
 
 #[test]
 fn a_failure_while_pushing_is_bridged() {
     let mut running = pushing();
-    let (rungs, farthest, _) = bridge(&mut running, breaking);
+    let (levels, farthest, _) = bridge(&mut running, breaking);
     let force = running.controller.report().contacts[0].measured[2];
-    println!("{rungs:?}: {farthest:.4} m away, {force:.3} N after 3 s");
-    assert_eq!(rungs.last().map(|r| r.0), Some(Rung::Optimal));
+    println!("{levels:?}: {farthest:.4} m away, {force:.3} N after 3 s");
+    assert_eq!(levels.last().map(|r| r.0), Some(FallbackLevel::Optimal));
     assert!(farthest < 0.05);
 }
 
@@ -286,7 +286,7 @@ fn an_arm_is_held() {
     }
     let mut arm = Bare::new(controller, &PlantConfig::default(), initial.clone());
     arm.run(3.0);
-    assert_eq!(arm.controller.report().rung, Rung::Safe);
+    assert_eq!(arm.controller.report().level, FallbackLevel::Safe);
     let state = arm.plant.state();
     let moved = (&state.q - &initial.q).amax();
     println!(

@@ -7,7 +7,7 @@ use std::path::Path;
 use wbqp::{
     Controller, ControllerConfig, Measurement,
     contact::{ContactKind, ContactSpec, FreeForce, Surface},
-    controller::Rung,
+    controller::FallbackLevel,
     dynamics::{Data, frame_motion},
     nalgebra::{DVector, Vector3},
     plugin::{Constraint, Entry, Hardness, Task, Weight},
@@ -43,7 +43,7 @@ impl Loop {
     /// A tick, and the motion that it predicts, at constant acceleration.
     fn step(&mut self) {
         let (_, report) = self.controller.tick(&self.measurement);
-        assert_eq!(report.rung, Rung::Optimal, "{report:?}");
+        assert_eq!(report.level, FallbackLevel::Optimal, "{report:?}");
         let vdot = report.vdot.clone();
         let state = &mut self.measurement.state;
         let mean = &state.v + &vdot * (0.5 * PERIOD);

@@ -3,7 +3,7 @@
 //! `properties`.
 
 use wbqp::{
-    controller::{Controller, Measurement, Rung},
+    controller::{Controller, FallbackLevel, Measurement},
     nalgebra::Vector6,
     plugin::{Entry, Hardness},
     settings::Formulation,
@@ -46,7 +46,7 @@ fn the_contacts_rows_are_not_in_the_problem() {
     for (contacts, accelerations, feet) in [(0b1111, 0, 4), (0b1011, 3, 3), (0, 12, 0)] {
         let scene = hard(Kind::Quadruped, 3, u32::MAX, contacts);
         let auto = ticked(&scene, Formulation::Auto, &scene.measurement());
-        assert_eq!(auto.report().rung, Rung::Optimal);
+        assert_eq!(auto.report().level, FallbackLevel::Optimal);
         let cones_and_torques = 4 * feet + 12;
         assert_eq!(
             size(&auto),
@@ -76,8 +76,8 @@ fn a_stretched_leg_keeps_its_contacts_rows() {
         measurement.wrenches.fill(Vector6::zeros());
         let explicit = ticked(&scene, Formulation::Explicit, &measurement);
         let auto = ticked(&scene, Formulation::Auto, &measurement);
-        assert_eq!(explicit.report().rung, auto.report().rung, "{bend}");
-        if auto.report().rung == Rung::Optimal {
+        assert_eq!(explicit.report().level, auto.report().level, "{bend}");
+        if auto.report().level == FallbackLevel::Optimal {
             let difference = difference(&explicit, &auto);
             assert!(difference < 1e-5, "{bend}: {difference:e}");
         }
@@ -113,7 +113,11 @@ fn feet_that_lift_and_land_change_nothing_else() {
             }
             .expect("the contact exists");
             controller.tick(&measurement);
-            assert_eq!(controller.report().rung, Rung::Optimal, "tick {tick}");
+            assert_eq!(
+                controller.report().level,
+                FallbackLevel::Optimal,
+                "tick {tick}"
+            );
         }
         let difference = difference(&explicit, &auto);
         assert!(difference < 1e-5, "tick {tick}: {difference:e}");
@@ -149,7 +153,7 @@ fn a_contradiction_names_the_contacts_rows() {
     for formulation in [Formulation::Auto, Formulation::Explicit] {
         let controller = explain(formulation);
         let report = controller.report();
-        assert_eq!(report.rung, Rung::Relaxed, "{formulation:?}");
+        assert_eq!(report.level, FallbackLevel::Relaxed, "{formulation:?}");
         let why = controller.explain().expect("not optimal");
         let owners: Vec<&str> = why.conflict.iter().map(|l| l.owner.as_str()).collect();
         for name in ["motion_", "push", "stiff"] {

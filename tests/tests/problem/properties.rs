@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use wbqp::{
     actuator::ActuatorKind,
     contact::ContactKind,
-    controller::{Controller, Rung},
+    controller::{Controller, FallbackLevel},
     nalgebra,
     qp::{Qp, Solution, Status},
     settings::{Formulation, Hover},
@@ -88,8 +88,18 @@ fn tolerance(condition: f64) -> f64 {
 
 /// Objective, v̇ and, where the problem is well conditioned, the efforts agree.
 fn same_solution(a: &Controller, b: &Controller) -> Result<(), TestCaseError> {
-    prop_assert_eq!(a.report().rung, Rung::Optimal, "{:?}", a.report().status);
-    prop_assert_eq!(b.report().rung, Rung::Optimal, "{:?}", b.report().status);
+    prop_assert_eq!(
+        a.report().level,
+        FallbackLevel::Optimal,
+        "{:?}",
+        a.report().status
+    );
+    prop_assert_eq!(
+        b.report().level,
+        FallbackLevel::Optimal,
+        "{:?}",
+        b.report().status
+    );
     let cost = cost_difference(a, b, 1.0);
     let condition = condition(a.problem());
     prop_assert!(
@@ -122,8 +132,8 @@ fn same_solution(a: &Controller, b: &Controller) -> Result<(), TestCaseError> {
 
 /// Both are optimal at the same cost, with the same efforts where these are well determined.
 fn same_efforts(a: &Controller, b: &Controller) -> Result<(), TestCaseError> {
-    let rungs = (a.report().rung, b.report().rung);
-    prop_assert_eq!(rungs, (Rung::Optimal, Rung::Optimal));
+    let levels = (a.report().level, b.report().level);
+    prop_assert_eq!(levels, (FallbackLevel::Optimal, FallbackLevel::Optimal));
     prop_assert!(cost_difference(a, b, 1.0) < 1e-9);
     let condition = condition(a.problem());
     if condition < 1e8 {
@@ -256,10 +266,10 @@ proptest! {
         let formulation = Formulation::TorqueEliminated;
         let other = Scene { formulation, ..scene.clone() };
         let (a, b) = (solved(&scene), solved(&other));
-        prop_assert_eq!(a.report().rung, b.report().rung);
+        prop_assert_eq!(a.report().level, b.report().level);
         // Not all contacts can be kept within all limits. Accelerations that rows determine make the cost small beside
         // the terms it is the difference of.
-        if a.report().rung == Rung::Optimal {
+        if a.report().level == FallbackLevel::Optimal {
             let own = a.problem().objective(&a.solution().x).abs();
             let (x, y) = (a.report().objective, b.report().objective);
             let cost = (x - y).abs() / (1.0 + x.abs() + own);
@@ -300,8 +310,8 @@ proptest! {
             Formulation::Explicit
         };
         let (a, b) = (tick(Formulation::Condensed), tick(other));
-        prop_assert_eq!(a.report().rung, Rung::Optimal, "{:?}", a.report().status);
-        prop_assert_eq!(b.report().rung, Rung::Optimal, "{:?}", b.report().status);
+        prop_assert_eq!(a.report().level, FallbackLevel::Optimal, "{:?}", a.report().status);
+        prop_assert_eq!(b.report().level, FallbackLevel::Optimal, "{:?}", b.report().status);
         // Only the regularisation tells two motors of one joint apart: the condition is around 1e16, and neither
         // efforts nor a cost that is far smaller than the numbers it is the difference of can be had to all digits.
         let own = a.problem().objective(&a.solution().x).abs();
@@ -317,7 +327,7 @@ proptest! {
     ) {
         let scene = Scene { formulation, ..scene };
         let controller = solved(&scene);
-        prop_assert_eq!(controller.report().rung, Rung::Optimal);
+        prop_assert_eq!(controller.report().level, FallbackLevel::Optimal);
         let rows = controller.problem().rows();
         prop_assert!(rows.is_sorted(), "rows are not in the order of their ids");
         let k = kkt(controller.problem(), controller.solution());
@@ -339,7 +349,7 @@ proptest! {
         let factor = 10f64.powf(exponent);
         let scaled = Scene { scale: factor, ..scene.clone() };
         let (a, b) = (solved(&scene), solved(&scaled));
-        prop_assert_eq!((a.report().rung, b.report().rung), (Rung::Optimal, Rung::Optimal));
+        prop_assert_eq!((a.report().level, b.report().level), (FallbackLevel::Optimal, FallbackLevel::Optimal));
         prop_assert!(cost_difference(&a, &b, factor) < 1e-9);
         let condition = condition(a.problem());
         if condition < 1e8 {
@@ -399,7 +409,7 @@ fn contradictory_hard_rows_come_back_as_infeasible() {
     let mut controller = scene.controller();
     let report = controller.tick(&measurement).1;
     assert_eq!(report.status, Status::Infeasible);
-    assert_eq!(report.rung, Rung::Relaxed);
+    assert_eq!(report.level, FallbackLevel::Relaxed);
     let explanation = controller.explain().expect("is not optimal");
     assert!(explanation.conflict.len() > 1, "{explanation}");
     println!("{explanation}");

@@ -14,7 +14,7 @@ use std::{
 use serde_json::Value;
 use wbqp::{
     Controller, ControllerConfig, Measurement,
-    controller::Rung,
+    controller::FallbackLevel,
     qp::Status,
     robot::{RobotError, RobotModel},
 };
@@ -239,7 +239,7 @@ fn run(controller: &mut Controller) -> Result<(), String> {
             .iter()
             .chain(&report.vdot)
             .all(|x| x.is_finite());
-        if report.rung != Rung::Optimal || report.status != Status::Optimal || !finite {
+        if report.level != FallbackLevel::Optimal || report.status != Status::Optimal || !finite {
             let status = report.status;
             let why = controller.explain().map(|e| e.to_string());
             return Err(format!(

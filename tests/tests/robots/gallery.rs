@@ -5,7 +5,7 @@
 
 use std::{collections::BTreeSet, fs};
 
-use wbqp::controller::Rung;
+use wbqp::controller::FallbackLevel;
 use wbqp_robots as _;
 use wbqp_tasks as _;
 use wbqp_tests::{
@@ -28,7 +28,10 @@ fn runs(name: &str) {
         outcome.ticks, outcome.errors, outcome.share, outcome.slip
     );
     assert!(outcome.ticks >= 2000);
-    assert_eq!((outcome.not_optimal, outcome.worst), (0, Rung::Optimal));
+    assert_eq!(
+        (outcome.not_optimal, outcome.worst),
+        (0, FallbackLevel::Optimal)
+    );
     for (task, most) in exhibit.errors {
         let error = outcome.error(task).expect("the task is there");
         assert!(error < *most, "{task}: {error}");

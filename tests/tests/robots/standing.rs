@@ -1,6 +1,6 @@
 //! Legged robots stand in their closed loop: what `tick_stats` times is control, not numbers that pass through.
 
-use wbqp::{controller::Rung, nalgebra::Vector3};
+use wbqp::{controller::FallbackLevel, nalgebra::Vector3};
 use wbqp_bench::workload::{Contact, Robot, Workload};
 
 /// What became of a run.
@@ -32,7 +32,7 @@ fn stand(robot: Robot) -> Outcome {
         .expect("the plant does not diverge");
         outcome.ticks += 1;
         let report = run.player.controller.report();
-        outcome.not_optimal += usize::from(report.rung != Rung::Optimal);
+        outcome.not_optimal += usize::from(report.level != FallbackLevel::Optimal);
         outcome.limited += usize::from(!report.active.is_empty());
         let norm = |error: &[f64]| Vector3::from_column_slice(error).norm();
         outcome.com = outcome.com.max(norm(&report.tasks[0].error));

@@ -10,7 +10,7 @@ use wbqp::{
     Controller, ControllerConfig, Layout, Measurement,
     actuator::{Actuator, ActuatorKind, Drive, JointMotor, Reaction, Rotor},
     contact::{ContactId, ContactKind, ContactSpec, FreeForce, Surface},
-    controller::Rung,
+    controller::FallbackLevel,
     error::BindError,
     model::{Base, Inertia, Joint, JointKind, JointLimits, ModelBuilder},
     plugin::{Entry, ForceReport, Hardness, Rows, Setup, Task, Tick},
@@ -181,7 +181,7 @@ fn run(sink: &mut dyn LogSink) -> Controller {
     measurement.time = f64::NAN;
     measurement.state.p_WR.y = f64::INFINITY;
     controller.tick(&measurement);
-    assert_eq!(controller.report().rung, Rung::Extrapolated);
+    assert_eq!(controller.report().level, FallbackLevel::Extrapolated);
     log.record(&controller, &measurement, &truth, sink).unwrap();
     controller
 }
@@ -235,7 +235,7 @@ fn a_tick_is_written_channel_by_channel() {
     let qp = first("/qp");
     assert_eq!(qp["status"], "optimal");
     // The configuration has no constraint on efforts: the last gate puts the rotor's least thrust in.
-    assert_eq!(qp["rung"], "relaxed");
+    assert_eq!(qp["level"], "relaxed");
     let fault = qp["fault"].as_str().unwrap();
     assert!(fault.contains("actuator"), "{fault}");
     assert!(qp["times"]["solve"].is_number());
@@ -247,7 +247,7 @@ fn a_tick_without_solution_says_why_and_is_filed_at_the_last_time() {
     run(&mut log);
     let (time, qp) = log.messages("/qp").nth(1).unwrap();
     assert_eq!(time, 0.004);
-    assert_eq!(qp["rung"], "extrapolated");
+    assert_eq!(qp["level"], "extrapolated");
     assert_eq!(qp["fault"], "measurement not finite: time");
     let (_, state) = log.messages("/state").nth(1).unwrap();
     assert!(state["base"]["position"].get("y").is_none());

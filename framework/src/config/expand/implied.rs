@@ -11,7 +11,7 @@ use crate::{
         document::Document,
         entry,
         json_schema::schema_of,
-        overrides::Appendix,
+        overrides::OverrideText,
         report::{Report, Span},
         table::Section,
     },
@@ -96,7 +96,7 @@ impl ControllerConfig {
             return Implied::default();
         };
         let text = &source.contents;
-        let appendix = Appendix::new(&self.overrides, text.len());
+        let appendix = OverrideText::new(&self.overrides, text.len());
         let applied = appendix.applied(&self.overrides);
         let is_said = |span: &Span| applied.iter().any(|one| one.span.contains(&span.start));
         // The text was accepted before.

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::{
     config::{ConfigError, ConfigErrorKind as Kind, ConfigErrors, ControllerConfig},
-    robot::Place,
+    robot::SourceLocation,
 };
 
 /// The long form of a controller's file, with everything that it leaves to defaults: what
@@ -17,7 +17,7 @@ pub fn expand(path: impl AsRef<Path>) -> Result<String, ConfigErrors> {
     config.to_toml().map_err(|error| {
         ConfigErrors::new(vec![ConfigError {
             kind: Kind::Value,
-            place: Some(Place::file(&path.as_ref().display().to_string())),
+            place: Some(SourceLocation::file(&path.as_ref().display().to_string())),
             subject: String::new(),
             message: error.to_string(),
         }])

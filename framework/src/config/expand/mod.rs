@@ -18,7 +18,7 @@ use std::cell::OnceCell;
 use super::{
     Overrides,
     document::Document,
-    overrides::Appendix,
+    overrides::OverrideText,
     report::{Report, Span},
 };
 
@@ -92,7 +92,7 @@ impl Note {
 pub(super) fn read<'t>(
     source: &'t str,
     overrides: &Overrides,
-    appendix: &'t Appendix,
+    appendix: &'t OverrideText,
     texts: &'t Texts,
     report: &mut Report<'_>,
 ) -> (Document<'t>, Notes) {
@@ -104,7 +104,7 @@ pub(super) fn read<'t>(
     let rest = appendix.apply(overrides, &mut document, report);
     let listed = Listed::of(&document);
     contact::write_out(&mut document, &listed, texts, &mut notes, report);
-    Appendix::apply_rest(rest, overrides, &mut document, report);
+    OverrideText::apply_rest(rest, overrides, &mut document, report);
     defaults::fill(&mut document, texts, &mut notes);
     notes.sort();
     (document, notes)

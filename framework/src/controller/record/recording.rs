@@ -7,7 +7,7 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector6};
 use super::{
     super::{
         Command, Controller, Measurement,
-        ladder::{Age, Clock, Ladder},
+        fallback::{Age, Clock, Fallback},
         plausible::Seen,
     },
     CommandRecord, ContactMemory, EntryRecord, Memory, Outcome, Record, Recorder, StateRecord,
@@ -39,7 +39,7 @@ pub(in super::super) fn blank_record(controller: &Controller) -> Record {
         ..EntryRecord::default()
     });
     let capacity = controller.qp.capacity();
-    let relaxed = controller.ladder.relaxation.qp.capacity().vars;
+    let relaxed = controller.fallback.relaxation.qp.capacity().vars;
     let state = blank_state(&controller.world.state);
     let command = blank_command(&controller.command);
     let nv = controller.world.last.vdot.len();
@@ -57,7 +57,7 @@ pub(in super::super) fn blank_record(controller: &Controller) -> Record {
             warm: WarmStart::with_capacity(capacity.vars),
             relaxed_warm: WarmStart::with_capacity(relaxed),
             proof: WarmStart::with_capacity(relaxed + 1),
-            needed: controller.ladder.relaxation.needed.clone(),
+            needed: controller.fallback.relaxation.needed.clone(),
             ..Memory::default()
         },
         entries: entries.collect(),
@@ -105,12 +105,12 @@ pub(in super::super) fn record_inputs(controller: &mut Controller, measurement: 
     copy(&mut before.sent, last.effort.as_slice());
     write_command(&controller.command, &mut before.command);
     before.has_begun = controller.first.is_over;
-    before.rung = controller.ladder.rung;
-    before.on_rung_since = controller.ladder.on_rung.since;
-    before.on_rung_ticks = controller.ladder.on_rung.ticks;
+    before.level = controller.fallback.level;
+    before.on_level_since = controller.fallback.on_level.since;
+    before.on_level_ticks = controller.fallback.on_level.ticks;
     before.seen = controller.plausible.seen.last;
     before.unseen = controller.plausible.seen.gap;
-    controller.ladder.remember(before);
+    controller.fallback.remember(before);
     controller.solver.warm_start(&mut before.warm);
 }
 
@@ -148,11 +148,11 @@ pub(in super::super) fn record_outcome(controller: &mut Controller, changed: boo
     };
     if let Some(record) = recorder.current() {
         let outcome = &mut record.outcome;
-        outcome.rung = controller.report.rung;
+        outcome.level = controller.report.level;
         outcome.status = controller.report.status;
         outcome.iterations = controller.report.iterations;
         write_command(&controller.command, &mut outcome.command);
-        outcome.n = if controller.report.rung.is_solved() {
+        outcome.n = if controller.report.level.is_solved() {
             controller.qp.n()
         } else {
             0
@@ -194,14 +194,14 @@ fn restore(controller: &mut Controller, record: &Record) {
     copy(world.last.effort.as_mut_slice(), &before.sent);
     read_command(&before.command, &mut controller.command);
     controller.first.is_over = before.has_begun;
-    controller.ladder.rung = before.rung;
-    controller.ladder.on_rung.since = before.on_rung_since;
-    controller.ladder.on_rung.ticks = before.on_rung_ticks;
+    controller.fallback.level = before.level;
+    controller.fallback.on_level.since = before.on_level_since;
+    controller.fallback.on_level.ticks = before.on_level_ticks;
     controller.plausible.seen = Seen {
         last: before.seen,
         gap: before.unseen,
     };
-    controller.ladder.recall(before);
+    controller.fallback.recall(before);
     controller.solver.start_from(&before.warm);
 }
 
@@ -275,7 +275,7 @@ pub(crate) fn misfit(controller: &Controller, record: &Record) -> Option<&'stati
     (entries(&blank) != entries(record)).then_some("an entry")
 }
 
-impl Ladder {
+impl Fallback {
     fn remember(&self, out: &mut Memory) {
         out.solved = self.without_solution.last;
         out.measured = self.without_state.last;

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    controller::Rung,
+    controller::FallbackLevel,
     qp::{Status, WarmStart},
 };
 
@@ -55,9 +55,12 @@ pub(crate) struct Memory {
     pub(crate) vdot: Vec<f64>,
     pub(crate) sent: Vec<f64>,
     pub(crate) command: CommandRecord,
-    pub(crate) rung: Rung,
-    pub(crate) on_rung_since: f64,
-    pub(crate) on_rung_ticks: u64,
+    #[serde(alias = "rung")]
+    pub(crate) level: FallbackLevel,
+    #[serde(alias = "on_rung_since")]
+    pub(crate) on_level_since: f64,
+    #[serde(alias = "on_rung_ticks")]
+    pub(crate) on_level_ticks: u64,
     /// Time stamp and ticks since the last solution; nothing if there was none.
     pub(crate) solved: Option<(f64, u64)>,
     /// The same for the last usable measurement.
@@ -138,7 +141,8 @@ pub(crate) struct EntryRecord {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Outcome {
-    pub(crate) rung: Rung,
+    #[serde(alias = "rung")]
+    pub(crate) level: FallbackLevel,
     pub(crate) status: Status,
     /// Iterations of all solves of the tick.
     pub(crate) iterations: u32,

@@ -14,7 +14,7 @@
 //!
 //! What is never given up are the limits of the world: the dynamics; each actuator's own limits and slew; a normal
 //! force that does not pull; and the rows of constraints that say so
-//! ([`Layout::of_the_world`](crate::plugin::Layout::of_the_world)), such as friction. No effort beyond what is needed
+//! ([`Layout::never_relaxed`](crate::plugin::Layout::never_relaxed)), such as friction. No effort beyond what is needed
 //! to stay within the actuators' limits, and no contact force at all, satisfies them: with everything else given up the
 //! problem is feasible unless a plug-in contradicts that.
 
@@ -215,7 +215,7 @@ impl Relaxation {
             }
             let (lower, upper) = (qp.lower()[j], qp.upper()[j]);
             let crossed = lower > upper;
-            let [least, most] = self.of_the_world(problem, contacts, j);
+            let [least, most] = self.never_relaxed(problem, contacts, j);
             let [below, above] = owners(j);
             let lower = below.filter(|_| (z < 0.0 || crossed) && lower > least);
             let upper = above.filter(|_| (z > 0.0 || crossed) && upper < most);
@@ -259,7 +259,7 @@ impl Relaxation {
     }
 
     /// Bounds on a variable that always hold.
-    fn of_the_world(
+    fn never_relaxed(
         &self,
         problem: &Problem,
         contacts: &[ContactState],
@@ -320,7 +320,7 @@ impl Relaxation {
 /// The rows of an entry that are given up with it.
 fn given_up(entry: &BoundEntry) -> &[RowId] {
     match entry.treatment {
-        Treatment::Hard if !entry.layout.of_the_world => &entry.rows,
+        Treatment::Hard if !entry.layout.never_relaxed => &entry.rows,
         _ => &[],
     }
 }

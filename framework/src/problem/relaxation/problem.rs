@@ -152,7 +152,7 @@ impl Relaxation {
                 let ([least, most], shift, at) = match problem.place(*target) {
                     None => continue,
                     Some(BoundPlace::Variable(p)) => {
-                        let limits = self.of_the_world(problem, terms.contacts, p);
+                        let limits = self.never_relaxed(problem, terms.contacts, p);
                         (limits, 0.0, At::Variable(p))
                     }
                     Some(BoundPlace::Torque(actuator)) => {
@@ -230,7 +230,7 @@ impl Relaxation {
     ) {
         self.bound_owner[..n].fill([None; 2]);
         for p in 0..n {
-            let [least, most] = self.of_the_world(problem, terms.contacts, p);
+            let [least, most] = self.never_relaxed(problem, terms.contacts, p);
             let (lower, upper) = self.qp.bounds_mut();
             (lower[p], upper[p]) = (least, most);
         }

@@ -11,7 +11,7 @@ use roxmltree::{Document, Node};
 use wbqp::{
     model::Inertia,
     nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, Unit, UnitQuaternion, Vector3},
-    robot::{Place, RobotError},
+    robot::{RobotError, SourceLocation},
 };
 
 use super::{
@@ -74,7 +74,7 @@ pub(super) fn read(document: &Document<'_>, findings: &mut Findings<'_>) -> Opti
 pub(super) fn parse_error(source: &Source<'_>, error: &roxmltree::Error) -> RobotError {
     let at = error.pos();
     RobotError::Syntax {
-        place: Place::at(source.file, at.row as usize, at.col as usize),
+        place: SourceLocation::at(source.file, at.row as usize, at.col as usize),
         what: format!("malformed XML: {}", without_position(&error.to_string())),
     }
 }

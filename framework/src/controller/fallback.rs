@@ -1,6 +1,6 @@
 //! What a tick falls back on when its problem has no solution that may be sent.
 //!
-//! | rung | when | command |
+//! | level | when | command |
 //! |---|---|---|
 //! | optimal | | the optimum |
 //! | relaxed | limits contradict one another, or the solver failed | the optimum with limits given up in the declared order |
@@ -25,12 +25,12 @@
 //!
 //! The relaxed problems have a solver of their own, the active-set method, so that a solver that is configured and
 //! fails does not fail twice, and the warm start of each is its own. A solver that ran out of its budget is not given
-//! more time: the tick goes to the next rung.
+//! more time: the tick goes to the next level.
 
 use super::{
     explanation::{Owner, is_proof, write_conflict},
     measurement::Measurement,
-    report::{OnRung, RelaxedRow, Report, Rung, Side},
+    report::{FallbackLevel, OnLevel, RelaxedRow, Report, Side},
     safe::SafeLaw,
 };
 use crate::{
@@ -46,10 +46,10 @@ const RESOLVES: u32 = 4;
 
 /// Rungs, and what they need, in storage made once.
 #[derive(Debug)]
-pub(super) struct Ladder {
+pub(super) struct Fallback {
     /// Where the last tick ended, and since when.
-    pub(super) rung: Rung,
-    pub(super) on_rung: OnRung,
+    pub(super) level: FallbackLevel,
+    pub(super) on_level: OnLevel,
     pub(super) relaxation: Relaxation,
     pub(super) solver: ActiveSet,
     pub(super) solution: Solution,
@@ -145,7 +145,7 @@ impl Age {
     }
 }
 
-impl Ladder {
+impl Fallback {
     /// Looks for the optimum with limits given up. On success the solution's first variables are the tick's; the error
     /// says why there is none.
     pub(super) fn relax(
@@ -296,8 +296,8 @@ fn write_proof(qp: &Qp, proof: &Solution, out: &mut WarmStart) {
     }
 }
 
-impl OnRung {
-    /// One more tick on a rung.
+impl OnLevel {
+    /// One more tick on a level.
     pub(super) fn step(&mut self, changed: bool, measurement: &Measurement, last: Option<f64>) {
         if changed || self.ticks == 0 {
             let stamp = measurement.time;
@@ -312,7 +312,7 @@ impl OnRung {
     }
 }
 
-impl Rung {
+impl FallbackLevel {
     /// Whether the command is the solution of a problem of this tick.
     pub fn is_solved(self) -> bool {
         matches!(self, Self::Optimal | Self::Relaxed)
