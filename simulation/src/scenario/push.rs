@@ -35,7 +35,7 @@ impl Case {
     /// The largest normal force at a contact in a static equilibrium of the plant: with its mass and its thrusts, in
     /// the initial posture, level, with the initial yaw, and with the friction of the contact or of the plant's walls,
     /// whichever is least; the controller's other contacts may bear what they can. `None` if there is no equilibrium.
-    /// A base that cannot push level leans, see [`wbqp::statics`].
+    /// A base that cannot push level leans, see [`crate::statics`].
     ///
     /// Disturbances are taken as constant; an empty slice for none. Loading a scenario refuses set points above the
     /// limit without disturbances. To ask for the limit of a variation whose set point may be above it, let the
