@@ -3,8 +3,8 @@
 //! Describe a robot, list tasks and constraints, and call [`Controller::tick`] once per control period: it
 //! returns the actuator command that minimises the weighted squares of the tasks' residuals under the robot's
 //! dynamics, the constraints and the actuators' limits, and a [`Report`] that says how. It always returns a
-//! command, within the actuators' limits: if a measurement is not finite or the problem has no solution, it is
-//! the last one, and the report says so. Rotors are actuators like joint motors, so the same code controls a
+//! command, within the actuators' limits: if limits contradict one another, a measurement is not finite or there is no
+//! solution, it comes from a lower level ([`controller::FallbackLevel`]), and the report says so. Rotors are actuators like joint motors, so the same code controls a
 //! flying robot, a legged one and a fixed arm. This crate contains no robot and no task.
 //!
 //! # Example

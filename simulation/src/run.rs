@@ -36,7 +36,7 @@ pub struct Summary {
     /// Time at which the plant diverged, s, if it did.
     pub diverged: Option<f64>,
     /// Where the last tick's command came from.
-    pub last_rung: FallbackLevel,
+    pub last_level: FallbackLevel,
     /// Why it was not that tick's optimum, in words.
     pub why: Option<String>,
 }
@@ -133,7 +133,7 @@ fn run_case(
         let (_, report) = controller.tick(measurement);
         summary.ticks += 1;
         summary.held += usize::from(report.level != FallbackLevel::Optimal);
-        summary.last_rung = report.level;
+        summary.last_level = report.level;
         requests.detect(&mut controller, measurement);
         if let Some(dumps) = &mut dumps {
             dumps.write_if_changed(&mut controller)?;

@@ -82,11 +82,11 @@ pub struct CaseSummary {
     /// Ticks whose command was not the optimum.
     pub not_optimal: usize,
     /// The worst that a tick's command came from: `optimal`, `relaxed`, `extrapolated` or `safe`.
-    pub worst_rung: &'static str,
+    pub worst_level: &'static str,
     /// Time at which the plant diverged, s.
     pub diverged: Option<f64>,
     /// Where the last tick's command came from.
-    pub last_rung: FallbackLevel,
+    pub last_level: FallbackLevel,
     /// Why it was not that tick's optimum.
     pub why: Option<String>,
     /// In the configuration's order.
@@ -159,9 +159,9 @@ impl CaseSummary {
             case: case.to_owned(),
             ticks: run.ticks,
             not_optimal: run.held,
-            worst_rung: worst_rung(log)?.as_str(),
+            worst_level: worst_level(log)?.as_str(),
             diverged: run.diverged,
-            last_rung: run.last_rung,
+            last_level: run.last_level,
             why: run.why.clone(),
             tasks: tasks(log, controller)?,
             efforts: efforts(log, controller)?,
@@ -172,7 +172,7 @@ impl CaseSummary {
 
     /// Whether it ran to its end, and the controller had a solution there.
     pub fn completed(&self) -> bool {
-        self.diverged.is_none() && self.last_rung <= FallbackLevel::Relaxed
+        self.diverged.is_none() && self.last_level <= FallbackLevel::Relaxed
     }
 
     /// Tables for a terminal.
@@ -190,7 +190,7 @@ impl CaseSummary {
         }
         out.push_str(&format!(
             "  {} ticks, {} not optimal (worst: {}); a tick took {:.0} µs (median), {:.0} µs (99 %)\n",
-            self.ticks, self.not_optimal, self.worst_rung, self.tick_time.p50, self.tick_time.p99,
+            self.ticks, self.not_optimal, self.worst_level, self.tick_time.p50, self.tick_time.p99,
         ));
         if let Some(busiest) = self.most_loaded() {
             out.push_str(&format!(
@@ -244,7 +244,7 @@ impl CaseSummary {
     }
 }
 
-fn worst_rung(log: &Log) -> Result<FallbackLevel> {
+fn worst_level(log: &Log) -> Result<FallbackLevel> {
     let mut worst = FallbackLevel::Optimal;
     if log.has("/qp") {
         for message in log.messages("/qp")? {

@@ -48,7 +48,7 @@ fn a_legged_scenario_leaves_a_log_figures_and_a_summary() {
     let case = &summary(&folder)[0];
     assert_eq!(case["ticks"], 500);
     assert_eq!(case["not_optimal"], 0);
-    assert_eq!(case["worst_rung"], "optimal");
+    assert_eq!(case["worst_level"], "optimal");
     let com = &case["tasks"][0];
     assert_eq!((&com["name"], &com["unit"]), (&"com".into(), &"m".into()));
     assert!(com["end"].as_f64().unwrap() < 2e-3);

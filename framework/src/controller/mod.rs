@@ -1,7 +1,7 @@
 //! The controller: bind once, then tick.
 //!
 //! A tick is measurement → kinematics and dynamics → rows of tasks and constraints → quadratic program →
-//! solver → command and report. No step looks back, and nothing is allocated after
+//! solver → command and report. Nothing is allocated after
 //! [`Controller::new`] except inside a solver that needs it.
 
 mod allocation;
@@ -21,10 +21,10 @@ mod measurement;
 mod memory;
 mod misfits;
 mod output;
+mod planned_force;
 mod plausible;
 mod probe;
 mod record;
-mod rehearsal;
 mod report;
 mod requests;
 mod safe;
@@ -37,9 +37,9 @@ pub use gate::CutEffort;
 pub use handle::{EntryId, EntryKey, EntryMut};
 pub use measurement::Measurement;
 pub use memory::Memory;
+pub use planned_force::PlannedForce;
 pub use probe::{Probe, ProbeInputs, Probed, WrittenRows};
 pub use record::{Dump, Record, Source};
-pub use rehearsal::PlannedForce;
 pub use report::{
     ActiveRow, ConflictRow, ContactReport, FallbackLevel, OnLevel, RelaxedRow, Report, Side,
     TaskReport,

@@ -9,8 +9,8 @@ use super::{
     error::RequestError,
     explanation::Explanation,
     handle::{EntryId, EntryKey, EntryMut, key::Among, other_type},
+    planned_force::PlannedForce,
     record::{Dump, Record, Recorder, blank_record},
-    rehearsal::PlannedForce,
 };
 use crate::{
     contact::{ContactId, ContactSpec, ContactState, SurfaceMotion},

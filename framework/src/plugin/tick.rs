@@ -30,7 +30,7 @@ pub struct Tick<'a> {
     pub state: &'a State,
     /// `M`, `h`, gravity, centre of mass for that state.
     pub dynamics: &'a Data,
-    /// Solution of the last tick that had one.
+    /// Solution of the last tick that had one, and the efforts that the last tick sent.
     pub last: &'a PreviousSolution,
     /// The plug-in's own switch.
     pub entry: EntryState,
@@ -38,7 +38,7 @@ pub struct Tick<'a> {
     pub(crate) contacts: &'a [ContactState],
 }
 
-/// The decision variables of the last solved tick, and what was asked of them.
+/// The accelerations of the last solved tick, what was asked of them, and the efforts sent last.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PreviousSolution {
     /// What tasks asked of `v̇`, size nv: for each component the virtual input `a*` of the live tasks whose rows are

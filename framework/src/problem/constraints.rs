@@ -34,14 +34,16 @@ pub(super) struct TorqueRow {
 }
 
 impl Problem {
-    /// `M v̇ − [S J_cᵀ] (u, f) = Σ J_fᵀ f_f − h`, in the formulation that substitutes nothing.
-    pub(super) fn push_dynamics(&mut self, terms: &DynamicsTerms<'_>, qp: &mut Qp) {
+    /// `M v̇ − [S J_cᵀ] (u, f) = Σ J_fᵀ f_f − h`, in the formulation that substitutes nothing; false if there is no room, which
+    /// the problem's capacity excludes.
+    pub(super) fn push_dynamics(&mut self, terms: &DynamicsTerms<'_>, qp: &mut Qp) -> bool {
         let (nv, n) = (self.partition.nv, self.active.n_physical);
         let mass = terms.data.mass_matrix();
         for (i, &id) in self.dynamics_rows.iter().enumerate() {
             let (forcing, known) = self.reduced.forcing(i);
             let Ok(row) = qp.push_row(id, known, known) else {
-                return;
+                debug_assert!(false, "the storage is made for all rows");
+                return false;
             };
             self.constants.push(0.0);
             for (a, m) in row[..nv].iter_mut().zip(mass.column(i).iter()) {
@@ -51,6 +53,7 @@ impl Problem {
                 *a = -s;
             }
         }
+        true
     }
 
     /// Pushes an entry's rows, which have been expanded; false if they have numbers that cannot be.
@@ -93,25 +96,33 @@ impl Problem {
                 return false;
             }
             let mut push = |id: RowId, lower: f64, upper: f64, side: f64| {
-                if let Ok(out) = qp.push_row(id, lower, upper) {
-                    self.constants.push(constant);
-                    if rows.is_over_x() {
-                        rows.write_over_x(k, p, out);
-                    } else {
-                        out.copy_from_slice(x);
-                    }
-                    if let Some(slack) = slack {
-                        out[slack - p] = side;
-                    }
+                let Ok(out) = qp.push_row(id, lower, upper) else {
+                    debug_assert!(false, "the storage is made for all rows");
+                    return false;
+                };
+                self.constants.push(constant);
+                if rows.is_over_x() {
+                    rows.write_over_x(k, p, out);
+                } else {
+                    out.copy_from_slice(x);
                 }
+                if let Some(slack) = slack {
+                    out[slack - p] = side;
+                }
+                true
             };
             if entry.treatment == Treatment::Slack {
-                push(entry.rows[2 * k], f64::NEG_INFINITY, upper, -1.0);
-                push(entry.rows[2 * k + 1], lower, f64::INFINITY, 1.0);
+                if !push(entry.rows[2 * k], f64::NEG_INFINITY, upper, -1.0)
+                    || !push(entry.rows[2 * k + 1], lower, f64::INFINITY, 1.0)
+                {
+                    return false;
+                }
             } else {
                 // Tasks and equalities write one right-hand side, into the lower limit.
                 let upper = if is_equality { lower } else { upper };
-                push(entry.rows[k], lower, upper, 0.0);
+                if !push(entry.rows[k], lower, upper, 0.0) {
+                    return false;
+                }
             }
         }
         if let (Treatment::Slack, Some(slack)) = (entry.treatment, slack) {
@@ -144,15 +155,17 @@ impl Problem {
             row.copy_from_slice(tail);
             let constant = known + self.reduced.substitute(head, row);
             let limits = (lower - constant, upper - constant);
-            if let Ok(out) = qp.push_row(entry.bounds[b], limits.0, limits.1) {
-                self.constants.push(constant);
-                self.torque_rows.push(TorqueRow {
-                    id: entry.bounds[b],
-                    row: self.constants.len() - 1,
-                    actuator,
-                });
-                out[..row.len()].copy_from_slice(row);
-            }
+            let Ok(out) = qp.push_row(entry.bounds[b], limits.0, limits.1) else {
+                debug_assert!(false, "the storage is made for all rows");
+                return false;
+            };
+            self.constants.push(constant);
+            self.torque_rows.push(TorqueRow {
+                id: entry.bounds[b],
+                row: self.constants.len() - 1,
+                actuator,
+            });
+            out[..row.len()].copy_from_slice(row);
         }
         true
     }

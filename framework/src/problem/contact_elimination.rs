@@ -31,7 +31,7 @@ pub(crate) struct EliminatedContact {
     pub(crate) contact: usize,
     /// Rows of the contact's Jacobian.
     directions: Vec<usize>,
-    /// The joints that qualify, by velocity; D once it is chosen.
+    /// D, by velocity; before it is chosen, the joints that qualify.
     own: Vec<usize>,
     /// S, by velocity, in the order of columns of y.
     pub(crate) others: Vec<usize>,
@@ -136,7 +136,7 @@ impl ContactElimination {
         changed
     }
 
-    /// Whether a entry's rows hold by substitution.
+    /// Whether an entry's rows hold by substitution.
     pub(crate) fn hold(&self, entry: usize) -> bool {
         self.list.iter().any(|m| m.live && m.entry == entry)
     }

@@ -7,7 +7,7 @@ use crate::{
     switch::Switch,
 };
 
-/// How the rows of a entry enter the problem.
+/// How the rows of an entry enter the problem.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Treatment {
     /// Weighted squares: soft tasks and soft equality constraints.

@@ -234,6 +234,11 @@ impl NaturalCost {
         for (index, contact) in elimination.live() {
             let mut costs = [[0.0; 2]; BLOCK];
             let count = self.determined[index].len().min(BLOCK);
+            debug_assert_eq!(
+                count,
+                self.determined[index].len(),
+                "a contact has six rows at most"
+            );
             costs[..count].copy_from_slice(&self.determined[index][..count]);
             if costs.iter().all(|cost| *cost == [0.0; 2]) {
                 continue;

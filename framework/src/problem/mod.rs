@@ -1,7 +1,7 @@
 //! From the rows of the plug-ins to one quadratic program, and back.
 //!
 //! # Mathematics
-//! The problem of a tick, in the order in which it is built below (numbers of the paper in brackets):
+//! The problem of a tick (numbers of the paper in brackets):
 //! ```text
 //! dynamics     M v̇ + h = S u + Σ J_cᵀ f_c + Σ J_fᵀ f_f                              (5a), (8)
 //! minimise     Σ w (A_v v̇ + A_u u + A_f f − b)² + w_ε ‖(u, f)‖² + Σ (w s² + λ s)    (10a)
@@ -11,6 +11,10 @@
 //! ```
 //! The rows and bounds of (10b), (10c), (10e) and the tasks of (11) are plug-ins': `tasks/`, linked by name in
 //! docs/paper-to-code.md.
+//!
+//! Four ways of counting: by *velocity*, as in `v̇`; by *column* of y, the natural variables; by variable of the problem, x;
+//! and by *position* among the columns that a row has. [`partition`] says which accelerations and efforts are variables.
+//! In the order in which functions are called below:
 //!
 //! 1. [`contact_elimination`]: accelerations that contacts which do not move leave no choice of, `v̇_D = G v̇_S + g`.
 //! 2. [`active_variables`]: which variables there are; the *natural* ones `y = (v̇, kept u, f, slacks)`, those of the problem
@@ -81,6 +85,7 @@ pub(crate) struct DynamicsTerms<'a> {
 /// What the problem is built in: storage made once, for everything switched on.
 #[derive(Clone, Debug)]
 pub(crate) struct Problem {
+    /// Weight of `‖(u, f)‖²` relative to the largest one that is on.
     regularisation: f64,
     partition: Partition,
     first_ids: FirstIds,
@@ -92,14 +97,14 @@ pub(crate) struct Problem {
     reduced: ReducedDynamics,
     /// One per entry.
     rows: Vec<NaturalRows>,
-    /// Whether they are found where the variables are now.
+    /// Whether they know where the variables of this tick are.
     is_arranged: bool,
     /// Whether each entry's rows are a cost, this tick.
     is_cost: Vec<bool>,
     cost: NaturalCost,
     solved: Solved,
     asked: Asked,
-    /// A row over y.
+    /// A row on its way from y to x.
     row: Vec<f64>,
     /// What was taken from the limits of each row of the problem: the part of its value that does not depend on x.
     constants: Vec<f64>,
@@ -124,10 +129,12 @@ impl Problem {
         if self.elimination.update(entries, terms.contacts) {
             self.arrange();
         }
-        if self.substitute(terms, entries) {
+        if self.lay_out(terms, entries) {
             self.put_together(terms, entries, qp)
-        } else {
+        } else if self.elimination.any() {
             self.build_with_all_rows(terms, entries, qp)
+        } else {
+            Err(Fault::MassMatrix)
         }
     }
 
@@ -141,7 +148,7 @@ impl Problem {
         if self.elimination.keep_all() {
             self.arrange();
         }
-        if self.substitute(terms, entries) {
+        if self.lay_out(terms, entries) {
             self.put_together(terms, entries, qp)
         } else {
             Err(Fault::MassMatrix)
@@ -154,8 +161,8 @@ impl Problem {
         self.is_arranged = false;
     }
 
-    /// Lays out the variables and what is substituted; false if that cannot be.
-    fn substitute(&mut self, terms: &DynamicsTerms<'_>, entries: &[BoundEntry]) -> bool {
+    /// Lays out the variables, and finds what the dynamics say of those that are none; false if that cannot be inverted.
+    fn lay_out(&mut self, terms: &DynamicsTerms<'_>, entries: &[BoundEntry]) -> bool {
         let live_slack = |e: usize| entries[e].live.then_some(entries[e].slack).flatten();
         let changed = self.active.refresh(
             &self.partition,
@@ -174,14 +181,18 @@ impl Problem {
         entries: &[BoundEntry],
         qp: &mut Qp,
     ) -> Result<(), Fault> {
-        let made = qp.reset(self.active.vars.iter().copied());
-        debug_assert!(made.is_ok(), "{made:?}");
+        if qp.reset(self.active.vars.iter().copied()).is_err() {
+            debug_assert!(false, "the storage is made for all variables");
+            return Err(Fault::Solver);
+        }
         self.constants.clear();
         self.torque_rows.clear();
         if !self.is_arranged {
             self.arrange_rows(terms, entries);
         }
-        self.push_dynamics(terms, qp);
+        if !self.push_dynamics(terms, qp) {
+            return Err(Fault::Solver);
+        }
         self.cost.reset(self.active.n);
         for (index, entry) in entries.iter().enumerate() {
             self.is_cost[index] = false;
@@ -246,7 +257,8 @@ impl Problem {
         self.rows[index].expand(entry, &context);
     }
 
-    /// Whether what an entry wrote for the cost is finite.
+    /// Whether what an entry wrote for the cost is finite. (Where all of it is, and the cost is not, products overflow: the
+    /// solver refuses the problem.)
     fn is_cost_finite(&self, index: usize, entry: &BoundEntry) -> bool {
         let is_finite = |k: usize| entry.store.lower[k].is_finite() && entry.store.is_finite(k);
         !self.is_cost[index] || (0..entry.layout.len()).all(is_finite)
@@ -337,7 +349,7 @@ impl Problem {
         let elimination = ContactElimination::new(&partition, entries);
         partition.reserve(elimination.sizes().len());
         partition.arrange(&elimination);
-        let natural = |entry: &BoundEntry| NaturalRows::new(&entry.layout, capacity);
+        let natural = |entry: &BoundEntry| NaturalRows::new(&entry.layout, &partition, capacity);
         Self {
             regularisation,
             dynamics_rows: own_rows.dynamics,
@@ -403,7 +415,7 @@ impl Problem {
     /// Numbers that the rows over the natural variables take.
     pub(crate) fn row_numbers(partition: &Partition, entries: &[BoundEntry]) -> usize {
         let natural = Self::natural_variables(partition, entries);
-        let of = |entry: &BoundEntry| NaturalRows::numbers(&entry.layout, natural);
+        let of = |entry: &BoundEntry| NaturalRows::numbers(&entry.layout, partition, natural);
         entries.iter().map(of).fold(0, usize::saturating_add)
     }
 }

@@ -1,4 +1,4 @@
-//! The rows of an entry over the natural variables of this tick: the one walk over what a plug-in wrote.
+//! The rows of the entries over the natural variables of this tick.
 //!
 //! # Mathematics
 //! A row is `A_v v̇ + A_u u + Σ A_c f_c` over accelerations, efforts and forces. Over the natural variables y
@@ -6,7 +6,8 @@
 //! contacts determine, `a v̇_D = a (G v̇_S + g)`. What does not depend on y, `a t` and `a g`, is the row's constant.
 //!
 //! A row that is one component of v̇, u or a force is kept as that ([`Single`]); others are written out where they are not
-//! zero. Cost, constraints and residuals come from here alone.
+//! zero. Cost, constraints and residuals come from here; hard rows of contacts that [are
+//! eliminated](super::contact_elimination) alone do not.
 
 use super::{
     ActiveVariables, BoundEntry, ContactElimination, DynamicsTerms, NaturalCost, Partition,
@@ -48,10 +49,14 @@ impl Context<'_> {
 pub(super) enum Single {
     /// A natural variable.
     Column(usize),
-    /// An eliminated effort: which, and whose.
-    Torque(usize, usize),
-    /// An acceleration, by velocity, that a contact determines: by this elimination, as this one of its joints.
-    Determined(usize, usize, usize),
+    /// An eliminated effort: which, and of which actuator.
+    Torque { torque: usize, actuator: usize },
+    /// An acceleration that a contact determines: by this elimination, as this one of its joints.
+    Determined {
+        velocity: usize,
+        elimination: usize,
+        joint: usize,
+    },
     /// A force of a contact that is off: zero.
     Nothing,
 }
@@ -65,7 +70,7 @@ enum Kind {
     Motion,
     /// On the forces of contacts alone.
     Forces,
-    /// Anything else.
+    /// Anything else. (An entry without rows counts as on forces.)
     Mixed,
 }
 
@@ -87,10 +92,10 @@ pub(super) struct NaturalRows {
 
 impl NaturalRows {
     /// For at most `capacity` natural variables.
-    pub(super) fn new(layout: &Layout, capacity: usize) -> Self {
+    pub(super) fn new(layout: &Layout, partition: &Partition, capacity: usize) -> Self {
         let count = layout.len();
         let kind = kind(layout);
-        let wide = if kind == Kind::Single { 0 } else { capacity };
+        let wide = width(layout, partition, capacity);
         Self {
             kind,
             count,
@@ -103,11 +108,16 @@ impl NaturalRows {
     }
 
     /// Numbers that the rows of a layout take.
-    pub(super) fn numbers(layout: &Layout, capacity: usize) -> usize {
-        match kind(layout) {
-            Kind::Single => 3 * layout.len(),
-            _ => layout.len().saturating_add(1).saturating_mul(capacity),
-        }
+    pub(super) fn numbers(layout: &Layout, partition: &Partition, capacity: usize) -> usize {
+        let width = width(layout, partition, capacity);
+        let (rows, copies) = match kind(layout) {
+            Kind::Single => return 5 * layout.len(),
+            Kind::Motion | Kind::Forces => (layout.len(), 1),
+            Kind::Mixed => (layout.len(), 2),
+        };
+        rows.saturating_mul(copies)
+            .saturating_add(1)
+            .saturating_mul(width)
     }
 
     /// Finds where the rows are, after variables have come or gone.
@@ -144,14 +154,21 @@ impl NaturalRows {
                 self.singles
                     .extend(velocities.iter().map(|&v| match partition.places[v] {
                         Place::Column(column) => Single::Column(column),
-                        Place::Determined(by, row) => Single::Determined(v, by, row),
+                        Place::Determined(elimination, joint) => Single::Determined {
+                            velocity: v,
+                            elimination,
+                            joint,
+                        },
                     }));
             }
             (_, Some(Block::Unit(actuators)), _) => {
                 self.singles
                     .extend(actuators.iter().map(|&u| match partition.efforts[u] {
                         EffortPlace::Kept(index) => Single::Column(partition.accelerations + index),
-                        EffortPlace::Eliminated(torque) => Single::Torque(torque, u),
+                        EffortPlace::Eliminated(torque) => Single::Torque {
+                            torque,
+                            actuator: u,
+                        },
                     }));
             }
             (.., [(contact, Block::Unit(components))]) => {
@@ -173,7 +190,6 @@ impl NaturalRows {
         };
         let pattern = pattern(&entry.layout, context.partition);
         let width = self.columns.len();
-        self.values.clear();
         self.values.resize(self.count * width, 0.0);
         if pattern.determined.is_empty() {
             self.constants.fill(0.0);
@@ -196,6 +212,7 @@ impl NaturalRows {
         elimination: &ContactElimination,
     ) {
         let width = self.columns.len();
+        self.values.fill(0.0);
         for (k, constant) in self.constants.iter_mut().enumerate() {
             let slots = Slots::of_row(k, self.count, width);
             let values = &mut self.values;
@@ -228,11 +245,10 @@ impl NaturalRows {
         let (layout, store) = (&entry.layout, &entry.store);
         let (partition, active) = (context.partition, context.active);
         let width = self.columns.len();
-        self.values.clear();
+        self.values.resize(self.count * width, 0.0);
         if width == 0 {
             return;
         }
-        self.values.resize(self.count * width, 0.0);
         let mut first = 0;
         for ((contact, block), source) in layout.forces.iter().zip(&store.forces) {
             if active.forces[contact.index()].is_none() {
@@ -243,7 +259,10 @@ impl NaturalRows {
                 let row = &mut row[first..first + nf];
                 match block {
                     Block::Dense => row.copy_from_slice(&source[k * nf..(k + 1) * nf]),
-                    Block::Unit(components) => row[components[k]] = 1.0,
+                    Block::Unit(components) => {
+                        row.fill(0.0);
+                        row[components[k]] = 1.0;
+                    }
                 }
             }
             first += nf;
@@ -332,10 +351,10 @@ impl NaturalRows {
                 for (k, single) in self.singles.iter().enumerate() {
                     match *single {
                         Single::Column(column) => cost.add_unit(column, weight(k), b[k]),
-                        Single::Torque(torque, _) => cost.add_torque(torque, weight(k), b[k]),
-                        Single::Determined(_, by, row) => {
-                            cost.add_determined(by, row, weight(k), b[k]);
-                        }
+                        Single::Torque { torque, .. } => cost.add_torque(torque, weight(k), b[k]),
+                        Single::Determined {
+                            elimination, joint, ..
+                        } => cost.add_determined(elimination, joint, weight(k), b[k]),
                         Single::Nothing => {}
                     }
                 }
@@ -365,7 +384,8 @@ impl NaturalRows {
         columns.map(move |(i, &column)| (column, self.values[slots.at(i)]))
     }
 
-    /// Writes row `k` straight into a row over x, behind `p` substituted accelerations, if [it is](Self::is_over_x).
+    /// Writes row `k` straight into a row of zeros over x, behind `p` substituted accelerations, if [it is
+    /// one](Self::is_over_x).
     pub(super) fn write_over_x(&self, k: usize, p: usize, row: &mut [f64]) {
         for (column, a) in self.written(k) {
             row[column - p] = a;
@@ -390,16 +410,18 @@ impl NaturalRows {
                 row[column] += 1.0;
                 0.0
             }
-            Single::Torque(torque, _) => {
+            Single::Torque { torque, .. } => {
                 let (torque, known) = context.reduced.torque(torque);
                 for (row, t) in row.iter_mut().zip(torque) {
                     *row += t;
                 }
                 known
             }
-            Single::Determined(_, by, index) => {
-                let contact = context.elimination.get(by);
-                let (relation, known) = contact.row(index);
+            Single::Determined {
+                elimination, joint, ..
+            } => {
+                let contact = context.elimination.get(elimination);
+                let (relation, known) = contact.row(joint);
                 for (g, &velocity) in relation.iter().zip(&contact.others) {
                     if let Place::Column(column) = context.partition.places[velocity] {
                         row[column] += g;
@@ -411,15 +433,15 @@ impl NaturalRows {
         }
     }
 
-    /// Adds the values of all rows at a solution to `out`, which is zero.
+    /// Writes the values of all rows at a solution into `out`, which is zero.
     pub(super) fn evaluate(&self, solved: &Solved, out: &mut [f64]) {
         match self.kind {
             Kind::Single => {
                 for (out, single) in out.iter_mut().zip(&self.singles) {
                     *out = match *single {
                         Single::Column(column) => solved.y[column],
-                        Single::Torque(_, actuator) => solved.effort[actuator],
-                        Single::Determined(velocity, ..) => solved.vdot[velocity],
+                        Single::Torque { actuator, .. } => solved.effort[actuator],
+                        Single::Determined { velocity, .. } => solved.vdot[velocity],
                         Single::Nothing => 0.0,
                     };
                 }
@@ -465,6 +487,17 @@ fn kind(layout: &Layout) -> Kind {
         }
         (VdotBlock::Absent, None, forces) if ascend(forces) => Kind::Forces,
         _ => Kind::Mixed,
+    }
+}
+
+/// The most natural variables that the rows have coefficients on, if they are written out; of `capacity`.
+fn width(layout: &Layout, partition: &Partition, capacity: usize) -> usize {
+    let of = |contact: &crate::contact::ContactId| partition.nf.get(contact.index()).copied();
+    match kind(layout) {
+        Kind::Single => 0,
+        Kind::Motion => partition.nv,
+        Kind::Forces => layout.forces.iter().filter_map(|(c, _)| of(c)).sum(),
+        Kind::Mixed => capacity,
     }
 }
 

@@ -2,11 +2,11 @@
 
 mod diagnostic;
 mod error;
-mod place;
+mod source_location;
 
 pub use diagnostic::{Diagnostic, Severity};
 pub use error::RobotError;
-pub use place::SourceLocation;
+pub use source_location::SourceLocation;
 
 use std::{fmt, sync::Arc};
 
