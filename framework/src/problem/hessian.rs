@@ -401,3 +401,57 @@ impl NaturalCost {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{BLOCK, NaturalCost, Slots};
+
+    fn cost(n: usize) -> NaturalCost {
+        NaturalCost {
+            n,
+            h: vec![0.0; n * n],
+            g: vec![0.0; n],
+            torque: Vec::new(),
+            determined: Vec::new(),
+            is_coupled: false,
+            carried: Vec::new(),
+            known: Vec::new(),
+            columns: Vec::new(),
+            values: Vec::with_capacity(n * BLOCK),
+        }
+    }
+
+    #[test]
+    fn rows_cost_what_their_sum_is_in_both_layouts() {
+        let n = 9;
+        let columns = [0, 2, 3, 7, 8];
+        let a = |k: usize, i: usize| ((3 * k + 7 * i) as f64).sin();
+        let weights = |k: usize| (1.0 + k as f64, 0.5 - k as f64);
+        for rows in 1..=2 * BLOCK + 3 {
+            let mut blocks = vec![0.0; rows * columns.len()];
+            let mut plain = blocks.clone();
+            for k in 0..rows {
+                let slots = Slots::of_row(k, rows, columns.len());
+                for i in 0..columns.len() {
+                    blocks[slots.at(i)] = a(k, i);
+                    plain[Slots::of_plain_row(k, columns.len()).at(i)] = a(k, i);
+                }
+            }
+            let (mut of_blocks, mut of_plain) = (cost(n), cost(n));
+            of_blocks.add_rows(&columns, &blocks, rows, weights);
+            of_plain.add_plain_rows(&columns, &plain, rows, weights);
+            assert_eq!((&of_blocks.h, &of_blocks.g), (&of_plain.h, &of_plain.g));
+            for (i, &row) in columns.iter().enumerate() {
+                let g: f64 = (0..rows).map(|k| weights(k).1 * a(k, i)).sum();
+                assert!((of_blocks.g[row] - g).abs() < 1e-12, "{rows} rows");
+                for (j, &column) in columns.iter().enumerate().skip(i) {
+                    let h: f64 = (0..rows).map(|k| weights(k).0 * a(k, i) * a(k, j)).sum();
+                    assert!(
+                        (of_blocks.h[row * n + column] - h).abs() < 1e-12,
+                        "{rows} rows"
+                    );
+                }
+            }
+        }
+    }
+}

@@ -325,6 +325,7 @@ mod tests {
         );
     }
 
+    #[cfg(feature = "clarabel")]
     #[test]
     fn solvers_of_the_framework_are_listed_with_their_parameters() {
         let listing = list();
