@@ -387,8 +387,10 @@ impl NaturalRows {
     /// Writes row `k` straight into a row of zeros over x, behind `p` substituted accelerations, if [it is
     /// one](Self::is_over_x).
     pub(super) fn write_over_x(&self, k: usize, p: usize, row: &mut [f64]) {
-        for (column, a) in self.written(k) {
-            row[column - p] = a;
+        let width = self.columns.len();
+        let values = &self.values[k * width..(k + 1) * width];
+        for (&column, a) in self.columns.iter().zip(values) {
+            row[column - p] = *a;
         }
     }
 
