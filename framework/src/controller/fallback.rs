@@ -44,7 +44,7 @@ const ALERT: u32 = 50;
 /// The most relaxed problems in a tick.
 const RESOLVES: u32 = 4;
 
-/// Rungs, and what they need, in storage made once.
+/// The fallback levels, and what they need, in storage made once.
 #[derive(Debug)]
 pub(super) struct Fallback {
     /// Where the last tick ended, and since when.

@@ -12,7 +12,7 @@ use crate::{
     stopwatch::StageTimes,
 };
 
-/// Where the command of a tick comes from: the highest level of a ladder that was possible. All commands are finite and
+/// Where the command of a tick comes from: the highest of these levels that was possible. All commands are finite and
 /// within the actuators' limits and slew.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

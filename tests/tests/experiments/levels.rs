@@ -1,4 +1,4 @@
-//! Every experiment as published runs on optima alone: nothing of the ladder below shows in its results.
+//! Every experiment as published runs on optima alone: nothing of the levels below shows in its results.
 
 use wbqp_measures::experiments;
 use wbqp_sim::Scenario;

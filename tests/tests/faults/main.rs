@@ -1,5 +1,5 @@
 //! What happens when something is wrong: measurements, rows of plug-ins, limits that contradict one another, solvers
-//! that fail. Every level of the ladder, the last gate before the actuators, and the law that needs no solver.
+//! that fail. Every fallback level, the last gate before the actuators, and the law that needs no solver.
 
 mod adversarial;
 mod bad_measurements;
