@@ -59,8 +59,8 @@ impl BindError {
         }
     }
 
-    /// A name that does not exist: `kind` (`frame`, `joint`, `contact`, `actuator`), with what is known, and a guess of what
-    /// was meant.
+    /// A name that does not exist: `kind` (`frame`, `joint`, `contact`, `actuator`), with what is known, and a guess of
+    /// what was meant.
     pub fn unknown<'a>(
         kind: &'static str,
         name: &str,

@@ -4,8 +4,9 @@
 //! returns the actuator command that minimises the weighted squares of the tasks' residuals under the robot's
 //! dynamics, the constraints and the actuators' limits, and a [`Report`] that says how. It always returns a
 //! command, within the actuators' limits: if limits contradict one another, a measurement is not finite or there is no
-//! solution, it comes from a lower level ([`controller::FallbackLevel`]), and the report says so. Rotors are actuators like joint motors, so the same code controls a
-//! flying robot, a legged one and a fixed arm. This crate contains no robot and no task.
+//! solution, it comes from a lower level ([`controller::FallbackLevel`]), and the report says so. Rotors are actuators
+//! like joint motors, so the same code controls a flying robot, a legged one and a fixed arm. This crate contains no
+//! robot and no task.
 //!
 //! # Example
 //! A task is a plug-in: a type with the attribute [`task`](macro@task). This one holds a joint of an arm of one

@@ -24,8 +24,8 @@ use wbqp::{
 /// | `/task/<name>` | ramp, and per row error, residual and cost |
 /// | `/qp` | status, fault, iterations, times of the stages, active limits |
 ///
-/// A tick without a solution ([`FallbackLevel::is_solved`](wbqp::controller::FallbackLevel::is_solved)) has no new contact and task
-/// reports: it writes `/state`, `/command` and `/qp` only.
+/// A tick without a solution ([`FallbackLevel::is_solved`](wbqp::controller::FallbackLevel::is_solved)) has no new
+/// contact and task reports: it writes `/state`, `/command` and `/qp` only.
 #[derive(Debug)]
 pub struct ControllerLog {
     state: ChannelId,

@@ -136,7 +136,8 @@ impl ControllerConfig {
     }
 
     /// What may be a mistake in the file and was taken as it is: numbers that no robot has, weights too far apart. They
-    /// go with the robot's own into [`RobotModel::diagnostics`](crate::robot::RobotModel::diagnostics) of the controller's robot, into logs and dumps.
+    /// go with the robot's own into [`RobotModel::diagnostics`](crate::robot::RobotModel::diagnostics) of the
+    /// controller's robot, into logs and dumps.
     pub fn warnings(&self) -> &[Diagnostic] {
         &self.warnings
     }

@@ -108,8 +108,8 @@ impl Controller {
     /// One control period: from a measurement to a command.
     ///
     /// Always returns a finite command within the actuators' limits, and within their `slew` of the last one: the
-    /// optimum, or what the [`FallbackLevel`] of the report says, with the reason beside it. Does not allocate (unless the
-    /// solver does), lock, block or read a clock.
+    /// optimum, or what the [`FallbackLevel`] of the report says, with the reason beside it. Does not allocate (unless
+    /// the solver does), lock, block or read a clock.
     pub fn tick(&mut self, measurement: &Measurement) -> (&Command, &Report) {
         self.run(measurement, None);
         (&self.command, &self.report)
@@ -432,8 +432,8 @@ impl Controller {
         &self.qp
     }
 
-    /// Its solution, in physical units; on the level [`FallbackLevel::Relaxed`] that of the relaxed problem, as far as it is
-    /// about the same variables and rows.
+    /// Its solution, in physical units; on the level [`FallbackLevel::Relaxed`] that of the relaxed problem, as far as
+    /// it is about the same variables and rows.
     pub fn solution(&self) -> &Solution {
         &self.solution
     }

@@ -62,8 +62,8 @@ impl Actuation {
         }
     }
 
-    /// Writes `S` into the first columns of the row-major matrix `out` of row stride `stride`, whose rows are zero. Panics
-    /// if it has fewer than nv rows, or a stride below nu.
+    /// Writes `S` into the first columns of the row-major matrix `out` of row stride `stride`, whose rows are zero.
+    /// Panics if it has fewer than nv rows, or a stride below nu.
     pub fn write(&self, data: &Data, out: &mut [f64], stride: usize) {
         for (j, column) in self.columns.iter().enumerate() {
             match column {

@@ -1,8 +1,9 @@
-//! What plug-ins are, and what they speak: tasks, constraints and references, the rows that they write, and what they see.
+//! What plug-ins are, and what they speak: tasks, constraints and references, the rows that they write, and what they
+//! see.
 //!
-//! A plug-in is *bound* once ([`Setup`]: names to resolve, frames to ask for; it answers with its [`Layout`]) and *updated* in
-//! every tick ([`Tick`]: what is known; [`Rows`] or [`ConstraintRows`]: what it writes). An [`Entry`] is what the framework adds
-//! to it: name, weight, ramp, hardness.
+//! A plug-in is *bound* once ([`Setup`]: names to resolve, frames to ask for; it answers with its [`Layout`]) and
+//! *updated* in every tick ([`Tick`]: what is known; [`Rows`] or [`ConstraintRows`]: what it writes). An [`Entry`] is
+//! what the framework adds to it: name, weight, ramp, hardness.
 
 pub(crate) mod constraint;
 pub(crate) mod entry;

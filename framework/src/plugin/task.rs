@@ -39,8 +39,8 @@ pub trait Task: Any + Send + Debug {
 
     /// Called in the first tick with a usable measurement, before the first update, whether the entry is on or not:
     /// lets references begin at what is measured, with [`begin_at`](crate::plugin::reference::begin_at) and
-    /// [`begin_turned`](crate::plugin::reference::begin_turned). A task that does not say what it measures begins at the home
-    /// posture. No allocation, no panic.
+    /// [`begin_turned`](crate::plugin::reference::begin_turned). A task that does not say what it measures begins at
+    /// the home posture. No allocation, no panic.
     ///
     /// Called again in the next tick if the first one was refused because an error was too large.
     fn begin(&mut self, tick: &Tick<'_>) {

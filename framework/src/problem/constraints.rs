@@ -1,8 +1,9 @@
 //! What must hold: the equations of motion (10d), rows that are hard or give way at the price of a slack, and bounds.
 //!
 //! # Mathematics
-//! A row over y is one over the variables x of the problem by `v̇_P = B x + c`: `a_P (B x + c) + a_x x`. What does not depend
-//! on x is taken from its limits. A bound on an eliminated effort `τ = T y + t` is such a row, others are bounds.
+//! A row over y is one over the variables x of the problem by `v̇_P = B x + c`: `a_P (B x + c) + a_x x`. What does not
+//! depend on x is taken from its limits. A bound on an eliminated effort `τ = T y + t` is such a row, others are
+//! bounds.
 
 use super::{
     BoundEntry, DynamicsTerms, Partition, Problem, Treatment, partition::EffortPlace, rows::Context,
@@ -34,8 +35,8 @@ pub(super) struct TorqueRow {
 }
 
 impl Problem {
-    /// `M v̇ − [S J_cᵀ] (u, f) = Σ J_fᵀ f_f − h`, in the formulation that substitutes nothing; false if there is no room, which
-    /// the problem's capacity excludes.
+    /// `M v̇ − [S J_cᵀ] (u, f) = Σ J_fᵀ f_f − h`, in the formulation that substitutes nothing; false if there is no
+    /// room, which the problem's capacity excludes.
     pub(super) fn push_dynamics(&mut self, terms: &DynamicsTerms<'_>, qp: &mut Qp) -> bool {
         let (nv, n) = (self.partition.nv, self.active.n_physical);
         let mass = terms.data.mass_matrix();

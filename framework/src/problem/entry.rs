@@ -51,8 +51,8 @@ pub(crate) struct EntrySpec<'a> {
 }
 
 impl BoundEntry {
-    /// Registers the rows in the table; their storage comes later. Slacks are added by [`BoundEntry::add_slack`], so that
-    /// the ids of physical variables come first.
+    /// Registers the rows in the table; their storage comes later. Slacks are added by [`BoundEntry::add_slack`], so
+    /// that the ids of physical variables come first.
     pub(crate) fn new(spec: &EntrySpec<'_>, layout: Layout, table: &mut Table) -> Self {
         let equality = spec.is_task || layout.relation == Relation::Equality;
         let (treatment, linear_penalty) = match (spec.hardness, equality) {

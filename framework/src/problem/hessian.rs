@@ -25,8 +25,8 @@ use std::array::from_fn;
 /// Rows that are summed up together.
 pub(super) const BLOCK: usize = 8;
 
-/// Where the coefficients of a row are: rows stand in blocks of [`BLOCK`], and in a block one row's coefficient after the
-/// other, column by column.
+/// Where the coefficients of a row are: rows stand in blocks of [`BLOCK`], and in a block one row's coefficient after
+/// the other, column by column.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Slots {
     first: usize,
@@ -145,8 +145,8 @@ impl NaturalCost {
         *e -= 2.0 * w * b;
     }
 
-    /// Adds `Σ_k ½ q_k (a_k y)² + l_k a_k y` for rows that have coefficients in these columns, which ascend; `weights` gives
-    /// `(q_k, l_k)`. Values are [laid out in blocks](Slots).
+    /// Adds `Σ_k ½ q_k (a_k y)² + l_k a_k y` for rows that have coefficients in these columns, which ascend; `weights`
+    /// gives `(q_k, l_k)`. Values are [laid out in blocks](Slots).
     pub(super) fn add_rows(
         &mut self,
         columns: &[usize],

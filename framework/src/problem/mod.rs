@@ -12,18 +12,18 @@
 //! The rows and bounds of (10b), (10c), (10e) and the tasks of (11) are plug-ins': `tasks/`, linked by name in
 //! docs/paper-to-code.md.
 //!
-//! Four ways of counting: by *velocity*, as in `v̇`; by *column* of y, the natural variables; by variable of the problem, x;
-//! and by *position* among the columns that a row has. [`partition`] says which accelerations and efforts are variables.
-//! In the order in which functions are called below:
+//! Four ways of counting: by *velocity*, as in `v̇`; by *column* of y, the natural variables; by variable of the
+//! problem, x; and by *position* among the columns that a row has. [`partition`] says which accelerations and efforts
+//! are variables. In the order in which functions are called below:
 //!
 //! 1. [`contact_elimination`]: accelerations that contacts which do not move leave no choice of, `v̇_D = G v̇_S + g`.
-//! 2. [`active_variables`]: which variables there are; the *natural* ones `y = (v̇, kept u, f, slacks)`, those of the problem
-//!    `x`, the same without the accelerations that are substituted ([`partition`]).
-//! 3. [`reduced_dynamics`]: with the forcing `F = [S  J_cᵀ]` and the known forces `k = Σ J_fᵀ f_f − h` the dynamics read
-//!    `M v̇ = F (u, f) + k`; from them `v̇_P = B x + c` and `τ = T y + t` for what is no variable.
+//! 2. [`active_variables`]: which variables there are; the *natural* ones `y = (v̇, kept u, f, slacks)`, those of the
+//!    problem `x`, the same without the accelerations that are substituted ([`partition`]).
+//! 3. [`reduced_dynamics`]: with the forcing `F = [S J_cᵀ]` and the known forces `k = Σ J_fᵀ f_f − h` the dynamics
+//!    read `M v̇ = F (u, f) + k`; from them `v̇_P = B x + c` and `τ = T y + t` for what is no variable.
 //! 4. [`rows`]: what each entry wrote, over y.
-//! 5. [`hessian`]: rows that are a cost, `H = 2 Σ w aᵀa` and `g = −2 Σ w b aᵀ`, summed up over y where they are sparse, and
-//!    taken to x once, for all rows together.
+//! 5. [`hessian`]: rows that are a cost, `H = 2 Σ w aᵀa` and `g = −2 Σ w b aᵀ`, summed up over y where they are sparse,
+//!    and taken to x once, for all rows together.
 //! 6. [`constraints`]: the equations of motion, rows that must hold, bounds.
 //!
 //! A solution goes the way back ([`solution`]). Limits that contradict one another: [`relaxation`].
@@ -161,7 +161,8 @@ impl Problem {
         self.is_arranged = false;
     }
 
-    /// Lays out the variables, and finds what the dynamics say of those that are none; false if that cannot be inverted.
+    /// Lays out the variables, and finds what the dynamics say of those that are none; false if that cannot be
+    /// inverted.
     fn lay_out(&mut self, terms: &DynamicsTerms<'_>, entries: &[BoundEntry]) -> bool {
         let live_slack = |e: usize| entries[e].live.then_some(entries[e].slack).flatten();
         let changed = self.active.refresh(
@@ -257,8 +258,8 @@ impl Problem {
         self.rows[index].expand(entry, &context);
     }
 
-    /// Whether what an entry wrote for the cost is finite. (Where all of it is, and the cost is not, products overflow: the
-    /// solver refuses the problem.)
+    /// Whether what an entry wrote for the cost is finite. (Where all of it is, and the cost is not, products overflow:
+    /// the solver refuses the problem.)
     fn is_cost_finite(&self, index: usize, entry: &BoundEntry) -> bool {
         let is_finite = |k: usize| entry.store.lower[k].is_finite() && entry.store.is_finite(k);
         !self.is_cost[index] || (0..entry.layout.len()).all(is_finite)

@@ -13,9 +13,9 @@
 //! | torque-eliminated | those that no joint motor drives | joint motors', one per joint | none |
 //! | explicit | none | none | all |
 //!
-//! In the torque-eliminated form accelerations that hard contacts *determine* are substituted too ([`ContactElimination`]), as
-//! long as the contact is on. They are neither in P nor in A: each tick's [`Partition::arrange`] says where the others
-//! are.
+//! In the torque-eliminated form accelerations that hard contacts *determine* are substituted too
+//! ([`ContactElimination`]), as long as the contact is on. They are neither in P nor in A: each tick's
+//! [`Partition::arrange`] says where the others are.
 //!
 //! *Natural* variables are `y = (v̇_P, v̇_A, kept u, live f, live slacks)`; those of the problem are `x`, the same
 //! without `v̇_P`.

@@ -2,11 +2,12 @@
 //!
 //! # Mathematics
 //! A row is `A_v v̇ + A_u u + Σ A_c f_c` over accelerations, efforts and forces. Over the natural variables y
-//! ([`Partition`](super::Partition)) it is the same, but for eliminated efforts, `a τ = a (T y + t)`, and accelerations that
-//! contacts determine, `a v̇_D = a (G v̇_S + g)`. What does not depend on y, `a t` and `a g`, is the row's constant.
+//! ([`Partition`](super::Partition)) it is the same, but for eliminated efforts, `a τ = a (T y + t)`, and accelerations
+//! that contacts determine, `a v̇_D = a (G v̇_S + g)`. What does not depend on y, `a t` and `a g`, is the row's
+//! constant.
 //!
-//! A row that is one component of v̇, u or a force is kept as that ([`Single`]); others are written out where they are not
-//! zero. Cost, constraints and residuals come from here; hard rows of contacts that [are
+//! A row that is one component of v̇, u or a force is kept as that ([`Single`]); others are written out where they are
+//! not zero. Cost, constraints and residuals come from here; hard rows of contacts that [are
 //! eliminated](super::contact_elimination) alone do not.
 
 use super::{
@@ -41,6 +42,27 @@ impl Context<'_> {
             return 0.0;
         }
         self.reduced.substitute(head, tail)
+    }
+
+    /// Adds `a τ` of an eliminated effort to a row over y; returns its constant.
+    fn add_torque(&self, torque: usize, a: f64, row: &mut [f64]) -> f64 {
+        let (torque, known) = self.reduced.torque(torque);
+        for (row, t) in row.iter_mut().zip(torque) {
+            *row += a * t;
+        }
+        a * known
+    }
+
+    /// Adds `a v̇_D`, of a joint whose acceleration a contact determines, to a row over y; returns its constant.
+    fn add_determined(&self, elimination: usize, joint: usize, a: f64, row: &mut [f64]) -> f64 {
+        let contact = self.elimination.get(elimination);
+        let (relation, known) = contact.row(joint);
+        for (g, &velocity) in relation.iter().zip(&contact.others) {
+            if let Place::Column(column) = self.partition.places[velocity] {
+                row[column] += a * g;
+            }
+        }
+        a * known
     }
 }
 
@@ -270,45 +292,28 @@ impl NaturalRows {
     }
 
     fn expand_mixed(&mut self, entry: &BoundEntry, context: &Context<'_>) {
-        let Context {
-            partition,
-            elimination,
-            reduced,
-            active,
-            terms,
-        } = *context;
+        let (partition, active) = (context.partition, context.active);
+        let DynamicsTerms {
+            frames, contacts, ..
+        } = context.terms;
+        let store = &entry.store;
         let n = active.n_physical;
         self.dense[..self.count * n].fill(0.0);
         for k in 0..self.count {
             let row = &mut self.dense[k * n..(k + 1) * n];
             let mut constant = 0.0;
-            let DynamicsTerms {
-                frames, contacts, ..
-            } = terms;
-            let store = &entry.store;
             store.for_each_coefficient(&entry.layout, k, frames, contacts, |variable, a| {
                 match variable {
                     Variable::Acceleration(velocity) => match partition.places[velocity] {
                         Place::Column(column) => row[column] += a,
-                        Place::Determined(by, index) => {
-                            let contact = elimination.get(by);
-                            let (relation, known) = contact.row(index);
-                            for (g, &velocity) in relation.iter().zip(&contact.others) {
-                                if let Place::Column(column) = partition.places[velocity] {
-                                    row[column] += a * g;
-                                }
-                            }
-                            constant += a * known;
+                        Place::Determined(elimination, joint) => {
+                            constant += context.add_determined(elimination, joint, a, row);
                         }
                     },
                     Variable::Effort(actuator) => match partition.efforts[actuator] {
                         EffortPlace::Kept(index) => row[partition.accelerations + index] += a,
                         EffortPlace::Eliminated(torque) => {
-                            let (torque, known) = reduced.torque(torque);
-                            for (row, t) in row.iter_mut().zip(torque) {
-                                *row += a * t;
-                            }
-                            constant += a * known;
+                            constant += context.add_torque(torque, a, row);
                         }
                     },
                     Variable::Force(contact, component) => {
@@ -412,25 +417,10 @@ impl NaturalRows {
                 row[column] += 1.0;
                 0.0
             }
-            Single::Torque { torque, .. } => {
-                let (torque, known) = context.reduced.torque(torque);
-                for (row, t) in row.iter_mut().zip(torque) {
-                    *row += t;
-                }
-                known
-            }
+            Single::Torque { torque, .. } => context.add_torque(torque, 1.0, row),
             Single::Determined {
                 elimination, joint, ..
-            } => {
-                let contact = context.elimination.get(elimination);
-                let (relation, known) = contact.row(joint);
-                for (g, &velocity) in relation.iter().zip(&contact.others) {
-                    if let Place::Column(column) = context.partition.places[velocity] {
-                        row[column] += g;
-                    }
-                }
-                known
-            }
+            } => context.add_determined(elimination, joint, 1.0, row),
             Single::Nothing => 0.0,
         }
     }

@@ -1,9 +1,9 @@
 //! From a solution of the problem back to accelerations, efforts and forces, residuals and the cost.
 //!
 //! # Mathematics
-//! `v̇_P = B x + c`, `v̇_D = G v̇_S + g` and `τ = T y + t` give what is no variable. Residuals `A_v v̇ + A_u u + Σ A_c f_c − b`
-//! are those of the rows as the plug-ins wrote them, in every formulation, and the cost is the sum of `w r²` over all soft
-//! rows, of slacks and regularisation.
+//! `v̇_P = B x + c`, `v̇_D = G v̇_S + g` and `τ = T y + t` give what is no variable. Residuals
+//! `A_v v̇ + A_u u + Σ A_c f_c − b` are those of the rows as the plug-ins wrote them, in every formulation, and the
+//! cost is the sum of `w r²` over all soft rows, of slacks and regularisation.
 
 use super::{
     ActiveVariables, BoundEntry, ContactElimination, Partition, ReducedDynamics, kernels::dot,

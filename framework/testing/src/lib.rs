@@ -371,7 +371,8 @@ impl fmt::Debug for PluginTest {
 const STATE_THE_MEANING: &str = "it has inequality rows on v̇, and nothing says what they mean, so neither \
     coefficients nor bias are compared: state it with `.semantics(RowSemantics::Barrier)` \
     (limits on the second derivative of a function of the configuration), `.semantics(RowSemantics::Motion)` \
-    (limits on accelerations that have no error) or, for neither, `.semantics(RowSemantics::Other)` (nothing is compared)";
+    (limits on accelerations that have no error) or, for neither, `.semantics(RowSemantics::Other)` (nothing is \
+    compared)";
 
 /// What the layout says of the rows' meaning, if it says enough.
 fn assumed<P: Subject + ?Sized>(layout: &Layout) -> Option<RowSemantics> {

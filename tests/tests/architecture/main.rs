@@ -189,7 +189,8 @@ fn modules_of_the_framework_use_what_the_table_says() {
 
 #[test]
 fn an_arrow_is_found_wherever_it_stands() {
-    let text = "use crate::{\n    a::{B, c::D},\n    e,\n    f::G,\n};\nfn x() { crate::h::i(); super::j::k() }\n// crate::no\n";
+    let text = "use crate::{\n    a::{B, c::D},\n    e,\n    f::G,\n};\n\
+                fn x() { crate::h::i(); super::j::k() }\n// crate::no\n";
     let names: Vec<String> = names_from_root(text, 1)
         .into_iter()
         .map(|(_, name)| name)

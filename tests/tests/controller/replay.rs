@@ -146,7 +146,30 @@ fn what_is_recorded_matters() {
 }
 
 #[test]
-fn a_change_of_the_rung_writes_a_bounded_number_of_files() {
+fn a_dump_with_the_older_names_of_levels_is_read() {
+    let dump = eventful(Kind::Othex, 1).dump().expect("recorded");
+    let older = changed(&dump, |table| {
+        let rename = |part: &mut toml::Value, is: &str, was: &str| {
+            let part = part.as_table_mut().expect("a table");
+            let value = part.remove(is).expect("is recorded");
+            part.insert(was.to_owned(), value);
+        };
+        for tick in table["records"].as_array_mut().expect("ticks") {
+            rename(&mut tick["before"], "level", "rung");
+            rename(&mut tick["before"], "on_level_since", "on_rung_since");
+            rename(&mut tick["before"], "on_level_ticks", "on_rung_ticks");
+            rename(&mut tick["outcome"], "level", "rung");
+        }
+    });
+    let older = older.expect("is a dump");
+    // As texts, because a measurement that was not a number is in it.
+    let text = |dump: &Dump| toml::to_string(dump).expect("is TOML");
+    assert!(text(&older) == text(&dump));
+    assert!(older.replay(50, None).expect("fits").differences.is_empty());
+}
+
+#[test]
+fn a_change_of_the_level_writes_a_bounded_number_of_files() {
     let scene = Scene::new(Kind::Othex, 1, 0b11, 0b1);
     let controller = scene.controller();
     assert!(controller.dump().is_none(), "nothing is recorded");

@@ -96,7 +96,10 @@ fn verdict(outcomes: &[Outcome]) -> Markup {
             ul {
                 @for outcome in outcomes {
                     @for (case, time) in outcome.runs.diverged() {
-                        li { (outcome.experiment.measures.title) ": case " code { (case) } " diverged at " (number(time)) " s" }
+                        li {
+                            (outcome.experiment.measures.title) ": case " code { (case) }
+                            " diverged at " (number(time)) " s"
+                        }
                     }
                     @for breach in &outcome.breaches {
                         li { (outcome.experiment.measures.title) ": " (breach.to_string()) }
@@ -126,7 +129,11 @@ fn overview(outcomes: &[Outcome]) -> Markup {
                 tbody {
                     @for outcome in outcomes {
                         tr {
-                            td { a href={ "#" (outcome.experiment.measures.name) } { (outcome.experiment.measures.title) } }
+                            td {
+                                a href={ "#" (outcome.experiment.measures.name) } {
+                                    (outcome.experiment.measures.title)
+                                }
+                            }
                             td { (outcome.runs.cases().collect::<Vec<_>>().join(", ")) }
                             td.n { (count(&outcome.rows, Some(true))) }
                             td.n { (count(&outcome.rows, Some(false))) }

@@ -82,8 +82,8 @@ fn every_answer_is_right() {
     assert!(wrong.is_empty(), "{} wrong:\n{shown}", wrong.len());
 }
 
-/// Whatever is remembered, constraints at any side with multipliers of any sign and size, decides how long a solve takes,
-/// not what it answers.
+/// Whatever is remembered, constraints at any side with multipliers of any sign and size, decides how long a solve
+/// takes, not what it answers.
 #[test]
 fn any_warm_start_ends_at_a_right_answer() {
     let multipliers = [1.0, -1.0, 0.0, 1e-300, 1e300, f64::NAN, f64::INFINITY];
