@@ -209,7 +209,7 @@ pub use controller::{Command, Controller, Measurement, Report};
 pub use plugin::Layout;
 pub use problem::{RowInfo, VarInfo};
 pub use registry::list as registry;
-pub use wbqp_macros::{constraint, reference, robot, solver, task};
+pub use wbqp_macros::{constraint, parameters, reference, robot, solver, task};
 pub use {inventory, nalgebra, schemars, serde, serde_json, toml, typetag};
 
 // Plug-ins inside this crate are registered by the same attribute that users write.

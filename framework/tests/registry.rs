@@ -3,7 +3,7 @@
 use wbqp::{
     config::{ConfigErrorKind, ControllerConfig},
     error::BindError,
-    plugin::{Layout, Reference, Rows, Sample, Setup, Start, Task, Tick},
+    plugin::{Layout, Reference, Rows, Sample, Setup, Start, AnyTask, Task, Tick},
     registry,
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
@@ -64,7 +64,7 @@ fn loading_reports_faults_of_the_registry_first() {
     let errors = ControllerConfig::from_str("x = 1", "x.toml", "").expect_err("refused");
     let messages: Vec<_> = errors.iter().map(ToString::to_string).collect();
     let origins = registry::duplicates().remove(0).origins.join(", ");
-    let greedy = registry::find::<dyn Task>("test.greedy")
+    let greedy = registry::find::<dyn AnyTask>("test.greedy")
         .expect("is here")
         .origin;
     assert_eq!(

@@ -2,7 +2,7 @@
 
 use wbqp::{
     error::BindError,
-    plugin::{Reference, Rows, Sample, Space, Tick, reference::begin},
+    plugin::{AnyReference, Rows, Sample, Space, Tick, reference::begin},
 };
 
 use crate::follow::component;
@@ -19,7 +19,7 @@ impl Efforts {
     /// Binds the reference; it takes over at zero.
     pub(crate) fn bind(
         &mut self,
-        reference: &mut dyn Reference,
+        reference: &mut dyn AnyReference,
         indices: Vec<usize>,
     ) -> Result<(), BindError> {
         let from = Sample::at_rest(indices.iter().map(|_| 0.0));
@@ -31,7 +31,7 @@ impl Efforts {
     /// The rows of one tick; the coefficients are unit rows.
     pub(crate) fn update(
         &mut self,
-        reference: &mut dyn Reference,
+        reference: &mut dyn AnyReference,
         tick: &Tick<'_>,
         rows: &mut Rows<'_>,
     ) {

@@ -1,11 +1,11 @@
 //! What tasks with a reference share.
 
-use wbqp::plugin::Reference;
+use wbqp::plugin::AnyReference;
 
 use crate::references::Hold;
 
 /// The default reference: stay.
-pub(crate) fn stay() -> Box<dyn Reference> {
+pub(crate) fn stay() -> Box<dyn AnyReference> {
     Box::new(Hold::default())
 }
 

@@ -30,7 +30,7 @@ use wbqp::{
     controller::FallbackLevel,
     input,
     nalgebra::{Quaternion, UnitQuaternion, Vector3},
-    plugin::{Sample, Task},
+    plugin::{Sample, AnyTask},
 };
 use wbqp_bench::workload::{Player, Workload};
 use wbqp_tasks::{BaseOrientation, Com, FramePosition, Posture};
@@ -138,7 +138,7 @@ fn active(controller: &Controller) -> [usize; 2] {
 }
 
 /// What a task has followed in its last update.
-fn followed(task: &mut impl Task) -> Result<Sample> {
+fn followed(task: &mut impl AnyTask) -> Result<Sample> {
     let follow = task.follow().ok_or("a task without reference")?;
     Ok(follow.sample.clone())
 }

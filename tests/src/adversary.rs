@@ -7,7 +7,7 @@ use wbqp::{
     controller::{Command, Measurement},
     error::BindError,
     nalgebra::{Quaternion, UnitQuaternion},
-    plugin::{Constraint, ConstraintRows, Entry, Hardness, Layout, Setup, Tick},
+    plugin::{AnyConstraint, Constraint, ConstraintRows, Entry, Hardness, Layout, Setup, Tick},
     robot::RobotModel,
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
@@ -42,7 +42,7 @@ impl Adversary {
 
     /// Adds it to a configuration, as the constraint of that name.
     pub fn join(self, config: &mut ControllerConfig, name: &str) {
-        let entry: Entry<dyn Constraint> = Entry::new(name, 1.0, Hardness::Hard, Box::new(self));
+        let entry: Entry<dyn AnyConstraint> = Entry::new(name, 1.0, Hardness::Hard, Box::new(self));
         config.constraints.push(entry);
     }
 }

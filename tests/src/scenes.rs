@@ -12,7 +12,7 @@ use wbqp::{
     contact::{ContactKind, ContactSpec, FreeForce, Surface},
     controller::{Controller, Measurement},
     nalgebra,
-    plugin::{Entry, Hardness, Task, Weight},
+    plugin::{Entry, Hardness, AnyTask, Weight},
     robot::{Robot, RobotModel},
     settings::{FirstError, Formulation, Hover, Settings, StartFrom},
     state::State,
@@ -212,7 +212,7 @@ impl Scene {
         names
     }
 
-    fn make_task(&self, name: &str) -> (Weight, Box<dyn Task>) {
+    fn make_task(&self, name: &str) -> (Weight, Box<dyn AnyTask>) {
         let part = name
             .bytes()
             .fold(7, |h: u64, b| h.wrapping_mul(31) + u64::from(b))
@@ -244,7 +244,7 @@ impl Scene {
             let weights = along(weight, 5.0 * weight, 2.0 * weight);
             return (weights.into(), Box::new(task));
         }
-        let task: Box<dyn Task> = match name {
+        let task: Box<dyn AnyTask> = match name {
             "posture" => Box::new(Posture::new(kp, kd)),
             "base_position" => {
                 let target = self.turn() * random(0.5);
@@ -298,7 +298,7 @@ impl Scene {
         if self.has_rotors() {
             let task = Box::new(PropellerRegularisation::new());
             let weight = 1e-5 * self.scale;
-            let entry: Entry<dyn Task> = Entry::new("r_a", weight, Hardness::Soft, task);
+            let entry: Entry<dyn AnyTask> = Entry::new("r_a", weight, Hardness::Soft, task);
             config.tasks.push(entry);
         }
         if self.reversed {

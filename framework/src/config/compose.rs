@@ -10,7 +10,7 @@ use super::{
 };
 use crate::{
     contact::{ContactSpec, ShortContact},
-    plugin::{Constraint, Entry, Task},
+    plugin::{AnyConstraint, AnyTask, Entry},
     qp::Solver,
     robot::Robot,
     settings::{MeasurementLimits, Settings},
@@ -23,13 +23,13 @@ impl ControllerConfig {
     }
 
     /// Adds a task.
-    pub fn with_task(mut self, task: Entry<dyn Task>) -> Self {
+    pub fn with_task(mut self, task: Entry<dyn AnyTask>) -> Self {
         self.tasks.push(task);
         self
     }
 
     /// Adds a constraint.
-    pub fn with_constraint(mut self, constraint: Entry<dyn Constraint>) -> Self {
+    pub fn with_constraint(mut self, constraint: Entry<dyn AnyConstraint>) -> Self {
         self.constraints.push(constraint);
         self
     }
@@ -78,7 +78,7 @@ impl ControllerConfig {
 
     /// The constraints that are there, with their contacts, and all names.
     fn listed(&self) -> Listed {
-        let of = |constraint: &Entry<dyn Constraint>| {
+        let of = |constraint: &Entry<dyn AnyConstraint>| {
             let keys = serde_json::to_value(&constraint.plugin).unwrap_or_default();
             let contact = keys.get("contact").and_then(serde_json::Value::as_str);
             (

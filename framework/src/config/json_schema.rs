@@ -13,7 +13,7 @@ use serde_json::{Map, Value, json};
 
 use super::expand;
 use crate::{
-    plugin::{Constraint, Hardness, Reference, Task, Weight},
+    plugin::{AnyConstraint, AnyReference, AnyTask, Hardness, Weight},
     qp::Solver,
     registry::{
         PluginKind,
@@ -88,9 +88,9 @@ pub fn schema_of<T: JsonSchema>() -> Value {
 /// Puts the linked plug-ins into a schema: wherever it says `"x-plugin": kind`, one of that kind.
 pub fn compose(schema: &Value) -> Value {
     let mut definitions = Map::new();
-    define::<dyn Task>(&mut definitions, &entry_keys(Hardness::Soft));
-    define::<dyn Constraint>(&mut definitions, &entry_keys(Hardness::Hard));
-    define::<dyn Reference>(&mut definitions, &json!({}));
+    define::<dyn AnyTask>(&mut definitions, &entry_keys(Hardness::Soft));
+    define::<dyn AnyConstraint>(&mut definitions, &entry_keys(Hardness::Hard));
+    define::<dyn AnyReference>(&mut definitions, &json!({}));
     define::<dyn Robot>(&mut definitions, &json!({}));
     define::<dyn Solver>(&mut definitions, &json!({}));
     let mut schema = schema.clone();
@@ -314,9 +314,9 @@ fn choose(schema: &mut Value) {
 
 fn choice(kind: &str) -> Value {
     let tags: Vec<&str> = match kind {
-        "task" => tags::<dyn Task>(),
-        "constraint" => tags::<dyn Constraint>(),
-        "reference" => tags::<dyn Reference>(),
+        "task" => tags::<dyn AnyTask>(),
+        "constraint" => tags::<dyn AnyConstraint>(),
+        "reference" => tags::<dyn AnyReference>(),
         "robot" => tags::<dyn Robot>(),
         "solver" => tags::<dyn Solver>(),
         _ => Vec::new(),

@@ -24,7 +24,7 @@ use crate::{
     contact::ContactSpec,
     error::BindError,
     input,
-    plugin::{Constraint, Entry, Hardness, Task},
+    plugin::{AnyConstraint, AnyTask, Entry, Hardness},
     qp::{ActiveSet, Solver},
     registry::{self, PluginKind, schema::Node},
     robot::{Robot, SourceFile, SourceLocation},
@@ -148,9 +148,9 @@ fn registry_faults() -> &'static [String] {
         }
         let mut entry = vec!["type"];
         entry.extend_from_slice(&ENTRY_KEYS);
-        reserved_keys::<dyn Task>(&entry, &mut faults);
-        reserved_keys::<dyn Constraint>(&entry, &mut faults);
-        reserved_keys::<dyn crate::plugin::Reference>(&["type"], &mut faults);
+        reserved_keys::<dyn AnyTask>(&entry, &mut faults);
+        reserved_keys::<dyn AnyConstraint>(&entry, &mut faults);
+        reserved_keys::<dyn crate::plugin::AnyReference>(&["type"], &mut faults);
         reserved_keys::<dyn Robot>(&["type"], &mut faults);
         reserved_keys::<dyn Solver>(&["type"], &mut faults);
         faults
@@ -180,8 +180,8 @@ struct Parts {
     solver: Box<dyn Solver>,
     measurement: MeasurementLimits,
     contacts: Vec<ContactSpec>,
-    tasks: Vec<Entry<dyn Task>>,
-    constraints: Vec<Entry<dyn Constraint>>,
+    tasks: Vec<Entry<dyn AnyTask>>,
+    constraints: Vec<Entry<dyn AnyConstraint>>,
 }
 
 impl Parts {
@@ -201,7 +201,7 @@ impl Parts {
         let contacts = contacts(document.contacts, report);
         let mut names = entry::Names::default();
         let tasks = each(document.tasks, |index, section| {
-            entry::read::<dyn Task>(index, section, Hardness::Soft, &mut names, report)
+            entry::read::<dyn AnyTask>(index, section, Hardness::Soft, &mut names, report)
         });
         let constraints = constraints(document.constraints, &mut names, report);
         Some(Self {
@@ -298,9 +298,9 @@ pub(super) fn constraints(
     sections: Vec<Section<'_>>,
     names: &mut entry::Names,
     report: &mut Report<'_>,
-) -> Option<Vec<Entry<dyn Constraint>>> {
+) -> Option<Vec<Entry<dyn AnyConstraint>>> {
     each(sections, |index, section| {
-        entry::read::<dyn Constraint>(index, section, Hardness::Hard, names, report)
+        entry::read::<dyn AnyConstraint>(index, section, Hardness::Hard, names, report)
     })
 }
 

@@ -29,7 +29,7 @@ use super::{
 use crate::{
     config::json_schema::schema_of,
     contact::ContactSpec,
-    plugin::{Constraint, Reference, Task},
+    plugin::{AnyConstraint, AnyReference, AnyTask},
     qp::Solver,
     registry::{self, PluginKind, schema::Node},
     robot::{Diagnostic, Robot, Severity},
@@ -90,8 +90,8 @@ pub(super) fn check(document: &Document<'_>, report: &mut Report<'_>) -> Vec<Dia
         let at = At::subject(entry::subject("contact", Some(index), section));
         check.table(&at, Node::root(contact), &section.keys, None);
     }
-    check.entries::<dyn Task>(&document.tasks);
-    check.entries::<dyn Constraint>(&document.constraints);
+    check.entries::<dyn AnyTask>(&document.tasks);
+    check.entries::<dyn AnyConstraint>(&document.constraints);
     check.compare_weights();
     check.warnings
 }
@@ -171,7 +171,7 @@ impl Check<'_, '_> {
     fn value(&mut self, at: &At, node: Node<'_>, value: &Spanned<DeValue<'_>>, unit: Option<&str>) {
         match value.get_ref() {
             DeValue::Table(keys) if node.plugin() == Some("reference") => {
-                self.plugin::<dyn Reference>(at, keys, unit);
+                self.plugin::<dyn AnyReference>(at, keys, unit);
             }
             DeValue::Table(keys) if node.plugin().is_none() => {
                 if node.properties().is_some() {

@@ -47,7 +47,7 @@ use std::path::PathBuf;
 
 use crate::{
     contact::ContactSpec,
-    plugin::{Constraint, Entry, Task},
+    plugin::{AnyConstraint, AnyTask, Entry},
     qp::{ActiveSet, Solver},
     robot::{Diagnostic, Robot, SourceFile},
     settings::{MeasurementLimits, Settings},
@@ -84,9 +84,9 @@ pub struct ControllerConfig {
     /// Contacts, in the order of their ids.
     pub contacts: Vec<ContactSpec>,
     /// Tasks, in the order of their ids.
-    pub tasks: Vec<Entry<dyn Task>>,
+    pub tasks: Vec<Entry<dyn AnyTask>>,
     /// Constraints, in the order of their ids.
-    pub constraints: Vec<Entry<dyn Constraint>>,
+    pub constraints: Vec<Entry<dyn AnyConstraint>>,
     /// Where relative paths count from.
     pub directory: PathBuf,
     /// The file it was loaded from, for logs, and for errors that only the robot shows.

@@ -14,7 +14,7 @@ use super::{
     report::{At, Report, Span, Step},
 };
 use crate::{
-    plugin::{Constraint, Reference, Task},
+    plugin::{AnyConstraint, AnyReference, AnyTask},
     qp::Solver,
     registry::{self, PluginKind, schema::Node},
     robot::Robot,
@@ -107,9 +107,9 @@ pub(super) fn plugin<P: PluginKind + ?Sized>(
 /// The kind of plug-in that has a tag, if there is one.
 fn kind_of(tag: &str) -> Option<&'static str> {
     let mut kinds = [
-        registry::find::<dyn Task>(tag).map(|_| "task"),
-        registry::find::<dyn Constraint>(tag).map(|_| "constraint"),
-        registry::find::<dyn Reference>(tag).map(|_| "reference"),
+        registry::find::<dyn AnyTask>(tag).map(|_| "task"),
+        registry::find::<dyn AnyConstraint>(tag).map(|_| "constraint"),
+        registry::find::<dyn AnyReference>(tag).map(|_| "reference"),
         registry::find::<dyn Robot>(tag).map(|_| "robot"),
         registry::find::<dyn Solver>(tag).map(|_| "solver"),
     ]
@@ -324,9 +324,9 @@ impl Inspection<'_, '_> {
         };
         let report = &mut *self.report;
         match kind {
-            "task" => plugin::<dyn Task>(section, &[], &at, report).is_some(),
-            "constraint" => plugin::<dyn Constraint>(section, &[], &at, report).is_some(),
-            "reference" => plugin::<dyn Reference>(section, &[], &at, report).is_some(),
+            "task" => plugin::<dyn AnyTask>(section, &[], &at, report).is_some(),
+            "constraint" => plugin::<dyn AnyConstraint>(section, &[], &at, report).is_some(),
+            "reference" => plugin::<dyn AnyReference>(section, &[], &at, report).is_some(),
             "robot" => plugin::<dyn Robot>(section, &[], &at, report).is_some(),
             "solver" => plugin::<dyn Solver>(section, &[], &at, report).is_some(),
             _ => true,

@@ -16,15 +16,18 @@ use super::{
     plausible::Plausible,
     record::MadeFrom,
     report::{FallbackLevel, OnLevel, Report},
+    running::RunningPlugin,
     safe::SafeLaw,
     world::{ContactBinding, World},
 };
 use crate::{
-    contact::{ContactSpec, ContactState},
-    dynamics::{Actuation, Data, FrameKinematics},
+    contact::ContactSpec,
+    dynamics::Actuation,
     error::BindError,
     model::FrameId,
-    plugin::{Constraint, Entry, PreviousSolution, Setup, Task, rows::RowStore},
+    plugin::{
+        AnyConstraint, AnyPlugin, AnyTask, BoundPlugin, Entry, EntryState, Setup, rows::RowStore,
+    },
     problem::{BoundEntry, Partition, Problem, ProblemRows, Relaxation, Table, VariableNames},
     qp::{ActiveSet, Capacity, Qp, QpSolver as _, Solution, Solver, WarmStart},
     robot::RobotModel,
@@ -41,8 +44,8 @@ pub(crate) struct Parts {
     pub(crate) solver: Box<dyn Solver>,
     pub(crate) measurement: MeasurementLimits,
     pub(crate) contacts: Vec<ContactSpec>,
-    pub(crate) tasks: Vec<Entry<dyn Task>>,
-    pub(crate) constraints: Vec<Entry<dyn Constraint>>,
+    pub(crate) tasks: Vec<Entry<dyn AnyTask>>,
+    pub(crate) constraints: Vec<Entry<dyn AnyConstraint>>,
     pub(crate) made_from: MadeFrom,
 }
 
@@ -56,12 +59,11 @@ pub(crate) struct Bound {
     solver: Box<dyn Solver>,
     measurement: MeasurementLimits,
     contacts: Vec<ContactSpec>,
-    tasks: Vec<Entry<dyn Task>>,
-    constraints: Vec<Entry<dyn Constraint>>,
+    task_count: usize,
     made_from: MadeFrom,
     misfits: Misfits,
     bindings: Vec<ContactBinding>,
-    contact_states: Vec<ContactState>,
+    plugins: Vec<RunningPlugin>,
     /// Constrained components of each contact.
     nf: Vec<usize>,
     frame_ids: Vec<FrameId>,
@@ -72,6 +74,75 @@ pub(crate) struct Bound {
     entries: Vec<BoundEntry>,
     partition: Partition,
     need: Need,
+}
+
+/// Binds entries one after another.
+struct Binder<'a> {
+    robot: &'a RobotModel,
+    contacts: &'a [ContactSpec],
+    period: f64,
+    sizes: Sizes<'a>,
+    frame_ids: Vec<FrameId>,
+    /// The robot at home, where references begin; none if a contact is wrong.
+    home: Option<World>,
+    table: &'a mut Table,
+    misfits: &'a mut Misfits,
+    stored: Stored,
+    max_memory: f64,
+    entries: Vec<BoundEntry>,
+    plugins: Vec<RunningPlugin>,
+}
+
+impl Binder<'_> {
+    /// Binds a task or constraint; what is wrong with it is a misfit.
+    ///
+    /// # Errors
+    /// All misfits, if the rows take too much memory.
+    fn bind<P: AnyPlugin + ?Sized>(
+        &mut self,
+        index: usize,
+        entry: &Entry<P>,
+    ) -> Result<(), Vec<Misfit>> {
+        match self.make(entry) {
+            Ok((bound, plugin)) => {
+                let checked = self.stored.add(&bound, &self.sizes, self.max_memory);
+                self.misfits.memory(checked);
+                self.misfits.stop_if_too_large()?;
+                self.entries.push(bound);
+                self.plugins.push(plugin);
+            }
+            Err(error) => self.misfits.entry(index, entry, error),
+        }
+        Ok(())
+    }
+
+    fn make<P: AnyPlugin + ?Sized>(
+        &mut self,
+        entry: &Entry<P>,
+    ) -> Result<(BoundEntry, RunningPlugin), BindError> {
+        let frames = &mut self.frame_ids;
+        let mut setup = Setup::new(self.robot, self.contacts, self.period, frames);
+        let BoundPlugin { layout, running } = entry.plugin.bind(&mut setup)?;
+        let mut references = setup.into_references();
+        if let Some(home) = &mut self.home {
+            home.look_at(&self.frame_ids);
+            let tick = home.tick(EntryState {
+                alpha: 1.0,
+                since: f64::NEG_INFINITY,
+            });
+            for reference in &mut references {
+                reference.start_at_home(&tick);
+            }
+        }
+        let frames = self.frame_ids.len();
+        let bound = make_entry(entry, layout, &self.sizes, frames, self.table)?;
+        let plugin = RunningPlugin {
+            plugin: running,
+            references,
+            tag: entry.plugin.tag(),
+        };
+        Ok((bound, plugin))
+    }
 }
 
 impl Bound {
@@ -86,8 +157,8 @@ impl Bound {
             mut solver,
             measurement,
             contacts,
-            mut tasks,
-            mut constraints,
+            tasks,
+            constraints,
             made_from,
         } = parts;
         let mut misfits = Misfits::default();
@@ -102,13 +173,9 @@ impl Bound {
         let model = robot.model.clone();
 
         let mut bindings = Vec::new();
-        let mut contact_states = Vec::new();
         for (index, spec) in contacts.iter().enumerate() {
             match ContactBinding::new(spec, &model, period) {
-                Ok(binding) => {
-                    contact_states.push(binding.initial_state(&model));
-                    bindings.push(binding);
-                }
+                Ok(binding) => bindings.push(binding),
                 Err(error) => misfits.contact(index, &spec.name, error),
             }
         }
@@ -122,45 +189,41 @@ impl Bound {
             nf: &nf,
         };
 
-        // Frame 0 is always the base's, so that a handle never dangles.
-        let mut frame_ids = vec![model.base_frame()];
         let actuation = Actuation::new(&model, &robot.actuators);
         let formulation = settings.formulation.resolve(&robot);
         let names = VariableNames::new(&robot, &contacts);
         let mut table = Table::default();
         let problem_rows = ProblemRows::new(formulation, &names, &mut table);
-        let mut entries = Vec::new();
-        let mut stored = Stored::default();
-        for (index, entry) in tasks.iter_mut().enumerate() {
-            let mut setup = Setup::new(&robot, &contacts, period, &mut frame_ids);
-            let layout = entry.plugin.bind(&mut setup);
-            let bound = layout.and_then(|layout| {
-                make_entry(true, entry, layout, &sizes, frame_ids.len(), &mut table)
-            });
-            match bound {
-                Ok(bound) => {
-                    misfits.memory(stored.add(&bound, &sizes, settings.max_memory));
-                    misfits.stop_if_too_large()?;
-                    entries.push(bound);
-                }
-                Err(error) => misfits.task(index, entry, error),
-            }
+        let mut binder = Binder {
+            robot: &robot,
+            contacts: &contacts,
+            period,
+            sizes,
+            // Frame 0 is always the base's, so that a handle never dangles.
+            frame_ids: vec![model.base_frame()],
+            // Contacts are found by their position: none may be missing.
+            home: (bindings.len() == contacts.len())
+                .then(|| World::at_home(&robot, period, &bindings)),
+            table: &mut table,
+            misfits: &mut misfits,
+            stored: Stored::default(),
+            max_memory: settings.max_memory,
+            entries: Vec::new(),
+            plugins: Vec::new(),
+        };
+        for (index, task) in tasks.iter().enumerate() {
+            binder.bind(index, task)?;
         }
-        for (index, entry) in constraints.iter_mut().enumerate() {
-            let mut setup = Setup::new(&robot, &contacts, period, &mut frame_ids);
-            let layout = entry.plugin.bind(&mut setup);
-            let bound = layout.and_then(|layout| {
-                make_entry(false, entry, layout, &sizes, frame_ids.len(), &mut table)
-            });
-            match bound {
-                Ok(bound) => {
-                    misfits.memory(stored.add(&bound, &sizes, settings.max_memory));
-                    misfits.stop_if_too_large()?;
-                    entries.push(bound);
-                }
-                Err(error) => misfits.constraint(index, entry, error),
-            }
+        for (index, constraint) in constraints.iter().enumerate() {
+            binder.bind(index, constraint)?;
         }
+        let Binder {
+            frame_ids,
+            stored,
+            entries,
+            plugins,
+            ..
+        } = binder;
         if misfits.is_empty() {
             for (index, error) in unlimited_moments(&contacts, &entries[tasks.len()..]) {
                 misfits.contact(index, &contacts[index].name, error);
@@ -200,12 +263,11 @@ impl Bound {
             solver,
             measurement,
             contacts,
-            tasks,
-            constraints,
+            task_count: tasks.len(),
             made_from,
             misfits,
             bindings,
-            contact_states,
+            plugins,
             nf,
             frame_ids,
             actuation,
@@ -234,12 +296,11 @@ impl Bound {
             mut solver,
             measurement,
             contacts,
-            tasks,
-            constraints,
+            task_count,
             made_from,
             mut misfits,
             bindings,
-            contact_states,
+            plugins,
             nf,
             frame_ids,
             actuation,
@@ -278,35 +339,11 @@ impl Bound {
         misfits.solver(solver_tag, solver.bind(capacity).map_err(BindError::from));
         misfits.stop_if_any()?;
 
-        let frames = frame_ids
-            .iter()
-            .map(|_| FrameKinematics::new(&model))
-            .collect();
-        let world = World {
-            period,
-            elapsed: period,
-            slew_time: period,
-            time: 0.0,
-            origin: None,
-            state: robot.home.clone(),
-            data: Data::new(&model),
-            frame_ids,
-            frames,
-            contacts: contact_states,
-            last: PreviousSolution {
-                virtual_input: nalgebra::DVector::zeros(sizes.nv),
-                vdot: nalgebra::DVector::zeros(sizes.nv),
-                effort: nalgebra::DVector::zeros(sizes.nu),
-            },
-            bindings,
-            model,
-        };
+        let world = World::new(&robot, period, bindings, frame_ids);
         let relaxation = Relaxation::new(&problem, &entries, &table, &robot.actuators, capacity);
         let relaxed = relaxation.qp.capacity();
         misfits.solver("active_set", native.bind(relaxed).map_err(BindError::from));
-        let tags: Vec<&'static str> = (tasks.iter().map(|e| e.plugin.typetag_name()))
-            .chain(constraints.iter().map(|e| e.plugin.typetag_name()))
-            .collect();
+        let tags: Vec<&'static str> = plugins.iter().map(|plugin| plugin.tag).collect();
         let contact_names: Vec<&str> = contacts.iter().map(|c| c.name.as_str()).collect();
         let is_native = (&*solver as &dyn std::any::Any).is::<ActiveSet>();
         let fallback = Fallback {
@@ -327,21 +364,21 @@ impl Bound {
             relaxation,
         };
         let report = Report::new(
-            &entries[..tasks.len()],
+            &entries[..task_count],
             &world,
             capacity,
             fallback.relaxation.limits(),
         );
         let first = FirstTick::new(
             settings.max_first_error,
-            &entries[..tasks.len()],
+            &entries[..task_count],
             &world.model,
         );
         let mut controller = Controller {
             settings,
             first,
-            tasks: tasks.into_iter().map(|e| e.plugin).collect(),
-            constraints: constraints.into_iter().map(|e| e.plugin).collect(),
+            plugins,
+            task_count,
             command: Command::new(&robot),
             gate: Gate::new(&robot),
             plausible: Plausible::new(&measurement, &robot, &contacts, period),

@@ -4,11 +4,11 @@
 //! A tick is the first until one was plausible: after a refused one time counts anew, and references begin at what the
 //! next one measures.
 
-use super::{report::TaskReport, world::World};
+use super::{report::TaskReport, running::RunningPlugin, world::World};
 use crate::{
     fault::Fault,
     model::{Base, Model},
-    plugin::{Constraint, EntryState, Layout, Task, layout::VdotBlock},
+    plugin::{EntryState, Layout, layout::VdotBlock},
     problem::BoundEntry,
     settings::{FirstError, StartFrom},
 };
@@ -118,21 +118,12 @@ fn counts(layout: &Layout, model: &Model) -> Vec<Counts> {
 }
 
 impl FirstTick {
-    /// Lets tasks begin where they are measured. Before the plug-ins write the rows of a first tick.
-    pub(super) fn begin(
-        &self,
-        start: StartFrom,
-        world: &World,
-        tasks: &mut [Box<dyn Task>],
-        constraints: &mut [Box<dyn Constraint>],
-    ) {
+    /// Lets references begin at what is measured. Before the plug-ins write the rows of a first tick.
+    pub(super) fn begin(&self, start: StartFrom, world: &World, plugins: &mut [RunningPlugin]) {
         if self.was_refused {
             // What the refused tick left in integrators and at points of touch.
-            for task in tasks.iter_mut() {
-                task.activate();
-            }
-            for constraint in constraints {
-                constraint.activate();
+            for plugin in plugins.iter_mut() {
+                plugin.plugin.activate();
             }
         }
         if start == StartFrom::Home {
@@ -142,8 +133,10 @@ impl FirstTick {
             alpha: 1.0,
             since: f64::NEG_INFINITY,
         });
-        for task in tasks {
-            task.begin(&tick);
+        for plugin in plugins {
+            for reference in &mut plugin.references {
+                reference.start_here(&tick);
+            }
         }
     }
 

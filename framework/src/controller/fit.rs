@@ -5,7 +5,7 @@ use crate::{
     contact::ContactSpec,
     error::BindError,
     plugin::{
-        Entry, Hardness, Layout,
+        AnyPlugin, Entry, Hardness, Layout,
         layout::{BoundTarget, Relation, VdotBlock},
     },
     problem::{BoundEntry, EntrySpec, Table},
@@ -46,31 +46,26 @@ pub(super) fn unlimited_moments(
 }
 
 /// Checks the entry and its layout and registers its rows.
-pub(super) fn make_entry<P: ?Sized>(
-    is_task: bool,
+pub(super) fn make_entry<P: AnyPlugin + ?Sized>(
     entry: &Entry<P>,
     layout: Layout,
     sizes: &Sizes<'_>,
     frames: usize,
     table: &mut Table,
 ) -> Result<BoundEntry, BindError> {
-    check_layout(&layout, sizes, frames, is_task)?;
-    check_entry(entry, &layout, is_task)?;
+    check_layout(&layout, sizes, frames)?;
+    check_entry(entry, &layout)?;
     let spec = EntrySpec {
         name: &entry.name,
         weight: &entry.weight,
         hardness: entry.hardness,
         switch: Switch::new(entry.active, entry.transition),
-        is_task,
+        is_task: P::IS_TASK,
     };
     Ok(BoundEntry::new(&spec, layout, table))
 }
 
-fn check_entry<P: ?Sized>(
-    entry: &Entry<P>,
-    layout: &Layout,
-    is_task: bool,
-) -> Result<(), BindError> {
+fn check_entry<P: AnyPlugin + ?Sized>(entry: &Entry<P>, layout: &Layout) -> Result<(), BindError> {
     let rows = layout.len();
     if let crate::plugin::Weight::PerRow(weights) = &entry.weight
         && weights.len() != rows
@@ -91,7 +86,7 @@ fn check_entry<P: ?Sized>(
         let problem = format!("is {} s, must be finite and not negative", entry.transition);
         return Err(BindError::value("transition", problem));
     }
-    let equality = is_task || layout.relation == Relation::Equality;
+    let equality = P::IS_TASK || layout.relation == Relation::Equality;
     let soft = entry.hardness != Hardness::Hard;
     if matches!(entry.hardness, Hardness::Exact(_)) && equality {
         return Err(BindError::value(
@@ -99,7 +94,7 @@ fn check_entry<P: ?Sized>(
             "an exact penalty is for inequality rows; use `hardness = \"soft\"` with a weight",
         ));
     }
-    if soft && !is_task && rows == 0 {
+    if soft && !P::IS_TASK && rows == 0 {
         return Err(BindError::value(
             "hardness",
             "bounds are always hard, and the entry has nothing else; leave `hardness` out",
@@ -133,7 +128,6 @@ pub(crate) fn check_layout(
     layout: &Layout,
     sizes: &Sizes<'_>,
     frames: usize,
-    is_task: bool,
 ) -> Result<(), BindError> {
     let rows = layout.len();
     let columns = |what: &str, list: &[usize], limit: usize| {
@@ -188,11 +182,6 @@ pub(crate) fn check_layout(
                 "its layout bounds a variable that does not exist".into(),
             ));
         }
-    }
-    if is_task && !layout.bounds.is_empty() {
-        return Err(BindError::Other(
-            "a task cannot bound variables; make it a constraint".into(),
-        ));
     }
     for contact in layout.contact.iter().chain(&layout.moment_limits) {
         nf(*contact)?;

@@ -8,13 +8,9 @@ use std::{
     sync::atomic::{AtomicU32, Ordering},
 };
 
-use super::{
-    Controller,
-    error::RequestError,
-    requests::{redirect, reweight},
-};
+use super::{Controller, error::RequestError, requests::reweight, running};
 use crate::{
-    plugin::{Reference, Task, Weight},
+    plugin::{AnyReference, Task, Weight, followed::Followed},
     problem::BoundEntry,
 };
 
@@ -118,7 +114,8 @@ pub(super) mod key {
 /// tick survives them, since rows that are not finite make it fall back and say so, but the robot does what they say.
 #[derive(Debug)]
 pub struct EntryMut<'c, T> {
-    pub(super) plugin: &'c mut T,
+    pub(super) parameters: &'c mut T,
+    pub(super) references: &'c mut [Followed],
     pub(super) entry: &'c mut BoundEntry,
     pub(super) next_time: f64,
 }
@@ -128,9 +125,13 @@ impl<T: Task> EntryMut<'_, T> {
     ///
     /// # Errors
     /// [`RequestError`] if the task follows nothing or the trajectory does not fit; the old one is kept then.
-    pub fn follow(&mut self, reference: impl Reference) -> Result<(), RequestError> {
-        let name = &self.entry.name;
-        redirect(self.plugin, name, Box::new(reference), self.next_time)
+    pub fn follow(&mut self, reference: impl AnyReference) -> Result<(), RequestError> {
+        running::follow(
+            self.references,
+            &self.entry.name,
+            &reference,
+            self.next_time,
+        )
     }
 }
 
@@ -163,13 +164,13 @@ impl<T> Deref for EntryMut<'_, T> {
     type Target = T;
 
     fn deref(&self) -> &T {
-        self.plugin
+        self.parameters
     }
 }
 
 impl<T> DerefMut for EntryMut<'_, T> {
     fn deref_mut(&mut self) -> &mut T {
-        self.plugin
+        self.parameters
     }
 }
 

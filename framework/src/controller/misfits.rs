@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use crate::{
     contact::ContactSpec,
     error::BindError,
-    plugin::{Constraint, Entry, Task},
+    plugin::{AnyConstraint, AnyPlugin, AnyTask, Entry},
     settings::{MeasurementLimits, Settings, Target},
 };
 
@@ -131,29 +131,28 @@ impl Misfits {
         self.add(Target::Contact(name.to_owned()), index, subject, error);
     }
 
-    pub(super) fn task(&mut self, index: usize, entry: &Entry<dyn Task>, error: BindError) {
-        let (name, tag) = (&entry.name, entry.plugin.typetag_name());
-        let subject = format!("task[{index}] `{name}` ({tag})");
-        self.add(Target::Task(name.clone()), index, subject, error);
-    }
-
-    pub(super) fn constraint(
+    pub(super) fn entry<P: AnyPlugin + ?Sized>(
         &mut self,
         index: usize,
-        entry: &Entry<dyn Constraint>,
+        entry: &Entry<P>,
         error: BindError,
     ) {
-        let (name, tag) = (&entry.name, entry.plugin.typetag_name());
-        let subject = format!("constraint[{index}] `{name}` ({tag})");
-        self.add(Target::Constraint(name.clone()), index, subject, error);
+        let (name, tag) = (&entry.name, entry.plugin.tag());
+        let (target, list) = if P::IS_TASK {
+            (Target::Task(name.clone()), "task")
+        } else {
+            (Target::Constraint(name.clone()), "constraint")
+        };
+        let subject = format!("{list}[{index}] `{name}` ({tag})");
+        self.add(target, index, subject, error);
     }
 
     /// Names that are empty or given twice: possible only in code, files are checked when they are read.
     pub(super) fn names(
         &mut self,
         contacts: &[ContactSpec],
-        tasks: &[Entry<dyn Task>],
-        constraints: &[Entry<dyn Constraint>],
+        tasks: &[Entry<dyn AnyTask>],
+        constraints: &[Entry<dyn AnyConstraint>],
     ) {
         let taken = |by: &str| BindError::value("name", format!("is taken by {by}"));
         let empty = || BindError::value("name", "must not be empty");
@@ -172,20 +171,20 @@ impl Misfits {
         let first_constraint = first_of(constraints.iter().map(|one| one.name.as_str()));
         for (index, entry) in tasks.iter().enumerate() {
             if entry.name.is_empty() {
-                self.task(index, entry, empty());
+                self.entry(index, entry, empty());
             } else if let Some(first) = first_task(&entry.name).filter(|&first| first < index) {
-                self.task(index, entry, taken(&format!("task[{first}]")));
+                self.entry(index, entry, taken(&format!("task[{first}]")));
             }
         }
         for (index, entry) in constraints.iter().enumerate() {
             if entry.name.is_empty() {
-                self.constraint(index, entry, empty());
+                self.entry(index, entry, empty());
             } else if let Some(first) = first_task(&entry.name) {
-                self.constraint(index, entry, taken(&format!("task[{first}]")));
+                self.entry(index, entry, taken(&format!("task[{first}]")));
             } else if let Some(&first) = first_constraint.get(entry.name.as_str())
                 && first < index
             {
-                self.constraint(index, entry, taken(&format!("constraint[{first}]")));
+                self.entry(index, entry, taken(&format!("constraint[{first}]")));
             }
         }
     }

@@ -27,6 +27,7 @@ mod probe;
 mod record;
 mod report;
 mod requests;
+mod running;
 mod safe;
 mod world;
 
@@ -38,7 +39,7 @@ pub use handle::{EntryId, EntryKey, EntryMut};
 pub use measurement::Measurement;
 pub use memory::Memory;
 pub use planned_force::PlannedForce;
-pub use probe::{Probe, ProbeInputs, Probed, WrittenRows};
+pub use probe::{Probe, ProbeInputs, WrittenRows};
 pub use record::{Dump, Record, Source};
 pub use report::{
     ActiveRow, ConflictRow, ContactReport, FallbackLevel, OnLevel, RelaxedRow, Report, Side,
@@ -54,7 +55,7 @@ use nalgebra::DVector;
 use crate::{
     dynamics::Actuation,
     fault::Fault,
-    plugin::{Constraint, ConstraintRows, EntryState, Rows, Task},
+    plugin::EntryState,
     problem::{BoundEntry, Problem, RowInfo, Solved, Table, VarInfo},
     qp::{Budget, Qp, RowId, Solution, Solver, Status, VarId},
     robot::RobotModel,
@@ -68,6 +69,7 @@ use gate::Gate;
 use handle::Stamp;
 use plausible::Plausible;
 use record::{Recorder, recall_rows, record_inputs, record_outcome, record_rows};
+use running::RunningPlugin;
 use world::World;
 
 /// A whole-body controller bound to a robot.
@@ -78,10 +80,11 @@ use world::World;
 pub struct Controller {
     settings: Settings,
     robot: RobotModel,
-    tasks: Vec<Box<dyn Task>>,
-    constraints: Vec<Box<dyn Constraint>>,
     /// One per task, then one per constraint.
+    plugins: Vec<RunningPlugin>,
+    /// Their rows.
     entries: Vec<BoundEntry>,
+    task_count: usize,
     table: Table,
     problem: Problem,
     actuation: Actuation,
@@ -187,12 +190,8 @@ impl Controller {
         match recorded {
             None => {
                 if is_first {
-                    self.first.begin(
-                        self.settings.start,
-                        &self.world,
-                        &mut self.tasks,
-                        &mut self.constraints,
-                    );
+                    let start = self.settings.start;
+                    self.first.begin(start, &self.world, &mut self.plugins);
                 }
                 self.update_rows();
             }
@@ -200,7 +199,7 @@ impl Controller {
         }
         record_rows(self);
         if is_first {
-            let tasks = &self.entries[..self.tasks.len()];
+            let tasks = &self.entries[..self.task_count];
             if let Err(fault) = self.first.check(tasks, &mut self.report.tasks) {
                 self.world.origin = None;
                 return Err(fault);
@@ -284,13 +283,12 @@ impl Controller {
             None => FallbackLevel::Optimal,
             Some(_) => FallbackLevel::Relaxed,
         };
-        self.world
-            .remember(&mut self.problem, &self.entries, &self.tasks);
+        let tasks = &self.entries[..self.task_count];
+        self.world.remember(&mut self.problem, tasks);
         self.send(level);
         self.report.fill(
             &self.problem,
-            &self.entries,
-            &self.tasks,
+            &self.entries[..self.task_count],
             &self.world,
             &self.qp,
             &self.solution,
@@ -364,7 +362,8 @@ impl Controller {
     fn update_rows(&mut self) {
         self.report.undeclared = None;
         let now = self.world.time;
-        for (index, entry) in self.entries.iter_mut().enumerate() {
+        let entries = self.entries.iter_mut().zip(&mut self.plugins);
+        for (index, (entry, plugin)) in entries.enumerate() {
             let (contact_alpha, contact_live, contact_on) = match entry.layout.contact {
                 Some(c) => {
                     let contact = &self.world.contacts[c.index()];
@@ -374,27 +373,18 @@ impl Controller {
                 None => (1.0, true, false),
             };
             if entry.settle(now) || contact_on {
-                match self.tasks.get_mut(index) {
-                    Some(task) => task.activate(),
-                    None => self.constraints[index - self.tasks.len()].activate(),
-                }
+                plugin.plugin.activate();
             }
             entry.live = entry.switch.is_live(now) && contact_live;
             entry.alpha = entry.switch.alpha(now) * contact_alpha;
             if !entry.live {
                 continue;
             }
-            let tick = self.world.tick(EntryState {
+            let state = EntryState {
                 alpha: entry.alpha,
                 since: entry.switch.since(),
-            });
-            match self.tasks.get_mut(index) {
-                Some(task) => task.update(&tick, &mut Rows::new(&entry.layout, &mut entry.store)),
-                None => self.constraints[index - self.tasks.len()].update(
-                    &tick,
-                    &mut ConstraintRows::new(&entry.layout, &mut entry.store),
-                ),
-            }
+            };
+            plugin.update(&self.world, state, &entry.layout, &mut entry.store);
             if entry.store.undeclared && self.report.undeclared.is_none() {
                 self.report.undeclared = Some(index);
             }

@@ -2,7 +2,6 @@
 
 use super::{ActiveRow, ContactReport, Report, Side, world::World};
 use crate::{
-    plugin::Task,
     problem::{BoundEntry, Problem, dot},
     qp::{Qp, Solution},
 };
@@ -16,8 +15,7 @@ impl Report {
     pub(super) fn fill(
         &mut self,
         problem: &Problem,
-        entries: &[BoundEntry],
-        tasks: &[Box<dyn Task>],
+        tasks: &[BoundEntry],
         world: &World,
         qp: &Qp,
         solution: &Solution,
@@ -35,13 +33,12 @@ impl Report {
                 position: contact.p_SC,
             };
         }
-        self.fill_tasks(problem, entries, tasks);
+        self.fill_tasks(problem, tasks);
         self.fill_active(problem, qp, solution);
     }
 
-    fn fill_tasks(&mut self, problem: &Problem, entries: &[BoundEntry], tasks: &[Box<dyn Task>]) {
-        let tasks = entries.iter().zip(tasks);
-        for (index, ((entry, task), report)) in tasks.zip(&mut self.tasks).enumerate() {
+    fn fill_tasks(&mut self, problem: &Problem, tasks: &[BoundEntry]) {
+        for (index, (entry, report)) in tasks.iter().zip(&mut self.tasks).enumerate() {
             report.alpha = if entry.live { entry.alpha } else { 0.0 };
             let residuals = if entry.live {
                 problem.solved().residuals(index)
@@ -58,7 +55,7 @@ impl Report {
                 report.residual[k] = r;
                 report.cost[k] = w * r * r;
             }
-            if let (true, Some(force)) = (entry.live, task.force_report())
+            if let (true, Some(force)) = (entry.live, entry.store.force_report)
                 && let Some(contact) = self.contacts.get_mut(force.contact.index())
             {
                 contact.task = Some(force);

@@ -5,14 +5,14 @@ use nalgebra::{DMatrix, DVector, Vector6};
 use super::{
     Measurement,
     fit::{Sizes, check_layout},
+    running::RunningPlugin,
     world::{ContactBinding, World},
 };
 use crate::{
     contact::{ContactId, ContactSpec},
-    dynamics::{Data, FrameKinematics},
     error::BindError,
     plugin::{
-        Constraint, ConstraintRows, EntryState, Layout, PreviousSolution, Rows, Setup, Task, Tick,
+        AnyPlugin, BoundPlugin, EntryState, Layout, Setup,
         rows::{RowStore, Variable},
     },
     robot::RobotModel,
@@ -22,11 +22,18 @@ use crate::{
 /// What is in a row's place before the plug-in writes it: a NaN that no computation gives.
 const UNWRITTEN: u64 = 0x7ff8_0bad_0bad_0bad;
 
-/// A task or constraint (`P` is `dyn Task` or `dyn Constraint`) that is bound to a robot and belongs to no controller.
+/// Of the plug-in's entry.
+const ON: EntryState = EntryState {
+    alpha: 1.0,
+    since: 0.0,
+};
+
+/// A task or constraint (`P` is `dyn AnyTask` or `dyn AnyConstraint`) that is bound to a robot and belongs to no controller.
 /// All contacts are on, and so is its entry.
 #[derive(Debug)]
 pub struct Probe<P: ?Sized> {
     plugin: Box<P>,
+    running: RunningPlugin,
     layout: Layout,
     store: RowStore,
     world: World,
@@ -79,71 +86,22 @@ impl WrittenRows {
     }
 }
 
-/// What can be probed: `dyn Task` and `dyn Constraint`.
-pub trait Probed: probed::Probed {}
-
-impl<P: probed::Probed + ?Sized> Probed for P {}
-
-mod probed {
-    use super::{BindError, Constraint, ConstraintRows, Layout, RowStore, Rows, Setup, Task, Tick};
-
-    /// Where the rows go.
-    #[derive(Debug)]
-    pub struct Store<'a> {
-        pub(super) layout: &'a Layout,
-        pub(super) rows: &'a mut RowStore,
-    }
-
-    pub trait Probed {
-        const IS_TASK: bool;
-
-        fn bind(&mut self, setup: &mut Setup<'_>) -> Result<Layout, BindError>;
-        fn update(&mut self, tick: &Tick<'_>, store: Store<'_>);
-    }
-
-    impl Probed for dyn Task {
-        const IS_TASK: bool = true;
-
-        fn bind(&mut self, setup: &mut Setup<'_>) -> Result<Layout, BindError> {
-            Task::bind(self, setup)
-        }
-
-        fn update(&mut self, tick: &Tick<'_>, store: Store<'_>) {
-            Task::update(self, tick, &mut Rows::new(store.layout, store.rows));
-        }
-    }
-
-    impl Probed for dyn Constraint {
-        const IS_TASK: bool = false;
-
-        fn bind(&mut self, setup: &mut Setup<'_>) -> Result<Layout, BindError> {
-            Constraint::bind(self, setup)
-        }
-
-        fn update(&mut self, tick: &Tick<'_>, store: Store<'_>) {
-            Constraint::update(
-                self,
-                tick,
-                &mut ConstraintRows::new(store.layout, store.rows),
-            );
-        }
-    }
-}
-
-impl<P: Probed + ?Sized> Probe<P> {
+impl<P: AnyPlugin + ?Sized> Probe<P> {
     /// Binds the plug-in to a robot with contacts, all of them on, at a control period in s.
     ///
     /// # Errors
     /// [`BindError`]: what the plug-in refuses, or what does not fit in its layout.
     pub fn new(
-        mut plugin: Box<P>,
+        plugin: Box<P>,
         robot: &RobotModel,
         contacts: &[ContactSpec],
         period: f64,
     ) -> Result<Self, BindError> {
         let model = robot.model.clone();
         let mut frame_ids = vec![model.base_frame()];
-        let layout = plugin.bind(&mut Setup::new(robot, contacts, period, &mut frame_ids))?;
+        let mut setup = Setup::new(robot, contacts, period, &mut frame_ids);
+        let BoundPlugin { layout, running } = plugin.bind(&mut setup)?;
+        let mut references = setup.into_references();
         let nf: Vec<usize> = contacts
             .iter()
             .map(|c| c.kind.constrained().len())
@@ -153,18 +111,15 @@ impl<P: Probed + ?Sized> Probe<P> {
             nu: robot.nu(),
             nf: &nf,
         };
-        check_layout(&layout, &sizes, frame_ids.len(), P::IS_TASK)?;
+        check_layout(&layout, &sizes, frame_ids.len())?;
 
         let mut bindings = Vec::new();
-        let mut states = Vec::new();
         for spec in contacts {
             let spec = ContactSpec {
                 active: true,
                 ..spec.clone()
             };
-            let binding = ContactBinding::new(&spec, &model, period)?;
-            states.push(binding.initial_state(&model));
-            bindings.push(binding);
+            bindings.push(ContactBinding::new(&spec, &model, period)?);
         }
         let mut store = RowStore::new(&layout, model.nv(), robot.nu(), &nf);
         let unwritten = f64::from_bits(UNWRITTEN);
@@ -176,29 +131,19 @@ impl<P: Probed + ?Sized> Probe<P> {
         ] {
             place.fill(unwritten);
         }
-        let world = World {
-            period,
-            elapsed: period,
-            slew_time: period,
-            time: 0.0,
-            origin: Some(0.0),
-            state: robot.home.clone(),
-            data: Data::new(&model),
-            frames: frame_ids
-                .iter()
-                .map(|_| FrameKinematics::new(&model))
-                .collect(),
-            frame_ids,
-            contacts: states,
-            last: PreviousSolution {
-                virtual_input: DVector::zeros(model.nv()),
-                vdot: DVector::zeros(model.nv()),
-                effort: DVector::zeros(robot.nu()),
-            },
-            bindings,
-            model,
-        };
+        let mut home = World::at_home(robot, period, &bindings);
+        home.look_at(&frame_ids);
+        for reference in &mut references {
+            reference.start_at_home(&home.tick(ON));
+        }
+        let mut world = World::new(robot, period, bindings, frame_ids);
+        world.origin = Some(0.0);
         Ok(Self {
+            running: RunningPlugin {
+                plugin: running,
+                references,
+                tag: plugin.tag(),
+            },
             plugin,
             layout,
             store,
@@ -232,15 +177,14 @@ impl<P: Probed + ?Sized> Probe<P> {
 
     /// Lets the plug-in write its rows; allocates only if the plug-in does.
     pub fn update(&mut self) {
-        let tick = self.world.tick(EntryState {
-            alpha: 1.0,
-            since: 0.0,
-        });
-        let store = probed::Store {
-            layout: &self.layout,
-            rows: &mut self.store,
-        };
-        self.plugin.update(&tick, store);
+        let Self {
+            running,
+            layout,
+            store,
+            world,
+            ..
+        } = self;
+        running.update(world, ON, layout, store);
     }
 
     /// What it wrote in the last update.

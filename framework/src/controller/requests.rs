@@ -11,12 +11,13 @@ use super::{
     handle::{EntryId, EntryKey, EntryMut, key::Among, other_type},
     planned_force::PlannedForce,
     record::{Dump, Record, Recorder, blank_record},
+    running::{self, RunningPlugin},
 };
 use crate::{
     contact::{ContactId, ContactSpec, ContactState, SurfaceMotion},
     error::BindError,
     fault::Fault,
-    plugin::{Constraint, EntryState, Layout, Reference, Sample, Space, Task, Weight},
+    plugin::{AnyReference, Constraint, EntryState, Layout, Sample, Task, Weight},
     problem::{BoundEntry, Treatment},
 };
 
@@ -71,11 +72,16 @@ impl Controller {
     pub fn follow(
         &mut self,
         task: &str,
-        reference: Box<dyn Reference>,
+        reference: Box<dyn AnyReference>,
     ) -> Result<(), RequestError> {
         let index = self.task_index(task)?;
         let begin = self.world.next_time();
-        redirect(&mut *self.tasks[index], task, reference, begin)
+        running::follow(
+            &mut self.plugins[index].references,
+            task,
+            &*reference,
+            begin,
+        )
     }
 
     /// Moves a contact's surface; its pose, twist and acceleration hold from the next tick on.
@@ -127,14 +133,14 @@ impl Controller {
 
     /// Names of the tasks, in the order of [`Report::tasks`](super::Report::tasks).
     pub fn task_names(&self) -> impl Iterator<Item = &str> {
-        self.entries[..self.tasks.len()]
+        self.entries[..self.task_count]
             .iter()
             .map(|g| g.name.as_str())
     }
 
     /// Rows of each task with labels and units, in the order of [`Controller::task_names`].
     pub fn task_layouts(&self) -> impl Iterator<Item = &Layout> {
-        self.entries[..self.tasks.len()].iter().map(|g| &g.layout)
+        self.entries[..self.task_count].iter().map(|g| &g.layout)
     }
 
     /// Names of the contacts, in the order of [`Report::contacts`](super::Report::contacts).
@@ -148,8 +154,7 @@ impl Controller {
     /// [`RequestError`] if there is no such task or it is of another type.
     pub fn task_id<T: Task>(&self, name: &str) -> Result<EntryId<T>, RequestError> {
         let index = self.task_index(name)?;
-        let task = &*self.tasks[index];
-        self.entry_id("task", index, task, task.typetag_name())
+        self.entry_id("task", index)
     }
 
     /// A constraint by name, resolved once, as [`Controller::task_id`].
@@ -158,8 +163,7 @@ impl Controller {
     /// [`RequestError`] if there is no such constraint or it is of another type.
     pub fn constraint_id<T: Constraint>(&self, name: &str) -> Result<EntryId<T>, RequestError> {
         let index = self.constraint_index(name)?;
-        let constraint = &*self.constraints[index - self.tasks.len()];
-        self.entry_id("constraint", index, constraint, constraint.typetag_name())
+        self.entry_id("constraint", index)
     }
 
     /// A task as its own type, to read or change its parameters, trajectory, weight and activation:
@@ -178,7 +182,7 @@ impl Controller {
         task: impl EntryKey<T>,
     ) -> Result<EntryMut<'_, T>, RequestError> {
         let index = task.find(self, Among::Tasks)?;
-        self.entry_mut(index)
+        self.entry_mut("task", index)
     }
 
     /// A constraint as its own type, to read or change its parameters, weight and activation:
@@ -194,43 +198,42 @@ impl Controller {
         constraint: impl EntryKey<T>,
     ) -> Result<EntryMut<'_, T>, RequestError> {
         let index = constraint.find(self, Among::Constraints)?;
-        self.entry_mut(index)
+        self.entry_mut("constraint", index)
     }
 
     fn entry_id<T: Any>(
         &self,
         kind: &'static str,
         index: usize,
-        plugin: &dyn Any,
-        is: &'static str,
     ) -> Result<EntryId<T>, RequestError> {
-        if plugin.is::<T>() {
+        let plugin = &self.plugins[index];
+        if plugin.parameters().is::<T>() {
             Ok(EntryId::new(index, self.stamp))
         } else {
-            Err(other_type::<T>(kind, is, &self.entries[index].name))
+            Err(other_type::<T>(kind, plugin.tag, &self.entries[index].name))
         }
     }
 
-    fn entry_mut<T: Any>(&mut self, index: usize) -> Result<EntryMut<'_, T>, RequestError> {
+    fn entry_mut<T: Any>(
+        &mut self,
+        kind: &'static str,
+        index: usize,
+    ) -> Result<EntryMut<'_, T>, RequestError> {
         let next_time = self.world.next_time();
         let entry = &mut self.entries[index];
-        let (kind, is, plugin): (_, _, &mut dyn Any) = match index.checked_sub(self.tasks.len()) {
-            None => {
-                let task = &mut *self.tasks[index];
-                ("task", task.typetag_name(), task)
-            }
-            Some(index) => {
-                let constraint = &mut *self.constraints[index];
-                ("constraint", constraint.typetag_name(), constraint)
-            }
-        };
-        match plugin.downcast_mut::<T>() {
-            Some(plugin) => Ok(EntryMut {
-                plugin,
+        let RunningPlugin {
+            plugin,
+            references,
+            tag,
+        } = &mut self.plugins[index];
+        match plugin.parameters_mut().downcast_mut::<T>() {
+            Some(parameters) => Ok(EntryMut {
+                parameters,
+                references,
                 entry,
                 next_time,
             }),
-            None => Err(other_type::<T>(kind, is, &entry.name)),
+            None => Err(other_type::<T>(kind, tag, &entry.name)),
         }
     }
 
@@ -277,29 +280,28 @@ impl Controller {
         self.world.time = time;
         self.world.origin = Some(0.0);
         let mut planned = Vec::new();
-        for (bound, task) in self.entries.iter().zip(&mut self.tasks) {
-            let Some(contact) = task.pushes() else {
-                continue;
-            };
+        let tick = self.world.tick(EntryState {
+            alpha: 1.0,
+            since: f64::NEG_INFINITY,
+        });
+        for (bound, plugin) in self.entries.iter().zip(&mut self.plugins) {
             if !bound.switch.is_wanted() || bound.weight.wanted().iter().all(|w| *w == 0.0) {
                 continue;
             }
-            let Some(follow) = task.follow() else {
-                continue;
-            };
-            let mut sample = Sample::new(Space::Vector(1));
-            let entry = EntryState {
-                alpha: 1.0,
-                since: f64::NEG_INFINITY,
-            };
-            follow
-                .reference
-                .sample(&self.world.tick(entry), &mut sample);
-            planned.extend(sample.value.first().map(|&normal| PlannedForce {
-                task: &bound.name,
-                contact,
-                normal,
-            }));
+            for reference in &mut plugin.references {
+                let Some(contact) = reference.pushes else {
+                    continue;
+                };
+                if let Sample::Vector(sample) = reference.look(&tick)
+                    && let Some(&normal) = sample.value.first()
+                {
+                    planned.push(PlannedForce {
+                        task: &bound.name,
+                        contact,
+                        normal,
+                    });
+                }
+            }
         }
         planned
     }
@@ -356,34 +358,13 @@ impl Controller {
 
     /// The position of a constraint among all entries.
     pub(super) fn constraint_index(&self, name: &str) -> Result<usize, RequestError> {
-        let first = self.tasks.len();
+        let first = self.task_count;
         let names = || self.entries[first..].iter().map(|g| g.name.as_str());
         let found = names().position(|n| n == name);
         found
             .map(|index| first + index)
             .ok_or_else(|| absent("constraint", name, names()))
     }
-}
-
-/// Gives a task another trajectory that begins at a time.
-pub(super) fn redirect(
-    task: &mut dyn Task,
-    name: &str,
-    mut reference: Box<dyn Reference>,
-    begin: f64,
-) -> Result<(), RequestError> {
-    let name = || name.to_owned();
-    let follow = task
-        .follow()
-        .ok_or_else(|| RequestError::NoReference { name: name() })?;
-    reference
-        .bind(&follow.start(begin))
-        .map_err(|source| RequestError::Value {
-            name: name(),
-            source,
-        })?;
-    *follow.reference = reference;
-    Ok(())
 }
 
 /// Lets the rows of a entry go to another weight.

@@ -7,7 +7,8 @@
 use std::sync::Arc;
 
 use nalgebra::{
-    Isometry3, Matrix3, Matrix6xX, Rotation3, Translation3, UnitQuaternion, Vector3, Vector6,
+    DVector, Isometry3, Matrix3, Matrix6xX, Rotation3, Translation3, UnitQuaternion, Vector3,
+    Vector6,
 };
 
 use super::{measurement::Measurement, record::ContactMemory};
@@ -16,8 +17,9 @@ use crate::{
     dynamics::{Data, FrameKinematics},
     error::BindError,
     model::{BodyId, FrameId, Model},
-    plugin::{EntryState, PreviousSolution, Task, Tick},
+    plugin::{EntryState, PreviousSolution, Tick},
     problem::{BoundEntry, DynamicsTerms, Problem},
+    robot::RobotModel,
     state::State,
     switch::Switch,
 };
@@ -45,7 +47,7 @@ pub(crate) struct World {
 }
 
 /// What a contact needs besides its state.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct ContactBinding {
     pub(crate) spec: ContactSpec,
     pub(crate) switch: Switch,
@@ -269,6 +271,60 @@ impl ContactBinding {
 }
 
 impl World {
+    /// The robot at home and at rest, before the first tick; nothing is computed yet.
+    pub(crate) fn new(
+        robot: &RobotModel,
+        period: f64,
+        bindings: Vec<ContactBinding>,
+        frame_ids: Vec<FrameId>,
+    ) -> Self {
+        let model = robot.model.clone();
+        let contacts = bindings.iter().map(|b| b.initial_state(&model));
+        Self {
+            period,
+            elapsed: period,
+            slew_time: period,
+            time: 0.0,
+            origin: None,
+            state: robot.home.clone(),
+            data: Data::new(&model),
+            frames: frame_ids
+                .iter()
+                .map(|_| FrameKinematics::new(&model))
+                .collect(),
+            frame_ids,
+            contacts: contacts.collect(),
+            last: PreviousSolution {
+                virtual_input: DVector::zeros(model.nv()),
+                vdot: DVector::zeros(model.nv()),
+                effort: DVector::zeros(robot.nu()),
+            },
+            bindings,
+            model,
+        }
+    }
+
+    /// The same with everything computed that depends on the home posture, for what is asked while plug-ins are bound.
+    pub(crate) fn at_home(robot: &RobotModel, period: f64, bindings: &[ContactBinding]) -> Self {
+        let mut world = Self::new(robot, period, bindings.to_vec(), Vec::new());
+        world.update_bodies();
+        let contacts = world.contacts.iter_mut().zip(&mut world.bindings);
+        for (contact, binding) in contacts {
+            binding.place(&world.model, &world.data, contact);
+        }
+        world
+    }
+
+    /// Computes what it has not computed yet of these frames, of which it knows the first ones.
+    pub(crate) fn look_at(&mut self, frame_ids: &[FrameId]) {
+        for &id in frame_ids.iter().skip(self.frame_ids.len()) {
+            let mut frame = FrameKinematics::new(&self.model);
+            frame.update(&self.model, &self.data, id);
+            self.frames.push(frame);
+            self.frame_ids.push(id);
+        }
+    }
+
     /// Computes everything that depends on the state alone, for a state that was recorded; what contacts remember is
     /// void afterwards.
     pub(crate) fn refresh(&mut self) {
@@ -318,15 +374,9 @@ impl World {
     }
 
     /// Takes down what the next tick needs of a solution that the problem has recovered.
-    pub(crate) fn remember(
-        &mut self,
-        problem: &mut Problem,
-        entries: &[BoundEntry],
-        tasks: &[Box<dyn Task>],
-    ) {
+    pub(crate) fn remember(&mut self, problem: &mut Problem, tasks: &[BoundEntry]) {
         self.last.vdot.copy_from_slice(&problem.solved().vdot);
-        let entries = &entries[..tasks.len()];
-        problem.collect_asked(entries, self.last.virtual_input.as_mut_slice());
+        problem.collect_asked(tasks, self.last.virtual_input.as_mut_slice());
         for (index, contact) in self.contacts.iter_mut().enumerate() {
             contact.solution.fill(0.0);
             contact.set_point.fill(0.0);
@@ -336,8 +386,8 @@ impl World {
                 }
             }
         }
-        for (entry, task) in entries.iter().zip(tasks) {
-            if let (true, Some(force)) = (entry.live, task.force_report())
+        for task in tasks {
+            if let (true, Some(force)) = (task.live, task.store.force_report)
                 && let Some(contact) = self.contacts.get_mut(force.contact.index())
             {
                 contact.set_point = force.reference;
@@ -393,6 +443,7 @@ impl World {
             entry,
             frames: &self.frames,
             contacts: &self.contacts,
+            references: &[],
         }
     }
 }

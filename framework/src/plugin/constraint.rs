@@ -4,36 +4,44 @@ use std::{any::Any, fmt::Debug};
 
 use crate::{
     error::BindError,
-    plugin::{ConstraintRows, Layout, Setup, Tick},
+    plugin::{BoundPlugin, ConstraintLayout, ConstraintRows, Setup, Tick},
 };
 
 /// A constraint demands `lower ≤ A_v v̇ + A_u u + Σ A_c f_c ≤ upper`, or `A x = b` if its layout says
-/// [`equality`](Layout::equality), and bounds on single efforts and contact forces.
+/// [`equality`](crate::Layout::equality), and bounds on single efforts and contact forces.
 ///
 /// Hard by default. An entry with `hardness = "soft"` turns equality rows into a weighted cost and
 /// inequality rows into a penalised slack; bounds stay hard.
 ///
-/// The life cycle is that of a [`Task`](crate::plugin::Task). A constraint is registered by
-/// `#[wbqp::constraint("tag")]`.
-#[typetag::serde(tag = "type")]
-pub trait Constraint: Any + Send + Debug {
-    /// Resolves names and declares rows and bounds.
+/// Parameters and running object are two types, as of a [`Task`](crate::plugin::Task), and the life cycle is the same.
+/// The attribute is [`constraint`](macro@crate::constraint).
+pub trait Constraint: Clone + Debug + Send + 'static {
+    /// Handles of frames and contacts, and whatever else is not a parameter.
+    type Running: Send + 'static;
+
+    /// Called once: resolves names and declares rows and bounds.
     ///
     /// # Errors
     /// [`BindError`] when a name does not exist or a parameter does not fit the robot.
-    fn bind(&mut self, setup: &mut Setup<'_>) -> Result<Layout, BindError>;
+    fn bind(&self, setup: &mut Setup<'_>) -> Result<(ConstraintLayout, Self::Running), BindError>;
 
-    /// Writes this tick's rows and bounds.
-    fn update(&mut self, tick: &Tick<'_>, rows: &mut ConstraintRows<'_>);
+    /// Writes this tick's rows and bounds. No allocation, no panic.
+    fn update(&self, running: &mut Self::Running, tick: &Tick<'_>, rows: &mut ConstraintRows<'_>);
 
     /// Called before the update of the tick in which the entry, or the contact it belongs to, is switched on. No
     /// allocation, no panic.
-    fn activate(&mut self) {}
+    fn activate(&self, running: &mut Self::Running) {
+        let _ = running;
+    }
 }
 
-impl dyn Constraint {
-    /// The constraint as its own type, if it is a `T`.
-    pub fn downcast_mut<T: Constraint>(&mut self) -> Option<&mut T> {
-        (self as &mut dyn Any).downcast_mut()
-    }
+/// Any constraint: what an entry of a configuration holds. Implemented by the attribute
+/// [`constraint`](macro@crate::constraint).
+#[typetag::serde(tag = "type")]
+pub trait AnyConstraint: Any + Send + Debug {
+    /// Binds the constraint, as [`Constraint::bind`].
+    ///
+    /// # Errors
+    /// What the constraint refuses.
+    fn bind_any(&self, setup: &mut Setup<'_>) -> Result<BoundPlugin, BindError>;
 }

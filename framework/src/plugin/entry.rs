@@ -5,7 +5,7 @@ use std::fmt;
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, de};
 
-use crate::plugin::{Constraint, Task};
+use crate::plugin::{AnyConstraint, AnyTask};
 
 /// A task or constraint with what the framework needs to know about it.
 #[derive(Debug)]
@@ -39,21 +39,21 @@ impl<P: ?Sized> Entry<P> {
     }
 }
 
-impl Entry<dyn Task> {
+impl Entry<dyn AnyTask> {
     /// A task whose rows cost `w r²`.
-    pub fn task(name: &str, weight: impl Into<Weight>, task: impl Task) -> Self {
+    pub fn task(name: &str, weight: impl Into<Weight>, task: impl AnyTask) -> Self {
         Self::new(name, weight, Hardness::Soft, Box::new(task))
     }
 
     /// A task that must be fulfilled: strict priority over all soft ones.
-    pub fn hard_task(name: &str, task: impl Task) -> Self {
+    pub fn hard_task(name: &str, task: impl AnyTask) -> Self {
         Self::new(name, 1.0, Hardness::Hard, Box::new(task))
     }
 }
 
-impl Entry<dyn Constraint> {
+impl Entry<dyn AnyConstraint> {
     /// A constraint that must hold.
-    pub fn constraint(name: &str, constraint: impl Constraint) -> Self {
+    pub fn constraint(name: &str, constraint: impl AnyConstraint) -> Self {
         Self::new(name, 1.0, Hardness::Hard, Box::new(constraint))
     }
 
@@ -61,7 +61,7 @@ impl Entry<dyn Constraint> {
     pub fn soft_constraint(
         name: &str,
         weight: impl Into<Weight>,
-        constraint: impl Constraint,
+        constraint: impl AnyConstraint,
     ) -> Self {
         Self::new(name, weight, Hardness::Soft, Box::new(constraint))
     }

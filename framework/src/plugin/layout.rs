@@ -99,11 +99,6 @@ impl Layout {
         }
     }
 
-    /// No rows; for constraints made of bounds alone.
-    pub fn empty() -> Self {
-        Self::rows::<String, String>([])
-    }
-
     /// Unit of what the task writes into its error (`m`, `rad`, `N`).
     pub fn error_unit(mut self, unit: &str) -> Self {
         unit.clone_into(&mut self.error_unit);
@@ -169,53 +164,27 @@ impl Layout {
         self
     }
 
-    /// Bounds the effort of actuator `index` (constraints only). Bounds are numbered in the order declared.
-    pub fn bound_effort(mut self, index: usize, label: &str, unit: &str) -> Self {
-        self.bounds
-            .push((row(label, unit), BoundTarget::Effort(index)));
-        self
-    }
-
-    /// Bounds component `component` of a contact's force (constraints only).
-    pub fn bound_force(
-        mut self,
-        contact: ContactId,
-        component: usize,
-        label: &str,
-        unit: &str,
-    ) -> Self {
-        self.bounds
-            .push((row(label, unit), BoundTarget::Force(contact, component)));
-        self
-    }
-
-    /// The rows are equalities: `A x = b`, written with [`ConstraintRows::equal`].
-    ///
-    /// [`ConstraintRows::equal`]: crate::plugin::ConstraintRows::equal
-    pub fn equality(mut self) -> Self {
-        self.relation = Relation::Equality;
-        self
-    }
-
-    /// The rows and bounds exist only while this contact is on, and follow its ramp.
+    /// The rows exist only while this contact is on, and follow its ramp; so do a constraint's bounds.
     pub fn while_contact(mut self, contact: ContactId) -> Self {
         self.contact = Some(contact);
         self
     }
 
-    /// The rows and bounds limit all moments of this contact (constraints only). A contact that constrains rotations
-    /// is refused unless some constraint says so: without limits, a solver would pull with moments.
-    pub fn limits_moments(mut self, contact: ContactId) -> Self {
-        self.moment_limits.push(contact);
-        self
+    /// As rows of a constraint: `lower ≤ A x ≤ upper`, written with [`ConstraintRows::limit`].
+    ///
+    /// [`ConstraintRows::limit`]: crate::plugin::ConstraintRows::limit
+    pub fn limits(self) -> ConstraintLayout {
+        ConstraintLayout(self)
     }
 
-    /// The rows (not the bounds) say what the world can bear, such as friction, and not what is wanted (constraints
-    /// only). They are kept where other limits are given up because all together cannot hold: a plan that exceeds them
-    /// would not come true.
-    pub fn never_relaxed(mut self) -> Self {
-        self.never_relaxed = true;
-        self
+    /// As rows of a constraint: `A x = b`, written with [`ConstraintRows::equal`].
+    ///
+    /// [`ConstraintRows::equal`]: crate::plugin::ConstraintRows::equal
+    pub fn equality(self) -> ConstraintLayout {
+        ConstraintLayout(Self {
+            relation: Relation::Equality,
+            ..self
+        })
     }
 
     /// Labels and units of the rows.
@@ -256,6 +225,71 @@ impl Layout {
     /// Whether there is no row.
     pub fn is_empty(&self) -> bool {
         self.rows.is_empty()
+    }
+}
+
+/// The rows and bounds of a constraint: rows of a [`Layout`] with what constraints alone can say. Returned by `bind`;
+/// fixed from then on.
+///
+/// ```
+/// use wbqp::{Layout, plugin::ConstraintLayout};
+/// // One row of limits on a component of v̇, kept where other limits are given up.
+/// let limited = Layout::rows([("x", "m/s²")]).vdot_unit([0]).limits().never_relaxed();
+/// // Bounds alone.
+/// let bounded = ConstraintLayout::bounds().bound_effort(0, "rotor_1", "N");
+/// ```
+#[derive(Clone, Debug)]
+pub struct ConstraintLayout(Layout);
+
+impl ConstraintLayout {
+    /// No rows: for constraints made of bounds alone.
+    pub fn bounds() -> Self {
+        Self(Layout::rows::<String, String>([]))
+    }
+
+    /// Bounds the effort of actuator `index`. Bounds are numbered in the order declared.
+    pub fn bound_effort(mut self, index: usize, label: &str, unit: &str) -> Self {
+        self.0
+            .bounds
+            .push((row(label, unit), BoundTarget::Effort(index)));
+        self
+    }
+
+    /// Bounds component `component` of a contact's force.
+    pub fn bound_force(
+        mut self,
+        contact: ContactId,
+        component: usize,
+        label: &str,
+        unit: &str,
+    ) -> Self {
+        self.0
+            .bounds
+            .push((row(label, unit), BoundTarget::Force(contact, component)));
+        self
+    }
+
+    /// The rows and bounds exist only while this contact is on, and follow its ramp.
+    pub fn while_contact(self, contact: ContactId) -> Self {
+        Self(self.0.while_contact(contact))
+    }
+
+    /// The rows and bounds limit all moments of this contact. A contact that constrains rotations
+    /// is refused unless some constraint says so: without limits, a solver would pull with moments.
+    pub fn limits_moments(mut self, contact: ContactId) -> Self {
+        self.0.moment_limits.push(contact);
+        self
+    }
+
+    /// The rows (not the bounds) say what the world can bear, such as friction, and not what is wanted. They are kept
+    /// where other limits are given up because all together cannot hold: a plan that exceeds them would not come true.
+    pub fn never_relaxed(mut self) -> Self {
+        self.0.never_relaxed = true;
+        self
+    }
+
+    pub(crate) fn into_layout(self) -> Layout {
+        self.0
     }
 }
 

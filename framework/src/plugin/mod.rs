@@ -5,22 +5,26 @@
 //! *updated* in every tick ([`Tick`]: what is known; [`Rows`] or [`ConstraintRows`]: what it writes). An [`Entry`] is
 //! what the framework adds to it: name, weight, ramp, hardness.
 
+pub(crate) mod bound;
 pub(crate) mod constraint;
 pub(crate) mod entry;
+pub(crate) mod followed;
 pub(crate) mod frame_handle;
 pub(crate) mod layout;
-pub mod reference;
+pub(crate) mod reference;
 pub(crate) mod rows;
 pub(crate) mod setup;
 pub(crate) mod task;
 pub(crate) mod tick;
 
-pub use constraint::Constraint;
+pub use bound::{AnyPlugin, BoundPlugin};
+pub use constraint::{AnyConstraint, Constraint};
 pub use entry::{Entry, Hardness, Weight};
+pub use followed::{BoundReference, RotationReference, VectorReference};
 pub use frame_handle::FrameHandle;
-pub use layout::{Layout, RowSpec};
-pub use reference::{Reference, Sample, Space, Start};
-pub use rows::{ConstraintRows, RowMajorMut, Rows};
+pub use layout::{ConstraintLayout, Layout, RowSpec};
+pub use reference::{AnyReference, Reference, RotationSample, Sample, Space, Start, VectorSample};
+pub use rows::{ConstraintRows, ForceReport, Motion, RowMajorMut, Rows};
 pub use setup::Setup;
-pub use task::{ForceReport, Task};
+pub use task::{AnyTask, Task};
 pub use tick::{EntryState, PreviousSolution, Tick};

@@ -1,13 +1,74 @@
-//! References: trajectories that tasks follow.
+//! References: the trajectories that tasks follow.
+//!
+//! A task declares in `bind` that it follows one, in which space, and what is measured of it
+//! ([`Setup::follow_vector`](crate::plugin::Setup::follow_vector) and its like); the framework binds it, lets it begin
+//! at what is measured, samples it before each update of the task, and replaces it while running.
 
 use std::{any::Any, borrow::Cow, fmt::Debug};
 
 use nalgebra::{UnitQuaternion, Vector3};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 
-use crate::{error::BindError, plugin::Tick};
+use crate::{
+    error::BindError,
+    plugin::{BoundReference, Tick},
+};
 
-/// The space a reference lives in.
+/// A trajectory: value, rate and acceleration as a function of time, or of what the tick knows (an
+/// attitude computed from a desired force, say).
+///
+/// The type that implements it is its parameters, with the attribute [`reference`](macro@crate::reference), and named
+/// by `reference = { type = "tag", … }` in a task. What it remembers is [`Reference::Running`].
+pub trait Reference: Clone + Debug + Send + 'static {
+    /// Whatever is not a parameter: where it begins, buffers.
+    type Running: Debug + Send + 'static;
+
+    /// Checks the parameters against the task's space, and makes room for what is remembered.
+    ///
+    /// # Errors
+    /// [`BindError`] when lengths or numbers do not fit.
+    fn bind(&self, space: Space) -> Result<Self::Running, BindError>;
+
+    /// Takes over where another one, or the robot, stands. Called after [`bind`](Reference::bind) with the home
+    /// posture's value, once more in the first tick with what was measured if the robot stands elsewhere, and for one
+    /// that replaces another. No allocation, no panic.
+    fn start(&self, running: &mut Self::Running, start: &Start<'_>);
+
+    /// Writes the sample for this tick, which is of the space it was bound to. No allocation, no panic.
+    fn sample(&self, running: &mut Self::Running, tick: &Tick<'_>, out: &mut Sample);
+}
+
+/// Any reference: what a task's parameters hold. Implemented by the attribute
+/// [`reference`](macro@crate::reference).
+#[typetag::serde(tag = "type")]
+pub trait AnyReference: Any + Send + Debug {
+    /// Binds the reference, as [`Reference::bind`].
+    ///
+    /// # Errors
+    /// What the reference refuses.
+    fn bind_any(&self, space: Space) -> Result<BoundReference, BindError>;
+
+    /// A copy.
+    fn boxed(&self) -> Box<dyn AnyReference>;
+}
+
+impl Clone for Box<dyn AnyReference> {
+    fn clone(&self) -> Self {
+        (**self).boxed()
+    }
+}
+
+impl JsonSchema for dyn AnyReference {
+    fn schema_name() -> Cow<'static, str> {
+        "Reference".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({ "type": "object", "x-plugin": "reference", "required": ["type"] })
+    }
+}
+
+/// What the values of a task are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Space {
     /// That many independent scalars.
@@ -17,65 +78,106 @@ pub enum Space {
     Rotation,
 }
 
-impl Space {
-    /// Number of rates: the vector's length, or 3.
-    pub fn dimension(self) -> usize {
-        match self {
-            Self::Vector(n) => n,
-            Self::Rotation => 3,
-        }
-    }
+/// Where a reference takes over: given to [`Reference::start`].
+#[derive(Clone, Copy, Debug)]
+pub struct Start<'a> {
+    /// Time at which the reference begins, s. Times in its configuration count from here.
+    pub time: f64,
+    /// What the task followed until now; at the start, what was measured.
+    pub from: &'a Sample,
 }
 
 /// Value, rate and acceleration of a reference at one time.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Sample {
-    /// The value in a vector space; left alone for rotations.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Sample {
+    /// In a [`Space::Vector`].
+    Vector(VectorSample),
+    /// In [`Space::Rotation`].
+    Rotation(RotationSample),
+}
+
+/// Value, rate and acceleration of a vector. The three have the same length.
+#[derive(Clone, Debug, PartialEq)]
+pub struct VectorSample {
+    /// The value, in the task's unit.
     pub value: Vec<f64>,
-    /// The value for rotations; left alone in a vector space.
-    pub rotation: UnitQuaternion<f64>,
-    /// First derivative; angular velocity in world axes for rotations.
+    /// Its first derivative.
     pub rate: Vec<f64>,
-    /// Second derivative; angular acceleration in world axes for rotations.
+    /// Its second derivative.
     pub acceleration: Vec<f64>,
+}
+
+/// Orientation, angular velocity and acceleration.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RotationSample {
+    /// The orientation.
+    pub rotation: UnitQuaternion<f64>,
+    /// Angular velocity, rad/s, in the axes that the rotation leads to (world axes of `R_WB`).
+    pub rate: Vector3<f64>,
+    /// Angular acceleration, rad/s², in the same axes.
+    pub acceleration: Vector3<f64>,
 }
 
 impl Sample {
     /// At zero, or at the identity, standing still.
     pub fn new(space: Space) -> Self {
-        let n = space.dimension();
-        Self {
-            value: vec![0.0; n],
-            rotation: UnitQuaternion::identity(),
-            rate: vec![0.0; n],
-            acceleration: vec![0.0; n],
+        match space {
+            Space::Vector(n) => Self::at_rest(std::iter::repeat_n(0.0, n)),
+            Space::Rotation => Self::turned(UnitQuaternion::identity()),
         }
     }
 
     /// This value of a vector space, standing still.
     pub fn at_rest(value: impl IntoIterator<Item = f64>) -> Self {
-        let value: Vec<f64> = value.into_iter().collect();
-        Self {
-            value: value.clone(),
-            ..Self::new(Space::Vector(value.len()))
-        }
+        Self::Vector(VectorSample::at_rest(value))
     }
 
     /// This orientation, standing still.
     pub fn turned(rotation: UnitQuaternion<f64>) -> Self {
-        Self {
-            rotation,
-            ..Self::new(Space::Rotation)
+        Self::Rotation(RotationSample::at_rest(rotation))
+    }
+
+    /// The space that it is of.
+    pub fn space(&self) -> Space {
+        match self {
+            Self::Vector(sample) => Space::Vector(sample.value.len()),
+            Self::Rotation(_) => Space::Rotation,
         }
     }
 
-    /// Becomes what [`Sample::new`] makes. Allocates only if there is no room.
-    pub fn reset(&mut self, space: Space) {
-        for numbers in [&mut self.value, &mut self.rate, &mut self.acceleration] {
-            numbers.clear();
-            numbers.resize(space.dimension(), 0.0);
+    /// Stands still at another one's value, if both are of the same space. Does not allocate.
+    pub fn stand_at(&mut self, other: &Self) {
+        match (self, other) {
+            (Self::Vector(sample), Self::Vector(other)) => {
+                for (value, other) in sample.value.iter_mut().zip(&other.value) {
+                    *value = *other;
+                }
+                sample.rate.fill(0.0);
+                sample.acceleration.fill(0.0);
+            }
+            (Self::Rotation(sample), Self::Rotation(other)) => {
+                *sample = RotationSample::at_rest(other.rotation);
+            }
+            _ => {}
         }
-        self.rotation = UnitQuaternion::identity();
+    }
+}
+
+impl VectorSample {
+    /// This value, standing still.
+    pub fn at_rest(value: impl IntoIterator<Item = f64>) -> Self {
+        let value: Vec<f64> = value.into_iter().collect();
+        let zeros = vec![0.0; value.len()];
+        Self {
+            value,
+            rate: zeros.clone(),
+            acceleration: zeros,
+        }
+    }
+
+    /// Value as a 3-vector; missing components are zero.
+    pub fn value3(&self) -> Vector3<f64> {
+        three(&self.value)
     }
 
     /// Rate as a 3-vector; missing components are zero.
@@ -87,167 +189,19 @@ impl Sample {
     pub fn acceleration3(&self) -> Vector3<f64> {
         three(&self.acceleration)
     }
+}
 
-    /// Value as a 3-vector; missing components are zero.
-    pub fn value3(&self) -> Vector3<f64> {
-        three(&self.value)
+impl RotationSample {
+    /// This orientation, standing still.
+    pub fn at_rest(rotation: UnitQuaternion<f64>) -> Self {
+        Self {
+            rotation,
+            rate: Vector3::zeros(),
+            acceleration: Vector3::zeros(),
+        }
     }
 }
 
 fn three(x: &[f64]) -> Vector3<f64> {
     Vector3::from_fn(|i, _| x.get(i).copied().unwrap_or(0.0))
-}
-
-/// Where a reference takes over: given to [`Reference::bind`].
-#[derive(Clone, Copy, Debug)]
-pub struct Start<'a> {
-    /// The space of the task.
-    pub space: Space,
-    /// Time at which the reference begins, s. Times in its configuration count from here.
-    pub time: f64,
-    /// What the task followed until now; at the first bind, the home posture's value, and in the first tick, what was
-    /// measured.
-    pub from: &'a Sample,
-}
-
-/// A trajectory: value, rate and acceleration as a function of time, or of what the tick knows (an
-/// attitude computed from a desired force, say).
-///
-/// Registered by `#[wbqp::reference("tag")]` and named by `reference = { type = "tag", … }` in a task.
-#[typetag::serde(tag = "type")]
-pub trait Reference: Any + Send + Debug {
-    /// Checks the parameters against the task's space and remembers where to start.
-    ///
-    /// Called when the controller is made, with the home posture's value, and, if the robot stands elsewhere, once more
-    /// in the first tick, in the same space, with what was measured: that time it must not allocate.
-    ///
-    /// # Errors
-    /// [`BindError`] when lengths or numbers do not fit.
-    fn bind(&mut self, start: &Start<'_>) -> Result<(), BindError>;
-
-    /// Writes the sample for this tick. No allocation, no panic.
-    fn sample(&mut self, tick: &Tick<'_>, out: &mut Sample);
-}
-
-/// Binds the reference of a task, in the task's own `bind`: it begins at time zero from `from`, the value in the home
-/// posture. Gives `from` back, as the sample that the task keeps and hands to [`Reference::sample`] in every update.
-///
-/// `key` is the reference's key in the task's configuration: errors name what is wrong as `key.…`.
-///
-/// # Errors
-/// What the reference refuses.
-pub fn begin(
-    key: &str,
-    reference: &mut dyn Reference,
-    space: Space,
-    from: Sample,
-) -> Result<Sample, BindError> {
-    let start = Start {
-        space,
-        time: 0.0,
-        from: &from,
-    };
-    let inside = |inner: String| format!("{key}.{inner}");
-    match reference.bind(&start) {
-        Ok(()) => Ok(from),
-        Err(BindError::Length { key, got, expected }) => Err(BindError::Length {
-            key: inside(key),
-            got,
-            expected,
-        }),
-        Err(BindError::Value { key, problem }) => Err(BindError::Value {
-            key: inside(key),
-            problem,
-        }),
-        Err(other) => Err(other),
-    }
-}
-
-/// The largest distance, m or rad, at which a robot that is measured near its home counts as at home: more than a good
-/// sensor's noise, less than what can be seen.
-pub const AT_HOME: f64 = 5e-3;
-
-/// Lets a reference of vectors begin at what is measured in the first tick: in
-/// [`Task::begin`](crate::plugin::Task::begin).
-///
-/// `sample` is where it begins now. What is measured within [`AT_HOME`] of it (the length of the difference) counts as
-/// noise, and nothing changes. Values that the reference's parameters give stay.
-pub fn begin_at<I>(reference: &mut dyn Reference, sample: &mut Sample, measured: I)
-where
-    I: IntoIterator<Item = f64>,
-    I::IntoIter: Clone,
-{
-    let measured = measured.into_iter();
-    let squares = measured
-        .clone()
-        .zip(&sample.value)
-        .map(|(m, s)| (m - s) * (m - s));
-    if squares.sum::<f64>().sqrt() <= AT_HOME {
-        return;
-    }
-    for (value, measured) in sample.value.iter_mut().zip(measured) {
-        *value = measured;
-    }
-    begin_anew(reference, sample, Space::Vector(sample.value.len()));
-}
-
-/// Lets a reference of orientations begin at what is measured in the first tick, as [`begin_at`] does: within
-/// [`AT_HOME`] (the angle between) of where it begins now, nothing changes.
-pub fn begin_turned(
-    reference: &mut dyn Reference,
-    sample: &mut Sample,
-    measured: &UnitQuaternion<f64>,
-) {
-    if measured.angle_to(&sample.rotation) > AT_HOME {
-        sample.rotation = *measured;
-        begin_anew(reference, sample, Space::Rotation);
-    }
-}
-
-/// Binds a reference once more, at rest.
-fn begin_anew(reference: &mut dyn Reference, sample: &mut Sample, space: Space) {
-    sample.rate.fill(0.0);
-    sample.acceleration.fill(0.0);
-    let start = Start {
-        space,
-        time: 0.0,
-        from: sample,
-    };
-    // It was bound to this space before: what it refused, it refused then.
-    let _ = reference.bind(&start);
-}
-
-/// A task's reference and where it stands: given by [`Task::follow`](crate::plugin::Task::follow), so that another
-/// one can take over.
-///
-/// The successor is bound to [`ReferenceSlot::start`] first, and takes the place of `reference` if that succeeds.
-#[derive(Debug)]
-pub struct ReferenceSlot<'a> {
-    /// The trajectory followed now.
-    pub reference: &'a mut Box<dyn Reference>,
-    /// What the task followed in its last update; before the first, where it starts.
-    pub sample: &'a Sample,
-    /// The space that a successor is bound to.
-    pub space: Space,
-}
-
-impl ReferenceSlot<'_> {
-    /// Where a successor takes over at `time` (s).
-    pub fn start(&self, time: f64) -> Start<'_> {
-        Start {
-            space: self.space,
-            time,
-            from: self.sample,
-        }
-    }
-}
-
-impl JsonSchema for dyn Reference {
-    fn schema_name() -> Cow<'static, str> {
-        "Reference".into()
-    }
-
-    fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        json_schema!({ "type": "object", "x-plugin": "reference", "required": ["type"] })
-    }
 }

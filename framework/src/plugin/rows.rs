@@ -4,13 +4,13 @@
 //! ticks: a constant coefficient may be written once. A block that was not declared has no storage; asking
 //! for it gives a scratch view and raises a fault that the report names.
 
-use nalgebra::{DVectorViewMut, Dyn, MatrixViewMut, U1};
+use nalgebra::{DVectorViewMut, Dyn, MatrixViewMut, U1, Vector3};
 
 use crate::{
     contact::{ContactId, ContactState},
     dynamics::FrameKinematics,
     plugin::{
-        Layout,
+        Layout, Tick,
         layout::{Block, VdotBlock},
     },
 };
@@ -31,6 +31,10 @@ pub(crate) struct RowStore {
     pub(crate) bound_lower: Vec<f64>,
     pub(crate) bound_upper: Vec<f64>,
     pub(crate) error: Vec<f64>,
+    /// `J̇ v` of rows whose coefficients the plug-in writes; NaN until it says so.
+    bias: Vec<f64>,
+    /// What a task on a contact's force reports.
+    pub(crate) force_report: Option<ForceReport>,
     /// Set when a block was written that the layout does not declare.
     pub(crate) undeclared: bool,
     scratch: Vec<f64>,
@@ -63,6 +67,11 @@ impl RowStore {
             bound_lower: vec![f64::NEG_INFINITY; layout.bounds.len()],
             bound_upper: vec![f64::INFINITY; layout.bounds.len()],
             error: vec![0.0; m],
+            bias: match layout.vdot {
+                VdotBlock::Dense => vec![f64::NAN; m],
+                _ => Vec::new(),
+            },
+            force_report: None,
             undeclared: false,
             scratch: vec![0.0; m * widest],
             nv,
@@ -88,7 +97,7 @@ impl RowStore {
         let forces = layout.forces.iter();
         let forces = forces.map(|(c, block)| dense(nf.get(c.index()).copied().unwrap_or(0), block));
         let widest = nf.iter().copied().fold(nv.max(nu), usize::max);
-        let limits = 3 * m + 2 * layout.bounds.len() + nf.len();
+        let limits = 4 * m + 2 * layout.bounds.len() + nf.len();
         let blocks = [vdot, effort, limits, m.saturating_mul(widest)];
         blocks
             .into_iter()
@@ -279,36 +288,125 @@ fn view(data: &mut [f64], m: usize, n: usize) -> RowMajorMut<'_> {
     RowMajorMut::from_slice_with_strides_generic(data, Dyn(m), Dyn(n), Dyn(n), U1)
 }
 
-/// The rows of a task: write the declared coefficient blocks, `b`, and the error.
+macro_rules! coefficients {
+    ($rows:ident) => {
+        impl $rows<'_> {
+            /// Coefficients on `v̇`, rows × nv. Declared with [`Layout::vdot_dense`].
+            pub fn vdot(&mut self) -> RowMajorMut<'_> {
+                self.blocks.vdot()
+            }
+
+            /// Coefficients on `u`, rows × nu. Declared with [`Layout::effort_dense`].
+            pub fn effort(&mut self) -> RowMajorMut<'_> {
+                self.blocks.effort()
+            }
+
+            /// Coefficients on a contact's force, rows × nf. Declared with [`Layout::force_dense`].
+            pub fn force(&mut self, contact: ContactId) -> RowMajorMut<'_> {
+                self.blocks.force(contact)
+            }
+        }
+    };
+}
+
+coefficients!(Rows);
+coefficients!(ConstraintRows);
+
+/// The rows of a task: write the declared coefficient blocks, what `A x` should be, and the error.
 #[derive(Debug)]
 pub struct Rows<'a> {
     blocks: Blocks<'a>,
+    tick: &'a Tick<'a>,
+}
+
+/// What a row of a motion task is told: the error, its rate, the acceleration wanted, and the gains.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion {
+    /// `e`, actual minus desired, in the layout's error unit.
+    pub error: f64,
+    /// `ė`, the same per second.
+    pub rate: f64,
+    /// `a_d`, in the row's unit.
+    pub acceleration: f64,
+    /// Stiffness `K_P`, 1/s².
+    pub kp: f64,
+    /// Damping `K_D`, 1/s.
+    pub kd: f64,
+}
+
+/// The two forces that only a force task knows, C axes, N.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ForceReport {
+    /// The contact that is controlled.
+    pub contact: ContactId,
+    /// Set point `f^d`.
+    pub reference: Vector3<f64>,
+    /// What the outer loop asks of the solver, `f*` of the paper's (11).
+    pub virtual_input: Vector3<f64>,
+    /// Whether the integrator stands at its clamp.
+    pub clamped: bool,
 }
 
 impl<'a> Rows<'a> {
-    pub(crate) fn new(layout: &'a Layout, store: &'a mut RowStore) -> Self {
+    pub(crate) fn new(tick: &'a Tick<'a>, layout: &'a Layout, store: &'a mut RowStore) -> Self {
         Self {
             blocks: Blocks { layout, store },
+            tick,
         }
     }
 
-    /// Coefficients on `v̇`, rows × nv. Declared with [`Layout::vdot_dense`].
-    pub fn vdot(&mut self) -> RowMajorMut<'_> {
-        self.blocks.vdot()
+    /// Writes row `k` of a task on motion: its error, and what is asked of it, `J v̇ = a_d − K_D ė − K_P e − J̇ v`, so
+    /// that the error decays as `ë + K_D ė + K_P e = 0`. The bias `J̇ v` is that of the Jacobian which the layout names;
+    /// of coefficients written by the plug-in, that given to [`Rows::jacobian`].
+    pub fn motion(&mut self, k: usize, motion: Motion) {
+        let Motion {
+            error,
+            rate,
+            acceleration,
+            kp,
+            kd,
+        } = motion;
+        self.acceleration(k, acceleration - kd * rate - kp * error);
+        if let Some(out) = self.blocks.store.error.get_mut(k) {
+            *out = error;
+        }
     }
 
-    /// Coefficients on `u`, rows × nu. Declared with [`Layout::effort_dense`].
-    pub fn effort(&mut self) -> RowMajorMut<'_> {
-        self.blocks.effort()
+    /// Asks for an acceleration of row `k`: `J v̇ = a* − J̇ v`, with the bias as in [`Rows::motion`]. For laws that are
+    /// more than a spring and a damper; the error is written apart.
+    pub fn acceleration(&mut self, k: usize, wanted: f64) {
+        let bias = self.bias(k);
+        if let Some(b) = self.blocks.store.lower.get_mut(k) {
+            *b = wanted - bias;
+        }
     }
 
-    /// Coefficients on a contact's force, rows × nf. Declared with [`Layout::force_dense`].
-    pub fn force(&mut self, contact: ContactId) -> RowMajorMut<'_> {
-        self.blocks.force(contact)
+    /// Writes the coefficients of row `k` on `v̇`, one per velocity, and its bias `J̇ v`: the rate at which `J v` would
+    /// change without acceleration. Declared with [`Layout::vdot_dense`].
+    pub fn jacobian<'j>(&mut self, k: usize, row: impl IntoIterator<Item = &'j f64>, bias: f64) {
+        for (out, a) in self.vdot().row_mut(k).iter_mut().zip(row) {
+            *out = *a;
+        }
+        if let Some(out) = self.blocks.store.bias.get_mut(k) {
+            *out = bias;
+        }
     }
 
-    /// What `A x` should be: the virtual input minus what does not depend on `x` (for an acceleration task,
-    /// `a* − J̇ v`). Size rows.
+    /// `J̇ v` of row `k`; zero for a component of `v̇`, not a number where it was not said.
+    fn bias(&self, k: usize) -> f64 {
+        match &self.blocks.layout.vdot {
+            VdotBlock::Absent | VdotBlock::Unit(_) => 0.0,
+            VdotBlock::Dense => self.blocks.store.bias.get(k).copied().unwrap_or(f64::NAN),
+            VdotBlock::Frame(frame, rows) => rows
+                .get(k)
+                .map_or(0.0, |&row| self.tick.frame(*frame).Jdot_v[row]),
+            VdotBlock::Contact(contact, rows) => rows
+                .get(k)
+                .map_or(0.0, |&row| self.tick.contact(*contact).Jdot_v[row]),
+        }
+    }
+
+    /// What `A x` should be, as it is: for a task on accelerations, `a* − J̇ v`. Size rows.
     pub fn b(&mut self) -> DVectorViewMut<'_, f64> {
         let m = self.blocks.layout.len();
         DVectorViewMut::from_slice(&mut self.blocks.store.lower, m)
@@ -319,6 +417,11 @@ impl<'a> Rows<'a> {
         let m = self.blocks.layout.len();
         DVectorViewMut::from_slice(&mut self.blocks.store.error, m)
     }
+
+    /// Says what a loop around a contact's force wants and asks for, for reports and logs.
+    pub fn report_force(&mut self, report: ForceReport) {
+        self.blocks.store.force_report = Some(report);
+    }
 }
 
 /// The rows and bounds of a constraint.
@@ -328,25 +431,10 @@ pub struct ConstraintRows<'a> {
 }
 
 impl<'a> ConstraintRows<'a> {
-    pub(crate) fn new(layout: &'a Layout, store: &'a mut RowStore) -> Self {
+    pub(crate) fn new(_: &Tick<'_>, layout: &'a Layout, store: &'a mut RowStore) -> Self {
         Self {
             blocks: Blocks { layout, store },
         }
-    }
-
-    /// Coefficients on `v̇`, rows × nv. Declared with [`Layout::vdot_dense`].
-    pub fn vdot(&mut self) -> RowMajorMut<'_> {
-        self.blocks.vdot()
-    }
-
-    /// Coefficients on `u`, rows × nu. Declared with [`Layout::effort_dense`].
-    pub fn effort(&mut self) -> RowMajorMut<'_> {
-        self.blocks.effort()
-    }
-
-    /// Coefficients on a contact's force, rows × nf. Declared with [`Layout::force_dense`].
-    pub fn force(&mut self, contact: ContactId) -> RowMajorMut<'_> {
-        self.blocks.force(contact)
     }
 
     /// `lower ≤ (A x)_row ≤ upper`; infinite where there is no limit. Ignored for a row that does not exist.

@@ -1,12 +1,16 @@
 //! What a plug-in sees once, in `bind`: names to resolve, sizes, and frames to ask for.
 
+use nalgebra::UnitQuaternion;
+
 use crate::{
     actuator::{Actuator, ActuatorKind},
     contact::{ContactId, ContactSpec},
-    dynamics::{Data, FrameMotion, frame_motion},
     error::BindError,
     model::{FrameId, JointId, Model},
-    plugin::FrameHandle,
+    plugin::{
+        AnyReference, FrameHandle, RotationReference, Sample, Space, Tick, VectorReference,
+        followed::{Followed, Measured},
+    },
     robot::RobotModel,
 };
 
@@ -17,11 +21,12 @@ pub struct Setup<'a> {
     contacts: &'a [ContactSpec],
     period: f64,
     frames: &'a mut Vec<FrameId>,
+    references: Vec<Followed>,
 }
 
 impl<'a> Setup<'a> {
-    /// For the controller, and for tests of plug-ins: `frames` collects the frames asked for.
-    pub fn new(
+    /// `frames` collects the frames asked for.
+    pub(crate) fn new(
         robot: &'a RobotModel,
         contacts: &'a [ContactSpec],
         period: f64,
@@ -32,7 +37,13 @@ impl<'a> Setup<'a> {
             contacts,
             period,
             frames,
+            references: Vec::new(),
         }
+    }
+
+    /// The references declared by the plug-in.
+    pub(crate) fn into_references(self) -> Vec<Followed> {
+        self.references
     }
 
     /// The rigid-body tree.
@@ -82,30 +93,12 @@ impl<'a> Setup<'a> {
     /// # Errors
     /// [`BindError::Unknown`] with the known names.
     pub fn frame(&mut self, name: &str) -> Result<FrameHandle, BindError> {
-        let id = self.frame_id(name)?;
-        Ok(self.request(id))
-    }
-
-    fn frame_id(&self, name: &str) -> Result<FrameId, BindError> {
         let model = self.model();
-        model.frame(name).ok_or_else(|| {
-            BindError::unknown(
-                "frame",
-                name,
-                model.frames().iter().map(|f| f.name.as_str()),
-            )
-        })
-    }
-
-    /// Where a frame is in the home posture, at rest: where references of its motion begin. Allocates.
-    ///
-    /// # Errors
-    /// [`BindError::Unknown`] with the known names.
-    pub fn frame_at_home(&self, name: &str) -> Result<FrameMotion, BindError> {
-        let id = self.frame_id(name)?;
-        let mut data = Data::new(self.model());
-        data.update_kinematics(self.model(), &self.robot.home);
-        Ok(frame_motion(self.model(), &data, id))
+        let id = model.frame(name).ok_or_else(|| {
+            let known = model.frames().iter().map(|f| f.name.as_str());
+            BindError::unknown("frame", name, known)
+        })?;
+        Ok(self.request(id))
     }
 
     /// Asks for the base frame's kinematics.
@@ -169,5 +162,81 @@ impl<'a> Setup<'a> {
     /// A contact's data.
     pub fn contact_spec(&self, contact: ContactId) -> &'a ContactSpec {
         &self.contacts[contact.index()]
+    }
+
+    /// Follows a trajectory of `n` numbers. It begins at what `measured` writes, in the first tick with a usable
+    /// measurement; where that is not far from the home posture, there. `key` is where the reference stands in the
+    /// configuration, for errors.
+    ///
+    /// # Errors
+    /// What the reference refuses.
+    pub fn follow_vector(
+        &mut self,
+        key: &str,
+        reference: &dyn AnyReference,
+        n: usize,
+        measured: impl Fn(&Tick<'_>, &mut [f64]) + Send + 'static,
+    ) -> Result<VectorReference, BindError> {
+        let measured: Measured = Box::new(move |tick, out| {
+            if let Sample::Vector(out) = out {
+                measured(tick, &mut out.value);
+            }
+        });
+        let space = Space::Vector(n);
+        Ok(self.follow(Followed::new(key, reference, space, Some(measured), None)?))
+    }
+
+    /// Follows a trajectory of orientations, as [`Setup::follow_vector`]: `R_WB` of some frame B, or `R_AB` of one in
+    /// another.
+    ///
+    /// # Errors
+    /// What the reference refuses.
+    pub fn follow_rotation(
+        &mut self,
+        key: &str,
+        reference: &dyn AnyReference,
+        measured: impl Fn(&Tick<'_>) -> UnitQuaternion<f64> + Send + 'static,
+    ) -> Result<RotationReference, BindError> {
+        let measured: Measured = Box::new(move |tick, out| {
+            if let Sample::Rotation(out) = out {
+                out.rotation = measured(tick);
+            }
+        });
+        let followed = Followed::new(key, reference, Space::Rotation, Some(measured), None)?;
+        let VectorReference(index) = self.follow(followed);
+        Ok(RotationReference(index))
+    }
+
+    /// Follows a trajectory of `n` numbers that begins at zero: of efforts, say.
+    ///
+    /// # Errors
+    /// What the reference refuses.
+    pub fn follow_from_zero(
+        &mut self,
+        key: &str,
+        reference: &dyn AnyReference,
+        n: usize,
+    ) -> Result<VectorReference, BindError> {
+        Ok(self.follow(Followed::new(key, reference, Space::Vector(n), None, None)?))
+    }
+
+    /// Follows a trajectory of a contact's normal force, N, one number that begins at zero. What it is going to ask
+    /// for can be looked at before a run: [`Controller::planned_forces`](crate::Controller::planned_forces).
+    ///
+    /// # Errors
+    /// What the reference refuses.
+    pub fn follow_normal_force(
+        &mut self,
+        key: &str,
+        reference: &dyn AnyReference,
+        contact: ContactId,
+    ) -> Result<VectorReference, BindError> {
+        let space = Space::Vector(1);
+        Ok(self.follow(Followed::new(key, reference, space, None, Some(contact))?))
+    }
+
+    fn follow(&mut self, followed: Followed) -> VectorReference {
+        self.references.push(followed);
+        VectorReference(self.references.len() - 1)
     }
 }

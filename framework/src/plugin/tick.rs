@@ -4,12 +4,23 @@
 //! W world (z up), R base, F a named frame, C a contact frame (z along the surface's outward normal). Frame
 //! Jacobians are world-aligned, contact Jacobians in C axes; both linear first.
 
+use nalgebra::UnitQuaternion;
+
 use crate::{
     contact::{ContactId, ContactState},
     dynamics::{Data, FrameKinematics},
     model::Model,
-    plugin::FrameHandle,
+    plugin::{
+        FrameHandle, RotationReference, RotationSample, Sample, VectorReference, VectorSample,
+        followed::Followed,
+    },
     state::State,
+};
+
+static NO_VECTOR: VectorSample = VectorSample {
+    value: Vec::new(),
+    rate: Vec::new(),
+    acceleration: Vec::new(),
 };
 
 /// The inputs of one tick.
@@ -36,6 +47,8 @@ pub struct Tick<'a> {
     pub entry: EntryState,
     pub(crate) frames: &'a [FrameKinematics],
     pub(crate) contacts: &'a [ContactState],
+    /// The plug-in's own.
+    pub(crate) references: &'a [Followed],
 }
 
 /// The accelerations of the last solved tick, what was asked of them, and the efforts sent last.
@@ -72,6 +85,23 @@ impl<'a> Tick<'a> {
         self.contacts
             .get(contact.index())
             .unwrap_or(&self.contacts[0])
+    }
+
+    /// Where the plug-in's reference is in this tick.
+    pub fn vector(&self, reference: VectorReference) -> &'a VectorSample {
+        // A handle is made by the setup of this plug-in.
+        match self.references.get(reference.0).map(|r| &r.sample) {
+            Some(Sample::Vector(sample)) => sample,
+            _ => &NO_VECTOR,
+        }
+    }
+
+    /// Where the plug-in's reference is in this tick.
+    pub fn rotation(&self, reference: RotationReference) -> RotationSample {
+        match self.references.get(reference.0).map(|r| &r.sample) {
+            Some(Sample::Rotation(sample)) => *sample,
+            _ => RotationSample::at_rest(UnitQuaternion::identity()),
+        }
     }
 
     /// All contacts, in the order of the configuration; also those that are off.

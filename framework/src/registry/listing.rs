@@ -15,7 +15,7 @@ use super::{
     schema::{CRITICAL, Node, WEIGHT},
 };
 use crate::{
-    plugin::{Constraint, Reference, Task},
+    plugin::{AnyConstraint, AnyReference, AnyTask},
     qp::Solver,
     robot::Robot,
 };
@@ -76,9 +76,9 @@ pub struct Parameter {
 /// ```
 pub fn list() -> Listing {
     let mut plugins = Vec::new();
-    of_kind::<dyn Task>(&mut plugins);
-    of_kind::<dyn Constraint>(&mut plugins);
-    of_kind::<dyn Reference>(&mut plugins);
+    of_kind::<dyn AnyTask>(&mut plugins);
+    of_kind::<dyn AnyConstraint>(&mut plugins);
+    of_kind::<dyn AnyReference>(&mut plugins);
     of_kind::<dyn Robot>(&mut plugins);
     of_kind::<dyn Solver>(&mut plugins);
     Listing {

@@ -31,9 +31,9 @@
 //!     }
 //! }
 //!
-//! let plugin = registry::find::<dyn Reference>("example.drift").expect("it is linked: it is here");
+//! let plugin = registry::find::<dyn AnyReference>("example.drift").expect("it is linked: it is here");
 //! assert_eq!(plugin.tag, "example.drift");
-//! assert!(registry::find::<dyn Reference>("example.drft").is_none());
+//! assert!(registry::find::<dyn AnyReference>("example.drft").is_none());
 //! ```
 //!
 //! The attribute takes one string, and goes on an implementation:
@@ -60,7 +60,7 @@ use serde::de::DeserializeOwned;
 use toml::de::ValueDeserializer;
 
 use crate::{
-    plugin::{Constraint, Reference, Task},
+    plugin::{AnyConstraint, AnyReference, AnyTask},
     qp::Solver,
     robot::Robot,
 };
@@ -98,7 +98,7 @@ impl<P: ?Sized + 'static> Plugin<P> {
     }
 }
 
-/// One of the kinds of plug-in: `dyn Task`, `dyn Constraint`, `dyn Reference`, `dyn Robot`, `dyn Solver`.
+/// One of the kinds of plug-in: `dyn AnyTask`, `dyn AnyConstraint`, `dyn AnyReference`, `dyn Robot`, `dyn Solver`.
 pub trait PluginKind: 'static {
     /// What it is called in messages: `task`, `constraint`, `reference`, `robot`, `solver`.
     const NAME: &'static str;
@@ -182,9 +182,9 @@ macro_rules! plugin_kinds {
 }
 
 plugin_kinds! {
-    TaskPlugin, Task, tasks, "task";
-    ConstraintPlugin, Constraint, constraints, "constraint";
-    ReferencePlugin, Reference, references, "reference";
+    TaskPlugin, AnyTask, tasks, "task";
+    ConstraintPlugin, AnyConstraint, constraints, "constraint";
+    ReferencePlugin, AnyReference, references, "reference";
     RobotPlugin, Robot, robots, "robot";
     SolverPlugin, Solver, solvers, "solver";
 }

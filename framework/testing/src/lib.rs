@@ -113,7 +113,7 @@ use scatter::Scatter;
 use subject::Subject;
 use wbqp::{
     contact::ContactSpec,
-    plugin::{Constraint, Layout, Task},
+    plugin::{AnyConstraint, AnyTask, Constraint, Layout, Task},
     robot::RobotModel,
 };
 
@@ -182,12 +182,12 @@ impl PluginTest {
     }
 
     /// Tests a task that was made in code.
-    pub fn of_task(task: &dyn Task) -> Self {
+    pub fn of_task(task: &dyn AnyTask) -> Self {
         Self::new(Kind::Task, task.save().map(|table| table.to_string()))
     }
 
     /// Tests a constraint that was made in code.
-    pub fn of_constraint(constraint: &dyn Constraint) -> Self {
+    pub fn of_constraint(constraint: &dyn AnyConstraint) -> Self {
         let text = constraint.save().map(|table| table.to_string());
         Self::new(Kind::Constraint, text)
     }
@@ -257,8 +257,8 @@ impl PluginTest {
     /// Every check that failed, once per robot, with the first place where it did.
     pub fn run(&self) -> Result<Passed, Failures> {
         match self.kind {
-            Kind::Task => self.run_as::<dyn Task>(),
-            Kind::Constraint => self.run_as::<dyn Constraint>(),
+            Kind::Task => self.run_as::<dyn AnyTask>(),
+            Kind::Constraint => self.run_as::<dyn AnyConstraint>(),
         }
     }
 

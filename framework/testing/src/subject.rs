@@ -3,13 +3,12 @@
 use toml::{Spanned, Table, Value, de::DeValue};
 
 use wbqp::{
-    controller::Probed,
-    plugin::{Constraint, Task},
+    plugin::{AnyConstraint, AnyPlugin, AnyTask},
     registry::{self, PluginKind},
 };
 
 /// A task or a constraint.
-pub(crate) trait Subject: PluginKind + Probed {
+pub(crate) trait Subject: PluginKind + AnyPlugin {
     /// The plug-in with its `type`.
     fn save(&self) -> Result<Table, String>;
     fn to_json(&self) -> Result<String, String>;
@@ -38,8 +37,8 @@ macro_rules! subject {
     };
 }
 
-subject!(Task);
-subject!(Constraint);
+subject!(AnyTask);
+subject!(AnyConstraint);
 
 /// Makes a plug-in from a table with its `type`, as the loader of configurations does.
 pub(crate) fn load<P: Subject + ?Sized>(table: &Table) -> Result<Box<P>, String> {

@@ -6,7 +6,7 @@ use wbqp::{
     config::{ConfigErrors, ControllerConfig, Overrides},
     error::BindError,
     plugin::{
-        Constraint, ConstraintRows, Layout, Reference, Rows, Sample, Setup, Start, Task, Tick,
+        Constraint, ConstraintRows, Layout, AnyReference, Reference, Rows, Sample, Setup, Start, Task, Tick,
     },
     robot::{Robot, RobotError, RobotModel, SourceLocation},
     schemars::JsonSchema,
@@ -66,11 +66,11 @@ plugin!(Hold {
 });
 
 plugin!(Follow {
-    reference: Box<dyn Reference>,
+    reference: Box<dyn AnyReference>,
 });
 
 plugin!(Inner {
-    reference: Box<dyn Reference>,
+    reference: Box<dyn AnyReference>,
 });
 
 plugin!(Many {
@@ -80,11 +80,11 @@ plugin!(Many {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "1/s"))]
     damping: Option<f64>,
-    maybe: Option<Box<dyn Reference>>,
+    maybe: Option<Box<dyn AnyReference>>,
     #[serde(default)]
-    list: Vec<Box<dyn Reference>>,
+    list: Vec<Box<dyn AnyReference>>,
     #[serde(default)]
-    map: BTreeMap<String, Box<dyn Reference>>,
+    map: BTreeMap<String, Box<dyn AnyReference>>,
     inner: Option<Inner>,
 });
 

@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use wbqp::{
     controller::Controller,
-    plugin::{Reference, Weight},
+    plugin::{AnyReference, Weight},
 };
 
 /// Everything that happens at one time. Actions are applied in the order of the fields.
@@ -35,7 +35,7 @@ pub struct Event {
     pub weight: BTreeMap<String, Weight>,
     /// New references by task; their times count from the event.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    #[schemars(with = "BTreeMap<String, Box<dyn Reference>>")]
+    #[schemars(with = "BTreeMap<String, Box<dyn AnyReference>>")]
     pub follow: BTreeMap<String, toml::Value>,
 }
 
@@ -71,7 +71,7 @@ impl Event {
                     value.type_str()
                 ));
             }
-            let reference = <Box<dyn Reference>>::deserialize(value.clone())
+            let reference = <Box<dyn AnyReference>>::deserialize(value.clone())
                 .map_err(|e| format!("follow.{task}: {}", e.message().trim_end()))?;
             controller.follow(task, reference).map_err(text)?;
         }

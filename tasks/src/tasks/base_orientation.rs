@@ -8,7 +8,7 @@ use wbqp::{
     error::BindError,
     nalgebra::{UnitQuaternion, Vector3},
     plugin::{
-        Layout, Reference, Rows, Sample, Setup, Space, Task, Tick,
+        Layout, AnyReference, Rows, Sample, Setup, Space, Task, Tick,
         reference::{ReferenceSlot, begin, begin_turned},
     },
     schemars::JsonSchema,
@@ -49,7 +49,7 @@ pub struct BaseOrientation {
     /// measured at the start.
     #[serde(default = "stay")]
     #[schemars(extend("x-unit" = "rad"))]
-    pub reference: Box<dyn Reference>,
+    pub reference: Box<dyn AnyReference>,
     #[serde(skip)]
     sample: Sample,
 }
@@ -139,7 +139,7 @@ impl BaseOrientation {
     }
 
     /// Follows a trajectory: orientation in the world.
-    pub fn following(mut self, reference: impl Reference) -> Self {
+    pub fn following(mut self, reference: impl AnyReference) -> Self {
         self.reference = Box::new(reference);
         self
     }

@@ -9,7 +9,7 @@ use wbqp::{
     model::Base,
     nalgebra::Vector3,
     plugin::{
-        Layout, Reference, Rows, Sample, Setup, Space, Task, Tick,
+        Layout, AnyReference, Rows, Sample, Setup, Space, Task, Tick,
         reference::{ReferenceSlot, begin, begin_at},
     },
     schemars::JsonSchema,
@@ -59,7 +59,7 @@ pub struct BasePosition {
     /// Where to go: position of the base's origin in the world, m. Default: hold what is measured at the start.
     #[serde(default = "stay")]
     #[schemars(extend("x-unit" = "m"))]
-    pub reference: Box<dyn Reference>,
+    pub reference: Box<dyn AnyReference>,
     #[serde(skip)]
     sample: Sample,
     #[serde(skip)]
@@ -89,7 +89,7 @@ impl BasePosition {
     }
 
     /// Follows a trajectory: position in the world, m.
-    pub fn following(mut self, reference: impl Reference) -> Self {
+    pub fn following(mut self, reference: impl AnyReference) -> Self {
         self.reference = Box::new(reference);
         self
     }

@@ -8,7 +8,7 @@ use wbqp::{
     error::BindError,
     nalgebra::Vector3,
     plugin::{
-        Layout, Reference, Rows, Sample, Setup, Space, Task, Tick,
+        Layout, AnyReference, Rows, Sample, Setup, Space, Task, Tick,
         reference::{ReferenceSlot, begin},
     },
     schemars::JsonSchema,
@@ -42,7 +42,7 @@ pub struct CentroidalAngularMomentum {
     /// The momentum wanted: three numbers, kg·m²/s, world axes. Default: none, as in the home posture at rest.
     #[serde(default = "stay")]
     #[schemars(extend("x-unit" = "kg·m²/s"))]
-    pub reference: Box<dyn Reference>,
+    pub reference: Box<dyn AnyReference>,
     #[serde(skip)]
     sample: Sample,
 }
@@ -58,7 +58,7 @@ impl CentroidalAngularMomentum {
     }
 
     /// Follows a trajectory: momentum, kg·m²/s, world axes.
-    pub fn following(mut self, reference: impl Reference) -> Self {
+    pub fn following(mut self, reference: impl AnyReference) -> Self {
         self.reference = Box::new(reference);
         self
     }

@@ -7,7 +7,7 @@
 use wbqp::{
     error::BindError,
     plugin::{
-        Layout, Reference, Rows, Sample, Setup, Space, Task, Tick,
+        Layout, AnyReference, Rows, Sample, Setup, Space, Task, Tick,
         reference::{ReferenceSlot, begin, begin_at},
     },
     schemars::JsonSchema,
@@ -49,7 +49,7 @@ pub struct Com {
     /// Where to go: one position per axis, m, world. Default: hold what is measured at the start.
     #[serde(default = "stay")]
     #[schemars(extend("x-unit" = "m"))]
-    pub reference: Box<dyn Reference>,
+    pub reference: Box<dyn AnyReference>,
     #[serde(skip)]
     sample: Sample,
     #[serde(skip)]
@@ -70,7 +70,7 @@ impl Com {
     }
 
     /// Follows a trajectory: one position per axis, m, world.
-    pub fn following(mut self, reference: impl Reference) -> Self {
+    pub fn following(mut self, reference: impl AnyReference) -> Self {
         self.reference = Box::new(reference);
         self
     }

@@ -14,7 +14,7 @@ use wbqp::{
     error::BindError,
     nalgebra::Vector3,
     plugin::{
-        ForceReport, Layout, Reference, Rows, Sample, Setup, Space, Task, Tick,
+        ForceReport, Layout, AnyReference, Rows, Sample, Setup, Space, Task, Tick,
         reference::{ReferenceSlot, begin},
     },
     schemars::JsonSchema,
@@ -50,7 +50,7 @@ pub struct ContactForce {
     pub contact: String,
     /// Set point `f^d` of the normal force: a reference with one component, N.
     #[schemars(extend("x-unit" = "N"))]
-    pub reference: Box<dyn Reference>,
+    pub reference: Box<dyn AnyReference>,
     /// Whether the measured force is fed back.
     #[serde(default)]
     pub feedback: Feedback,
@@ -144,7 +144,7 @@ impl ContactForce {
     }
 
     /// Follows a trajectory of the normal force, N.
-    pub fn following(mut self, reference: impl Reference) -> Self {
+    pub fn following(mut self, reference: impl AnyReference) -> Self {
         self.reference = Box::new(reference);
         self
     }

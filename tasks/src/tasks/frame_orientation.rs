@@ -8,7 +8,7 @@ use wbqp::{
     error::BindError,
     nalgebra::{UnitQuaternion, Vector3},
     plugin::{
-        FrameHandle, Layout, Reference, Rows, Sample, Setup, Space, Task, Tick,
+        FrameHandle, Layout, AnyReference, Rows, Sample, Setup, Space, Task, Tick,
         reference::{ReferenceSlot, begin, begin_turned},
     },
     schemars::JsonSchema,
@@ -50,7 +50,7 @@ pub struct FrameOrientation {
     /// measured at the start.
     #[serde(default = "stay")]
     #[schemars(extend("x-unit" = "rad"))]
-    pub reference: Box<dyn Reference>,
+    pub reference: Box<dyn AnyReference>,
     #[serde(skip)]
     sample: Sample,
     #[serde(skip)]
@@ -73,7 +73,7 @@ impl FrameOrientation {
     }
 
     /// Follows a trajectory: orientation in the world.
-    pub fn following(mut self, reference: impl Reference) -> Self {
+    pub fn following(mut self, reference: impl AnyReference) -> Self {
         self.reference = Box::new(reference);
         self
     }

@@ -8,7 +8,7 @@ use wbqp::{
     error::BindError,
     nalgebra::UnitQuaternion,
     plugin::{
-        FrameHandle, Layout, Reference, Rows, Sample, Setup, Space, Task, Tick,
+        FrameHandle, Layout, AnyReference, Rows, Sample, Setup, Space, Task, Tick,
         reference::{ReferenceSlot, begin, begin_at, begin_turned},
     },
     schemars::JsonSchema,
@@ -47,12 +47,12 @@ pub struct FramePose {
     /// Where to go: position of the frame's origin in the world, m. Default: hold what is measured at the start.
     #[serde(default = "stay")]
     #[schemars(extend("x-unit" = "m"))]
-    pub position: Box<dyn Reference>,
+    pub position: Box<dyn AnyReference>,
     /// How to turn: orientation of the frame in the world, `[roll, pitch, yaw]` in rad. Default: hold what is
     /// measured at the start.
     #[serde(default = "stay")]
     #[schemars(extend("x-unit" = "rad"))]
-    pub orientation: Box<dyn Reference>,
+    pub orientation: Box<dyn AnyReference>,
     #[serde(skip)]
     place: Sample,
     #[serde(skip)]
@@ -78,13 +78,13 @@ impl FramePose {
     }
 
     /// Follows a trajectory of the position, m, world.
-    pub fn moving(mut self, position: impl Reference) -> Self {
+    pub fn moving(mut self, position: impl AnyReference) -> Self {
         self.position = Box::new(position);
         self
     }
 
     /// Follows a trajectory of the orientation in the world.
-    pub fn turning(mut self, orientation: impl Reference) -> Self {
+    pub fn turning(mut self, orientation: impl AnyReference) -> Self {
         self.orientation = Box::new(orientation);
         self
     }

@@ -11,7 +11,7 @@ use wbqp::{
     error::BindError,
     nalgebra::Vector3,
     plugin::{
-        Layout, Reference, Rows, Sample, Setup, Space, Task, Tick,
+        Layout, AnyReference, Rows, Sample, Setup, Space, Task, Tick,
         reference::{ReferenceSlot, begin, begin_at},
     },
     schemars::JsonSchema,
@@ -79,7 +79,7 @@ pub struct FreeMotion {
     /// Where to go: one position per axis, m, from `origin`. Default: hold.
     #[serde(default = "stay")]
     #[schemars(extend("x-unit" = "m"))]
-    pub reference: Box<dyn Reference>,
+    pub reference: Box<dyn AnyReference>,
     #[serde(skip)]
     sample: Sample,
     #[serde(skip)]
@@ -166,7 +166,7 @@ impl FreeMotion {
     }
 
     /// Follows a trajectory: one position per axis, m, from an origin.
-    pub fn following(mut self, reference: impl Reference, origin: Origin) -> Self {
+    pub fn following(mut self, reference: impl AnyReference, origin: Origin) -> Self {
         self.reference = Box::new(reference);
         self.origin = origin;
         self

@@ -3,7 +3,7 @@
 use wbqp::{
     error::BindError,
     model::JointKind,
-    plugin::{Layout, Reference, Rows, Setup, Space, Task, Tick, reference::ReferenceSlot},
+    plugin::{Layout, AnyReference, Rows, Setup, Space, Task, Tick, reference::ReferenceSlot},
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
 };
@@ -35,7 +35,7 @@ pub struct JointTorqueRegularisation {
     /// The torques wanted: one per joint, N·m or N. Default: zero.
     #[serde(default = "stay")]
     #[schemars(extend("x-unit" = "N·m or N"))]
-    pub reference: Box<dyn Reference>,
+    pub reference: Box<dyn AnyReference>,
     #[serde(skip)]
     efforts: Efforts,
 }
@@ -51,7 +51,7 @@ impl JointTorqueRegularisation {
     }
 
     /// Towards other torques: one per joint, N·m or N.
-    pub fn following(mut self, reference: impl Reference) -> Self {
+    pub fn following(mut self, reference: impl AnyReference) -> Self {
         self.reference = Box::new(reference);
         self
     }

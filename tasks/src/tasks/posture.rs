@@ -4,7 +4,7 @@ use wbqp::{
     error::BindError,
     model::{JointId, JointKind},
     plugin::{
-        Layout, Reference, Rows, Sample, Setup, Space, Task, Tick,
+        Layout, AnyReference, Rows, Sample, Setup, Space, Task, Tick,
         reference::{ReferenceSlot, begin, begin_at},
     },
     schemars::JsonSchema,
@@ -39,7 +39,7 @@ pub struct Posture {
     /// Where to go: one position per joint, rad or m. Default: hold what is measured at the start.
     #[serde(default = "stay")]
     #[schemars(extend("x-unit" = "rad or m"))]
-    pub reference: Box<dyn Reference>,
+    pub reference: Box<dyn AnyReference>,
     #[serde(skip)]
     sample: Sample,
     #[serde(skip)]
@@ -60,7 +60,7 @@ impl Posture {
     }
 
     /// Follows a trajectory: one position per joint, rad or m.
-    pub fn following(mut self, reference: impl Reference) -> Self {
+    pub fn following(mut self, reference: impl AnyReference) -> Self {
         self.reference = Box::new(reference);
         self
     }

@@ -10,7 +10,7 @@ use wbqp::{
     error::BindError,
     nalgebra::{UnitQuaternion, Vector3},
     plugin::{
-        FrameHandle, Layout, Reference, Rows, Sample, Setup, Space, Task, Tick,
+        FrameHandle, Layout, AnyReference, Rows, Sample, Setup, Space, Task, Tick,
         reference::{ReferenceSlot, begin, begin_at, begin_turned},
     },
     schemars::JsonSchema,
@@ -55,11 +55,11 @@ pub struct RelativePose {
     /// Where to go: position of B's origin in A, m. Default: hold what is measured at the start.
     #[serde(default = "stay")]
     #[schemars(extend("x-unit" = "m"))]
-    pub position: Box<dyn Reference>,
+    pub position: Box<dyn AnyReference>,
     /// How to turn: orientation of B in A, `[roll, pitch, yaw]` in rad. Default: hold what is measured at the start.
     #[serde(default = "stay")]
     #[schemars(extend("x-unit" = "rad"))]
-    pub orientation: Box<dyn Reference>,
+    pub orientation: Box<dyn AnyReference>,
     #[serde(skip)]
     place: Sample,
     #[serde(skip)]
@@ -92,13 +92,13 @@ impl RelativePose {
     }
 
     /// Follows a trajectory of the position in A, m.
-    pub fn moving(mut self, position: impl Reference) -> Self {
+    pub fn moving(mut self, position: impl AnyReference) -> Self {
         self.position = Box::new(position);
         self
     }
 
     /// Follows a trajectory of the orientation in A.
-    pub fn turning(mut self, orientation: impl Reference) -> Self {
+    pub fn turning(mut self, orientation: impl AnyReference) -> Self {
         self.orientation = Box::new(orientation);
         self
     }

@@ -2,7 +2,7 @@
 
 use wbqp::{
     error::BindError,
-    plugin::{Layout, Reference, Rows, Setup, Space, Task, Tick, reference::ReferenceSlot},
+    plugin::{Layout, AnyReference, Rows, Setup, Space, Task, Tick, reference::ReferenceSlot},
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
 };
@@ -33,7 +33,7 @@ pub struct ThrustRegularisation {
     /// The thrusts wanted: one per rotor, N. Default: zero.
     #[serde(default = "stay")]
     #[schemars(extend("x-unit" = "N"))]
-    pub reference: Box<dyn Reference>,
+    pub reference: Box<dyn AnyReference>,
     #[serde(skip)]
     efforts: Efforts,
 }
@@ -49,7 +49,7 @@ impl ThrustRegularisation {
     }
 
     /// Towards other thrusts: one per rotor, N.
-    pub fn following(mut self, reference: impl Reference) -> Self {
+    pub fn following(mut self, reference: impl AnyReference) -> Self {
         self.reference = Box::new(reference);
         self
     }

@@ -3,7 +3,7 @@
 use wbqp::{
     contact::ContactKind,
     error::BindError,
-    plugin::{Constraint, Layout, Setup, Task},
+    plugin::{AnyConstraint, Layout, Setup, AnyTask},
 };
 use wbqp_tasks::{
     ActuatorLimits, Axis, BaseOrientation, BasePosition, CentroidalAngularMomentum, Com,
@@ -24,11 +24,11 @@ fn with_setup<T>(bind: impl FnOnce(&mut Setup<'_>) -> T) -> T {
     bind(&mut Setup::new(&robot, &contacts, 0.004, &mut frames))
 }
 
-fn task(mut task: impl Task) -> Result<Layout, BindError> {
+fn task(mut task: impl AnyTask) -> Result<Layout, BindError> {
     with_setup(|setup| task.bind(setup))
 }
 
-fn constraint(mut constraint: impl Constraint) -> Result<Layout, BindError> {
+fn constraint(mut constraint: impl AnyConstraint) -> Result<Layout, BindError> {
     with_setup(|setup| constraint.bind(setup))
 }
 

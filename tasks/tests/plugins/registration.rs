@@ -2,7 +2,7 @@
 
 use wbqp::{
     ControllerConfig,
-    plugin::{Constraint, Reference, Task},
+    plugin::{AnyConstraint, AnyReference, Reference, AnyTask},
     registry,
     serde::{Serialize, de::DeserializeOwned},
     serde_json::{self, Value},
@@ -112,7 +112,7 @@ where
 
 #[test]
 fn plugins_survive_json() {
-    round_trip::<dyn Reference>(&[
+    round_trip::<dyn AnyReference>(&[
         r#"{"type":"hold"}"#,
         r#"{"type":"hold","value":[1.0,2.0]}"#,
         r#"{"type":"min_jerk","to":[1.0],"duration":2.0}"#,
@@ -126,7 +126,7 @@ fn plugins_survive_json() {
             r#""axes":[2,0],"from":[0.0],"start":1.0}"#,
         ),
     ]);
-    round_trip::<dyn Task>(&[
+    round_trip::<dyn AnyTask>(&[
         r#"{"type":"base_position","kp":40.0,"kd":[1.0,2.0,3.0]}"#,
         r#"{"type":"base_position","kp":4.0,"kd":1.0,"reference":{"type":"hold","value":[0.0,0.0,1.0]}}"#,
         r#"{"type":"base_orientation","kp":4.0,"kd":1.0,"error":"matrix","axes":"body"}"#,
@@ -138,7 +138,7 @@ fn plugins_survive_json() {
         ),
         r#"{"type":"propeller_regularisation"}"#,
     ]);
-    round_trip::<dyn Constraint>(&[
+    round_trip::<dyn AnyConstraint>(&[
         r#"{"type":"actuator_limits"}"#,
         r#"{"type":"contact_motion","contact":"a","damping":0.0}"#,
         r#"{"type":"friction_pyramid","contact":"a","sides":8,"approximation":"outer"}"#,

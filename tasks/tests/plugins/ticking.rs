@@ -5,7 +5,7 @@ use wbqp::{
     Controller, ControllerConfig, Measurement, Report,
     controller::FallbackLevel,
     nalgebra::{Vector3, Vector6},
-    plugin::{Constraint, Entry, Hardness, Task, Weight},
+    plugin::{AnyConstraint, Entry, Hardness, AnyTask, Weight},
     settings::{FirstError, Settings, StartFrom},
     spatial,
 };
@@ -33,19 +33,19 @@ impl Setting {
         Self { config }.constraint("limits", ActuatorLimits::new())
     }
 
-    fn task(mut self, name: &str, weight: impl Into<Weight>, task: impl Task) -> Self {
+    fn task(mut self, name: &str, weight: impl Into<Weight>, task: impl AnyTask) -> Self {
         let entry = Entry::new(
             name,
             weight,
             Hardness::Soft,
-            Box::new(task) as Box<dyn Task>,
+            Box::new(task) as Box<dyn AnyTask>,
         );
         self.config.tasks.push(entry);
         self
     }
 
-    fn constraint(mut self, name: &str, constraint: impl Constraint) -> Self {
-        let plugin: Box<dyn Constraint> = Box::new(constraint);
+    fn constraint(mut self, name: &str, constraint: impl AnyConstraint) -> Self {
+        let plugin: Box<dyn AnyConstraint> = Box::new(constraint);
         let entry = Entry::new(name, 1.0, Hardness::Hard, plugin);
         self.config.constraints.push(entry);
         self
@@ -149,7 +149,7 @@ fn the_integral_is_off_by_default_and_clamped_when_on() {
 
 /// What the rows of the last task ask for along the x axis of the world or of the surface, after the same measurement
 /// for 20 s. Its position is 0.1 m off.
-fn asked_in_the_end(setting: Setting, weight: f64, task: impl Task) -> f64 {
+fn asked_in_the_end(setting: Setting, weight: f64, task: impl AnyTask) -> f64 {
     let mut controller = setting.task("last", weight, task).controller();
     let mut m = home();
     m.state.p_WR += Vector3::new(0.1, 0.0, 0.1);

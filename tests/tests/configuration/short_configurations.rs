@@ -113,7 +113,7 @@ fn the_long_form_says_everything_and_stays_as_it_is() {
 fn a_contact_in_code_brings_what_it_brings_in_a_file() {
     let feet = ["fl_foot", "fr_foot", "hl_foot", "hr_foot"];
     let contacts = feet.map(|foot| ShortContact::hard(foot).with_friction(0.6));
-    let task = |name: &str, weight: f64, task: Entry<dyn wbqp::plugin::Task>| Entry {
+    let task = |name: &str, weight: f64, task: Entry<dyn wbqp::plugin::AnyTask>| Entry {
         name: name.to_owned(),
         weight: weight.into(),
         ..task

@@ -3,7 +3,7 @@
 use wbqp::{
     config::Overrides,
     controller::Controller,
-    plugin::{Reference, Weight},
+    plugin::{AnyReference, Weight},
     settings::Target,
 };
 use wbqp_robots as _;
@@ -126,7 +126,7 @@ fn a_weight_changes() {
 
 #[test]
 fn a_reference_changes() {
-    let changed = |reference: Box<dyn Reference>| {
+    let changed = |reference: Box<dyn AnyReference>| {
         let mut running = in_contact(0.0, true);
         running
             .controller

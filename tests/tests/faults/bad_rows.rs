@@ -4,7 +4,7 @@ use wbqp::{
     controller::{Controller, FallbackLevel},
     error::BindError,
     fault::Fault,
-    plugin::{Constraint, ConstraintRows, Entry, Hardness, Layout, Rows, Setup, Task, Tick},
+    plugin::{AnyConstraint, Constraint, ConstraintRows, Entry, Hardness, Layout, Rows, Setup, AnyTask, Task, Tick},
     qp::Status,
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
@@ -92,13 +92,13 @@ fn what_is_not_a_number_is_a_fault_of_its_entry() {
                 for bad in [f64::NAN, f64::INFINITY] {
                     let task = Box::new(Spoiler { place, bad });
                     let found = fault(&scene, |config| {
-                        let entry: Entry<dyn Task> =
+                        let entry: Entry<dyn AnyTask> =
                             Entry::new("spoiler", 1.0, Hardness::Soft, task);
                         config.tasks.push(entry);
                     });
                     assert_eq!(found, Some(Fault::Rows(tasks)), "{kind:?} {place} {bad}");
                 }
-                let hard = |bad| -> Entry<dyn Constraint> {
+                let hard = |bad| -> Entry<dyn AnyConstraint> {
                     let plugin = Box::new(Spoiler { place, bad });
                     Entry::new("spoiler", 1.0, Hardness::Hard, plugin)
                 };

@@ -6,7 +6,7 @@ use wbqp::{
     controller::{Controller, FallbackLevel, Measurement, Side},
     error::BindError,
     fault::Fault,
-    plugin::{Constraint, ConstraintRows, Entry, Hardness, Layout, Rows, Setup, Task, Tick},
+    plugin::{AnyConstraint, Constraint, ConstraintRows, Entry, Hardness, Layout, Rows, Setup, AnyTask, Task, Tick},
     qp::{ActiveSet, Capacity, Qp, QpSolver, RowId, Solution, Status, VarId},
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
@@ -80,7 +80,7 @@ impl Task for Linear {
 }
 
 fn add(config: &mut ControllerConfig, name: &str, linear: Linear) {
-    let entry: Entry<dyn Constraint> = Entry::new(name, 1.0, Hardness::Hard, Box::new(linear));
+    let entry: Entry<dyn AnyConstraint> = Entry::new(name, 1.0, Hardness::Hard, Box::new(linear));
     config.constraints.push(entry);
 }
 
@@ -253,7 +253,7 @@ fn the_last_declared_of_those_in_conflict_goes_first() {
 fn hard_tasks_go_before_constraints_and_contacts_last() {
     let mut config = pushing();
     add(&mut config, "most", effort(0, f64::NEG_INFINITY, 3.0));
-    let wish: Entry<dyn Task> =
+    let wish: Entry<dyn AnyTask> =
         Entry::new("wish", 1.0, Hardness::Hard, Box::new(effort(0, 8.0, 8.0)));
     config.tasks.push(wish);
     let controller = ticked(config);

@@ -9,7 +9,7 @@ use wbqp::{
     controller::{Command, Controller, FallbackLevel, Measurement},
     fault::Fault,
     nalgebra::Vector6,
-    plugin::{Constraint, Entry, Hardness, Weight},
+    plugin::{AnyConstraint, Entry, Hardness, Weight},
     robot::RobotModel,
     settings::{Formulation, MeasurementLimits},
 };
@@ -180,7 +180,7 @@ fn live(scene: &Scene, rng: &mut ChaCha8Rng, changes: &[Change], from: usize) ->
     let mut config = scene.config();
     if rng.random_bool(0.3) {
         // Nothing but the gate keeps the actuators' limits.
-        let is_other = |entry: &Entry<dyn Constraint>| entry.name != "limits";
+        let is_other = |entry: &Entry<dyn AnyConstraint>| entry.name != "limits";
         config.constraints.retain(is_other);
     }
     if rng.random() {

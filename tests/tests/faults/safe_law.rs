@@ -6,7 +6,7 @@ use wbqp::{
     controller::{Controller, FallbackLevel, Measurement},
     error::BindError,
     nalgebra::Vector3,
-    plugin::{Entry, Hardness, Layout, Rows, Setup, Task, Tick},
+    plugin::{Entry, Hardness, Layout, Rows, Setup, AnyTask, Task, Tick},
     robot::RobotModel,
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
@@ -40,7 +40,7 @@ impl Task for Breaker {
 }
 
 fn with_breaker(mut config: ControllerConfig, active: bool) -> Controller {
-    let mut entry: Entry<dyn Task> = Entry::new("breaker", 1.0, Hardness::Soft, Box::new(Breaker));
+    let mut entry: Entry<dyn AnyTask> = Entry::new("breaker", 1.0, Hardness::Soft, Box::new(Breaker));
     entry.active = active;
     config.tasks.push(entry);
     Controller::new(config).expect("is valid")

@@ -10,7 +10,7 @@ use wbqp::{
     controller::FallbackLevel,
     dynamics::{Data, frame_motion},
     nalgebra::{DVector, Vector3},
-    plugin::{Constraint, Entry, Hardness, Task, Weight},
+    plugin::{AnyConstraint, Entry, Hardness, AnyTask, Weight},
     robot::{Robot, RobotModel},
     settings::{FirstError, Settings},
 };
@@ -74,9 +74,9 @@ fn task(
     mut config: ControllerConfig,
     name: &str,
     weight: impl Into<Weight>,
-    task: impl Task,
+    task: impl AnyTask,
 ) -> ControllerConfig {
-    let task: Box<dyn Task> = Box::new(task);
+    let task: Box<dyn AnyTask> = Box::new(task);
     config
         .tasks
         .push(Entry::new(name, weight, Hardness::Soft, task));
@@ -86,9 +86,9 @@ fn task(
 fn constraint(
     mut config: ControllerConfig,
     name: &str,
-    constraint: impl Constraint,
+    constraint: impl AnyConstraint,
 ) -> ControllerConfig {
-    let constraint: Box<dyn Constraint> = Box::new(constraint);
+    let constraint: Box<dyn AnyConstraint> = Box::new(constraint);
     config
         .constraints
         .push(Entry::new(name, 1.0, Hardness::Hard, constraint));

@@ -23,7 +23,7 @@ use crate::{
         table::Section,
     },
     contact::Motion,
-    plugin::Constraint,
+    plugin::AnyConstraint,
     registry,
     suggestion::suggestion,
 };
@@ -177,7 +177,7 @@ fn is_possible(one: &Brought, listed: &Listed, report: &mut Report<'_>) -> bool 
     };
     let at = At::subject(subject);
     let tag = one.tag;
-    let (kind, message) = if registry::find::<dyn Constraint>(tag).is_none() {
+    let (kind, message) = if registry::find::<dyn AnyConstraint>(tag).is_none() {
         let message = format!(
             "{who} brings a constraint of type `{tag}`, which is not linked: add `use wbqp_tasks as _;` \
              (crate wbqp-tasks)"

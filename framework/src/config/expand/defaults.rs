@@ -10,7 +10,7 @@ use serde_json::Value as Json;
 use super::{List, Notes, Span, Texts, value};
 use crate::{
     config::{document::Document, table::Section},
-    plugin::{Constraint, Task},
+    plugin::{AnyConstraint, AnyTask},
     registry::{
         self, PluginKind,
         schema::{CRITICAL, Node, WEIGHT},
@@ -34,8 +34,8 @@ pub(in crate::config) fn fill<'t>(
     notes: &mut Notes,
 ) {
     let mut missing = Vec::new();
-    of_all::<dyn Task>(List::Task, &document.tasks, &mut missing);
-    of_all::<dyn Constraint>(List::Constraint, &document.constraints, &mut missing);
+    of_all::<dyn AnyTask>(List::Task, &document.tasks, &mut missing);
+    of_all::<dyn AnyConstraint>(List::Constraint, &document.constraints, &mut missing);
     let written = missing.iter().map(|one| one.text.clone()).collect();
     let written = texts.defaults.get_or_init(|| written);
     for (one, text) in missing.into_iter().zip(written) {

@@ -16,7 +16,7 @@ use crate::{
         table::Section,
     },
     contact::ContactSpec,
-    plugin::{Constraint, Reference, Task},
+    plugin::{AnyConstraint, AnyReference, AnyTask},
     qp::Solver,
     registry::{self, PluginKind, schema::Node},
     robot::Robot,
@@ -155,8 +155,8 @@ impl Lister<'_> {
             self.noted(List::Contact, index, &subject, section);
             self.defaults(&subject, &contact, section);
         }
-        self.entries::<dyn Task>(List::Task, &document.tasks, "\"soft\"");
-        self.entries::<dyn Constraint>(List::Constraint, &document.constraints, "\"hard\"");
+        self.entries::<dyn AnyTask>(List::Task, &document.tasks, "\"soft\"");
+        self.entries::<dyn AnyConstraint>(List::Constraint, &document.constraints, "\"hard\"");
     }
 
     fn entries<P: PluginKind + ?Sized>(
@@ -235,7 +235,7 @@ impl Lister<'_> {
     /// A trajectory inside a task.
     fn reference(&mut self, subject: &str, prefix: &str, keys: &toml::de::DeTable<'_>) {
         let tag = keys.get("type").and_then(|tag| tag.get_ref().as_str());
-        if let Some(plugin) = tag.and_then(registry::find::<dyn Reference>) {
+        if let Some(plugin) = tag.and_then(registry::find::<dyn AnyReference>) {
             let schema = plugin.described();
             self.table(subject, prefix, Node::root(schema.as_value()), keys);
         }

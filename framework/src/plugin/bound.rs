@@ -1,0 +1,150 @@
+//! Tasks and constraints as a controller runs them: parameters, running object and rows of one entry.
+
+use std::{
+    any::Any,
+    fmt::{self, Debug},
+};
+
+use crate::{
+    error::BindError,
+    plugin::{
+        AnyConstraint, AnyTask, Constraint, ConstraintRows, Layout, Rows, Setup, Task, Tick,
+        rows::RowStore,
+    },
+};
+
+/// A task or constraint that was bound: its rows, and what runs. Made by the attributes
+/// [`task`](macro@crate::task) and [`constraint`](macro@crate::constraint).
+#[derive(Debug)]
+pub struct BoundPlugin {
+    pub(crate) layout: Layout,
+    pub(crate) running: Box<dyn Running>,
+}
+
+impl BoundPlugin {
+    /// Binds a task.
+    ///
+    /// # Errors
+    /// What the task refuses.
+    pub fn task<T: Task>(parameters: &T, setup: &mut Setup<'_>) -> Result<Self, BindError> {
+        let (layout, running) = parameters.bind(setup)?;
+        let parameters = parameters.clone();
+        Ok(Self {
+            layout,
+            running: Box::new(RunningTask {
+                parameters,
+                running,
+            }),
+        })
+    }
+
+    /// Binds a constraint.
+    ///
+    /// # Errors
+    /// What the constraint refuses.
+    pub fn constraint<C: Constraint>(
+        parameters: &C,
+        setup: &mut Setup<'_>,
+    ) -> Result<Self, BindError> {
+        let (layout, running) = parameters.bind(setup)?;
+        let parameters = parameters.clone();
+        Ok(Self {
+            layout: layout.into_layout(),
+            running: Box::new(RunningConstraint {
+                parameters,
+                running,
+            }),
+        })
+    }
+}
+
+/// What an entry holds: `dyn AnyTask` or `dyn AnyConstraint`.
+pub trait AnyPlugin: any::AnyPlugin {}
+
+impl<P: any::AnyPlugin + ?Sized> AnyPlugin for P {}
+
+/// Keeps [`AnyPlugin`] to the two.
+mod any {
+    use super::{AnyConstraint, AnyTask, BindError, BoundPlugin, Setup};
+
+    pub trait AnyPlugin {
+        const IS_TASK: bool;
+
+        fn bind(&self, setup: &mut Setup<'_>) -> Result<BoundPlugin, BindError>;
+        fn tag(&self) -> &'static str;
+    }
+
+    impl AnyPlugin for dyn AnyTask {
+        const IS_TASK: bool = true;
+
+        fn bind(&self, setup: &mut Setup<'_>) -> Result<BoundPlugin, BindError> {
+            self.bind_any(setup)
+        }
+
+        fn tag(&self) -> &'static str {
+            self.typetag_name()
+        }
+    }
+
+    impl AnyPlugin for dyn AnyConstraint {
+        const IS_TASK: bool = false;
+
+        fn bind(&self, setup: &mut Setup<'_>) -> Result<BoundPlugin, BindError> {
+            self.bind_any(setup)
+        }
+
+        fn tag(&self) -> &'static str {
+            self.typetag_name()
+        }
+    }
+}
+
+/// What runs of an entry, whether task or constraint.
+pub(crate) trait Running: Debug + Send {
+    fn update(&mut self, tick: &Tick<'_>, layout: &Layout, store: &mut RowStore);
+    fn activate(&mut self);
+    fn parameters(&self) -> &dyn Any;
+    fn parameters_mut(&mut self) -> &mut dyn Any;
+}
+
+struct RunningTask<T: Task> {
+    parameters: T,
+    running: T::Running,
+}
+
+struct RunningConstraint<C: Constraint> {
+    parameters: C,
+    running: C::Running,
+}
+
+macro_rules! running {
+    ($running:ident, $plugin:ident, $rows:ident) => {
+        impl<P: $plugin> Running for $running<P> {
+            fn update(&mut self, tick: &Tick<'_>, layout: &Layout, store: &mut RowStore) {
+                let mut rows = $rows::new(tick, layout, store);
+                self.parameters.update(&mut self.running, tick, &mut rows);
+            }
+
+            fn activate(&mut self) {
+                self.parameters.activate(&mut self.running);
+            }
+
+            fn parameters(&self) -> &dyn Any {
+                &self.parameters
+            }
+
+            fn parameters_mut(&mut self) -> &mut dyn Any {
+                &mut self.parameters
+            }
+        }
+
+        impl<P: $plugin> Debug for $running<P> {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                self.parameters.fmt(f)
+            }
+        }
+    };
+}
+
+running!(RunningTask, Task, Rows);
+running!(RunningConstraint, Constraint, ConstraintRows);
