@@ -192,6 +192,7 @@ pub mod fault;
 pub mod input;
 pub mod model;
 pub mod plugin;
+pub mod prelude;
 mod problem;
 pub mod qp;
 pub mod registry;

@@ -3,7 +3,7 @@
 use wbqp::{
     config::{ConfigErrorKind, ControllerConfig},
     error::BindError,
-    plugin::{Layout, Reference, Rows, Sample, Setup, Start, AnyTask, Task, Tick},
+    plugin::{AnyTask, Layout, Reference, Rows, Sample, Setup, Start, Task, Tick},
     registry,
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},

@@ -130,7 +130,7 @@ fn elbow_bent(model: &Model, at: &State, joints: &[JointId], tip: FrameId) -> Op
             continue;
         }
         let J = wbqp::nalgebra::DMatrix::from_fn(6, joints.len(), |i, k| {
-            frame.J[(i, model.velocity_index(joints[k]))]
+            frame.J[(i, model.velocity_index(joints[k]).index())]
         });
         // The translations of an arm with few joints, all six of one with enough.
         let rows = if joints.len() >= 6 {

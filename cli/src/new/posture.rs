@@ -177,7 +177,7 @@ impl Search<'_> {
         }
         let r = DVector::from_iterator(rows.len(), rows.iter().map(|(_, error)| *error));
         let J = DMatrix::from_fn(rows.len(), self.joints.len(), |i, k| {
-            let column = self.model.velocity_index(self.joints[k]);
+            let column = self.model.velocity_index(self.joints[k]).index();
             self.frame.J[(rows[i].0, column)]
         });
         (r, J)

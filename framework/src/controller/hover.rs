@@ -159,7 +159,7 @@ fn saturation(robot: &RobotModel, effort: &[f64]) -> String {
         robot
             .rotors()
             .filter(|(index, actuator, _)| {
-                let thrust = effort.get(*index).copied().unwrap_or_default();
+                let thrust = effort.get(index.index()).copied().unwrap_or_default();
                 is_at(thrust, actuator.lower, actuator.upper)
             })
             .count()

@@ -98,7 +98,7 @@ impl SafeLaw {
         hover: &[f64],
     ) -> Self {
         let (nv, nu) = (robot.model.nv(), robot.nu());
-        let rotors: Vec<usize> = robot.rotors().map(|(i, _, _)| i).collect();
+        let rotors: Vec<usize> = robot.rotors().map(|(i, _, _)| i.index()).collect();
         let forces: usize = world
             .contacts
             .iter()
@@ -184,7 +184,7 @@ impl SafeLaw {
         }
         for (i, actuator) in robot.actuators.iter().enumerate() {
             if let ActuatorKind::Joint(motor) = &actuator.kind {
-                self.effort[i] = self.force[model.velocity_index(motor.joint)];
+                self.effort[i] = self.force[model.velocity_index(motor.joint).index()];
             }
         }
         for (i, (effort, actuator)) in self.effort.iter_mut().zip(&robot.actuators).enumerate() {

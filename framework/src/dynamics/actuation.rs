@@ -44,7 +44,7 @@ impl Actuation {
     pub fn new<'a>(model: &Model, actuators: impl IntoIterator<Item = &'a Actuator>) -> Self {
         let column = |actuator: &Actuator| match &actuator.kind {
             ActuatorKind::Joint(motor) => Column::Joint {
-                velocity: model.velocity_index(motor.joint),
+                velocity: model.velocity_index(motor.joint).index(),
             },
             ActuatorKind::Rotor(rotor) => {
                 let frame = &model.frames()[rotor.frame.index()];

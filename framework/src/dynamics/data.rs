@@ -58,9 +58,12 @@ impl Data {
                 Carrier::Base => (0, 0.0),
                 Carrier::Joint(joint) => {
                     let armature = model.joints()[joint.index()].armature;
-                    (model.velocity_index(joint), armature)
+                    (model.velocity_index(joint).index(), armature)
                 }
-                Carrier::Mimic(index) => (model.velocity_index(model.mimics()[index].leader), 0.0),
+                Carrier::Mimic(index) => (
+                    model.velocity_index(model.mimics()[index].leader).index(),
+                    0.0,
+                ),
             };
             Link::new(body.parent.index(), column, armature)
         });

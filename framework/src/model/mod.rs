@@ -22,9 +22,9 @@ pub use error::ModelError;
 pub use inertia::Inertia;
 pub use mimic::Mimic;
 
-use std::collections::HashMap;
+use std::{collections::HashMap, ops::Index};
 
-use nalgebra::{Isometry3, Unit, Vector3};
+use nalgebra::{DVector, Isometry3, Unit, Vector3};
 
 /// How the root body is attached to the world.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,6 +47,10 @@ pub struct JointId(pub(crate) u32);
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct FrameId(pub(crate) u32);
 
+/// Index of a component of the generalised velocity `v`, and of `v̇`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct VelocityId(pub(crate) u32);
+
 macro_rules! index {
     ($($id:ident),*) => {$(
         impl $id {
@@ -57,7 +61,15 @@ macro_rules! index {
         }
     )*};
 }
-index!(BodyId, JointId, FrameId);
+index!(BodyId, JointId, FrameId, VelocityId);
+
+impl Index<VelocityId> for DVector<f64> {
+    type Output = f64;
+
+    fn index(&self, id: VelocityId) -> &f64 {
+        &self[id.index()]
+    }
+}
 
 /// What one degree of freedom does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -224,9 +236,17 @@ impl Model {
         }
     }
 
-    /// Index of a joint's velocity in `v`.
-    pub fn velocity_index(&self, joint: JointId) -> usize {
-        self.joint_offset() + joint.index()
+    /// Where a joint's velocity is in `v`.
+    pub fn velocity_index(&self, joint: JointId) -> VelocityId {
+        VelocityId((self.joint_offset() + joint.index()) as u32)
+    }
+
+    /// Where the base's velocity is in `v`, linear first, if it has one.
+    pub fn base_velocities(&self) -> Option<[VelocityId; 6]> {
+        match self.base {
+            Base::Floating => Some(std::array::from_fn(|i| VelocityId(i as u32))),
+            Base::Fixed => None,
+        }
     }
 
     /// Total mass, kg.

@@ -4,7 +4,7 @@
 //! blocks whether it is absent, dense, made of unit rows, or borrowed from a Jacobian that the framework
 //! computes anyway. Absent and borrowed blocks cost nothing to write and nothing to multiply.
 
-use crate::{contact::ContactId, plugin::FrameHandle};
+use crate::{actuator::ActuatorId, contact::ContactId, model::VelocityId, plugin::FrameHandle};
 
 /// One scalar row: its label among its owner's rows and the unit of its value.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -55,12 +55,13 @@ pub(crate) enum Relation {
 /// The rows a plug-in writes every tick. Returned by `bind`; fixed from then on.
 ///
 /// ```
-/// use wbqp::Layout;
-/// // Three rows on the base's linear acceleration, columns 0..3 of v̇.
-/// let layout = Layout::rows([("x", "m/s²"), ("y", "m/s²"), ("z", "m/s²")])
-///     .error_unit("m")
-///     .vdot_unit([0, 1, 2]);
-/// assert_eq!(layout.len(), 3);
+/// use wbqp::{error::BindError, plugin::{Layout, Setup}};
+/// fn base(setup: &Setup<'_>) -> Result<Layout, BindError> {
+///     // Three rows on the base's linear acceleration.
+///     let [x, y, z, ..] = setup.base_velocities()?;
+///     let rows = [("x", "m/s²"), ("y", "m/s²"), ("z", "m/s²")];
+///     Ok(Layout::rows(rows).error_unit("m").vdot_unit([x, y, z]))
+/// }
 /// ```
 #[derive(Clone, Debug)]
 pub struct Layout {
@@ -112,8 +113,8 @@ impl Layout {
     }
 
     /// Row `k` is `v̇[columns[k]]`, nothing to write.
-    pub fn vdot_unit(mut self, columns: impl IntoIterator<Item = usize>) -> Self {
-        self.vdot = VdotBlock::Unit(columns.into_iter().collect());
+    pub fn vdot_unit(mut self, columns: impl IntoIterator<Item = VelocityId>) -> Self {
+        self.vdot = VdotBlock::Unit(columns.into_iter().map(VelocityId::index).collect());
         self
     }
 
@@ -142,8 +143,9 @@ impl Layout {
     }
 
     /// Row `k` is `u[columns[k]]`, nothing to write.
-    pub fn effort_unit(mut self, columns: impl IntoIterator<Item = usize>) -> Self {
-        self.effort = Some(Block::Unit(columns.into_iter().collect()));
+    pub fn effort_unit(mut self, columns: impl IntoIterator<Item = ActuatorId>) -> Self {
+        let columns = columns.into_iter().map(ActuatorId::index);
+        self.effort = Some(Block::Unit(columns.collect()));
         self
     }
 
@@ -232,11 +234,17 @@ impl Layout {
 /// fixed from then on.
 ///
 /// ```
-/// use wbqp::{Layout, plugin::ConstraintLayout};
-/// // One row of limits on a component of v̇, kept where other limits are given up.
-/// let limited = Layout::rows([("x", "m/s²")]).vdot_unit([0]).limits().never_relaxed();
-/// // Bounds alone.
-/// let bounded = ConstraintLayout::bounds().bound_effort(0, "rotor_1", "N");
+/// use wbqp::{error::BindError, plugin::{ConstraintLayout, Layout, Setup}};
+/// fn limited(setup: &Setup<'_>) -> Result<ConstraintLayout, BindError> {
+///     // One row of limits on a component of v̇, kept where other limits are given up.
+///     let [_, _, up, ..] = setup.base_velocities()?;
+///     Ok(Layout::rows([("up", "m/s²")]).vdot_unit([up]).limits().never_relaxed())
+/// }
+/// fn bounded(setup: &Setup<'_>) -> ConstraintLayout {
+///     // Bounds alone.
+///     let bounds = ConstraintLayout::bounds();
+///     setup.rotors().into_iter().fold(bounds, |bounds, rotor| bounds.bound_effort(rotor, "thrust", "N"))
+/// }
 /// ```
 #[derive(Clone, Debug)]
 pub struct ConstraintLayout(Layout);

@@ -334,6 +334,19 @@ pub struct Motion {
     pub kd: f64,
 }
 
+impl Motion {
+    /// To a place that rests, critically damped: `ë + 2 √K_P ė + K_P e = 0`.
+    pub fn to_rest(error: f64, rate: f64, kp: f64) -> Self {
+        Self {
+            error,
+            rate,
+            acceleration: 0.0,
+            kp,
+            kd: 2.0 * kp.sqrt(),
+        }
+    }
+}
+
 /// The two forces that only a force task knows, C axes, N.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ForceReport {

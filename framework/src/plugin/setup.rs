@@ -3,10 +3,10 @@
 use nalgebra::UnitQuaternion;
 
 use crate::{
-    actuator::{Actuator, ActuatorKind},
+    actuator::{Actuator, ActuatorId},
     contact::{ContactId, ContactSpec},
     error::BindError,
-    model::{FrameId, JointId, Model},
+    model::{FrameId, JointId, Model, VelocityId},
     plugin::{
         AnyReference, FrameHandle, RotationReference, Sample, Space, Tick, VectorReference,
         followed::{Followed, Measured},
@@ -57,30 +57,41 @@ impl<'a> Setup<'a> {
     }
 
     /// All actuators, in the order of `u`.
-    pub fn actuators(&self) -> &'a [Actuator] {
-        &self.robot.actuators
+    pub fn actuators(&self) -> impl Iterator<Item = (ActuatorId, &'a Actuator)> {
+        self.robot.numbered_actuators()
     }
 
-    /// Positions in `u` of the rotors.
-    pub fn rotors(&self) -> Vec<usize> {
-        let is_rotor = |a: &Actuator| matches!(a.kind, ActuatorKind::Rotor(_));
-        (0..self.robot.actuators.len())
-            .filter(|&i| is_rotor(&self.robot.actuators[i]))
-            .collect()
+    /// The rotors, in the order of `u`.
+    pub fn rotors(&self) -> Vec<ActuatorId> {
+        self.robot.rotors().map(|(id, _, _)| id).collect()
     }
 
-    /// Position in `u` of a joint's motor; `None` for a passive joint.
+    /// Where the base's velocity is in `v̇`: linear, then angular, world axes.
     ///
-    /// ```
-    /// # use wbqp::{error::BindError, plugin::Setup};
-    /// fn knee(setup: &Setup<'_>) -> Result<usize, BindError> {
-    ///     let joint = setup.joint("knee")?;
-    ///     let motor = setup.motor(joint);
-    ///     motor.ok_or_else(|| BindError::value("joint", "has no motor"))
-    /// }
-    /// ```
-    pub fn motor(&self, joint: JointId) -> Option<usize> {
-        self.robot.joint_actuator(joint)
+    /// # Errors
+    /// [`BindError::Other`] for a robot that is bolted down.
+    pub fn base_velocities(&self) -> Result<[VelocityId; 6], BindError> {
+        let model = self.model();
+        model.base_velocities().ok_or_else(|| {
+            let name = model.name();
+            BindError::Other(format!("needs a floating base, `{name}` has a fixed one"))
+        })
+    }
+
+    /// Where a joint's velocity is in `v̇`.
+    pub fn velocity(&self, joint: JointId) -> VelocityId {
+        self.model().velocity_index(joint)
+    }
+
+    /// A joint's motor.
+    ///
+    /// # Errors
+    /// [`BindError::Other`] for a passive joint.
+    pub fn motor(&self, joint: JointId) -> Result<ActuatorId, BindError> {
+        self.robot.joint_actuator(joint).ok_or_else(|| {
+            let name = &self.model().joints()[joint.index()].name;
+            BindError::Other(format!("joint `{name}` has no motor"))
+        })
     }
 
     /// Control period, s.

@@ -238,7 +238,7 @@ impl Partition {
         for (k, &actuator) in self.kept.iter().enumerate() {
             match &robot.actuators[actuator].kind {
                 ActuatorKind::Joint(motor) => {
-                    efforts_at[model.velocity_index(motor.joint)].push(k);
+                    efforts_at[model.velocity_index(motor.joint).index()].push(k);
                 }
                 ActuatorKind::Rotor(rotor) => {
                     let body = model.frames()[rotor.frame.index()].body;
@@ -291,7 +291,7 @@ fn eliminable(robot: &RobotModel) -> Vec<Torque> {
     let mut has_motor = vec![false; robot.model.nv()];
     for (actuator, kind) in robot.actuators.iter().map(|a| &a.kind).enumerate() {
         if let ActuatorKind::Joint(motor) = kind {
-            let velocity = robot.model.velocity_index(motor.joint);
+            let velocity = robot.model.velocity_index(motor.joint).index();
             if !std::mem::replace(&mut has_motor[velocity], true) {
                 torques.push(Torque { velocity, actuator });
             }
@@ -306,7 +306,7 @@ fn carriers(model: &Model, body: BodyId) -> Vec<usize> {
     let mut is_listed = vec![false; model.nv()];
     let mut body = body;
     while let Some(joint) = model.joint_of(body) {
-        let velocity = model.velocity_index(joint);
+        let velocity = model.velocity_index(joint).index();
         if !std::mem::replace(&mut is_listed[velocity], true) {
             list.push(velocity);
         }
@@ -329,7 +329,7 @@ fn related(model: &Model) -> Vec<Vec<usize>> {
         let Some(joint) = model.joint_of(body) else {
             continue;
         };
-        let own = model.velocity_index(joint);
+        let own = model.velocity_index(joint).index();
         for other in carriers(model, body) {
             let (high, low) = (own.max(other), own.min(other));
             if high != low {

@@ -11,7 +11,7 @@ pub use source_location::SourceLocation;
 use std::{fmt, sync::Arc};
 
 use crate::{
-    actuator::{Actuator, ActuatorKind, Rotor},
+    actuator::{Actuator, ActuatorId, ActuatorKind, Rotor},
     model::{JointId, Model},
     state::State,
 };
@@ -64,24 +64,30 @@ impl RobotModel {
     }
 
     /// Index in `u` of the actuator of that name.
-    pub fn actuator(&self, name: &str) -> Option<usize> {
-        self.actuators.iter().position(|a| a.name == name)
+    pub fn actuator(&self, name: &str) -> Option<ActuatorId> {
+        self.find(|actuator| actuator.name == name)
     }
 
     /// Index in `u` of the motor of a joint; `None` for a passive joint.
-    pub fn joint_actuator(&self, joint: JointId) -> Option<usize> {
-        self.actuators
-            .iter()
-            .position(|a| matches!(&a.kind, ActuatorKind::Joint(motor) if motor.joint == joint))
+    pub fn joint_actuator(&self, joint: JointId) -> Option<ActuatorId> {
+        self.find(|a| matches!(&a.kind, ActuatorKind::Joint(motor) if motor.joint == joint))
+    }
+
+    fn find(&self, is_it: impl Fn(&Actuator) -> bool) -> Option<ActuatorId> {
+        let position = self.actuators.iter().position(is_it)?;
+        Some(ActuatorId(position as u32))
+    }
+
+    /// All actuators with their index in `u`.
+    pub fn numbered_actuators(&self) -> impl Iterator<Item = (ActuatorId, &Actuator)> {
+        (0..).map(ActuatorId).zip(&self.actuators)
     }
 
     /// All rotors with their index in `u`.
-    pub fn rotors(&self) -> impl Iterator<Item = (usize, &Actuator, &Rotor)> {
-        self.actuators
-            .iter()
-            .enumerate()
-            .filter_map(|(index, actuator)| match &actuator.kind {
-                ActuatorKind::Rotor(rotor) => Some((index, actuator, rotor)),
+    pub fn rotors(&self) -> impl Iterator<Item = (ActuatorId, &Actuator, &Rotor)> {
+        self.numbered_actuators()
+            .filter_map(|(id, actuator)| match &actuator.kind {
+                ActuatorKind::Rotor(rotor) => Some((id, actuator, rotor)),
                 ActuatorKind::Joint(_) => None,
             })
     }

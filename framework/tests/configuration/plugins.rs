@@ -6,7 +6,8 @@ use wbqp::{
     config::{ConfigErrors, ControllerConfig, Overrides},
     error::BindError,
     plugin::{
-        Constraint, ConstraintRows, Layout, AnyReference, Reference, Rows, Sample, Setup, Start, Task, Tick,
+        AnyReference, Constraint, ConstraintRows, Layout, Reference, Rows, Sample, Setup, Start,
+        Task, Tick,
     },
     robot::{Robot, RobotError, RobotModel, SourceLocation},
     schemars::JsonSchema,

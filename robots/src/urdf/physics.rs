@@ -94,7 +94,7 @@ impl Bodies<'_> {
             return;
         }
         let inertia = &self.model.bodies()[index].inertia;
-        let velocity = joint.map(|joint| self.model.velocity_index(joint));
+        let velocity = joint.map(|joint| self.model.velocity_index(joint).index());
         if inertia.mass == 0.0 && singular.iter().any(|s| Some(s.velocity) == velocity) {
             // Said of the joint.
             return;
@@ -144,7 +144,7 @@ impl Bodies<'_> {
 
     /// The inertia that a joint feels.
     fn felt(&self, joint: JointId) -> String {
-        let velocity = self.model.velocity_index(joint);
+        let velocity = self.model.velocity_index(joint).index();
         let felt = self.data.mass_matrix()[(velocity, velocity)];
         let Joint { name, kind, .. } = &self.model.joints()[joint.index()];
         let unit = match kind {

@@ -633,7 +633,7 @@ fn another_root_is_the_same_robot() {
         {
             let id = other.model.joint(&joint.name).expect("the same joints");
             seen.q[id.index()] = *q;
-            seen.v[other.model.velocity_index(id)] = *v;
+            seen.v[other.model.velocity_index(id).index()] = *v;
         }
         let mut theirs = Data::new(&other.model);
         theirs.update(&other.model, &seen);

@@ -273,7 +273,7 @@ pub fn hover(robot: &RobotModel, state: &State) -> Vec<f64> {
                 S.set_column(i, &column);
             }
             ActuatorKind::Joint(motor) => {
-                S[(robot.model.velocity_index(motor.joint), i)] = 1.0;
+                S[(robot.model.velocity_index(motor.joint).index(), i)] = 1.0;
             }
             _ => {}
         }
