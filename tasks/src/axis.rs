@@ -1,15 +1,10 @@
 //! A choice of the world's axes.
 
-use wbqp::{
-    error::BindError,
-    schemars::JsonSchema,
-    serde::{Deserialize, Serialize},
-};
+use wbqp::prelude::*;
 
 /// An axis of the world.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(crate = "wbqp::serde", rename_all = "snake_case")]
-#[schemars(crate = "wbqp::schemars")]
+#[wbqp::parameters]
+#[derive(Copy, PartialEq, Eq)]
 pub enum Axis {
     /// World x.
     X,

@@ -1,46 +1,36 @@
 //! What regularisations of efforts share: rows `u_k = u_d`.
 
-use wbqp::{
-    error::BindError,
-    plugin::{AnyReference, Rows, Sample, Space, Tick, reference::begin},
-};
-
-use crate::follow::component;
+use wbqp::{plugin::VectorReference, prelude::*};
 
 /// Some of the efforts and what is wanted of them.
-#[derive(Debug, Default)]
-pub(crate) struct Efforts {
-    /// Positions in `u`.
-    pub(crate) indices: Vec<usize>,
-    pub(crate) sample: Sample,
+#[derive(Debug)]
+pub struct Efforts {
+    actuators: Vec<ActuatorId>,
+    reference: VectorReference,
 }
 
 impl Efforts {
-    /// Binds the reference; it takes over at zero.
+    /// Follows a reference, which takes over at zero.
     pub(crate) fn bind(
-        &mut self,
-        reference: &mut dyn AnyReference,
-        indices: Vec<usize>,
-    ) -> Result<(), BindError> {
-        let from = Sample::at_rest(indices.iter().map(|_| 0.0));
-        self.sample = begin("reference", reference, Space::Vector(indices.len()), from)?;
-        self.indices = indices;
-        Ok(())
+        setup: &mut Setup<'_>,
+        reference: &dyn AnyReference,
+        actuators: Vec<ActuatorId>,
+    ) -> Result<Self, BindError> {
+        let reference = setup.follow_from_zero("reference", reference, actuators.len())?;
+        Ok(Self {
+            actuators,
+            reference,
+        })
     }
 
     /// The rows of one tick; the coefficients are unit rows.
-    pub(crate) fn update(
-        &mut self,
-        reference: &mut dyn AnyReference,
-        tick: &Tick<'_>,
-        rows: &mut Rows<'_>,
-    ) {
-        reference.sample(tick, &mut self.sample);
-        for (k, &index) in self.indices.iter().enumerate() {
-            let wanted = component(&self.sample.value, k);
-            let sent = tick.last.effort.get(index).copied().unwrap_or(0.0);
+    pub(crate) fn update(&self, tick: &Tick<'_>, rows: &mut Rows<'_>) {
+        let desired = tick.vector(self.reference);
+        for (k, actuator) in self.actuators.iter().enumerate() {
+            let [wanted, ..] = desired.component(k);
+            let sent = tick.last.effort.get(actuator.index());
             rows.b()[k] = wanted;
-            rows.error()[k] = sent - wanted;
+            rows.error()[k] = sent.copied().unwrap_or(0.0) - wanted;
         }
     }
 }

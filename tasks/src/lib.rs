@@ -61,7 +61,6 @@ mod constraints;
 mod effort;
 mod follow;
 mod gain;
-mod home;
 mod integral;
 mod references;
 mod tasks;

@@ -388,7 +388,7 @@ impl<'a> Rows<'a> {
     /// Asks for an acceleration of row `k`: `J v̇ = a* − J̇ v`, with the bias as in [`Rows::motion`]. For laws that are
     /// more than a spring and a damper; the error is written apart.
     pub fn acceleration(&mut self, k: usize, wanted: f64) {
-        let bias = self.bias(k);
+        let bias = self.bias_of(k);
         if let Some(b) = self.blocks.store.lower.get_mut(k) {
             *b = wanted - bias;
         }
@@ -400,13 +400,18 @@ impl<'a> Rows<'a> {
         for (out, a) in self.vdot().row_mut(k).iter_mut().zip(row) {
             *out = *a;
         }
+        self.bias(k, bias);
+    }
+
+    /// Says the bias `J̇ v` of row `k`, whose coefficients are written through [`Rows::vdot`].
+    pub fn bias(&mut self, k: usize, bias: f64) {
         if let Some(out) = self.blocks.store.bias.get_mut(k) {
             *out = bias;
         }
     }
 
     /// `J̇ v` of row `k`; zero for a component of `v̇`, not a number where it was not said.
-    fn bias(&self, k: usize) -> f64 {
+    fn bias_of(&self, k: usize) -> f64 {
         match &self.blocks.layout.vdot {
             VdotBlock::Absent | VdotBlock::Unit(_) => 0.0,
             VdotBlock::Dense => self.blocks.store.bias.get(k).copied().unwrap_or(f64::NAN),

@@ -12,12 +12,7 @@
 
 use std::f64::consts::TAU;
 
-use wbqp::{
-    error::BindError,
-    plugin::{Reference, Sample, Space, Start, Tick},
-    schemars::JsonSchema,
-    serde::{Deserialize, Serialize},
-};
+use wbqp::{plugin::VectorSample, prelude::*};
 
 use super::leg;
 use crate::check;
@@ -31,53 +26,38 @@ use crate::check;
 /// semi-axes make a circle, a semi-axis of zero a line there and back.
 ///
 /// For tasks on vectors; rotations are refused.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(crate = "wbqp::serde", deny_unknown_fields)]
-#[schemars(crate = "wbqp::schemars")]
+#[wbqp::reference("ellipse")]
 pub struct Ellipse {
     /// Half the width along each of the two axes, in the task's unit; not negative, at least one above zero.
-    #[schemars(extend("x-unit" = "the task's"))]
+    #[wbqp(unit = "the task's")]
     pub semi_axes: [f64; 2],
     /// How long it takes, s.
-    #[schemars(extend("x-unit" = "s"))]
+    #[wbqp(unit = "s")]
     pub duration: f64,
     /// How often it goes around; a fraction ends elsewhere, a negative number turns from `axes[1]` to `axes[0]`.
-    #[serde(default = "once")]
-    #[schemars(extend("x-unit" = "1"))]
+    #[wbqp(default = 1.0, unit = "1")]
     pub turns: f64,
     /// The angle φ at which it begins, rad: 0 at the positive end of the first axis, π/2 at that of the second.
-    #[serde(default)]
-    #[schemars(extend("x-unit" = "rad"))]
+    #[wbqp(default, unit = "rad")]
     pub phase: f64,
     /// The two components of the task that move, counted from 0.
-    #[serde(default = "first_two")]
+    #[wbqp(default = [0, 1])]
     pub axes: [usize; 2],
     /// Where it begins, one number per component of the task. Without it, what the task followed before; at the
     /// start, what is measured.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("x-unit" = "the task's"))]
+    #[wbqp(unit = "the task's")]
     pub from: Option<Vec<f64>>,
     /// Delay before it begins, s.
-    #[serde(default)]
-    #[schemars(extend("x-unit" = "s"))]
+    #[wbqp(default, unit = "s")]
     pub start: f64,
-    #[serde(skip)]
-    bound: Option<Bound>,
 }
 
-/// What `bind` found out.
-#[derive(Clone, Debug, Default)]
-struct Bound {
-    /// Time at which it begins, s.
-    begin: f64,
-    from: Sample,
-}
-
-fn once() -> f64 {
-    1.0
-}
-fn first_two() -> [usize; 2] {
-    [0, 1]
+/// Where and when it begins.
+#[derive(Debug)]
+pub struct Begin {
+    /// s.
+    time: f64,
+    from: VectorSample,
 }
 
 impl Ellipse {
@@ -87,12 +67,11 @@ impl Ellipse {
         Self {
             semi_axes,
             duration,
-            turns: once(),
+            turns: Self::default_turns(),
             phase: 0.0,
-            axes: first_two(),
+            axes: Self::default_axes(),
             from: None,
             start: 0.0,
-            bound: None,
         }
     }
 
@@ -126,13 +105,10 @@ impl Ellipse {
         self
     }
 
-    /// Writes the sample at a time (s, on the clock it was bound with). Nothing before it is bound.
-    pub fn at(&self, time: f64, out: &mut Sample) {
-        let Some(Bound { begin, from }) = &self.bound else {
-            return;
-        };
-        leg::stand(from, out);
-        let elapsed = time - begin;
+    /// Writes the sample at a time, s.
+    fn at(&self, begin: &Begin, time: f64, out: &mut VectorSample) {
+        out.stand_at(&begin.from);
+        let elapsed = time - begin.time;
         // A time that is not a number counts as before.
         let progress = if elapsed > 0.0 {
             (elapsed / self.duration).min(1.0)
@@ -163,10 +139,11 @@ impl Ellipse {
     }
 }
 
-#[wbqp::reference("ellipse")]
 impl Reference for Ellipse {
-    fn bind(&mut self, start: &Start<'_>) -> Result<(), BindError> {
-        let Space::Vector(n) = start.space else {
+    type Running = Begin;
+
+    fn bind(&self, space: Space) -> Result<Begin, BindError> {
+        let Space::Vector(n) = space else {
             return Err(BindError::Other(
                 "`ellipse` is a curve of vectors, not of rotations".to_owned(),
             ));
@@ -189,15 +166,24 @@ impl Reference for Ellipse {
             let problem = format!("names {} twice", self.axes[0]);
             return Err(BindError::value("axes", problem));
         }
-        let mut bound = self.bound.take().unwrap_or_default();
-        bound.begin = start.time + self.start;
-        leg::knot_or_take_over(start, "from", self.from.as_deref(), &mut bound.from)?;
-        self.bound = Some(bound);
-        Ok(())
+        let from = match leg::knot_or_room(space, "from", self.from.as_deref())? {
+            Sample::Vector(from) => from,
+            Sample::Rotation(_) => VectorSample::at_rest([]),
+        };
+        Ok(Begin { time: 0.0, from })
     }
 
-    fn sample(&mut self, tick: &Tick<'_>, out: &mut Sample) {
-        self.at(tick.time, out);
+    fn start(&self, begin: &mut Begin, start: &Start<'_>) {
+        begin.time = start.time + self.start;
+        if let (None, Sample::Vector(from)) = (&self.from, start.from) {
+            begin.from.stand_at(from);
+        }
+    }
+
+    fn sample(&self, begin: &mut Begin, tick: &Tick<'_>, out: &mut Sample) {
+        if let Sample::Vector(out) = out {
+            self.at(begin, tick.time, out);
+        }
     }
 }
 
@@ -206,22 +192,21 @@ mod tests {
     use std::f64::consts::{FRAC_PI_2, PI};
 
     use super::*;
+    use crate::references::leg::testing::started;
 
     const BEGIN: f64 = 10.0;
 
-    fn bound(mut reference: Ellipse, from: &Sample) -> Result<Ellipse, BindError> {
-        let space = Space::Vector(from.value.len());
-        reference.bind(&Start {
-            space,
-            time: BEGIN,
-            from,
-        })?;
-        Ok(reference)
+    /// An ellipse that has begun.
+    struct Begun(Ellipse, Begin);
+
+    fn bound(reference: Ellipse, from: &Sample) -> Result<Begun, BindError> {
+        let begin = started(&reference, BEGIN, from)?;
+        Ok(Begun(reference, begin))
     }
 
-    fn at(reference: &Ellipse, time: f64) -> Sample {
-        let mut out = Sample::new(Space::Vector(3));
-        reference.at(time, &mut out);
+    fn at(Begun(reference, begin): &Begun, time: f64) -> VectorSample {
+        let mut out = begin.from.clone();
+        reference.at(begin, time, &mut out);
         out
     }
 
@@ -249,15 +234,16 @@ mod tests {
 
     #[test]
     fn begins_and_ends_at_rest() {
-        let from = Sample::at_rest([0.3, -0.2, 1.0]);
+        let value = VectorSample::at_rest([0.3, -0.2, 1.0]);
+        let from = Sample::Vector(value.clone());
         let reference = Ellipse::new([0.05, 0.1], 4.0).turns(2.0).after(0.5);
         let reference = bound(reference, &from).unwrap();
         for time in [f64::NAN, f64::NEG_INFINITY, 0.0, BEGIN, BEGIN + 0.5] {
-            assert_eq!(at(&reference, time), from, "{time}");
+            assert_eq!(Sample::Vector(at(&reference, time)), from, "{time}");
         }
         for time in [BEGIN + 4.5, BEGIN + 5.0, f64::INFINITY] {
             let end = at(&reference, time);
-            assert!((end.value3() - from.value3()).norm() < 1e-15, "{time}");
+            assert!((end.value3() - value.value3()).norm() < 1e-15, "{time}");
             assert_eq!((end.rate3().norm(), end.acceleration3().norm()), (0.0, 0.0));
         }
         // Continuous at both ends: rates as t², accelerations as t.
@@ -320,16 +306,11 @@ mod tests {
             ("axes", good().along([1, 1])),
             ("from", good().starting_at([1.0])),
         ] {
-            let error = bound(reference, &Sample::at_rest([0.0, 0.0]))
-                .unwrap_err()
-                .to_string();
+            let from = Sample::at_rest([0.0, 0.0]);
+            let error = bound(reference, &from).err().unwrap().to_string();
             assert!(error.starts_with(&format!("`{key}`")), "{error}");
         }
-        let rotation = good().bind(&Start {
-            space: Space::Rotation,
-            time: 0.0,
-            from: &Sample::new(Space::Rotation),
-        });
+        let rotation = good().bind(Space::Rotation);
         assert!(rotation.unwrap_err().to_string().contains("rotations"));
     }
 }

@@ -1,28 +1,19 @@
 //! Standing still.
 
-use wbqp::{
-    error::BindError,
-    plugin::{Reference, Sample, Start, Tick},
-    schemars::JsonSchema,
-    serde::{Deserialize, Serialize},
-};
+use wbqp::prelude::*;
 
 use super::leg;
 
 /// Stays at a value, or where it takes over. Rate and acceleration are zero.
 ///
 /// Jumps to the value at once; [`MinJerk`](crate::MinJerk) goes there smoothly.
-#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(crate = "wbqp::serde", deny_unknown_fields)]
-#[schemars(crate = "wbqp::schemars")]
+#[wbqp::reference("hold")]
+#[derive(Default)]
 pub struct Hold {
     /// The value, in the task's unit (m, rad or N); `[roll, pitch, yaw]` in rad for a rotation. Without it, what
     /// the task followed before; at the start, what is measured.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("x-unit" = "the task's"))]
+    #[wbqp(unit = "the task's")]
     pub value: Option<Vec<f64>>,
-    #[serde(skip)]
-    held: Sample,
 }
 
 impl Hold {
@@ -35,18 +26,25 @@ impl Hold {
     pub fn at(value: impl Into<Vec<f64>>) -> Self {
         Self {
             value: Some(value.into()),
-            held: Sample::default(),
         }
     }
 }
 
-#[wbqp::reference("hold")]
 impl Reference for Hold {
-    fn bind(&mut self, start: &Start<'_>) -> Result<(), BindError> {
-        leg::knot_or_take_over(start, "value", self.value.as_deref(), &mut self.held)
+    /// Where it stays.
+    type Running = Sample;
+
+    fn bind(&self, space: Space) -> Result<Sample, BindError> {
+        leg::knot_or_room(space, "value", self.value.as_deref())
     }
 
-    fn sample(&mut self, _: &Tick<'_>, out: &mut Sample) {
-        leg::stand(&self.held, out);
+    fn start(&self, held: &mut Sample, start: &Start<'_>) {
+        if self.value.is_none() {
+            held.stand_at(start.from);
+        }
+    }
+
+    fn sample(&self, held: &mut Sample, _: &Tick<'_>, out: &mut Sample) {
+        out.stand_at(held);
     }
 }

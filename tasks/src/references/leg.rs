@@ -6,19 +6,13 @@
 //! movements*, 1985). In a vector space the value is `a + s (b − a)`. A rotation turns about the one axis
 //! `φ = log(R_b R_aᵀ)`, which is constant in world axes: `R = exp(s φ) R_a`, `w = ṡ φ`, `ẇ = s̈ φ`.
 
-use wbqp::{
-    error::BindError,
-    nalgebra::{UnitQuaternion, Vector3},
-    plugin::{Sample, Space, Start},
-    spatial,
-};
+use wbqp::{nalgebra::UnitQuaternion, plugin::RotationSample, prelude::*, spatial};
 
 use crate::check;
 
 /// A move.
 #[derive(Clone, Debug)]
-pub(crate) struct Leg {
-    pub(crate) space: Space,
+pub struct Leg {
     /// Time at which it begins, s.
     pub(crate) begin: f64,
     /// How long it takes, s; zero is a jump.
@@ -28,31 +22,20 @@ pub(crate) struct Leg {
 }
 
 impl Leg {
-    /// One that is not bound yet.
-    pub(crate) fn unbound() -> Self {
-        Self {
-            space: Space::Rotation,
-            begin: 0.0,
-            duration: 0.0,
-            from: Sample::default(),
-            to: Sample::default(),
-        }
-    }
-
     /// Writes the sample at a time, s; before and after the move it stands at its ends.
     pub(crate) fn at(&self, time: f64, out: &mut Sample) {
         let elapsed = time - self.begin;
         if elapsed >= self.duration {
-            return stand(&self.to, out);
+            return out.stand_at(&self.to);
         }
         if elapsed <= 0.0 || elapsed.is_nan() {
-            return stand(&self.from, out);
+            return out.stand_at(&self.from);
         }
         let [s, ds, dds] = min_jerk(elapsed / self.duration);
         let (ds, dds) = (ds / self.duration, dds / (self.duration * self.duration));
-        match self.space {
-            Space::Vector(_) => {
-                let ends = self.from.value.iter().zip(&self.to.value);
+        match (&self.from, &self.to, out) {
+            (Sample::Vector(from), Sample::Vector(to), Sample::Vector(out)) => {
+                let ends = from.value.iter().zip(&to.value);
                 for (((a, b), value), (rate, acceleration)) in ends
                     .zip(&mut out.value)
                     .zip(out.rate.iter_mut().zip(&mut out.acceleration))
@@ -62,12 +45,15 @@ impl Leg {
                     *acceleration = dds * (b - a);
                 }
             }
-            Space::Rotation => {
-                let turn = spatial::log(&(self.to.rotation * self.from.rotation.inverse()));
-                out.rotation = spatial::exp(&(turn * s)) * self.from.rotation;
-                copy((turn * ds).as_slice(), &mut out.rate);
-                copy((turn * dds).as_slice(), &mut out.acceleration);
+            (Sample::Rotation(from), Sample::Rotation(to), Sample::Rotation(out)) => {
+                let turn = spatial::log(&(to.rotation * from.rotation.inverse()));
+                *out = RotationSample {
+                    rotation: spatial::exp(&(turn * s)) * from.rotation,
+                    rate: turn * ds,
+                    acceleration: turn * dds,
+                };
             }
+            _ => {}
         }
     }
 }
@@ -82,89 +68,88 @@ pub(crate) fn min_jerk(tau: f64) -> [f64; 3] {
     ]
 }
 
-/// Writes a value at rest.
-pub(crate) fn stand(at: &Sample, out: &mut Sample) {
-    copy(&at.value, &mut out.value);
-    out.rotation = at.rotation;
-    out.rate.fill(0.0);
-    out.acceleration.fill(0.0);
-}
-
-/// Copies what there is room for.
-fn copy(from: &[f64], to: &mut [f64]) {
-    for (to, from) in to.iter_mut().zip(from) {
-        *to = *from;
-    }
-}
-
-/// Reads a configured value: as many numbers as the space has dimensions, all finite. Allocates only if there is no
-/// room in `out`, or to name `key` in an error.
+/// Reads a configured value: as many numbers as the space has dimensions, all finite.
 pub(crate) fn read_knot(
     space: Space,
     key: &dyn Fn() -> String,
     numbers: &[f64],
-    out: &mut Sample,
-) -> Result<(), BindError> {
-    let n = space.dimension();
+) -> Result<Sample, BindError> {
+    let (n, expected) = match space {
+        Space::Vector(n) => (n, n.to_string()),
+        Space::Rotation => (3, "3: roll, pitch and yaw in rad".to_owned()),
+    };
     if numbers.len() != n {
-        let expected = match space {
-            Space::Vector(_) => n.to_string(),
-            Space::Rotation => "3: roll, pitch and yaw in rad".to_owned(),
-        };
         return Err(BindError::length(&key(), numbers.len(), expected));
     }
     if !numbers.iter().all(|x| x.is_finite()) {
         check::finite(&key(), numbers)?;
     }
-    out.reset(space);
-    match space {
-        Space::Vector(_) => out.value.copy_from_slice(numbers),
+    Ok(match space {
+        Space::Vector(_) => Sample::at_rest(numbers.iter().copied()),
         Space::Rotation => {
             let [roll, pitch, yaw]: [f64; 3] = Vector3::from_column_slice(numbers).into();
-            out.rotation = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
+            Sample::turned(UnitQuaternion::from_euler_angles(roll, pitch, yaw))
         }
-    }
-    Ok(())
+    })
 }
 
-/// Where a reference takes over, brought to rest. Allocates only if there is no room in `out`.
-pub(crate) fn take_over(start: &Start<'_>, out: &mut Sample) -> Result<(), BindError> {
-    let n = start.space.dimension();
-    if matches!(start.space, Space::Vector(_)) && start.from.value.len() != n {
-        let got = start.from.value.len();
-        return Err(BindError::length("from", got, n.to_string()));
-    }
-    out.reset(start.space);
-    stand(start.from, out);
-    Ok(())
-}
-
-/// The value that the parameters give under a key, or where the reference takes over.
-pub(crate) fn knot_or_take_over(
-    start: &Start<'_>,
+/// The value that the parameters give under a key; without one, room for where the reference takes over.
+pub(crate) fn knot_or_room(
+    space: Space,
     key: &str,
     numbers: Option<&[f64]>,
-    out: &mut Sample,
-) -> Result<(), BindError> {
+) -> Result<Sample, BindError> {
     match numbers {
-        Some(numbers) => read_knot(start.space, &|| key.to_owned(), numbers, out),
-        None => take_over(start, out),
+        Some(numbers) => read_knot(space, &|| key.to_owned(), numbers),
+        None => Ok(Sample::new(space)),
+    }
+}
+
+/// For tests of references.
+#[cfg(test)]
+pub(crate) mod testing {
+    use super::*;
+    use wbqp::plugin::VectorSample;
+
+    /// A reference that took over at a time, s.
+    pub(crate) fn started<R: Reference>(
+        reference: &R,
+        time: f64,
+        from: &Sample,
+    ) -> Result<R::Running, BindError> {
+        let mut running = reference.bind(from.space())?;
+        reference.start(&mut running, &Start { time, from });
+        Ok(running)
+    }
+
+    pub(crate) fn vector(sample: Sample) -> VectorSample {
+        match sample {
+            Sample::Vector(sample) => sample,
+            Sample::Rotation(_) => panic!("a rotation"),
+        }
+    }
+
+    pub(crate) fn rotation(sample: &Sample) -> RotationSample {
+        match sample {
+            Sample::Rotation(sample) => *sample,
+            Sample::Vector(_) => panic!("a vector"),
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::{
+        testing::{rotation, vector},
+        *,
+    };
 
     fn knot(space: Space, key: &str, numbers: &[f64]) -> Result<Sample, BindError> {
-        let mut sample = Sample::default();
-        read_knot(space, &|| key.to_owned(), numbers, &mut sample)?;
-        Ok(sample)
+        read_knot(space, &|| key.to_owned(), numbers)
     }
 
     fn leg(space: Space, from: &[f64], to: &[f64]) -> Leg {
         Leg {
-            space,
             begin: 0.7,
             duration: 1.6,
             from: knot(space, "from", from).unwrap(),
@@ -173,7 +158,7 @@ mod tests {
     }
 
     fn at(leg: &Leg, time: f64) -> Sample {
-        let mut out = Sample::new(leg.space);
+        let mut out = leg.from.clone();
         leg.at(time, &mut out);
         out
     }
@@ -183,7 +168,7 @@ mod tests {
         let leg = leg(Space::Vector(2), &[1.0, -0.3], &[-0.5, 4.0]);
         let h = 1e-5;
         for time in [0.75, 0.9, 1.2, 1.5, 1.9, 2.29] {
-            let (before, here, after) = (at(&leg, time - h), at(&leg, time), at(&leg, time + h));
+            let [before, here, after] = [time - h, time, time + h].map(|t| vector(at(&leg, t)));
             for k in 0..2 {
                 let rate = (after.value[k] - before.value[k]) / (2.0 * h);
                 let acceleration = (after.rate[k] - before.rate[k]) / (2.0 * h);
@@ -198,12 +183,12 @@ mod tests {
         let leg = leg(Space::Rotation, &[0.4, -0.7, 2.0], &[-0.9, 0.5, -2.5]);
         let h = 1e-5;
         for time in [0.75, 0.9, 1.2, 1.5, 1.9, 2.29] {
-            let (before, here, after) = (at(&leg, time - h), at(&leg, time), at(&leg, time + h));
+            let [before, here, after] = [time - h, time, time + h].map(|t| rotation(&at(&leg, t)));
             // Ṙ = S(w) R: the increment stands on the left.
             let w = spatial::log(&(after.rotation * before.rotation.inverse())) / (2.0 * h);
-            let dw = (after.rate3() - before.rate3()) / (2.0 * h);
-            assert!((here.rate3() - w).norm() < 1e-7, "{time}");
-            assert!((here.acceleration3() - dw).norm() < 1e-6, "{time}");
+            let dw = (after.rate - before.rate) / (2.0 * h);
+            assert!((here.rate - w).norm() < 1e-7, "{time}");
+            assert!((here.acceleration - dw).norm() < 1e-6, "{time}");
         }
     }
 
@@ -219,7 +204,7 @@ mod tests {
         assert_eq!(at(&leg, f64::NAN), leg.from);
         let eps = 1e-6;
         for time in [0.7 + eps, 2.3 - eps] {
-            let sample = at(&leg, time);
+            let sample = vector(at(&leg, time));
             assert!(sample.rate3().norm() < 1e-9);
             assert!(sample.acceleration3().norm() < 1e-3);
         }
@@ -228,7 +213,7 @@ mod tests {
     #[test]
     fn passes_the_middle_at_half_time_with_the_peak_speed() {
         let leg = leg(Space::Vector(1), &[2.0], &[6.0]);
-        let middle = at(&leg, 0.7 + 0.8);
+        let middle = vector(at(&leg, 0.7 + 0.8));
         assert!((middle.value[0] - 4.0).abs() < 1e-12);
         assert!((middle.rate[0] - 1.875 * 4.0 / 1.6).abs() < 1e-12);
         assert!(middle.acceleration[0].abs() < 1e-12);
@@ -237,18 +222,16 @@ mod tests {
     #[test]
     fn a_rotation_turns_about_one_axis_and_takes_the_short_way() {
         let leg = leg(Space::Rotation, &[0.0, 0.0, 3.0], &[0.0, 0.0, -3.0]);
-        let middle = at(&leg, 1.5);
+        let middle = rotation(&at(&leg, 1.5));
         // From 3 to −3 rad the short way is up, through π.
         assert!((middle.rotation.angle() - std::f64::consts::PI).abs() < 1e-9);
-        assert!(middle.rate3().z > 0.0);
-        assert!(middle.rate3().xy().norm() < 1e-12);
+        assert!(middle.rate.z > 0.0);
+        assert!(middle.rate.xy().norm() < 1e-12);
     }
 
     #[test]
     fn roll_pitch_yaw_turn_about_world_x_then_y_then_z() {
-        let rotation = knot(Space::Rotation, "to", &[0.3, -0.5, 1.1])
-            .unwrap()
-            .rotation;
+        let rotation = rotation(&knot(Space::Rotation, "to", &[0.3, -0.5, 1.1]).unwrap()).rotation;
         let turn = |axis: Vector3<f64>, angle: f64| spatial::exp(&(axis * angle));
         let expected = turn(Vector3::z(), 1.1) * turn(Vector3::y(), -0.5) * turn(Vector3::x(), 0.3);
         assert!(rotation.angle_to(&expected) < 1e-12);

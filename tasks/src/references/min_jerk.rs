@@ -1,11 +1,6 @@
 //! One smooth move.
 
-use wbqp::{
-    error::BindError,
-    plugin::{Reference, Sample, Start, Tick},
-    schemars::JsonSchema,
-    serde::{Deserialize, Serialize},
-};
+use wbqp::prelude::*;
 
 use super::leg::{self, Leg};
 use crate::check;
@@ -18,27 +13,21 @@ use crate::check;
 /// Rates and accelerations are the exact derivatives.
 ///
 /// It begins at rest also where it replaces a reference that moves.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(crate = "wbqp::serde", deny_unknown_fields)]
-#[schemars(crate = "wbqp::schemars")]
+#[wbqp::reference("min_jerk")]
 pub struct MinJerk {
     /// Where it ends, in the task's unit (m, rad or N); `[roll, pitch, yaw]` in rad for a rotation.
-    #[schemars(extend("x-unit" = "the task's"))]
+    #[wbqp(unit = "the task's")]
     pub to: Vec<f64>,
     /// How long the move takes, s.
-    #[schemars(extend("x-unit" = "s"))]
+    #[wbqp(unit = "s")]
     pub duration: f64,
     /// Where it begins, in the unit of `to`. Without it, what the task followed before; at the start, what is
     /// measured.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("x-unit" = "the task's"))]
+    #[wbqp(unit = "the task's")]
     pub from: Option<Vec<f64>>,
     /// Delay before the move begins, s.
-    #[serde(default)]
-    #[schemars(extend("x-unit" = "s"))]
+    #[wbqp(default, unit = "s")]
     pub start: f64,
-    #[serde(skip)]
-    leg: Option<Leg>,
 }
 
 impl MinJerk {
@@ -49,7 +38,6 @@ impl MinJerk {
             duration,
             from: None,
             start: 0.0,
-            leg: None,
         }
     }
 
@@ -64,55 +52,47 @@ impl MinJerk {
         self.start = delay;
         self
     }
-
-    /// Writes the sample at a time (s, on the clock it was bound with). Nothing before it is bound.
-    pub fn at(&self, time: f64, out: &mut Sample) {
-        if let Some(leg) = &self.leg {
-            leg.at(time, out);
-        }
-    }
 }
 
-#[wbqp::reference("min_jerk")]
 impl Reference for MinJerk {
-    fn bind(&mut self, start: &Start<'_>) -> Result<(), BindError> {
+    type Running = Leg;
+
+    fn bind(&self, space: Space) -> Result<Leg, BindError> {
         check::positive("duration", self.duration)?;
         check::not_negative("start", self.start)?;
-        let mut leg = self.leg.take().unwrap_or_else(Leg::unbound);
-        leg.space = start.space;
-        leg.begin = start.time + self.start;
-        leg.duration = self.duration;
-        leg::knot_or_take_over(start, "from", self.from.as_deref(), &mut leg.from)?;
-        leg::knot_or_take_over(start, "to", Some(&self.to), &mut leg.to)?;
-        self.leg = Some(leg);
-        Ok(())
+        Ok(Leg {
+            begin: 0.0,
+            duration: self.duration,
+            from: leg::knot_or_room(space, "from", self.from.as_deref())?,
+            to: leg::read_knot(space, &|| "to".to_owned(), &self.to)?,
+        })
     }
 
-    fn sample(&mut self, tick: &Tick<'_>, out: &mut Sample) {
-        self.at(tick.time, out);
+    fn start(&self, leg: &mut Leg, start: &Start<'_>) {
+        leg.begin = start.time + self.start;
+        if self.from.is_none() {
+            leg.from.stand_at(start.from);
+        }
+    }
+
+    fn sample(&self, leg: &mut Leg, tick: &Tick<'_>, out: &mut Sample) {
+        leg.at(tick.time, out);
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use wbqp::plugin::Space;
-
     use super::*;
+    use crate::references::leg::testing::{started, vector};
 
     #[test]
     fn waits_moves_and_holds() {
-        let mut reference = MinJerk::new([3.0], 2.0).after(0.5);
-        let from = Sample::at_rest([1.0]);
-        let start = Start {
-            space: Space::Vector(1),
-            time: 10.0,
-            from: &from,
-        };
-        reference.bind(&start).unwrap();
+        let reference = MinJerk::new([3.0], 2.0).after(0.5);
+        let leg = started(&reference, 10.0, &Sample::at_rest([1.0])).unwrap();
         let value = |time| {
             let mut out = Sample::new(Space::Vector(1));
-            reference.at(time, &mut out);
-            out.value[0]
+            leg.at(time, &mut out);
+            vector(out).value[0]
         };
         assert_eq!(value(10.0), 1.0);
         assert_eq!(value(10.5), 1.0);
@@ -122,36 +102,25 @@ mod tests {
 
     #[test]
     fn begins_at_rest_where_the_last_one_moved() {
-        let mut from = Sample::at_rest([1.0, 2.0]);
+        let mut from = vector(Sample::at_rest([1.0, 2.0]));
         from.rate = vec![5.0, 5.0];
-        let mut reference = MinJerk::new([3.0, 4.0], 1.0);
-        let start = Start {
-            space: Space::Vector(2),
-            time: 0.0,
-            from: &from,
-        };
-        reference.bind(&start).unwrap();
+        let reference = MinJerk::new([3.0, 4.0], 1.0);
+        let leg = started(&reference, 0.0, &Sample::Vector(from)).unwrap();
         let mut out = Sample::new(Space::Vector(2));
-        reference.at(0.0, &mut out);
+        leg.at(0.0, &mut out);
         assert_eq!(out, Sample::at_rest([1.0, 2.0]));
     }
 
     #[test]
     fn bad_numbers_are_refused_by_key() {
-        let from = Sample::at_rest([1.0]);
-        for (key, mut reference) in [
+        for (key, reference) in [
             ("duration", MinJerk::new([3.0], 0.0)),
             ("duration", MinJerk::new([3.0], f64::NAN)),
             ("start", MinJerk::new([3.0], 1.0).after(-1.0)),
             ("to", MinJerk::new([3.0, 1.0], 1.0)),
             ("from", MinJerk::new([3.0], 1.0).starting_at([])),
         ] {
-            let start = Start {
-                space: Space::Vector(1),
-                time: 0.0,
-                from: &from,
-            };
-            let error = reference.bind(&start).unwrap_err().to_string();
+            let error = reference.bind(Space::Vector(1)).unwrap_err().to_string();
             assert!(error.starts_with(&format!("`{key}`")), "{error}");
         }
     }

@@ -27,11 +27,9 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use wbqp::{
-    error::BindError,
     nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3},
-    plugin::{Reference, Sample, Space, Start, Tick},
-    schemars::JsonSchema,
-    serde::{Deserialize, Serialize},
+    plugin::RotationSample,
+    prelude::*,
     spatial,
 };
 
@@ -50,36 +48,22 @@ use crate::check;
 ///
 /// With a steady position error the base tilts for what its stiffness asks, too: a base that is pulled into a wall by
 /// its position reference pushes with more than the set point.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(crate = "wbqp::serde", deny_unknown_fields)]
-#[schemars(crate = "wbqp::schemars")]
+#[wbqp::reference("thrust_attitude")]
 pub struct ThrustAttitude {
     /// Yaw of the base, rad. Without it, what the task followed before; at the start, the measured one.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("x-unit" = "rad"))]
+    #[wbqp(unit = "rad")]
     pub yaw: Option<f64>,
     /// Largest angle between the base's z and the vertical, rad, below π/2.
-    #[serde(default = "default_max_tilt")]
-    #[schemars(extend("x-unit" = "rad"))]
+    #[wbqp(default = 0.35, unit = "rad")]
     pub max_tilt: f64,
     /// Cut-off of each of the two low-passes on the force, Hz; `inf` for none.
-    #[serde(default = "default_cutoff")]
-    #[schemars(extend("x-unit" = "Hz"))]
+    #[wbqp(default = 2.0, unit = "Hz")]
     pub cutoff: f64,
-    #[serde(skip)]
-    bound: Option<Bound>,
 }
 
-fn default_max_tilt() -> f64 {
-    0.35
-}
-fn default_cutoff() -> f64 {
-    2.0
-}
-
-/// Run-time state.
-#[derive(Clone, Debug)]
-struct Bound {
+/// Where it took over, and where its filters are.
+#[derive(Debug)]
+pub struct Filter {
     /// Yaw, rad.
     heading: f64,
     /// Thrust axis where it takes over, unit length.
@@ -103,9 +87,8 @@ impl Default for ThrustAttitude {
     fn default() -> Self {
         Self {
             yaw: None,
-            max_tilt: default_max_tilt(),
-            cutoff: default_cutoff(),
-            bound: None,
+            max_tilt: Self::default_max_tilt(),
+            cutoff: Self::default_cutoff(),
         }
     }
 }
@@ -135,16 +118,21 @@ impl ThrustAttitude {
     }
 
     /// Writes the sample for a force that the rotors have to produce, N, world axes. `weight` is the robot's, N.
-    fn step(&mut self, time: f64, force: &Vector3<f64>, weight: f64, out: &mut Sample) {
-        let Some(bound) = &mut self.bound else {
-            return;
-        };
-        let heading = bound.heading;
+    fn step(
+        &self,
+        filter: &mut Filter,
+        time: f64,
+        force: &Vector3<f64>,
+        weight: f64,
+        out: &mut RotationSample,
+    ) {
+        let heading = filter.heading;
         let limit = self.max_tilt;
         let attitude = |force: &Vector3<f64>| facing(&thrust_axis(force, limit), heading);
-        let last = bound.last.get_or_insert_with(|| {
+        let start = filter.start;
+        let last = filter.last.get_or_insert_with(|| {
             // The force whose vertical part is the weight, along the axis where it takes over.
-            let begin = thrust_axis(&bound.start, limit);
+            let begin = thrust_axis(&start, limit);
             let begin = begin * (weight / begin.z);
             Last {
                 time,
@@ -165,9 +153,7 @@ impl ThrustAttitude {
             last.time = time;
         }
         out.rotation = last.rotation;
-        for (rate, last) in out.rate.iter_mut().zip(&last.rate) {
-            *rate = *last;
-        }
+        out.rate = last.rate;
         out.acceleration.fill(0.0);
     }
 }
@@ -202,10 +188,11 @@ fn needed_force(tick: &Tick<'_>) -> Vector3<f64> {
     })
 }
 
-#[wbqp::reference("thrust_attitude")]
 impl Reference for ThrustAttitude {
-    fn bind(&mut self, start: &Start<'_>) -> Result<(), BindError> {
-        if start.space != Space::Rotation {
+    type Running = Filter;
+
+    fn bind(&self, space: Space) -> Result<Filter, BindError> {
+        if space != Space::Rotation {
             return Err(BindError::Other(
                 "`thrust_attitude` is an orientation: it is for `base_orientation`".to_owned(),
             ));
@@ -222,48 +209,61 @@ impl Reference for ThrustAttitude {
             let problem = format!("is {} Hz, must be positive", self.cutoff);
             return Err(BindError::value("cutoff", problem));
         }
-        let (_, _, yaw) = start.from.rotation.euler_angles();
-        self.bound = Some(Bound {
-            heading: self.yaw.unwrap_or(yaw),
-            start: start.from.rotation * Vector3::z(),
+        Ok(Filter {
+            heading: 0.0,
+            start: Vector3::z(),
             last: None,
-        });
-        Ok(())
+        })
     }
 
-    fn sample(&mut self, tick: &Tick<'_>, out: &mut Sample) {
-        let weight = tick.model.mass() * tick.model.gravity().norm();
-        self.step(tick.time, &needed_force(tick), weight, out);
+    fn start(&self, filter: &mut Filter, start: &Start<'_>) {
+        if let Sample::Rotation(from) = start.from {
+            let (_, _, yaw) = from.rotation.euler_angles();
+            *filter = Filter {
+                heading: self.yaw.unwrap_or(yaw),
+                start: from.rotation * Vector3::z(),
+                last: None,
+            };
+        }
+    }
+
+    fn sample(&self, filter: &mut Filter, tick: &Tick<'_>, out: &mut Sample) {
+        if let Sample::Rotation(out) = out {
+            let weight = tick.model.mass() * tick.model.gravity().norm();
+            self.step(filter, tick.time, &needed_force(tick), weight, out);
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::references::leg::testing::started;
 
     const WEIGHT: f64 = 2.919_33 * 9.81;
     const PERIOD: f64 = 0.004;
 
-    fn from(rotation: UnitQuaternion<f64>) -> Sample {
-        Sample {
-            rotation,
-            ..Sample::new(Space::Rotation)
+    /// One that has taken over.
+    struct Started(ThrustAttitude, Filter);
+
+    impl Started {
+        fn step(&mut self, time: f64, force: &Vector3<f64>, weight: f64, out: &mut RotationSample) {
+            self.0.step(&mut self.1, time, force, weight, out);
         }
     }
 
-    fn bound(mut reference: ThrustAttitude, start: UnitQuaternion<f64>) -> ThrustAttitude {
-        let start = Start {
-            space: Space::Rotation,
-            time: 0.0,
-            from: &from(start),
-        };
-        reference.bind(&start).unwrap();
-        reference
+    fn bound(reference: ThrustAttitude, start: UnitQuaternion<f64>) -> Started {
+        let filter = started(&reference, 0.0, &Sample::turned(start)).unwrap();
+        Started(reference, filter)
+    }
+
+    fn level() -> RotationSample {
+        RotationSample::at_rest(UnitQuaternion::identity())
     }
 
     /// Samples at 0, 1, …, `steps` periods under a constant force; the last one.
-    fn settle(reference: &mut ThrustAttitude, force: Vector3<f64>, steps: u32) -> Sample {
-        let mut out = Sample::new(Space::Rotation);
+    fn settle(reference: &mut Started, force: Vector3<f64>, steps: u32) -> RotationSample {
+        let mut out = level();
         for k in 0..=steps {
             reference.step(f64::from(k) * PERIOD, &force, WEIGHT, &mut out);
         }
@@ -274,7 +274,7 @@ mod tests {
     fn level_without_a_force_to_push_with() {
         let mut reference = bound(ThrustAttitude::new(), UnitQuaternion::identity());
         let out = settle(&mut reference, Vector3::new(0.0, 0.0, WEIGHT), 100);
-        assert_eq!(out, Sample::new(Space::Rotation));
+        assert_eq!(out, level());
     }
 
     #[test]
@@ -286,7 +286,7 @@ mod tests {
         assert!((pitch.to_degrees() - 9.90).abs() < 5e-3, "{pitch}");
         assert!((pitch.tan() - 5.0 / WEIGHT).abs() < 1e-9);
         assert!(roll.abs() < 1e-12 && yaw.abs() < 1e-12);
-        assert!(out.rate3().norm() < 1e-9);
+        assert!(out.rate.norm() < 1e-9);
     }
 
     #[test]
@@ -333,7 +333,7 @@ mod tests {
             ThrustAttitude::new().filtered_at(cutoff),
             UnitQuaternion::identity(),
         );
-        let mut out = Sample::new(Space::Rotation);
+        let mut out = level();
         let force = Vector3::new(5.0, 0.0, WEIGHT);
         // In steps so small that discretisation does not show.
         let dt = 1e-5;
@@ -355,16 +355,16 @@ mod tests {
     #[test]
     fn the_rate_is_that_of_the_attitude() {
         let mut reference = bound(ThrustAttitude::new(), UnitQuaternion::identity());
-        let mut out = Sample::new(Space::Rotation);
-        let mut before = out.clone();
+        let mut out = level();
+        let mut before = out;
         for k in 0..500 {
             let time = f64::from(k) * PERIOD;
             let force = Vector3::new(6.0 * (3.0 * time).sin(), 4.0 * time, WEIGHT);
             reference.step(time, &force, WEIGHT, &mut out);
-            let moved = spatial::exp(&(out.rate3() * PERIOD)) * before.rotation;
+            let moved = spatial::exp(&(out.rate * PERIOD)) * before.rotation;
             assert!(k == 0 || moved.angle_to(&out.rotation) < 1e-9);
-            assert!(out.acceleration3() == Vector3::zeros());
-            before = out.clone();
+            assert!(out.acceleration == Vector3::zeros());
+            before = out;
         }
         // A second look at the same time changes nothing.
         reference.step(499.0 * PERIOD, &Vector3::x(), WEIGHT, &mut out);
@@ -389,7 +389,7 @@ mod tests {
         let mut reference = bound(ThrustAttitude::new(), UnitQuaternion::identity());
         let force = Vector3::new(5.0, 0.0, WEIGHT);
         let before = settle(&mut reference, force, 100);
-        let mut out = Sample::new(Space::Rotation);
+        let mut out = level();
         reference.step(
             101.0 * PERIOD,
             &Vector3::new(f64::NAN, 0.0, 0.0),
@@ -401,8 +401,7 @@ mod tests {
 
     #[test]
     fn bad_parameters_are_refused_by_key() {
-        let from = from(UnitQuaternion::identity());
-        for (key, mut reference) in [
+        for (key, reference) in [
             ("yaw", ThrustAttitude::new().facing(f64::NAN)),
             ("max_tilt", ThrustAttitude::new().limited_to(0.0)),
             ("max_tilt", ThrustAttitude::new().limited_to(1.6)),
@@ -410,20 +409,11 @@ mod tests {
             ("cutoff", ThrustAttitude::new().filtered_at(0.0)),
             ("cutoff", ThrustAttitude::new().filtered_at(f64::NAN)),
         ] {
-            let start = Start {
-                space: Space::Rotation,
-                time: 0.0,
-                from: &from,
-            };
-            let error = reference.bind(&start).unwrap_err().to_string();
+            let error = reference.bind(Space::Rotation).unwrap_err().to_string();
             assert!(error.starts_with(&format!("`{key}`")), "{error}");
         }
-        let start = Start {
-            space: Space::Vector(3),
-            time: 0.0,
-            from: &from,
-        };
-        let error = ThrustAttitude::new().bind(&start).unwrap_err().to_string();
+        let refused = ThrustAttitude::new().bind(Space::Vector(3));
+        let error = refused.unwrap_err().to_string();
         assert!(error.contains("base_orientation"), "{error}");
     }
 }

@@ -1,11 +1,6 @@
 //! Several smooth moves, one after another.
 
-use wbqp::{
-    error::BindError,
-    plugin::{Reference, Sample, Start, Tick},
-    schemars::JsonSchema,
-    serde::{Deserialize, Serialize},
-};
+use wbqp::prelude::*;
 
 use super::leg::{self, Leg};
 use crate::check;
@@ -13,30 +8,24 @@ use crate::check;
 /// Visits points at given times. Between two points it moves as [`MinJerk`](crate::MinJerk) does, from rest to
 /// rest; it leaves a point after its `dwell` and reaches the next at that one's `at`. The first move begins where
 /// the reference takes over; after the last point it holds.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(crate = "wbqp::serde", deny_unknown_fields)]
-#[schemars(crate = "wbqp::schemars")]
+#[wbqp::reference("waypoints")]
 pub struct Waypoints {
     /// The points, in the order of their times.
     pub points: Vec<Waypoint>,
-    #[serde(skip)]
-    legs: Vec<Leg>,
 }
 
 /// A point of [`Waypoints`].
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(crate = "wbqp::serde", deny_unknown_fields)]
-#[schemars(crate = "wbqp::schemars")]
+#[wbqp::parameters]
+#[derive(PartialEq)]
 pub struct Waypoint {
     /// When it is reached, s, counted from where the reference takes over. The first may be 0: a jump.
-    #[schemars(extend("x-unit" = "s"))]
+    #[wbqp(unit = "s")]
     pub at: f64,
     /// The value, in the task's unit (m, rad or N); `[roll, pitch, yaw]` in rad for a rotation.
-    #[schemars(extend("x-unit" = "the task's"))]
+    #[wbqp(unit = "the task's")]
     pub value: Vec<f64>,
     /// How long it stays, s.
-    #[serde(default)]
-    #[schemars(extend("x-unit" = "s"))]
+    #[wbqp(default, unit = "s")]
     pub dwell: f64,
 }
 
@@ -62,36 +51,37 @@ impl Waypoints {
     pub fn new(points: impl Into<Vec<Waypoint>>) -> Self {
         Self {
             points: points.into(),
-            legs: Vec::new(),
         }
     }
+}
 
-    /// Writes the sample at a time (s, on the clock it was bound with). Nothing before it is bound.
-    pub fn at(&self, time: f64, out: &mut Sample) {
-        let begun = self.legs.partition_point(|leg| leg.begin <= time);
-        if let Some(leg) = self.legs.get(begun.saturating_sub(1)) {
+/// The moves from point to point.
+#[derive(Debug)]
+pub struct Legs(Vec<Leg>);
+
+impl Legs {
+    fn at(&self, time: f64, out: &mut Sample) {
+        let begun = self.0.partition_point(|leg| leg.begin <= time);
+        if let Some(leg) = self.0.get(begun.saturating_sub(1)) {
             leg.at(time, out);
         }
     }
 }
 
-#[wbqp::reference("waypoints")]
 impl Reference for Waypoints {
-    fn bind(&mut self, start: &Start<'_>) -> Result<(), BindError> {
+    type Running = Legs;
+
+    fn bind(&self, space: Space) -> Result<Legs, BindError> {
         if self.points.is_empty() {
             return Err(BindError::length("points", 0, "at least one"));
         }
-        // A second bind, in the first tick, finds its room here.
-        self.legs.resize_with(self.points.len(), Leg::unbound);
+        let mut legs: Vec<Leg> = Vec::with_capacity(self.points.len());
         // When the point before is left.
         let mut free = 0.0;
         for (i, point) in self.points.iter().enumerate() {
             let key = |name: &str| format!("points[{i}].{name}");
             for (name, seconds) in [("at", point.at), ("dwell", point.dwell)] {
-                // Keys are text, and text is made only for an error.
-                if !(seconds.is_finite() && seconds >= 0.0) {
-                    check::not_negative(&key(name), seconds)?;
-                }
+                check::not_negative(&key(name), seconds)?;
             }
             if i > 0 && point.at <= free {
                 let problem = format!(
@@ -100,62 +90,64 @@ impl Reference for Waypoints {
                 );
                 return Err(BindError::value(&key("at"), problem));
             }
-            let (before, rest) = self.legs.split_at_mut(i);
-            let Some(leg) = rest.first_mut() else {
-                break;
-            };
-            leg.space = start.space;
-            leg.begin = start.time + free;
-            leg.duration = point.at - free;
-            match before.last() {
-                Some(before) => {
-                    leg.from.reset(start.space);
-                    leg::stand(&before.to, &mut leg.from);
-                }
-                None => leg::take_over(start, &mut leg.from)?,
-            }
-            leg::read_knot(start.space, &|| key("value"), &point.value, &mut leg.to)?;
+            legs.push(Leg {
+                begin: free,
+                duration: point.at - free,
+                from: legs
+                    .last()
+                    .map_or_else(|| Sample::new(space), |before| before.to.clone()),
+                to: leg::read_knot(space, &|| key("value"), &point.value)?,
+            });
             free = point.at + point.dwell;
         }
-        Ok(())
+        Ok(Legs(legs))
     }
 
-    fn sample(&mut self, tick: &Tick<'_>, out: &mut Sample) {
-        self.at(tick.time, out);
+    fn start(&self, legs: &mut Legs, start: &Start<'_>) {
+        let mut free = 0.0;
+        for (leg, point) in legs.0.iter_mut().zip(&self.points) {
+            leg.begin = start.time + free;
+            free = point.at + point.dwell;
+        }
+        if let Some(first) = legs.0.first_mut() {
+            first.from.stand_at(start.from);
+        }
+    }
+
+    fn sample(&self, legs: &mut Legs, tick: &Tick<'_>, out: &mut Sample) {
+        legs.at(tick.time, out);
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use wbqp::plugin::Space;
+    use wbqp::plugin::VectorSample;
 
     use super::*;
+    use crate::references::leg::testing::{rotation, started, vector};
 
-    fn bound(space: Space, from: &Sample, points: Vec<Waypoint>) -> Result<Waypoints, BindError> {
-        let mut reference = Waypoints::new(points);
-        reference.bind(&Start {
-            space,
-            time: 100.0,
-            from,
-        })?;
-        Ok(reference)
+    fn bound(from: &Sample, points: Vec<Waypoint>) -> Result<Legs, BindError> {
+        started(&Waypoints::new(points), 100.0, from)
     }
 
-    fn at(reference: &Waypoints, space: Space, time: f64) -> Sample {
-        let mut out = Sample::new(space);
-        reference.at(time, &mut out);
+    fn at(legs: &Legs, time: f64) -> Sample {
+        let mut out = legs.0[0].from.clone();
+        legs.at(time, &mut out);
         out
+    }
+
+    fn rest<const N: usize>(value: [f64; N]) -> VectorSample {
+        VectorSample::at_rest(value)
     }
 
     #[test]
     fn reaches_every_point_in_time_dwells_and_holds() {
-        let space = Space::Vector(2);
         let points = vec![
             Waypoint::new(1.0, [1.0, 0.0]).dwell(0.5),
             Waypoint::new(3.0, [1.0, 2.0]),
             Waypoint::new(4.0, [0.0, 0.0]),
         ];
-        let reference = bound(space, &Sample::at_rest([0.0, 0.0]), points).unwrap();
+        let legs = bound(&Sample::at_rest([0.0, 0.0]), points).unwrap();
         for (time, value) in [
             (99.0, [0.0, 0.0]),
             (100.0, [0.0, 0.0]),
@@ -168,13 +160,13 @@ mod tests {
             (104.0, [0.0, 0.0]),
             (200.0, [0.0, 0.0]),
         ] {
-            let got = at(&reference, space, time);
+            let got = vector(at(&legs, time));
             assert!(
-                (got.value3() - Sample::at_rest(value).value3()).norm() < 1e-12,
+                (got.value3() - rest(value).value3()).norm() < 1e-12,
                 "{time}"
             );
         }
-        assert_eq!(at(&reference, space, 101.2), Sample::at_rest([1.0, 0.0]));
+        assert_eq!(vector(at(&legs, 101.2)), rest([1.0, 0.0]));
     }
 
     #[test]
@@ -187,35 +179,28 @@ mod tests {
             ]
         };
         let h = 1e-4;
-        let space = Space::Rotation;
-        let turning = bound(space, &Sample::new(space), points()).unwrap();
-        let flat = Space::Vector(3);
-        let moving = bound(flat, &Sample::at_rest([0.0; 3]), points()).unwrap();
+        let turning = bound(&Sample::new(Space::Rotation), points()).unwrap();
+        let moving = bound(&Sample::at_rest([0.0; 3]), points()).unwrap();
         for k in 0..450 {
             let time = 99.9 + 0.01 * f64::from(k);
-            let here = at(&turning, space, time);
-            let (a, b) = (at(&turning, space, time - h), at(&turning, space, time + h));
+            let turning = |time| rotation(&at(&turning, time));
+            let (here, a, b) = (turning(time), turning(time - h), turning(time + h));
             let w = wbqp::spatial::log(&(b.rotation * a.rotation.inverse())) / (2.0 * h);
-            assert!((here.rate3() - w).norm() < 1e-5, "{time}");
-            let dw = (b.rate3() - a.rate3()) / (2.0 * h);
+            assert!((here.rate - w).norm() < 1e-5, "{time}");
+            let dw = (b.rate - a.rate) / (2.0 * h);
             // One-sided jerk at the ends of a leg.
-            assert!((here.acceleration3() - dw).norm() < 2e-2, "{time}");
-            let here = at(&moving, flat, time);
-            let (a, b) = (at(&moving, flat, time - h), at(&moving, flat, time + h));
+            assert!((here.acceleration - dw).norm() < 2e-2, "{time}");
+            let moving = |time| vector(at(&moving, time));
+            let (here, a, b) = (moving(time), moving(time - h), moving(time + h));
             assert!((here.rate3() - (b.value3() - a.value3()) / (2.0 * h)).norm() < 1e-5);
         }
     }
 
     #[test]
     fn a_first_point_at_zero_is_a_jump() {
-        let space = Space::Vector(1);
-        let reference = bound(
-            space,
-            &Sample::at_rest([9.0]),
-            vec![Waypoint::new(0.0, [1.0])],
-        )
-        .unwrap();
-        assert_eq!(at(&reference, space, 100.0), Sample::at_rest([1.0]));
+        let points = vec![Waypoint::new(0.0, [1.0])];
+        let legs = bound(&Sample::at_rest([9.0]), points).unwrap();
+        assert_eq!(vector(at(&legs, 100.0)), rest([1.0]));
     }
 
     #[test]
@@ -242,9 +227,7 @@ mod tests {
             ),
             ("points[0].value", vec![Waypoint::new(1.0, [0.0, 0.0])]),
         ] {
-            let error = bound(Space::Vector(1), &from, points)
-                .unwrap_err()
-                .to_string();
+            let error = bound(&from, points).unwrap_err().to_string();
             assert!(error.starts_with(&format!("`{key}`")), "{error}");
         }
     }

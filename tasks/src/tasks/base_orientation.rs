@@ -4,19 +4,8 @@
 //! W world, R base, D desired base. `w` angular velocities in world axes, so that `Ṙ_WR = S(w) R_WR`.
 #![allow(non_snake_case)]
 
-use wbqp::{
-    error::BindError,
-    nalgebra::{UnitQuaternion, Vector3},
-    plugin::{
-        Layout, AnyReference, Rows, Sample, Setup, Space, Task, Tick,
-        reference::{ReferenceSlot, begin, begin_turned},
-    },
-    schemars::JsonSchema,
-    serde::{Deserialize, Serialize},
-    spatial,
-};
+use wbqp::{nalgebra::UnitQuaternion, plugin::RotationReference, prelude::*, spatial};
 
-use super::base_position::require_floating;
 use crate::{follow::stay, gain::Gain};
 
 /// Turns a floating base, the paper's R_R.
@@ -29,35 +18,29 @@ use crate::{follow::stay, gain::Gain};
 /// forms here are the stable ones (derivation: with `R_WR = exp(S(d)) R_WD` both give `e = d` to first order).
 ///
 /// Error: `e`, rad, world axes.
-#[derive(Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(crate = "wbqp::serde", deny_unknown_fields)]
-#[schemars(crate = "wbqp::schemars", extend("x-weight" = 10.0))]
+#[wbqp::task("base_orientation", weight = 10.0)]
 pub struct BaseOrientation {
     /// Stiffness `K_P`, 1/s²: one number, or one per axis of `axes`.
-    #[schemars(extend("x-unit" = "1/s²"))]
+    #[wbqp(unit = "1/s²")]
     pub kp: Gain,
     /// Damping `K_D`, 1/s: one number, or one per axis of `axes`. Default: critical, `2 √K_P`.
-    #[schemars(extend("x-unit" = "1/s", "x-critical" = "kp"))]
+    #[wbqp(unit = "1/s", critical = "kp")]
     pub kd: Gain,
     /// How the difference of two orientations is measured.
-    #[serde(default)]
+    #[wbqp(default)]
     pub error: RotationError,
     /// Along which axes the gains count.
-    #[serde(default)]
+    #[wbqp(default)]
     pub axes: GainAxes,
     /// Where to go: orientation of the base in the world, `[roll, pitch, yaw]` in rad. Default: hold what is
     /// measured at the start.
-    #[serde(default = "stay")]
-    #[schemars(extend("x-unit" = "rad"))]
+    #[wbqp(default = stay(), unit = "rad")]
     pub reference: Box<dyn AnyReference>,
-    #[serde(skip)]
-    sample: Sample,
 }
 
 /// How the difference of two orientations is measured. Both agree for small angles.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(crate = "wbqp::serde", rename_all = "snake_case")]
-#[schemars(crate = "wbqp::schemars")]
+#[wbqp::parameters]
+#[derive(Copy, Default, PartialEq, Eq)]
 pub enum RotationError {
     /// The rotation vector: its length is the angle θ, up to 180°.
     #[default]
@@ -91,9 +74,8 @@ impl RotationError {
 }
 
 /// Along which axes gains count.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(crate = "wbqp::serde", rename_all = "snake_case")]
-#[schemars(crate = "wbqp::schemars")]
+#[wbqp::parameters]
+#[derive(Copy, Default, PartialEq, Eq)]
 pub enum GainAxes {
     /// World axes: `K`.
     #[default]
@@ -134,7 +116,6 @@ impl BaseOrientation {
             error: RotationError::default(),
             axes: GainAxes::default(),
             reference: stay(),
-            sample: Sample::default(),
         }
     }
 
@@ -145,48 +126,33 @@ impl BaseOrientation {
     }
 }
 
-#[wbqp::task("base_orientation")]
 impl Task for BaseOrientation {
-    fn bind(&mut self, setup: &mut Setup<'_>) -> Result<Layout, BindError> {
-        require_floating(setup)?;
+    type Running = RotationReference;
+
+    fn bind(&self, setup: &mut Setup<'_>) -> Result<(Layout, RotationReference), BindError> {
+        let [.., x, y, z] = setup.base_velocities()?;
         self.kp.validate("kp", 3)?;
         self.kd.validate("kd", 3)?;
-        let home = Sample {
-            rotation: setup.robot().home.R_WR,
-            ..Sample::new(Space::Rotation)
-        };
-        self.sample = begin("reference", self.reference.as_mut(), Space::Rotation, home)?;
-        Ok(
-            Layout::rows([("x", "rad/s²"), ("y", "rad/s²"), ("z", "rad/s²")])
-                .error_unit("rad")
-                .vdot_unit([3, 4, 5]),
-        )
+        let measured = |tick: &Tick<'_>| tick.state.R_WR;
+        let reference = setup.follow_rotation("reference", &*self.reference, measured)?;
+        let layout = Layout::rows([("x", "rad/s²"), ("y", "rad/s²"), ("z", "rad/s²")])
+            .error_unit("rad")
+            .vdot_unit([x, y, z]);
+        Ok((layout, reference))
     }
 
-    fn begin(&mut self, tick: &Tick<'_>) {
-        begin_turned(self.reference.as_mut(), &mut self.sample, &tick.state.R_WR);
-    }
-
-    fn update(&mut self, tick: &Tick<'_>, rows: &mut Rows<'_>) {
-        self.reference.sample(tick, &mut self.sample);
+    fn update(&self, reference: &mut RotationReference, tick: &Tick<'_>, rows: &mut Rows<'_>) {
+        let desired = tick.rotation(*reference);
         let R_WR = &tick.state.R_WR;
         let w_WR = Vector3::from_fn(|i, _| tick.state.v[3 + i]);
-        let error = self.error.between(R_WR, &self.sample.rotation);
-        let rate = w_WR - self.sample.rate3();
-        let feedback = self
-            .axes
-            .feedback([&self.kp, &self.kd], R_WR, &error, &rate);
-        let acceleration = self.sample.acceleration3() - feedback;
-        rows.b().copy_from(&acceleration);
+        let error = self.error.between(R_WR, &desired.rotation);
+        let rate = w_WR - desired.rate;
+        let gains = [&self.kp, &self.kd];
+        let feedback = self.axes.feedback(gains, R_WR, &error, &rate);
+        for k in 0..3 {
+            rows.acceleration(k, desired.acceleration[k] - feedback[k]);
+        }
         rows.error().copy_from(&error);
-    }
-
-    fn follow(&mut self) -> Option<ReferenceSlot<'_>> {
-        Some(ReferenceSlot {
-            reference: &mut self.reference,
-            sample: &self.sample,
-            space: Space::Rotation,
-        })
     }
 }
 

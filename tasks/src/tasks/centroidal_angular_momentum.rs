@@ -4,18 +4,8 @@
 //! W world, R base, G the centre of mass, `r = p_WG − p_WR`. All vectors in world axes.
 #![allow(non_snake_case)]
 
-use wbqp::{
-    error::BindError,
-    nalgebra::Vector3,
-    plugin::{
-        Layout, AnyReference, Rows, Sample, Setup, Space, Task, Tick,
-        reference::{ReferenceSlot, begin},
-    },
-    schemars::JsonSchema,
-    serde::{Deserialize, Serialize},
-};
+use wbqp::{plugin::VectorReference, prelude::*};
 
-use super::base_position::require_floating;
 use crate::{follow::stay, gain::Gain};
 
 /// Controls the angular momentum of the whole robot about its centre of mass: zero keeps limbs from winding it up.
@@ -32,19 +22,14 @@ use crate::{follow::stay, gain::Gain};
 /// The reference is a momentum, its rate `L̇_d`. Rotors that spin have no part in `L_G`. Floating base only.
 ///
 /// Error: `L_G − L_d`, kg·m²/s.
-#[derive(Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(crate = "wbqp::serde", deny_unknown_fields)]
-#[schemars(crate = "wbqp::schemars")]
+#[wbqp::task("centroidal_angular_momentum")]
 pub struct CentroidalAngularMomentum {
     /// Gain `K`, 1/s: one number, or one per world axis.
-    #[schemars(extend("x-unit" = "1/s"))]
+    #[wbqp(unit = "1/s")]
     pub k: Gain,
     /// The momentum wanted: three numbers, kg·m²/s, world axes. Default: none, as in the home posture at rest.
-    #[serde(default = "stay")]
-    #[schemars(extend("x-unit" = "kg·m²/s"))]
+    #[wbqp(default = stay(), unit = "kg·m²/s")]
     pub reference: Box<dyn AnyReference>,
-    #[serde(skip)]
-    sample: Sample,
 }
 
 impl CentroidalAngularMomentum {
@@ -53,7 +38,6 @@ impl CentroidalAngularMomentum {
         Self {
             k: k.into(),
             reference: stay(),
-            sample: Sample::default(),
         }
     }
 
@@ -64,20 +48,21 @@ impl CentroidalAngularMomentum {
     }
 }
 
-#[wbqp::task("centroidal_angular_momentum")]
 impl Task for CentroidalAngularMomentum {
-    fn bind(&mut self, setup: &mut Setup<'_>) -> Result<Layout, BindError> {
-        require_floating(setup)?;
+    type Running = VectorReference;
+
+    fn bind(&self, setup: &mut Setup<'_>) -> Result<(Layout, VectorReference), BindError> {
+        setup.base_velocities()?;
         self.k.validate("k", 3)?;
-        let home = Sample::at_rest([0.0; 3]);
-        self.sample = begin("reference", self.reference.as_mut(), Space::Vector(3), home)?;
-        Ok(Layout::rows([("x", "N·m"), ("y", "N·m"), ("z", "N·m")])
+        let reference = setup.follow_from_zero("reference", &*self.reference, 3)?;
+        let layout = Layout::rows([("x", "N·m"), ("y", "N·m"), ("z", "N·m")])
             .error_unit("kg·m²/s")
-            .vdot_dense())
+            .vdot_dense();
+        Ok((layout, reference))
     }
 
-    fn update(&mut self, tick: &Tick<'_>, rows: &mut Rows<'_>) {
-        self.reference.sample(tick, &mut self.sample);
+    fn update(&self, reference: &mut VectorReference, tick: &Tick<'_>, rows: &mut Rows<'_>) {
+        let desired = tick.vector(*reference);
         let data = tick.dynamics;
         let r = data.center_of_mass() - tick.state.p_WR;
         let mut vdot = rows.vdot();
@@ -92,18 +77,13 @@ impl Task for CentroidalAngularMomentum {
         let f = Vector3::new(at_base(0), at_base(1), at_base(2));
         let n = Vector3::new(at_base(3), at_base(4), at_base(5));
         let momentum = data.centroidal_momentum();
-        let error = Vector3::from_fn(|i, _| momentum[3 + i]) - self.sample.value3();
+        let error = Vector3::from_fn(|i, _| momentum[3 + i]) - desired.value3();
         let bias = n - r.cross(&f);
-        rows.b()
-            .copy_from(&(self.sample.rate3() - self.k.times(&error) - bias));
+        let wanted = desired.rate3() - self.k.times(&error);
+        for k in 0..3 {
+            rows.bias(k, bias[k]);
+            rows.acceleration(k, wanted[k]);
+        }
         rows.error().copy_from(&error);
-    }
-
-    fn follow(&mut self) -> Option<ReferenceSlot<'_>> {
-        Some(ReferenceSlot {
-            reference: &mut self.reference,
-            sample: &self.sample,
-            space: Space::Vector(3),
-        })
     }
 }

@@ -4,22 +4,9 @@
 //! W world, G the centre of mass of the whole robot. All vectors in world axes.
 #![allow(non_snake_case)]
 
-use wbqp::{
-    error::BindError,
-    plugin::{
-        Layout, AnyReference, Rows, Sample, Setup, Space, Task, Tick,
-        reference::{ReferenceSlot, begin, begin_at},
-    },
-    schemars::JsonSchema,
-    serde::{Deserialize, Serialize},
-};
+use wbqp::{plugin::VectorReference, prelude::*};
 
-use crate::{
-    axis::Axis,
-    follow::{component, stay},
-    gain::Gain,
-    home,
-};
+use crate::{axis::Axis, follow::stay, gain::Gain};
 
 /// Moves the robot's centre of mass: balance of a legged robot, the point that thrust has to carry of a flying one.
 ///
@@ -33,27 +20,19 @@ use crate::{
 /// All links count, also those of a fixed base, which do not move: they pull the point towards themselves.
 ///
 /// Error: `p_G − p_d`, m.
-#[derive(Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(crate = "wbqp::serde", deny_unknown_fields)]
-#[schemars(crate = "wbqp::schemars", extend("x-weight" = 100.0))]
+#[wbqp::task("com", weight = 100.0)]
 pub struct Com {
     /// Stiffness `K_P`, 1/s²: one number, or one per axis.
-    #[schemars(extend("x-unit" = "1/s²"))]
+    #[wbqp(unit = "1/s²")]
     pub kp: Gain,
     /// Damping `K_D`, 1/s: one number, or one per axis. Default: critical, `2 √K_P`.
-    #[schemars(extend("x-unit" = "1/s", "x-critical" = "kp"))]
+    #[wbqp(unit = "1/s", critical = "kp")]
     pub kd: Gain,
     /// Which axes of the world; rows, gains and reference are in this order. Default: x, y, z.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub axes: Option<Vec<Axis>>,
     /// Where to go: one position per axis, m, world. Default: hold what is measured at the start.
-    #[serde(default = "stay")]
-    #[schemars(extend("x-unit" = "m"))]
+    #[wbqp(default = stay(), unit = "m")]
     pub reference: Box<dyn AnyReference>,
-    #[serde(skip)]
-    sample: Sample,
-    #[serde(skip)]
-    moved: Vec<Axis>,
 }
 
 impl Com {
@@ -64,8 +43,6 @@ impl Com {
             kd: kd.into(),
             axes: None,
             reference: stay(),
-            sample: Sample::default(),
-            moved: Vec::new(),
         }
     }
 
@@ -82,54 +59,46 @@ impl Com {
     }
 }
 
-#[wbqp::task("com")]
 impl Task for Com {
-    fn bind(&mut self, setup: &mut Setup<'_>) -> Result<Layout, BindError> {
+    type Running = (Vec<Axis>, VectorReference);
+
+    fn bind(&self, setup: &mut Setup<'_>) -> Result<(Layout, Self::Running), BindError> {
         let axes = Axis::chosen(self.axes.as_deref())?;
         let n = axes.len();
         self.kp.validate("kp", n)?;
         self.kd.validate("kd", n)?;
-        let home = home::center_of_mass(setup);
-        let home = Sample::at_rest(axes.iter().map(|axis| home[axis.index()]));
-        self.sample = begin("reference", self.reference.as_mut(), Space::Vector(n), home)?;
+        let measured = axes.clone();
+        let measured = move |tick: &Tick<'_>, out: &mut [f64]| {
+            let p = tick.dynamics.center_of_mass();
+            for (out, axis) in out.iter_mut().zip(&measured) {
+                *out = p[axis.index()];
+            }
+        };
+        let reference = setup.follow_vector("reference", &*self.reference, n, measured)?;
         let rows = axes.iter().map(|axis| (axis.name(), "m/s²"));
         let layout = Layout::rows(rows).error_unit("m").vdot_dense();
-        self.moved = axes;
-        Ok(layout)
+        Ok((layout, (axes, reference)))
     }
 
-    fn begin(&mut self, tick: &Tick<'_>) {
-        let p = tick.dynamics.center_of_mass();
-        let measured = self.moved.iter().map(|axis| p[axis.index()]);
-        begin_at(self.reference.as_mut(), &mut self.sample, measured);
-    }
-
-    fn update(&mut self, tick: &Tick<'_>, rows: &mut Rows<'_>) {
-        self.reference.sample(tick, &mut self.sample);
+    fn update(&self, (axes, reference): &mut Self::Running, tick: &Tick<'_>, rows: &mut Rows<'_>) {
+        let desired = tick.vector(*reference);
         let data = tick.dynamics;
         let (p, v) = (data.center_of_mass(), data.center_of_mass_velocity());
-        let bias = data.center_of_mass_bias();
-        let mut vdot = rows.vdot();
-        for (k, axis) in self.moved.iter().enumerate() {
-            let jacobian = data.center_of_mass_jacobian();
-            vdot.row_mut(k).copy_from(&jacobian.row(axis.index()));
-        }
-        for (k, axis) in self.moved.iter().enumerate() {
+        let (jacobian, bias) = (data.center_of_mass_jacobian(), data.center_of_mass_bias());
+        for (k, axis) in axes.iter().enumerate() {
             let i = axis.index();
-            let error = p[i] - component(&self.sample.value, k);
-            rows.b()[k] = component(&self.sample.acceleration, k)
-                - self.kd.axis(k) * (v[i] - component(&self.sample.rate, k))
-                - self.kp.axis(k) * error
-                - bias[i];
-            rows.error()[k] = error;
+            rows.jacobian(k, jacobian.row(i).iter(), bias[i]);
+            let [value, rate, acceleration] = desired.component(k);
+            rows.motion(
+                k,
+                Motion {
+                    error: p[i] - value,
+                    rate: v[i] - rate,
+                    acceleration,
+                    kp: self.kp.axis(k),
+                    kd: self.kd.axis(k),
+                },
+            );
         }
-    }
-
-    fn follow(&mut self) -> Option<ReferenceSlot<'_>> {
-        Some(ReferenceSlot {
-            reference: &mut self.reference,
-            sample: &self.sample,
-            space: Space::Vector(self.moved.len()),
-        })
     }
 }

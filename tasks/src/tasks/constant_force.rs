@@ -4,14 +4,7 @@
 //! Forces are what the environment does to the robot, in C axes (z the surface's outward normal), so that pushing gives
 //! `f_n > 0`.
 
-use wbqp::{
-    contact::{ContactId, ContactKind},
-    error::BindError,
-    nalgebra::Vector3,
-    plugin::{ForceReport, Layout, Rows, Setup, Task, Tick},
-    schemars::JsonSchema,
-    serde::{Deserialize, Serialize},
-};
+use wbqp::{contact::ContactKind, plugin::ForceReport, prelude::*};
 
 use super::contact_force::COMPONENTS;
 use crate::check;
@@ -28,28 +21,20 @@ use crate::check;
 /// To push with a force that is measured, see [`ContactForce`](crate::ContactForce). Exists while the contact is on.
 ///
 /// Error: measured minus `α f_d`, N or N·m.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(crate = "wbqp::serde", deny_unknown_fields)]
-#[schemars(crate = "wbqp::schemars")]
+#[wbqp::task("constant_force")]
 pub struct ConstantForce {
     /// The contact, by name.
     pub contact: String,
     /// Normal force, N.
-    #[schemars(extend("x-unit" = "N"))]
+    #[wbqp(unit = "N")]
     pub normal: f64,
     /// Tangential force along the surface's x and y, N; zero where the contact leaves that direction free.
-    #[serde(default)]
-    #[schemars(extend("x-unit" = "N"))]
+    #[wbqp(default, unit = "N")]
     pub tangential: [f64; 2],
     /// Moment about the contact point, along the surface's x, y and normal, N·m; zero where the contact leaves that
     /// rotation free.
-    #[serde(default)]
-    #[schemars(extend("x-unit" = "N·m"))]
+    #[wbqp(default, unit = "N·m")]
     pub moment: [f64; 3],
-    #[serde(skip)]
-    report: Option<ForceReport>,
-    #[serde(skip)]
-    bound: Option<(ContactId, ContactKind)>,
 }
 
 impl ConstantForce {
@@ -60,8 +45,6 @@ impl ConstantForce {
             normal,
             tangential: [0.0; 2],
             moment: [0.0; 3],
-            report: None,
-            bound: None,
         }
     }
 
@@ -72,9 +55,10 @@ impl ConstantForce {
     }
 }
 
-#[wbqp::task("constant_force")]
 impl Task for ConstantForce {
-    fn bind(&mut self, setup: &mut Setup<'_>) -> Result<Layout, BindError> {
+    type Running = (ContactId, ContactKind);
+
+    fn bind(&self, setup: &mut Setup<'_>) -> Result<(Layout, Self::Running), BindError> {
         let contact = setup.contact(&self.contact)?;
         let kind = setup.contact_spec(contact).kind;
         check::not_negative("normal", self.normal)?;
@@ -92,39 +76,27 @@ impl Task for ConstantForce {
             );
             return Err(BindError::value(key, problem));
         }
-        self.bound = Some((contact, kind));
-        self.report = None;
         let rows = kind.constrained();
-        Ok(Layout::rows(rows.iter().map(|&row| COMPONENTS[row]))
+        let layout = Layout::rows(rows.iter().map(|&row| COMPONENTS[row]))
             .error_unit(if kind.has_moments() { "N or N·m" } else { "N" })
             .force_unit(contact, 0..rows.len())
-            .while_contact(contact))
+            .while_contact(contact);
+        Ok((layout, (contact, kind)))
     }
 
-    fn update(&mut self, tick: &Tick<'_>, rows: &mut Rows<'_>) {
-        let Some((id, kind)) = self.bound else {
-            return;
-        };
-        let contact = tick.contact(id);
+    fn update(&self, (id, kind): &mut Self::Running, tick: &Tick<'_>, rows: &mut Rows<'_>) {
+        let contact = tick.contact(*id);
         let wrench = self.wrench().map(|component| contact.alpha * component);
         for (k, &row) in kind.constrained().iter().enumerate() {
             rows.b()[k] = wrench[row];
             rows.error()[k] = contact.measured[row] - wrench[row];
         }
         let force = Vector3::new(wrench[0], wrench[1], wrench[2]);
-        self.report = Some(ForceReport {
-            contact: id,
+        rows.report_force(ForceReport {
+            contact: *id,
             reference: force,
             virtual_input: force,
             clamped: false,
         });
-    }
-
-    fn activate(&mut self) {
-        self.report = None;
-    }
-
-    fn force_report(&self) -> Option<ForceReport> {
-        self.report
     }
 }

@@ -10,18 +10,12 @@ mod set_point;
 use feedback::{Loop, Settings};
 use set_point::{Now, Ramp, SetPoint};
 use wbqp::{
-    contact::{ContactId, ContactKind},
-    error::BindError,
-    nalgebra::Vector3,
-    plugin::{
-        ForceReport, Layout, AnyReference, Rows, Sample, Setup, Space, Task, Tick,
-        reference::{ReferenceSlot, begin},
-    },
-    schemars::JsonSchema,
-    serde::{Deserialize, Serialize},
+    contact::ContactKind,
+    plugin::{ForceReport, VectorReference},
+    prelude::*,
 };
 
-use crate::{Hold, check, follow::component};
+use crate::{Hold, check};
 
 /// Pushes with a given normal force, the paper's f_c.
 ///
@@ -42,54 +36,37 @@ use crate::{Hold, check, follow::component};
 /// solution at that moment to zero with the ramp. When the task alone goes off, its weight fades.
 ///
 /// Exists while the contact is on. Error: `f^m − f^d`, N or N·m.
-#[derive(Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(crate = "wbqp::serde", deny_unknown_fields)]
-#[schemars(crate = "wbqp::schemars")]
+#[wbqp::task("contact_force")]
 pub struct ContactForce {
     /// The contact, by name.
     pub contact: String,
     /// Set point `f^d` of the normal force: a reference with one component, N.
-    #[schemars(extend("x-unit" = "N"))]
+    #[wbqp(unit = "N")]
     pub reference: Box<dyn AnyReference>,
     /// Whether the measured force is fed back.
-    #[serde(default)]
+    #[wbqp(default)]
     pub feedback: Feedback,
     /// Proportional gain `K_P`, N/N, below 1: in a stiff contact the measured force follows `f*` within a period, and
     /// the loop would oscillate at 1.
-    #[serde(default = "default_kp")]
-    #[schemars(extend("x-unit" = "1"))]
+    #[wbqp(default = 0.2, unit = "1")]
     pub kp: f64,
     /// Integral gain `K_I`, 1/s.
-    #[serde(default = "default_ki")]
-    #[schemars(extend("x-unit" = "1/s"))]
+    #[wbqp(default = 1.5, unit = "1/s")]
     pub ki: f64,
     /// Back-calculation gain `k_aw`, 1/s. 0 leaves only the clamp against wind-up.
-    #[serde(default = "default_anti_windup")]
-    #[schemars(extend("x-unit" = "1/s"))]
+    #[wbqp(default = 0.5, unit = "1/s")]
     pub anti_windup: f64,
     /// Largest magnitude of the integrator's state ξ, N. The report says when it is reached.
-    #[serde(default = "default_clamp")]
-    #[schemars(extend("x-unit" = "N"))]
+    #[wbqp(default = 2.0, unit = "N")]
     pub clamp: f64,
     /// What is asked of the tangential forces, where the contact constrains them.
-    #[serde(default)]
+    #[wbqp(default)]
     pub tangential: Tangential,
-    #[serde(skip)]
-    sample: Sample,
-    #[serde(skip)]
-    feedback_loop: Loop,
-    #[serde(skip)]
-    ramp: Ramp,
-    #[serde(skip)]
-    report: Option<ForceReport>,
-    #[serde(skip)]
-    bound: Option<(ContactId, ContactKind)>,
 }
 
 /// Feedback of the measured normal force.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(crate = "wbqp::serde", rename_all = "snake_case")]
-#[schemars(crate = "wbqp::schemars")]
+#[wbqp::parameters]
+#[derive(Copy, Default, PartialEq, Eq)]
 pub enum Feedback {
     /// None: `f* = f^d`.
     Off,
@@ -99,28 +76,14 @@ pub enum Feedback {
 }
 
 /// What is asked of tangential forces.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(crate = "wbqp::serde", rename_all = "snake_case")]
-#[schemars(crate = "wbqp::schemars")]
+#[wbqp::parameters]
+#[derive(Copy, Default, PartialEq, Eq)]
 pub enum Tangential {
     /// Zero: as little friction as possible.
     #[default]
     Zero,
     /// What is measured: friction is taken as it is.
     Measured,
-}
-
-fn default_kp() -> f64 {
-    0.2
-}
-fn default_ki() -> f64 {
-    1.5
-}
-fn default_anti_windup() -> f64 {
-    0.5
-}
-fn default_clamp() -> f64 {
-    2.0
 }
 
 impl ContactForce {
@@ -130,16 +93,11 @@ impl ContactForce {
             contact: contact.into(),
             reference: Box::new(Hold::at([force])),
             feedback: Feedback::default(),
-            kp: default_kp(),
-            ki: default_ki(),
-            anti_windup: default_anti_windup(),
-            clamp: default_clamp(),
+            kp: Self::default_kp(),
+            ki: Self::default_ki(),
+            anti_windup: Self::default_anti_windup(),
+            clamp: Self::default_clamp(),
             tangential: Tangential::default(),
-            sample: Sample::default(),
-            feedback_loop: Loop::default(),
-            ramp: Ramp::default(),
-            report: None,
-            bound: None,
         }
     }
 
@@ -185,9 +143,20 @@ pub(super) const COMPONENTS: [(&str, &str); 6] = [
     ("moment z", "N·m"),
 ];
 
-#[wbqp::task("contact_force")]
+/// What runs of a [`ContactForce`].
+#[derive(Debug)]
+pub struct RunningContactForce {
+    contact: ContactId,
+    kind: ContactKind,
+    reference: VectorReference,
+    feedback_loop: Loop,
+    ramp: Ramp,
+}
+
 impl Task for ContactForce {
-    fn bind(&mut self, setup: &mut Setup<'_>) -> Result<Layout, BindError> {
+    type Running = RunningContactForce;
+
+    fn bind(&self, setup: &mut Setup<'_>) -> Result<(Layout, RunningContactForce), BindError> {
         let contact = setup.contact(&self.contact)?;
         let kind = setup.contact_spec(contact).kind;
         check::not_negative("kp", self.kp)?;
@@ -200,42 +169,38 @@ impl Task for ContactForce {
         check::not_negative("ki", self.ki)?;
         check::not_negative("anti_windup", self.anti_windup)?;
         check::positive("clamp", self.clamp)?;
-        self.sample = begin(
-            "reference",
-            self.reference.as_mut(),
-            Space::Vector(1),
-            Sample::at_rest([0.0]),
-        )?;
-        self.bound = Some((contact, kind));
-        self.activate();
+        let running = RunningContactForce {
+            contact,
+            kind,
+            reference: setup.follow_normal_force("reference", &*self.reference, contact)?,
+            feedback_loop: Loop::default(),
+            ramp: Ramp::default(),
+        };
         let rows = kind.constrained();
         let moments = rows.iter().any(|&row| row > 2);
-        Ok(Layout::rows(rows.iter().map(|&row| COMPONENTS[row]))
+        let layout = Layout::rows(rows.iter().map(|&row| COMPONENTS[row]))
             .error_unit(if moments { "N or N·m" } else { "N" })
             .force_unit(contact, 0..rows.len())
-            .while_contact(contact))
+            .while_contact(contact);
+        Ok((layout, running))
     }
 
-    fn update(&mut self, tick: &Tick<'_>, rows: &mut Rows<'_>) {
-        let Some((id, kind)) = self.bound else {
-            return;
-        };
-        self.reference.sample(tick, &mut self.sample);
-        let contact = tick.contact(id);
+    fn update(&self, running: &mut RunningContactForce, tick: &Tick<'_>, rows: &mut Rows<'_>) {
+        let contact = tick.contact(running.contact);
         let (measured, solution) = (contact.measured[2], contact.solution[2]);
         let settings = self.settings();
+        let [target, ..] = tick.vector(running.reference).component(0);
         let now = Now {
             contact: contact.alpha,
             task: tick.entry.alpha,
-            target: component(&self.sample.value, 0),
+            target,
             measured,
             solution,
         };
-        let (set_point, virtual_input) = match self.ramp.update(&now) {
+        let (set_point, virtual_input) = match running.ramp.update(&now) {
             SetPoint::Follow(force) => {
-                let input =
-                    self.feedback_loop
-                        .step(&settings, tick.elapsed, force, measured, solution);
+                let feedback = &mut running.feedback_loop;
+                let input = feedback.step(&settings, tick.elapsed, force, measured, solution);
                 (force, input)
             }
             SetPoint::Release(force) => (force, force),
@@ -246,7 +211,7 @@ impl Task for ContactForce {
         };
         let mut reference = Vector3::new(0.0, 0.0, set_point);
         let mut input = Vector3::new(0.0, 0.0, virtual_input);
-        for (k, &row) in kind.constrained().iter().enumerate() {
+        for (k, &row) in running.kind.constrained().iter().enumerate() {
             let (asked, wanted) = match row {
                 0 | 1 => {
                     reference[row] = tangential(row);
@@ -259,33 +224,16 @@ impl Task for ContactForce {
             rows.b()[k] = asked;
             rows.error()[k] = contact.measured[row] - wanted;
         }
-        self.report = Some(ForceReport {
-            contact: id,
+        rows.report_force(ForceReport {
+            contact: running.contact,
             reference,
             virtual_input: input,
-            clamped: self.feedback_loop.clamped(),
+            clamped: running.feedback_loop.clamped(),
         });
     }
 
-    fn activate(&mut self) {
-        self.feedback_loop = Loop::default();
-        self.ramp = Ramp::default();
-        self.report = None;
-    }
-
-    fn follow(&mut self) -> Option<ReferenceSlot<'_>> {
-        Some(ReferenceSlot {
-            reference: &mut self.reference,
-            sample: &self.sample,
-            space: Space::Vector(1),
-        })
-    }
-
-    fn pushes(&self) -> Option<ContactId> {
-        self.bound.map(|(contact, _)| contact)
-    }
-
-    fn force_report(&self) -> Option<ForceReport> {
-        self.report
+    fn activate(&self, running: &mut RunningContactForce) {
+        running.feedback_loop = Loop::default();
+        running.ramp = Ramp::default();
     }
 }

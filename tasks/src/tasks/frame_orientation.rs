@@ -4,16 +4,7 @@
 //! W world, F the frame, D where it should be. `w` angular velocities in world axes.
 #![allow(non_snake_case)]
 
-use wbqp::{
-    error::BindError,
-    nalgebra::{UnitQuaternion, Vector3},
-    plugin::{
-        FrameHandle, Layout, AnyReference, Rows, Sample, Setup, Space, Task, Tick,
-        reference::{ReferenceSlot, begin, begin_turned},
-    },
-    schemars::JsonSchema,
-    serde::{Deserialize, Serialize},
-};
+use wbqp::{nalgebra::UnitQuaternion, plugin::RotationReference, prelude::*};
 
 use super::base_orientation::{GainAxes, RotationError};
 use crate::{follow::stay, gain::Gain};
@@ -28,33 +19,26 @@ use crate::{follow::stay, gain::Gain};
 /// [`BaseOrientation`](crate::BaseOrientation); both forms are derived in Siciliano et al., *Robotics*, 3.7.3.
 ///
 /// Error: `e`, rad, world axes.
-#[derive(Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(crate = "wbqp::serde", deny_unknown_fields)]
-#[schemars(crate = "wbqp::schemars", extend("x-weight" = 10.0))]
+#[wbqp::task("frame_orientation", weight = 10.0)]
 pub struct FrameOrientation {
     /// The frame, by name.
     pub frame: String,
     /// Stiffness `K_P`, 1/s²: one number, or one per axis of `axes`.
-    #[schemars(extend("x-unit" = "1/s²"))]
+    #[wbqp(unit = "1/s²")]
     pub kp: Gain,
     /// Damping `K_D`, 1/s: one number, or one per axis of `axes`. Default: critical, `2 √K_P`.
-    #[schemars(extend("x-unit" = "1/s", "x-critical" = "kp"))]
+    #[wbqp(unit = "1/s", critical = "kp")]
     pub kd: Gain,
     /// How the difference of two orientations is measured.
-    #[serde(default)]
+    #[wbqp(default)]
     pub error: RotationError,
     /// Along which axes the gains count.
-    #[serde(default)]
+    #[wbqp(default)]
     pub axes: GainAxes,
     /// Where to go: orientation of the frame in the world, `[roll, pitch, yaw]` in rad. Default: hold what is
     /// measured at the start.
-    #[serde(default = "stay")]
-    #[schemars(extend("x-unit" = "rad"))]
+    #[wbqp(default = stay(), unit = "rad")]
     pub reference: Box<dyn AnyReference>,
-    #[serde(skip)]
-    sample: Sample,
-    #[serde(skip)]
-    bound: Option<FrameHandle>,
 }
 
 impl FrameOrientation {
@@ -67,8 +51,6 @@ impl FrameOrientation {
             error: RotationError::default(),
             axes: GainAxes::default(),
             reference: stay(),
-            sample: Sample::default(),
-            bound: None,
         }
     }
 
@@ -79,52 +61,32 @@ impl FrameOrientation {
     }
 }
 
-#[wbqp::task("frame_orientation")]
 impl Task for FrameOrientation {
-    fn bind(&mut self, setup: &mut Setup<'_>) -> Result<Layout, BindError> {
+    type Running = (FrameHandle, RotationReference);
+
+    fn bind(&self, setup: &mut Setup<'_>) -> Result<(Layout, Self::Running), BindError> {
         let frame = setup.frame(&self.frame)?;
         self.kp.validate("kp", 3)?;
         self.kd.validate("kd", 3)?;
-        let R_WF = setup.frame_at_home(&self.frame)?.R_WF;
-        let home = Sample::turned(UnitQuaternion::from_rotation_matrix(&R_WF));
-        self.sample = begin("reference", self.reference.as_mut(), Space::Rotation, home)?;
-        self.bound = Some(frame);
-        Ok(
-            Layout::rows([("x", "rad/s²"), ("y", "rad/s²"), ("z", "rad/s²")])
-                .error_unit("rad")
-                .vdot_frame(frame, [3, 4, 5]),
-        )
+        let measured =
+            move |tick: &Tick<'_>| UnitQuaternion::from_rotation_matrix(&tick.frame(frame).R_WF);
+        let reference = setup.follow_rotation("reference", &*self.reference, measured)?;
+        let layout = Layout::rows([("x", "rad/s²"), ("y", "rad/s²"), ("z", "rad/s²")])
+            .error_unit("rad")
+            .vdot_frame(frame, [3, 4, 5]);
+        Ok((layout, (frame, reference)))
     }
 
-    fn begin(&mut self, tick: &Tick<'_>) {
-        if let Some(frame) = self.bound {
-            let R_WF = UnitQuaternion::from_rotation_matrix(&tick.frame(frame).R_WF);
-            begin_turned(self.reference.as_mut(), &mut self.sample, &R_WF);
-        }
-    }
-
-    fn update(&mut self, tick: &Tick<'_>, rows: &mut Rows<'_>) {
-        let Some(frame) = self.bound else {
-            return;
-        };
-        self.reference.sample(tick, &mut self.sample);
-        let frame = tick.frame(frame);
+    fn update(&self, (frame, reference): &mut Self::Running, tick: &Tick<'_>, rows: &mut Rows<'_>) {
+        let (frame, desired) = (tick.frame(*frame), tick.rotation(*reference));
         let R_WF = UnitQuaternion::from_rotation_matrix(&frame.R_WF);
-        let error = self.error.between(&R_WF, &self.sample.rotation);
-        let rate = frame.w_WF - self.sample.rate3();
+        let error = self.error.between(&R_WF, &desired.rotation);
+        let rate = frame.w_WF - desired.rate;
         let gains = [&self.kp, &self.kd];
-        let bias = Vector3::from_fn(|i, _| frame.Jdot_v[3 + i]);
         let feedback = self.axes.feedback(gains, &R_WF, &error, &rate);
-        rows.b()
-            .copy_from(&(self.sample.acceleration3() - feedback - bias));
+        for k in 0..3 {
+            rows.acceleration(k, desired.acceleration[k] - feedback[k]);
+        }
         rows.error().copy_from(&error);
-    }
-
-    fn follow(&mut self) -> Option<ReferenceSlot<'_>> {
-        Some(ReferenceSlot {
-            reference: &mut self.reference,
-            sample: &self.sample,
-            space: Space::Rotation,
-        })
     }
 }

@@ -5,14 +5,9 @@
 #![allow(non_snake_case)]
 
 use wbqp::{
-    error::BindError,
     nalgebra::UnitQuaternion,
-    plugin::{
-        FrameHandle, Layout, AnyReference, Rows, Sample, Setup, Space, Task, Tick,
-        reference::{ReferenceSlot, begin, begin_at, begin_turned},
-    },
-    schemars::JsonSchema,
-    serde::{Deserialize, Serialize},
+    plugin::{RotationReference, VectorReference},
+    prelude::*,
 };
 
 use super::base_orientation::RotationError;
@@ -29,36 +24,26 @@ use crate::{follow::stay, gain::Gain};
 /// 3.7.3 and 8.6.2). Metres and radians have different units: give the entry one weight per row, or write two tasks.
 ///
 /// Replacing the reference while running replaces that of the position. Error: `[p_WF − p_d; e]`, m and rad.
-#[derive(Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(crate = "wbqp::serde", deny_unknown_fields)]
-#[schemars(crate = "wbqp::schemars", extend("x-weight" = [100.0, 100.0, 100.0, 10.0, 10.0, 10.0]))]
+#[wbqp::task("frame_pose", weight = [100.0, 100.0, 100.0, 10.0, 10.0, 10.0])]
 pub struct FramePose {
     /// The frame, by name.
     pub frame: String,
     /// Stiffness `K_P`, 1/s²: one number, or six: x, y, z, then about x, y, z.
-    #[schemars(extend("x-unit" = "1/s²"))]
+    #[wbqp(unit = "1/s²")]
     pub kp: Gain,
     /// Damping `K_D`, 1/s: one number, or six. Default: critical, `2 √K_P`.
-    #[schemars(extend("x-unit" = "1/s", "x-critical" = "kp"))]
+    #[wbqp(unit = "1/s", critical = "kp")]
     pub kd: Gain,
     /// How the difference of two orientations is measured.
-    #[serde(default)]
+    #[wbqp(default)]
     pub error: RotationError,
     /// Where to go: position of the frame's origin in the world, m. Default: hold what is measured at the start.
-    #[serde(default = "stay")]
-    #[schemars(extend("x-unit" = "m"))]
+    #[wbqp(default = stay(), unit = "m")]
     pub position: Box<dyn AnyReference>,
     /// How to turn: orientation of the frame in the world, `[roll, pitch, yaw]` in rad. Default: hold what is
     /// measured at the start.
-    #[serde(default = "stay")]
-    #[schemars(extend("x-unit" = "rad"))]
+    #[wbqp(default = stay(), unit = "rad")]
     pub orientation: Box<dyn AnyReference>,
-    #[serde(skip)]
-    place: Sample,
-    #[serde(skip)]
-    attitude: Sample,
-    #[serde(skip)]
-    bound: Option<FrameHandle>,
 }
 
 impl FramePose {
@@ -71,9 +56,6 @@ impl FramePose {
             error: RotationError::default(),
             position: stay(),
             orientation: stay(),
-            place: Sample::default(),
-            attitude: Sample::default(),
-            bound: None,
         }
     }
 
@@ -100,67 +82,59 @@ pub(super) const POSE: [(&str, &str); 6] = [
     ("turn z", "rad/s²"),
 ];
 
-#[wbqp::task("frame_pose")]
+/// What runs of a [`FramePose`].
+#[derive(Debug)]
+pub struct RunningFramePose {
+    frame: FrameHandle,
+    position: VectorReference,
+    orientation: RotationReference,
+}
+
 impl Task for FramePose {
-    fn bind(&mut self, setup: &mut Setup<'_>) -> Result<Layout, BindError> {
+    type Running = RunningFramePose;
+
+    fn bind(&self, setup: &mut Setup<'_>) -> Result<(Layout, RunningFramePose), BindError> {
         let frame = setup.frame(&self.frame)?;
         self.kp.validate("kp", 6)?;
         self.kd.validate("kd", 6)?;
-        let home = setup.frame_at_home(&self.frame)?;
-        let place = Sample::at_rest(home.p_WF.iter().copied());
-        let attitude = Sample::turned(UnitQuaternion::from_rotation_matrix(&home.R_WF));
-        let (position, orientation) = (self.position.as_mut(), self.orientation.as_mut());
-        self.place = begin("position", position, Space::Vector(3), place)?;
-        self.attitude = begin("orientation", orientation, Space::Rotation, attitude)?;
-        self.bound = Some(frame);
-        Ok(Layout::rows(POSE)
-            .error_unit("m or rad")
-            .vdot_frame(frame, 0..6))
-    }
-
-    fn begin(&mut self, tick: &Tick<'_>) {
-        if let Some(frame) = self.bound {
-            let frame = tick.frame(frame);
-            let p_WF = frame.p_WF.iter().copied();
-            begin_at(self.position.as_mut(), &mut self.place, p_WF);
-            let R_WF = UnitQuaternion::from_rotation_matrix(&frame.R_WF);
-            begin_turned(self.orientation.as_mut(), &mut self.attitude, &R_WF);
-        }
-    }
-
-    fn update(&mut self, tick: &Tick<'_>, rows: &mut Rows<'_>) {
-        let Some(frame) = self.bound else {
-            return;
+        let running = RunningFramePose {
+            frame,
+            position: setup.follow_vector("position", &*self.position, 3, move |tick, p| {
+                p.copy_from_slice(tick.frame(frame).p_WF.as_slice());
+            })?,
+            orientation: setup.follow_rotation("orientation", &*self.orientation, move |tick| {
+                UnitQuaternion::from_rotation_matrix(&tick.frame(frame).R_WF)
+            })?,
         };
-        self.position.sample(tick, &mut self.place);
-        self.orientation.sample(tick, &mut self.attitude);
-        let frame = tick.frame(frame);
+        let layout = Layout::rows(POSE)
+            .error_unit("m or rad")
+            .vdot_frame(frame, 0..6);
+        Ok((layout, running))
+    }
+
+    fn update(&self, running: &mut RunningFramePose, tick: &Tick<'_>, rows: &mut Rows<'_>) {
+        let frame = tick.frame(running.frame);
+        let place = tick.vector(running.position);
+        let attitude = tick.rotation(running.orientation);
         let R_WF = UnitQuaternion::from_rotation_matrix(&frame.R_WF);
         let errors = [
-            frame.p_WF - self.place.value3(),
-            self.error.between(&R_WF, &self.attitude.rotation),
+            frame.p_WF - place.value3(),
+            self.error.between(&R_WF, &attitude.rotation),
         ];
-        let rates = [
-            frame.v_WF - self.place.rate3(),
-            frame.w_WF - self.attitude.rate3(),
-        ];
-        let accelerations = [self.place.acceleration3(), self.attitude.acceleration3()];
+        let rates = [frame.v_WF - place.rate3(), frame.w_WF - attitude.rate];
+        let accelerations = [place.acceleration3(), attitude.acceleration];
         for k in 0..6 {
             let (part, i) = (k / 3, k % 3);
-            let (error, rate) = (errors[part][i], rates[part][i]);
-            rows.b()[k] = accelerations[part][i]
-                - self.kd.axis(k) * rate
-                - self.kp.axis(k) * error
-                - frame.Jdot_v[k];
-            rows.error()[k] = error;
+            rows.motion(
+                k,
+                Motion {
+                    error: errors[part][i],
+                    rate: rates[part][i],
+                    acceleration: accelerations[part][i],
+                    kp: self.kp.axis(k),
+                    kd: self.kd.axis(k),
+                },
+            );
         }
-    }
-
-    fn follow(&mut self) -> Option<ReferenceSlot<'_>> {
-        Some(ReferenceSlot {
-            reference: &mut self.position,
-            sample: &self.place,
-            space: Space::Vector(3),
-        })
     }
 }

@@ -5,21 +5,10 @@
 //! that touches. All vectors in C axes, which do not turn.
 #![allow(non_snake_case)]
 
-use wbqp::{
-    contact::{ContactId, ContactSpec},
-    dynamics::{Data, frame_motion},
-    error::BindError,
-    nalgebra::Vector3,
-    plugin::{
-        Layout, AnyReference, Rows, Sample, Setup, Space, Task, Tick,
-        reference::{ReferenceSlot, begin, begin_at},
-    },
-    schemars::JsonSchema,
-    serde::{Deserialize, Serialize},
-};
+use wbqp::{contact::ContactSpec, plugin::VectorReference, prelude::*};
 
 use crate::{
-    follow::{component, stay},
+    follow::stay,
     gain::Gain,
     integral::{Integral, Settings},
 };
@@ -44,54 +33,40 @@ use crate::{
 /// The axes are translations. Free rotations are not controlled by this task.
 ///
 /// Exists while the contact is on. Error: `p − p_d`, m.
-#[derive(Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(crate = "wbqp::serde", deny_unknown_fields)]
-#[schemars(crate = "wbqp::schemars")]
+#[wbqp::task("free_motion")]
 pub struct FreeMotion {
     /// The contact, by name.
     pub contact: String,
     /// Stiffness `K_P`, 1/s²: one number, or one per axis.
-    #[schemars(extend("x-unit" = "1/s²"))]
+    #[wbqp(unit = "1/s²")]
     pub kp: Gain,
     /// Damping `K_D`, 1/s: one number, or one per axis. Default: critical, `2 √K_P`.
-    #[schemars(extend("x-unit" = "1/s", "x-critical" = "kp"))]
+    #[wbqp(unit = "1/s", critical = "kp")]
     pub kd: Gain,
     /// Integral gain `K_I`, 1/s³: one number, or one per axis. 0, the default, is the paper's law.
-    #[serde(default = "no_integral")]
-    #[schemars(extend("x-unit" = "1/s³"))]
+    #[wbqp(default = 0.0, unit = "1/s³")]
     pub ki: Gain,
     /// Largest acceleration that the integral may ask for on each axis, m/s².
-    #[serde(default = "default_integral_limit")]
-    #[schemars(extend("x-unit" = "m/s²"))]
+    #[wbqp(default = 2.0, unit = "m/s²")]
     pub integral_limit: f64,
     /// Back-calculation gain `k_aw` of the integral, 1/s: one number, or one per axis. Default `K_I/K_P`, with which
     /// the integral stays out of conflicts with limits and other tasks; 0 leaves only `integral_limit`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("x-unit" = "1/s"))]
+    #[wbqp(unit = "1/s")]
     pub anti_windup: Option<Gain>,
     /// Which axes of the surface; rows, gains and reference are in this order. Default: all translations that the
     /// contact leaves free, x before y.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub axes: Option<Vec<SurfaceAxis>>,
     /// Where the reference counts from.
-    #[serde(default)]
+    #[wbqp(default)]
     pub origin: Origin,
     /// Where to go: one position per axis, m, from `origin`. Default: hold.
-    #[serde(default = "stay")]
-    #[schemars(extend("x-unit" = "m"))]
+    #[wbqp(default = stay(), unit = "m")]
     pub reference: Box<dyn AnyReference>,
-    #[serde(skip)]
-    sample: Sample,
-    #[serde(skip)]
-    integral: Integral,
-    #[serde(skip)]
-    bound: Option<Bound>,
 }
 
 /// A tangential axis of the surface's frame C.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(crate = "wbqp::serde", rename_all = "snake_case")]
-#[schemars(crate = "wbqp::schemars")]
+#[wbqp::parameters]
+#[derive(Copy, PartialEq, Eq)]
 pub enum SurfaceAxis {
     /// The surface's `x_axis`, projected.
     X,
@@ -117,9 +92,8 @@ impl SurfaceAxis {
 }
 
 /// Where positions on a surface count from.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(crate = "wbqp::serde", rename_all = "snake_case")]
-#[schemars(crate = "wbqp::schemars")]
+#[wbqp::parameters]
+#[derive(Copy, Default, PartialEq, Eq)]
 pub enum Origin {
     /// The surface's `origin`. Holding without a value means staying where the contact point is measured at the
     /// start.
@@ -131,19 +105,15 @@ pub enum Origin {
 }
 
 /// What `bind` resolved, and where the contact was made.
-#[derive(Clone, Debug)]
-struct Bound {
+/// What runs of a [`FreeMotion`].
+#[derive(Debug)]
+pub struct RunningFreeMotion {
     contact: ContactId,
     axes: Vec<SurfaceAxis>,
+    reference: VectorReference,
+    integral: Integral,
     /// Position that the reference counts from, m, surface coordinates; unknown until the first update.
     base: Option<Vector3<f64>>,
-}
-
-fn no_integral() -> Gain {
-    Gain::Uniform(0.0)
-}
-fn default_integral_limit() -> f64 {
-    2.0
 }
 
 impl FreeMotion {
@@ -153,15 +123,12 @@ impl FreeMotion {
             contact: contact.into(),
             kp: kp.into(),
             kd: kd.into(),
-            ki: no_integral(),
-            integral_limit: default_integral_limit(),
+            ki: Self::default_ki(),
+            integral_limit: Self::default_integral_limit(),
             anti_windup: None,
             axes: None,
             origin: Origin::default(),
             reference: stay(),
-            sample: Sample::default(),
-            integral: Integral::default(),
-            bound: None,
         }
     }
 
@@ -182,6 +149,15 @@ impl FreeMotion {
     pub fn along(mut self, axes: impl Into<Vec<SurfaceAxis>>) -> Self {
         self.axes = Some(axes.into());
         self
+    }
+
+    fn integral_settings(&self) -> Settings<'_> {
+        Settings {
+            kp: &self.kp,
+            ki: &self.ki,
+            anti_windup: self.anti_windup.as_ref(),
+            limit: self.integral_limit,
+        }
     }
 
     fn resolve(&self, spec: &ContactSpec) -> Result<Vec<SurfaceAxis>, BindError> {
@@ -217,117 +193,71 @@ impl FreeMotion {
 }
 
 /// The contact point in the home posture, m, surface coordinates.
-fn at_home(setup: &Setup<'_>, spec: &ContactSpec) -> Result<Vector3<f64>, BindError> {
-    let model = setup.model();
-    let mut data = Data::new(model);
-    data.update(model, &setup.robot().home);
-    // The controller has checked the contact's frame; a test may not have.
-    let frame = model.frame(&spec.frame).ok_or_else(|| {
-        BindError::value(
-            "contact",
-            format!("`{}` is on no frame of the robot", spec.name),
-        )
-    })?;
-    let X_WE = frame_motion(model, &data, frame);
-    let p_WC = X_WE.p_WF + X_WE.R_WF * Vector3::from(spec.offset);
-    let p_WS = Vector3::from(spec.surface.origin);
-    Ok(spec.surface.rotation()?.inverse() * (p_WC - p_WS))
-}
-
-#[wbqp::task("free_motion")]
 impl Task for FreeMotion {
-    fn bind(&mut self, setup: &mut Setup<'_>) -> Result<Layout, BindError> {
+    type Running = RunningFreeMotion;
+
+    fn bind(&self, setup: &mut Setup<'_>) -> Result<(Layout, RunningFreeMotion), BindError> {
         let contact = setup.contact(&self.contact)?;
-        let spec = setup.contact_spec(contact);
-        let axes = self.resolve(spec)?;
+        let axes = self.resolve(setup.contact_spec(contact))?;
         let n = axes.len();
         self.kp.validate("kp", n)?;
         self.kd.validate("kd", n)?;
-        Settings {
-            kp: &self.kp,
-            ki: &self.ki,
-            anti_windup: self.anti_windup.as_ref(),
-            limit: self.integral_limit,
-        }
-        .validate(n, setup.period())?;
-        let from = match self.origin {
-            Origin::Surface => at_home(setup, spec)?,
-            Origin::Touch => Vector3::zeros(),
+        self.integral_settings().validate(n, setup.period())?;
+        let key = "reference";
+        let reference = match self.origin {
+            Origin::Surface => {
+                let axes = axes.clone();
+                let measured = move |tick: &Tick<'_>, out: &mut [f64]| {
+                    for (out, axis) in out.iter_mut().zip(&axes) {
+                        *out = tick.contact(contact).p_SC[axis.row()];
+                    }
+                };
+                setup.follow_vector(key, &*self.reference, n, measured)?
+            }
+            // Where it touches is zero, wherever that is.
+            Origin::Touch => setup.follow_from_zero(key, &*self.reference, n)?,
         };
-        let from = Sample::at_rest(axes.iter().map(|axis| from[axis.row()]));
-        self.sample = begin("reference", self.reference.as_mut(), Space::Vector(n), from)?;
-        self.integral = Integral::new(n);
         let layout = Layout::rows(axes.iter().map(|axis| (axis.name(), "m/s²")))
             .error_unit("m")
             .vdot_contact(contact, axes.iter().map(|axis| axis.row()))
             .while_contact(contact);
-        self.bound = Some(Bound {
+        let running = RunningFreeMotion {
             contact,
             axes,
+            reference,
+            integral: Integral::new(n),
             base: None,
-        });
-        Ok(layout)
-    }
-
-    fn begin(&mut self, tick: &Tick<'_>) {
-        // Where it touches is zero, wherever that is.
-        if let (Some(bound), Origin::Surface) = (&self.bound, self.origin) {
-            let p_SC = tick.contact(bound.contact).p_SC;
-            let measured = bound.axes.iter().map(|axis| p_SC[axis.row()]);
-            begin_at(self.reference.as_mut(), &mut self.sample, measured);
-        }
-    }
-
-    fn update(&mut self, tick: &Tick<'_>, rows: &mut Rows<'_>) {
-        let Some(bound) = &mut self.bound else {
-            return;
         };
-        self.reference.sample(tick, &mut self.sample);
-        let contact = tick.contact(bound.contact);
-        let base = *bound.base.get_or_insert(match self.origin {
+        Ok((layout, running))
+    }
+
+    fn update(&self, running: &mut RunningFreeMotion, tick: &Tick<'_>, rows: &mut Rows<'_>) {
+        let contact = tick.contact(running.contact);
+        let desired = tick.vector(running.reference);
+        let base = *running.base.get_or_insert(match self.origin {
             Origin::Surface => Vector3::zeros(),
             Origin::Touch => contact.p_SC,
         });
-        let settings = Settings {
-            kp: &self.kp,
-            ki: &self.ki,
-            anti_windup: self.anti_windup.as_ref(),
-            limit: self.integral_limit,
-        };
-        for (k, axis) in bound.axes.iter().enumerate() {
+        let settings = self.integral_settings();
+        for (k, axis) in running.axes.iter().enumerate() {
             let i = axis.row();
-            let error = contact.p_SC[i] - base[i] - component(&self.sample.value, k);
-            let rate = contact.V[i] - component(&self.sample.rate, k);
+            let [value, rate, acceleration] = desired.component(k);
+            let error = contact.p_SC[i] - base[i] - value;
+            let rate = contact.V[i] - rate;
             let row = contact.J.row(i);
             let given = row.iter().zip(&tick.last.vdot).map(|(j, a)| j * a).sum();
-            let integral = self
-                .integral
-                .step(k, settings.law(k), error, given, tick.elapsed);
-            let asked = component(&self.sample.acceleration, k)
-                - self.kd.axis(k) * rate
-                - self.kp.axis(k) * error
-                - integral
-                + contact.surface_acceleration[i]
-                - contact.Jdot_v[i];
-            self.integral.ask(k, asked);
-            rows.b()[k] = asked;
+            let integral = &mut running.integral;
+            let xi = integral.step(k, settings.law(k), error, given, tick.elapsed);
+            let wanted = acceleration - self.kd.axis(k) * rate - self.kp.axis(k) * error - xi
+                + contact.surface_acceleration[i];
+            rows.acceleration(k, wanted);
+            integral.ask(k, rows.b()[k]);
             rows.error()[k] = error;
         }
     }
 
-    fn activate(&mut self) {
-        self.integral.reset();
-        if let Some(bound) = &mut self.bound {
-            bound.base = None;
-        }
-    }
-
-    fn follow(&mut self) -> Option<ReferenceSlot<'_>> {
-        let bound = self.bound.as_ref()?;
-        Some(ReferenceSlot {
-            reference: &mut self.reference,
-            sample: &self.sample,
-            space: Space::Vector(bound.axes.len()),
-        })
+    fn activate(&self, running: &mut RunningFreeMotion) {
+        running.integral.reset();
+        running.base = None;
     }
 }

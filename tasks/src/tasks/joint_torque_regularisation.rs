@@ -1,12 +1,6 @@
 //! Joint torques near a value.
 
-use wbqp::{
-    error::BindError,
-    model::JointKind,
-    plugin::{Layout, AnyReference, Rows, Setup, Space, Task, Tick, reference::ReferenceSlot},
-    schemars::JsonSchema,
-    serde::{Deserialize, Serialize},
-};
+use wbqp::{model::JointKind, prelude::*};
 
 use crate::{
     effort::{Efforts, chosen},
@@ -24,20 +18,14 @@ use crate::{
 /// each row, shares of what the motors can bear are balanced.
 ///
 /// Error: torque of the last solution minus `τ_d`, N·m or N.
-#[derive(Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(crate = "wbqp::serde", deny_unknown_fields)]
-#[schemars(crate = "wbqp::schemars")]
+#[wbqp::task("joint_torque_regularisation")]
 pub struct JointTorqueRegularisation {
     /// Which joints, by name; rows and reference are in this order. Default: all that have a motor, in the order of
     /// the actuators.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub joints: Option<Vec<String>>,
     /// The torques wanted: one per joint, N·m or N. Default: zero.
-    #[serde(default = "stay")]
-    #[schemars(extend("x-unit" = "N·m or N"))]
+    #[wbqp(default = stay(), unit = "N·m or N")]
     pub reference: Box<dyn AnyReference>,
-    #[serde(skip)]
-    efforts: Efforts,
 }
 
 impl JointTorqueRegularisation {
@@ -46,7 +34,6 @@ impl JointTorqueRegularisation {
         Self {
             joints: None,
             reference: stay(),
-            efforts: Efforts::default(),
         }
     }
 
@@ -69,12 +56,13 @@ impl Default for JointTorqueRegularisation {
     }
 }
 
-#[wbqp::task("joint_torque_regularisation")]
 impl Task for JointTorqueRegularisation {
-    fn bind(&mut self, setup: &mut Setup<'_>) -> Result<Layout, BindError> {
+    type Running = Efforts;
+
+    fn bind(&self, setup: &mut Setup<'_>) -> Result<(Layout, Efforts), BindError> {
         let model = setup.model();
         let ids = || (0..model.joints().len()).filter_map(|i| model.joint(&model.joints()[i].name));
-        let motor = |joint| setup.motor(joint).map(|index| (joint, index));
+        let motor = |joint| setup.motor(joint).ok().map(|id| (joint, id));
         let mut motors = chosen(
             "joints",
             self.joints.as_deref(),
@@ -93,7 +81,7 @@ impl Task for JointTorqueRegularisation {
             )));
         }
         if self.joints.is_none() {
-            motors.sort_by_key(|(_, index)| *index);
+            motors.sort_by_key(|(_, id)| *id);
         }
         let turns = |kind| match kind {
             JointKind::Revolute => "N·m",
@@ -109,21 +97,13 @@ impl Task for JointTorqueRegularisation {
         let same = units.iter().all(|unit| *unit == units[0]);
         let layout = Layout::rows(names.zip(units.iter().copied()))
             .error_unit(if same { units[0] } else { "N·m or N" })
-            .effort_unit(motors.iter().map(|(_, index)| *index));
-        let indices = motors.into_iter().map(|(_, index)| index).collect();
-        self.efforts.bind(self.reference.as_mut(), indices)?;
-        Ok(layout)
+            .effort_unit(motors.iter().map(|(_, id)| *id));
+        let indices = motors.into_iter().map(|(_, id)| id).collect();
+        let efforts = Efforts::bind(setup, &*self.reference, indices)?;
+        Ok((layout, efforts))
     }
 
-    fn update(&mut self, tick: &Tick<'_>, rows: &mut Rows<'_>) {
-        self.efforts.update(self.reference.as_mut(), tick, rows);
-    }
-
-    fn follow(&mut self) -> Option<ReferenceSlot<'_>> {
-        Some(ReferenceSlot {
-            reference: &mut self.reference,
-            sample: &self.efforts.sample,
-            space: Space::Vector(self.efforts.indices.len()),
-        })
+    fn update(&self, efforts: &mut Efforts, tick: &Tick<'_>, rows: &mut Rows<'_>) {
+        efforts.update(tick, rows);
     }
 }

@@ -32,5 +32,4 @@ pub use propeller_regularisation::PropellerRegularisation;
 pub use relative_pose::RelativePose;
 pub use thrust_regularisation::ThrustRegularisation;
 
-pub(crate) use base_position::require_floating;
 pub(crate) use thrust_regularisation::chosen_rotors;

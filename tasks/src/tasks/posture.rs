@@ -1,20 +1,8 @@
 //! Joint positions (q_A).
 
-use wbqp::{
-    error::BindError,
-    model::{JointId, JointKind},
-    plugin::{
-        Layout, AnyReference, Rows, Sample, Setup, Space, Task, Tick,
-        reference::{ReferenceSlot, begin, begin_at},
-    },
-    schemars::JsonSchema,
-    serde::{Deserialize, Serialize},
-};
+use wbqp::{model::JointKind, plugin::VectorReference, prelude::*};
 
-use crate::{
-    follow::{component, stay},
-    gain::Gain,
-};
+use crate::{follow::stay, gain::Gain};
 
 /// Moves joints, the paper's q_A.
 ///
@@ -23,27 +11,19 @@ use crate::{
 /// `q̈ = q̈_d − K_D (q̇ − q̇_d) − K_P (q − q_d)`.
 ///
 /// Error: `q − q_d`, rad or m.
-#[derive(Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(crate = "wbqp::serde", deny_unknown_fields)]
-#[schemars(crate = "wbqp::schemars", extend("x-weight" = 0.01))]
+#[wbqp::task("posture", weight = 0.01)]
 pub struct Posture {
     /// Stiffness `K_P`, 1/s²: one number, or one per joint.
-    #[schemars(extend("x-unit" = "1/s²"))]
+    #[wbqp(unit = "1/s²")]
     pub kp: Gain,
     /// Damping `K_D`, 1/s: one number, or one per joint. Default: critical, `2 √K_P`.
-    #[schemars(extend("x-unit" = "1/s", "x-critical" = "kp"))]
+    #[wbqp(unit = "1/s", critical = "kp")]
     pub kd: Gain,
     /// Which joints, by name; rows, gains and reference are in this order. Default: all, in the model's order.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub joints: Option<Vec<String>>,
     /// Where to go: one position per joint, rad or m. Default: hold what is measured at the start.
-    #[serde(default = "stay")]
-    #[schemars(extend("x-unit" = "rad or m"))]
+    #[wbqp(default = stay(), unit = "rad or m")]
     pub reference: Box<dyn AnyReference>,
-    #[serde(skip)]
-    sample: Sample,
-    #[serde(skip)]
-    moved: Vec<JointId>,
 }
 
 impl Posture {
@@ -54,8 +34,6 @@ impl Posture {
             kd: kd.into(),
             joints: None,
             reference: stay(),
-            sample: Sample::default(),
-            moved: Vec::new(),
         }
     }
 
@@ -92,58 +70,62 @@ impl Posture {
     }
 }
 
-#[wbqp::task("posture")]
+/// What runs of a [`Posture`].
+#[derive(Debug)]
+pub struct RunningPosture {
+    joints: Vec<(JointId, VelocityId)>,
+    reference: VectorReference,
+}
+
 impl Task for Posture {
-    fn bind(&mut self, setup: &mut Setup<'_>) -> Result<Layout, BindError> {
+    type Running = RunningPosture;
+
+    fn bind(&self, setup: &mut Setup<'_>) -> Result<(Layout, RunningPosture), BindError> {
         let moved = self.resolve(setup)?;
         let n = moved.len();
         self.kp.validate("kp", n)?;
         self.kd.validate("kd", n)?;
-        let home = &setup.robot().home.q;
-        let home = Sample::at_rest(moved.iter().map(|j| home[j.index()]));
-        self.sample = begin("reference", self.reference.as_mut(), Space::Vector(n), home)?;
-        self.moved = moved;
+        let joints: Vec<_> = moved.iter().map(|&j| (j, setup.velocity(j))).collect();
 
         let model = setup.model();
-        let joints = || self.moved.iter().map(|j| &model.joints()[j.index()]);
-        let turns = joints().filter(|j| j.kind == JointKind::Revolute).count();
+        let kinds = || moved.iter().map(|j| &model.joints()[j.index()]);
+        let turns = kinds().filter(|j| j.kind == JointKind::Revolute).count();
         let error_unit = match turns {
             0 => "m",
             k if k == n => "rad",
             _ => "rad or m",
         };
-        let rows = joints().map(|joint| match joint.kind {
+        let rows = kinds().map(|joint| match joint.kind {
             JointKind::Revolute => (joint.name.as_str(), "rad/s²"),
             JointKind::Prismatic => (joint.name.as_str(), "m/s²"),
         });
-        Ok(Layout::rows(rows)
+        let layout = Layout::rows(rows)
             .error_unit(error_unit)
-            .vdot_unit(self.moved.iter().map(|&j| model.velocity_index(j))))
+            .vdot_unit(joints.iter().map(|(_, velocity)| *velocity));
+
+        let measured = move |tick: &Tick<'_>, out: &mut [f64]| {
+            for (out, joint) in out.iter_mut().zip(&moved) {
+                *out = tick.state.q[joint.index()];
+            }
+        };
+        let reference = setup.follow_vector("reference", &*self.reference, n, measured)?;
+        Ok((layout, RunningPosture { joints, reference }))
     }
 
-    fn begin(&mut self, tick: &Tick<'_>) {
-        let measured = self.moved.iter().map(|joint| tick.state.q[joint.index()]);
-        begin_at(self.reference.as_mut(), &mut self.sample, measured);
-    }
-
-    fn update(&mut self, tick: &Tick<'_>, rows: &mut Rows<'_>) {
-        self.reference.sample(tick, &mut self.sample);
-        for (k, &joint) in self.moved.iter().enumerate() {
-            let q = tick.state.q[joint.index()];
-            let rate = tick.state.v[tick.model.velocity_index(joint)];
-            let error = q - component(&self.sample.value, k);
-            rows.b()[k] = component(&self.sample.acceleration, k)
-                - self.kd.axis(k) * (rate - component(&self.sample.rate, k))
-                - self.kp.axis(k) * error;
-            rows.error()[k] = error;
+    fn update(&self, running: &mut RunningPosture, tick: &Tick<'_>, rows: &mut Rows<'_>) {
+        let desired = tick.vector(running.reference);
+        for (k, &(joint, velocity)) in running.joints.iter().enumerate() {
+            let [value, rate, acceleration] = desired.component(k);
+            rows.motion(
+                k,
+                Motion {
+                    error: tick.state.q[joint.index()] - value,
+                    rate: tick.state.v[velocity] - rate,
+                    acceleration,
+                    kp: self.kp.axis(k),
+                    kd: self.kd.axis(k),
+                },
+            );
         }
-    }
-
-    fn follow(&mut self) -> Option<ReferenceSlot<'_>> {
-        Some(ReferenceSlot {
-            reference: &mut self.reference,
-            sample: &self.sample,
-            space: Space::Vector(self.moved.len()),
-        })
     }
 }

@@ -1,11 +1,6 @@
 //! Equal thrusts (r_a).
 
-use wbqp::{
-    error::BindError,
-    plugin::{Layout, Rows, Setup, Task, Tick},
-    schemars::JsonSchema,
-    serde::{Deserialize, Serialize},
-};
+use wbqp::prelude::*;
 
 /// Balances the rotors' thrusts, the paper's r_a.
 ///
@@ -21,13 +16,9 @@ use wbqp::{
 /// solution depends on the order of the rotors.
 ///
 /// Error: `f_i − f_{i+1}` of the last solution, N.
-#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(crate = "wbqp::serde", deny_unknown_fields)]
-#[schemars(crate = "wbqp::schemars")]
-pub struct PropellerRegularisation {
-    #[serde(skip)]
-    rotors: Vec<usize>,
-}
+#[wbqp::task("propeller_regularisation")]
+#[derive(Default)]
+pub struct PropellerRegularisation {}
 
 impl PropellerRegularisation {
     /// For all rotors.
@@ -36,33 +27,35 @@ impl PropellerRegularisation {
     }
 }
 
-#[wbqp::task("propeller_regularisation")]
 impl Task for PropellerRegularisation {
-    fn bind(&mut self, setup: &mut Setup<'_>) -> Result<Layout, BindError> {
-        self.rotors = setup.rotors();
-        if self.rotors.len() < 2 {
+    /// The rotors.
+    type Running = Vec<ActuatorId>;
+
+    fn bind(&self, setup: &mut Setup<'_>) -> Result<(Layout, Vec<ActuatorId>), BindError> {
+        let rotors = setup.rotors();
+        if rotors.len() < 2 {
             return Err(BindError::Other(format!(
                 "needs at least two rotors, `{}` has {}",
                 setup.model().name(),
-                self.rotors.len()
+                rotors.len()
             )));
         }
-        let name = |i: usize| setup.actuators()[i].name.as_str();
-        let rows = self
-            .rotors
+        let name = |id: ActuatorId| setup.robot().actuators[id.index()].name.as_str();
+        let rows = rotors
             .windows(2)
             .map(|pair| (format!("{} - {}", name(pair[0]), name(pair[1])), "N"));
-        Ok(Layout::rows(rows).error_unit("N").effort_dense())
+        let layout = Layout::rows(rows).error_unit("N").effort_dense();
+        Ok((layout, rotors))
     }
 
-    fn update(&mut self, tick: &Tick<'_>, rows: &mut Rows<'_>) {
-        let thrust = |i: usize| tick.last.effort.get(i).copied().unwrap_or(0.0);
+    fn update(&self, rotors: &mut Vec<ActuatorId>, tick: &Tick<'_>, rows: &mut Rows<'_>) {
+        let thrust = |id: ActuatorId| tick.last.effort.get(id.index()).copied().unwrap_or(0.0);
         let mut effort = rows.effort();
-        for (k, pair) in self.rotors.windows(2).enumerate() {
-            effort[(k, pair[0])] = 1.0;
-            effort[(k, pair[1])] = -1.0;
+        for (k, pair) in rotors.windows(2).enumerate() {
+            effort[(k, pair[0].index())] = 1.0;
+            effort[(k, pair[1].index())] = -1.0;
         }
-        for (k, pair) in self.rotors.windows(2).enumerate() {
+        for (k, pair) in rotors.windows(2).enumerate() {
             rows.b()[k] = 0.0;
             rows.error()[k] = thrust(pair[0]) - thrust(pair[1]);
         }

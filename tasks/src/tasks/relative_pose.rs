@@ -7,14 +7,9 @@
 
 use wbqp::{
     dynamics::FrameKinematics,
-    error::BindError,
-    nalgebra::{UnitQuaternion, Vector3},
-    plugin::{
-        FrameHandle, Layout, AnyReference, Rows, Sample, Setup, Space, Task, Tick,
-        reference::{ReferenceSlot, begin, begin_at, begin_turned},
-    },
-    schemars::JsonSchema,
-    serde::{Deserialize, Serialize},
+    nalgebra::UnitQuaternion,
+    plugin::{RotationReference, VectorReference},
+    prelude::*,
 };
 
 use super::{base_orientation::RotationError, frame_pose::POSE};
@@ -35,38 +30,27 @@ use crate::{follow::stay, gain::Gain};
 ///
 /// Gravity and the base's motion have no part in it. Replacing the reference while running replaces that of the
 /// position. Error: `[p_AB − p_d; e]`, m and rad.
-#[derive(Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(crate = "wbqp::serde", deny_unknown_fields)]
-#[schemars(crate = "wbqp::schemars", extend("x-weight" = [100.0, 100.0, 100.0, 10.0, 10.0, 10.0]))]
+#[wbqp::task("relative_pose", weight = [100.0, 100.0, 100.0, 10.0, 10.0, 10.0])]
 pub struct RelativePose {
     /// The frame B that is placed, by name.
     pub frame: String,
     /// The frame A that it is placed relative to, by name.
     pub relative_to: String,
     /// Stiffness `K_P`, 1/s²: one number, or six: x, y, z, then about x, y, z.
-    #[schemars(extend("x-unit" = "1/s²"))]
+    #[wbqp(unit = "1/s²")]
     pub kp: Gain,
     /// Damping `K_D`, 1/s: one number, or six. Default: critical, `2 √K_P`.
-    #[schemars(extend("x-unit" = "1/s", "x-critical" = "kp"))]
+    #[wbqp(unit = "1/s", critical = "kp")]
     pub kd: Gain,
     /// How the difference of two orientations is measured.
-    #[serde(default)]
+    #[wbqp(default)]
     pub error: RotationError,
     /// Where to go: position of B's origin in A, m. Default: hold what is measured at the start.
-    #[serde(default = "stay")]
-    #[schemars(extend("x-unit" = "m"))]
+    #[wbqp(default = stay(), unit = "m")]
     pub position: Box<dyn AnyReference>,
     /// How to turn: orientation of B in A, `[roll, pitch, yaw]` in rad. Default: hold what is measured at the start.
-    #[serde(default = "stay")]
-    #[schemars(extend("x-unit" = "rad"))]
+    #[wbqp(default = stay(), unit = "rad")]
     pub orientation: Box<dyn AnyReference>,
-    #[serde(skip)]
-    place: Sample,
-    #[serde(skip)]
-    attitude: Sample,
-    /// A and B.
-    #[serde(skip)]
-    bound: Option<[FrameHandle; 2]>,
 }
 
 impl RelativePose {
@@ -85,9 +69,6 @@ impl RelativePose {
             error: RotationError::default(),
             position: stay(),
             orientation: stay(),
-            place: Sample::default(),
-            attitude: Sample::default(),
-            bound: None,
         }
     }
 
@@ -124,9 +105,19 @@ fn motion(A: &FrameKinematics, B: &FrameKinematics) -> ([Vector3<f64>; 2], [Vect
     )
 }
 
-#[wbqp::task("relative_pose")]
+/// What runs of a [`RelativePose`].
+#[derive(Debug)]
+pub struct RunningRelativePose {
+    /// A and B.
+    frames: [FrameHandle; 2],
+    position: VectorReference,
+    orientation: RotationReference,
+}
+
 impl Task for RelativePose {
-    fn bind(&mut self, setup: &mut Setup<'_>) -> Result<Layout, BindError> {
+    type Running = RunningRelativePose;
+
+    fn bind(&self, setup: &mut Setup<'_>) -> Result<(Layout, RunningRelativePose), BindError> {
         let frames = [setup.frame(&self.relative_to)?, setup.frame(&self.frame)?];
         if self.frame == self.relative_to {
             let problem = format!("is `{}`, the frame itself", self.frame);
@@ -134,42 +125,26 @@ impl Task for RelativePose {
         }
         self.kp.validate("kp", 6)?;
         self.kd.validate("kd", 6)?;
-        let (A, B) = (
-            setup.frame_at_home(&self.relative_to)?,
-            setup.frame_at_home(&self.frame)?,
-        );
-        let R_AW = A.R_WF.inverse();
-        let place = Sample::at_rest((R_AW * (B.p_WF - A.p_WF)).iter().copied());
-        let attitude = Sample::turned(UnitQuaternion::from_rotation_matrix(&(R_AW * B.R_WF)));
-        let (position, orientation) = (self.position.as_mut(), self.orientation.as_mut());
-        self.place = begin("position", position, Space::Vector(3), place)?;
-        self.attitude = begin("orientation", orientation, Space::Rotation, attitude)?;
-        self.bound = Some(frames);
-        Ok(Layout::rows(POSE).error_unit("m or rad").vdot_dense())
-    }
-
-    fn begin(&mut self, tick: &Tick<'_>) {
-        if let Some([A, B]) = self.bound {
-            let (A, B) = (tick.frame(A), tick.frame(B));
-            let R_AW = A.R_WF.inverse();
-            let p_AB = R_AW * (B.p_WF - A.p_WF);
-            begin_at(
-                self.position.as_mut(),
-                &mut self.place,
-                p_AB.iter().copied(),
-            );
-            let R_AB = UnitQuaternion::from_rotation_matrix(&(R_AW * B.R_WF));
-            begin_turned(self.orientation.as_mut(), &mut self.attitude, &R_AB);
-        }
-    }
-
-    fn update(&mut self, tick: &Tick<'_>, rows: &mut Rows<'_>) {
-        let Some([A, B]) = self.bound else {
-            return;
+        let running = RunningRelativePose {
+            frames,
+            position: setup.follow_vector("position", &*self.position, 3, move |tick, p| {
+                let [A, B] = frames.map(|frame| tick.frame(frame));
+                let p_AB = A.R_WF.inverse() * (B.p_WF - A.p_WF);
+                p.copy_from_slice(p_AB.as_slice());
+            })?,
+            orientation: setup.follow_rotation("orientation", &*self.orientation, move |tick| {
+                let [A, B] = frames.map(|frame| tick.frame(frame));
+                UnitQuaternion::from_rotation_matrix(&(A.R_WF.inverse() * B.R_WF))
+            })?,
         };
-        self.position.sample(tick, &mut self.place);
-        self.orientation.sample(tick, &mut self.attitude);
-        let (A, B) = (tick.frame(A), tick.frame(B));
+        let layout = Layout::rows(POSE).error_unit("m or rad").vdot_dense();
+        Ok((layout, running))
+    }
+
+    fn update(&self, running: &mut RunningRelativePose, tick: &Tick<'_>, rows: &mut Rows<'_>) {
+        let [A, B] = running.frames.map(|frame| tick.frame(frame));
+        let place = tick.vector(running.position);
+        let attitude = tick.rotation(running.orientation);
         let R_AW = A.R_WF.inverse();
         let r = B.p_WF - A.p_WF;
 
@@ -188,27 +163,24 @@ impl Task for RelativePose {
         let R_AB = UnitQuaternion::from_rotation_matrix(&(R_AW * B.R_WF));
         let ([v, w], bias) = motion(A, B);
         let errors = [
-            R_AW * r - self.place.value3(),
-            self.error.between(&R_AB, &self.attitude.rotation),
+            R_AW * r - place.value3(),
+            self.error.between(&R_AB, &attitude.rotation),
         ];
-        let rates = [v - self.place.rate3(), w - self.attitude.rate3()];
-        let accelerations = [self.place.acceleration3(), self.attitude.acceleration3()];
+        let rates = [v - place.rate3(), w - attitude.rate];
+        let accelerations = [place.acceleration3(), attitude.acceleration];
         for k in 0..6 {
             let (part, i) = (k / 3, k % 3);
-            let (error, rate) = (errors[part][i], rates[part][i]);
-            rows.b()[k] = accelerations[part][i]
-                - self.kd.axis(k) * rate
-                - self.kp.axis(k) * error
-                - bias[part][i];
-            rows.error()[k] = error;
+            rows.bias(k, bias[part][i]);
+            rows.motion(
+                k,
+                Motion {
+                    error: errors[part][i],
+                    rate: rates[part][i],
+                    acceleration: accelerations[part][i],
+                    kp: self.kp.axis(k),
+                    kd: self.kd.axis(k),
+                },
+            );
         }
-    }
-
-    fn follow(&mut self) -> Option<ReferenceSlot<'_>> {
-        Some(ReferenceSlot {
-            reference: &mut self.position,
-            sample: &self.place,
-            space: Space::Vector(3),
-        })
     }
 }

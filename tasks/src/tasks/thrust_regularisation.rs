@@ -1,11 +1,6 @@
 //! Thrusts near a value.
 
-use wbqp::{
-    error::BindError,
-    plugin::{Layout, AnyReference, Rows, Setup, Space, Task, Tick, reference::ReferenceSlot},
-    schemars::JsonSchema,
-    serde::{Deserialize, Serialize},
-};
+use wbqp::prelude::*;
 
 use crate::{
     effort::{Efforts, chosen},
@@ -23,19 +18,13 @@ use crate::{
 /// pseudo-inverse.
 ///
 /// Error: thrust of the last solution minus `f_d`, N.
-#[derive(Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(crate = "wbqp::serde", deny_unknown_fields)]
-#[schemars(crate = "wbqp::schemars")]
+#[wbqp::task("thrust_regularisation")]
 pub struct ThrustRegularisation {
     /// Which rotors, by name; rows and reference are in this order. Default: all, in the order of the actuators.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rotors: Option<Vec<String>>,
     /// The thrusts wanted: one per rotor, N. Default: zero.
-    #[serde(default = "stay")]
-    #[schemars(extend("x-unit" = "N"))]
+    #[wbqp(default = stay(), unit = "N")]
     pub reference: Box<dyn AnyReference>,
-    #[serde(skip)]
-    efforts: Efforts,
 }
 
 impl ThrustRegularisation {
@@ -44,7 +33,6 @@ impl ThrustRegularisation {
         Self {
             rotors: None,
             reference: stay(),
-            efforts: Efforts::default(),
         }
     }
 
@@ -65,7 +53,7 @@ impl Default for ThrustRegularisation {
 pub(crate) fn chosen_rotors(
     setup: &Setup<'_>,
     rotors: Option<&[String]>,
-) -> Result<Vec<usize>, BindError> {
+) -> Result<Vec<ActuatorId>, BindError> {
     let all = setup.rotors();
     if all.is_empty() {
         return Err(BindError::Other(format!(
@@ -73,14 +61,14 @@ pub(crate) fn chosen_rotors(
             setup.model().name()
         )));
     }
-    let name = |index: usize| setup.actuators()[index].name.as_str();
-    let known: Vec<&str> = all.iter().map(|&index| name(index)).collect();
+    let name = |id: ActuatorId| setup.robot().actuators[id.index()].name.as_str();
+    let known: Vec<&str> = all.iter().map(|&id| name(id)).collect();
     chosen(
         "rotors",
         rotors,
         || all.clone(),
         |wanted| {
-            let found = all.iter().copied().find(|&index| name(index) == wanted);
+            let found = all.iter().copied().find(|&id| name(id) == wanted);
             found.ok_or_else(|| BindError::Unknown {
                 kind: "rotor",
                 name: wanted.to_owned(),
@@ -91,29 +79,20 @@ pub(crate) fn chosen_rotors(
     )
 }
 
-#[wbqp::task("thrust_regularisation")]
 impl Task for ThrustRegularisation {
-    fn bind(&mut self, setup: &mut Setup<'_>) -> Result<Layout, BindError> {
+    type Running = Efforts;
+
+    fn bind(&self, setup: &mut Setup<'_>) -> Result<(Layout, Efforts), BindError> {
         let rotors = chosen_rotors(setup, self.rotors.as_deref())?;
-        let names = rotors
-            .iter()
-            .map(|&index| (setup.actuators()[index].name.as_str(), "N"));
-        let layout = Layout::rows(names)
+        let name = |id: &ActuatorId| setup.robot().actuators[id.index()].name.as_str();
+        let layout = Layout::rows(rotors.iter().map(|id| (name(id), "N")))
             .error_unit("N")
             .effort_unit(rotors.iter().copied());
-        self.efforts.bind(self.reference.as_mut(), rotors)?;
-        Ok(layout)
+        let efforts = Efforts::bind(setup, &*self.reference, rotors)?;
+        Ok((layout, efforts))
     }
 
-    fn update(&mut self, tick: &Tick<'_>, rows: &mut Rows<'_>) {
-        self.efforts.update(self.reference.as_mut(), tick, rows);
-    }
-
-    fn follow(&mut self) -> Option<ReferenceSlot<'_>> {
-        Some(ReferenceSlot {
-            reference: &mut self.reference,
-            sample: &self.efforts.sample,
-            space: Space::Vector(self.efforts.indices.len()),
-        })
+    fn update(&self, efforts: &mut Efforts, tick: &Tick<'_>, rows: &mut Rows<'_>) {
+        efforts.update(tick, rows);
     }
 }

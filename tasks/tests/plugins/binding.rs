@@ -3,7 +3,7 @@
 use wbqp::{
     contact::ContactKind,
     error::BindError,
-    plugin::{AnyConstraint, Layout, Setup, AnyTask},
+    plugin::{AnyConstraint, AnyTask, Layout, Setup},
 };
 use wbqp_tasks::{
     ActuatorLimits, Axis, BaseOrientation, BasePosition, CentroidalAngularMomentum, Com,

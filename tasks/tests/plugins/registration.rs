@@ -2,7 +2,7 @@
 
 use wbqp::{
     ControllerConfig,
-    plugin::{AnyConstraint, AnyReference, Reference, AnyTask},
+    plugin::{AnyConstraint, AnyReference, AnyTask, Reference},
     registry,
     serde::{Serialize, de::DeserializeOwned},
     serde_json::{self, Value},

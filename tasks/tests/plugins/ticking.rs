@@ -5,7 +5,7 @@ use wbqp::{
     Controller, ControllerConfig, Measurement, Report,
     controller::FallbackLevel,
     nalgebra::{Vector3, Vector6},
-    plugin::{AnyConstraint, Entry, Hardness, AnyTask, Weight},
+    plugin::{AnyConstraint, AnyTask, Entry, Hardness, Weight},
     settings::{FirstError, Settings, StartFrom},
     spatial,
 };
