@@ -255,11 +255,10 @@ impl ConstraintLayout {
         Self(Layout::rows::<String, String>([]))
     }
 
-    /// Bounds the effort of actuator `index`. Bounds are numbered in the order declared.
-    pub fn bound_effort(mut self, index: usize, label: &str, unit: &str) -> Self {
-        self.0
-            .bounds
-            .push((row(label, unit), BoundTarget::Effort(index)));
+    /// Bounds the effort of an actuator. Bounds are numbered in the order declared.
+    pub fn bound_effort(mut self, actuator: ActuatorId, label: &str, unit: &str) -> Self {
+        let target = BoundTarget::Effort(actuator.index());
+        self.0.bounds.push((row(label, unit), target));
         self
     }
 

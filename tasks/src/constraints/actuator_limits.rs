@@ -1,13 +1,6 @@
 //! What the actuators can do.
 
-use wbqp::{
-    actuator::ActuatorKind,
-    error::BindError,
-    model::JointKind,
-    plugin::{Constraint, ConstraintRows, Layout, Setup, Tick},
-    schemars::JsonSchema,
-    serde::{Deserialize, Serialize},
-};
+use wbqp::{actuator::ActuatorKind, model::JointKind, prelude::*};
 
 /// Keeps every effort within its actuator's limits, the paper's (10b).
 ///
@@ -18,14 +11,9 @@ use wbqp::{
 /// also stays within `slew` × T of the last one that was sent, where T is the time since then, at most a period.
 ///
 /// Bounds on single variables, no rows; they are hard whatever the entry says.
-#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(crate = "wbqp::serde", deny_unknown_fields)]
-#[schemars(crate = "wbqp::schemars")]
-pub struct ActuatorLimits {
-    /// Lower and upper limit, and `slew`.
-    #[serde(skip)]
-    limits: Vec<[f64; 3]>,
-}
+#[wbqp::constraint("actuator_limits")]
+#[derive(Default)]
+pub struct ActuatorLimits {}
 
 impl ActuatorLimits {
     /// For all actuators.
@@ -34,12 +22,14 @@ impl ActuatorLimits {
     }
 }
 
-#[wbqp::constraint("actuator_limits")]
 impl Constraint for ActuatorLimits {
-    fn bind(&mut self, setup: &mut Setup<'_>) -> Result<Layout, BindError> {
+    /// Lower and upper limit, and `slew`, of each actuator.
+    type Running = Vec<[f64; 3]>;
+
+    fn bind(&self, setup: &mut Setup<'_>) -> Result<(ConstraintLayout, Self::Running), BindError> {
         let model = setup.model();
-        let mut layout = Layout::empty();
-        for (index, actuator) in setup.actuators().iter().enumerate() {
+        let mut layout = ConstraintLayout::bounds();
+        for (id, actuator) in setup.actuators() {
             let (lower, upper) = (actuator.lower, actuator.upper);
             if lower.is_nan() || upper.is_nan() || lower > upper {
                 return Err(BindError::Other(format!(
@@ -54,17 +44,16 @@ impl Constraint for ActuatorLimits {
                 _ => false,
             };
             let unit = if turns { "N·m" } else { "N" };
-            layout = layout.bound_effort(index, &actuator.name, unit);
+            layout = layout.bound_effort(id, &actuator.name, unit);
         }
-        let limits = setup.actuators().iter();
-        let limits = limits.map(|a| [a.lower, a.upper, a.slew]);
-        self.limits = limits.collect();
-        Ok(layout)
+        let limits = setup.actuators();
+        let limits = limits.map(|(_, a)| [a.lower, a.upper, a.slew]);
+        Ok((layout, limits.collect()))
     }
 
-    fn update(&mut self, tick: &Tick<'_>, rows: &mut ConstraintRows<'_>) {
+    fn update(&self, limits: &mut Self::Running, tick: &Tick<'_>, rows: &mut ConstraintRows<'_>) {
         let sent = tick.last.effort.iter();
-        for ((index, [lower, upper, slew]), sent) in self.limits.iter().enumerate().zip(sent) {
+        for ((index, [lower, upper, slew]), sent) in limits.iter().enumerate().zip(sent) {
             let change = slew * tick.slew_time;
             rows.bound(index, lower.max(sent - change), upper.min(sent + change));
         }

@@ -26,6 +26,5 @@ pub(super) fn least(rates: [f64; 2], h: f64, hdot: f64) -> f64 {
     -(rates[0] + rates[1]) * hdot - rates[0] * rates[1] * h
 }
 
-pub(super) fn default_rate() -> f64 {
-    10.0
-}
+/// What rates are unless they are given, 1/s.
+pub(super) const DEFAULT_RATE: f64 = 10.0;

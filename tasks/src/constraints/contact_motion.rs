@@ -3,13 +3,7 @@
 //! # Notation
 //! C the surface's frame. All vectors in C axes, which do not turn.
 
-use wbqp::{
-    contact::ContactId,
-    error::BindError,
-    plugin::{Constraint, ConstraintRows, Layout, Setup, Tick},
-    schemars::JsonSchema,
-    serde::{Deserialize, Serialize},
-};
+use wbqp::prelude::*;
 
 use crate::check;
 
@@ -24,22 +18,13 @@ use crate::check;
 /// An entry with `hardness = "soft"` and a large weight is the paper's section IV-A: a task instead of a constraint.
 ///
 /// Exists while the contact is on.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(crate = "wbqp::serde", deny_unknown_fields)]
-#[schemars(crate = "wbqp::schemars", extend("x-weight" = 1e4))]
+#[wbqp::constraint("contact_motion", weight = 1e4)]
 pub struct ContactMotion {
     /// The contact, by name.
     pub contact: String,
     /// Damping `k_d`, 1/s; 0 is the paper's equation.
-    #[serde(default = "default_damping")]
-    #[schemars(extend("x-unit" = "1/s"))]
+    #[wbqp(default = 4.0, unit = "1/s")]
     pub damping: f64,
-    #[serde(skip)]
-    id: Option<ContactId>,
-}
-
-fn default_damping() -> f64 {
-    4.0
 }
 
 impl ContactMotion {
@@ -47,8 +32,7 @@ impl ContactMotion {
     pub fn new(contact: impl Into<String>) -> Self {
         Self {
             contact: contact.into(),
-            damping: default_damping(),
-            id: None,
+            damping: Self::default_damping(),
         }
     }
 
@@ -69,24 +53,22 @@ const DIRECTIONS: [(&str, &str); 6] = [
     ("turn z", "rad/s²"),
 ];
 
-#[wbqp::constraint("contact_motion")]
 impl Constraint for ContactMotion {
-    fn bind(&mut self, setup: &mut Setup<'_>) -> Result<Layout, BindError> {
+    type Running = ContactId;
+
+    fn bind(&self, setup: &mut Setup<'_>) -> Result<(ConstraintLayout, ContactId), BindError> {
         check::not_negative("damping", self.damping)?;
         let contact = setup.contact(&self.contact)?;
-        self.id = Some(contact);
         let rows = setup.contact_spec(contact).kind.constrained();
-        Ok(Layout::rows(rows.iter().map(|&row| DIRECTIONS[row]))
+        let layout = Layout::rows(rows.iter().map(|&row| DIRECTIONS[row]))
             .vdot_contact(contact, rows.iter().copied())
             .equality()
-            .while_contact(contact))
+            .while_contact(contact);
+        Ok((layout, contact))
     }
 
-    fn update(&mut self, tick: &Tick<'_>, rows: &mut ConstraintRows<'_>) {
-        let Some(id) = self.id else {
-            return;
-        };
-        let contact = tick.contact(id);
+    fn update(&self, id: &mut ContactId, tick: &Tick<'_>, rows: &mut ConstraintRows<'_>) {
+        let contact = tick.contact(*id);
         for (k, &row) in contact.kind.constrained().iter().enumerate() {
             let acceleration = contact.surface_acceleration[row] - self.damping * contact.V[row];
             rows.equal(k, acceleration - contact.Jdot_v[row]);

@@ -4,15 +4,9 @@
 //! C the surface's frame, z its outward normal. Forces and moments are what the environment does to the robot, in C
 //! axes, about the contact point, which is the middle of a rectangular sole.
 
-use wbqp::{
-    contact::{ContactId, ContactKind},
-    error::BindError,
-    plugin::{Constraint, ConstraintRows, Layout, Setup, Tick},
-    schemars::JsonSchema,
-    serde::{Deserialize, Serialize},
-};
+use wbqp::{contact::ContactKind, prelude::*};
 
-use super::friction_pyramid::{Approximation, default_sides, normals, validate_sides};
+use super::friction_pyramid::{Approximation, DEFAULT_SIDES, Pyramid, normals, validate_sides};
 use crate::check;
 
 /// Keeps the wrench of a contact with moments (kinds `full` and `normal_tilt`) within what a flat rectangular sole can
@@ -35,35 +29,27 @@ use crate::check;
 /// rectangular support areas*, ICRA 2015); these rows are the usual decoupled form of it.
 ///
 /// Exists while the contact is on.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(crate = "wbqp::serde", deny_unknown_fields)]
-#[schemars(crate = "wbqp::schemars")]
+#[wbqp::constraint("contact_wrench")]
 pub struct ContactWrench {
     /// The contact, by name.
     pub contact: String,
     /// Half the sole's length `l_x` along the surface's x, m.
-    #[schemars(extend("x-unit" = "m"))]
+    #[wbqp(unit = "m")]
     pub half_length_x: f64,
     /// Half the sole's length `l_y` along the surface's y, m.
-    #[schemars(extend("x-unit" = "m"))]
+    #[wbqp(unit = "m")]
     pub half_length_y: f64,
     /// Torsional friction `μ_t`, m: largest moment about the normal per newton of normal force. Default:
     /// `μ (l_x + l_y)/3`, which a uniform pressure bears.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("x-unit" = "m"))]
+    #[wbqp(unit = "m")]
     pub torsional_friction: Option<f64>,
     /// Number of sides N of the friction pyramid, 3 to 64.
-    #[serde(default = "default_sides")]
+    #[wbqp(default = DEFAULT_SIDES)]
     #[schemars(range(min = 3, max = 64))]
     pub sides: usize,
     /// Friction pyramid inside the cone or around it.
-    #[serde(default)]
+    #[wbqp(default)]
     pub approximation: Approximation,
-    #[serde(skip)]
-    bound: Option<(ContactId, ContactKind)>,
-    /// `n_k`.
-    #[serde(skip)]
-    normals: Vec<[f64; 2]>,
 }
 
 impl ContactWrench {
@@ -74,10 +60,8 @@ impl ContactWrench {
             half_length_x,
             half_length_y,
             torsional_friction: None,
-            sides: default_sides(),
+            sides: DEFAULT_SIDES,
             approximation: Approximation::default(),
-            bound: None,
-            normals: Vec::new(),
         }
     }
 
@@ -99,9 +83,10 @@ fn moments(kind: ContactKind) -> impl Iterator<Item = (usize, &'static str, usiz
     })
 }
 
-#[wbqp::constraint("contact_wrench")]
 impl Constraint for ContactWrench {
-    fn bind(&mut self, setup: &mut Setup<'_>) -> Result<Layout, BindError> {
+    type Running = Pyramid;
+
+    fn bind(&self, setup: &mut Setup<'_>) -> Result<(ConstraintLayout, Pyramid), BindError> {
         validate_sides(self.sides)?;
         check::positive("half_length_x", self.half_length_x)?;
         check::positive("half_length_y", self.half_length_y)?;
@@ -115,30 +100,38 @@ impl Constraint for ContactWrench {
             );
             return Err(BindError::value("contact", problem));
         }
-        self.bound = Some((contact, kind));
-        self.normals = match kind.tangential() {
+        let normals: Vec<_> = match kind.tangential() {
             Some(_) => normals(self.sides).collect(),
             None => Vec::new(),
         };
-        let sides = (0..self.normals.len()).map(|k| (format!("side {k}"), "N"));
+        let sides = (0..normals.len()).map(|k| (format!("side {k}"), "N"));
         let pairs = moments(kind).flat_map(|(_, label, _)| {
             [
                 (format!("{label} upper"), "N·m"),
                 (format!("{label} lower"), "N·m"),
             ]
         });
-        Ok(Layout::rows(sides.chain(pairs))
+        let layout = Layout::rows(sides.chain(pairs))
             .force_dense(contact)
+            .limits()
             .bound_force(contact, kind.normal(), "normal", "N")
             .limits_moments(contact)
             .while_contact(contact)
-            .never_relaxed())
+            .never_relaxed();
+        let pyramid = Pyramid {
+            contact,
+            kind,
+            normals,
+        };
+        Ok((layout, pyramid))
     }
 
-    fn update(&mut self, tick: &Tick<'_>, rows: &mut ConstraintRows<'_>) {
-        let Some((id, kind)) = self.bound else {
-            return;
-        };
+    fn update(&self, pyramid: &mut Pyramid, tick: &Tick<'_>, rows: &mut ConstraintRows<'_>) {
+        let Pyramid {
+            contact: id,
+            kind,
+            ref normals,
+        } = *pyramid;
         let contact = tick.contact(id);
         let [lower, upper] = contact.force_limits;
         rows.bound(0, lower, upper);
@@ -151,7 +144,7 @@ impl Constraint for ContactWrench {
         let mut force = rows.force(id);
         let mut k = 0;
         if let Some([along_x, along_y]) = kind.tangential() {
-            for n in &self.normals {
+            for n in normals {
                 force[(k, along_x)] = n[0];
                 force[(k, along_y)] = n[1];
                 force[(k, normal)] = -friction;

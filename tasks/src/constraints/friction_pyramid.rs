@@ -6,13 +6,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use wbqp::{
-    contact::{ContactId, ContactKind},
-    error::BindError,
-    plugin::{Constraint, ConstraintRows, Layout, Setup, Tick},
-    schemars::JsonSchema,
-    serde::{Deserialize, Serialize},
-};
+use wbqp::{contact::ContactKind, prelude::*};
 
 /// Keeps the contact force in a pyramid around the normal and the normal force within the contact's limits, the
 /// paper's (10c):
@@ -26,30 +20,31 @@ use wbqp::{
 /// which are bounds on one variable and hard whatever the entry says.
 ///
 /// Exists while the contact is on.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(crate = "wbqp::serde", deny_unknown_fields)]
-#[schemars(crate = "wbqp::schemars")]
+#[wbqp::constraint("friction_pyramid")]
 pub struct FrictionPyramid {
     /// The contact, by name.
     pub contact: String,
     /// Number of sides N, 3 to 64.
-    #[serde(default = "default_sides")]
+    #[wbqp(default = DEFAULT_SIDES)]
     #[schemars(range(min = 3, max = 64))]
     pub sides: usize,
     /// Inside the cone or around it.
-    #[serde(default)]
+    #[wbqp(default)]
     pub approximation: Approximation,
-    #[serde(skip)]
-    bound: Option<(ContactId, ContactKind)>,
-    /// `n_k`.
-    #[serde(skip)]
-    normals: Vec<[f64; 2]>,
+}
+
+/// What a pyramid works with.
+#[derive(Debug)]
+pub struct Pyramid {
+    pub(super) contact: ContactId,
+    pub(super) kind: ContactKind,
+    /// `n_k`; none without tangential forces.
+    pub(super) normals: Vec<[f64; 2]>,
 }
 
 /// How a pyramid approximates the friction cone.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(crate = "wbqp::serde", rename_all = "snake_case")]
-#[schemars(crate = "wbqp::schemars")]
+#[wbqp::parameters]
+#[derive(Copy, Default, PartialEq, Eq)]
 pub enum Approximation {
     /// Inside: never slips, gives away part of the friction.
     #[default]
@@ -68,19 +63,16 @@ impl Approximation {
     }
 }
 
-pub(super) fn default_sides() -> usize {
-    4
-}
+/// How many sides a pyramid has unless they are given.
+pub(super) const DEFAULT_SIDES: usize = 4;
 
 impl FrictionPyramid {
     /// Four sides, inside the cone.
     pub fn new(contact: impl Into<String>) -> Self {
         Self {
             contact: contact.into(),
-            sides: default_sides(),
+            sides: DEFAULT_SIDES,
             approximation: Approximation::default(),
-            bound: None,
-            normals: Vec::new(),
         }
     }
 
@@ -113,45 +105,55 @@ pub(super) fn normals(sides: usize) -> impl Iterator<Item = [f64; 2]> {
     })
 }
 
-#[wbqp::constraint("friction_pyramid")]
 impl Constraint for FrictionPyramid {
-    fn bind(&mut self, setup: &mut Setup<'_>) -> Result<Layout, BindError> {
+    type Running = Pyramid;
+
+    fn bind(&self, setup: &mut Setup<'_>) -> Result<(ConstraintLayout, Pyramid), BindError> {
         validate_sides(self.sides)?;
         let contact = setup.contact(&self.contact)?;
         let kind = setup.contact_spec(contact).kind;
-        self.bound = Some((contact, kind));
-        self.normals = match kind.tangential() {
+        let normals: Vec<_> = match kind.tangential() {
             Some(_) => normals(self.sides).collect(),
             None => Vec::new(),
         };
-        let mut layout = if self.normals.is_empty() {
-            Layout::empty()
+        let layout = if normals.is_empty() {
+            ConstraintLayout::bounds()
         } else {
             let rows = (0..self.sides).map(|k| (format!("side {k}"), "N"));
-            Layout::rows(rows).force_dense(contact)
+            Layout::rows(rows).force_dense(contact).limits()
         };
-        layout = layout.bound_force(contact, kind.normal(), "normal", "N");
-        Ok(layout.while_contact(contact).never_relaxed())
+        let layout = layout
+            .bound_force(contact, kind.normal(), "normal", "N")
+            .while_contact(contact)
+            .never_relaxed();
+        let pyramid = Pyramid {
+            contact,
+            kind,
+            normals,
+        };
+        Ok((layout, pyramid))
     }
 
-    fn update(&mut self, tick: &Tick<'_>, rows: &mut ConstraintRows<'_>) {
-        let Some((id, kind)) = self.bound else {
-            return;
-        };
+    fn update(&self, pyramid: &mut Pyramid, tick: &Tick<'_>, rows: &mut ConstraintRows<'_>) {
+        let Pyramid {
+            contact: id,
+            kind,
+            ref normals,
+        } = *pyramid;
         let contact = tick.contact(id);
         let [lower, upper] = contact.force_limits;
         rows.bound(0, lower, upper);
         let Some([x, y]) = kind.tangential() else {
             return;
         };
-        let friction = contact.friction * self.approximation.factor(self.normals.len());
+        let friction = contact.friction * self.approximation.factor(normals.len());
         let mut force = rows.force(id);
-        for (k, [along_x, along_y]) in self.normals.iter().enumerate() {
+        for (k, [along_x, along_y]) in normals.iter().enumerate() {
             force[(k, x)] = *along_x;
             force[(k, y)] = *along_y;
             force[(k, kind.normal())] = -friction;
         }
-        for k in 0..self.normals.len() {
+        for k in 0..normals.len() {
             rows.limit(k, f64::NEG_INFINITY, 0.0);
         }
     }

@@ -7,13 +7,7 @@
 //! acceleration/torque control of robot manipulators*, IEEE RA-L 3(1), 2018: its algorithms 1 (positions) and 2
 //! (viability), with what it leaves open, states beyond a limit, brought back with A.
 
-use wbqp::{
-    error::BindError,
-    model::{JointId, JointKind},
-    plugin::{Constraint, ConstraintRows, Layout, Setup, Tick},
-    schemars::JsonSchema,
-    serde::{Deserialize, Serialize},
-};
+use wbqp::{model::JointKind, prelude::*};
 
 use crate::{check, effort::chosen, gain::Gain};
 
@@ -35,31 +29,24 @@ use crate::{check, effort::chosen, gain::Gain};
 ///
 /// `A` must be within what the motors can do everywhere, or the rows ask for more than there is; then a hard entry
 /// makes the problem infeasible, `hardness = { exact = … }` does not. Range and speed are the robot's.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(crate = "wbqp::serde", deny_unknown_fields)]
-#[schemars(crate = "wbqp::schemars")]
+#[wbqp::constraint("joint_limits")]
 pub struct JointLimits {
     /// Acceleration `A` with which a joint can always brake, and the largest that is allowed, rad/s² or m/s²: one
     /// number, or one per joint.
-    #[serde(default = "default_acceleration")]
-    #[schemars(extend("x-unit" = "rad/s² or m/s²"))]
+    #[wbqp(default = 20.0, unit = "rad/s² or m/s²")]
     pub acceleration: Gain,
     /// Distance kept from both ends of the range, rad or m.
-    #[serde(default)]
-    #[schemars(extend("x-unit" = "rad or m"))]
+    #[wbqp(default, unit = "rad or m")]
     pub margin: f64,
     /// Which joints, by name; rows are in this order. Default: all, in the model's order.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub joints: Option<Vec<String>>,
-    #[serde(skip)]
-    limited: Vec<Limited>,
 }
 
 /// A joint and its limits.
 #[derive(Clone, Debug)]
-struct Limited {
+pub struct LimitedJoint {
     joint: JointId,
-    column: usize,
+    velocity: VelocityId,
     range: Range,
 }
 
@@ -72,10 +59,6 @@ struct Range {
     acceleration: f64,
 }
 
-fn default_acceleration() -> Gain {
-    Gain::Uniform(20.0)
-}
-
 impl JointLimits {
     /// All joints, which can brake with this acceleration (rad/s² or m/s²).
     pub fn new(acceleration: impl Into<Gain>) -> Self {
@@ -83,7 +66,6 @@ impl JointLimits {
             acceleration: acceleration.into(),
             margin: 0.0,
             joints: None,
-            limited: Vec::new(),
         }
     }
 
@@ -154,9 +136,10 @@ fn viability_bound(room: f64, v: f64, a: f64, period: f64) -> f64 {
     root.max(stops)
 }
 
-#[wbqp::constraint("joint_limits")]
 impl Constraint for JointLimits {
-    fn bind(&mut self, setup: &mut Setup<'_>) -> Result<Layout, BindError> {
+    type Running = Vec<LimitedJoint>;
+
+    fn bind(&self, setup: &mut Setup<'_>) -> Result<(ConstraintLayout, Self::Running), BindError> {
         check::not_negative("margin", self.margin)?;
         let model = setup.model();
         let all = || (0..model.joints().len()).filter_map(|i| model.joint(&model.joints()[i].name));
@@ -173,7 +156,7 @@ impl Constraint for JointLimits {
             )));
         }
         self.acceleration.validate("acceleration", joints.len())?;
-        self.limited.clear();
+        let mut limited = Vec::new();
         for (k, joint) in joints.into_iter().enumerate() {
             let about = &model.joints()[joint.index()];
             let range = Range {
@@ -190,27 +173,27 @@ impl Constraint for JointLimits {
                 return Err(BindError::value("margin", problem));
             }
             check::positive("acceleration", range.acceleration)?;
-            let column = model.velocity_index(joint);
-            self.limited.push(Limited {
+            limited.push(LimitedJoint {
                 joint,
-                column,
+                velocity: setup.velocity(joint),
                 range,
             });
         }
-        let rows = self.limited.iter().map(|limited| {
+        let rows = limited.iter().map(|limited| {
             let about = &model.joints()[limited.joint.index()];
             match about.kind {
                 JointKind::Revolute => (about.name.as_str(), "rad/s²"),
                 JointKind::Prismatic => (about.name.as_str(), "m/s²"),
             }
         });
-        Ok(Layout::rows(rows).vdot_unit(self.limited.iter().map(|limited| limited.column)))
+        let layout = Layout::rows(rows).vdot_unit(limited.iter().map(|limited| limited.velocity));
+        Ok((layout.limits(), limited))
     }
 
-    fn update(&mut self, tick: &Tick<'_>, rows: &mut ConstraintRows<'_>) {
-        for (k, limited) in self.limited.iter().enumerate() {
+    fn update(&self, limited: &mut Self::Running, tick: &Tick<'_>, rows: &mut ConstraintRows<'_>) {
+        for (k, limited) in limited.iter().enumerate() {
             let q = tick.state.q[limited.joint.index()];
-            let v = tick.state.v[limited.column];
+            let v = tick.state.v[limited.velocity];
             let [lower, upper] = limited.range.bounds(q, v, tick.period);
             rows.limit(k, lower, upper);
         }

@@ -4,15 +4,9 @@
 //! W world, F the frame, P the point at `o` in F. All vectors in world axes.
 #![allow(non_snake_case)]
 
-use wbqp::{
-    error::BindError,
-    nalgebra::Vector3,
-    plugin::{Constraint, ConstraintRows, FrameHandle, Layout, Setup, Tick},
-    schemars::JsonSchema,
-    serde::{Deserialize, Serialize},
-};
+use wbqp::prelude::*;
 
-use super::barrier::{default_rate, least, validate_rate};
+use super::barrier::{DEFAULT_RATE, least, validate_rate};
 use crate::check;
 
 /// Keeps a point of a frame at a distance from a plane: ground, ceiling, a wall that is not to be touched.
@@ -24,36 +18,36 @@ use crate::check;
 /// an exponential control barrier function (Nguyen and Sreenath, ACC 2016): the point comes no nearer than `margin` if
 /// it starts further away and not too fast (`ḣ ≥ −a₁ h`). Larger rates let it come nearer before it is slowed down; the
 /// braking that they need is about `a₁ a₂ h`.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(crate = "wbqp::serde", deny_unknown_fields)]
-#[schemars(crate = "wbqp::schemars")]
+#[wbqp::constraint("plane_distance")]
 pub struct PlaneDistance {
     /// The frame, by name.
     pub frame: String,
     /// The point in the frame, m.
-    #[serde(default)]
-    #[schemars(extend("x-unit" = "m"))]
+    #[wbqp(default, unit = "m")]
     pub offset: [f64; 3],
     /// A point `p₀` of the plane, m, world.
-    #[schemars(extend("x-unit" = "m"))]
+    #[wbqp(unit = "m")]
     pub point: [f64; 3],
     /// Direction `n` from the plane to the side where the point has to be, world axes; normalised when read.
-    #[schemars(extend("x-unit" = "1"))]
+    #[wbqp(unit = "1")]
     pub normal: [f64; 3],
     /// Smallest distance, m.
-    #[serde(default)]
-    #[schemars(extend("x-unit" = "m"))]
+    #[wbqp(default, unit = "m")]
     pub margin: f64,
     /// Rate `a₁`, 1/s, at most one over the control period.
-    #[serde(default = "default_rate")]
-    #[schemars(extend("x-unit" = "1/s"))]
+    #[wbqp(default = DEFAULT_RATE, unit = "1/s")]
     pub a1: f64,
     /// Rate `a₂`, 1/s, at most one over the control period.
-    #[serde(default = "default_rate")]
-    #[schemars(extend("x-unit" = "1/s"))]
+    #[wbqp(default = DEFAULT_RATE, unit = "1/s")]
     pub a2: f64,
-    #[serde(skip)]
-    bound: Option<(FrameHandle, Vector3<f64>)>,
+}
+
+/// The frame, and the plane's normal.
+#[derive(Debug)]
+pub struct Plane {
+    frame: FrameHandle,
+    /// Unit length, world axes.
+    normal: Vector3<f64>,
 }
 
 impl PlaneDistance {
@@ -65,9 +59,8 @@ impl PlaneDistance {
             point,
             normal,
             margin: 0.0,
-            a1: default_rate(),
-            a2: default_rate(),
-            bound: None,
+            a1: DEFAULT_RATE,
+            a2: DEFAULT_RATE,
         }
     }
 
@@ -84,9 +77,10 @@ impl PlaneDistance {
     }
 }
 
-#[wbqp::constraint("plane_distance")]
 impl Constraint for PlaneDistance {
-    fn bind(&mut self, setup: &mut Setup<'_>) -> Result<Layout, BindError> {
+    type Running = Plane;
+
+    fn bind(&self, setup: &mut Setup<'_>) -> Result<(ConstraintLayout, Plane), BindError> {
         let frame = setup.frame(&self.frame)?;
         check::finite("offset", &self.offset)?;
         check::finite("point", &self.point)?;
@@ -97,15 +91,12 @@ impl Constraint for PlaneDistance {
         let normal = Vector3::from(self.normal)
             .try_normalize(1e-9)
             .ok_or_else(|| BindError::value("normal", "is zero"))?;
-        self.bound = Some((frame, normal));
-        Ok(Layout::rows([("distance", "m/s²")]).vdot_dense())
+        let layout = Layout::rows([("distance", "m/s²")]).vdot_dense();
+        Ok((layout.limits(), Plane { frame, normal }))
     }
 
-    fn update(&mut self, tick: &Tick<'_>, rows: &mut ConstraintRows<'_>) {
-        let Some((frame, n)) = self.bound else {
-            return;
-        };
-        let frame = tick.frame(frame);
+    fn update(&self, plane: &mut Plane, tick: &Tick<'_>, rows: &mut ConstraintRows<'_>) {
+        let (frame, n) = (tick.frame(plane.frame), plane.normal);
         let o = frame.R_WF * Vector3::from(self.offset);
         let w = frame.w_WF;
         let h = n.dot(&(frame.p_WF + o - Vector3::from(self.point))) - self.margin;

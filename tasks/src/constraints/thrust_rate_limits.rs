@@ -1,11 +1,6 @@
 //! Thrusts change no faster than rotors can.
 
-use wbqp::{
-    error::BindError,
-    plugin::{Constraint, ConstraintRows, Layout, Setup, Tick},
-    schemars::JsonSchema,
-    serde::{Deserialize, Serialize},
-};
+use wbqp::prelude::*;
 
 use crate::{check, tasks::chosen_rotors};
 
@@ -18,29 +13,23 @@ use crate::{check, tasks::chosen_rotors};
 /// within the actuators' limits, so with those the bounds always leave something.
 ///
 /// Bounds on single variables, no rows; they are hard whatever the entry says.
-#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(crate = "wbqp::serde", deny_unknown_fields)]
-#[schemars(crate = "wbqp::schemars")]
+#[wbqp::constraint("thrust_rate_limits")]
+#[derive(Default)]
 pub struct ThrustRateLimits {
     /// Largest rate upwards, N/s. Default: the robot's.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("x-unit" = "N/s"))]
+    #[wbqp(unit = "N/s")]
     pub rise: Option<f64>,
     /// Largest rate downwards, N/s. Default: the robot's.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("x-unit" = "N/s"))]
+    #[wbqp(unit = "N/s")]
     pub fall: Option<f64>,
     /// Which rotors, by name. Default: all.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rotors: Option<Vec<String>>,
-    #[serde(skip)]
-    limited: Vec<Limited>,
 }
 
 /// A rotor and how fast its thrust may change.
 #[derive(Clone, Debug)]
-struct Limited {
-    index: usize,
+pub struct LimitedRotor {
+    rotor: ActuatorId,
     /// N/s.
     fall: f64,
     /// N/s.
@@ -58,32 +47,34 @@ impl ThrustRateLimits {
     }
 }
 
-#[wbqp::constraint("thrust_rate_limits")]
 impl Constraint for ThrustRateLimits {
-    fn bind(&mut self, setup: &mut Setup<'_>) -> Result<Layout, BindError> {
+    type Running = Vec<LimitedRotor>;
+
+    fn bind(&self, setup: &mut Setup<'_>) -> Result<(ConstraintLayout, Self::Running), BindError> {
         for (key, rate) in [("rise", self.rise), ("fall", self.fall)] {
             check::positive(key, rate.unwrap_or(1.0))?;
         }
-        let mut layout = Layout::empty();
-        self.limited.clear();
-        for index in chosen_rotors(setup, self.rotors.as_deref())? {
-            let rotor = &setup.actuators()[index];
-            let [rise, fall] = [self.rise, self.fall].map(|rate| rate.unwrap_or(rotor.slew));
+        let mut layout = ConstraintLayout::bounds();
+        let mut limited = Vec::new();
+        for rotor in chosen_rotors(setup, self.rotors.as_deref())? {
+            let about = &setup.robot().actuators[rotor.index()];
+            let [rise, fall] = [self.rise, self.fall].map(|rate| rate.unwrap_or(about.slew));
             if rise.is_infinite() && fall.is_infinite() {
                 return Err(BindError::Other(format!(
                     "rotor `{}` has no `slew`, and neither `rise` nor `fall` is given: nothing to limit",
-                    rotor.name
+                    about.name
                 )));
             }
-            layout = layout.bound_effort(index, &rotor.name, "N");
-            self.limited.push(Limited { index, fall, rise });
+            layout = layout.bound_effort(rotor, &about.name, "N");
+            limited.push(LimitedRotor { rotor, fall, rise });
         }
-        Ok(layout)
+        Ok((layout, limited))
     }
 
-    fn update(&mut self, tick: &Tick<'_>, rows: &mut ConstraintRows<'_>) {
-        for (k, limited) in self.limited.iter().enumerate() {
-            let sent = tick.last.effort.get(limited.index).copied().unwrap_or(0.0);
+    fn update(&self, limited: &mut Self::Running, tick: &Tick<'_>, rows: &mut ConstraintRows<'_>) {
+        for (k, limited) in limited.iter().enumerate() {
+            let sent = tick.last.effort.get(limited.rotor.index());
+            let sent = sent.copied().unwrap_or(0.0);
             let [fall, rise] = [limited.fall, limited.rise].map(|rate| rate * tick.slew_time);
             rows.bound(k, sent - fall, sent + rise);
         }

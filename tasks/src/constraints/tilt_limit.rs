@@ -6,19 +6,12 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use wbqp::{
-    error::BindError,
-    nalgebra::Vector3,
-    plugin::{Constraint, ConstraintRows, Layout, Setup, Tick},
-    schemars::JsonSchema,
-    serde::{Deserialize, Serialize},
-};
+use wbqp::prelude::*;
 
 use super::{
-    barrier::{default_rate, least, validate_rate},
+    barrier::{DEFAULT_RATE, least, validate_rate},
     friction_pyramid::validate_sides,
 };
-use crate::tasks::require_floating;
 
 /// Keeps the base's z axis within an angle of the vertical.
 ///
@@ -33,32 +26,29 @@ use crate::tasks::require_floating;
 /// infeasible.
 ///
 /// The base must start within the limit. Floating base only.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(crate = "wbqp::serde", deny_unknown_fields)]
-#[schemars(crate = "wbqp::schemars")]
+#[wbqp::constraint("tilt_limit")]
 pub struct TiltLimit {
     /// Largest angle between the base's z and the vertical, rad, below π/2.
-    #[schemars(extend("x-unit" = "rad"))]
+    #[wbqp(unit = "rad")]
     pub max_tilt: f64,
     /// Rate `a₁`, 1/s, at most one over the control period.
-    #[serde(default = "default_rate")]
-    #[schemars(extend("x-unit" = "1/s"))]
+    #[wbqp(default = DEFAULT_RATE, unit = "1/s")]
     pub a1: f64,
     /// Rate `a₂`, 1/s, at most one over the control period.
-    #[serde(default = "default_rate")]
-    #[schemars(extend("x-unit" = "1/s"))]
+    #[wbqp(default = DEFAULT_RATE, unit = "1/s")]
     pub a2: f64,
     /// Number of directions N, 3 to 64.
-    #[serde(default = "default_sides")]
+    #[wbqp(default = 8_usize)]
     #[schemars(range(min = 3, max = 64))]
     pub sides: usize,
-    /// `d_k`.
-    #[serde(skip)]
-    directions: Vec<Vector3<f64>>,
 }
 
-fn default_sides() -> usize {
-    8
+/// Where the base's turning is, and the directions.
+#[derive(Debug)]
+pub struct Cone {
+    angular: [VelocityId; 3],
+    /// `d_k`.
+    directions: Vec<Vector3<f64>>,
 }
 
 impl TiltLimit {
@@ -66,10 +56,9 @@ impl TiltLimit {
     pub fn new(max_tilt: f64) -> Self {
         Self {
             max_tilt,
-            a1: default_rate(),
-            a2: default_rate(),
-            sides: default_sides(),
-            directions: Vec::new(),
+            a1: DEFAULT_RATE,
+            a2: DEFAULT_RATE,
+            sides: Self::default_sides(),
         }
     }
 
@@ -80,10 +69,11 @@ impl TiltLimit {
     }
 }
 
-#[wbqp::constraint("tilt_limit")]
 impl Constraint for TiltLimit {
-    fn bind(&mut self, setup: &mut Setup<'_>) -> Result<Layout, BindError> {
-        require_floating(setup)?;
+    type Running = Cone;
+
+    fn bind(&self, setup: &mut Setup<'_>) -> Result<(ConstraintLayout, Cone), BindError> {
+        let [_, _, _, angular @ ..] = setup.base_velocities()?;
         if !(self.max_tilt > 0.0 && self.max_tilt < FRAC_PI_2) {
             let problem = format!("is {} rad, must be above 0 and below π/2", self.max_tilt);
             return Err(BindError::value("max_tilt", problem));
@@ -95,24 +85,27 @@ impl Constraint for TiltLimit {
             let (sin, cos) = (TAU * k as f64 / self.sides as f64).sin_cos();
             Vector3::new(cos, sin, 0.0)
         });
-        self.directions = directions.collect();
+        let cone = Cone {
+            angular,
+            directions: directions.collect(),
+        };
         let rows = (0..self.sides).map(|k| (format!("side {k}"), "1/s²"));
-        Ok(Layout::rows(rows).vdot_dense())
+        Ok((Layout::rows(rows).vdot_dense().limits(), cone))
     }
 
-    fn update(&mut self, tick: &Tick<'_>, rows: &mut ConstraintRows<'_>) {
+    fn update(&self, cone: &mut Cone, tick: &Tick<'_>, rows: &mut ConstraintRows<'_>) {
         let z = tick.state.R_WR * Vector3::z();
-        let w = Vector3::from_fn(|i, _| tick.state.v[3 + i]);
+        let w = Vector3::from(cone.angular.map(|column| tick.state.v[column]));
         let (zdot, centripetal) = (w.cross(&z), w.cross(&w.cross(&z)));
         let room = self.max_tilt.sin() * (PI / self.sides as f64).cos();
         let mut vdot = rows.vdot();
-        for (k, d) in self.directions.iter().enumerate() {
+        for (k, d) in cone.directions.iter().enumerate() {
             let gradient = -z.cross(d);
-            for i in 0..3 {
-                vdot[(k, 3 + i)] = gradient[i];
+            for (column, along) in cone.angular.iter().zip(&gradient) {
+                vdot[(k, column.index())] = *along;
             }
         }
-        for (k, d) in self.directions.iter().enumerate() {
+        for (k, d) in cone.directions.iter().enumerate() {
             let (h, hdot) = (room - d.dot(&z), -d.dot(&zdot));
             let bias = -d.dot(&centripetal);
             rows.limit(k, least([self.a1, self.a2], h, hdot) - bias, f64::INFINITY);
