@@ -4,6 +4,8 @@
 //! revolute joint, N for a prismatic one. Rotor speed in rad/s appears only in [`Rotor::speed`] and
 //! [`Rotor::thrust`].
 
+use std::ops::Index;
+
 use crate::model::{FrameId, JointId, Model};
 
 /// Index of an actuator, in the order of the efforts `u`.
@@ -14,6 +16,14 @@ impl ActuatorId {
     /// Position in the robot's list.
     pub fn index(self) -> usize {
         self.0 as usize
+    }
+}
+
+impl Index<ActuatorId> for Vec<f64> {
+    type Output = f64;
+
+    fn index(&self, id: ActuatorId) -> &f64 {
+        &self[id.index()]
     }
 }
 

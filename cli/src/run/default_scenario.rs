@@ -176,7 +176,7 @@ impl Ground<'_> {
                 .joint(&joint.name)
                 .and_then(|id| self.robot.joint_actuator(id));
             let kind = motor
-                .and_then(|i| self.robot.actuators.get(i))
+                .and_then(|i| self.robot.actuators.get(i.index()))
                 .map(|a| &a.kind);
             if matches!(kind, Some(ActuatorKind::Joint(motor)) if motor.drive == Drive::Velocity) {
                 // A servo does not feel it.

@@ -247,7 +247,7 @@ fn rotors(robot: &RobotModel, config: &PlantConfig) -> Result<Vec<RotorPlant>, P
                 });
             }
             RotorPlant::new(
-                index,
+                index.index(),
                 actuator,
                 rotor,
                 &config.mismatch,

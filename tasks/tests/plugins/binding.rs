@@ -2,8 +2,9 @@
 
 use wbqp::{
     contact::ContactKind,
+    controller::Probe,
     error::BindError,
-    plugin::{AnyConstraint, AnyTask, Layout, Setup},
+    plugin::{AnyConstraint, AnyPlugin, AnyTask, Layout},
 };
 use wbqp_tasks::{
     ActuatorLimits, Axis, BaseOrientation, BasePosition, CentroidalAngularMomentum, Com,
@@ -15,21 +16,22 @@ use wbqp_tasks::{
 
 use crate::robot::{contacts, small};
 
-fn with_setup<T>(bind: impl FnOnce(&mut Setup<'_>) -> T) -> T {
-    let (robot, mut contacts, mut frames) = (small(), contacts(), Vec::new());
+fn bind<P: AnyPlugin + ?Sized>(plugin: Box<P>) -> Result<Layout, BindError> {
+    let (robot, mut contacts) = (small(), contacts());
     let mut tilt = contacts[0].clone();
     "tilting".clone_into(&mut tilt.name);
     tilt.kind = ContactKind::NormalTilt;
     contacts.push(tilt);
-    bind(&mut Setup::new(&robot, &contacts, 0.004, &mut frames))
+    let probe = Probe::new(plugin, &robot, &contacts, 0.004)?;
+    Ok(probe.layout().clone())
 }
 
-fn task(mut task: impl AnyTask) -> Result<Layout, BindError> {
-    with_setup(|setup| task.bind(setup))
+fn task(task: impl AnyTask) -> Result<Layout, BindError> {
+    bind::<dyn AnyTask>(Box::new(task))
 }
 
-fn constraint(mut constraint: impl AnyConstraint) -> Result<Layout, BindError> {
-    with_setup(|setup| constraint.bind(setup))
+fn constraint(constraint: impl AnyConstraint) -> Result<Layout, BindError> {
+    bind::<dyn AnyConstraint>(Box::new(constraint))
 }
 
 fn rows(layout: Result<Layout, BindError>) -> usize {

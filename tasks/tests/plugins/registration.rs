@@ -2,7 +2,7 @@
 
 use wbqp::{
     ControllerConfig,
-    plugin::{AnyConstraint, AnyReference, AnyTask, Reference},
+    plugin::{AnyConstraint, AnyReference, AnyTask},
     registry,
     serde::{Serialize, de::DeserializeOwned},
     serde_json::{self, Value},
