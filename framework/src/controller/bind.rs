@@ -3,12 +3,12 @@
 use super::{
     Controller,
     command::Command,
+    entry_id::Stamp,
     explanation::owners,
     fallback::{Age, Clock, Fallback},
     first::FirstTick,
     fit::{Sizes, make_entry, unlimited_moments},
     gate::Gate,
-    handle::Stamp,
     home,
     hover::{hover, missing_wrench, must_hover},
     memory::{Memory, Need, Stored},

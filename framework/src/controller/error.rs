@@ -9,7 +9,7 @@ pub enum RequestError {
     /// Nothing has that name.
     #[error("there is no {kind} `{name}`{hint} (known: {known})")]
     Absent {
-        /// `task`, `constraint`, `entry` or `contact`.
+        /// `entry` or `contact`.
         kind: &'static str,
         /// The name given.
         name: String,
@@ -19,11 +19,9 @@ pub enum RequestError {
         known: String,
     },
     /// The plug-in is of another type.
-    #[error("{kind} `{name}` is of type `{is}`, not a `{asked}`")]
+    #[error("`{name}` is of type `{is}`, not a `{asked}`")]
     OtherType {
-        /// `task` or `constraint`.
-        kind: &'static str,
-        /// The name given.
+        /// The entry.
         name: String,
         /// Its plug-in's tag.
         is: &'static str,
@@ -31,11 +29,8 @@ pub enum RequestError {
         asked: &'static str,
     },
     /// The id was made by another controller.
-    #[error("this id of an entry of type `{asked}` is another controller's")]
-    OtherController {
-        /// The Rust type asked for, without its path.
-        asked: &'static str,
-    },
+    #[error("this id of an entry is another controller's")]
+    OtherController,
     /// The controller's configuration cannot be written as TOML, so that its ticks cannot be run again.
     #[error("the configuration cannot be saved: {problem}")]
     Unrecordable {

@@ -8,13 +8,13 @@ mod allocation;
 mod bind;
 mod command;
 mod elapsed;
+mod entry_id;
 mod error;
 mod explanation;
 mod fallback;
 mod first;
 mod fit;
 mod gate;
-mod handle;
 mod home;
 mod hover;
 mod measurement;
@@ -32,10 +32,10 @@ mod safe;
 mod world;
 
 pub use command::Command;
+pub use entry_id::{EntryId, EntryRef};
 pub use error::RequestError;
 pub use explanation::{Explanation, Limit};
 pub use gate::CutEffort;
-pub use handle::{EntryId, EntryKey, EntryMut};
 pub use measurement::Measurement;
 pub use memory::Memory;
 pub use planned_force::PlannedForce;
@@ -63,10 +63,10 @@ use crate::{
     stopwatch::{StageTimes, Stopwatch},
 };
 use elapsed::elapsed;
+use entry_id::Stamp;
 use fallback::Fallback;
 use first::FirstTick;
 use gate::Gate;
-use handle::Stamp;
 use plausible::Plausible;
 use record::{Recorder, recall_rows, record_inputs, record_outcome, record_rows};
 use running::RunningPlugin;

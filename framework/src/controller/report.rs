@@ -3,7 +3,7 @@
 use nalgebra::{DVector, Vector3, Vector6};
 use serde::{Deserialize, Serialize};
 
-use super::{gate::CutEffort, world::World};
+use super::{entry_id::EntryRef, gate::CutEffort, world::World};
 use crate::{
     fault::Fault,
     plugin::ForceReport,
@@ -125,9 +125,28 @@ pub struct Report {
     pub regularisation: f64,
     /// Time per stage.
     pub times: StageTimes,
+    task_names: Vec<String>,
+    contact_names: Vec<String>,
 }
 
 impl Report {
+    /// What became of a task: by name, which is looked for, or by id. Nothing for a constraint, or if there is none.
+    pub fn task<'a>(&self, task: impl Into<EntryRef<'a>>) -> Option<&TaskReport> {
+        match task.into() {
+            EntryRef::Name(name) => {
+                let found = self.task_names.iter().position(|n| n == name)?;
+                self.tasks.get(found)
+            }
+            EntryRef::Id(id) => self.tasks.get(id.index()),
+        }
+    }
+
+    /// The forces of the contact of that name; by id, they are [`Report::contacts`] at its index.
+    pub fn contact(&self, name: &str) -> Option<&ContactReport> {
+        let found = self.contact_names.iter().position(|n| n == name)?;
+        self.contacts.get(found)
+    }
+
     /// Before the first tick, with room for all that one may say; `limits` may be given up.
     pub(super) fn new(
         tasks: &[BoundEntry],
@@ -174,6 +193,8 @@ impl Report {
             undeclared: None,
             regularisation: 0.0,
             times: StageTimes::default(),
+            task_names: tasks.iter().map(|task| task.name.clone()).collect(),
+            contact_names: world.bindings.iter().map(|b| b.spec.name.clone()).collect(),
         }
     }
 }

@@ -2,32 +2,46 @@
 //!
 //! It takes effect in the next tick, and ramps and trajectories begin at that tick's time.
 
-use std::any::Any;
+use std::any::{Any, type_name};
 
 use super::{
     Controller, Measurement,
+    entry_id::{EntryId, EntryRef},
     error::RequestError,
     explanation::Explanation,
-    handle::{EntryId, EntryKey, EntryMut, key::Among, other_type},
     planned_force::PlannedForce,
     record::{Dump, Record, Recorder, blank_record},
-    running::{self, RunningPlugin},
 };
 use crate::{
     contact::{ContactId, ContactSpec, ContactState, SurfaceMotion},
     error::BindError,
     fault::Fault,
-    plugin::{AnyReference, Constraint, EntryState, Layout, Sample, Task, Weight},
+    plugin::{AnyReference, EntryState, Layout, Sample, Weight},
     problem::{BoundEntry, Treatment},
 };
 
 impl Controller {
-    /// Switches an entry (task or constraint) on, with its ramp. Nothing happens if it is on.
+    /// A task or constraint by name, resolved once: for requests in every period without looking for the name.
     ///
     /// # Errors
     /// [`RequestError::Absent`].
-    pub fn activate(&mut self, name: &str) -> Result<(), RequestError> {
-        let index = self.entry(name)?;
+    pub fn entry(&self, name: &str) -> Result<EntryId, RequestError> {
+        let names = || self.entries.iter().map(|g| g.name.as_str());
+        match names().position(|n| n == name) {
+            Some(index) => Ok(EntryId {
+                index: index as u32,
+                controller: self.stamp,
+            }),
+            None => Err(absent("entry", name, names())),
+        }
+    }
+
+    /// Switches an entry (task or constraint) on, with its ramp. Nothing happens if it is on.
+    ///
+    /// # Errors
+    /// [`RequestError`] if there is no such entry.
+    pub fn activate<'a>(&mut self, entry: impl Into<EntryRef<'a>>) -> Result<(), RequestError> {
+        let index = self.find(entry.into())?;
         self.entries[index].switch.turn(true);
         Ok(())
     }
@@ -35,9 +49,9 @@ impl Controller {
     /// Switches an entry off, with its ramp. Nothing happens if it is off.
     ///
     /// # Errors
-    /// [`RequestError::Absent`].
-    pub fn deactivate(&mut self, name: &str) -> Result<(), RequestError> {
-        let index = self.entry(name)?;
+    /// [`RequestError`] if there is no such entry.
+    pub fn deactivate<'a>(&mut self, entry: impl Into<EntryRef<'a>>) -> Result<(), RequestError> {
+        let index = self.find(entry.into())?;
         self.entries[index].switch.turn(false);
         Ok(())
     }
@@ -63,25 +77,32 @@ impl Controller {
         Ok(())
     }
 
-    /// Gives a task another trajectory. It begins one period after the last tick (before the first tick: with
-    /// that), from what the task followed until then.
+    /// Gives a task another trajectory, in place of the first that it follows. It begins one period after the last
+    /// tick (before the first tick: with that), from what the task followed until then. Allocates.
+    ///
+    /// ```text
+    /// controller.follow("arm", MinJerk::new([0.0, 0.3, 0.9], 2.0))?;
+    /// ```
     ///
     /// # Errors
     /// [`RequestError`] if the task does not exist, follows nothing, or the trajectory does not fit; the old
     /// one is kept then.
-    pub fn follow(
+    pub fn follow<'a>(
         &mut self,
-        task: &str,
-        reference: Box<dyn AnyReference>,
+        task: impl Into<EntryRef<'a>>,
+        reference: impl Into<Box<dyn AnyReference>>,
     ) -> Result<(), RequestError> {
-        let index = self.task_index(task)?;
+        let index = self.find(task.into())?;
         let begin = self.world.next_time();
-        running::follow(
-            &mut self.plugins[index].references,
-            task,
-            &*reference,
-            begin,
-        )
+        let name = || self.entries[index].name.clone();
+        let Some(followed) = self.plugins[index].references.first_mut() else {
+            return Err(RequestError::NoReference { name: name() });
+        };
+        let refused = |source: BindError| RequestError::Value {
+            name: name(),
+            source,
+        };
+        followed.replace(&*reference.into(), begin).map_err(refused)
     }
 
     /// Moves a contact's surface; its pose, twist and acceleration hold from the next tick on.
@@ -104,9 +125,13 @@ impl Controller {
     ///
     /// # Errors
     /// [`RequestError`] if the entry does not exist or the weight does not fit its rows.
-    pub fn reweight(&mut self, name: &str, weight: &Weight) -> Result<(), RequestError> {
-        let index = self.entry(name)?;
-        reweight(&mut self.entries[index], weight)
+    pub fn reweight<'a>(
+        &mut self,
+        entry: impl Into<EntryRef<'a>>,
+        weight: impl Into<Weight>,
+    ) -> Result<(), RequestError> {
+        let index = self.find(entry.into())?;
+        reweight(&mut self.entries[index], &weight.into())
     }
 
     /// The contact of that name.
@@ -148,93 +173,32 @@ impl Controller {
         self.world.bindings.iter().map(|b| b.spec.name.as_str())
     }
 
-    /// A task by name, resolved once: for access in every period without looking for the name.
-    ///
-    /// # Errors
-    /// [`RequestError`] if there is no such task or it is of another type.
-    pub fn task_id<T: Task>(&self, name: &str) -> Result<EntryId<T>, RequestError> {
-        let index = self.task_index(name)?;
-        self.entry_id("task", index)
-    }
-
-    /// A constraint by name, resolved once, as [`Controller::task_id`].
-    ///
-    /// # Errors
-    /// [`RequestError`] if there is no such constraint or it is of another type.
-    pub fn constraint_id<T: Constraint>(&self, name: &str) -> Result<EntryId<T>, RequestError> {
-        let index = self.constraint_index(name)?;
-        self.entry_id("constraint", index)
-    }
-
-    /// A task as its own type, to read or change its parameters, trajectory, weight and activation:
+    /// The parameters of a task or constraint, to read or change them between two ticks:
     ///
     /// ```text
-    /// let mut arm = controller.task_mut::<Posture>("arm")?;
-    /// arm.kp = 40.0.into();
-    /// arm.reweight(0.5)?;
-    /// arm.follow(MinJerk::new([0.0, 0.3, 0.9], 2.0))?;
+    /// controller.parameters_mut::<Posture>("arm")?.kp = 40.0.into();
     /// ```
     ///
-    /// # Errors
-    /// [`RequestError`] if there is no such task, it is of another type, or the id is another controller's.
-    pub fn task_mut<T: Task>(
-        &mut self,
-        task: impl EntryKey<T>,
-    ) -> Result<EntryMut<'_, T>, RequestError> {
-        let index = task.find(self, Among::Tasks)?;
-        self.entry_mut("task", index)
-    }
-
-    /// A constraint as its own type, to read or change its parameters, weight and activation:
-    ///
-    /// ```text
-    /// controller.constraint_mut::<TiltLimit>("tilt")?.max_tilt = 0.2;
-    /// ```
+    /// They are not validated as in a file: a list of the wrong length, a negative gain. The next tick survives them,
+    /// since rows that are not finite make it fall back and say so, but the robot does what they say. A reference among
+    /// them has been bound and is not read again: [`Controller::follow`] replaces it.
     ///
     /// # Errors
-    /// [`RequestError`] if there is no such constraint, it is of another type, or the id is another controller's.
-    pub fn constraint_mut<T: Constraint>(
+    /// [`RequestError`] if there is no such entry or it is of another type.
+    pub fn parameters_mut<'a, T: Any>(
         &mut self,
-        constraint: impl EntryKey<T>,
-    ) -> Result<EntryMut<'_, T>, RequestError> {
-        let index = constraint.find(self, Among::Constraints)?;
-        self.entry_mut("constraint", index)
-    }
-
-    fn entry_id<T: Any>(
-        &self,
-        kind: &'static str,
-        index: usize,
-    ) -> Result<EntryId<T>, RequestError> {
-        let plugin = &self.plugins[index];
-        if plugin.parameters().is::<T>() {
-            Ok(EntryId::new(index, self.stamp))
-        } else {
-            Err(other_type::<T>(kind, plugin.tag, &self.entries[index].name))
-        }
-    }
-
-    fn entry_mut<T: Any>(
-        &mut self,
-        kind: &'static str,
-        index: usize,
-    ) -> Result<EntryMut<'_, T>, RequestError> {
-        let next_time = self.world.next_time();
-        let entry = &mut self.entries[index];
-        let RunningPlugin {
-            plugin,
-            references,
-            tag,
-        } = &mut self.plugins[index];
-        match plugin.parameters_mut().downcast_mut::<T>() {
-            Some(parameters) => Ok(EntryMut {
-                parameters,
-                references,
-                entry,
-                next_time,
-            }),
-            None => Err(other_type::<T>(kind, tag, &entry.name)),
-        }
+        entry: impl Into<EntryRef<'a>>,
+    ) -> Result<&mut T, RequestError> {
+        let index = self.find(entry.into())?;
+        let (name, tag) = (&self.entries[index].name, self.plugins[index].tag);
+        let parameters = self.plugins[index].plugin.parameters_mut();
+        parameters
+            .downcast_mut::<T>()
+            .ok_or_else(|| RequestError::OtherType {
+                name: name.clone(),
+                is: tag,
+                asked: short_name::<T>(),
+            })
     }
 
     /// Says that what the next tick measures is meant to be elsewhere than what was measured last: the robot was
@@ -345,30 +309,26 @@ impl Controller {
         (!records.is_empty()).then(|| Dump::new(directory, configuration, &self.robot, records))
     }
 
-    fn entry(&self, name: &str) -> Result<usize, RequestError> {
-        let names = || self.entries.iter().map(|g| g.name.as_str());
-        let found = names().position(|n| n == name);
-        found.ok_or_else(|| absent("entry", name, names()))
-    }
-
-    pub(super) fn task_index(&self, name: &str) -> Result<usize, RequestError> {
-        let found = self.task_names().position(|n| n == name);
-        found.ok_or_else(|| absent("task", name, self.task_names()))
-    }
-
-    /// The position of a constraint among all entries.
-    pub(super) fn constraint_index(&self, name: &str) -> Result<usize, RequestError> {
-        let first = self.task_count;
-        let names = || self.entries[first..].iter().map(|g| g.name.as_str());
-        let found = names().position(|n| n == name);
-        found
-            .map(|index| first + index)
-            .ok_or_else(|| absent("constraint", name, names()))
+    /// The position of an entry.
+    fn find(&self, entry: EntryRef<'_>) -> Result<usize, RequestError> {
+        match entry {
+            EntryRef::Name(name) => Ok(self.entry(name)?.index()),
+            EntryRef::Id(id) if id.controller == self.stamp => Ok(id.index()),
+            EntryRef::Id(_) => Err(RequestError::OtherController),
+        }
     }
 }
 
-/// Lets the rows of a entry go to another weight.
-pub(super) fn reweight(entry: &mut BoundEntry, weight: &Weight) -> Result<(), RequestError> {
+/// A type's name without the path of its modules.
+fn short_name<T>() -> &'static str {
+    let full = type_name::<T>();
+    let path = full.split('<').next().unwrap_or(full);
+    let start = path.rfind("::").map_or(0, |colons| colons + 2);
+    full.get(start..).unwrap_or(full)
+}
+
+/// Lets the rows of an entry go to another weight.
+fn reweight(entry: &mut BoundEntry, weight: &Weight) -> Result<(), RequestError> {
     let rows = entry.weight.now().len();
     let refused = |problem: String| RequestError::Value {
         name: entry.name.clone(),

@@ -103,7 +103,6 @@ mod any {
 pub(crate) trait Running: Debug + Send {
     fn update(&mut self, tick: &Tick<'_>, layout: &Layout, store: &mut RowStore);
     fn activate(&mut self);
-    fn parameters(&self) -> &dyn Any;
     fn parameters_mut(&mut self) -> &mut dyn Any;
 }
 
@@ -127,10 +126,6 @@ macro_rules! running {
 
             fn activate(&mut self) {
                 self.parameters.activate(&mut self.running);
-            }
-
-            fn parameters(&self) -> &dyn Any {
-                &self.parameters
             }
 
             fn parameters_mut(&mut self) -> &mut dyn Any {

@@ -58,6 +58,12 @@ impl Clone for Box<dyn AnyReference> {
     }
 }
 
+impl<R: AnyReference> From<R> for Box<dyn AnyReference> {
+    fn from(reference: R) -> Self {
+        Box::new(reference)
+    }
+}
+
 impl JsonSchema for dyn AnyReference {
     fn schema_name() -> Cow<'static, str> {
         "Reference".into()
