@@ -9,7 +9,7 @@
 //! robot and no task.
 //!
 //! # Example
-//! A task is a plug-in: a type with the attribute [`task`](macro@task). This one holds a joint of an arm of one
+//! A task is a plug-in: a struct of parameters with the attribute [`task`](macro@task). This one holds a joint of an arm of one
 //! link, which is built in code; a URDF is read by the crate `wbqp-robots`.
 //!
 //! ```
@@ -18,24 +18,18 @@
 //! use wbqp::{
 //!     actuator::{Actuator, ActuatorKind, Drive, JointMotor},
 //!     controller::FallbackLevel,
-//!     error::BindError,
-//!     model::{Base, Inertia, Joint, JointId, JointKind, JointLimits, ModelBuilder},
-//!     nalgebra::{Isometry3, Matrix3, Vector3},
-//!     plugin::{Rows, Setup, Task, Tick},
+//!     model::{Base, Inertia, Joint, JointKind, JointLimits, ModelBuilder},
+//!     nalgebra::Isometry3,
+//!     prelude::*,
 //!     robot::{Robot, RobotError, RobotModel},
-//!     schemars::JsonSchema,
-//!     serde::{Deserialize, Serialize},
 //!     state::State,
 //!     Controller,
 //!     ControllerConfig,
-//!     Layout,
 //!     Measurement,
 //! };
 //!
 //! /// A link of 1 kg, whose centre of mass is 0.5 m from a motor that turns about the world's y.
-//! #[derive(Debug, Serialize, Deserialize, JsonSchema)]
-//! #[serde(crate = "wbqp::serde", deny_unknown_fields)]
-//! #[schemars(crate = "wbqp::schemars")]
+//! #[wbqp::parameters]
 //! struct OneLink {}
 //!
 //! #[wbqp::robot("example.one_link")]
@@ -64,9 +58,7 @@
 //! }
 //!
 //! /// Brings one joint to a position: `q̈ = −kd q̇ − kp (q − target)`.
-//! #[derive(Debug, Serialize, Deserialize, JsonSchema)]
-//! #[serde(crate = "wbqp::serde", deny_unknown_fields)]
-//! #[schemars(crate = "wbqp::schemars")]
+//! #[wbqp::task("example.hold_joint")]
 //! struct HoldJoint {
 //!     joint: String,
 //!     /// rad.
@@ -75,27 +67,32 @@
 //!     kp: f64,
 //!     /// 1/s.
 //!     kd: f64,
-//!     #[serde(skip)]
-//!     bound: Option<(JointId, usize)>,
 //! }
 //!
-//! #[wbqp::task("example.hold_joint")]
 //! impl Task for HoldJoint {
-//!     fn bind(&mut self, setup: &mut Setup<'_>) -> Result<Layout, BindError> {
+//!     // What was resolved once.
+//!     type Running = (JointId, VelocityId);
+//!
+//!     fn bind(&self, setup: &mut Setup<'_>) -> Result<(Layout, Self::Running), BindError> {
 //!         let joint = setup.joint(&self.joint)?;
-//!         let column = setup.model().velocity_index(joint);
-//!         self.bound = Some((joint, column));
+//!         let velocity = setup.velocity(joint);
 //!         // One row, a coefficient of 1 on that joint's acceleration.
-//!         Ok(Layout::rows([(&self.joint, "rad/s²")])
+//!         let rows = Layout::rows([(&self.joint, "rad/s²")])
 //!             .error_unit("rad")
-//!             .vdot_unit([column]))
+//!             .vdot_unit([velocity]);
+//!         Ok((rows, (joint, velocity)))
 //!     }
 //!
-//!     fn update(&mut self, tick: &Tick<'_>, rows: &mut Rows<'_>) {
-//!         let Some((joint, column)) = self.bound else { return };
-//!         let error = tick.state.q[joint.index()] - self.target;
-//!         rows.b()[0] = -self.kd * tick.state.v[column] - self.kp * error;
-//!         rows.error()[0] = error;
+//!     fn update(&self, running: &mut Self::Running, tick: &Tick<'_>, rows: &mut Rows<'_>) {
+//!         let (joint, velocity) = *running;
+//!         let motion = Motion {
+//!             error: tick.state.q[joint.index()] - self.target,
+//!             rate: tick.state.v[velocity],
+//!             acceleration: 0.0,
+//!             kp: self.kp,
+//!             kd: self.kd,
+//!         };
+//!         rows.motion(0, motion);
 //!     }
 //! }
 //!

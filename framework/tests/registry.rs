@@ -2,48 +2,46 @@
 
 use wbqp::{
     config::{ConfigErrorKind, ControllerConfig},
-    error::BindError,
-    plugin::{AnyTask, Layout, Reference, Rows, Sample, Setup, Start, Task, Tick},
+    plugin::AnyTask,
+    prelude::*,
     registry,
-    schemars::JsonSchema,
-    serde::{Deserialize, Serialize},
 };
 
-macro_rules! data {
-    ($name:ident { $($fields:tt)* }) => {
-        #[derive(Debug, Serialize, Deserialize, JsonSchema)]
-        #[serde(crate = "wbqp::serde")]
-        #[schemars(crate = "wbqp::schemars")]
-        struct $name { $($fields)* }
-    };
-}
-
-data!(First {});
-data!(Second {});
-data!(Greedy { weight: f64 });
+#[wbqp::reference("test.twice")]
+struct First {}
 
 #[wbqp::reference("test.twice")]
-impl Reference for First {
-    fn bind(&mut self, _: &Start<'_>) -> Result<(), BindError> {
-        Ok(())
-    }
-    fn sample(&mut self, _: &Tick<'_>, _: &mut Sample) {}
-}
-
-#[wbqp::reference("test.twice")]
-impl Reference for Second {
-    fn bind(&mut self, _: &Start<'_>) -> Result<(), BindError> {
-        Ok(())
-    }
-    fn sample(&mut self, _: &Tick<'_>, _: &mut Sample) {}
-}
+struct Second {}
 
 #[wbqp::task("test.greedy")]
+struct Greedy {
+    weight: f64,
+}
+
+impl Reference for First {
+    type Running = ();
+    fn bind(&self, _: Space) -> Result<(), BindError> {
+        Ok(())
+    }
+    fn start(&self, (): &mut (), _: &Start<'_>) {}
+    fn sample(&self, (): &mut (), _: &Tick<'_>, _: &mut Sample) {}
+}
+
+impl Reference for Second {
+    type Running = ();
+    fn bind(&self, _: Space) -> Result<(), BindError> {
+        Ok(())
+    }
+    fn start(&self, (): &mut (), _: &Start<'_>) {}
+    fn sample(&self, (): &mut (), _: &Tick<'_>, _: &mut Sample) {}
+}
+
 impl Task for Greedy {
-    fn bind(&mut self, _: &mut Setup<'_>) -> Result<Layout, BindError> {
+    type Running = ();
+    fn bind(&self, _: &mut Setup<'_>) -> Result<(Layout, ()), BindError> {
         Err(BindError::Other("is only data".to_owned()))
     }
-    fn update(&mut self, _: &Tick<'_>, _: &mut Rows<'_>) {}
+    fn update(&self, (): &mut (), _: &Tick<'_>, _: &mut Rows<'_>) {}
 }
 
 #[test]

@@ -192,10 +192,10 @@ fn command_message(controller: &Controller, out: &mut Vec<u8>) {
     let (robot, command) = (controller.robot(), controller.command());
     JsonWriter::write(out, |o| {
         o.object("rotors", |o| {
-            for (i, actuator, _) in robot.rotors() {
+            for (id, actuator, _) in robot.rotors() {
                 o.object(&actuator.name, |o| {
-                    o.number("thrust", command.effort[i]);
-                    o.number("speed", command.rotor_speed[i]);
+                    o.number("thrust", command.effort[id.index()]);
+                    o.number("speed", command.rotor_speed[id.index()]);
                 });
             }
         });

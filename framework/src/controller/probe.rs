@@ -28,11 +28,10 @@ const ON: EntryState = EntryState {
     since: 0.0,
 };
 
-/// A task or constraint (`P` is `dyn AnyTask` or `dyn AnyConstraint`) that is bound to a robot and belongs to no controller.
-/// All contacts are on, and so is its entry.
+/// A task or constraint that is bound to a robot and belongs to no controller. All contacts are on, and so is its
+/// entry.
 #[derive(Debug)]
-pub struct Probe<P: ?Sized> {
-    plugin: Box<P>,
+pub struct Probe {
     running: RunningPlugin,
     layout: Layout,
     store: RowStore,
@@ -86,13 +85,13 @@ impl WrittenRows {
     }
 }
 
-impl<P: AnyPlugin + ?Sized> Probe<P> {
-    /// Binds the plug-in to a robot with contacts, all of them on, at a control period in s.
+impl Probe {
+    /// Binds the plug-in, a `dyn AnyTask` or `dyn AnyConstraint`, to a robot with contacts, all of them on, at a control period in s.
     ///
     /// # Errors
     /// [`BindError`]: what the plug-in refuses, or what does not fit in its layout.
-    pub fn new(
-        plugin: Box<P>,
+    pub fn new<P: AnyPlugin + ?Sized>(
+        plugin: &P,
         robot: &RobotModel,
         contacts: &[ContactSpec],
         period: f64,
@@ -144,16 +143,10 @@ impl<P: AnyPlugin + ?Sized> Probe<P> {
                 references,
                 tag: plugin.tag(),
             },
-            plugin,
             layout,
             store,
             world,
         })
-    }
-
-    /// The plug-in.
-    pub fn plugin(&self) -> &P {
-        &self.plugin
     }
 
     /// What it declares.

@@ -4,30 +4,29 @@
 //! writes `use my_plugins as _;`. Order of registration is not defined; lists are sorted by tag.
 //!
 //! ```
-//! use wbqp::{
-//!     error::BindError,
-//!     plugin::{Reference, Sample, Start, Tick},
-//!     registry,
-//!     schemars::JsonSchema,
-//!     serde::{Deserialize, Serialize},
-//! };
+//! use wbqp::{prelude::*, registry};
 //!
 //! /// Grows with a constant rate.
-//! #[derive(Debug, Serialize, Deserialize, JsonSchema)]
-//! #[serde(crate = "wbqp::serde", deny_unknown_fields)]
-//! #[schemars(crate = "wbqp::schemars")]
+//! #[wbqp::reference("example.drift")]
 //! struct Drift {
 //!     /// Rate of every component, unit of the value per second.
 //!     rate: f64,
 //! }
 //!
-//! #[wbqp::reference("example.drift")]
 //! impl Reference for Drift {
-//!     fn bind(&mut self, _: &Start<'_>) -> Result<(), BindError> {
+//!     type Running = ();
+//!
+//!     fn bind(&self, _: Space) -> Result<(), BindError> {
 //!         Ok(())
 //!     }
-//!     fn sample(&mut self, _: &Tick<'_>, out: &mut Sample) {
-//!         out.rate.fill(self.rate);
+//!
+//!     fn start(&self, (): &mut (), _: &Start<'_>) {}
+//!
+//!     fn sample(&self, (): &mut (), _: &Tick<'_>, out: &mut Sample) {
+//!         match out {
+//!             Sample::Vector(out) => out.rate.fill(self.rate),
+//!             Sample::Rotation(out) => out.rate.fill(self.rate),
+//!         }
 //!     }
 //! }
 //!
@@ -36,15 +35,29 @@
 //! assert!(registry::find::<dyn AnyReference>("example.drft").is_none());
 //! ```
 //!
-//! The attribute takes one string, and goes on an implementation:
+//! The attribute takes the tag, and goes on a struct:
 //!
 //! ```compile_fail
+//! # use wbqp::prelude::*;
 //! #[wbqp::reference]
-//! impl wbqp::plugin::Reference for Drift {}
+//! struct Drift {}
+//! # impl Reference for Drift {
+//! #     type Running = ();
+//! #     fn bind(&self, _: Space) -> Result<(), BindError> { Ok(()) }
+//! #     fn start(&self, (): &mut (), _: &Start<'_>) {}
+//! #     fn sample(&self, (): &mut (), _: &Tick<'_>, _: &mut Sample) {}
+//! # }
 //! ```
 //! ```compile_fail
+//! # use wbqp::prelude::*;
 //! #[wbqp::reference("example.drift")]
-//! struct Drift;
+//! enum Drift { Up, Down }
+//! # impl Reference for Drift {
+//! #     type Running = ();
+//! #     fn bind(&self, _: Space) -> Result<(), BindError> { Ok(()) }
+//! #     fn start(&self, (): &mut (), _: &Start<'_>) {}
+//! #     fn sample(&self, (): &mut (), _: &Tick<'_>, _: &mut Sample) {}
+//! # }
 //! ```
 
 mod listing;

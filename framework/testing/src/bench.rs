@@ -170,8 +170,8 @@ impl Written {
 }
 
 /// A plug-in that has been bound to the robot.
-pub(crate) struct Bound<'a, P: ?Sized> {
-    pub(crate) probe: Probe<P>,
+pub(crate) struct Bound<'a> {
+    pub(crate) probe: Probe,
     allocations: Option<&'a dyn Fn() -> usize>,
     allocated: usize,
 }
@@ -209,15 +209,14 @@ impl<'a> Bench<'a> {
     }
 
     /// A new plug-in on the robot with another home posture.
-    pub(crate) fn bind<P: Subject + ?Sized>(
-        &self,
-        home: &State,
-    ) -> Result<Bound<'a, P>, BindError> {
+    pub(crate) fn bind<P: Subject + ?Sized>(&self, home: &State) -> Result<Bound<'a>, BindError> {
         let mut robot = self.robot.clone();
         robot.home.copy_from(home);
         robot.home.v.fill(0.0);
         let plugin = load::<P>(self.form).map_err(BindError::Other)?;
-        let probe = guarded("bind", || Probe::new(plugin, &robot, self.contacts, PERIOD))?;
+        let probe = guarded("bind", || {
+            Probe::new(&*plugin, &robot, self.contacts, PERIOD)
+        })?;
         Ok(Bound {
             probe,
             allocations: self.allocations,
@@ -240,7 +239,7 @@ impl<'a> Bench<'a> {
     }
 }
 
-impl<P: Subject + ?Sized> Bound<'_, P> {
+impl Bound<'_> {
     /// One tick.
     pub(crate) fn update(&mut self, inputs: &Inputs) -> Written {
         self.probe.measure(inputs);

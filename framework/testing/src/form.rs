@@ -134,25 +134,37 @@ fn refuses_unknown_keys<P: Subject + ?Sized>(given: &Table, report: &mut Report)
         };
         let nonsense = Value::Array(vec![Value::Array(vec![Value::Boolean(true)])]);
         table.insert(UNKNOWN.into(), nonsense);
-        let place = if path.is_empty() {
-            "it".to_owned()
+        let (place, attribute) = if path.is_empty() {
+            ("it".to_owned(), of_plugin::<P>())
         } else {
-            format!("`{}`", path.join("."))
+            let place = format!("`{}`", path.join("."));
+            (place, "`#[wbqp::parameters]`".to_owned())
         };
-        if load::<P>(&changed).is_ok() {
+        let mut accepts = |format: &str| {
             let message = format!(
-                "{place} accepts an unknown key in TOML: `#[serde(deny_unknown_fields)]` is missing"
+                "{place} accepts an unknown key in {format}: {}",
+                missing(&attribute)
             );
             report.fail(Check::UnknownKeys, "", message);
+        };
+        if load::<P>(&changed).is_ok() {
+            accepts("TOML");
         }
         let json = serde_json::to_string(&changed).unwrap_or_default();
         if P::from_json(&json).is_ok() {
-            let message = format!(
-                "{place} accepts an unknown key in JSON: `#[serde(deny_unknown_fields)]` is missing"
-            );
-            report.fail(Check::UnknownKeys, "", message);
+            accepts("JSON");
         }
     }
+}
+
+/// The attribute of a plug-in's parameters.
+fn of_plugin<P: Subject + ?Sized>() -> String {
+    format!("`#[wbqp::{}(…)]`", P::NAME)
+}
+
+/// What a type that accepts unknown keys lacks.
+fn missing(attribute: &str) -> String {
+    format!("its type has neither {attribute} nor `#[serde(deny_unknown_fields)]`")
 }
 
 /// Paths of a table and of all tables inside.
@@ -209,6 +221,7 @@ fn schema<P: Subject + ?Sized>(given: &Table, report: &mut Report) {
         ));
     }
     if schema.get("additionalProperties") != Some(&Json::Bool(false)) {
-        fail("the schema allows unknown keys: `#[serde(deny_unknown_fields)]` is missing".into());
+        let message = missing(&of_plugin::<P>());
+        fail(format!("the schema allows unknown keys: {message}"));
     }
 }

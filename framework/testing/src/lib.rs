@@ -1,14 +1,11 @@
 //! A test kit for authors of plug-ins: does a task or constraint do what its documentation says, on any robot?
 //!
 //! ```
-//! # use wbqp::{plugin::Rows, schemars::JsonSchema, serde::{Deserialize, Serialize}, Layout};
-//! # use wbqp::{error::BindError, model::JointId, plugin::{Setup, Task, Tick}};
+//! use wbqp::prelude::*;
 //! use wbqp_testing::PluginTest;
 //!
 //! /// Brings one joint to a position: `q̈ = −kd q̇ − kp (q − target)`.
-//! #[derive(Debug, Serialize, Deserialize, JsonSchema)]
-//! #[serde(crate = "wbqp::serde", deny_unknown_fields)]
-//! #[schemars(crate = "wbqp::schemars")]
+//! #[wbqp::task("example.kit.hold_joint")]
 //! struct HoldJoint {
 //!     /// The joint, by name.
 //!     joint: String,
@@ -18,24 +15,27 @@
 //!     kp: f64,
 //!     /// Damping, 1/s.
 //!     kd: f64,
-//!     #[serde(skip)]
-//!     bound: Option<(JointId, usize)>,
 //! }
 //!
-//! #[wbqp::task("example.kit.hold_joint")]
 //! impl Task for HoldJoint {
 //!     // …
-//! #     fn bind(&mut self, setup: &mut Setup<'_>) -> Result<Layout, BindError> {
+//! #     type Running = (JointId, VelocityId);
+//! #     fn bind(&self, setup: &mut Setup<'_>) -> Result<(Layout, Self::Running), BindError> {
 //! #         let joint = setup.joint(&self.joint)?;
-//! #         let column = setup.model().velocity_index(joint);
-//! #         self.bound = Some((joint, column));
-//! #         Ok(Layout::rows([(&self.joint, "rad/s²")]).error_unit("rad").vdot_unit([column]))
+//! #         let velocity = setup.velocity(joint);
+//! #         let rows = Layout::rows([(&self.joint, "rad/s²")]).error_unit("rad");
+//! #         Ok((rows.vdot_unit([velocity]), (joint, velocity)))
 //! #     }
-//! #     fn update(&mut self, tick: &Tick<'_>, rows: &mut Rows<'_>) {
-//! #         let Some((joint, column)) = self.bound else { return };
-//! #         let error = tick.state.q[joint.index()] - self.target;
-//! #         rows.b()[0] = -self.kd * tick.state.v[column] - self.kp * error;
-//! #         rows.error()[0] = error;
+//! #     fn update(&self, running: &mut Self::Running, tick: &Tick<'_>, rows: &mut Rows<'_>) {
+//! #         let (joint, velocity) = *running;
+//! #         let motion = Motion {
+//! #             error: tick.state.q[joint.index()] - self.target,
+//! #             rate: tick.state.v[velocity],
+//! #             acceleration: 0.0,
+//! #             kp: self.kp,
+//! #             kd: self.kd,
+//! #         };
+//! #         rows.motion(0, motion);
 //! #     }
 //! }
 //!
@@ -59,7 +59,7 @@
 //!
 //! | check | what must hold |
 //! |---|---|
-//! | [`Form`](Check::Form) | it loads; load → save → load → save gives the same, in TOML and JSON; no key is lost; no key belongs to the framework; `bind` and `update` change no key |
+//! | [`Form`](Check::Form) | it loads; load → save → load → save gives the same, in TOML and JSON; no key is lost; no key belongs to the framework |
 //! | [`UnknownKeys`](Check::UnknownKeys) | an unknown key is refused, in the table and in every table inside |
 //! | [`Schema`](Check::Schema) | every key is in the schema, with a description |
 //! | [`Panic`](Check::Panic) | `bind` and `update` do not panic |
@@ -113,7 +113,7 @@ use scatter::Scatter;
 use subject::Subject;
 use wbqp::{
     contact::ContactSpec,
-    plugin::{AnyConstraint, AnyTask, Constraint, Layout, Task},
+    plugin::{AnyConstraint, AnyTask, Layout},
     robot::RobotModel,
 };
 

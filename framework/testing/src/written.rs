@@ -102,19 +102,7 @@ pub(crate) fn check_rows<P: Subject + ?Sized>(
         let message = format!("two updates allocate {} times", last.allocated);
         report.fail(Check::Allocation, robot, message);
     }
-    unchanged(bench, bound.probe.plugin(), report);
     sound
-}
-
-/// `bind` and `update` leave the configuration alone.
-fn unchanged<P: Subject + ?Sized>(bench: &Bench<'_>, used: &P, report: &mut Report) {
-    let new = crate::subject::load::<P>(bench.form).and_then(|plugin| plugin.save());
-    if let (Ok(new), Ok(used)) = (new, used.save())
-        && new != used
-    {
-        let message = "it is saved differently after `bind` and `update`: state belongs in `#[serde(skip)]` fields";
-        report.fail(Check::Form, bench.name(), message);
-    }
 }
 
 /// The first number that cannot be.

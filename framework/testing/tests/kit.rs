@@ -2,18 +2,17 @@
 #![allow(non_snake_case)]
 
 use wbqp::{
-    contact::ContactId,
-    error::BindError,
-    nalgebra::Vector3,
-    plugin::{Constraint, ConstraintRows, FrameHandle, Layout, Rows, Setup, Task, Tick},
-    schemars::JsonSchema,
-    serde::{Deserialize, Serialize},
+    inventory,
+    plugin::{AnyConstraint, BoundPlugin},
+    prelude::*,
+    registry::ConstraintPlugin,
+    typetag,
 };
 use wbqp_testing::{Check, PluginTest, RowSemantics};
 
 /// What can go wrong in a task that moves the tool.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[wbqp::parameters]
+#[derive(Copy, Default, PartialEq, Eq)]
 enum Fault {
     #[default]
     None,
@@ -26,7 +25,7 @@ enum Fault {
     NotFinite,
     OldCoefficients,
     VelocityInCoefficients,
-    WritesConfiguration,
+    NoBiasGiven,
     Allocates,
     SameLabels,
     RefusesAll,
@@ -34,63 +33,67 @@ enum Fault {
 }
 
 /// Moves the origin of the tool.
-#[derive(Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[wbqp::task("test.move_tool")]
 struct MoveTool {
     /// What is wrong.
-    #[serde(default)]
+    #[wbqp(default)]
     fault: Fault,
-    /// Stiffness, 1/s².
-    #[serde(default)]
-    kp: f64,
-    #[serde(skip)]
-    frame: Option<FrameHandle>,
-    #[serde(skip)]
+}
+
+/// Where the tool is, and how often it was moved.
+struct Moving {
+    frame: FrameHandle,
     home: Vector3<f64>,
-    #[serde(skip)]
     count: usize,
 }
 
-#[wbqp::task("test.move_tool")]
 impl Task for MoveTool {
-    fn bind(&mut self, setup: &mut Setup<'_>) -> Result<Layout, BindError> {
+    type Running = Moving;
+
+    fn bind(&self, setup: &mut Setup<'_>) -> Result<(Layout, Moving), BindError> {
         if self.fault == Fault::RefusesAll {
             return Err(BindError::Other("does not like robots".into()));
         }
-        self.frame = Some(setup.frame("tool")?);
-        self.home = Vector3::new(0.1, 0.2, 0.3);
+        let moving = Moving {
+            frame: setup.frame("tool")?,
+            home: Vector3::new(0.1, 0.2, 0.3),
+            count: 0,
+        };
         let y = if self.fault == Fault::SameLabels {
             "x"
         } else {
             "y"
         };
         let layout = Layout::rows([("x", "m/s²"), (y, "m/s²"), ("z", "m/s²")]).error_unit("m");
-        Ok(if self.fault == Fault::Undeclared {
-            layout.vdot_unit([0, 1, 2])
+        let layout = if self.fault == Fault::Undeclared {
+            let mut columns = Vec::new();
+            for joint in ["shoulder", "elbow", "wrist"] {
+                columns.push(setup.velocity(setup.joint(joint)?));
+            }
+            layout.vdot_unit(columns)
         } else {
             layout.vdot_dense()
-        })
+        };
+        Ok((layout, moving))
     }
 
-    fn update(&mut self, tick: &Tick<'_>, rows: &mut Rows<'_>) {
-        let Some(frame) = self.frame else { return };
-        let f = tick.frame(frame);
+    fn update(&self, moving: &mut Moving, tick: &Tick<'_>, rows: &mut Rows<'_>) {
+        let f = tick.frame(moving.frame);
         rows.vdot().copy_from(&f.J.rows(0, 3));
-        let error = f.p_WF - self.home;
+        let error = f.p_WF - moving.home;
         let bias = Vector3::new(f.Jdot_v[0], f.Jdot_v[1], f.Jdot_v[2]);
         let mut b = -8.0 * f.v_WF - 25.0 * error - bias;
-        self.count += 1;
+        moving.count += 1;
         match self.fault {
             Fault::WrongColumn => rows.vdot()[(1, 0)] += 0.1,
             Fault::NoBias => b += bias,
             Fault::WrongSign => b += 50.0 * error,
             Fault::WrongDamping => b += 16.0 * f.v_WF,
             Fault::NotFinite => b.z = f64::NAN,
-            Fault::OldCoefficients if self.count == 2 => rows.vdot()[(0, 0)] += 1.0,
+            Fault::OldCoefficients if moving.count == 2 => rows.vdot()[(0, 0)] += 1.0,
             Fault::VelocityInCoefficients => rows.vdot()[(0, 0)] += tick.state.v[0],
-            Fault::WritesConfiguration => self.kp = 1.0,
-            Fault::Panics => rows.b()[1] = error.as_slice()[self.count + 2],
-            Fault::Allocates => drop(std::hint::black_box(vec![self.count])),
+            Fault::Panics => rows.b()[1] = error.as_slice()[moving.count + 2],
+            Fault::Allocates => drop(std::hint::black_box(vec![moving.count])),
             _ => {}
         }
         if self.fault == Fault::MissingRow {
@@ -99,6 +102,9 @@ impl Task for MoveTool {
             rows.b().copy_from(&b);
         }
         rows.error().copy_from(&error);
+        if self.fault == Fault::NoBiasGiven {
+            rows.motion(0, Motion::to_rest(error.x, f.v_WF.x, 25.0));
+        }
     }
 }
 
@@ -128,7 +134,7 @@ fn every_fault_of_a_task_is_found() {
         ("not_finite", Check::Finite),
         ("old_coefficients", Check::Coefficients),
         ("velocity_in_coefficients", Check::Coefficients),
-        ("writes_configuration", Check::Form),
+        ("no_bias_given", Check::Finite),
         ("same_labels", Check::Layout),
         ("refuses_all", Check::Layout),
         ("panics", Check::Panic),
@@ -219,13 +225,7 @@ fn allocations_are_counted_by_the_function_given() {
 
 #[test]
 fn a_plugin_may_be_given_as_it_is() {
-    let tool = MoveTool {
-        fault: Fault::None,
-        kp: 0.0,
-        frame: None,
-        home: Vector3::zeros(),
-        count: 0,
-    };
+    let tool = MoveTool { fault: Fault::None };
     let passed = PluginTest::of_task(&tool)
         .states(1)
         .seed(7)
@@ -235,35 +235,62 @@ fn a_plugin_may_be_given_as_it_is() {
     assert!(passed.refused.is_empty());
 }
 
-/// A key that is lost, one that is not documented, and others that are accepted.
-#[derive(Debug, Serialize, Deserialize, JsonSchema)]
+/// A key that is lost, one that is not documented, and others that are accepted: what an author can do who derives
+/// and registers by hand.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 struct Careless {
     #[serde(skip_serializing, default)]
     lost: f64,
     #[serde(default, alias = "other")]
     known: f64,
+    #[serde(default)]
+    table: Loose,
 }
 
-#[wbqp::constraint("test.careless")]
+/// A table inside that accepts any key.
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+struct Loose {}
+
+#[typetag::serde(name = "test.careless")]
+impl AnyConstraint for Careless {
+    fn bind_any(&self, setup: &mut Setup<'_>) -> Result<BoundPlugin, BindError> {
+        BoundPlugin::constraint(self, setup)
+    }
+}
+
+inventory::submit! {
+    ConstraintPlugin::of::<Careless>("test.careless", file!())
+}
+
 impl Constraint for Careless {
-    fn bind(&mut self, _: &mut Setup<'_>) -> Result<Layout, BindError> {
-        Ok(Layout::empty().bound_effort(0, "first", "N"))
+    type Running = ();
+
+    fn bind(&self, setup: &mut Setup<'_>) -> Result<(ConstraintLayout, ()), BindError> {
+        let mut layout = ConstraintLayout::bounds();
+        if let Some((first, _)) = setup.actuators().next() {
+            layout = layout.bound_effort(first, "first", "N");
+        }
+        Ok((layout, ()))
     }
 
-    fn update(&mut self, _: &Tick<'_>, rows: &mut ConstraintRows<'_>) {
+    fn update(&self, (): &mut (), _: &Tick<'_>, rows: &mut ConstraintRows<'_>) {
         rows.bound(0, 1.0 + self.lost, -1.0);
     }
 }
 
 #[test]
 fn faults_of_the_form_are_found() {
-    let test = PluginTest::constraint("type = \"test.careless\"\nlost = 1.0\nother = 2.0");
+    let keys = "type = \"test.careless\"\nlost = 1.0\nother = 2.0\n[table]";
+    let test = PluginTest::constraint(keys);
     let failures = test.run().expect_err("it is careless");
     let text = failures.to_string();
     for part in [
         "form: `lost` is not what was given after saving",
-        "unknown keys: it accepts an unknown key in TOML",
-        "schema: ",
+        "unknown keys: it accepts an unknown key in TOML: its type has neither `#[wbqp::constraint(…)]` nor",
+        "unknown keys: `table` accepts an unknown key in JSON: its type has neither `#[wbqp::parameters]` nor",
+        "schema: key `known` has no description",
+        "schema: key `other` is not in the schema",
+        "schema: the schema allows unknown keys: its type has neither `#[wbqp::constraint(…)]` nor",
         "finite on `arm`: state 0: bound 0 `first`: its limits are 2 and -1",
     ] {
         assert!(text.contains(part), "{part} / {text}");
@@ -271,36 +298,29 @@ fn faults_of_the_form_are_found() {
 }
 
 /// Keeps the tool above a height: `h = z − height`, `ḧ + 2a ḣ + a² h ≥ 0`.
-#[derive(Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[wbqp::constraint("test.keep_above")]
 struct KeepAbove {
     /// 1/s.
     a: f64,
     /// Factor on the bias: 1 is right.
-    #[serde(default = "one")]
+    #[wbqp(default = 1.0)]
     bias: f64,
     /// Height of another axis taken for z.
-    #[serde(default)]
+    #[wbqp(default)]
     axis: usize,
-    #[serde(skip)]
-    frame: Option<FrameHandle>,
 }
 
-fn one() -> f64 {
-    1.0
-}
-
-#[wbqp::constraint("test.keep_above")]
 impl Constraint for KeepAbove {
-    fn bind(&mut self, setup: &mut Setup<'_>) -> Result<Layout, BindError> {
+    type Running = FrameHandle;
+
+    fn bind(&self, setup: &mut Setup<'_>) -> Result<(ConstraintLayout, FrameHandle), BindError> {
         let frame = setup.frame("tool")?;
-        self.frame = Some(frame);
-        Ok(Layout::rows([("height", "m/s²")]).vdot_frame(frame, [2]))
+        let layout = Layout::rows([("height", "m/s²")]).vdot_frame(frame, [2]);
+        Ok((layout.limits(), frame))
     }
 
-    fn update(&mut self, tick: &Tick<'_>, rows: &mut ConstraintRows<'_>) {
-        let Some(frame) = self.frame else { return };
-        let f = tick.frame(frame);
+    fn update(&self, frame: &mut FrameHandle, tick: &Tick<'_>, rows: &mut ConstraintRows<'_>) {
+        let f = tick.frame(*frame);
         let h = f.p_WF[if self.axis == 0 { 2 } else { 0 }] - 0.3;
         let least = -2.0 * self.a * f.v_WF.z - self.a * self.a * h - self.bias * f.Jdot_v[2];
         rows.limit(0, least, f64::INFINITY);
@@ -343,32 +363,27 @@ fn the_meaning_of_inequalities_has_to_be_stated() {
 }
 
 /// Turns the tool at a rate: `ω̇ = −k (ω − rate)`.
-#[derive(Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[wbqp::task("test.spin")]
 struct Spin {
     /// 1/s.
     k: f64,
     /// rad/s, about the world's z.
     rate: f64,
-    #[serde(skip)]
-    frame: Option<FrameHandle>,
 }
 
-#[wbqp::task("test.spin")]
 impl Task for Spin {
-    fn bind(&mut self, setup: &mut Setup<'_>) -> Result<Layout, BindError> {
+    type Running = FrameHandle;
+
+    fn bind(&self, setup: &mut Setup<'_>) -> Result<(Layout, FrameHandle), BindError> {
         let frame = setup.frame("tool")?;
-        self.frame = Some(frame);
-        Ok(Layout::rows([("z", "rad/s²")])
-            .error_unit("rad/s")
-            .vdot_frame(frame, [5]))
+        let layout = Layout::rows([("z", "rad/s²")]).error_unit("rad/s");
+        Ok((layout.vdot_frame(frame, [5]), frame))
     }
 
-    fn update(&mut self, tick: &Tick<'_>, rows: &mut Rows<'_>) {
-        let Some(frame) = self.frame else { return };
-        let tool = tick.frame(frame);
+    fn update(&self, frame: &mut FrameHandle, tick: &Tick<'_>, rows: &mut Rows<'_>) {
+        let tool = tick.frame(*frame);
         let error = tool.w_WF.z - self.rate;
-        rows.b()[0] = -self.k * error - tool.Jdot_v[5];
+        rows.acceleration(0, -self.k * error);
         rows.error()[0] = error;
     }
 }
@@ -384,29 +399,24 @@ fn an_error_of_velocities_points_to_its_meaning() {
 }
 
 /// Asks for a normal force.
-#[derive(Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[wbqp::task("test.push")]
 struct Push {
     /// Slope of the error.
     slope: f64,
-    #[serde(skip)]
-    contact: Option<ContactId>,
 }
 
-#[wbqp::task("test.push")]
 impl Task for Push {
-    fn bind(&mut self, setup: &mut Setup<'_>) -> Result<Layout, BindError> {
+    type Running = ContactId;
+
+    fn bind(&self, setup: &mut Setup<'_>) -> Result<(Layout, ContactId), BindError> {
         let contact = setup.contact("point")?;
-        self.contact = Some(contact);
-        Ok(Layout::rows([("normal", "N")])
-            .error_unit("N")
-            .force_unit(contact, [2]))
+        let layout = Layout::rows([("normal", "N")]).error_unit("N");
+        Ok((layout.force_unit(contact, [2]), contact))
     }
 
-    fn update(&mut self, tick: &Tick<'_>, rows: &mut Rows<'_>) {
-        let Some(contact) = self.contact else { return };
+    fn update(&self, contact: &mut ContactId, tick: &Tick<'_>, rows: &mut Rows<'_>) {
         rows.b()[0] = 5.0;
-        rows.error()[0] = self.slope * tick.contact(contact).measured[2] - 5.0;
+        rows.error()[0] = self.slope * tick.contact(*contact).measured[2] - 5.0;
     }
 }
 

@@ -4,14 +4,8 @@ use std::{collections::BTreeMap, path::Path};
 
 use wbqp::{
     config::{ConfigErrors, ControllerConfig, Overrides},
-    error::BindError,
-    plugin::{
-        AnyReference, Constraint, ConstraintRows, Layout, Reference, Rows, Sample, Setup, Start,
-        Task, Tick,
-    },
+    prelude::*,
     robot::{Robot, RobotError, RobotModel, SourceLocation},
-    schemars::JsonSchema,
-    serde::{Deserialize, Serialize},
 };
 
 /// The six lines that every controller needs.
@@ -39,95 +33,100 @@ pub(crate) fn messages(source: &str) -> Vec<String> {
     }
 }
 
-macro_rules! plugin {
-    ($(#[$meta:meta])* $name:ident { $($fields:tt)* }) => {
-        #[doc = "A plug-in that only holds data."]
-        #[derive(Debug, Serialize, Deserialize, JsonSchema)]
-        #[serde(crate = "wbqp::serde", deny_unknown_fields)]
-        #[schemars(crate = "wbqp::schemars")]
-        struct $name { $($fields)* }
-    };
-}
-
-plugin!(Nested {
+/// A plug-in that only holds data.
+#[wbqp::parameters]
+struct Nested {
     a: f64,
     b: f64,
     c: f64,
-});
+}
 
-plugin!(Hold {
+/// A plug-in that only holds data.
+#[wbqp::task("test.hold")]
+struct Hold {
     gain: f64,
-    #[serde(default)]
+    #[wbqp(default)]
     frames: Vec<String>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     nested: Option<Nested>,
-    #[serde(skip)]
-    #[expect(dead_code, reason = "is no key")]
-    bound: bool,
-});
+}
 
-plugin!(Follow {
+/// A plug-in that only holds data.
+#[wbqp::task("test.follow")]
+struct Follow {
     reference: Box<dyn AnyReference>,
-});
+}
 
-plugin!(Inner {
+/// A plug-in that only holds data.
+#[wbqp::parameters]
+struct Inner {
     reference: Box<dyn AnyReference>,
-});
+}
 
-plugin!(Many {
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("x-unit" = "1/s²"))]
+/// A plug-in that only holds data.
+#[wbqp::task("test.many")]
+struct Many {
+    #[wbqp(unit = "1/s²")]
     stiffness: Option<f64>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("x-unit" = "1/s"))]
+    #[wbqp(unit = "1/s")]
     damping: Option<f64>,
     maybe: Option<Box<dyn AnyReference>>,
-    #[serde(default)]
+    #[wbqp(default)]
     list: Vec<Box<dyn AnyReference>>,
-    #[serde(default)]
+    #[wbqp(default)]
     map: BTreeMap<String, Box<dyn AnyReference>>,
     inner: Option<Inner>,
-});
+}
 
-plugin!(Ramp {
+/// A plug-in that only holds data.
+#[wbqp::constraint("test.limit")]
+struct Limit {
+    upper: f64,
+}
+
+/// A plug-in that only holds data.
+#[wbqp::reference("test.ramp")]
+struct Ramp {
     to: Vec<f64>,
     duration: f64,
-});
+}
 
-plugin!(Limit { upper: f64 });
+/// A plug-in that only holds data.
+#[wbqp::parameters]
+struct TestRobot {
+    file: String,
+}
 
-plugin!(TestRobot { file: String });
-
-macro_rules! data_task {
-    ($tag:literal, $name:ident) => {
-        #[wbqp::task($tag)]
+macro_rules! only_data {
+    ($name:ident) => {
         impl Task for $name {
-            fn bind(&mut self, _: &mut Setup<'_>) -> Result<Layout, BindError> {
+            type Running = ();
+            fn bind(&self, _: &mut Setup<'_>) -> Result<(Layout, ()), BindError> {
                 Err(BindError::Other("is only data".to_owned()))
             }
-            fn update(&mut self, _: &Tick<'_>, _: &mut Rows<'_>) {}
+            fn update(&self, (): &mut (), _: &Tick<'_>, _: &mut Rows<'_>) {}
         }
     };
 }
 
-data_task!("test.hold", Hold);
-data_task!("test.follow", Follow);
-data_task!("test.many", Many);
+only_data!(Hold);
+only_data!(Follow);
+only_data!(Many);
 
-#[wbqp::constraint("test.limit")]
 impl Constraint for Limit {
-    fn bind(&mut self, _: &mut Setup<'_>) -> Result<Layout, BindError> {
+    type Running = ();
+    fn bind(&self, _: &mut Setup<'_>) -> Result<(ConstraintLayout, ()), BindError> {
         Err(BindError::Other("is only data".to_owned()))
     }
-    fn update(&mut self, _: &Tick<'_>, _: &mut ConstraintRows<'_>) {}
+    fn update(&self, (): &mut (), _: &Tick<'_>, _: &mut ConstraintRows<'_>) {}
 }
 
-#[wbqp::reference("test.ramp")]
 impl Reference for Ramp {
-    fn bind(&mut self, _: &Start<'_>) -> Result<(), BindError> {
+    type Running = ();
+    fn bind(&self, _: Space) -> Result<(), BindError> {
         Ok(())
     }
-    fn sample(&mut self, _: &Tick<'_>, _: &mut Sample) {}
+    fn start(&self, (): &mut (), _: &Start<'_>) {}
+    fn sample(&self, (): &mut (), _: &Tick<'_>, _: &mut Sample) {}
 }
 
 #[wbqp::robot("test.robot")]

@@ -88,35 +88,30 @@ impl Robot for Flyer {
 }
 
 /// Asks the contact for 5 N, with two rows of the same label, and reports the forces of a force task.
-#[derive(Debug, Default, Serialize, Deserialize, JsonSchema)]
-struct Push {
-    #[serde(skip)]
-    contact: Option<ContactId>,
-}
-
 #[wbqp::task("log_test_push")]
+struct Push {}
+
 impl Task for Push {
-    fn bind(&mut self, setup: &mut Setup<'_>) -> Result<Layout, BindError> {
+    type Running = ContactId;
+
+    fn bind(&self, setup: &mut Setup<'_>) -> Result<(Layout, ContactId), BindError> {
         let contact = setup.contact("tip")?;
-        self.contact = Some(contact);
-        Ok(Layout::rows([("normal", "N"), ("normal", "N")])
+        let layout = Layout::rows([("normal", "N"), ("normal", "N")])
             .error_unit("N")
             .force_unit(contact, [2, 2])
-            .while_contact(contact))
+            .while_contact(contact);
+        Ok((layout, contact))
     }
 
-    fn update(&mut self, _tick: &Tick<'_>, rows: &mut Rows<'_>) {
+    fn update(&self, contact: &mut ContactId, _: &Tick<'_>, rows: &mut Rows<'_>) {
         rows.b().fill(5.0);
         rows.error()[0] = 0.5;
-    }
-
-    fn force_report(&self) -> Option<ForceReport> {
-        Some(ForceReport {
-            contact: self.contact?,
+        rows.report_force(ForceReport {
+            contact: *contact,
             reference: Vector3::z() * 5.0,
             virtual_input: Vector3::new(0.0, 0.0, 6.0),
             clamped: true,
-        })
+        });
     }
 }
 
@@ -153,12 +148,9 @@ fn controller() -> Controller {
         contact("tip", ContactKind::Point),
         contact("other", ContactKind::Normal),
     ];
-    config.tasks.push(Entry::new(
-        "push",
-        1.0,
-        Hardness::Soft,
-        Box::new(Push::default()),
-    ));
+    config
+        .tasks
+        .push(Entry::new("push", 1.0, Hardness::Soft, Box::new(Push {})));
     Controller::new(config).unwrap()
 }
 
