@@ -43,7 +43,7 @@ pub use crate::{
     model::{JointId, VelocityId},
     plugin::{
         AnyReference, Constraint, ConstraintLayout, ConstraintRows, FrameHandle, Layout, Motion,
-        Reference, RotationReference, Rows, Sample, Setup, Space, Start, Task, Tick,
+        PerRow, Reference, RotationReference, Rows, Sample, Setup, Space, Start, Task, Tick,
         VectorReference,
     },
 };

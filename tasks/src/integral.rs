@@ -13,9 +13,9 @@
 //! `k_aw = K_I/K_P`, the default, that is zero: a conflict of tasks is settled by the weights and by `K_P` as if there
 //! were no integral.
 
-use wbqp::error::BindError;
+use wbqp::{error::BindError, plugin::PerRow};
 
-use crate::{check, gain::Gain};
+use crate::check;
 
 /// Integrals of several axes. The gain is inside, so that changing it makes no jump.
 #[derive(Clone, Debug, Default)]
@@ -43,9 +43,9 @@ pub(crate) struct Law {
 /// What a task's configuration says of its integral.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Settings<'a> {
-    pub(crate) kp: &'a Gain,
-    pub(crate) ki: &'a Gain,
-    pub(crate) anti_windup: Option<&'a Gain>,
+    pub(crate) kp: &'a PerRow,
+    pub(crate) ki: &'a PerRow,
+    pub(crate) anti_windup: Option<&'a PerRow>,
     pub(crate) limit: f64,
 }
 
@@ -73,9 +73,9 @@ impl Settings<'_> {
 
     /// The numbers of an axis.
     pub(crate) fn law(&self, axis: usize) -> Law {
-        let (kp, ki) = (self.kp.axis(axis), self.ki.axis(axis));
+        let (kp, ki) = (self.kp.row(axis), self.ki.row(axis));
         let anti_windup = match self.anti_windup {
-            Some(gain) => gain.axis(axis),
+            Some(gain) => gain.row(axis),
             None if kp > 0.0 => ki / kp,
             None => 0.0,
         };
@@ -140,7 +140,7 @@ mod tests {
     const PERIOD: f64 = 0.004;
 
     fn law(kp: f64, ki: f64, limit: f64) -> Law {
-        let (kp, ki) = (Gain::from(kp), Gain::from(ki));
+        let (kp, ki) = (PerRow::from(kp), PerRow::from(ki));
         Settings {
             kp: &kp,
             ki: &ki,
@@ -219,8 +219,8 @@ mod tests {
     #[test]
     fn settings_are_refused_by_key() {
         let check = |ki: f64, anti_windup: Option<f64>, limit: f64| {
-            let (kp, ki) = (Gain::from(1.0), Gain::from(ki));
-            let anti_windup = anti_windup.map(Gain::from);
+            let (kp, ki) = (PerRow::from(1.0), PerRow::from(ki));
+            let anti_windup = anti_windup.map(PerRow::from);
             let settings = Settings {
                 kp: &kp,
                 ki: &ki,

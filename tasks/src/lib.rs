@@ -60,7 +60,6 @@ mod check;
 mod constraints;
 mod effort;
 mod follow;
-mod gain;
 mod integral;
 mod references;
 mod tasks;
@@ -70,7 +69,6 @@ pub use constraints::{
     ActuatorLimits, Approximation, ContactMotion, ContactWrench, FrictionPyramid, JointLimits,
     PlaneDistance, ThrustRateLimits, TiltLimit,
 };
-pub use gain::Gain;
 pub use references::{Ellipse, Hold, MinJerk, ThrustAttitude, Waypoint, Waypoints};
 pub use tasks::{
     BaseOrientation, BasePosition, CentroidalAngularMomentum, Com, ConstantForce, ContactForce,

@@ -30,7 +30,7 @@ use wbqp::{
     controller::FallbackLevel,
     input,
     nalgebra::{Quaternion, UnitQuaternion, Vector3},
-    plugin::{Sample, AnyTask},
+    plugin::{AnyTask, Sample},
 };
 use wbqp_bench::workload::{Player, Workload};
 use wbqp_tasks::{BaseOrientation, Com, FramePosition, Posture};
@@ -93,7 +93,7 @@ fn header(out: &mut impl Write, controller: &mut Controller) -> Result<()> {
     writeln!(out, "joints {}", names.join(" "))?;
     let contacts: Vec<String> = controller.contact_names().map(str::to_owned).collect();
     writeln!(out, "contacts {}", contacts.join(" "))?;
-    let posture = followed(&mut *controller.task_mut::<Posture>("posture")?)?;
+    let posture = vector(controller.followed("posture")?)?;
     writeln!(out, "posture {}", words(&posture.value))?;
     Ok(())
 }
@@ -106,19 +106,20 @@ fn describe(controller: &mut Controller, measurement: &Measurement) -> Result<Ve
     line.extend(state.R_WR.coords.iter());
     line.extend(state.q.iter());
     line.extend(state.v.iter());
-    let com = followed(&mut *controller.task_mut::<Com>("com")?)?;
+    let com = vector(controller.followed("com")?)?;
     line.extend(com.value.iter().chain(&com.rate).chain(&com.acceleration));
-    let base = followed(&mut *controller.task_mut::<BaseOrientation>("base")?)?;
+    let Sample::Rotation(base) = controller.followed("base")? else {
+        return Err("`base` follows no orientation".into());
+    };
     line.extend(base.rotation.coords.iter());
     line.extend(base.rate.iter().chain(&base.acceleration));
     let contacts: Vec<String> = controller.contact_names().map(str::to_owned).collect();
     for (name, report) in contacts.iter().zip(controller.report().contacts.clone()) {
         line.push(f64::from(u8::from(report.on)));
-        let swing = controller.task_mut::<FramePosition>(&format!("swing_{name}"));
-        let sample = match swing {
-            Ok(mut task) => followed(&mut *task)?,
+        let sample = match controller.followed(&format!("swing_{name}")) {
+            Ok(swing) => vector(swing)?.clone(),
             // A foot that never leaves the ground.
-            Err(_) => Sample::at_rest([0.0; 3]),
+            Err(_) => VectorSample::at_rest([0.0; 3]),
         };
         let numbers = sample.value.iter().chain(&sample.rate);
         line.extend(numbers.chain(&sample.acceleration));
@@ -137,10 +138,11 @@ fn active(controller: &Controller) -> [usize; 2] {
     [torques, rows.count() - torques]
 }
 
-/// What a task has followed in its last update.
-fn followed(task: &mut impl AnyTask) -> Result<Sample> {
-    let follow = task.follow().ok_or("a task without reference")?;
-    Ok(follow.sample.clone())
+fn vector(sample: &Sample) -> Result<&VectorSample> {
+    match sample {
+        Sample::Vector(sample) => Ok(sample),
+        Sample::Rotation(_) => Err("an orientation".into()),
+    }
 }
 
 fn words(numbers: &[f64]) -> String {

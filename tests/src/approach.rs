@@ -67,7 +67,7 @@ pub fn approaching(overrides: &Overrides) -> ClosedLoop {
     let approach = MinJerk::new(BEYOND, 2.0).starting_at(BEFORE);
     running
         .controller
-        .follow("base_position", Box::new(approach))
+        .follow("base_position", approach)
         .expect("follows");
     running
 }

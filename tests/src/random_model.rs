@@ -177,7 +177,9 @@ pub fn freed(model: &Model) -> (Model, DMatrix<f64>, DVector<f64>) {
     let mut g = DVector::zeros(n);
     for (i, body) in bodies.iter().enumerate().skip(1) {
         let id = model.body_id(i).expect("a body");
-        let column = model.velocity_index(model.joint_of(id).expect("a joint")).index();
+        let column = model
+            .velocity_index(model.joint_of(id).expect("a joint"))
+            .index();
         let mimic = model.mimics().iter().find(|m| m.body == id);
         let (mut joint, multiplier) = match mimic {
             Some(mimic) => {

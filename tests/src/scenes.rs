@@ -12,7 +12,7 @@ use wbqp::{
     contact::{ContactKind, ContactSpec, FreeForce, Surface},
     controller::{Controller, Measurement},
     nalgebra,
-    plugin::{Entry, Hardness, AnyTask, Weight},
+    plugin::{AnyTask, Entry, Hardness, PerRow},
     robot::{Robot, RobotModel},
     settings::{FirstError, Formulation, Hover, Settings, StartFrom},
     state::State,
@@ -212,7 +212,7 @@ impl Scene {
         names
     }
 
-    fn make_task(&self, name: &str) -> (Weight, Box<dyn AnyTask>) {
+    fn make_task(&self, name: &str) -> (PerRow, Box<dyn AnyTask>) {
         let part = name
             .bytes()
             .fold(7, |h: u64, b| h.wrapping_mul(31) + u64::from(b))

@@ -32,9 +32,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     controller.tick(&measurement);
 
     // Between two ticks, by name: the arm goes somewhere else, and counts for more.
-    let mut arm = controller.task_mut::<Posture>("arm")?;
-    arm.follow(MinJerk::new([0.0, 0.3, 0.9], 2.0))?;
-    arm.reweight(0.5)?; // gets there within the entry's transition
+    controller.follow("arm", MinJerk::new([0.0, 0.3, 0.9], 2.0))?;
+    controller.reweight("arm", 0.5)?; // gets there within the entry's transition
 
     for tick in 1..=500_u32 {
         measurement.time = f64::from(tick) / controller.settings().rate;

@@ -14,7 +14,7 @@ use super::{
     table::{self, Section},
 };
 use crate::{
-    plugin::{Entry, Hardness, Weight},
+    plugin::{Entry, Hardness, PerRow},
     registry::PluginKind,
     robot::SourceLocation,
 };
@@ -44,7 +44,7 @@ pub(super) fn read<P: PluginKind + ?Sized>(
     let weight = match take("weight") {
         Some(value) => weight(value, &at, report),
         None if hardness.is_none_or(|hardness| hardness == Hardness::Hard) => {
-            Some(Weight::Uniform(1.0))
+            Some(PerRow::Uniform(1.0))
         }
         None => {
             report.add(
@@ -114,14 +114,14 @@ fn hardness(value: Spanned<DeValue<'_>>, at: &At, report: &mut Report<'_>) -> Op
     }
 }
 
-fn weight(value: Spanned<DeValue<'_>>, at: &At, report: &mut Report<'_>) -> Option<Weight> {
+fn weight(value: Spanned<DeValue<'_>>, at: &At, report: &mut Report<'_>) -> Option<PerRow> {
     let at = at.key("weight");
     let span = value.span();
     let rows: Option<Vec<Span>> = match value.get_ref() {
         DeValue::Array(rows) => Some(rows.iter().map(Spanned::span).collect()),
         _ => None,
     };
-    let weight: Weight = table::value(value, &at, report)?;
+    let weight: PerRow = table::value(value, &at, report)?;
     let mut valid = true;
     for (row, value) in weight.values().iter().enumerate() {
         match rows.as_ref().and_then(|rows| rows.get(row)) {

@@ -13,7 +13,7 @@ use serde_json::{Map, Value, json};
 
 use super::expand;
 use crate::{
-    plugin::{AnyConstraint, AnyReference, AnyTask, Hardness, Weight},
+    plugin::{AnyConstraint, AnyReference, AnyTask, Hardness, PerRow},
     qp::Solver,
     registry::{
         PluginKind,
@@ -159,7 +159,7 @@ fn entry_keys(default: Hardness) -> Value {
                                 Default: `<frame>_<type>`, `<contact>_<type>` or `<type>`.",
             },
             "weight": about(
-                schema_of::<Weight>(),
+                schema_of::<PerRow>(),
                 "Weight, a number or one per row, 0 or more: a row costs weight × residual². Needed unless hard.",
             ),
             "active": { "type": "boolean", "default": true, "description": "Whether it is on at the start." },

@@ -7,7 +7,7 @@ use toml::{de::DeTable, ser::ValueSerializer};
 
 use super::ControllerConfig;
 use crate::{
-    plugin::{Entry, Hardness, Weight},
+    plugin::{Entry, Hardness, PerRow},
     settings::MeasurementLimits,
 };
 
@@ -78,7 +78,7 @@ fn section<T: Serialize>(
 /// The framework's keys of an entry, without those that have their default.
 #[derive(Serialize)]
 struct EntryKeys<'a> {
-    weight: Option<&'a Weight>,
+    weight: Option<&'a PerRow>,
     active: Option<bool>,
     transition: Option<f64>,
     hardness: Option<Hardness>,
@@ -92,7 +92,7 @@ fn entry<P: ?Sized>(
     plugin: &impl Serialize,
 ) -> Result<(), SaveError> {
     let subject = format!("{kind} `{}`", entry.name);
-    let unweighted = entry.hardness == Hardness::Hard && entry.weight == Weight::Uniform(1.0);
+    let unweighted = entry.hardness == Hardness::Hard && entry.weight == PerRow::Uniform(1.0);
     let own = EntryKeys {
         weight: (!unweighted).then_some(&entry.weight),
         active: (!entry.active).then_some(false),

@@ -67,7 +67,7 @@ pub(super) fn make_entry<P: AnyPlugin + ?Sized>(
 
 fn check_entry<P: AnyPlugin + ?Sized>(entry: &Entry<P>, layout: &Layout) -> Result<(), BindError> {
     let rows = layout.len();
-    if let crate::plugin::Weight::PerRow(weights) = &entry.weight
+    if let crate::plugin::PerRow::Each(weights) = &entry.weight
         && weights.len() != rows
     {
         let expected = format!("one number, or {rows}: one per row");

@@ -16,7 +16,7 @@ use crate::{
     contact::{ContactId, ContactSpec, ContactState, SurfaceMotion},
     error::BindError,
     fault::Fault,
-    plugin::{AnyReference, EntryState, Layout, Sample, Weight},
+    plugin::{AnyReference, EntryState, Layout, PerRow, Sample},
     problem::{BoundEntry, Treatment},
 };
 
@@ -105,6 +105,21 @@ impl Controller {
         followed.replace(&*reference.into(), begin).map_err(refused)
     }
 
+    /// What a task followed in its last update, of the first reference that it follows; before the first, where that
+    /// begins.
+    ///
+    /// # Errors
+    /// [`RequestError`] if the task does not exist or follows nothing.
+    pub fn followed<'a>(&self, task: impl Into<EntryRef<'a>>) -> Result<&Sample, RequestError> {
+        let index = self.find(task.into())?;
+        match self.plugins[index].references.first() {
+            Some(followed) => Ok(&followed.sample),
+            None => Err(RequestError::NoReference {
+                name: self.entries[index].name.clone(),
+            }),
+        }
+    }
+
     /// Moves a contact's surface; its pose, twist and acceleration hold from the next tick on.
     ///
     /// # Errors
@@ -128,7 +143,7 @@ impl Controller {
     pub fn reweight<'a>(
         &mut self,
         entry: impl Into<EntryRef<'a>>,
-        weight: impl Into<Weight>,
+        weight: impl Into<PerRow>,
     ) -> Result<(), RequestError> {
         let index = self.find(entry.into())?;
         reweight(&mut self.entries[index], &weight.into())
@@ -328,14 +343,14 @@ fn short_name<T>() -> &'static str {
 }
 
 /// Lets the rows of an entry go to another weight.
-fn reweight(entry: &mut BoundEntry, weight: &Weight) -> Result<(), RequestError> {
+fn reweight(entry: &mut BoundEntry, weight: &PerRow) -> Result<(), RequestError> {
     let rows = entry.weight.now().len();
     let refused = |problem: String| RequestError::Value {
         name: entry.name.clone(),
         source: BindError::value("weight", problem),
     };
     let usable = weight.values().iter().all(|w| w.is_finite() && *w >= 0.0)
-        && (matches!(weight, Weight::Uniform(_)) || weight.values().len() == rows);
+        && (matches!(weight, PerRow::Uniform(_)) || weight.values().len() == rows);
     if !usable {
         return Err(refused(format!(
             "must be one number, or {rows}, finite and not negative"

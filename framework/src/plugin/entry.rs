@@ -1,20 +1,18 @@
 //! The framework's entry around a plug-in: name, weight, activation, transition, hardness.
 
-use std::fmt;
-
 use schemars::JsonSchema;
-use serde::{Deserialize, Deserializer, Serialize, de};
+use serde::{Deserialize, Serialize};
 
-use crate::plugin::{AnyConstraint, AnyTask};
+use crate::plugin::{AnyConstraint, AnyTask, PerRow};
 
 /// A task or constraint with what the framework needs to know about it.
 #[derive(Debug)]
 pub struct Entry<P: ?Sized> {
     /// Unique name: how logs, reports, errors and events call it.
     pub name: String,
-    /// Weight of the rows, **linear**: cost `w r²`, unit 1/unit(row)². Hard equality rows have it only while they
+    /// PerRow of the rows, **linear**: cost `w r²`, unit 1/unit(row)². Hard equality rows have it only while they
     /// ramp, as a cost that becomes hard at the end.
-    pub weight: Weight,
+    pub weight: PerRow,
     /// Whether it is on at the start.
     pub active: bool,
     /// Duration of the weight's ramp when it is switched or given another weight, s.
@@ -27,7 +25,7 @@ pub struct Entry<P: ?Sized> {
 
 impl<P: ?Sized> Entry<P> {
     /// An active entry without ramp; tasks are usually [`Hardness::Soft`], constraints [`Hardness::Hard`].
-    pub fn new(name: &str, weight: impl Into<Weight>, hardness: Hardness, plugin: Box<P>) -> Self {
+    pub fn new(name: &str, weight: impl Into<PerRow>, hardness: Hardness, plugin: Box<P>) -> Self {
         Self {
             name: name.to_owned(),
             weight: weight.into(),
@@ -41,7 +39,7 @@ impl<P: ?Sized> Entry<P> {
 
 impl Entry<dyn AnyTask> {
     /// A task whose rows cost `w r²`.
-    pub fn task(name: &str, weight: impl Into<Weight>, task: impl AnyTask) -> Self {
+    pub fn task(name: &str, weight: impl Into<PerRow>, task: impl AnyTask) -> Self {
         Self::new(name, weight, Hardness::Soft, Box::new(task))
     }
 
@@ -60,7 +58,7 @@ impl Entry<dyn AnyConstraint> {
     /// A constraint that may be violated at a price: equalities cost `w r²`, inequalities `w s²` with their slack `s`.
     pub fn soft_constraint(
         name: &str,
-        weight: impl Into<Weight>,
+        weight: impl Into<PerRow>,
         constraint: impl AnyConstraint,
     ) -> Self {
         Self::new(name, weight, Hardness::Soft, Box::new(constraint))
@@ -84,81 +82,6 @@ impl<P: ?Sized> Entry<P> {
     /// With this hardness.
     pub fn with_hardness(self, hardness: Hardness) -> Self {
         Self { hardness, ..self }
-    }
-}
-
-/// One weight for all rows, or one per row.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-#[serde(untagged)]
-pub enum Weight {
-    /// The same for every row.
-    Uniform(f64),
-    /// One per row.
-    PerRow(Vec<f64>),
-}
-
-impl Weight {
-    /// Weight of a row.
-    pub fn row(&self, index: usize) -> f64 {
-        match self {
-            Self::Uniform(w) => *w,
-            Self::PerRow(w) => w.get(index).copied().unwrap_or(0.0),
-        }
-    }
-
-    /// All values given.
-    pub fn values(&self) -> &[f64] {
-        match self {
-            Self::Uniform(w) => std::slice::from_ref(w),
-            Self::PerRow(w) => w,
-        }
-    }
-}
-
-impl From<f64> for Weight {
-    fn from(w: f64) -> Self {
-        Self::Uniform(w)
-    }
-}
-
-impl From<Vec<f64>> for Weight {
-    fn from(w: Vec<f64>) -> Self {
-        Self::PerRow(w)
-    }
-}
-
-// Written by hand because `untagged` would say only "did not match any variant".
-impl<'de> Deserialize<'de> for Weight {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Visitor;
-        impl<'de> de::Visitor<'de> for Visitor {
-            type Value = Weight;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a number or a list of numbers, one per row")
-            }
-
-            fn visit_f64<E>(self, w: f64) -> Result<Weight, E> {
-                Ok(Weight::Uniform(w))
-            }
-
-            fn visit_i64<E>(self, w: i64) -> Result<Weight, E> {
-                Ok(Weight::Uniform(w as f64))
-            }
-
-            fn visit_u64<E>(self, w: u64) -> Result<Weight, E> {
-                Ok(Weight::Uniform(w as f64))
-            }
-
-            fn visit_seq<A: de::SeqAccess<'de>>(self, mut seq: A) -> Result<Weight, A::Error> {
-                let mut rows = Vec::new();
-                while let Some(w) = seq.next_element()? {
-                    rows.push(w);
-                }
-                Ok(Weight::PerRow(rows))
-            }
-        }
-        deserializer.deserialize_any(Visitor)
     }
 }
 

@@ -1,7 +1,7 @@
 //! One entry's rows inside the problem: layout, storage, weights, identities and switch.
 
 use crate::{
-    plugin::{Hardness, Layout, Weight, layout::Relation, rows::RowStore},
+    plugin::{Hardness, Layout, PerRow, layout::Relation, rows::RowStore},
     problem::{Table, weight::WeightRamp},
     qp::{RowId, VarId},
     switch::Switch,
@@ -43,7 +43,7 @@ pub(crate) struct BoundEntry {
 /// What an entry says about its rows.
 pub(crate) struct EntrySpec<'a> {
     pub(crate) name: &'a str,
-    pub(crate) weight: &'a Weight,
+    pub(crate) weight: &'a PerRow,
     pub(crate) hardness: Hardness,
     pub(crate) switch: Switch,
     /// Tasks write `b`; constraints write limits unless they are equalities.

@@ -4,7 +4,7 @@
 //! After a change at `t₀` each weight goes by `w = w₀ + (w₁ − w₀) s((t − t₀)/τ)` with the smoothstep
 //! `s(x) = 3x² − 2x³`, where τ is the entry's transition.
 
-use crate::{plugin::Weight, switch::smoothstep};
+use crate::{plugin::PerRow, switch::smoothstep};
 
 /// Weights that change over time, one per row.
 #[derive(Clone, Debug)]
@@ -47,7 +47,7 @@ impl WeightRamp {
     }
 
     /// Asks for other weights from the next tick on.
-    pub(crate) fn turn(&mut self, weight: &Weight) {
+    pub(crate) fn turn(&mut self, weight: &PerRow) {
         for (row, w) in self.to.iter_mut().enumerate() {
             *w = weight.row(row);
         }
@@ -88,7 +88,7 @@ impl WeightRamp {
 
 #[cfg(test)]
 mod tests {
-    use super::{Weight, WeightRamp};
+    use super::{PerRow, WeightRamp};
 
     #[test]
     fn goes_from_where_it_is_to_where_it_is_sent() {
@@ -98,12 +98,12 @@ mod tests {
             weight.now().to_vec()
         };
         assert_eq!(at(&mut weight, 5.0), [1.0, 2.0]);
-        weight.turn(&Weight::PerRow(vec![3.0, 0.0]));
+        weight.turn(&PerRow::Each(vec![3.0, 0.0]));
         assert_eq!(weight.now(), [1.0, 2.0]);
         assert_eq!(at(&mut weight, 6.0), [1.0, 2.0]);
         assert_eq!(at(&mut weight, 7.0), [2.0, 1.0]);
         // On the way it turns without a jump.
-        weight.turn(&Weight::Uniform(2.0));
+        weight.turn(&PerRow::Uniform(2.0));
         assert_eq!(at(&mut weight, 7.0), [2.0, 1.0]);
         assert_eq!(at(&mut weight, 8.0), [2.0, 1.5]);
         assert_eq!(at(&mut weight, 9.0), [2.0, 2.0]);
@@ -112,7 +112,7 @@ mod tests {
     #[test]
     fn without_transition_it_jumps() {
         let mut weight = WeightRamp::new(vec![1.0], 0.0);
-        weight.turn(&Weight::Uniform(4.0));
+        weight.turn(&PerRow::Uniform(4.0));
         weight.update(1.0);
         assert_eq!(weight.now(), [4.0]);
     }

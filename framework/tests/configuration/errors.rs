@@ -2,7 +2,7 @@
 
 use wbqp::{
     config::{ConfigErrorKind, ControllerConfig, Overrides},
-    plugin::{Hardness, Weight},
+    plugin::{Hardness, PerRow},
     settings::Target,
     toml,
 };
@@ -59,9 +59,9 @@ upper = 3
     assert_eq!((arm.name.as_str(), arm.active), ("arm", true));
     assert_eq!(
         (&arm.weight, arm.hardness),
-        (&Weight::Uniform(1.0), Hardness::Soft)
+        (&PerRow::Uniform(1.0), Hardness::Soft)
     );
-    assert_eq!(look.weight, Weight::PerRow(vec![1.0, 0.5]));
+    assert_eq!(look.weight, PerRow::Each(vec![1.0, 0.5]));
     assert_eq!((look.active, look.transition), (false, 2.0));
     assert_eq!(look.hardness, Hardness::Exact(10.0));
     assert_eq!(config.constraints[0].hardness, Hardness::Hard);
@@ -490,7 +490,7 @@ fn overrides_replace_and_add() {
     .expect("is a table of overrides");
     let config = with_overrides(&format!("{HEAD}{TASK}"), &overrides).expect("loads");
     assert_eq!(config.settings.rate, 500.0);
-    assert_eq!(config.tasks[0].weight, Weight::PerRow(vec![3.0, 4.0]));
+    assert_eq!(config.tasks[0].weight, PerRow::Each(vec![3.0, 4.0]));
     assert!(!config.tasks[0].active);
     let text = config.to_toml().expect("can be written");
     for line in [
@@ -526,7 +526,7 @@ fn an_override_of_type_replaces_the_plug_in() {
             .with(task(), "reference", reference)
             .with(task(), "type", "test.follow");
     let config = with_overrides(&format!("{HEAD}{TASK}"), &overrides).expect("loads");
-    assert_eq!(config.tasks[0].weight, Weight::Uniform(1.0));
+    assert_eq!(config.tasks[0].weight, PerRow::Uniform(1.0));
     assert!(
         config
             .to_toml()

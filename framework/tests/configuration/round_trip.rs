@@ -2,7 +2,7 @@
 
 use wbqp::{
     config::ControllerConfig,
-    plugin::{Entry, Hardness, Weight},
+    plugin::{Entry, Hardness, PerRow},
     settings::Settings,
     toml,
 };
@@ -129,7 +129,7 @@ fn a_configuration_made_in_code_loads_again() {
     let mut config = ControllerConfig::new(Settings::at_rate(400.0), parts.robot);
     config.tasks = parts.tasks;
     for task in &mut config.tasks {
-        task.weight = Weight::PerRow(vec![1e-3, 1e100]);
+        task.weight = PerRow::Each(vec![1e-3, 1e100]);
         task.hardness = Hardness::Hard;
     }
     let constraint = parts.constraints.into_iter().next().expect("has one");
@@ -273,7 +273,7 @@ fn numbers_without_a_meaning_are_refused_in_words() {
         assert!(errors.to_string().contains(said), "{errors}");
     }
     let mut config = load(FULL).expect("loads");
-    config.tasks[0].weight = Weight::PerRow(vec![1e-3, f64::MAX]);
+    config.tasks[0].weight = PerRow::Each(vec![1e-3, f64::MAX]);
     let text = config.to_toml().expect("can be written");
     let errors = load(&text).expect_err("has no meaning").to_string();
     assert!(

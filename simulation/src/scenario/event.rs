@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use wbqp::{
     controller::Controller,
-    plugin::{AnyReference, Weight},
+    plugin::{AnyReference, PerRow},
 };
 
 /// Everything that happens at one time. Actions are applied in the order of the fields.
@@ -32,7 +32,7 @@ pub struct Event {
     pub activate: Vec<String>,
     /// New weights by entry.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    pub weight: BTreeMap<String, Weight>,
+    pub weight: BTreeMap<String, PerRow>,
     /// New references by task; their times count from the event.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     #[schemars(with = "BTreeMap<String, Box<dyn AnyReference>>")]
@@ -62,7 +62,7 @@ impl Event {
             controller.activate(name).map_err(text)?;
         }
         for (name, weight) in &self.weight {
-            controller.reweight(name, weight).map_err(text)?;
+            controller.reweight(name, weight.clone()).map_err(text)?;
         }
         for (task, value) in &self.follow {
             if !value.is_table() {

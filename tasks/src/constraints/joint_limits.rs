@@ -9,7 +9,7 @@
 
 use wbqp::{model::JointKind, prelude::*};
 
-use crate::{check, effort::chosen, gain::Gain};
+use crate::{check, effort::chosen};
 
 /// Keeps joints within their range of positions and their speed, by limits on accelerations that can always be kept:
 ///
@@ -34,7 +34,7 @@ pub struct JointLimits {
     /// Acceleration `A` with which a joint can always brake, and the largest that is allowed, rad/s² or m/s²: one
     /// number, or one per joint.
     #[wbqp(default = 20.0, unit = "rad/s² or m/s²")]
-    pub acceleration: Gain,
+    pub acceleration: PerRow,
     /// Distance kept from both ends of the range, rad or m.
     #[wbqp(default, unit = "rad or m")]
     pub margin: f64,
@@ -61,7 +61,7 @@ struct Range {
 
 impl JointLimits {
     /// All joints, which can brake with this acceleration (rad/s² or m/s²).
-    pub fn new(acceleration: impl Into<Gain>) -> Self {
+    pub fn new(acceleration: impl Into<PerRow>) -> Self {
         Self {
             acceleration: acceleration.into(),
             margin: 0.0,
@@ -163,7 +163,7 @@ impl Constraint for JointLimits {
                 lower: about.limits.lower + self.margin,
                 upper: about.limits.upper - self.margin,
                 speed: about.limits.velocity,
-                acceleration: self.acceleration.axis(k),
+                acceleration: self.acceleration.row(k),
             };
             if range.lower > range.upper {
                 let problem = format!(

@@ -6,7 +6,7 @@
 
 use wbqp::{nalgebra::UnitQuaternion, plugin::RotationReference, prelude::*, spatial};
 
-use crate::{follow::stay, gain::Gain};
+use crate::follow::stay;
 
 /// Turns a floating base, the paper's R_R.
 ///
@@ -22,10 +22,10 @@ use crate::{follow::stay, gain::Gain};
 pub struct BaseOrientation {
     /// Stiffness `K_P`, 1/s²: one number, or one per axis of `axes`.
     #[wbqp(unit = "1/s²")]
-    pub kp: Gain,
+    pub kp: PerRow,
     /// Damping `K_D`, 1/s: one number, or one per axis of `axes`. Default: critical, `2 √K_P`.
     #[wbqp(unit = "1/s", critical = "kp")]
-    pub kd: Gain,
+    pub kd: PerRow,
     /// How the difference of two orientations is measured.
     #[wbqp(default)]
     pub error: RotationError,
@@ -89,7 +89,7 @@ impl GainAxes {
     /// `K_D rate + K_P error` for vectors in the axes that `R` turns the body's into, whatever axes the gains are in.
     pub(crate) fn feedback(
         self,
-        [kp, kd]: [&Gain; 2],
+        [kp, kd]: [&PerRow; 2],
         R: &UnitQuaternion<f64>,
         error: &Vector3<f64>,
         rate: &Vector3<f64>,
@@ -109,7 +109,7 @@ impl GainAxes {
 
 impl BaseOrientation {
     /// Holds the orientation of the start with these gains (1/s², 1/s), along world axes.
-    pub fn new(kp: impl Into<Gain>, kd: impl Into<Gain>) -> Self {
+    pub fn new(kp: impl Into<PerRow>, kd: impl Into<PerRow>) -> Self {
         Self {
             kp: kp.into(),
             kd: kd.into(),
@@ -221,7 +221,7 @@ mod tests {
     #[test]
     fn body_gains_turn_with_the_base() {
         let R_WR = turn(0.0, 0.0, std::f64::consts::FRAC_PI_2);
-        let (kp, kd) = (Gain::from([1.0, 2.0, 3.0]), Gain::from(0.0));
+        let (kp, kd) = (PerRow::from([1.0, 2.0, 3.0]), PerRow::from(0.0));
         let x = Vector3::x();
         let feedback = |axes: GainAxes| axes.feedback([&kp, &kd], &R_WR, &x, &Vector3::zeros());
         assert!((feedback(GainAxes::World) - x).norm() < 1e-12);

@@ -8,7 +8,6 @@ use wbqp::{plugin::VectorReference, prelude::*};
 
 use crate::{
     follow::stay,
-    gain::Gain,
     integral::{Integral, Settings},
 };
 
@@ -27,20 +26,20 @@ use crate::{
 pub struct BasePosition {
     /// Stiffness `K_P`, 1/s²: one number, or one per world axis.
     #[wbqp(unit = "1/s²")]
-    pub kp: Gain,
+    pub kp: PerRow,
     /// Damping `K_D`, 1/s: one number, or one per world axis. Default: critical, `2 √K_P`.
     #[wbqp(unit = "1/s", critical = "kp")]
-    pub kd: Gain,
+    pub kd: PerRow,
     /// Integral gain `K_I`, 1/s³: one number, or one per world axis. 0, the default, is the paper's law.
     #[wbqp(default = 0.0, unit = "1/s³")]
-    pub ki: Gain,
+    pub ki: PerRow,
     /// Largest acceleration that the integral may ask for on each axis, m/s².
     #[wbqp(default = 2.0, unit = "m/s²")]
     pub integral_limit: f64,
     /// Back-calculation gain `k_aw` of the integral, 1/s: one number, or one per world axis. Default `K_I/K_P`, with
     /// which the integral stays out of conflicts with limits and other tasks; 0 leaves only `integral_limit`.
     #[wbqp(unit = "1/s")]
-    pub anti_windup: Option<Gain>,
+    pub anti_windup: Option<PerRow>,
     /// Where to go: position of the base's origin in the world, m. Default: hold what is measured at the start.
     #[wbqp(default = stay(), unit = "m")]
     pub reference: Box<dyn AnyReference>,
@@ -48,7 +47,7 @@ pub struct BasePosition {
 
 impl BasePosition {
     /// Holds the position of the start with these gains (1/s², 1/s), without integral.
-    pub fn new(kp: impl Into<Gain>, kd: impl Into<Gain>) -> Self {
+    pub fn new(kp: impl Into<PerRow>, kd: impl Into<PerRow>) -> Self {
         Self {
             kp: kp.into(),
             kd: kd.into(),
@@ -66,7 +65,7 @@ impl BasePosition {
     }
 
     /// Adds the integral (1/s³), clamped to an acceleration in m/s².
-    pub fn with_integral(mut self, ki: impl Into<Gain>, limit: f64) -> Self {
+    pub fn with_integral(mut self, ki: impl Into<PerRow>, limit: f64) -> Self {
         (self.ki, self.integral_limit) = (ki.into(), limit);
         self
     }

@@ -6,7 +6,7 @@
 
 use wbqp::{plugin::VectorReference, prelude::*};
 
-use crate::{follow::stay, gain::Gain};
+use crate::follow::stay;
 
 /// Controls the angular momentum of the whole robot about its centre of mass: zero keeps limbs from winding it up.
 ///
@@ -24,9 +24,9 @@ use crate::{follow::stay, gain::Gain};
 /// Error: `L_G − L_d`, kg·m²/s.
 #[wbqp::task("centroidal_angular_momentum")]
 pub struct CentroidalAngularMomentum {
-    /// Gain `K`, 1/s: one number, or one per world axis.
+    /// PerRow `K`, 1/s: one number, or one per world axis.
     #[wbqp(unit = "1/s")]
-    pub k: Gain,
+    pub k: PerRow,
     /// The momentum wanted: three numbers, kg·m²/s, world axes. Default: none, as in the home posture at rest.
     #[wbqp(default = stay(), unit = "kg·m²/s")]
     pub reference: Box<dyn AnyReference>,
@@ -34,7 +34,7 @@ pub struct CentroidalAngularMomentum {
 
 impl CentroidalAngularMomentum {
     /// Takes all momentum away with this gain (1/s).
-    pub fn new(k: impl Into<Gain>) -> Self {
+    pub fn new(k: impl Into<PerRow>) -> Self {
         Self {
             k: k.into(),
             reference: stay(),

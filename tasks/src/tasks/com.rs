@@ -6,7 +6,7 @@
 
 use wbqp::{plugin::VectorReference, prelude::*};
 
-use crate::{axis::Axis, follow::stay, gain::Gain};
+use crate::{axis::Axis, follow::stay};
 
 /// Moves the robot's centre of mass: balance of a legged robot, the point that thrust has to carry of a flying one.
 ///
@@ -24,10 +24,10 @@ use crate::{axis::Axis, follow::stay, gain::Gain};
 pub struct Com {
     /// Stiffness `K_P`, 1/s²: one number, or one per axis.
     #[wbqp(unit = "1/s²")]
-    pub kp: Gain,
+    pub kp: PerRow,
     /// Damping `K_D`, 1/s: one number, or one per axis. Default: critical, `2 √K_P`.
     #[wbqp(unit = "1/s", critical = "kp")]
-    pub kd: Gain,
+    pub kd: PerRow,
     /// Which axes of the world; rows, gains and reference are in this order. Default: x, y, z.
     pub axes: Option<Vec<Axis>>,
     /// Where to go: one position per axis, m, world. Default: hold what is measured at the start.
@@ -37,7 +37,7 @@ pub struct Com {
 
 impl Com {
     /// Holds the centre of mass where it is at the start with these gains (1/s², 1/s).
-    pub fn new(kp: impl Into<Gain>, kd: impl Into<Gain>) -> Self {
+    pub fn new(kp: impl Into<PerRow>, kd: impl Into<PerRow>) -> Self {
         Self {
             kp: kp.into(),
             kd: kd.into(),
@@ -95,8 +95,8 @@ impl Task for Com {
                     error: p[i] - value,
                     rate: v[i] - rate,
                     acceleration,
-                    kp: self.kp.axis(k),
-                    kd: self.kd.axis(k),
+                    kp: self.kp.row(k),
+                    kd: self.kd.row(k),
                 },
             );
         }

@@ -7,7 +7,7 @@
 use wbqp::{nalgebra::UnitQuaternion, plugin::RotationReference, prelude::*};
 
 use super::base_orientation::{GainAxes, RotationError};
-use crate::{follow::stay, gain::Gain};
+use crate::follow::stay;
 
 /// Turns a frame of the robot.
 ///
@@ -25,10 +25,10 @@ pub struct FrameOrientation {
     pub frame: String,
     /// Stiffness `K_P`, 1/s²: one number, or one per axis of `axes`.
     #[wbqp(unit = "1/s²")]
-    pub kp: Gain,
+    pub kp: PerRow,
     /// Damping `K_D`, 1/s: one number, or one per axis of `axes`. Default: critical, `2 √K_P`.
     #[wbqp(unit = "1/s", critical = "kp")]
-    pub kd: Gain,
+    pub kd: PerRow,
     /// How the difference of two orientations is measured.
     #[wbqp(default)]
     pub error: RotationError,
@@ -43,7 +43,7 @@ pub struct FrameOrientation {
 
 impl FrameOrientation {
     /// Holds the frame's orientation of the start with these gains (1/s², 1/s), along world axes.
-    pub fn new(frame: impl Into<String>, kp: impl Into<Gain>, kd: impl Into<Gain>) -> Self {
+    pub fn new(frame: impl Into<String>, kp: impl Into<PerRow>, kd: impl Into<PerRow>) -> Self {
         Self {
             frame: frame.into(),
             kp: kp.into(),

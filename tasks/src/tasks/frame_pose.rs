@@ -11,7 +11,7 @@ use wbqp::{
 };
 
 use super::base_orientation::RotationError;
-use crate::{follow::stay, gain::Gain};
+use crate::follow::stay;
 
 /// Moves and turns a frame of the robot: [`FramePosition`](crate::FramePosition) and
 /// [`FrameOrientation`](crate::FrameOrientation) in one entry.
@@ -30,10 +30,10 @@ pub struct FramePose {
     pub frame: String,
     /// Stiffness `K_P`, 1/s²: one number, or six: x, y, z, then about x, y, z.
     #[wbqp(unit = "1/s²")]
-    pub kp: Gain,
+    pub kp: PerRow,
     /// Damping `K_D`, 1/s: one number, or six. Default: critical, `2 √K_P`.
     #[wbqp(unit = "1/s", critical = "kp")]
-    pub kd: Gain,
+    pub kd: PerRow,
     /// How the difference of two orientations is measured.
     #[wbqp(default)]
     pub error: RotationError,
@@ -48,7 +48,7 @@ pub struct FramePose {
 
 impl FramePose {
     /// Holds the frame where it is at the start, with these gains (1/s², 1/s).
-    pub fn new(frame: impl Into<String>, kp: impl Into<Gain>, kd: impl Into<Gain>) -> Self {
+    pub fn new(frame: impl Into<String>, kp: impl Into<PerRow>, kd: impl Into<PerRow>) -> Self {
         Self {
             frame: frame.into(),
             kp: kp.into(),
@@ -131,8 +131,8 @@ impl Task for FramePose {
                     error: errors[part][i],
                     rate: rates[part][i],
                     acceleration: accelerations[part][i],
-                    kp: self.kp.axis(k),
-                    kd: self.kd.axis(k),
+                    kp: self.kp.row(k),
+                    kd: self.kd.row(k),
                 },
             );
         }

@@ -9,7 +9,6 @@ use wbqp::{contact::ContactSpec, plugin::VectorReference, prelude::*};
 
 use crate::{
     follow::stay,
-    gain::Gain,
     integral::{Integral, Settings},
 };
 
@@ -39,20 +38,20 @@ pub struct FreeMotion {
     pub contact: String,
     /// Stiffness `K_P`, 1/s²: one number, or one per axis.
     #[wbqp(unit = "1/s²")]
-    pub kp: Gain,
+    pub kp: PerRow,
     /// Damping `K_D`, 1/s: one number, or one per axis. Default: critical, `2 √K_P`.
     #[wbqp(unit = "1/s", critical = "kp")]
-    pub kd: Gain,
+    pub kd: PerRow,
     /// Integral gain `K_I`, 1/s³: one number, or one per axis. 0, the default, is the paper's law.
     #[wbqp(default = 0.0, unit = "1/s³")]
-    pub ki: Gain,
+    pub ki: PerRow,
     /// Largest acceleration that the integral may ask for on each axis, m/s².
     #[wbqp(default = 2.0, unit = "m/s²")]
     pub integral_limit: f64,
     /// Back-calculation gain `k_aw` of the integral, 1/s: one number, or one per axis. Default `K_I/K_P`, with which
     /// the integral stays out of conflicts with limits and other tasks; 0 leaves only `integral_limit`.
     #[wbqp(unit = "1/s")]
-    pub anti_windup: Option<Gain>,
+    pub anti_windup: Option<PerRow>,
     /// Which axes of the surface; rows, gains and reference are in this order. Default: all translations that the
     /// contact leaves free, x before y.
     pub axes: Option<Vec<SurfaceAxis>>,
@@ -118,7 +117,7 @@ pub struct RunningFreeMotion {
 
 impl FreeMotion {
     /// Holds the contact point along all free translations with these gains (1/s², 1/s), without integral.
-    pub fn new(contact: impl Into<String>, kp: impl Into<Gain>, kd: impl Into<Gain>) -> Self {
+    pub fn new(contact: impl Into<String>, kp: impl Into<PerRow>, kd: impl Into<PerRow>) -> Self {
         Self {
             contact: contact.into(),
             kp: kp.into(),
@@ -140,7 +139,7 @@ impl FreeMotion {
     }
 
     /// Adds the integral (1/s³), clamped to an acceleration in m/s².
-    pub fn with_integral(mut self, ki: impl Into<Gain>, limit: f64) -> Self {
+    pub fn with_integral(mut self, ki: impl Into<PerRow>, limit: f64) -> Self {
         (self.ki, self.integral_limit) = (ki.into(), limit);
         self
     }
@@ -248,7 +247,7 @@ impl Task for FreeMotion {
             let given = row.iter().zip(&tick.last.vdot).map(|(j, a)| j * a).sum();
             let integral = &mut running.integral;
             let xi = integral.step(k, settings.law(k), error, given, tick.elapsed);
-            let wanted = acceleration - self.kd.axis(k) * rate - self.kp.axis(k) * error - xi
+            let wanted = acceleration - self.kd.row(k) * rate - self.kp.row(k) * error - xi
                 + contact.surface_acceleration[i];
             rows.acceleration(k, wanted);
             integral.ask(k, rows.b()[k]);

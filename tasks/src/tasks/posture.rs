@@ -2,7 +2,7 @@
 
 use wbqp::{model::JointKind, plugin::VectorReference, prelude::*};
 
-use crate::{follow::stay, gain::Gain};
+use crate::follow::stay;
 
 /// Moves joints, the paper's q_A.
 ///
@@ -15,10 +15,10 @@ use crate::{follow::stay, gain::Gain};
 pub struct Posture {
     /// Stiffness `K_P`, 1/s²: one number, or one per joint.
     #[wbqp(unit = "1/s²")]
-    pub kp: Gain,
+    pub kp: PerRow,
     /// Damping `K_D`, 1/s: one number, or one per joint. Default: critical, `2 √K_P`.
     #[wbqp(unit = "1/s", critical = "kp")]
-    pub kd: Gain,
+    pub kd: PerRow,
     /// Which joints, by name; rows, gains and reference are in this order. Default: all, in the model's order.
     pub joints: Option<Vec<String>>,
     /// Where to go: one position per joint, rad or m. Default: hold what is measured at the start.
@@ -28,7 +28,7 @@ pub struct Posture {
 
 impl Posture {
     /// Holds all joints where they are at the start with these gains (1/s², 1/s).
-    pub fn new(kp: impl Into<Gain>, kd: impl Into<Gain>) -> Self {
+    pub fn new(kp: impl Into<PerRow>, kd: impl Into<PerRow>) -> Self {
         Self {
             kp: kp.into(),
             kd: kd.into(),
@@ -122,8 +122,8 @@ impl Task for Posture {
                     error: tick.state.q[joint.index()] - value,
                     rate: tick.state.v[velocity] - rate,
                     acceleration,
-                    kp: self.kp.axis(k),
-                    kd: self.kd.axis(k),
+                    kp: self.kp.row(k),
+                    kd: self.kd.row(k),
                 },
             );
         }

@@ -13,7 +13,7 @@ use wbqp::{
 };
 
 use super::{base_orientation::RotationError, frame_pose::POSE};
-use crate::{follow::stay, gain::Gain};
+use crate::follow::stay;
 
 /// Moves a frame of the robot relative to another one: two hands that hold an object, a camera that follows a tool.
 ///
@@ -38,10 +38,10 @@ pub struct RelativePose {
     pub relative_to: String,
     /// Stiffness `K_P`, 1/s²: one number, or six: x, y, z, then about x, y, z.
     #[wbqp(unit = "1/s²")]
-    pub kp: Gain,
+    pub kp: PerRow,
     /// Damping `K_D`, 1/s: one number, or six. Default: critical, `2 √K_P`.
     #[wbqp(unit = "1/s", critical = "kp")]
-    pub kd: Gain,
+    pub kd: PerRow,
     /// How the difference of two orientations is measured.
     #[wbqp(default)]
     pub error: RotationError,
@@ -58,8 +58,8 @@ impl RelativePose {
     pub fn new(
         frame: impl Into<String>,
         relative_to: impl Into<String>,
-        kp: impl Into<Gain>,
-        kd: impl Into<Gain>,
+        kp: impl Into<PerRow>,
+        kd: impl Into<PerRow>,
     ) -> Self {
         Self {
             frame: frame.into(),
@@ -177,8 +177,8 @@ impl Task for RelativePose {
                     error: errors[part][i],
                     rate: rates[part][i],
                     acceleration: accelerations[part][i],
-                    kp: self.kp.axis(k),
-                    kd: self.kd.axis(k),
+                    kp: self.kp.row(k),
+                    kd: self.kd.row(k),
                 },
             );
         }

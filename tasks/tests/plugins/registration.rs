@@ -77,8 +77,8 @@ fn every_key_is_documented_and_every_number_has_a_unit() {
             let optional = kinds.is_some_and(|kinds| kinds.contains(&"number".into()));
             let is_number = about["type"] == "number"
                 || optional
-                || about["$ref"] == "#/$defs/Gain"
-                || about["anyOf"][0]["$ref"] == "#/$defs/Gain"
+                || about["$ref"] == "#/$defs/PerRow"
+                || about["anyOf"][0]["$ref"] == "#/$defs/PerRow"
                 || about["items"]["type"] == "number";
             assert_eq!(
                 about["x-unit"].is_string(),

@@ -5,7 +5,7 @@ use wbqp::{
     Controller, ControllerConfig, Measurement, Report,
     controller::FallbackLevel,
     nalgebra::{Vector3, Vector6},
-    plugin::{AnyConstraint, AnyTask, Entry, Hardness, Weight},
+    plugin::{AnyConstraint, AnyTask, Entry, Hardness, PerRow},
     settings::{FirstError, Settings, StartFrom},
     spatial,
 };
@@ -33,7 +33,7 @@ impl Setting {
         Self { config }.constraint("limits", ActuatorLimits::new())
     }
 
-    fn task(mut self, name: &str, weight: impl Into<Weight>, task: impl AnyTask) -> Self {
+    fn task(mut self, name: &str, weight: impl Into<PerRow>, task: impl AnyTask) -> Self {
         let entry = Entry::new(
             name,
             weight,
@@ -210,7 +210,7 @@ fn a_replaced_reference_begins_where_the_last_one_stood() {
     m.time = 1.0;
     tick(&mut controller, &m);
     let up = MinJerk::new([0.0, 0.0, 2.0], 2.0);
-    controller.follow("position", Box::new(up)).unwrap();
+    controller.follow("position", up).unwrap();
     let too_long = Box::new(MinJerk::new([0.0; 4], 2.0));
     assert!(controller.follow("position", too_long).is_err());
     let mut error = |time| {

@@ -10,7 +10,7 @@ use wbqp::{
     controller::FallbackLevel,
     fault::Fault,
     nalgebra::UnitQuaternion,
-    plugin::{Entry, Weight},
+    plugin::{Entry, PerRow},
     qp::{Budget, Capacity, Clarabel, Qp, QpError, QpSolver, Solution, Solver, Status},
     schemars::{self, JsonSchema},
     serde::{Deserialize, Serialize},
@@ -124,7 +124,7 @@ fn with_solver(solver: Option<fn() -> Box<dyn Solver>>) {
                     20 => controller.deactivate("posture"),
                     30 => controller.activate_contact("contact_0"),
                     40 => controller.activate("posture"),
-                    45 => controller.reweight("posture", &Weight::Uniform(0.5)),
+                    45 => controller.reweight("posture", 0.5),
                     _ => Ok(()),
                 }
                 .expect("the names exist");
@@ -255,7 +255,7 @@ pub(crate) fn no_rung_allocates() {
                 1 => controller.deactivate(name),
                 2 => controller.activate_contact(contact),
                 3 => controller.deactivate_contact(contact),
-                4 => controller.reweight(name, &Weight::Uniform(rng.random_range(0.1..10.0))),
+                4 => controller.reweight(name, rng.random_range(0.1..10.0)),
                 _ => Ok(()),
             }
             .expect("the names exist");

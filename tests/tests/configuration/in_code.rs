@@ -5,7 +5,7 @@ use wbqp::{
     Controller, ControllerConfig, Measurement,
     contact::{ContactKind, ContactSpec, Surface},
     controller::RequestError,
-    plugin::{Entry, Hardness, Weight},
+    plugin::{Entry, Hardness, PerRow},
 };
 use wbqp_robots::Othex;
 use wbqp_tasks::{
@@ -203,7 +203,7 @@ fn a_task_is_changed_while_running() {
     run(&mut controller, 5);
     let asked = |c: &Controller| c.report().tasks[0].residual[0];
 
-    let arm = controller.task_id::<Posture>("arm").expect("it is there");
+    let arm = controller.entry("arm").expect("it is there");
     let before = controller.report().tasks[0].error[0];
     assert!(before > 0.0, "the joint was moved away: {before}");
 
@@ -211,31 +211,31 @@ fn a_task_is_changed_while_running() {
     let q = [0.001, 0.0, 0.0];
     let home = controller.robot().home.q.clone();
     let here: Vec<f64> = home.iter().zip(q).map(|(home, q)| home + q).collect();
-    let mut task = controller.task_mut(arm).expect("its own id");
-    assert_eq!(task.name(), "arm");
-    task.follow(Hold::at(here)).expect("three joints");
+    let followed = |c: &Controller| c.followed(arm).expect("its own id").clone();
+    assert_ne!(followed(&controller), Sample::at_rest(here.iter().copied()));
+    let hold = Hold::at(here.clone());
+    controller.follow(arm, hold).expect("three joints");
     run(&mut controller, 1);
-    let error = controller.report().tasks[0].error[0];
+    let report = controller.report();
+    let error = report.task("arm").expect("it is there").error[0];
     assert!(error.abs() < 1e-12, "{error}");
+    assert_eq!(report.task(arm), report.task("arm"));
+    assert_eq!(report.task("amr"), None);
+    assert_eq!(followed(&controller), Sample::at_rest(here));
 
     // Gains and weights: what the solution leaves of the task changes.
     run(&mut controller, 1);
     let soft = asked(&controller);
-    let mut task = controller.task_mut::<Posture>("arm").expect("it is there");
-    task.kp = 250.0.into();
-    assert_eq!(task.kp, 250.0.into());
-    task.reweight(10.0).expect("one number");
+    let task = controller.parameters_mut::<Posture>(arm);
+    task.expect("it is there").kp = 250.0.into();
+    controller.reweight(arm, 10.0).expect("one number");
     run(&mut controller, 1);
     assert_ne!(asked(&controller), soft);
 
-    let mut task = controller.task_mut::<Posture>("arm").expect("it is there");
-    task.deactivate();
+    controller.deactivate("arm").expect("it is there");
     run(&mut controller, 1);
     assert_eq!(controller.report().tasks[0].alpha, 0.0);
-    controller
-        .task_mut::<Posture>("arm")
-        .expect("it is there")
-        .activate();
+    controller.activate(arm).expect("it is there");
     run(&mut controller, 1);
     assert_eq!(controller.report().tasks[0].alpha, 1.0);
 }
@@ -243,47 +243,43 @@ fn a_task_is_changed_while_running() {
 #[test]
 fn what_does_not_fit_is_refused_by_name() {
     let mut controller = config().build().expect("fits the robot");
-    let error = controller.task_mut::<Posture>("amr").expect_err("no task");
+    let error = controller.parameters_mut::<Posture>("amr");
     assert_eq!(
-        error.to_string(),
-        "there is no task `amr`; did you mean `arm`? (known: arm, base, attitude, push, thrusts, spare)"
+        error.expect_err("no entry").to_string(),
+        "there is no entry `amr`; did you mean `arm`? (known: arm, base, attitude, push, thrusts, spare, limits, \
+         cone, touch)"
     );
-    let error = controller
-        .task_id::<Posture>("base")
-        .expect_err("another type");
+    let error = controller.parameters_mut::<Posture>("base");
+    let error = error.expect_err("another type");
     assert!(
         matches!(&error, RequestError::OtherType { name, is: "base_position", .. } if name == "base"),
         "{error}"
     );
     assert_eq!(
         error.to_string(),
-        "task `base` is of type `base_position`, not a `Posture`"
+        "`base` is of type `base_position`, not a `Posture`"
     );
 
-    let mut arm = controller.task_mut::<Posture>("arm").expect("it is there");
-    let error = arm.reweight(vec![1.0, 2.0]).expect_err("three rows");
+    let error = controller.reweight("arm", vec![1.0, 2.0]);
     assert_eq!(
-        error.to_string(),
+        error.expect_err("three rows").to_string(),
         "`arm`: `weight` must be one number, or 3, finite and not negative"
     );
-    let error = arm
-        .follow(MinJerk::new([1.0], 1.0))
-        .expect_err("three joints");
+    let error = controller.follow("arm", MinJerk::new([1.0], 1.0));
+    let error = error.expect_err("three joints");
     assert!(matches!(error, RequestError::Value { .. }), "{error}");
-    let mut thrusts = controller
-        .task_mut::<PropellerRegularisation>("thrusts")
-        .expect("it is there");
-    let error = thrusts.follow(Hold::at([1.0])).expect_err("no trajectory");
-    assert_eq!(error.to_string(), "task `thrusts` follows no reference");
+    let error = controller.follow("thrusts", Hold::at([1.0]));
+    assert_eq!(
+        error.expect_err("no trajectory").to_string(),
+        "task `thrusts` follows no reference"
+    );
 
     let foreign = config().build().expect("fits the robot");
-    let foreign = foreign.task_id::<Posture>("arm").expect("it is there");
-    let error = controller
-        .task_mut(foreign)
-        .expect_err("another controller's");
-    assert!(
-        matches!(error, RequestError::OtherController { .. }),
-        "{error}"
+    let foreign = foreign.entry("arm").expect("it is there");
+    let error = controller.parameters_mut::<Posture>(foreign);
+    assert_eq!(
+        error.expect_err("another controller's"),
+        RequestError::OtherController
     );
 }
 
@@ -297,34 +293,26 @@ fn a_constraint_is_changed_while_running() {
         measurement.time += 0.004;
         controller.tick(&measurement).0.effort.clone()
     };
-    let id = controller.constraint_id::<ContactMotion>("touch");
-    let id = id.expect("it is there");
+    let id = controller.entry("touch").expect("it is there");
     let before = efforts(&mut controller);
 
-    let mut touch = controller.constraint_mut(id).expect("its own id");
-    assert_eq!(touch.name(), "touch");
-    touch.damping = 40.0;
+    let touch = controller.parameters_mut::<ContactMotion>(id);
+    touch.expect("its own id").damping = 40.0;
     let damped = efforts(&mut controller);
     assert_ne!(damped, before);
 
-    let touch = controller.constraint_mut::<ContactMotion>("touch");
-    touch.expect("it is there").reweight(5.0).expect("a number");
+    controller.reweight(id, 5.0).expect("a number");
     let light = efforts(&mut controller);
     assert_ne!(light, damped);
 
-    let touch = controller.constraint_mut::<ContactMotion>("touch");
-    touch.expect("it is there").deactivate();
+    controller.deactivate(id).expect("its own id");
     assert_ne!(efforts(&mut controller), light);
+    assert_eq!(controller.report().task(id), None);
 
-    let error = controller.constraint_mut::<ContactMotion>("arm");
-    assert_eq!(
-        error.expect_err("a task").to_string(),
-        "there is no constraint `arm` (known: limits, cone, touch)"
-    );
-    let error = controller.constraint_mut::<FrictionPyramid>("touch");
+    let error = controller.parameters_mut::<FrictionPyramid>("touch");
     assert_eq!(
         error.expect_err("another type").to_string(),
-        "constraint `touch` is of type `contact_motion`, not a `FrictionPyramid`"
+        "`touch` is of type `contact_motion`, not a `FrictionPyramid`"
     );
 }
 
@@ -333,19 +321,19 @@ fn nonsense_written_into_a_task_is_survived() {
     let mut controller = config().build().expect("fits the robot");
     run(&mut controller, 2);
     let before = controller.command().effort.clone();
-    controller
-        .task_mut::<Posture>("arm")
-        .expect("it is there")
-        .kp = f64::NAN.into();
+    let arm = controller.parameters_mut::<Posture>("arm");
+    arm.expect("it is there").kp = f64::NAN.into();
     let mut measurement = Measurement::home(controller.robot(), 1);
     measurement.time = 1.0;
     let (command, report) = controller.tick(&measurement);
     assert!(report.fault.is_some());
     assert!(command.effort.iter().all(|u| u.is_finite()), "{before:?}");
 
-    let mut arm = controller.task_mut::<Posture>("arm").expect("it is there");
-    arm.kp = vec![25.0].into(); // too short: the other joints have no stiffness
-    arm.reweight(Weight::Uniform(1.0)).expect("one number");
+    let arm = controller.parameters_mut::<Posture>("arm");
+    arm.expect("it is there").kp = vec![25.0].into(); // too short: the other joints have no stiffness
+    controller
+        .reweight("arm", PerRow::Uniform(1.0))
+        .expect("one number");
     measurement.time = 1.004;
     let (_, report) = controller.tick(&measurement);
     assert_eq!(report.fault, None);

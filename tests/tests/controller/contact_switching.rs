@@ -190,7 +190,7 @@ fn the_measured_force_switches() {
     let back = MinJerk::new(BEFORE, 1.0);
     running
         .controller
-        .follow("base_position", Box::new(back))
+        .follow("base_position", back)
         .expect("follows");
     let seen = observe(&mut running, time + 4.0);
     let off = seen.iter().position(|s| !s.on).expect("is switched off");

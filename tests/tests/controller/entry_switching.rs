@@ -3,7 +3,7 @@
 use wbqp::{
     config::Overrides,
     controller::Controller,
-    plugin::{AnyReference, Weight},
+    plugin::{AnyReference, PerRow},
     settings::Target,
 };
 use wbqp_robots as _;
@@ -116,7 +116,7 @@ fn a_weight_changes() {
         let mut running = in_contact(transition, true);
         running
             .controller
-            .reweight("base_position", &Weight::Uniform(10.0))
+            .reweight("base_position", 10.0)
             .expect("exists");
         steps(&mut running, 1.0)
     });

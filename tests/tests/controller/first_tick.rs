@@ -105,9 +105,8 @@ fn values_of_their_own_stay_and_the_way_begins_where_the_robot_is() {
     let mut controller = everywhere(settings()).build().expect("fits");
     let home = controller.robot().home.p_WR;
     let to = home + Vector3::new(0.5, 0.0, 0.0);
-    let task = controller.task_mut::<BasePosition>("position");
-    task.expect("is there")
-        .follow(MinJerk::new([to.x, to.y, to.z], 1.0))
+    controller
+        .follow("position", MinJerk::new([to.x, to.y, to.z], 1.0))
         .expect("fits");
     let mut m = controller.measurement();
     m.state.p_WR.x -= 0.4;

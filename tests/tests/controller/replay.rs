@@ -66,7 +66,7 @@ fn eventful(kind: Kind, seed: u64) -> Controller {
             20 => controller.deactivate("posture"),
             30 => controller.activate_contact("contact_0"),
             40 => controller.activate("posture"),
-            45 => controller.reweight("posture", &0.5.into()),
+            45 => controller.reweight("posture", 0.5),
             _ => Ok(()),
         };
         asked.expect("these exist");

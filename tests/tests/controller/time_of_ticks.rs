@@ -13,7 +13,7 @@ use wbqp_tasks::ContactForce;
 use wbqp_tests::scenes::{Kind, Scene};
 
 const PERIOD: f64 = 0.004;
-/// Gain of the integral, 1/s.
+/// PerRow of the integral, 1/s.
 const KI: f64 = 0.3;
 
 /// A robot that pushes, at this rate; and what it measures, for ever.
@@ -55,8 +55,8 @@ fn without_feedback_of_the_solution(controller: &mut Controller) {
     let names: Vec<String> = controller.task_names().map(str::to_owned).collect();
     let force = names.iter().find(|name| name.starts_with("force"));
     let force = force.expect("pushes");
-    let mut task = controller
-        .task_mut::<ContactForce>(force.as_str())
+    let task = controller
+        .parameters_mut::<ContactForce>(force)
         .expect("is one");
     (task.kp, task.ki, task.anti_windup, task.clamp) = (0.0, KI, 0.0, 100.0);
 }

@@ -79,7 +79,7 @@ fn the_error_is_the_formulas() {
     let approach = MinJerk::new([-0.0688, 0.0, 1.258], 6.0);
     running
         .controller
-        .follow("base_position", Box::new(approach))
+        .follow("base_position", approach)
         .expect("follows");
     run_until(&mut running, START);
     let before = running.controller.report().contacts[0];

@@ -10,7 +10,7 @@ use wbqp::{
     config::ControllerConfig,
     contact::ContactKind,
     controller::{Controller, FallbackLevel},
-    plugin::{Entry, Hardness, Weight},
+    plugin::{Entry, Hardness, PerRow},
     settings::Formulation,
 };
 use wbqp_tasks::{Hold, JointLimits};
@@ -71,14 +71,14 @@ fn meddle(controller: &mut Controller, rng: &mut ChaCha8Rng) {
         3 => controller.deactivate_contact(contact),
         4 => {
             let weight = 10f64.powf(rng.random_range(-6.0..4.0));
-            controller.reweight(name, &Weight::Uniform(weight))
+            controller.reweight(name, weight)
         }
         _ => {
             let far = 10f64.powf(rng.random_range(-2.0..6.0));
             let target = || [far, -far, 0.5 * far];
             // Most tasks follow something of another size, or nothing: refused.
-            let _ = controller.follow(name, Box::new(Hold::at(target())));
-            let _ = controller.follow(name, Box::new(Hold::at([far])));
+            let _ = controller.follow(name, Hold::at(target()));
+            let _ = controller.follow(name, Hold::at([far]));
             Ok(())
         }
     };

@@ -4,7 +4,10 @@ use wbqp::{
     controller::{Controller, FallbackLevel},
     error::BindError,
     fault::Fault,
-    plugin::{AnyConstraint, Constraint, ConstraintRows, Entry, Hardness, Layout, Rows, Setup, AnyTask, Task, Tick},
+    plugin::{
+        AnyConstraint, AnyTask, Constraint, ConstraintRows, Entry, Hardness, Layout, Rows, Setup,
+        Task, Tick,
+    },
     qp::Status,
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},

@@ -6,7 +6,10 @@ use wbqp::{
     controller::{Controller, FallbackLevel, Measurement, Side},
     error::BindError,
     fault::Fault,
-    plugin::{AnyConstraint, Constraint, ConstraintRows, Entry, Hardness, Layout, Rows, Setup, AnyTask, Task, Tick},
+    plugin::{
+        AnyConstraint, AnyTask, Constraint, ConstraintRows, Entry, Hardness, Layout, Rows, Setup,
+        Task, Tick,
+    },
     qp::{ActiveSet, Capacity, Qp, QpSolver, RowId, Solution, Status, VarId},
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},

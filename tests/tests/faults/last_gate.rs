@@ -9,7 +9,7 @@ use wbqp::{
     controller::{Command, Controller, FallbackLevel, Measurement},
     fault::Fault,
     nalgebra::Vector6,
-    plugin::{AnyConstraint, Entry, Hardness, Weight},
+    plugin::{AnyConstraint, Entry, Hardness, PerRow},
     robot::RobotModel,
     settings::{Formulation, MeasurementLimits},
 };
@@ -87,25 +87,25 @@ fn ask(controller: &mut Controller, changes: &[Change]) {
     for (i, name) in names.iter().enumerate() {
         // Refused where it is not finite, or of another size.
         if i % 2 == 0 {
-            let _ = controller.reweight(name, &Weight::Uniform(weight));
+            let _ = controller.reweight(name, weight);
         }
-        let _ = controller.follow(name, Box::new(Hold::at([target, -target, 0.5 * target])));
-        let _ = controller.follow(name, Box::new(Hold::at([target, -target])));
-        let _ = controller.follow(name, Box::new(Hold::at([target])));
+        let _ = controller.follow(name, Hold::at([target, -target, 0.5 * target]));
+        let _ = controller.follow(name, Hold::at([target, -target]));
+        let _ = controller.follow(name, Hold::at([target]));
         let kp = 20.0 * gain;
-        if let Ok(mut task) = controller.task_mut::<Posture>(name.as_str()) {
+        if let Ok(task) = controller.parameters_mut::<Posture>(name) {
             (task.kp, task.kd) = (kp.into(), kp.into());
         }
-        if let Ok(mut task) = controller.task_mut::<BasePosition>(name.as_str()) {
+        if let Ok(task) = controller.parameters_mut::<BasePosition>(name) {
             (task.kp, task.kd) = (kp.into(), kp.into());
         }
-        if let Ok(mut task) = controller.task_mut::<BaseOrientation>(name.as_str()) {
+        if let Ok(task) = controller.parameters_mut::<BaseOrientation>(name) {
             (task.kp, task.kd) = (kp.into(), kp.into());
         }
-        if let Ok(mut task) = controller.task_mut::<FreeMotion>(name.as_str()) {
+        if let Ok(task) = controller.parameters_mut::<FreeMotion>(name) {
             (task.kp, task.kd) = (kp.into(), kp.into());
         }
-        if let Ok(mut task) = controller.task_mut::<ContactForce>(name.as_str()) {
+        if let Ok(task) = controller.parameters_mut::<ContactForce>(name) {
             (task.kp, task.ki) = (0.1 * gain, gain);
         }
     }

@@ -6,7 +6,7 @@ use wbqp::{
     controller::{Controller, FallbackLevel, Measurement},
     error::BindError,
     nalgebra::Vector3,
-    plugin::{Entry, Hardness, Layout, Rows, Setup, AnyTask, Task, Tick},
+    plugin::{AnyTask, Entry, Hardness, Layout, Rows, Setup, Task, Tick},
     robot::RobotModel,
     schemars::JsonSchema,
     serde::{Deserialize, Serialize},
@@ -40,7 +40,8 @@ impl Task for Breaker {
 }
 
 fn with_breaker(mut config: ControllerConfig, active: bool) -> Controller {
-    let mut entry: Entry<dyn AnyTask> = Entry::new("breaker", 1.0, Hardness::Soft, Box::new(Breaker));
+    let mut entry: Entry<dyn AnyTask> =
+        Entry::new("breaker", 1.0, Hardness::Soft, Box::new(Breaker));
     entry.active = active;
     config.tasks.push(entry);
     Controller::new(config).expect("is valid")
@@ -115,7 +116,7 @@ fn pushing() -> ClosedLoop {
     let approach = MinJerk::new(BEYOND, 2.0).starting_at(BEFORE);
     running
         .controller
-        .follow("base_position", Box::new(approach))
+        .follow("base_position", approach)
         .expect("follows");
     while running.time() < 2.4 {
         step(&mut running);
@@ -213,7 +214,7 @@ fn a_failure_while_moving_is_bridged() {
     let mut running = at_the_wall(controller, initial);
     let start = [-2.0, 0.0, 1.258];
     let away = MinJerk::new([-1.0, 0.5, 1.5], 2.0).starting_at(start);
-    let follow = running.controller.follow("base_position", Box::new(away));
+    let follow = running.controller.follow("base_position", away);
     follow.expect("follows");
     while running.time() < 1.0 {
         step(&mut running);

@@ -10,7 +10,7 @@ use wbqp::{
     controller::FallbackLevel,
     dynamics::{Data, frame_motion},
     nalgebra::{DVector, Vector3},
-    plugin::{AnyConstraint, Entry, Hardness, AnyTask, Weight},
+    plugin::{AnyConstraint, AnyTask, Entry, Hardness, PerRow},
     robot::{Robot, RobotModel},
     settings::{FirstError, Settings},
 };
@@ -73,7 +73,7 @@ fn config(robot: Box<dyn Robot>) -> ControllerConfig {
 fn task(
     mut config: ControllerConfig,
     name: &str,
-    weight: impl Into<Weight>,
+    weight: impl Into<PerRow>,
     task: impl AnyTask,
 ) -> ControllerConfig {
     let task: Box<dyn AnyTask> = Box::new(task);
