@@ -22,7 +22,7 @@ fn bind<P: AnyPlugin + ?Sized>(plugin: Box<P>) -> Result<Layout, BindError> {
     "tilting".clone_into(&mut tilt.name);
     tilt.kind = ContactKind::NormalTilt;
     contacts.push(tilt);
-    let probe = Probe::new(plugin, &robot, &contacts, 0.004)?;
+    let probe = Probe::new(&*plugin, &robot, &contacts, 0.004)?;
     Ok(probe.layout().clone())
 }
 

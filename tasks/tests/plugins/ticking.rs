@@ -211,7 +211,7 @@ fn a_replaced_reference_begins_where_the_last_one_stood() {
     tick(&mut controller, &m);
     let up = MinJerk::new([0.0, 0.0, 2.0], 2.0);
     controller.follow("position", up).unwrap();
-    let too_long = Box::new(MinJerk::new([0.0; 4], 2.0));
+    let too_long = MinJerk::new([0.0; 4], 2.0);
     assert!(controller.follow("position", too_long).is_err());
     let mut error = |time| {
         m.time = time;
