@@ -19,10 +19,11 @@ pub struct Assignment {
 }
 
 /// Tables of a controller's file.
-const OF_A_CONTROLLER: [&str; 7] = [
+const OF_A_CONTROLLER: [&str; 8] = [
     "controller",
     "robot",
     "solver",
+    "fallback",
     "measurement",
     "contact",
     "task",

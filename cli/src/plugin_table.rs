@@ -16,12 +16,13 @@ In the columns *default*, \"–\" means that the key must be given, and a blank 
 without it.
 ";
 
-const KINDS: [(&str, &str); 5] = [
+const KINDS: [(&str, &str); 6] = [
     ("task", "Tasks"),
     ("constraint", "Constraints"),
     ("reference", "References"),
     ("robot", "Robots"),
     ("solver", "Solvers"),
+    ("fallback", "Laws of last resort"),
 ];
 
 /// The page.

@@ -183,6 +183,7 @@ pub mod actuator;
 pub mod config;
 pub mod contact;
 pub mod controller;
+pub mod damped_hover;
 pub mod dynamics;
 pub mod error;
 pub mod fault;
@@ -207,7 +208,7 @@ pub use controller::{Command, Controller, Measurement, Report};
 pub use plugin::Layout;
 pub use problem::{RowInfo, VarInfo};
 pub use registry::list as registry;
-pub use wbqp_macros::{constraint, parameters, reference, robot, solver, task};
+pub use wbqp_macros::{constraint, fallback_law, parameters, reference, robot, solver, task};
 pub use {inventory, nalgebra, schemars, serde, serde_json, toml, typetag};
 
 // Plug-ins inside this crate are registered by the same attribute that users write.

@@ -40,6 +40,12 @@ pub fn reference(arguments: TokenStream, item: TokenStream) -> TokenStream {
     parameters::plugin("Reference", arguments, item)
 }
 
+/// Makes a struct the parameters of a law of last resort, registered under a tag, as [`macro@task`] does.
+#[proc_macro_attribute]
+pub fn fallback_law(arguments: TokenStream, item: TokenStream) -> TokenStream {
+    parameters::plugin("FallbackLaw", arguments, item)
+}
+
 /// Makes a struct or an enum a part of a plug-in's parameters: the same derives and field attributes as of
 /// [`macro@task`], without a tag. Variants of an enum are written `in_snake_case`.
 #[proc_macro_attribute]

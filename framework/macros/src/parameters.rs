@@ -69,6 +69,14 @@ pub(crate) fn plugin(kind: &str, arguments: TokenStream, item: TokenStream) -> T
                 ::std::boxed::Box::new(::core::clone::Clone::clone(self))
             }
         },
+        "FallbackLaw" => quote! {
+            fn bind_any(
+                &self,
+                setup: &mut ::wbqp::plugin::Setup<'_>,
+            ) -> ::core::result::Result<::wbqp::plugin::BoundFallbackLaw, ::wbqp::error::BindError> {
+                ::wbqp::plugin::BoundFallbackLaw::new(self, setup)
+            }
+        },
         _ => {
             let bound = format_ident!("{}", kind.to_lowercase());
             quote! {

@@ -106,6 +106,7 @@ impl Plan {
             settings: config.settings,
             tag: config.robot.typetag_name(),
             solver: config.solver,
+            fallback: config.fallback,
             measurement: config.measurement,
             contacts: config.contacts,
             tasks: config.tasks,

@@ -10,7 +10,7 @@ use super::{
 };
 use crate::{
     contact::{ContactSpec, ShortContact},
-    plugin::{AnyConstraint, AnyTask, Entry},
+    plugin::{AnyConstraint, AnyFallbackLaw, AnyTask, Entry},
     qp::Solver,
     robot::Robot,
     settings::{MeasurementLimits, Settings},
@@ -97,6 +97,12 @@ impl ControllerConfig {
     /// Takes another solver.
     pub fn with_solver(mut self, solver: impl Solver) -> Self {
         self.solver = Box::new(solver);
+        self
+    }
+
+    /// Another law of last resort.
+    pub fn with_fallback(mut self, law: impl AnyFallbackLaw) -> Self {
+        self.fallback = Box::new(law);
         self
     }
 

@@ -17,7 +17,7 @@ use crate::{settings::Target, suggestion::suggestion};
 /// Syntax errors that are shown with their line, which may be long: few are told.
 const SHOWN: usize = 100;
 
-const TABLES: [&str; 4] = ["controller", "robot", "solver", "measurement"];
+const TABLES: [&str; 5] = ["controller", "robot", "solver", "fallback", "measurement"];
 const REQUIRED: [&str; 2] = ["controller", "robot"];
 const LISTS: [&str; 3] = ["contact", "task", "constraint"];
 
@@ -27,6 +27,7 @@ pub(super) struct Document<'t> {
     pub(super) controller: Option<Section<'t>>,
     pub(super) robot: Option<Section<'t>>,
     pub(super) solver: Option<Section<'t>>,
+    pub(super) fallback: Option<Section<'t>>,
     pub(super) measurement: Option<Section<'t>>,
     pub(super) contacts: Vec<Section<'t>>,
     pub(super) tasks: Vec<Section<'t>>,
@@ -83,6 +84,7 @@ impl<'t> Document<'t> {
                 "controller" => document.controller = table(name, value, &at, report),
                 "robot" => document.robot = table(name, value, &at, report),
                 "solver" => document.solver = table(name, value, &at, report),
+                "fallback" => document.fallback = table(name, value, &at, report),
                 "measurement" => document.measurement = table(name, value, &at, report),
                 "contact" => document.contacts = list(name, value, &at, report),
                 "task" => document.tasks = list(name, value, &at, report),
@@ -118,7 +120,7 @@ impl<'t> Document<'t> {
     }
 
     fn sections(&self) -> impl Iterator<Item = &Section<'t>> {
-        let tables = [&self.controller, &self.robot, &self.solver];
+        let tables = [&self.controller, &self.robot, &self.solver, &self.fallback];
         (tables.into_iter().chain([&self.measurement]))
             .flatten()
             .chain(&self.contacts)
@@ -144,7 +146,8 @@ impl<'t> Document<'t> {
         match target {
             Target::Controller => self.controller.as_mut().ok_or_else(Vec::new),
             Target::Robot => self.robot.as_mut().ok_or_else(Vec::new),
-            Target::Solver => Ok(self.solver.get_or_insert_with(default_solver)),
+            Target::Solver => Ok(self.solver.get_or_insert_with(|| default("active_set"))),
+            Target::Fallback => Ok(self.fallback.get_or_insert_with(|| default("damped_hover"))),
             Target::Measurement => Ok(self.measurement.get_or_insert_with(no_keys)),
             Target::Contact(name) => named(&mut self.contacts, &directory.contacts, name),
             Target::Task(name) => named(&mut self.tasks, &directory.tasks, name),
@@ -197,12 +200,12 @@ fn excerpt(source: &str, offset: usize) -> String {
     }
 }
 
-/// What a file without `[solver]` stands for.
-fn default_solver<'t>() -> Section<'t> {
+/// What a file without `[solver]` or `[fallback]` stands for.
+fn default<'t>(tag: &'static str) -> Section<'t> {
     let mut keys = DeTable::new();
     keys.insert(
         Spanned::new(0..0, "type".into()),
-        Spanned::new(0..0, DeValue::String("active_set".into())),
+        Spanned::new(0..0, DeValue::String(tag.into())),
     );
     Section { span: 0..0, keys }
 }

@@ -13,7 +13,7 @@ use serde_json::{Map, Value, json};
 
 use super::expand;
 use crate::{
-    plugin::{AnyConstraint, AnyReference, AnyTask, Hardness, PerRow},
+    plugin::{AnyConstraint, AnyFallbackLaw, AnyReference, AnyTask, Hardness, PerRow},
     qp::Solver,
     registry::{
         PluginKind,
@@ -45,6 +45,7 @@ pub fn controller() -> Value {
             "controller": schema_of::<Settings>(),
             "robot": plugin("robot"),
             "solver": plugin("solver"),
+            "fallback": plugin("fallback"),
             "measurement": schema_of::<MeasurementLimits>(),
             "contact": list(expand::schema::contact(), "Contacts, in the order of their ids."),
             "task": list(plugin("task"), "Tasks: what the robot should do."),
@@ -93,6 +94,7 @@ pub fn compose(schema: &Value) -> Value {
     define::<dyn AnyReference>(&mut definitions, &json!({}));
     define::<dyn Robot>(&mut definitions, &json!({}));
     define::<dyn Solver>(&mut definitions, &json!({}));
+    define::<dyn AnyFallbackLaw>(&mut definitions, &json!({}));
     let mut schema = schema.clone();
     choose(&mut schema);
     for definition in definitions.values_mut() {
@@ -319,6 +321,7 @@ fn choice(kind: &str) -> Value {
         "reference" => tags::<dyn AnyReference>(),
         "robot" => tags::<dyn Robot>(),
         "solver" => tags::<dyn Solver>(),
+        "fallback" => tags::<dyn AnyFallbackLaw>(),
         _ => Vec::new(),
     };
     let definition = |tag: &&str| json!({ "$ref": format!("#/$defs/{}", name(kind, tag)) });

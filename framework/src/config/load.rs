@@ -22,9 +22,10 @@ use super::{
 };
 use crate::{
     contact::ContactSpec,
+    damped_hover::DampedHover,
     error::BindError,
     input,
-    plugin::{AnyConstraint, AnyTask, Entry, Hardness},
+    plugin::{AnyConstraint, AnyFallbackLaw, AnyTask, Entry, Hardness},
     qp::{ActiveSet, Solver},
     registry::{self, PluginKind, schema::Node},
     robot::{Robot, SourceFile, SourceLocation},
@@ -108,6 +109,7 @@ impl ControllerConfig {
                 settings: parts.settings,
                 robot: parts.robot,
                 solver: parts.solver,
+                fallback: parts.fallback,
                 measurement: parts.measurement,
                 contacts: parts.contacts,
                 tasks: parts.tasks,
@@ -153,6 +155,7 @@ fn registry_faults() -> &'static [String] {
         reserved_keys::<dyn crate::plugin::AnyReference>(&["type"], &mut faults);
         reserved_keys::<dyn Robot>(&["type"], &mut faults);
         reserved_keys::<dyn Solver>(&["type"], &mut faults);
+        reserved_keys::<dyn AnyFallbackLaw>(&["type"], &mut faults);
         faults
     })
 }
@@ -178,6 +181,7 @@ struct Parts {
     settings: Settings,
     robot: Box<dyn Robot>,
     solver: Box<dyn Solver>,
+    fallback: Box<dyn AnyFallbackLaw>,
     measurement: MeasurementLimits,
     contacts: Vec<ContactSpec>,
     tasks: Vec<Entry<dyn AnyTask>>,
@@ -194,6 +198,10 @@ impl Parts {
             Some(section) => single::<dyn Solver>(section, report),
             None => Some(Box::new(ActiveSet::default())),
         };
+        let fallback: Option<Box<dyn AnyFallbackLaw>> = match document.fallback {
+            Some(section) => single::<dyn AnyFallbackLaw>(section, report),
+            None => Some(Box::new(DampedHover::default())),
+        };
         let measurement = match document.measurement {
             Some(section) => measurement(section, report),
             None => Some(MeasurementLimits::default()),
@@ -208,6 +216,7 @@ impl Parts {
             settings: settings?,
             robot: robot?,
             solver: solver?,
+            fallback: fallback?,
             measurement: measurement?,
             contacts: contacts?,
             tasks: tasks?,
@@ -278,7 +287,7 @@ fn measurement(section: Section<'_>, report: &mut Report<'_>) -> Option<Measurem
     valid.then_some(limits)
 }
 
-/// `[robot]` and `[solver]`: a plug-in without an entry.
+/// `[robot]`, `[solver]` and `[fallback]`: a plug-in without an entry.
 fn single<P: PluginKind + ?Sized>(section: Section<'_>, report: &mut Report<'_>) -> Option<Box<P>> {
     let at = At::subject(entry::subject(P::NAME, None, &section));
     table::plugin::<P>(section, &[], &at, report)

@@ -29,7 +29,7 @@ use super::{
 use crate::{
     config::json_schema::schema_of,
     contact::ContactSpec,
-    plugin::{AnyConstraint, AnyReference, AnyTask},
+    plugin::{AnyConstraint, AnyFallbackLaw, AnyReference, AnyTask},
     qp::Solver,
     registry::{self, PluginKind, schema::Node},
     robot::{Diagnostic, Robot, Severity},
@@ -85,6 +85,7 @@ pub(super) fn check(document: &Document<'_>, report: &mut Report<'_>) -> Vec<Dia
     }
     check.single::<dyn Robot>(document.robot.as_ref());
     check.single::<dyn Solver>(document.solver.as_ref());
+    check.single::<dyn AnyFallbackLaw>(document.fallback.as_ref());
     let contact = CONTACT.get_or_init(schema_of::<ContactSpec>);
     for (index, section) in document.contacts.iter().enumerate() {
         let at = At::subject(entry::subject("contact", Some(index), section));

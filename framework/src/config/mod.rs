@@ -47,7 +47,8 @@ use std::path::PathBuf;
 
 use crate::{
     contact::ContactSpec,
-    plugin::{AnyConstraint, AnyTask, Entry},
+    damped_hover::DampedHover,
+    plugin::{AnyConstraint, AnyFallbackLaw, AnyTask, Entry},
     qp::{ActiveSet, Solver},
     robot::{Diagnostic, Robot, SourceFile},
     settings::{MeasurementLimits, Settings},
@@ -79,6 +80,8 @@ pub struct ControllerConfig {
     pub robot: Box<dyn Robot>,
     /// The solver.
     pub solver: Box<dyn Solver>,
+    /// The law of last resort.
+    pub fallback: Box<dyn AnyFallbackLaw>,
     /// What a measurement may be.
     pub measurement: MeasurementLimits,
     /// Contacts, in the order of their ids.
@@ -115,6 +118,7 @@ impl ControllerConfig {
             settings,
             robot,
             solver: Box::new(ActiveSet::default()),
+            fallback: Box::new(DampedHover::default()),
             measurement: MeasurementLimits::default(),
             contacts: Vec::new(),
             tasks: Vec::new(),

@@ -130,6 +130,9 @@ struct Tables {
     solver: Table,
     #[serde(default, skip_serializing_if = "Table::is_empty")]
     #[schemars(with = "AnyTable")]
+    fallback: Table,
+    #[serde(default, skip_serializing_if = "Table::is_empty")]
+    #[schemars(with = "AnyTable")]
     measurement: Table,
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     #[schemars(with = "BTreeMap<String, AnyTable>")]
@@ -153,6 +156,7 @@ impl From<Tables> for Overrides {
         push(&Target::Controller, tables.controller);
         push(&Target::Robot, tables.robot);
         push(&Target::Solver, tables.solver);
+        push(&Target::Fallback, tables.fallback);
         push(&Target::Measurement, tables.measurement);
         for (name, table) in tables.contact {
             push(&Target::Contact(name), table);
@@ -173,6 +177,7 @@ impl From<Overrides> for Tables {
             controller: Table::new(),
             robot: Table::new(),
             solver: Table::new(),
+            fallback: Table::new(),
             measurement: Table::new(),
             contact: BTreeMap::new(),
             task: BTreeMap::new(),
@@ -183,6 +188,7 @@ impl From<Overrides> for Tables {
                 Target::Controller => &mut tables.controller,
                 Target::Robot => &mut tables.robot,
                 Target::Solver => &mut tables.solver,
+                Target::Fallback => &mut tables.fallback,
                 Target::Measurement => &mut tables.measurement,
                 Target::Contact(name) => tables.contact.entry(name).or_default(),
                 Target::Task(name) => tables.task.entry(name).or_default(),

@@ -7,7 +7,8 @@ use toml::{de::DeTable, ser::ValueSerializer};
 
 use super::ControllerConfig;
 use crate::{
-    plugin::{Entry, Hardness, PerRow},
+    damped_hover::DampedHover,
+    plugin::{AnyFallbackLaw, Entry, Hardness, PerRow},
     settings::MeasurementLimits,
 };
 
@@ -36,6 +37,10 @@ impl ControllerConfig {
         section(&mut text, "[controller]", "controller", &self.settings)?;
         section(&mut text, "[robot]", "robot", &self.robot)?;
         section(&mut text, "[solver]", "solver", &self.solver)?;
+        let default: &dyn AnyFallbackLaw = &DampedHover::default();
+        if keys_of("fallback", &self.fallback)? != keys_of("fallback", &default)? {
+            section(&mut text, "[fallback]", "fallback", &self.fallback)?;
+        }
         if self.measurement != MeasurementLimits::default() {
             section(&mut text, "[measurement]", "measurement", &self.measurement)?;
         }

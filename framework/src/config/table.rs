@@ -14,7 +14,7 @@ use super::{
     report::{At, Report, Span, Step},
 };
 use crate::{
-    plugin::{AnyConstraint, AnyReference, AnyTask},
+    plugin::{AnyConstraint, AnyFallbackLaw, AnyReference, AnyTask},
     qp::Solver,
     registry::{self, PluginKind, schema::Node},
     robot::Robot,
@@ -112,6 +112,7 @@ fn kind_of(tag: &str) -> Option<&'static str> {
         registry::find::<dyn AnyReference>(tag).map(|_| "reference"),
         registry::find::<dyn Robot>(tag).map(|_| "robot"),
         registry::find::<dyn Solver>(tag).map(|_| "solver"),
+        registry::find::<dyn AnyFallbackLaw>(tag).map(|_| "fallback"),
     ]
     .into_iter()
     .flatten();
@@ -329,6 +330,7 @@ impl Inspection<'_, '_> {
             "reference" => plugin::<dyn AnyReference>(section, &[], &at, report).is_some(),
             "robot" => plugin::<dyn Robot>(section, &[], &at, report).is_some(),
             "solver" => plugin::<dyn Solver>(section, &[], &at, report).is_some(),
+            "fallback" => plugin::<dyn AnyFallbackLaw>(section, &[], &at, report).is_some(),
             _ => true,
         }
     }

@@ -17,7 +17,6 @@ use super::{
     record::MadeFrom,
     report::{FallbackLevel, OnLevel, Report},
     running::RunningPlugin,
-    safe::SafeLaw,
     world::{ContactBinding, World},
 };
 use crate::{
@@ -26,7 +25,8 @@ use crate::{
     error::BindError,
     model::FrameId,
     plugin::{
-        AnyConstraint, AnyPlugin, AnyTask, BoundPlugin, Entry, EntryState, Setup, rows::RowStore,
+        AnyConstraint, AnyFallbackLaw, AnyPlugin, AnyTask, BoundFallbackLaw, BoundPlugin, Entry,
+        EntryState, Setup, rows::RowStore,
     },
     problem::{BoundEntry, Partition, Problem, ProblemRows, Relaxation, Table, VariableNames},
     qp::{ActiveSet, Capacity, Qp, QpSolver as _, Solution, Solver, WarmStart},
@@ -42,6 +42,7 @@ pub(crate) struct Parts {
     /// The robot's.
     pub(crate) tag: &'static str,
     pub(crate) solver: Box<dyn Solver>,
+    pub(crate) fallback: Box<dyn AnyFallbackLaw>,
     pub(crate) measurement: MeasurementLimits,
     pub(crate) contacts: Vec<ContactSpec>,
     pub(crate) tasks: Vec<Entry<dyn AnyTask>>,
@@ -57,6 +58,7 @@ pub(crate) struct Bound {
     /// The robot's.
     tag: &'static str,
     solver: Box<dyn Solver>,
+    law: BoundFallbackLaw,
     measurement: MeasurementLimits,
     contacts: Vec<ContactSpec>,
     task_count: usize,
@@ -155,6 +157,7 @@ impl Bound {
             settings,
             tag,
             mut solver,
+            fallback,
             measurement,
             contacts,
             tasks,
@@ -218,12 +221,15 @@ impl Bound {
             binder.bind(index, constraint)?;
         }
         let Binder {
-            frame_ids,
+            mut frame_ids,
             stored,
             entries,
             plugins,
             ..
         } = binder;
+        let mut setup = Setup::new(&robot, &contacts, period, &mut frame_ids);
+        let law = fallback.bind_any(&mut setup);
+        let law = law.map_err(|error| misfits.fallback(fallback.typetag_name(), error));
         if misfits.is_empty() {
             for (index, error) in unlimited_moments(&contacts, &entries[tasks.len()..]) {
                 misfits.contact(index, &contacts[index].name, error);
@@ -239,6 +245,10 @@ impl Bound {
             misfits.solver(solver.typetag_name(), bound);
             misfits.stop_if_any()?;
         }
+        let Ok(law) = law else {
+            // A misfit, with which it has stopped above.
+            return Err(Vec::new());
+        };
 
         let partition = Partition::new(formulation, &robot, &contacts, &frame_ids);
         let need = Need::of(
@@ -261,6 +271,7 @@ impl Bound {
             robot,
             tag,
             solver,
+            law,
             measurement,
             contacts,
             task_count: tasks.len(),
@@ -294,6 +305,7 @@ impl Bound {
             robot,
             tag,
             mut solver,
+            law,
             measurement,
             contacts,
             task_count,
@@ -349,7 +361,8 @@ impl Bound {
         let fallback = Fallback {
             level: FallbackLevel::Safe,
             on_level: OnLevel::default(),
-            safe: SafeLaw::new(&robot, &world, &actuation, &vec![0.0; sizes.nu]),
+            law,
+            hover: vec![0.0; sizes.nu],
             solution: Solution::new(relaxed),
             warm: WarmStart::with_capacity(relaxed.vars),
             proof: WarmStart::with_capacity(relaxed.vars + 1),
@@ -403,12 +416,8 @@ impl Bound {
         controller
             .problem
             .choose_determined(&controller.world.contacts);
-        controller.fallback.safe = SafeLaw::new(
-            &controller.robot,
-            &controller.world,
-            &controller.actuation,
-            &controller.command.effort,
-        );
+        let hover = &controller.command.effort;
+        controller.fallback.hover.copy_from_slice(hover);
         if is_solved
             && must_hover(&controller)
             && let Some(missing) = missing_wrench(&controller)

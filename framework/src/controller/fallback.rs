@@ -5,7 +5,7 @@
 //! | optimal | | the optimum |
 //! | relaxed | limits contradict one another, or the solver failed | the optimum with limits given up in the declared order |
 //! | extrapolated | no solution, for as long as `extrapolation` says | the last efforts, kept |
-//! | safe | no solution for longer, or never one | a law that needs no solver ([`SafeLaw`]) |
+//! | safe | no solution for longer, or never one | a [law](crate::plugin::FallbackLaw) that needs no solver |
 //!
 //! # Giving up
 //! The order is the configuration's: hard tasks, then constraints, then the limits of the contacts' normal forces, of
@@ -31,10 +31,10 @@ use super::{
     explanation::{Owner, is_proof, write_conflict},
     measurement::Measurement,
     report::{FallbackLevel, OnLevel, RelaxedRow, Report, Side},
-    safe::SafeLaw,
 };
 use crate::{
     fault::Fault,
+    plugin::BoundFallbackLaw,
     problem::{BoundEntry, DynamicsTerms, Problem, Relaxation},
     qp::{ActiveSet, ConstraintId, Held, Qp, QpSolver, Solution, Status, WarmStart},
 };
@@ -63,7 +63,9 @@ pub(super) struct Fallback {
     pub(super) is_proven: bool,
     /// Whether the configured solver is the active-set method, whose proofs are irreducible.
     pub(super) is_native: bool,
-    pub(super) safe: SafeLaw,
+    pub(super) law: BoundFallbackLaw,
+    /// The efforts that come nearest to holding the home posture.
+    pub(super) hover: Vec<f64>,
     /// Whose each row is, in words, for explanations.
     pub(super) owners: Vec<Owner>,
     /// Since the last solution and the last usable measurement.

@@ -51,10 +51,11 @@ impl Misfits {
             Target::Controller => 0,
             Target::Robot => 1,
             Target::Solver => 2,
-            Target::Measurement => 3,
-            Target::Contact(_) => 4,
-            Target::Task(_) => 5,
-            Target::Constraint(_) => 6,
+            Target::Fallback => 3,
+            Target::Measurement => 4,
+            Target::Contact(_) => 5,
+            Target::Task(_) => 6,
+            Target::Constraint(_) => 7,
         };
         let mut list = std::mem::take(&mut self.list);
         list.sort_by_key(|(index, misfit)| (rank(&misfit.target), *index));
@@ -110,6 +111,10 @@ impl Misfits {
     }
 
     /// What takes more than it may.
+    pub(super) fn fallback(&mut self, tag: &str, error: BindError) {
+        self.add(Target::Fallback, 0, format!("fallback ({tag})"), error);
+    }
+
     pub(super) fn memory(&mut self, checked: Result<(), BindError>) {
         if let Err(error) = checked {
             self.is_too_large = true;

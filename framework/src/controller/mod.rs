@@ -4,7 +4,6 @@
 //! solver → command and report. Nothing is allocated after
 //! [`Controller::new`] except inside a solver that needs it.
 
-mod allocation;
 mod bind;
 mod command;
 mod elapsed;
@@ -28,7 +27,6 @@ mod record;
 mod report;
 mod requests;
 mod running;
-mod safe;
 mod world;
 
 pub use command::Command;
@@ -347,13 +345,24 @@ impl Controller {
             );
             return level;
         }
-        let safe = &mut self.fallback.safe;
+        let tick = self.world.tick(EntryState {
+            alpha: 1.0,
+            since: f64::NEG_INFINITY,
+        });
         if changed {
-            safe.engage(&self.world);
+            self.fallback.law.engage(&tick);
         }
         let age = self.fallback.without_state.seconds(time, period);
-        safe.update(&self.robot, &self.world, &self.actuation, age);
-        self.command.effort.copy_from_slice(&safe.effort);
+        let efforts = &mut self.command.effort;
+        self.fallback.law.efforts(&tick, age, efforts);
+        for (i, (effort, actuator)) in efforts.iter_mut().zip(&self.robot.actuators).enumerate() {
+            if !effort.is_finite() {
+                *effort = self.fallback.hover[i];
+            }
+            let (sent, most) = (tick.last.effort[i], actuator.slew * tick.slew_time);
+            let near = effort.max(sent - most).min(sent + most);
+            *effort = near.max(actuator.lower).min(actuator.upper);
+        }
         self.command.stop_joints();
         level
     }

@@ -8,6 +8,7 @@
 pub(crate) mod bound;
 pub(crate) mod constraint;
 pub(crate) mod entry;
+pub(crate) mod fallback_law;
 pub(crate) mod followed;
 pub(crate) mod frame_handle;
 pub(crate) mod layout;
@@ -21,6 +22,7 @@ pub(crate) mod tick;
 pub use bound::{AnyPlugin, BoundPlugin};
 pub use constraint::{AnyConstraint, Constraint};
 pub use entry::{Entry, Hardness};
+pub use fallback_law::{AnyFallbackLaw, BoundFallbackLaw, FallbackLaw};
 pub use followed::{BoundReference, RotationReference, VectorReference};
 pub use frame_handle::FrameHandle;
 pub use layout::{ConstraintLayout, Layout, RowSpec};

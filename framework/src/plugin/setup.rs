@@ -170,6 +170,11 @@ impl<'a> Setup<'a> {
             })
     }
 
+    /// All contacts, in the order of the configuration.
+    pub fn contacts(&self) -> &'a [ContactSpec] {
+        self.contacts
+    }
+
     /// A contact's data.
     pub fn contact_spec(&self, contact: ContactId) -> &'a ContactSpec {
         &self.contacts[contact.index()]

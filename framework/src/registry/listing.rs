@@ -15,7 +15,7 @@ use super::{
     schema::{CRITICAL, Node, WEIGHT},
 };
 use crate::{
-    plugin::{AnyConstraint, AnyReference, AnyTask},
+    plugin::{AnyConstraint, AnyFallbackLaw, AnyReference, AnyTask},
     qp::Solver,
     robot::Robot,
 };
@@ -81,6 +81,7 @@ pub fn list() -> Listing {
     of_kind::<dyn AnyReference>(&mut plugins);
     of_kind::<dyn Robot>(&mut plugins);
     of_kind::<dyn Solver>(&mut plugins);
+    of_kind::<dyn AnyFallbackLaw>(&mut plugins);
     Listing {
         plugins,
         duplicates: duplicates(),

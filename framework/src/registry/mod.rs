@@ -73,7 +73,7 @@ use serde::de::DeserializeOwned;
 use toml::de::ValueDeserializer;
 
 use crate::{
-    plugin::{AnyConstraint, AnyReference, AnyTask},
+    plugin::{AnyConstraint, AnyFallbackLaw, AnyReference, AnyTask},
     qp::Solver,
     robot::Robot,
 };
@@ -111,9 +111,10 @@ impl<P: ?Sized + 'static> Plugin<P> {
     }
 }
 
-/// One of the kinds of plug-in: `dyn AnyTask`, `dyn AnyConstraint`, `dyn AnyReference`, `dyn Robot`, `dyn Solver`.
+/// One of the kinds of plug-in: `dyn AnyTask`, `dyn AnyConstraint`, `dyn AnyReference`, `dyn Robot`,
+/// `dyn Solver`, `dyn AnyFallbackLaw`.
 pub trait PluginKind: 'static {
-    /// What it is called in messages: `task`, `constraint`, `reference`, `robot`, `solver`.
+    /// What it is called in messages: `task`, `constraint`, `reference`, `robot`, `solver`, `fallback`.
     const NAME: &'static str;
 
     /// All linked plug-ins of the kind, sorted by tag.
@@ -200,6 +201,7 @@ plugin_kinds! {
     ReferencePlugin, AnyReference, references, "reference";
     RobotPlugin, Robot, robots, "robot";
     SolverPlugin, Solver, solvers, "solver";
+    FallbackLawPlugin, AnyFallbackLaw, fallback_laws, "fallback";
 }
 
 fn duplicates_of<P: PluginKind + ?Sized>(all: &mut Vec<Duplicate>) {

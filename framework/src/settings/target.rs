@@ -12,6 +12,8 @@ pub enum Target {
     Robot,
     /// `[solver]`.
     Solver,
+    /// `[fallback]`.
+    Fallback,
     /// `[measurement]`.
     Measurement,
     /// The `[[contact]]` of that name.
@@ -28,6 +30,7 @@ impl Target {
             Self::Controller => ("controller", None),
             Self::Robot => ("robot", None),
             Self::Solver => ("solver", None),
+            Self::Fallback => ("fallback", None),
             Self::Measurement => ("measurement", None),
             Self::Contact(name) => ("contact", Some(name)),
             Self::Task(name) => ("task", Some(name)),

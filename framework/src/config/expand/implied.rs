@@ -16,7 +16,7 @@ use crate::{
         table::Section,
     },
     contact::ContactSpec,
-    plugin::{AnyConstraint, AnyReference, AnyTask},
+    plugin::{AnyConstraint, AnyFallbackLaw, AnyReference, AnyTask},
     qp::Solver,
     registry::{self, PluginKind, schema::Node},
     robot::Robot,
@@ -143,6 +143,18 @@ impl Lister<'_> {
                 "solver",
                 "type",
                 Some("\"active_set\"".to_owned()),
+                "default",
+            ),
+        }
+        match &document.fallback {
+            Some(section) => {
+                let subject = entry::subject("fallback", None, section);
+                self.plugin::<dyn AnyFallbackLaw>(&subject, section);
+            }
+            None => self.add(
+                "fallback",
+                "type",
+                Some("\"damped_hover\"".to_owned()),
                 "default",
             ),
         }

@@ -281,7 +281,7 @@ impl Fallback {
         out.measured = self.without_state.last;
         out.stamp = self.clock.previous;
         out.steady = self.clock.steady;
-        copy(&mut out.held, self.safe.posture.as_slice());
+        copy(&mut out.held, &self.law.memory);
         copy_held(&mut out.relaxed_warm, &self.warm);
         copy_held(&mut out.proof, &self.proof);
         out.since_proof = self.since_proof;
@@ -301,7 +301,7 @@ impl Fallback {
             previous: memory.stamp,
             steady: memory.steady,
         };
-        copy(self.safe.posture.as_mut_slice(), &memory.held);
+        copy(&mut self.law.memory, &memory.held);
         copy_held(&mut self.warm, &memory.relaxed_warm);
         copy_held(&mut self.proof, &memory.proof);
         self.since_proof = memory.since_proof;

@@ -9,10 +9,27 @@
 //! (Bordignon's redistributed pseudo-inverse). Then sideways forces and yaw, by a change that leaves the first step's
 //! result as it is, scaled down to stay within the limits: what is asked of yaw never costs roll and pitch.
 
-/// Weights of the wrench in base axes: forces x, y, z, moments x, y, z (about the centre of mass, per 1 m). In the
-/// first step, and in the second, where the result of the first is to be kept.
-const FIRST: [f64; 6] = [0.0, 0.0, 1e2, 1e5, 1e5, 0.0];
-const SECOND: [f64; 6] = [1.0, 1.0, 1e6, 1e6, 1e6, 1e1];
+/// What counts for how much where limits forbid a part: weights of moments beside forces of 1 N in the second step and
+/// 100 in the first.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Priorities {
+    /// Roll and pitch, in the first step.
+    pub(super) attitude: f64,
+    /// Yaw, in the second.
+    pub(super) yaw: f64,
+}
+
+impl Priorities {
+    /// Weights of the wrench in base axes: forces x, y, z, moments x, y, z (about the centre of mass, per 1 m).
+    fn first(self) -> [f64; 6] {
+        [0.0, 0.0, 1e2, self.attitude, self.attitude, 0.0]
+    }
+
+    /// In the second step, where the result of the first is to be kept.
+    fn second(self) -> [f64; 6] {
+        [1.0, 1.0, 1e6, 1e6, 1e6, self.yaw]
+    }
+}
 
 /// `min Σ w_k (A x − b)_k² + Σ ρ_j x_j²` within bounds, by fixing what goes beyond them.
 #[derive(Clone, Debug)]
@@ -29,12 +46,13 @@ pub(super) struct Allocation {
     l: Vec<f64>,
     right: Vec<f64>,
     weight: [f64; 6],
+    priorities: Priorities,
     /// Result of the first step.
     first: Vec<f64>,
 }
 
 impl Allocation {
-    pub(super) fn new(columns: usize) -> Self {
+    pub(super) fn new(columns: usize, priorities: Priorities) -> Self {
         Self {
             a: vec![0.0; 6 * columns],
             b: [0.0; 6],
@@ -45,7 +63,8 @@ impl Allocation {
             free: Vec::with_capacity(columns),
             l: vec![0.0; columns * columns],
             right: vec![0.0; columns],
-            weight: FIRST,
+            weight: [0.0; 6],
+            priorities,
             first: vec![0.0; columns],
         }
     }
@@ -53,14 +72,14 @@ impl Allocation {
     /// At most one solve per column and one more. What is not finite comes out as such.
     pub(super) fn solve(&mut self) {
         let p = self.lower.len();
-        self.weight = FIRST;
+        self.weight = self.priorities.first();
         self.redistribute(p);
         self.first[..p].copy_from_slice(&self.x[..p]);
         for i in [2, 3, 4] {
             let row = self.a[i * p..(i + 1) * p].iter();
             self.b[i] = row.zip(&self.first).map(|(a, x)| a * x).sum();
         }
-        self.weight = SECOND;
+        self.weight = self.priorities.second();
         self.free.clear();
         self.free.extend(0..p);
         if !self.solve_free(p) {
@@ -163,12 +182,16 @@ impl Allocation {
 
 #[cfg(test)]
 mod tests {
-    use super::Allocation;
+    use super::{Allocation, Priorities};
 
     #[test]
     fn roll_is_kept_where_thrust_is_short() {
         // Two rotors on a beam along y: force z, and moment x.
-        let mut two = Allocation::new(2);
+        let priorities = Priorities {
+            attitude: 1e5,
+            yaw: 10.0,
+        };
+        let mut two = Allocation::new(2, priorities);
         two.a[4..6].copy_from_slice(&[1.0, 1.0]);
         two.a[6..8].copy_from_slice(&[1.0, -1.0]);
         two.lower.extend([0.0; 2]);
