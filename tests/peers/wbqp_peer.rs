@@ -30,10 +30,9 @@ use wbqp::{
     controller::FallbackLevel,
     input,
     nalgebra::{Quaternion, UnitQuaternion, Vector3},
-    plugin::{AnyTask, Sample},
+    plugin::{Sample, VectorSample},
 };
 use wbqp_bench::workload::{Player, Workload};
-use wbqp_tasks::{BaseOrientation, Com, FramePosition, Posture};
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 

@@ -5,39 +5,26 @@ use rand_chacha::ChaCha8Rng;
 use wbqp::{
     config::ControllerConfig,
     controller::{Command, Measurement},
-    error::BindError,
-    nalgebra::{Quaternion, UnitQuaternion},
-    plugin::{AnyConstraint, Constraint, ConstraintRows, Entry, Hardness, Layout, Setup, Tick},
+    nalgebra::Quaternion,
+    plugin::{AnyConstraint, Entry, Hardness},
+    prelude::*,
     robot::RobotModel,
-    schemars::JsonSchema,
-    serde::{Deserialize, Serialize},
 };
 
 /// Limits on accelerations and efforts that are mostly harmless and now and then contradict one another, the actuators,
 /// or arithmetic.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(crate = "wbqp::serde")]
-#[schemars(crate = "wbqp::schemars")]
+#[wbqp::constraint("test.adversary")]
 pub struct Adversary {
     /// Source of what it does.
     pub seed: u64,
     /// Ticks out of a thousand in which it does harm.
     pub harm: u32,
-    #[serde(skip)]
-    rng: Option<ChaCha8Rng>,
-    #[serde(skip)]
-    nv: usize,
 }
 
 impl Adversary {
     /// Harms in so many ticks out of a thousand.
     pub fn new(seed: u64, harm: u32) -> Self {
-        Self {
-            seed,
-            harm,
-            rng: None,
-            nv: 0,
-        }
+        Self { seed, harm }
     }
 
     /// Adds it to a configuration, as the constraint of that name.
@@ -47,21 +34,19 @@ impl Adversary {
     }
 }
 
-#[wbqp::constraint("test.adversary")]
 impl Constraint for Adversary {
-    fn bind(&mut self, setup: &mut Setup<'_>) -> Result<Layout, BindError> {
-        self.rng = Some(ChaCha8Rng::seed_from_u64(self.seed));
-        self.nv = setup.model().nv();
+    type Running = ChaCha8Rng;
+
+    fn bind(&self, setup: &mut Setup<'_>) -> Result<(ConstraintLayout, ChaCha8Rng), BindError> {
         let rows = (0..3).map(|i| (format!("row {i}"), "1"));
-        Ok(Layout::rows(rows)
-            .vdot_dense()
-            .effort_dense()
-            .bound_effort(0, "first", "1")
-            .bound_effort(1, "second", "1"))
+        let mut layout = Layout::rows(rows).vdot_dense().effort_dense().limits();
+        for ((actuator, _), label) in setup.actuators().zip(["first", "second"]) {
+            layout = layout.bound_effort(actuator, label, "1");
+        }
+        Ok((layout, ChaCha8Rng::seed_from_u64(self.seed)))
     }
 
-    fn update(&mut self, _: &Tick<'_>, rows: &mut ConstraintRows<'_>) {
-        let Some(rng) = &mut self.rng else { return };
+    fn update(&self, rng: &mut ChaCha8Rng, tick: &Tick<'_>, rows: &mut ConstraintRows<'_>) {
         let free = (f64::NEG_INFINITY, f64::INFINITY);
         for row in 0..3 {
             rows.vdot().row_mut(row).fill(0.0);
@@ -77,7 +62,7 @@ impl Constraint for Adversary {
         match rng.random_range(0..8) {
             // An acceleration beyond all limits.
             0 => {
-                rows.vdot()[(0, rng.random_range(0..self.nv))] = 1.0;
+                rows.vdot()[(0, rng.random_range(0..tick.model.nv()))] = 1.0;
                 rows.limit(0, 1e6, 2e6);
             }
             // Two rows against each other.

@@ -2,30 +2,29 @@
 
 use std::f64::consts::TAU;
 
-use wbqp::{
-    error::BindError,
-    plugin::{Reference, Sample, Space, Start, Tick},
-    schemars::JsonSchema,
-    serde::{Deserialize, Serialize},
-};
+use wbqp::prelude::*;
 
 /// Flies `(a sin 2φ, b sin φ, 0)` about the point where it takes over; φ runs through one turn per period.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(crate = "wbqp::serde", deny_unknown_fields)]
-#[schemars(crate = "wbqp::schemars")]
+#[wbqp::reference("pointing.figure_eight")]
 pub struct FigureEight {
     /// a and b, m.
     pub size: [f64; 2],
     /// Time of one turn, s.
     pub period: f64,
-    #[serde(skip)]
-    bound: Option<(f64, [f64; 3])>,
 }
 
-#[wbqp::reference("pointing.figure_eight")]
+/// When it begins, s, and about which point.
+#[derive(Debug, Default)]
+pub struct Begin {
+    time: f64,
+    centre: Vector3<f64>,
+}
+
 impl Reference for FigureEight {
-    fn bind(&mut self, start: &Start<'_>) -> Result<(), BindError> {
-        if start.space != Space::Vector(3) {
+    type Running = Begin;
+
+    fn bind(&self, space: Space) -> Result<Begin, BindError> {
+        if space != Space::Vector(3) {
             return Err(BindError::value(
                 "type",
                 "`pointing.figure_eight` is for positions in space",
@@ -35,23 +34,27 @@ impl Reference for FigureEight {
             let problem = format!("is {}, must be above 0", self.period);
             return Err(BindError::value("period", problem));
         }
-        let from = start.from.value3();
-        self.bound = Some((start.time, [from.x, from.y, from.z]));
-        Ok(())
+        Ok(Begin::default())
     }
 
-    fn sample(&mut self, tick: &Tick<'_>, out: &mut Sample) {
-        let Some((begin, centre)) = self.bound else {
-            return;
-        };
+    fn start(&self, begin: &mut Begin, start: &Start<'_>) {
+        if let Sample::Vector(from) = start.from {
+            begin.time = start.time;
+            begin.centre = from.value3();
+        }
+    }
+
+    fn sample(&self, begin: &mut Begin, tick: &Tick<'_>, out: &mut Sample) {
+        // It is one of vectors: `bind` refuses rotations.
+        let Sample::Vector(out) = out else { return };
         let w = TAU / self.period;
         // One second to come up to speed: φ and its derivatives start at zero.
-        let (phase, rate, acceleration) = ease_in(tick.time - begin);
+        let (phase, rate, acceleration) = ease_in(tick.time - begin.time);
         let [a, b] = self.size;
         for (axis, (size, turns)) in [(a, 2.0), (b, 1.0), (0.0, 1.0)].into_iter().enumerate() {
             let k = turns * w;
             let (sin, cos) = (k * phase).sin_cos();
-            out.value[axis] = centre[axis] + size * sin;
+            out.value[axis] = begin.centre[axis] + size * sin;
             out.rate[axis] = size * k * cos * rate;
             out.acceleration[axis] = size * k * (cos * acceleration - k * sin * rate * rate);
         }

@@ -9,43 +9,32 @@
 //! Nguyen and Sreenath 2016). With `ḣ = (z_R × e_z)·ω` and `ḧ = (z_R × e_z)·ω̇ + (ω × (ω × z_R))·e_z` it is one row on
 //! the base's angular acceleration.
 
-use wbqp::{
-    Layout,
-    error::BindError,
-    nalgebra::Vector3,
-    plugin::{Constraint, ConstraintRows, FrameHandle, Setup, Tick},
-    schemars::JsonSchema,
-    serde::{Deserialize, Serialize},
-};
+use wbqp::prelude::*;
 
 /// How fast the limit may be approached, 1/s: both rates of the barrier.
 const RATE: f64 = 8.0;
 
 /// Keeps the base's z axis within an angle of the vertical.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(crate = "wbqp::serde", deny_unknown_fields)]
-#[schemars(crate = "wbqp::schemars")]
+#[wbqp::constraint("pointing.max_tilt")]
 pub struct MaxTilt {
     /// The limit, degrees, above 0 and below 90.
     pub degrees: f64,
-    #[serde(skip)]
-    bound: Option<FrameHandle>,
 }
 
-#[wbqp::constraint("pointing.max_tilt")]
 impl Constraint for MaxTilt {
-    fn bind(&mut self, setup: &mut Setup<'_>) -> Result<Layout, BindError> {
+    type Running = FrameHandle;
+
+    fn bind(&self, setup: &mut Setup<'_>) -> Result<(ConstraintLayout, FrameHandle), BindError> {
         if !(self.degrees > 0.0 && self.degrees < 90.0) {
             let problem = format!("is {}, must be above 0 and below 90", self.degrees);
             return Err(BindError::value("degrees", problem));
         }
-        self.bound = Some(setup.base_frame());
-        Ok(Layout::rows([("tilt", "1/s²")]).vdot_dense())
+        let layout = Layout::rows([("tilt", "1/s²")]).vdot_dense();
+        Ok((layout.limits(), setup.base_frame()))
     }
 
-    fn update(&mut self, tick: &Tick<'_>, rows: &mut ConstraintRows<'_>) {
-        let Some(frame) = self.bound else { return };
-        let base = tick.frame(frame);
+    fn update(&self, base: &mut FrameHandle, tick: &Tick<'_>, rows: &mut ConstraintRows<'_>) {
+        let base = tick.frame(*base);
         let up = Vector3::z();
         let z = base.R_WF * up;
         let axis = z.cross(&up);

@@ -12,20 +12,11 @@
 //! ```
 //! where β collects what the velocities alone make. The task asks for `ë = −kd ė − kp e`.
 
-use wbqp::{
-    Layout,
-    error::BindError,
-    nalgebra::Vector3,
-    plugin::{FrameHandle, Rows, Setup, Task, Tick},
-    schemars::JsonSchema,
-    serde::{Deserialize, Serialize},
-};
+use wbqp::prelude::*;
 
 /// Keeps the z axis of a frame pointing at a place in the world: `ë = −kd ė − kp e` for the direction e to it, seen in
 /// the frame's x and y.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(crate = "wbqp::serde", deny_unknown_fields)]
-#[schemars(crate = "wbqp::schemars")]
+#[wbqp::task("pointing.point_at")]
 pub struct PointAt {
     /// The frame.
     pub frame: String,
@@ -35,13 +26,12 @@ pub struct PointAt {
     pub kp: f64,
     /// Damping, 1/s.
     pub kd: f64,
-    #[serde(skip)]
-    bound: Option<FrameHandle>,
 }
 
-#[wbqp::task("pointing.point_at")]
 impl Task for PointAt {
-    fn bind(&mut self, setup: &mut Setup<'_>) -> Result<Layout, BindError> {
+    type Running = FrameHandle;
+
+    fn bind(&self, setup: &mut Setup<'_>) -> Result<(Layout, FrameHandle), BindError> {
         for (key, gain) in [("kp", self.kp), ("kd", self.kd)] {
             if !(gain.is_finite() && gain >= 0.0) {
                 return Err(BindError::value(
@@ -50,15 +40,12 @@ impl Task for PointAt {
                 ));
             }
         }
-        self.bound = Some(setup.frame(&self.frame)?);
-        Ok(Layout::rows([("x", "1/s²"), ("y", "1/s²")])
-            .error_unit("1")
-            .vdot_dense())
+        let rows = Layout::rows([("x", "1/s²"), ("y", "1/s²")]).error_unit("1");
+        Ok((rows.vdot_dense(), setup.frame(&self.frame)?))
     }
 
-    fn update(&mut self, tick: &Tick<'_>, rows: &mut Rows<'_>) {
-        let Some(frame) = self.bound else { return };
-        let tool = tick.frame(frame);
+    fn update(&self, tool: &mut FrameHandle, tick: &Tick<'_>, rows: &mut Rows<'_>) {
+        let tool = tick.frame(*tool);
         let (v, w) = (tool.v_WF, tool.w_WF);
         let u = Vector3::from(self.target) - tool.p_WF;
         let r = u.norm().max(1e-3); // no direction at the target itself
@@ -72,17 +59,22 @@ impl Task for PointAt {
         for k in 0..2 {
             let a = tool.R_WF.matrix().column(k).into_owned();
             let (linear, angular) = (-(a - d * d.dot(&a)) / r, a.cross(&d));
-            for (out, column) in rows.vdot().row_mut(k).iter_mut().zip(tool.J.column_iter()) {
-                *out = linear.dot(&column.fixed_rows::<3>(0))
-                    + angular.dot(&column.fixed_rows::<3>(3));
-            }
+            let row = tool.J.column_iter().map(|column| {
+                linear.dot(&column.fixed_rows::<3>(0)) + angular.dot(&column.fixed_rows::<3>(3))
+            });
             let a_dot = w.cross(&a);
             let beta = (turn.cross(&a) + w.cross(&a_dot)).dot(&d)
                 + 2.0 * a_dot.dot(&d_dot)
                 + a.dot(&d_ddot);
-            let (e, e_dot) = (a.dot(&d), a.dot(&d_dot) + a_dot.dot(&d));
-            rows.b()[k] = -self.kd * e_dot - self.kp * e - beta;
-            rows.error()[k] = e;
+            rows.jacobian(k, row, beta);
+            let motion = Motion {
+                error: a.dot(&d),
+                rate: a.dot(&d_dot) + a_dot.dot(&d),
+                acceleration: 0.0,
+                kp: self.kp,
+                kd: self.kd,
+            };
+            rows.motion(k, motion);
         }
     }
 }

@@ -4,6 +4,8 @@
 //! ticks: a constant coefficient may be written once. A block that was not declared has no storage; asking
 //! for it gives a scratch view and raises a fault that the report names.
 
+use std::borrow::Borrow;
+
 use nalgebra::{DVectorViewMut, Dyn, MatrixViewMut, U1, Vector3};
 
 use crate::{
@@ -396,9 +398,14 @@ impl<'a> Rows<'a> {
 
     /// Writes the coefficients of row `k` on `v̇`, one per velocity, and its bias `J̇ v`: the rate at which `J v` would
     /// change without acceleration. Declared with [`Layout::vdot_dense`].
-    pub fn jacobian<'j>(&mut self, k: usize, row: impl IntoIterator<Item = &'j f64>, bias: f64) {
+    pub fn jacobian<A: Borrow<f64>>(
+        &mut self,
+        k: usize,
+        row: impl IntoIterator<Item = A>,
+        bias: f64,
+    ) {
         for (out, a) in self.vdot().row_mut(k).iter_mut().zip(row) {
-            *out = *a;
+            *out = *a.borrow();
         }
         self.bias(k, bias);
     }

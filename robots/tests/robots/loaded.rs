@@ -142,8 +142,11 @@ fn othex_actuators() {
     assert_eq!(robot.nu(), 9);
     assert_eq!(robot.rotors().count(), 6);
     let mut sign = -1.0;
-    for (i, actuator, rotor) in robot.rotors() {
-        assert_eq!(robot.actuator(&format!("rotor_{}", i + 1)), Some(i));
+    for (id, actuator, rotor) in robot.rotors() {
+        assert_eq!(
+            robot.actuator(&format!("rotor_{}", id.index() + 1)),
+            Some(id)
+        );
         assert_eq!(
             (actuator.lower, actuator.upper, actuator.slew),
             (0.25, 10.0, f64::INFINITY)
@@ -158,8 +161,8 @@ fn othex_actuators() {
     }
     for name in ["arm_roll", "arm_pitch1", "arm_pitch2"] {
         let joint = robot.model.joint(name).unwrap();
-        let index = robot.joint_actuator(joint).unwrap();
-        let actuator = &robot.actuators[index];
+        let motor = robot.joint_actuator(joint).unwrap();
+        let actuator = &robot.actuators[motor.index()];
         assert_eq!(actuator.name, name);
         assert_eq!((actuator.lower, actuator.upper), (-4.0, 4.0));
         assert!(matches!(&actuator.kind, ActuatorKind::Joint(m) if m.drive == Drive::Velocity));

@@ -16,7 +16,7 @@ use wbqp_tasks::{
 
 use crate::robot::{contacts, small};
 
-fn bind<P: AnyPlugin + ?Sized>(plugin: Box<P>) -> Result<Layout, BindError> {
+fn bind<P: AnyPlugin + ?Sized>(plugin: &P) -> Result<Layout, BindError> {
     let (robot, mut contacts) = (small(), contacts());
     let mut tilt = contacts[0].clone();
     "tilting".clone_into(&mut tilt.name);
@@ -27,11 +27,11 @@ fn bind<P: AnyPlugin + ?Sized>(plugin: Box<P>) -> Result<Layout, BindError> {
 }
 
 fn task(task: impl AnyTask) -> Result<Layout, BindError> {
-    bind::<dyn AnyTask>(Box::new(task))
+    bind::<dyn AnyTask>(&task)
 }
 
 fn constraint(constraint: impl AnyConstraint) -> Result<Layout, BindError> {
-    bind::<dyn AnyConstraint>(Box::new(constraint))
+    bind::<dyn AnyConstraint>(&constraint)
 }
 
 fn rows(layout: Result<Layout, BindError>) -> usize {

@@ -10,7 +10,7 @@ use wbqp::{
     controller::FallbackLevel,
     fault::Fault,
     nalgebra::UnitQuaternion,
-    plugin::{Entry, PerRow},
+    plugin::Entry,
     qp::{Budget, Capacity, Clarabel, Qp, QpError, QpSolver, Solution, Solver, Status},
     schemars::{self, JsonSchema},
     serde::{Deserialize, Serialize},
@@ -109,9 +109,8 @@ fn with_solver(solver: Option<fn() -> Box<dyn Solver>>) {
             let mut controller = controller.with_recorder(4).expect("can be saved");
             if kind == Kind::OthexVertical {
                 // The reference that computes most.
-                let thrust = Box::new(ThrustAttitude::new());
                 controller
-                    .follow("base_orientation", thrust)
+                    .follow("base_orientation", ThrustAttitude::new())
                     .expect("the scene has the task");
             }
             let mut measurement = scene.measurement();

@@ -5,7 +5,7 @@ use wbqp::{
     Controller, ControllerConfig, Measurement,
     contact::{ContactKind, ContactSpec, Surface},
     controller::RequestError,
-    plugin::{Entry, Hardness, PerRow},
+    plugin::{Entry, Hardness, PerRow, Sample},
 };
 use wbqp_robots::Othex;
 use wbqp_tasks::{

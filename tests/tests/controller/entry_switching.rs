@@ -1,11 +1,6 @@
 //! Tasks that are switched, weighted and given references while a contact is on: with a ramp nothing jumps.
 
-use wbqp::{
-    config::Overrides,
-    controller::Controller,
-    plugin::{AnyReference, PerRow},
-    settings::Target,
-};
+use wbqp::{config::Overrides, controller::Controller, plugin::AnyReference, settings::Target};
 use wbqp_robots as _;
 use wbqp_tasks::{Hold, MinJerk};
 use wbqp_tests::{approach::approaching, closed_loop::ClosedLoop, runs::logged, said::scenario};

@@ -6,7 +6,7 @@ use wbqp::{
     controller::{Dump, FallbackLevel},
     fault::Fault,
     nalgebra::{UnitQuaternion, Vector3},
-    plugin::{Entry, reference::AT_HOME},
+    plugin::Entry,
     settings::{FirstError, Settings, StartFrom},
 };
 use wbqp_robots::{Humanoid, Othex, Quadruped, Urdf};
@@ -84,6 +84,9 @@ fn references_begin_at_what_is_measured() {
     controller.tick(&m);
     assert!((largest_error(&controller) - 0.1).abs() < 1e-12);
 }
+
+/// The distance from home, m, at which a robot still counts as at home.
+const AT_HOME: f64 = 5e-3;
 
 #[test]
 fn at_home_they_begin_at_home_whatever_the_noise() {

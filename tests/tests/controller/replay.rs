@@ -7,11 +7,9 @@ use rand_chacha::ChaCha8Rng;
 use wbqp::{
     Controller, Measurement,
     controller::{Dump, FallbackLevel},
-    error::BindError,
-    plugin::{Constraint, ConstraintRows, Entry, Layout, Setup, Tick},
+    plugin::Entry,
+    prelude::*,
     replay::{DumpError, DumpFolder, Matrices, ProblemTable},
-    schemars::JsonSchema,
-    serde::{Deserialize, Serialize},
 };
 use wbqp_tests::{
     files::Temporary,
@@ -19,18 +17,19 @@ use wbqp_tests::{
 };
 
 /// Asks from time to time for an effort that the limits do not allow, and once for one that is no number.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(crate = "wbqp::serde")]
-#[schemars(crate = "wbqp::schemars")]
+#[wbqp::constraint("test.impossible")]
 struct Impossible {}
 
-#[wbqp::constraint("test.impossible")]
 impl Constraint for Impossible {
-    fn bind(&mut self, _: &mut Setup<'_>) -> Result<Layout, BindError> {
-        Ok(Layout::rows([("much", "N")]).effort_unit([0]))
+    type Running = ();
+
+    fn bind(&self, setup: &mut Setup<'_>) -> Result<(ConstraintLayout, ()), BindError> {
+        let first = setup.actuators().map(|(id, _)| id).take(1);
+        let layout = Layout::rows([("much", "N")]).effort_unit(first);
+        Ok((layout.limits(), ()))
     }
 
-    fn update(&mut self, tick: &Tick<'_>, rows: &mut ConstraintRows<'_>) {
+    fn update(&self, (): &mut (), tick: &Tick<'_>, rows: &mut ConstraintRows<'_>) {
         let tenth = (tick.time * 10.0) as u32 % 10;
         let least = match tenth {
             3 => 1e6,

@@ -10,7 +10,7 @@ use wbqp::{
     config::ControllerConfig,
     contact::ContactKind,
     controller::{Controller, FallbackLevel},
-    plugin::{Entry, Hardness, PerRow},
+    plugin::{Entry, Hardness},
     settings::Formulation,
 };
 use wbqp_tasks::{Hold, JointLimits};

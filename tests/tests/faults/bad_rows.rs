@@ -2,35 +2,29 @@
 
 use wbqp::{
     controller::{Controller, FallbackLevel},
-    error::BindError,
     fault::Fault,
-    plugin::{
-        AnyConstraint, AnyTask, Constraint, ConstraintRows, Entry, Hardness, Layout, Rows, Setup,
-        Task, Tick,
-    },
+    plugin::{AnyConstraint, AnyTask, Entry, Hardness},
+    prelude::*,
     qp::Status,
-    schemars::JsonSchema,
-    serde::{Deserialize, Serialize},
     settings::Formulation,
 };
 use wbqp_tests::scenes::{Kind, Scene};
 
 /// Writes `bad` into one place after some good ticks.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(crate = "wbqp::serde")]
-#[schemars(crate = "wbqp::schemars")]
-struct Spoiler {
+#[wbqp::task("test.spoiler")]
+struct SpoilingTask {
     place: usize,
     bad: f64,
 }
 
-#[wbqp::task("test.spoiler")]
-impl Task for Spoiler {
-    fn bind(&mut self, _: &mut Setup<'_>) -> Result<Layout, BindError> {
-        Ok(Layout::rows([("a", "rad/s²")]).vdot_dense())
+impl Task for SpoilingTask {
+    type Running = ();
+
+    fn bind(&self, _: &mut Setup<'_>) -> Result<(Layout, ()), BindError> {
+        Ok((Layout::rows([("a", "rad/s²")]).vdot_dense(), ()))
     }
 
-    fn update(&mut self, tick: &Tick<'_>, rows: &mut Rows<'_>) {
+    fn update(&self, (): &mut (), tick: &Tick<'_>, rows: &mut Rows<'_>) {
         let value = if tick.time > 0.1 { self.bad } else { 1.0 };
         if self.place == 0 {
             rows.vdot()[(0, 0)] = value;
@@ -40,15 +34,26 @@ impl Task for Spoiler {
     }
 }
 
+/// The same as a constraint.
 #[wbqp::constraint("test.spoiler")]
-impl Constraint for Spoiler {
-    fn bind(&mut self, _: &mut Setup<'_>) -> Result<Layout, BindError> {
-        Ok(Layout::rows([("a", "N·m")])
-            .effort_unit([0])
-            .bound_effort(1, "b", "N·m"))
+struct SpoilingConstraint {
+    place: usize,
+    bad: f64,
+}
+
+impl Constraint for SpoilingConstraint {
+    type Running = ();
+
+    fn bind(&self, setup: &mut Setup<'_>) -> Result<(ConstraintLayout, ()), BindError> {
+        let actuators: Vec<ActuatorId> = setup.actuators().map(|(id, _)| id).collect();
+        let layout = Layout::rows([("a", "N·m")])
+            .effort_unit([actuators[0]])
+            .limits()
+            .bound_effort(actuators[1], "b", "N·m");
+        Ok((layout, ()))
     }
 
-    fn update(&mut self, tick: &Tick<'_>, rows: &mut ConstraintRows<'_>) {
+    fn update(&self, (): &mut (), tick: &Tick<'_>, rows: &mut ConstraintRows<'_>) {
         let value = if tick.time > 0.1 { self.bad } else { 1e3 };
         rows.limit(0, -1e3, if self.place == 0 { value } else { 1e3 });
         rows.bound(0, -1e3, if self.place == 1 { value } else { 1e3 });
@@ -93,7 +98,7 @@ fn what_is_not_a_number_is_a_fault_of_its_entry() {
             let constraints = scene.config().constraints.len();
             for place in [0, 1] {
                 for bad in [f64::NAN, f64::INFINITY] {
-                    let task = Box::new(Spoiler { place, bad });
+                    let task = Box::new(SpoilingTask { place, bad });
                     let found = fault(&scene, |config| {
                         let entry: Entry<dyn AnyTask> =
                             Entry::new("spoiler", 1.0, Hardness::Soft, task);
@@ -102,7 +107,7 @@ fn what_is_not_a_number_is_a_fault_of_its_entry() {
                     assert_eq!(found, Some(Fault::Rows(tasks)), "{kind:?} {place} {bad}");
                 }
                 let hard = |bad| -> Entry<dyn AnyConstraint> {
-                    let plugin = Box::new(Spoiler { place, bad });
+                    let plugin = Box::new(SpoilingConstraint { place, bad });
                     Entry::new("spoiler", 1.0, Hardness::Hard, plugin)
                 };
                 let found = fault(&scene, |config| {

@@ -2,17 +2,11 @@
 
 use wbqp::{
     config::ControllerConfig,
-    contact::ContactId,
     controller::{Controller, FallbackLevel, Measurement, Side},
-    error::BindError,
     fault::Fault,
-    plugin::{
-        AnyConstraint, AnyTask, Constraint, ConstraintRows, Entry, Hardness, Layout, Rows, Setup,
-        Task, Tick,
-    },
+    plugin::{AnyConstraint, AnyTask, Entry, Hardness},
+    prelude::*,
     qp::{ActiveSet, Capacity, Qp, QpSolver, RowId, Solution, Status, VarId},
-    schemars::JsonSchema,
-    serde::{Deserialize, Serialize},
 };
 use wbqp_tests::{
     adversary::Adversary,
@@ -20,10 +14,9 @@ use wbqp_tests::{
     scenes::{KINDS, Kind, Scene},
 };
 
-/// `lower ≤ Σ effort + Σ force ≤ upper`, coefficients by position; an equality as a task.
-#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(crate = "wbqp::serde")]
-#[schemars(crate = "wbqp::schemars")]
+/// `lower ≤ Σ effort + Σ force ≤ upper`, coefficients by position.
+#[wbqp::constraint("test.linear")]
+#[derive(Default)]
 struct Linear {
     effort: Vec<f64>,
     /// On the force of contact 0.
@@ -32,33 +25,26 @@ struct Linear {
     upper: f64,
     /// Change of both limits, N/s.
     rate: f64,
-    #[serde(skip)]
-    contact: Option<ContactId>,
 }
 
-impl Linear {
-    fn layout(&mut self, setup: &Setup<'_>) -> Result<Layout, BindError> {
+impl Constraint for Linear {
+    /// The contact, if there are coefficients on its force.
+    type Running = Option<ContactId>;
+
+    fn bind(&self, setup: &mut Setup<'_>) -> Result<(ConstraintLayout, Self::Running), BindError> {
         let layout = Layout::rows([("sum", "N")]).effort_dense();
         if self.force.is_empty() {
-            return Ok(layout);
+            return Ok((layout.limits(), None));
         }
         let contact = setup.contact("contact_0")?;
-        self.contact = Some(contact);
-        Ok(layout.force_dense(contact))
-    }
-}
-
-#[wbqp::constraint("test.linear")]
-impl Constraint for Linear {
-    fn bind(&mut self, setup: &mut Setup<'_>) -> Result<Layout, BindError> {
-        self.layout(setup)
+        Ok((layout.force_dense(contact).limits(), Some(contact)))
     }
 
-    fn update(&mut self, tick: &Tick<'_>, rows: &mut ConstraintRows<'_>) {
+    fn update(&self, contact: &mut Self::Running, tick: &Tick<'_>, rows: &mut ConstraintRows<'_>) {
         for (j, a) in self.effort.iter().enumerate() {
             rows.effort()[(0, j)] = *a;
         }
-        if let Some(contact) = self.contact {
+        if let Some(contact) = *contact {
             for (j, a) in self.force.iter().enumerate() {
                 rows.force(contact)[(0, j)] = *a;
             }
@@ -68,17 +54,23 @@ impl Constraint for Linear {
     }
 }
 
-#[wbqp::task("test.linear")]
-impl Task for Linear {
-    fn bind(&mut self, setup: &mut Setup<'_>) -> Result<Layout, BindError> {
-        self.layout(setup)
+/// `effort = wanted` of the first actuator, as a task.
+#[wbqp::task("test.wish")]
+struct Wish {
+    /// N.
+    wanted: f64,
+}
+
+impl Task for Wish {
+    type Running = ();
+
+    fn bind(&self, _: &mut Setup<'_>) -> Result<(Layout, ()), BindError> {
+        Ok((Layout::rows([("sum", "N")]).effort_dense(), ()))
     }
 
-    fn update(&mut self, _: &Tick<'_>, rows: &mut Rows<'_>) {
-        for (j, a) in self.effort.iter().enumerate() {
-            rows.effort()[(0, j)] = *a;
-        }
-        rows.b()[0] = self.lower;
+    fn update(&self, (): &mut (), _: &Tick<'_>, rows: &mut Rows<'_>) {
+        rows.effort()[(0, 0)] = 1.0;
+        rows.b()[0] = self.wanted;
     }
 }
 
@@ -257,7 +249,7 @@ fn hard_tasks_go_before_constraints_and_contacts_last() {
     let mut config = pushing();
     add(&mut config, "most", effort(0, f64::NEG_INFINITY, 3.0));
     let wish: Entry<dyn AnyTask> =
-        Entry::new("wish", 1.0, Hardness::Hard, Box::new(effort(0, 8.0, 8.0)));
+        Entry::new("wish", 1.0, Hardness::Hard, Box::new(Wish { wanted: 8.0 }));
     config.tasks.push(wish);
     let controller = ticked(config);
     let given = given_up(&controller);

@@ -9,7 +9,7 @@ use wbqp::{
     controller::{Command, Controller, FallbackLevel, Measurement},
     fault::Fault,
     nalgebra::Vector6,
-    plugin::{AnyConstraint, Entry, Hardness, PerRow},
+    plugin::{AnyConstraint, Entry, Hardness},
     robot::RobotModel,
     settings::{Formulation, MeasurementLimits},
 };

@@ -4,12 +4,9 @@
 use wbqp::{
     config::{ControllerConfig, Overrides},
     controller::{Controller, FallbackLevel, Measurement},
-    error::BindError,
-    nalgebra::Vector3,
-    plugin::{AnyTask, Entry, Hardness, Layout, Rows, Setup, Task, Tick},
+    plugin::{AnyTask, Entry, Hardness},
+    prelude::*,
     robot::RobotModel,
-    schemars::JsonSchema,
-    serde::{Deserialize, Serialize},
     state::State,
 };
 use wbqp_robots::OthexVertical;
@@ -23,25 +20,25 @@ use wbqp_tests::{
 };
 
 /// Makes the problem one that has no numbers while it is on: no solution of any kind.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(crate = "wbqp::serde")]
-#[schemars(crate = "wbqp::schemars")]
-struct Breaker;
-
 #[wbqp::task("test.breaker")]
+struct Breaker {}
+
 impl Task for Breaker {
-    fn bind(&mut self, _: &mut Setup<'_>) -> Result<Layout, BindError> {
-        Ok(Layout::rows([("broken", "N")]).effort_unit([0]))
+    type Running = ();
+
+    fn bind(&self, setup: &mut Setup<'_>) -> Result<(Layout, ()), BindError> {
+        let first = setup.actuators().map(|(id, _)| id).take(1);
+        Ok((Layout::rows([("broken", "N")]).effort_unit(first), ()))
     }
 
-    fn update(&mut self, _: &Tick<'_>, rows: &mut Rows<'_>) {
+    fn update(&self, (): &mut (), _: &Tick<'_>, rows: &mut Rows<'_>) {
         rows.b()[0] = f64::NAN;
     }
 }
 
 fn with_breaker(mut config: ControllerConfig, active: bool) -> Controller {
     let mut entry: Entry<dyn AnyTask> =
-        Entry::new("breaker", 1.0, Hardness::Soft, Box::new(Breaker));
+        Entry::new("breaker", 1.0, Hardness::Soft, Box::new(Breaker {}));
     entry.active = active;
     config.tasks.push(entry);
     Controller::new(config).expect("is valid")

@@ -53,9 +53,8 @@ impl Loop {
     }
 
     fn follow(&mut self, task: &str, value: &[f64]) {
-        let hold = Box::new(Hold::at(value));
         self.controller
-            .follow(task, hold)
+            .follow(task, Hold::at(value))
             .expect("the task is there");
     }
 }
@@ -224,7 +223,8 @@ fn thrusts_change_no_faster_than_allowed() {
             Some(rates) => constraint(config, "rates", rates),
             None => config,
         });
-        let rotors: Vec<usize> = run.controller.robot().rotors().map(|(i, _, _)| i).collect();
+        let rotors = run.controller.robot().rotors();
+        let rotors: Vec<usize> = rotors.map(|(id, _, _)| id.index()).collect();
         let mut last: Option<Vec<f64>> = None;
         let (mut up, mut down) = (0.0_f64, 0.0_f64);
         for k in 0..300 {

@@ -15,13 +15,13 @@ fn mass_and_singular_values() {
     data.update(&robot.model, &robot.home);
     let mut kinematics = FrameKinematics::new(&robot.model);
     let mut S = Matrix6::zeros();
-    for (i, _, rotor) in robot.rotors() {
+    for (id, _, rotor) in robot.rotors() {
         kinematics.update(&robot.model, &data, rotor.frame);
         let z = kinematics.R_WF.matrix().column(2).into_owned();
         let twist = z * (rotor.reaction.sign() * rotor.moment_coefficient);
         let w = Vector6::new(z.x, z.y, z.z, twist.x, twist.y, twist.z);
         let column = kinematics.J.transpose() * w;
-        S.set_column(i, &column.fixed_rows::<6>(0));
+        S.set_column(id.index(), &column.fixed_rows::<6>(0));
     }
     let mut singular: Vec<f64> = S.singular_values().iter().copied().collect();
     singular.sort_by(|a, b| b.total_cmp(a));
