@@ -71,7 +71,7 @@ pub(crate) type Measured = Box<dyn Fn(&Tick<'_>, &mut Sample) + Send>;
 
 /// The largest distance, m or rad, at which a robot that is measured near its home counts as at home: more than a good
 /// sensor's noise, less than what can be seen.
-pub(crate) const AT_HOME: f64 = 5e-3;
+pub const AT_HOME: f64 = 5e-3;
 
 /// A task's reference, and where it stands.
 pub(crate) struct Followed {

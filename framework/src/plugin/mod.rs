@@ -23,7 +23,7 @@ pub use bound::{AnyPlugin, BoundPlugin};
 pub use constraint::{AnyConstraint, Constraint};
 pub use entry::{Entry, Hardness};
 pub use fallback_law::{AnyFallbackLaw, BoundFallbackLaw, FallbackLaw};
-pub use followed::{BoundReference, RotationReference, VectorReference};
+pub use followed::{AT_HOME, BoundReference, RotationReference, VectorReference};
 pub use frame_handle::FrameHandle;
 pub use layout::{ConstraintLayout, Layout, RowSpec};
 pub use per_row::PerRow;

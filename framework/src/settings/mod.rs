@@ -60,7 +60,7 @@ pub struct Settings {
 #[serde(rename_all = "snake_case")]
 pub enum StartFrom {
     /// At what is measured in the first tick. A robot that is measured near its home
-    /// ([`AT_HOME`](crate::plugin::reference::AT_HOME)) begins there.
+    /// ([`AT_HOME`](crate::plugin::AT_HOME)) begins there.
     #[default]
     Measured,
     /// At the home posture, wherever the robot is.
