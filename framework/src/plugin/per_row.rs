@@ -55,7 +55,7 @@ impl PerRow {
         if let Self::Each(x) = self
             && x.len() != rows
         {
-            let expected = format!("{rows}, one per axis, or one number for all");
+            let expected = format!("{rows}, one per row, or one number for all");
             return Err(BindError::length(key, x.len(), expected));
         }
         let bad = |x: &f64| !(x.is_finite() && *x >= 0.0);

@@ -204,7 +204,7 @@ contact = "tip"
     let wrong = text.replace("kp = 40\nkd = 12\n", "kp = \"stiff\"\nkdd = 12\n");
     let errors = load(&wrong).expect_err("two mistakes").to_string();
     for part in [
-        "a number or a list of numbers, one per axis",
+        "a number or a list of numbers, one per row",
         "unknown key `kdd`",
     ] {
         assert!(errors.contains(part), "{errors}");

@@ -149,7 +149,7 @@ fn a_configuration_made_in_code_has_no_places() {
     let error = Controller::new(config).expect_err("is refused").to_string();
     assert_eq!(
         error,
-        "task[0] `arm` (posture): kp: has 2 entries, expected 3, one per axis, or one number for all\n\
+        "task[0] `arm` (posture): kp: has 2 entries, expected 3, one per row, or one number for all\n\
          task[1] `arm` (base_position): name: is taken by task[0]"
     );
 }

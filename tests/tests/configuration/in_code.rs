@@ -169,7 +169,7 @@ fn mistakes_in_code_come_at_once_and_by_name() {
         lines,
         [
             "task[6] `arm` (posture): name: is taken by task[0]",
-            "task[7] `grip` (posture): kp: has 2 entries, expected 3, one per axis, or one number for all",
+            "task[7] `grip` (posture): kp: has 2 entries, expected 3, one per row, or one number for all",
             "constraint[3] `cone2` (friction_pyramid): contact `tap` does not exist; did you mean `tip`? (known: tip)",
         ]
     );
