@@ -9,7 +9,7 @@ pub enum RequestError {
     /// Nothing has that name.
     #[error("there is no {kind} `{name}`{hint} (known: {known})")]
     Absent {
-        /// `entry` or `contact`.
+        /// `entry`, `task` or `contact`.
         kind: &'static str,
         /// The name given.
         name: String,

@@ -92,7 +92,7 @@ impl Controller {
         task: impl Into<EntryRef<'a>>,
         reference: impl Into<Box<dyn AnyReference>>,
     ) -> Result<(), RequestError> {
-        let index = self.find(task.into())?;
+        let index = self.find_task(task.into())?;
         let begin = self.world.next_time();
         let name = || self.entries[index].name.clone();
         let Some(followed) = self.plugins[index].references.first_mut() else {
@@ -111,7 +111,7 @@ impl Controller {
     /// # Errors
     /// [`RequestError`] if the task does not exist or follows nothing.
     pub fn followed<'a>(&self, task: impl Into<EntryRef<'a>>) -> Result<&Sample, RequestError> {
-        let index = self.find(task.into())?;
+        let index = self.find_task(task.into())?;
         match self.plugins[index].references.first() {
             Some(followed) => Ok(&followed.sample),
             None => Err(RequestError::NoReference {
@@ -330,6 +330,17 @@ impl Controller {
             EntryRef::Name(name) => Ok(self.entry(name)?.index()),
             EntryRef::Id(id) if id.controller == self.stamp => Ok(id.index()),
             EntryRef::Id(_) => Err(RequestError::OtherController),
+        }
+    }
+
+    /// The position of a task; an error about a name knows tasks alone.
+    fn find_task(&self, task: EntryRef<'_>) -> Result<usize, RequestError> {
+        match task {
+            EntryRef::Name(name) => {
+                let found = self.task_names().position(|n| n == name);
+                found.ok_or_else(|| absent("task", name, self.task_names()))
+            }
+            EntryRef::Id(_) => self.find(task),
         }
     }
 }

@@ -250,43 +250,39 @@ impl FallbackLaw for DampedHover {
 
 impl DampedHover {
     fn validate(&self) -> Result<(), BindError> {
-        let numbers = [
-            ("damping", self.damping, self.damping >= 0.0),
-            (
-                "rotation_damping",
-                self.rotation_damping,
-                self.rotation_damping >= 0.0,
-            ),
-            ("levelling", self.levelling, self.levelling >= 0.0),
-            ("posture", self.posture, self.posture >= 0.0),
-            ("max_linear", self.max_linear, self.max_linear > 0.0),
-            ("max_angular", self.max_angular, self.max_angular > 0.0),
-            ("lean", self.lean, self.lean >= 0.0),
-            ("fading", self.fading, self.fading > 0.0),
-            (
-                "joint_damping",
-                self.joint_damping,
-                (0.0..=1.0).contains(&self.joint_damping),
-            ),
-            ("effort_price", self.effort_price, self.effort_price > 0.0),
-            (
-                "tangential_price",
-                self.tangential_price,
-                self.tangential_price > 0.0,
-            ),
-            ("rank", self.rank, self.rank > 0.0),
-            (
-                "attitude_weight",
-                self.attitude_weight,
-                self.attitude_weight > 0.0,
-            ),
-            ("yaw_weight", self.yaw_weight, self.yaw_weight > 0.0),
+        let above_zero = [
+            ("max_linear", self.max_linear),
+            ("max_angular", self.max_angular),
+            ("fading", self.fading),
+            ("effort_price", self.effort_price),
+            ("tangential_price", self.tangential_price),
+            ("rank", self.rank),
+            ("attitude_weight", self.attitude_weight),
+            ("yaw_weight", self.yaw_weight),
         ];
-        for (key, value, is_allowed) in numbers {
-            if !value.is_finite() || !is_allowed {
-                let problem = format!("is {value}, which is out of range");
-                return Err(BindError::value(key, problem));
+        let not_negative = [
+            ("damping", self.damping),
+            ("rotation_damping", self.rotation_damping),
+            ("levelling", self.levelling),
+            ("posture", self.posture),
+            ("lean", self.lean),
+            ("joint_damping", self.joint_damping),
+        ];
+        let refuse = |key: &str, value: f64, rule: &str| {
+            BindError::value(key, format!("is {value}, must be finite and {rule}"))
+        };
+        for (key, value) in above_zero {
+            if !(value.is_finite() && value > 0.0) {
+                return Err(refuse(key, value, "above zero"));
             }
+        }
+        for (key, value) in not_negative {
+            if !(value.is_finite() && value >= 0.0) {
+                return Err(refuse(key, value, "not negative"));
+            }
+        }
+        if self.joint_damping > 1.0 {
+            return Err(refuse("joint_damping", self.joint_damping, "at most one"));
         }
         let dampings = [
             ("damping", self.damping),

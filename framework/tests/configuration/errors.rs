@@ -92,7 +92,7 @@ fn tables_missing_and_unknown() {
             "x.toml: top level: table `[controller]` is missing",
             "x.toml: top level: table `[robot]` is missing",
             "x.toml:1:2: top level: unknown key `solvr`; did you mean `solver`? \
-             (known: constraint, contact, controller, measurement, robot, solver, task)",
+             (known: constraint, contact, controller, fallback, measurement, robot, solver, task)",
         ]
     );
 }

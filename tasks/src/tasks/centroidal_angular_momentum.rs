@@ -24,7 +24,7 @@ use crate::follow::stay;
 /// Error: `L_G − L_d`, kg·m²/s.
 #[wbqp::task("centroidal_angular_momentum")]
 pub struct CentroidalAngularMomentum {
-    /// PerRow `K`, 1/s: one number, or one per world axis.
+    /// Gain `K`, 1/s: one number, or one per world axis.
     #[wbqp(unit = "1/s")]
     pub k: PerRow,
     /// The momentum wanted: three numbers, kg·m²/s, world axes. Default: none, as in the home posture at rest.

@@ -117,7 +117,7 @@ fn arrows(folder: &Path, source: &Path, out: &mut Vec<Arrow>) {
         let inside = path.strip_prefix(source).expect("below it");
         let parts: Vec<_> = inside.iter().map(|part| part.to_string_lossy()).collect();
         let room = parts[0].trim_end_matches(".rs").to_owned();
-        if room == "lib" || room == "prelude" {
+        if room == "lib" {
             continue;
         }
         let text = fs::read_to_string(&path).expect("a source file");

@@ -134,7 +134,7 @@ fn unknown_keys() {
     refused(
         "set.task",
         "set.tusk",
-        "s.toml:50:5: unknown field `tusk`, expected one of `controller`, `robot`, `solver`, \
+        "s.toml:50:5: unknown field `tusk`, expected one of `controller`, `robot`, `solver`, `fallback`, \
          `measurement`, `contact`, `task`, `constraint`",
     );
 }

@@ -4,6 +4,7 @@
 mod adversarial;
 mod bad_measurements;
 mod bad_rows;
+mod fallback_law;
 mod ladder;
 mod last_gate;
 mod plausible_measurements;
