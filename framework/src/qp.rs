@@ -42,7 +42,7 @@ use crate::error::BindError;
 ///     fn memory(&self, _: Capacity) -> usize {
 ///         0
 ///     }
-///     fn solve_within(&mut self, _: &Qp, _: Budget<'_>, out: &mut Solution) -> Result<Status, QpError> {
+///     fn solve(&mut self, _: &Qp, _: Budget<'_>, out: &mut Solution) -> Result<Status, QpError> {
 ///         out.status = Status::IterationLimit;
 ///         Ok(out.status)
 ///     }

@@ -29,6 +29,7 @@ use nalgebra::{
 };
 
 use wbqp::{
+    Budget,
     contact::ContactSpec,
     dynamics::{Actuation, Data, FrameKinematics},
     error::BindError,
@@ -263,7 +264,9 @@ impl<'a> Problem<'a> {
                 id += 1;
             }
         }
-        let status = self.solver.solve(&self.qp, &mut self.solution);
+        let status = self
+            .solver
+            .solve(&self.qp, Budget::Configured, &mut self.solution);
         if status != Ok(Status::Optimal) {
             return None;
         }

@@ -18,6 +18,7 @@ use std::{
 };
 
 use wbqp::{
+    Budget,
     controller::FallbackLevel,
     qp::{ActiveSet, Capacity, Qp, QpSolver, Solution},
 };
@@ -94,7 +95,7 @@ fn sequence(problems: Vec<Qp>, wanted: RangeInclusive<usize>) -> Result<Vec<Tick
     solver.bind(capacity)?;
     let (mut ticks, mut follows) = (Vec::new(), false);
     for qp in problems {
-        solver.solve(&qp, &mut solution)?;
+        solver.solve(&qp, Budget::Configured, &mut solution)?;
         let keeps = wanted.contains(&active(&qp, &solution.y, &solution.z));
         if keeps && ticks.len() < TICKS {
             ticks.push(Tick {

@@ -141,7 +141,7 @@ impl QpSolver for Clarabel {
     }
 
     /// Cannot be interrupted: the budget is ignored.
-    fn solve_within(
+    fn solve(
         &mut self,
         qp: &Qp,
         _budget: Budget<'_>,

@@ -14,7 +14,7 @@ use std::{
 };
 
 use serde_json::{Value, json};
-use wbqp_qp::{ActiveSet, Qp, QpSolver, Solution, Status};
+use wbqp_qp::{ActiveSet, Budget, Qp, QpSolver, Solution, Status};
 
 fn main() -> io::Result<()> {
     let mut out = io::stdout().lock();
@@ -69,7 +69,7 @@ fn solve(line: &str) -> Result<Value, String> {
     let mut solution = Solution::new(qp.capacity());
     let start = Instant::now();
     let status = solver
-        .solve(&qp, &mut solution)
+        .solve(&qp, Budget::Configured, &mut solution)
         .map_err(|error| error.to_string())?;
     let microseconds = start.elapsed().as_secs_f64() * 1e6;
     let mut answer = json!({

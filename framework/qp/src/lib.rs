@@ -63,6 +63,6 @@ pub fn solve(
     let mut solver = ActiveSet::default();
     solver.bind(qp.capacity())?;
     let mut solution = Solution::new(qp.capacity());
-    solver.solve(&qp, &mut solution)?;
+    solver.solve(&qp, Budget::Configured, &mut solution)?;
     Ok(solution)
 }

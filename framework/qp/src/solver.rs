@@ -71,20 +71,8 @@ pub trait QpSolver: Send + Debug {
     ///
     /// # Errors
     /// [`QpError::NotBound`], [`QpError::Capacity`]; then the solution's status is [`Status::Unsolved`].
-    fn solve_within(
-        &mut self,
-        qp: &Qp,
-        budget: Budget<'_>,
-        out: &mut Solution,
-    ) -> Result<Status, QpError>;
-
-    /// Solves with the budget that is configured.
-    ///
-    /// # Errors
-    /// Those of [`QpSolver::solve_within`].
-    fn solve(&mut self, qp: &Qp, out: &mut Solution) -> Result<Status, QpError> {
-        self.solve_within(qp, Budget::Configured, out)
-    }
+    fn solve(&mut self, qp: &Qp, budget: Budget<'_>, out: &mut Solution)
+    -> Result<Status, QpError>;
 
     /// Forgets the warm start.
     fn reset(&mut self) {}

@@ -36,7 +36,7 @@ use crate::{
     fault::Fault,
     plugin::BoundFallbackLaw,
     problem::{BoundEntry, DynamicsTerms, Problem, Relaxation},
-    qp::{ActiveSet, ConstraintId, Held, Qp, QpSolver, Solution, Status, WarmStart},
+    qp::{ActiveSet, Budget, ConstraintId, Held, Qp, QpSolver, Solution, Status, WarmStart},
 };
 
 /// For how many ticks after a contradiction the next one is looked for before the optimum.
@@ -168,7 +168,10 @@ impl Fallback {
         if !(is_native && is_proof(qp, solution)) {
             if !self.is_still_infeasible(qp, solution) {
                 self.solver.reset();
-                if self.solver.solve(qp, &mut self.solution) == Ok(Status::Optimal) {
+                let solved = self
+                    .solver
+                    .solve(qp, Budget::Configured, &mut self.solution);
+                if solved == Ok(Status::Optimal) {
                     self.hand_over(n, m, solution);
                     return Ok(Fault::Solver);
                 }
@@ -201,7 +204,9 @@ impl Fallback {
             }
             self.relaxation.build(problem, terms, entries, qp);
             self.solver.start_from(&self.warm);
-            let status = self.solver.solve(&self.relaxation.qp, &mut self.solution);
+            let status =
+                self.solver
+                    .solve(&self.relaxation.qp, Budget::Configured, &mut self.solution);
             report.resolves = resolve;
             report.iterations = report.iterations.saturating_add(self.solution.iterations);
             if status == Ok(Status::Optimal) {
@@ -239,7 +244,9 @@ impl Fallback {
         }
         self.relaxation.prove(qp, &self.proof);
         self.solver.start_from(&self.proof);
-        let status = self.solver.solve(&self.relaxation.qp, &mut self.solution);
+        let status = self
+            .solver
+            .solve(&self.relaxation.qp, Budget::Configured, &mut self.solution);
         solution.iterations = self.solution.iterations;
         self.is_proven = status == Ok(Status::Infeasible) && is_proof(qp, &self.solution);
         if self.is_proven {

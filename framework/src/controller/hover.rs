@@ -7,7 +7,7 @@
 use super::Controller;
 use crate::{
     model::Base,
-    qp::{Status, VarId},
+    qp::{Budget, Status, VarId},
     robot::RobotModel,
     settings::Hover,
 };
@@ -77,9 +77,10 @@ pub(super) fn hover(controller: &mut Controller) -> bool {
         lower[i] = actuator.lower;
         upper[i] = actuator.upper;
     }
-    let status = controller
-        .solver
-        .solve(&controller.qp, &mut controller.solution);
+    let status =
+        controller
+            .solver
+            .solve(&controller.qp, Budget::Configured, &mut controller.solution);
     let finite = controller.solution.x[..nu].iter().all(|x| x.is_finite());
     let is_solved = status == Ok(Status::Optimal) && finite;
     if !is_solved {

@@ -235,7 +235,7 @@ impl Controller {
             Status::Infeasible
         } else {
             self.solver
-                .solve_within(&self.qp, budget, &mut self.solution)
+                .solve(&self.qp, budget, &mut self.solution)
                 .unwrap_or_default()
         };
         if let Some(recorder) = &mut self.recorder {

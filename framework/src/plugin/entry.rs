@@ -10,7 +10,7 @@ use crate::plugin::{AnyConstraint, AnyTask, PerRow};
 pub struct Entry<P: ?Sized> {
     /// Unique name: how logs, reports, errors and events call it.
     pub name: String,
-    /// PerRow of the rows, **linear**: cost `w r²`, unit 1/unit(row)². Hard equality rows have it only while they
+    /// Weight of the rows, **linear**: cost `w r²`, unit 1/unit(row)². Hard equality rows have it only while they
     /// ramp, as a cost that becomes hard at the end.
     pub weight: PerRow,
     /// Whether it is on at the start.

@@ -51,14 +51,14 @@ impl QpSolver for Bracketed {
         self.inner.memory(capacity)
     }
 
-    fn solve_within(
+    fn solve(
         &mut self,
         qp: &Qp,
         budget: Budget<'_>,
         out: &mut Solution,
     ) -> Result<Status, QpError> {
         let before = allocations();
-        let status = self.inner.solve_within(qp, budget, out);
+        let status = self.inner.solve(qp, budget, out);
         IN_SOLVER.fetch_add(allocations() - before, Ordering::Relaxed);
         status
     }

@@ -119,7 +119,7 @@ fn a_file_names_the_law_and_its_parameters() {
     for (fallback, problem) in [
         (
             "[fallback]\ntype = \"damped_hver\"\n",
-            "law.toml:8:8: fallback: type `damped_hver` does not exist; did you mean `damped_hover`?",
+            "law.toml:8:8: fallback (damped_hver): unknown fallback type `damped_hver`; did you mean `damped_hover`?",
         ),
         (
             "[fallback]\ntype = \"damped_hover\"\nfadng = 0.2\n",

@@ -1,6 +1,7 @@
 //! Limits that contradict one another: which of them do, by how much, and which are given up.
 
 use wbqp::{
+    Budget,
     config::ControllerConfig,
     controller::{Controller, FallbackLevel, Measurement, Side},
     fault::Fault,
@@ -461,7 +462,9 @@ fn is_feasible(n: usize, members: &[&Member]) -> bool {
     let mut solver = ActiveSet::default();
     solver.bind(capacity).expect("is valid");
     let mut solution = Solution::new(capacity);
-    solver.solve(&qp, &mut solution).expect("fits");
+    solver
+        .solve(&qp, Budget::Configured, &mut solution)
+        .expect("fits");
     match solution.status {
         Status::Optimal => true,
         Status::Infeasible => false,

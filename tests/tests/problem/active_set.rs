@@ -145,7 +145,9 @@ fn every_status_comes_with_its_proof() {
             let mut solver = ActiveSet::default();
             solver.bind(known.qp.capacity()).expect("is good");
             let mut solution = Solution::new(known.qp.capacity());
-            solver.solve(&known.qp, &mut solution).expect("fits");
+            solver
+                .solve(&known.qp, Budget::Configured, &mut solution)
+                .expect("fits");
             iterations[f] += u64::from(solution.iterations);
             if let Err(what) = judge(&known, &solution) {
                 wrong.push(format!(
@@ -179,7 +181,9 @@ fn nearly_dependent_rows_are_never_answered_falsely() {
         let mut solver = ActiveSet::default();
         solver.bind(known.qp.capacity()).expect("is good");
         let mut solution = Solution::new(known.qp.capacity());
-        solver.solve(&known.qp, &mut solution).expect("fits");
+        solver
+            .solve(&known.qp, Budget::Configured, &mut solution)
+            .expect("fits");
         // Multipliers of 1e7 carry a rounding of their own; the point has none.
         let tolerances = match solution.status {
             Status::Optimal => [1e-6, 1e-10, 1e-5],
@@ -239,7 +243,9 @@ fn a_cost_without_minimum_is_unbounded() {
         &[(0, [1.0, 1.0], -1.0, 1.0)],
     );
     let (mut active_set, mut solution) = solver(&qp);
-    active_set.solve(&qp, &mut solution).expect("fits");
+    active_set
+        .solve(&qp, Budget::Configured, &mut solution)
+        .expect("fits");
     assert_eq!(solution.status, Status::Unbounded);
     // A limit across that direction makes it bounded.
     let qp = small(
@@ -247,7 +253,9 @@ fn a_cost_without_minimum_is_unbounded() {
         [1.0, 0.0],
         &[(0, [1.0, -1.0], -4.0, INF)],
     );
-    active_set.solve(&qp, &mut solution).expect("fits");
+    active_set
+        .solve(&qp, Budget::Configured, &mut solution)
+        .expect("fits");
     assert_eq!(solution.status, Status::Optimal);
     assert!(Optimality::of(&qp, &solution).worst() < 1e-9);
 }
@@ -264,7 +272,9 @@ fn numbers_that_are_not_finite_fail() {
             }
             let qp = small(h, g, &[(0, a, 1.0, 1.0)]);
             let (mut active_set, mut solution) = solver(&qp);
-            active_set.solve(&qp, &mut solution).expect("fits");
+            active_set
+                .solve(&qp, Budget::Configured, &mut solution)
+                .expect("fits");
             assert_eq!(
                 solution.status,
                 Status::Invalid,
@@ -289,7 +299,9 @@ fn rows_that_disagree_a_little_have_no_optimum() {
             ];
             let qp = small(h, [-4.0, -4.0], &rows);
             let (mut active_set, mut solution) = solver(&qp);
-            active_set.solve(&qp, &mut solution).expect("fits");
+            active_set
+                .solve(&qp, Budget::Configured, &mut solution)
+                .expect("fits");
             let violation = Optimality::of(&qp, &solution).primal;
             match solution.status {
                 Status::Optimal => assert!(violation <= 1.01e-10, "{gap:e}: {violation:e}"),
@@ -312,19 +324,29 @@ fn a_warm_start_survives_rows_that_come_and_go() {
     let h = [2.0, 0.0, 0.0, 2.0];
     let qp = small(h, [-4.0, -4.0], &all);
     let (mut active_set, mut solution) = solver(&qp);
-    active_set.solve(&qp, &mut solution).expect("fits");
+    active_set
+        .solve(&qp, Budget::Configured, &mut solution)
+        .expect("fits");
     let cold = solution.iterations;
     assert!((solution.x[0] - 0.9).abs() < 1e-15 && solution.x[1] == 1.0);
-    active_set.solve(&qp, &mut solution).expect("fits");
+    active_set
+        .solve(&qp, Budget::Configured, &mut solution)
+        .expect("fits");
     assert!(solution.iterations < cold, "{} {cold}", solution.iterations);
     let fewer = small(h, [-4.0, -4.0], &all[1..]);
-    active_set.solve(&fewer, &mut solution).expect("fits");
+    active_set
+        .solve(&fewer, Budget::Configured, &mut solution)
+        .expect("fits");
     assert_eq!((solution.x[0], solution.x[1]), (1.0, 1.0));
     assert!(solution.iterations < cold);
     active_set.reset();
-    active_set.solve(&fewer, &mut solution).expect("fits");
+    active_set
+        .solve(&fewer, Budget::Configured, &mut solution)
+        .expect("fits");
     let (mut fresh, mut other) = solver(&fewer);
-    fresh.solve(&fewer, &mut other).expect("fits");
+    fresh
+        .solve(&fewer, Budget::Configured, &mut other)
+        .expect("fits");
     assert_eq!(solution.iterations, other.iterations, "forgets");
 }
 
@@ -335,7 +357,9 @@ fn a_cap_on_iterations_is_kept() {
     active_set.max_iterations = Some(2);
     active_set.bind(known.qp.capacity()).expect("is good");
     let mut solution = Solution::new(known.qp.capacity());
-    active_set.solve(&known.qp, &mut solution).expect("fits");
+    active_set
+        .solve(&known.qp, Budget::Configured, &mut solution)
+        .expect("fits");
     assert_eq!(solution.status, Status::IterationLimit);
     assert!(solution.x.iter().all(|x| x.is_finite()));
     active_set.max_iterations = Some(0);
@@ -364,19 +388,21 @@ fn what_a_clock_stopped_is_repeated_by_its_iterations() {
             first.budget = Some(4.5);
             // Twice, so that the second begins with what the first held.
             let mut start = WarmStart::with_capacity(capacity.vars);
-            first.solve(&known.qp, &mut one).expect("fits");
+            first
+                .solve(&known.qp, Budget::Configured, &mut one)
+                .expect("fits");
             first.warm_start(&mut start);
             if seed % 2 == 0 {
                 first.reset();
                 start.clear();
             }
             first
-                .solve_within(&known.qp, Budget::Clock(&mut Ticking::default()), &mut one)
+                .solve(&known.qp, Budget::Clock(&mut Ticking::default()), &mut one)
                 .expect("fits");
             let (mut again, mut other) = solver(&known.qp);
             again.start_from(&start);
             again
-                .solve_within(&known.qp, Budget::Iterations(one.iterations), &mut other)
+                .solve(&known.qp, Budget::Iterations(one.iterations), &mut other)
                 .expect("fits");
             assert_eq!(one.status, other.status, "{family:?} {seed}");
             assert_eq!(one.iterations, other.iterations);
@@ -389,7 +415,9 @@ fn what_a_clock_stopped_is_repeated_by_its_iterations() {
                 stopped += 1;
                 assert!(one.x.iter().all(|x| x.is_finite()));
                 // What was reached is where the next one goes on.
-                first.solve(&known.qp, &mut one).expect("fits");
+                first
+                    .solve(&known.qp, Budget::Configured, &mut one)
+                    .expect("fits");
                 assert!(!one.status.was_cut_short());
             } else {
                 finished += 1;
@@ -410,7 +438,9 @@ fn a_problem_without_variables_is_its_limits() {
         let mut qp = Qp::new(Capacity { vars: 2, rows: 1 });
         qp.push_row(RowId::new(0), lower, upper).expect("fits");
         let (mut active_set, mut solution) = solver(&qp);
-        active_set.solve(&qp, &mut solution).expect("fits");
+        active_set
+            .solve(&qp, Budget::Configured, &mut solution)
+            .expect("fits");
         assert_eq!(solution.status, status);
     }
 }
@@ -421,11 +451,15 @@ fn agrees_with_the_interior_point() {
         for seed in 0..60 {
             let known = random_qp(family, seed, 12);
             let (mut active_set, mut one) = solver(&known.qp);
-            active_set.solve(&known.qp, &mut one).expect("fits");
+            active_set
+                .solve(&known.qp, Budget::Configured, &mut one)
+                .expect("fits");
             let mut clarabel = Clarabel::default();
             clarabel.bind(known.qp.capacity()).expect("is good");
             let mut other = Solution::new(known.qp.capacity());
-            clarabel.solve(&known.qp, &mut other).expect("fits");
+            clarabel
+                .solve(&known.qp, Budget::Configured, &mut other)
+                .expect("fits");
             if other.status != Status::Optimal {
                 // The interior point's own limits; infeasibility must not be contradicted.
                 assert!(other.status != Status::Infeasible || one.status == Status::Infeasible);

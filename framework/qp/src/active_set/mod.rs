@@ -128,7 +128,7 @@ impl QpSolver for ActiveSet {
         Workspace::bytes(capacity)
     }
 
-    fn solve_within(
+    fn solve(
         &mut self,
         qp: &Qp,
         budget: Budget<'_>,

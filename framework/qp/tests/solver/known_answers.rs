@@ -1,7 +1,7 @@
 //! Random problems whose answers are known by construction. `WBQP_QP_PROBLEMS` sets how many of each family and range
 //! of units.
 
-use wbqp_qp::{ActiveSet, ConstraintId, Held, QpSolver, Solution, WarmStart};
+use wbqp_qp::{ActiveSet, Budget, ConstraintId, Held, QpSolver, Solution, WarmStart};
 
 use crate::{
     families::{FAMILIES, Family, draw},
@@ -31,7 +31,9 @@ fn answer(family: Family, seed: u64, exponent: f64) -> (u32, Option<String>) {
     let mut solver = ActiveSet::default();
     solver.bind(known.qp.capacity()).expect("is good");
     let mut solution = Solution::new(known.qp.capacity());
-    solver.solve(&known.qp, &mut solution).expect("fits");
+    solver
+        .solve(&known.qp, Budget::Configured, &mut solution)
+        .expect("fits");
     let wrong = judge(&known, &solution).err().map(|what| {
         let (n, m) = (known.qp.n(), known.qp.m());
         format!("{family:?} 1e±{exponent} {seed} (n {n}, m {m}): {what}")

@@ -1,7 +1,8 @@
 //! Whatever is put together wrongly is an error or the status `invalid`, with the place, and never a panic.
 
 use wbqp_qp::{
-    ActiveSet, Capacity, Defect, Qp, QpError, QpSolver, RowId, Solution, Status, VarId, solve,
+    ActiveSet, Budget, Capacity, Defect, Qp, QpError, QpSolver, RowId, Solution, Status, VarId,
+    solve,
 };
 
 const INF: f64 = f64::INFINITY;
@@ -36,11 +37,19 @@ fn what_does_not_fit_is_refused() {
     let mut solver = ActiveSet::default();
     solver.bind(SMALL).expect("is good");
     let refused = |answer| matches!(answer, Err(QpError::Capacity { .. }));
-    assert!(refused(solver.solve(&qp, &mut Solution::new(LARGE))));
+    assert!(refused(solver.solve(
+        &qp,
+        Budget::Configured,
+        &mut Solution::new(LARGE)
+    )));
     solver.bind(LARGE).expect("is good");
-    assert!(refused(solver.solve(&qp, &mut Solution::new(SMALL))));
+    assert!(refused(solver.solve(
+        &qp,
+        Budget::Configured,
+        &mut Solution::new(SMALL)
+    )));
     assert_eq!(
-        solver.solve(&qp, &mut Solution::new(LARGE)),
+        solver.solve(&qp, Budget::Configured, &mut Solution::new(LARGE)),
         Ok(Status::Optimal)
     );
     let mut small = Qp::new(SMALL);

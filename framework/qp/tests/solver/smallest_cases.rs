@@ -4,7 +4,7 @@
 use std::{fs, path::Path};
 
 use serde_json::Value;
-use wbqp_qp::{ActiveSet, Qp, QpSolver, Solution, Status};
+use wbqp_qp::{ActiveSet, Budget, Qp, QpSolver, Solution, Status};
 
 /// Iterations that are enough for any of them.
 const ITERATIONS: u32 = 250;
@@ -38,7 +38,9 @@ fn the_smallest_cases_are_answered_rightly() {
         let qp = qp.expect("has one shape");
         let (mut solver, mut solution) = (ActiveSet::default(), Solution::new(qp.capacity()));
         solver.bind(qp.capacity()).expect("is good");
-        let status = solver.solve(&qp, &mut solution).expect("fits");
+        let status = solver
+            .solve(&qp, Budget::Configured, &mut solution)
+            .expect("fits");
         let expected = &case["expected"];
         assert_eq!(Some(status.as_str()), expected["status"].as_str(), "{name}");
         assert!(
