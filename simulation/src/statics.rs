@@ -29,12 +29,11 @@ use nalgebra::{
 };
 
 use wbqp::{
-    Budget,
     contact::ContactSpec,
     dynamics::{Actuation, Data, FrameKinematics},
     error::BindError,
     model::{Base, FrameId},
-    qp::{ActiveSet, Capacity, Qp, QpSolver, RowId, Solution, Status, VarId},
+    qp::{ActiveSet, Budget, Capacity, Qp, QpSolver, RowId, Solution, Status, VarId},
     robot::RobotModel,
     state::State,
 };

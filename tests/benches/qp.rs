@@ -5,7 +5,7 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use wbqp::qp::{ActiveSet, Clarabel, Qp, QpSolver, Solution, Status};
+use wbqp::qp::{ActiveSet, Budget, Clarabel, Qp, QpSolver, Solution, Status};
 use wbqp_tests::qp_sequences::{Demand, aerial, humanoid};
 
 /// Problems per sequence.
@@ -38,7 +38,7 @@ fn solves(c: &mut Criterion) {
                         solver.reset();
                     }
                     let qp = black_box(turn.next().expect("never ends"));
-                    let status = solver.solve(qp, &mut solution);
+                    let status = solver.solve(qp, Budget::Configured, &mut solution);
                     assert_eq!(status, Ok(Status::Optimal));
                 });
             });

@@ -20,7 +20,7 @@ use std::{
 };
 
 use wbqp::input;
-use wbqp::qp::{ActiveSet, Capacity, Qp, QpSolver, Solution, Status};
+use wbqp::qp::{ActiveSet, Budget, Capacity, Qp, QpSolver, Solution, Status};
 use wbqp_tests::qp_ticks::{self, Tick};
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
@@ -102,7 +102,7 @@ fn main() -> Result<()> {
                     }
                     black_box(touch(qp));
                     let start = Instant::now();
-                    let solved = solver.solve(black_box(qp), &mut solution);
+                    let solved = solver.solve(black_box(qp), Budget::Configured, &mut solution);
                     spent += &format!("{} ", start.elapsed().as_nanos());
                     solved?;
                     *outcome = Outcome::of(qp, &solution);

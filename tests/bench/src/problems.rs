@@ -20,7 +20,10 @@ use anyhow::{Result, ensure};
 use serde::{Deserialize, Serialize};
 use wbqp::{
     Controller,
-    qp::{ActiveSet, Capacity, Clarabel, Optimality, Qp, QpSolver, RowId, Solution, Status, VarId},
+    qp::{
+        ActiveSet, Budget, Capacity, Clarabel, Optimality, Qp, QpSolver, RowId, Solution, Status,
+        VarId,
+    },
 };
 
 use crate::{Quantiles, workload::Workload};
@@ -267,7 +270,9 @@ impl Timing {
     /// Duration in ns.
     fn solve(&mut self, problem: &Problem, qp: &Qp) -> u32 {
         let start = Instant::now();
-        let status = self.solver.solve(qp, &mut self.solution);
+        let status = self
+            .solver
+            .solve(qp, Budget::Configured, &mut self.solution);
         let spent = start.elapsed();
         if status == Ok(Status::Optimal) {
             let objective = qp.objective(&self.solution.x[..qp.n()]);

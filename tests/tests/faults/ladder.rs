@@ -493,7 +493,9 @@ fn the_proof_of_the_active_set_solver_is_irreducible() {
         let mut solver = ActiveSet::default();
         solver.bind(qp.capacity()).expect("is valid");
         let mut solution = Solution::new(qp.capacity());
-        solver.solve(qp, &mut solution).expect("fits");
+        solver
+            .solve(qp, Budget::Configured, &mut solution)
+            .expect("fits");
         assert_eq!(solution.status, Status::Infeasible);
         let mut members = Vec::new();
         for i in 0..m + n {

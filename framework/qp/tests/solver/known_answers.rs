@@ -118,7 +118,9 @@ fn any_warm_start_ends_at_a_right_answer() {
             solver.bind(qp.capacity()).expect("is good");
             solver.start_from(&start);
             let mut solution = Solution::new(qp.capacity());
-            solver.solve(qp, &mut solution).expect("fits");
+            solver
+                .solve(qp, Budget::Configured, &mut solution)
+                .expect("fits");
             if let Err(what) = judge(&known, &solution) {
                 wrong.push(format!("{family:?} {seed}: {what}"));
             }

@@ -19,14 +19,16 @@ fn status_of(qp: &Qp) -> (Status, Option<Defect>) {
     let mut solver = ActiveSet::default();
     solver.bind(qp.capacity()).expect("is good");
     let mut solution = Solution::new(qp.capacity());
-    let status = solver.solve(qp, &mut solution).expect("fits");
+    let status = solver
+        .solve(qp, Budget::Configured, &mut solution)
+        .expect("fits");
     (status, solution.defect)
 }
 
 #[test]
 fn a_solver_without_workspace_says_so() {
     let (mut solver, mut solution) = (ActiveSet::default(), Solution::new(LARGE));
-    let answer = solver.solve(&problem(), &mut solution);
+    let answer = solver.solve(&problem(), Budget::Configured, &mut solution);
     assert_eq!(answer, Err(QpError::NotBound));
     assert_eq!(solution.status, Status::Unsolved);
 }

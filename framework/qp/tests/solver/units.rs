@@ -3,7 +3,7 @@
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use wbqp_qp::{ActiveSet, Qp, QpSolver, Solution, Status};
+use wbqp_qp::{ActiveSet, Budget, Qp, QpSolver, Solution, Status};
 
 use crate::families::{FAMILIES, Family, draw};
 
@@ -14,7 +14,9 @@ fn solve(qp: &Qp) -> Solution {
     let mut solver = ActiveSet::default();
     solver.bind(qp.capacity()).expect("is good");
     let mut solution = Solution::new(qp.capacity());
-    solver.solve(qp, &mut solution).expect("fits");
+    solver
+        .solve(qp, Budget::Configured, &mut solution)
+        .expect("fits");
     solution
 }
 
