@@ -22,16 +22,18 @@ fn bind<P: AnyPlugin + ?Sized>(plugin: &P) -> Result<Layout, BindError> {
     "tilting".clone_into(&mut tilt.name);
     tilt.kind = ContactKind::NormalTilt;
     contacts.push(tilt);
-    let probe = Probe::new(&*plugin, &robot, &contacts, 0.004)?;
+    let probe = Probe::new(plugin, &robot, &contacts, 0.004)?;
     Ok(probe.layout().clone())
 }
 
 fn task(task: impl AnyTask) -> Result<Layout, BindError> {
-    bind::<dyn AnyTask>(&task)
+    let task: Box<dyn AnyTask> = Box::new(task);
+    bind(&*task)
 }
 
 fn constraint(constraint: impl AnyConstraint) -> Result<Layout, BindError> {
-    bind::<dyn AnyConstraint>(&constraint)
+    let constraint: Box<dyn AnyConstraint> = Box::new(constraint);
+    bind(&*constraint)
 }
 
 fn rows(layout: Result<Layout, BindError>) -> usize {
