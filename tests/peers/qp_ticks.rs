@@ -18,9 +18,8 @@ use std::{
 };
 
 use wbqp::{
-    Budget,
     controller::FallbackLevel,
-    qp::{ActiveSet, Capacity, Qp, QpSolver, Solution},
+    qp::{ActiveSet, Budget, Capacity, Qp, QpSolver, Solution},
 };
 use wbqp_sim::{ClosedLoop, Requests, Scenario, Variation};
 use wbqp_tests::{
