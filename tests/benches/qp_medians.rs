@@ -3,7 +3,7 @@
 
 use std::{hint::black_box, time::Instant};
 
-use wbqp::qp::{ActiveSet, Clarabel, Qp, QpSolver, Solution, Status};
+use wbqp::qp::{ActiveSet, Budget, Clarabel, Qp, QpSolver, Solution, Status};
 use wbqp_tests::qp_sequences::{Demand, aerial, humanoid};
 
 /// Problems per sequence.
@@ -49,7 +49,9 @@ impl Entrant {
             self.solver.reset();
         }
         let start = Instant::now();
-        let status = self.solver.solve(black_box(qp), &mut self.solution);
+        let status = self
+            .solver
+            .solve(black_box(qp), Budget::Configured, &mut self.solution);
         let time = start.elapsed().as_secs_f64() * 1e6;
         assert_eq!(status, Ok(Status::Optimal));
         self.times.push(time);
