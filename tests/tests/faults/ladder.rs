@@ -1,13 +1,12 @@
 //! Limits that contradict one another: which of them do, by how much, and which are given up.
 
 use wbqp::{
-    Budget,
     config::ControllerConfig,
     controller::{Controller, FallbackLevel, Measurement, Side},
     fault::Fault,
     plugin::{AnyConstraint, AnyTask, Entry, Hardness},
     prelude::*,
-    qp::{ActiveSet, Capacity, Qp, QpSolver, RowId, Solution, Status, VarId},
+    qp::{ActiveSet, Budget, Capacity, Qp, QpSolver, RowId, Solution, Status, VarId},
 };
 use wbqp_tests::{
     adversary::Adversary,
