@@ -50,7 +50,7 @@ pub fn fallback_law(arguments: TokenStream, item: TokenStream) -> TokenStream {
 /// [`macro@task`], without a tag. Variants of an enum are written `in_snake_case`.
 #[proc_macro_attribute]
 pub fn parameters(arguments: TokenStream, item: TokenStream) -> TokenStream {
-    parameters::part(arguments, item)
+    parameters::part(&arguments, item)
 }
 
 /// Registers an `impl Robot for …` under the given tag.

@@ -50,7 +50,7 @@ pub(crate) fn plugin(kind: &str, arguments: TokenStream, item: TokenStream) -> T
             .into();
     }
     let weight = weight.map(|weight| quote!(, extend("x-weight" = #weight)));
-    let defaults = match derive(&mut item, weight) {
+    let defaults = match derive(&mut item, weight.as_ref()) {
         Ok(defaults) => defaults,
         Err(error) => return error.into_compile_error().into(),
     };
@@ -109,7 +109,7 @@ pub(crate) fn plugin(kind: &str, arguments: TokenStream, item: TokenStream) -> T
 }
 
 /// A part of a plug-in's parameters.
-pub(crate) fn part(arguments: TokenStream, item: TokenStream) -> TokenStream {
+pub(crate) fn part(arguments: &TokenStream, item: TokenStream) -> TokenStream {
     let mut item = parse_macro_input!(item as DeriveInput);
     if !arguments.is_empty() {
         return Error::new_spanned(&item.ident, "the attribute takes nothing")
@@ -124,7 +124,7 @@ pub(crate) fn part(arguments: TokenStream, item: TokenStream) -> TokenStream {
 
 /// Adds the derives, and turns the attributes of fields into those of serde and schemars; the functions that return
 /// the fields' defaults.
-fn derive(item: &mut DeriveInput, more: Option<Tokens>) -> syn::Result<Tokens> {
+fn derive(item: &mut DeriveInput, more: Option<&Tokens>) -> syn::Result<Tokens> {
     let name = item.ident.clone();
     let mut defaults = Vec::new();
     let rule = match &mut item.data {
@@ -162,10 +162,21 @@ fn derive(item: &mut DeriveInput, more: Option<Tokens>) -> syn::Result<Tokens> {
     })
 }
 
+/// What a field is where it is left out.
+#[derive(Default)]
+enum WithoutIt {
+    /// An error, unless its type says otherwise.
+    #[default]
+    Unsaid,
+    /// Its type's default.
+    OfType,
+    Value(Box<Expr>),
+}
+
 /// What is said of a field.
 #[derive(Default)]
 struct Said {
-    default: Option<Option<Expr>>,
+    default: WithoutIt,
     unit: Option<LitStr>,
     critical: Option<LitStr>,
 }
@@ -177,9 +188,11 @@ fn translate(owner: &Ident, field: &mut Field) -> syn::Result<Option<Tokens>> {
         if attribute.path().is_ident("wbqp") {
             attribute.parse_nested_meta(|meta| {
                 if meta.path.is_ident("default") {
-                    let has_value = meta.input.peek(Token![=]);
-                    let value = has_value.then(|| meta.value()?.parse()).transpose()?;
-                    said.default = Some(value);
+                    said.default = if meta.input.peek(Token![=]) {
+                        WithoutIt::Value(Box::new(meta.value()?.parse()?))
+                    } else {
+                        WithoutIt::OfType
+                    };
                 } else if meta.path.is_ident("unit") {
                     said.unit = Some(meta.value()?.parse()?);
                 } else if meta.path.is_ident("critical") {
@@ -196,7 +209,7 @@ fn translate(owner: &Ident, field: &mut Field) -> syn::Result<Option<Tokens>> {
     let attributes = |tokens: Tokens| Attribute::parse_outer.parse2(tokens);
     let mut function = None;
     match &said.default {
-        Some(Some(value)) => {
+        WithoutIt::Value(value) => {
             let (Some(name), ty) = (&field.ident, &field.ty) else {
                 return Err(Error::new_spanned(field, "the field has no name"));
             };
@@ -215,8 +228,8 @@ fn translate(owner: &Ident, field: &mut Field) -> syn::Result<Option<Tokens>> {
         _ if is_option(&field.ty) => field.attrs.extend(attributes(
             quote!(#[serde(default, skip_serializing_if = "Option::is_none")]),
         )?),
-        Some(None) => field.attrs.extend(attributes(quote!(#[serde(default)]))?),
-        None => {}
+        WithoutIt::OfType => field.attrs.extend(attributes(quote!(#[serde(default)]))?),
+        WithoutIt::Unsaid => {}
     }
     if let Some(unit) = said.unit {
         let unit = quote!(#[schemars(extend("x-unit" = #unit))]);

@@ -56,10 +56,9 @@ impl<'t> Document<'t> {
         for (index, error) in errors.into_iter().enumerate() {
             let mut span = error.span().unwrap_or(source.len()..source.len());
             let said = error.message();
-            let repeated = said
-                .contains("duplicate key")
-                .then(|| of_repeated(&repeated_tables, span.start));
-            let message = if let Some((start, name)) = repeated.flatten() {
+            let repeated = of_repeated(&repeated_tables, span.start)
+                .filter(|(_, name)| has_key(&root, name, source.get(span.clone())));
+            let message = if let Some((start, name)) = repeated {
                 span = start..start + name.len();
                 format!("syntax: `[{name}]` is there twice; write `[[{name}]]`, for each of them")
             } else if index < SHOWN {
@@ -184,6 +183,17 @@ fn of_repeated(tables: &[Header], offset: usize) -> Option<(usize, &'static str)
     let index = tables.partition_point(|(start, _)| *start <= offset);
     let &(start, name) = tables.get(index.checked_sub(1)?)?;
     Some((start, name?))
+}
+
+/// Whether a table has a key: whoever gives it again, in a second table of the name, gives it twice.
+fn has_key(root: &Spanned<DeTable<'_>>, table: &str, key: Option<&str>) -> bool {
+    let table = root
+        .get_ref()
+        .get(table)
+        .and_then(|t| t.get_ref().as_table());
+    table
+        .zip(key)
+        .is_some_and(|(table, key)| table.contains_key(key))
 }
 
 /// The line of an offset, to be seen beside what is wrong with it.

@@ -128,10 +128,7 @@ impl Binder<'_> {
         let mut references = setup.into_references();
         if let Some(home) = &mut self.home {
             home.look_at(&self.frame_ids);
-            let tick = home.tick(EntryState {
-                alpha: 1.0,
-                since: f64::NEG_INFINITY,
-            });
+            let tick = home.tick(EntryState::ON);
             for reference in &mut references {
                 reference.start_at_home(&tick);
             }

@@ -129,10 +129,7 @@ impl FirstTick {
         if start == StartFrom::Home {
             return;
         }
-        let tick = world.tick(EntryState {
-            alpha: 1.0,
-            since: f64::NEG_INFINITY,
-        });
+        let tick = world.tick(EntryState::ON);
         for plugin in plugins {
             for reference in &mut plugin.references {
                 reference.start_here(&tick);

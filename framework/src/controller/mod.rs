@@ -345,10 +345,7 @@ impl Controller {
             );
             return level;
         }
-        let tick = self.world.tick(EntryState {
-            alpha: 1.0,
-            since: f64::NEG_INFINITY,
-        });
+        let tick = self.world.tick(EntryState::ON);
         if changed {
             self.fallback.law.engage(&tick);
         }

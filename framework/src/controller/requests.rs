@@ -259,10 +259,7 @@ impl Controller {
         self.world.time = time;
         self.world.origin = Some(0.0);
         let mut planned = Vec::new();
-        let tick = self.world.tick(EntryState {
-            alpha: 1.0,
-            since: f64::NEG_INFINITY,
-        });
+        let tick = self.world.tick(EntryState::ON);
         for (bound, plugin) in self.entries.iter().zip(&mut self.plugins) {
             if !bound.switch.is_wanted() || bound.weight.wanted().iter().all(|w| *w == 0.0) {
                 continue;

@@ -342,7 +342,7 @@ impl RunningDampedHover {
             self.vdot.fixed_rows_mut::<3>(0).copy_from(&linear);
             self.vdot.fixed_rows_mut::<3>(3).copy_from(&angular);
         }
-        for i in 0..model.joints().len() {
+        for (i, held) in posture.iter().enumerate() {
             let driven = self.actuators.iter().any(|a| match &a.kind {
                 ActuatorKind::Joint(motor) => {
                     motor.joint.index() == i && motor.drive == Drive::Torque
@@ -352,7 +352,7 @@ impl RunningDampedHover {
             if !driven {
                 continue;
             }
-            let error = state.q[i] - posture[i];
+            let error = state.q[i] - held;
             let k = law.posture;
             let asked = -k * k * error - 2.0 * k * state.v[offset + i];
             self.vdot[offset + i] = feedback * asked;

@@ -73,6 +73,14 @@ pub struct EntryState {
     pub since: f64,
 }
 
+impl EntryState {
+    /// On, as if ever since.
+    pub(crate) const ON: Self = Self {
+        alpha: 1.0,
+        since: f64::NEG_INFINITY,
+    };
+}
+
 impl<'a> Tick<'a> {
     /// Pose, velocity, Jacobian and bias acceleration of a frame requested in `bind`.
     pub fn frame(&self, frame: FrameHandle) -> &'a FrameKinematics {

@@ -6,7 +6,7 @@ use wbqp::{
     controller::{Dump, FallbackLevel},
     fault::Fault,
     nalgebra::{UnitQuaternion, Vector3},
-    plugin::Entry,
+    plugin::{AT_HOME, Entry},
     settings::{FirstError, Settings, StartFrom},
 };
 use wbqp_robots::{Humanoid, Othex, Quadruped, Urdf};
@@ -86,7 +86,6 @@ fn references_begin_at_what_is_measured() {
 }
 
 /// The distance from home, m, at which a robot still counts as at home.
-const AT_HOME: f64 = 5e-3;
 
 #[test]
 fn at_home_they_begin_at_home_whatever_the_noise() {

@@ -75,7 +75,7 @@ pub(super) fn parse_error(source: &Source<'_>, error: &roxmltree::Error) -> Robo
     let at = error.pos();
     RobotError::Syntax {
         place: SourceLocation::at(source.file, at.row as usize, at.col as usize),
-        what: format!("malformed XML: {}", without_position(&error.to_string())),
+        what: format!("malformed XML: {}", without_position(error)),
     }
 }
 
@@ -408,10 +408,10 @@ fn name(node: Node<'_, '_>, element: &str, findings: &mut Findings<'_>) -> Optio
     }
 }
 
-/// roxmltree ends its messages with ` at 1:2`; ours begin with the place.
-fn without_position(message: &str) -> &str {
-    message.rsplit_once(" at ").map_or(message, |(what, at)| {
-        let position = at.chars().all(|c| c.is_ascii_digit() || c == ':');
-        if position { what } else { message }
-    })
+/// What roxmltree says, without the place that it says at the end: ours begin with it.
+fn without_position(error: &roxmltree::Error) -> String {
+    let said = error.to_string();
+    let place = format!(" at {}", error.pos());
+    said.strip_suffix(&place)
+        .map_or(said.clone(), str::to_owned)
 }
