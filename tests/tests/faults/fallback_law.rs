@@ -127,7 +127,7 @@ fn a_file_names_the_law_and_its_parameters() {
         ),
         (
             "[fallback]\ntype = \"damped_hover\"\nfading = 0.2\n",
-            "law.toml: fallback (damped_hover): rotation_damping: damps with 10 1/s, which overshoots on a state that \
+            "law.toml:7:1: fallback (damped_hover): rotation_damping: damps with 10 1/s, which overshoots on a state that \
              is `fading` = 0.2 s old",
         ),
         (
