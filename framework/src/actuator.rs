@@ -22,6 +22,7 @@ impl ActuatorId {
 impl Index<ActuatorId> for Vec<f64> {
     type Output = f64;
 
+    #[inline]
     fn index(&self, id: ActuatorId) -> &f64 {
         &self[id.index()]
     }

@@ -1,6 +1,6 @@
 //! What runs of an entry in each tick: the plug-in, and the references that it follows.
 
-use crate::plugin::{EntryState, Layout, Tick, bound::Running, followed::Followed, rows::RowStore};
+use crate::plugin::{EntryState, Layout, bound::Running, followed::Followed, rows::RowStore};
 
 use super::world::World;
 
@@ -22,14 +22,13 @@ impl RunningPlugin {
         layout: &Layout,
         store: &mut RowStore,
     ) {
-        let tick = world.tick(entry);
-        for reference in &mut self.references {
-            reference.update(&tick);
+        let mut tick = world.tick(entry);
+        if !self.references.is_empty() {
+            for reference in &mut self.references {
+                reference.update(&tick);
+            }
+            tick.references = &self.references;
         }
-        let tick = Tick {
-            references: &self.references,
-            ..tick
-        };
         self.plugin.update(&tick, layout, store);
     }
 }

@@ -55,6 +55,7 @@ macro_rules! index {
     ($($id:ident),*) => {$(
         impl $id {
             /// Position in the model's list.
+            #[inline]
             pub fn index(self) -> usize {
                 self.0 as usize
             }
@@ -66,6 +67,7 @@ index!(BodyId, JointId, FrameId, VelocityId);
 impl Index<VelocityId> for DVector<f64> {
     type Output = f64;
 
+    #[inline]
     fn index(&self, id: VelocityId) -> &f64 {
         &self[id.index()]
     }

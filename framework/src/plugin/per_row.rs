@@ -27,6 +27,7 @@ pub enum PerRow {
 
 impl PerRow {
     /// The number of a row; zero for one that is missing.
+    #[inline]
     pub fn row(&self, index: usize) -> f64 {
         match self {
             Self::Uniform(x) => *x,

@@ -176,6 +176,7 @@ impl VectorSample {
     }
 
     /// Value, rate and acceleration of a component; zeros for one that is missing.
+    #[inline]
     pub fn component(&self, index: usize) -> [f64; 3] {
         [&self.value, &self.rate, &self.acceleration]
             .map(|numbers| numbers.get(index).copied().unwrap_or(0.0))

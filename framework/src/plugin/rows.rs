@@ -241,6 +241,19 @@ impl Blocks<'_> {
         view(data, m, n)
     }
 
+    /// One row of them; empty if there is none.
+    fn vdot_row(&mut self, k: usize) -> &mut [f64] {
+        let n = self.store.nv;
+        let declared = self.layout.vdot == VdotBlock::Dense;
+        let data = pick(
+            declared,
+            &mut self.store.vdot,
+            &mut self.store.scratch,
+            &mut self.store.undeclared,
+        );
+        data.get_mut(k * n..(k + 1) * n).unwrap_or_default()
+    }
+
     fn effort(&mut self) -> RowMajorMut<'_> {
         let (m, n) = (self.layout.len(), self.store.nu);
         let declared = self.layout.effort == Some(Block::Dense);
@@ -373,6 +386,7 @@ impl<'a> Rows<'a> {
     /// Writes row `k` of a task on motion: its error, and what is asked of it, `J v̇ = a_d − K_D ė − K_P e − J̇ v`, so
     /// that the error decays as `ë + K_D ė + K_P e = 0`. The bias `J̇ v` is that of the Jacobian which the layout names;
     /// of coefficients written by the plug-in, that given to [`Rows::jacobian`].
+    #[inline]
     pub fn motion(&mut self, k: usize, motion: Motion) {
         let Motion {
             error,
@@ -389,6 +403,7 @@ impl<'a> Rows<'a> {
 
     /// Asks for an acceleration of row `k`: `J v̇ = a* − J̇ v`, with the bias as in [`Rows::motion`]. For laws that are
     /// more than a spring and a damper; the error is written apart.
+    #[inline]
     pub fn acceleration(&mut self, k: usize, wanted: f64) {
         let bias = self.bias_of(k);
         if let Some(b) = self.blocks.store.lower.get_mut(k) {
@@ -398,19 +413,21 @@ impl<'a> Rows<'a> {
 
     /// Writes the coefficients of row `k` on `v̇`, one per velocity, and its bias `J̇ v`: the rate at which `J v` would
     /// change without acceleration. Declared with [`Layout::vdot_dense`].
+    #[inline]
     pub fn jacobian<A: Borrow<f64>>(
         &mut self,
         k: usize,
         row: impl IntoIterator<Item = A>,
         bias: f64,
     ) {
-        for (out, a) in self.vdot().row_mut(k).iter_mut().zip(row) {
+        for (out, a) in self.blocks.vdot_row(k).iter_mut().zip(row) {
             *out = *a.borrow();
         }
         self.bias(k, bias);
     }
 
     /// Says the bias `J̇ v` of row `k`, whose coefficients are written through [`Rows::vdot`].
+    #[inline]
     pub fn bias(&mut self, k: usize, bias: f64) {
         if let Some(out) = self.blocks.store.bias.get_mut(k) {
             *out = bias;
@@ -418,6 +435,7 @@ impl<'a> Rows<'a> {
     }
 
     /// `J̇ v` of row `k`; zero for a component of `v̇`, not a number where it was not said.
+    #[inline]
     fn bias_of(&self, k: usize) -> f64 {
         match &self.blocks.layout.vdot {
             VdotBlock::Absent | VdotBlock::Unit(_) => 0.0,
@@ -432,12 +450,14 @@ impl<'a> Rows<'a> {
     }
 
     /// What `A x` should be, as it is: for a task on accelerations, `a* − J̇ v`. Size rows.
+    #[inline]
     pub fn b(&mut self) -> DVectorViewMut<'_, f64> {
         let m = self.blocks.layout.len();
         DVectorViewMut::from_slice(&mut self.blocks.store.lower, m)
     }
 
     /// The task's error (actual minus desired) in the layout's error unit, for reports and logs. Size rows.
+    #[inline]
     pub fn error(&mut self) -> DVectorViewMut<'_, f64> {
         let m = self.blocks.layout.len();
         DVectorViewMut::from_slice(&mut self.blocks.store.error, m)
@@ -463,6 +483,7 @@ impl<'a> ConstraintRows<'a> {
     }
 
     /// `lower ≤ (A x)_row ≤ upper`; infinite where there is no limit. Ignored for a row that does not exist.
+    #[inline]
     pub fn limit(&mut self, row: usize, lower: f64, upper: f64) {
         let store = &mut *self.blocks.store;
         if let (Some(l), Some(u)) = (store.lower.get_mut(row), store.upper.get_mut(row)) {
@@ -472,11 +493,13 @@ impl<'a> ConstraintRows<'a> {
     }
 
     /// `(A x)_row = b`.
+    #[inline]
     pub fn equal(&mut self, row: usize, b: f64) {
         self.limit(row, b, b);
     }
 
     /// Limits of the bound declared as number `index`; infinite where there is none.
+    #[inline]
     pub fn bound(&mut self, index: usize, lower: f64, upper: f64) {
         let store = &mut *self.blocks.store;
         if let (Some(l), Some(u)) = (

@@ -83,12 +83,14 @@ impl EntryState {
 
 impl<'a> Tick<'a> {
     /// Pose, velocity, Jacobian and bias acceleration of a frame requested in `bind`.
+    #[inline]
     pub fn frame(&self, frame: FrameHandle) -> &'a FrameKinematics {
         // A handle is made by the controller that owns this tick; the base frame is always computed.
         self.frames.get(frame.0).unwrap_or(&self.frames[0])
     }
 
     /// A contact's state; also while it is off.
+    #[inline]
     pub fn contact(&self, contact: ContactId) -> &'a ContactState {
         self.contacts
             .get(contact.index())
@@ -96,6 +98,7 @@ impl<'a> Tick<'a> {
     }
 
     /// Where the plug-in's reference is in this tick.
+    #[inline]
     pub fn vector(&self, reference: VectorReference) -> &'a VectorSample {
         // A handle is made by the setup of this plug-in.
         match self.references.get(reference.0).map(|r| &r.sample) {
@@ -105,6 +108,7 @@ impl<'a> Tick<'a> {
     }
 
     /// Where the plug-in's reference is in this tick.
+    #[inline]
     pub fn rotation(&self, reference: RotationReference) -> RotationSample {
         match self.references.get(reference.0).map(|r| &r.sample) {
             Some(Sample::Rotation(sample)) => *sample,
