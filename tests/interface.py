@@ -36,7 +36,7 @@ def items(page: str):
         link = re.search(r'<a class="(\w+)" href="([^"]+)"[^>]*>(.*?)</a>', term)
         if link:
             kind, target, name = link.groups()
-            yield text(name), kind, target, text(sentence or "")
+            yield text(name), kind, target, " ".join(text(sentence or "").split())
 
 
 def modules():
@@ -57,9 +57,10 @@ def main() -> None:
             continue
         lines = []
         for name, kind, target, sentence in items(source):
-            if kind not in KINDS or name in seen or target.startswith("http"):
+            place = f"{module}/{target}"
+            if kind not in KINDS or place in seen or target.startswith("http"):
                 continue
-            seen.add(name)
+            seen.add(place)
             count += 1
             lines.append(f"| `{name}` | {kind} | {sentence} |")
         if lines:

@@ -26,7 +26,7 @@
 //!         let frame = tick.frame(*frame);
 //!         let tilt = Vector3::z().cross(&(frame.R_WF * Vector3::z()));
 //!         for k in 0..2 {
-//!             rows.motion(k, Motion::to_rest(tilt[k], frame.w_WF[k], self.kp));
+//!             rows.motion(k, MotionRow::to_rest(tilt[k], frame.w_WF[k], self.kp));
 //!         }
 //!     }
 //! }
@@ -42,7 +42,7 @@ pub use crate::{
     error::BindError,
     model::{JointId, VelocityId},
     plugin::{
-        AnyReference, Constraint, ConstraintLayout, ConstraintRows, FrameHandle, Layout, Motion,
+        AnyReference, Constraint, ConstraintLayout, ConstraintRows, FrameHandle, Layout, MotionRow,
         PerRow, Reference, RotationReference, Rows, Sample, Setup, Space, Start, Task, Tick,
         VectorReference,
     },

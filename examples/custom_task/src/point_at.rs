@@ -67,7 +67,7 @@ impl Task for PointAt {
                 + 2.0 * a_dot.dot(&d_dot)
                 + a.dot(&d_ddot);
             rows.jacobian(k, row, beta);
-            let motion = Motion {
+            let motion = MotionRow {
                 error: a.dot(&d),
                 rate: a.dot(&d_dot) + a_dot.dot(&d),
                 acceleration: 0.0,

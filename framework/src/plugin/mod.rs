@@ -28,7 +28,7 @@ pub use frame_handle::FrameHandle;
 pub use layout::{ConstraintLayout, Layout, RowSpec};
 pub use per_row::PerRow;
 pub use reference::{AnyReference, Reference, RotationSample, Sample, Space, Start, VectorSample};
-pub use rows::{ConstraintRows, ForceReport, Motion, RowMajorMut, Rows};
+pub use rows::{ConstraintRows, ForceReport, MotionRow, RowMajorMut, Rows};
 pub use setup::Setup;
 pub use task::{AnyTask, Task};
 pub use tick::{EntryState, PreviousSolution, Tick};

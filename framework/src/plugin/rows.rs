@@ -336,7 +336,7 @@ pub struct Rows<'a> {
 
 /// What a row of a motion task is told: the error, its rate, the acceleration wanted, and the gains.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Motion {
+pub struct MotionRow {
     /// `e`, actual minus desired, in the layout's error unit.
     pub error: f64,
     /// `ė`, the same per second.
@@ -349,7 +349,7 @@ pub struct Motion {
     pub kd: f64,
 }
 
-impl Motion {
+impl MotionRow {
     /// To a place that rests, critically damped: `ë + 2 √K_P ė + K_P e = 0`.
     pub fn to_rest(error: f64, rate: f64, kp: f64) -> Self {
         Self {
@@ -387,8 +387,8 @@ impl<'a> Rows<'a> {
     /// that the error decays as `ë + K_D ė + K_P e = 0`. The bias `J̇ v` is that of the Jacobian which the layout names;
     /// of coefficients written by the plug-in, that given to [`Rows::jacobian`].
     #[inline]
-    pub fn motion(&mut self, k: usize, motion: Motion) {
-        let Motion {
+    pub fn motion(&mut self, k: usize, motion: MotionRow) {
+        let MotionRow {
             error,
             rate,
             acceleration,

@@ -143,7 +143,8 @@ pub struct Duplicate {
 macro_rules! plugin_kinds {
     ($($wrapper:ident, $kind:ident, $list:ident, $what:literal;)*) => {
         $(
-            #[doc = concat!("A registered ", $what, ".")]
+            #[doc = concat!("A registered ", $what, ": made by the attribute.")]
+            #[doc(hidden)]
             #[derive(Debug)]
             pub struct $wrapper(pub Plugin<dyn $kind>);
 

@@ -28,7 +28,7 @@
 //! #     }
 //! #     fn update(&self, running: &mut Self::Running, tick: &Tick<'_>, rows: &mut Rows<'_>) {
 //! #         let (joint, velocity) = *running;
-//! #         let motion = Motion {
+//! #         let motion = MotionRow {
 //! #             error: tick.state.q[joint.index()] - self.target,
 //! #             rate: tick.state.v[velocity],
 //! #             acceleration: 0.0,

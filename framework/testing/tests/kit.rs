@@ -103,7 +103,7 @@ impl Task for MoveTool {
         }
         rows.error().copy_from(&error);
         if self.fault == Fault::NoBiasGiven {
-            rows.motion(0, Motion::to_rest(error.x, f.v_WF.x, 25.0));
+            rows.motion(0, MotionRow::to_rest(error.x, f.v_WF.x, 25.0));
         }
     }
 }

@@ -91,7 +91,7 @@ impl Task for Com {
             let [value, rate, acceleration] = desired.component(k);
             rows.motion(
                 k,
-                Motion {
+                MotionRow {
                     error: p[i] - value,
                     rate: v[i] - rate,
                     acceleration,

@@ -127,7 +127,7 @@ impl Task for FramePose {
             let (part, i) = (k / 3, k % 3);
             rows.motion(
                 k,
-                Motion {
+                MotionRow {
                     error: errors[part][i],
                     rate: rates[part][i],
                     acceleration: accelerations[part][i],

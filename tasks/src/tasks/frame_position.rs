@@ -106,7 +106,7 @@ impl Task for FramePosition {
             let [value, rate, acceleration] = desired.component(k);
             rows.motion(
                 k,
-                Motion {
+                MotionRow {
                     error: frame.p_WF[i] - value,
                     rate: frame.v_WF[i] - rate,
                     acceleration,

@@ -17,7 +17,7 @@ use crate::{
 /// Written as a task of small weight it is Tikhonov's regularisation of the torques; with `1/τ_max²` as the weight of
 /// each row, shares of what the motors can bear are balanced.
 ///
-/// Error: torque of the last solution minus `τ_d`, N·m or N.
+/// Error: torque as sent last minus `τ_d`, N·m or N.
 #[wbqp::task("joint_torque_regularisation")]
 pub struct JointTorqueRegularisation {
     /// Which joints, by name; rows and reference are in this order. Default: all that have a motor, in the order of

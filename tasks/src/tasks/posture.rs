@@ -118,7 +118,7 @@ impl Task for Posture {
             let [value, rate, acceleration] = desired.component(k);
             rows.motion(
                 k,
-                Motion {
+                MotionRow {
                     error: tick.state.q[joint.index()] - value,
                     rate: tick.state.v[velocity] - rate,
                     acceleration,

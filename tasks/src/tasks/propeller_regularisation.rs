@@ -15,7 +15,7 @@ use wbqp::prelude::*;
 /// The task is zero if and only if all thrusts are equal, but it punishes differences of neighbours alone: the
 /// solution depends on the order of the rotors.
 ///
-/// Error: `f_i − f_{i+1}` of the last solution, N.
+/// Error: `f_i − f_{i+1}` as sent last, N.
 #[wbqp::task("propeller_regularisation")]
 #[derive(Default)]
 pub struct PropellerRegularisation {}

@@ -173,7 +173,7 @@ impl Task for RelativePose {
             rows.bias(k, bias[part][i]);
             rows.motion(
                 k,
-                Motion {
+                MotionRow {
                     error: errors[part][i],
                     rate: rates[part][i],
                     acceleration: accelerations[part][i],

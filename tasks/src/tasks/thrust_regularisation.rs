@@ -17,7 +17,7 @@ use crate::{
 /// solution does not depend on the order of the rotors; the minimum of `Σ f_i²` is the allocation of the
 /// pseudo-inverse.
 ///
-/// Error: thrust of the last solution minus `f_d`, N.
+/// Error: thrust as sent last minus `f_d`, N.
 #[wbqp::task("thrust_regularisation")]
 pub struct ThrustRegularisation {
     /// Which rotors, by name; rows and reference are in this order. Default: all, in the order of the actuators.

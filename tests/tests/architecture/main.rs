@@ -1,5 +1,7 @@
 //! Arrows point down: what the modules of the framework and the crates use is what docs/architecture.md says.
 
+mod links;
+
 use std::{
     collections::{BTreeMap, BTreeSet},
     fs,
