@@ -39,9 +39,10 @@
 //! The dynamics (10d) belong to the framework.
 //!
 //! # Tasks on accelerations
-//! All of them ask for `a* = a_d − K_D (v − v_d) − K_P (p − p_d)`, so a task that gets what it asks for makes its
-//! error decay as `ë + K_D ė + K_P e = 0`. `K_P` has the unit 1/s² and `K_D` 1/s, whatever moves; critical damping
-//! is `K_D = 2 √K_P`.
+//! All of them but `centroidal_angular_momentum`, whose rows are the first derivative of its error, ask for
+//! `a* = a_d − K_D (v − v_d) − K_P (p − p_d)`, so a task that gets what it asks for makes its error decay as
+//! `ë + K_D ė + K_P e = 0`. `K_P` has the unit 1/s² and `K_D` 1/s, whatever moves; critical damping is
+//! `K_D = 2 √K_P`.
 //!
 //! ```
 //! use wbqp::serde_json;
