@@ -11,12 +11,13 @@ use super::{
     explanation::Explanation,
     planned_force::PlannedForce,
     record::{Dump, Record, Recorder, blank_record},
+    running::RunningPlugin,
 };
 use crate::{
     contact::{ContactId, ContactSpec, ContactState, SurfaceMotion},
     error::BindError,
     fault::Fault,
-    plugin::{AnyReference, EntryState, Layout, PerRow, Sample},
+    plugin::{AnyReference, EntryState, Layout, PerRow, Sample, Setup},
     problem::{BoundEntry, Treatment},
 };
 
@@ -188,15 +189,57 @@ impl Controller {
         self.world.bindings.iter().map(|b| b.spec.name.as_str())
     }
 
-    /// The parameters of a task or constraint, to read or change them between two ticks:
+    /// Changes parameters of a task or constraint between two ticks, and checks them as those of a file are checked.
+    /// They hold from the next tick on, at once. Nothing else follows them: a damping that was critical stays what it
+    /// was. What was resolved when the controller was made stays: frames and joints that are named, and references,
+    /// which [`Controller::follow`] replaces. Allocates.
     ///
     /// ```text
-    /// controller.parameters_mut::<Posture>("arm")?.kp = 40.0.into();
+    /// controller.change("arm", |arm: &mut Posture| arm.kp = 40.0.into())?;
     /// ```
     ///
-    /// They are not validated as in a file: a list of the wrong length, a negative gain. The next tick survives them,
-    /// since rows that are not finite make it fall back and say so, but the robot does what they say. A reference among
-    /// them has been bound and is not read again: [`Controller::follow`] replaces it.
+    /// # Errors
+    /// [`RequestError`] if there is no such entry, it is of another type, or refuses what it would have become; the old
+    /// parameters are kept then.
+    pub fn change<'a, T: Any>(
+        &mut self,
+        entry: impl Into<EntryRef<'a>>,
+        change: impl FnOnce(&mut T),
+    ) -> Result<(), RequestError> {
+        let index = self.find(entry.into())?;
+        let contacts: Vec<ContactSpec> =
+            self.world.bindings.iter().map(|b| b.spec.clone()).collect();
+        let mut frames = self.world.frame_ids.clone();
+        let mut setup = Setup::new(&self.robot, &contacts, self.world.period, &mut frames);
+        let RunningPlugin { plugin, tag, .. } = &mut self.plugins[index];
+        let BoundEntry { name, layout, .. } = &self.entries[index];
+        let mut change = Some(change);
+        let mut is_other = false;
+        let mut apply = |parameters: &mut dyn Any| match parameters.downcast_mut::<T>() {
+            Some(parameters) => {
+                if let Some(change) = change.take() {
+                    change(parameters);
+                }
+            }
+            None => is_other = true,
+        };
+        let changed = plugin.change(&mut apply, &mut setup, layout);
+        if is_other {
+            return Err(RequestError::OtherType {
+                name: name.clone(),
+                is: tag,
+                asked: short_name::<T>(),
+            });
+        }
+        changed.map_err(|source| RequestError::Value {
+            name: name.clone(),
+            source,
+        })
+    }
+
+    /// The parameters of a task or constraint, to read or change them between two ticks without a check and without
+    /// allocating; [`Controller::change`] checks. The next tick survives whatever they are, since rows that are not
+    /// finite make it fall back and say so, but the robot does what they say.
     ///
     /// # Errors
     /// [`RequestError`] if there is no such entry or it is of another type.

@@ -49,7 +49,7 @@ impl BoundPlugin {
         let (layout, running) = parameters.bind(setup)?;
         let parameters = parameters.clone();
         Ok(Self {
-            layout: layout.into_layout(),
+            layout: layout.into(),
             running: Box::new(RunningConstraint {
                 parameters,
                 running,
@@ -104,6 +104,13 @@ pub(crate) trait Running: Debug + Send {
     fn update(&mut self, tick: &Tick<'_>, layout: &Layout, store: &mut RowStore);
     fn activate(&mut self);
     fn parameters_mut(&mut self) -> &mut dyn Any;
+    /// Changes a copy of the parameters, and takes it over if it can still be bound to these rows.
+    fn change(
+        &mut self,
+        change: &mut dyn FnMut(&mut dyn Any),
+        setup: &mut Setup<'_>,
+        layout: &Layout,
+    ) -> Result<(), BindError>;
 }
 
 struct RunningTask<T: Task> {
@@ -130,6 +137,25 @@ macro_rules! running {
 
             fn parameters_mut(&mut self) -> &mut dyn Any {
                 &mut self.parameters
+            }
+
+            fn change(
+                &mut self,
+                change: &mut dyn FnMut(&mut dyn Any),
+                setup: &mut Setup<'_>,
+                layout: &Layout,
+            ) -> Result<(), BindError> {
+                let mut changed = self.parameters.clone();
+                change(&mut changed);
+                let (bound, _) = changed.bind(setup)?;
+                if Layout::from(bound) != *layout {
+                    return Err(BindError::Other(
+                        "has other rows with these parameters: a new controller is needed"
+                            .to_owned(),
+                    ));
+                }
+                self.parameters = changed;
+                Ok(())
             }
         }
 

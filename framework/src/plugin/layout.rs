@@ -63,7 +63,7 @@ pub(crate) enum Relation {
 ///     Ok(Layout::rows(rows).error_unit("m").vdot_unit([x, y, z]))
 /// }
 /// ```
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Layout {
     pub(crate) rows: Vec<RowSpec>,
     pub(crate) error_unit: String,
@@ -294,9 +294,11 @@ impl ConstraintLayout {
         self.0.never_relaxed = true;
         self
     }
+}
 
-    pub(crate) fn into_layout(self) -> Layout {
-        self.0
+impl From<ConstraintLayout> for Layout {
+    fn from(layout: ConstraintLayout) -> Self {
+        layout.0
     }
 }
 

@@ -284,6 +284,51 @@ fn what_does_not_fit_is_refused_by_name() {
 }
 
 #[test]
+fn changed_parameters_are_checked_like_those_of_a_file() {
+    let mut controller = config().build().expect("fits the robot");
+    run(&mut controller, 5);
+    let kp = |c: &mut Controller| {
+        let arm = c.parameters_mut::<Posture>("arm").expect("it is there");
+        (arm.kp.clone(), arm.kd.clone())
+    };
+    let before = kp(&mut controller);
+    let arm = controller.entry("arm").expect("it is there");
+    controller
+        .change(arm, |arm: &mut Posture| arm.kp = 40.0.into())
+        .expect("is a stiffness");
+    assert_eq!(kp(&mut controller), (40.0.into(), before.1.clone()));
+    for (change, problem) in [
+        (
+            (|arm| arm.kp = (-40.0).into()) as fn(&mut Posture),
+            "`arm`: `kp` is -40, must be finite and not negative",
+        ),
+        (
+            |arm| arm.kd = vec![1.0, 2.0].into(),
+            "`arm`: `kd` has 2 entries, expected 3, one per row, or one number for all",
+        ),
+        (
+            |arm| arm.joints = Some(vec!["arm_rol".to_owned()]),
+            "`arm`: joint `arm_rol` does not exist; did you mean `arm_roll`? (known: arm_roll, arm_pitch1, arm_pitch2)",
+        ),
+        (
+            |arm| arm.joints = Some(vec!["arm_roll".to_owned()]),
+            "`arm`: has other rows with these parameters: a new controller is needed",
+        ),
+    ] {
+        let error = controller.change("arm", change).expect_err(problem);
+        assert_eq!(error.to_string(), problem);
+        assert_eq!(kp(&mut controller), (40.0.into(), before.1.clone()));
+    }
+    let error = controller.change("base", |arm: &mut Posture| arm.kp = 1.0.into());
+    assert_eq!(
+        error.expect_err("another type").to_string(),
+        "`base` is of type `base_position`, not a `Posture`"
+    );
+    run(&mut controller, 1);
+    assert_eq!(controller.report().fault, None);
+}
+
+#[test]
 fn a_constraint_is_changed_while_running() {
     // The tip moves along the wall: what is asked of it depends on the damping.
     let mut controller = config().build().expect("fits the robot");
