@@ -42,8 +42,8 @@ pub use crate::{
     error::BindError,
     model::{JointId, VelocityId},
     plugin::{
-        AnyReference, Constraint, ConstraintLayout, ConstraintRows, FrameHandle, Layout, MotionRow,
-        PerRow, Reference, RotationReference, Rows, Sample, Setup, Space, Start, Task, Tick,
-        VectorReference,
+        AnyReference, Constraint, ConstraintLayout, ConstraintRows, FallbackLaw, FrameHandle,
+        Layout, MotionRow, PerRow, Reference, RotationReference, Rows, Sample, Setup, Space, Start,
+        Task, Tick, VectorReference,
     },
 };

@@ -49,6 +49,14 @@ pub(crate) fn plugin(kind: &str, arguments: TokenStream, item: TokenStream) -> T
             .into_compile_error()
             .into();
     }
+    if let Some(weight) = &weight
+        && !["Task", "Constraint"].contains(&kind)
+    {
+        let problem = "only tasks and constraints have a weight";
+        return Error::new_spanned(weight, problem)
+            .into_compile_error()
+            .into();
+    }
     let weight = weight.map(|weight| quote!(, extend("x-weight" = #weight)));
     let defaults = match derive(&mut item, weight.as_ref()) {
         Ok(defaults) => defaults,

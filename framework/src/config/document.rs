@@ -185,8 +185,11 @@ fn of_repeated(tables: &[Header], offset: usize) -> Option<(usize, &'static str)
     Some((start, name?))
 }
 
-/// Whether a table has a key: whoever gives it again, in a second table of the name, gives it twice.
+/// Whether what is given again, in a second table of the name, is the table itself or one of its keys.
 fn has_key(root: &Spanned<DeTable<'_>>, table: &str, key: Option<&str>) -> bool {
+    if key == Some(table) {
+        return true;
+    }
     let table = root
         .get_ref()
         .get(table)

@@ -225,7 +225,13 @@ impl Bound {
             ..
         } = binder;
         let mut setup = Setup::new(&robot, &contacts, period, &mut frame_ids);
-        let law = fallback.bind_any(&mut setup);
+        let law = fallback.bind_any(&mut setup).and_then(|law| {
+            if setup.into_references().is_empty() {
+                Ok(law)
+            } else {
+                Err(BindError::Other("a law follows no reference".to_owned()))
+            }
+        });
         let law = law.map_err(|error| misfits.fallback(fallback.typetag_name(), error));
         if misfits.is_empty() {
             for (index, error) in unlimited_moments(&contacts, &entries[tasks.len()..]) {
@@ -328,7 +334,12 @@ impl Bound {
             nf: &nf,
         };
         for entry in &mut entries {
-            entry.store = RowStore::new(&entry.layout, sizes.nv, sizes.nu, sizes.nf);
+            let store = RowStore::new(&entry.layout, sizes.nv, sizes.nu, sizes.nf);
+            entry.store = if entry.is_equality() {
+                store
+            } else {
+                store.without_limits()
+            };
         }
         let names = VariableNames::new(&robot, &contacts);
         let mut native = ActiveSet::default();
@@ -373,11 +384,13 @@ impl Bound {
             clock: Clock::default(),
             relaxation,
         };
+        let stamp = Stamp::next();
         let report = Report::new(
             &entries[..task_count],
             &world,
             capacity,
             fallback.relaxation.limits(),
+            stamp,
         );
         let first = FirstTick::new(
             settings.max_first_error,
@@ -406,7 +419,7 @@ impl Bound {
             recorder: None,
             hover_residual: nalgebra::DVector::zeros(sizes.nv),
             stopwatch: Box::new(NoStopwatch),
-            stamp: Stamp::next(),
+            stamp,
             robot,
         };
         let is_solved = hover(&mut controller);

@@ -3,7 +3,11 @@
 use nalgebra::{DVector, Vector3, Vector6};
 use serde::{Deserialize, Serialize};
 
-use super::{entry_id::EntryRef, gate::CutEffort, world::World};
+use super::{
+    entry_id::{EntryRef, Stamp},
+    gate::CutEffort,
+    world::World,
+};
 use crate::{
     fault::Fault,
     plugin::ForceReport,
@@ -24,9 +28,9 @@ pub enum FallbackLevel {
     /// another; or by another solver, because the configured one failed; or cut to the actuators' limits and slew
     /// ([`Report::cut`]), where it is beyond them.
     Relaxed,
-    /// The last solution is carried on, for a short time (`extrapolation` of the settings).
+    /// The last efforts are kept, for a short time (`extrapolation` of the settings).
     Extrapolated,
-    /// A law that needs no solver: damped hover, joints held.
+    /// A law that needs no solver, `[fallback]`: unless another is named, damped hover with the joints held.
     #[default]
     Safe,
 }
@@ -127,6 +131,7 @@ pub struct Report {
     pub times: StageTimes,
     task_names: Vec<String>,
     contact_names: Vec<String>,
+    controller: Stamp,
 }
 
 impl Report {
@@ -137,7 +142,8 @@ impl Report {
                 let found = self.task_names.iter().position(|n| n == name)?;
                 self.tasks.get(found)
             }
-            EntryRef::Id(id) => self.tasks.get(id.index()),
+            EntryRef::Id(id) if id.controller == self.controller => self.tasks.get(id.index()),
+            EntryRef::Id(_) => None,
         }
     }
 
@@ -153,6 +159,7 @@ impl Report {
         world: &World,
         capacity: Capacity,
         limits: usize,
+        controller: Stamp,
     ) -> Self {
         let zeros = |g: &BoundEntry| vec![0.0; g.layout.len()];
         Self {
@@ -194,6 +201,7 @@ impl Report {
             regularisation: 0.0,
             times: StageTimes::default(),
             task_names: tasks.iter().map(|task| task.name.clone()).collect(),
+            controller,
             contact_names: world.bindings.iter().map(|b| b.spec.name.clone()).collect(),
         }
     }

@@ -22,6 +22,7 @@ impl RunningPlugin {
         layout: &Layout,
         store: &mut RowStore,
     ) {
+        store.begin();
         let mut tick = world.tick(entry);
         if !self.references.is_empty() {
             for reference in &mut self.references {

@@ -145,6 +145,20 @@ impl ContactBinding {
         self.motion = *motion;
     }
 
+    /// What an earlier tick at this time knew of the contact, for a state that is there again.
+    pub(crate) fn place_again(
+        &mut self,
+        time: f64,
+        model: &Model,
+        data: &Data,
+        c: &mut ContactState,
+    ) {
+        self.place(model, data, c);
+        c.alpha = self.switch.alpha(time);
+        c.live = self.switch.is_live(time);
+        c.since = self.switch.since();
+    }
+
     /// Where the contact is, and how it moves.
     fn place(&mut self, model: &Model, data: &Data, c: &mut ContactState) {
         let k = &mut self.kinematics;

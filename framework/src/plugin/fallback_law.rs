@@ -11,7 +11,8 @@ use crate::{
 ///
 /// The type that implements it is its parameters, with the attribute [`fallback_law`](macro@crate::fallback_law), and
 /// named by `type = "tag"` in the table `[fallback]`. The framework makes what it gives fit to be sent: an effort that
-/// is not finite is replaced by the one that hovers at home, and all are kept within the actuators' limits and slew.
+/// is not finite is replaced by the one that hovers at home, and all are kept within the actuators' limits and slew. A
+/// law may ask for frames; it follows no reference.
 pub trait FallbackLaw: Clone + Debug + Send + 'static {
     /// Whatever is neither a parameter nor remembered from tick to tick: buffers.
     type Running: Send + 'static;
@@ -26,7 +27,10 @@ pub trait FallbackLaw: Clone + Debug + Send + 'static {
     /// Takes over, in the first tick on its level. No allocation, no panic.
     fn engage(&self, running: &mut Self::Running, tick: &Tick<'_>, memory: &mut [f64]);
 
-    /// Writes efforts, N or N·m, for the last usable state, which is what `tick` knows and `age` seconds old. No
+    /// Writes efforts, N or N·m, for the last usable state, which is what `tick` knows and `age` seconds old: infinitely
+    /// old if there never was one, and then the tick knows the home posture. `efforts` holds what was sent last;
+    /// `tick.time` stands still while there is no usable measurement, and `tick.elapsed` counts from the last one, so
+    /// that what grows with time is better made of `age`. The velocity references of joints are zero meanwhile. No
     /// allocation, no panic, no iteration without a bound.
     fn efforts(
         &self,

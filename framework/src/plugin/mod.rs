@@ -1,4 +1,4 @@
-//! What plug-ins are, and what they speak: tasks, constraints and references, the rows that they write, and what they
+//! What plug-ins are, and what they speak: tasks, constraints, references and laws of last resort, the rows that they write, and what they
 //! see.
 //!
 //! A plug-in is *bound* once ([`Setup`]: names to resolve, frames to ask for; it answers with its [`Layout`]) and

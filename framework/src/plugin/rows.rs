@@ -84,6 +84,20 @@ impl RowStore {
 }
 
 impl RowStore {
+    /// Forgets what an update must say anew.
+    pub(crate) fn begin(&mut self) {
+        self.undeclared = false;
+        self.force_report = None;
+        self.bias.fill(f64::NAN);
+    }
+
+    /// Lets rows that are not written limit nothing.
+    pub(crate) fn without_limits(mut self) -> Self {
+        self.lower.fill(f64::NEG_INFINITY);
+        self.upper.fill(f64::INFINITY);
+        self
+    }
+
     /// Numbers that the store of a layout has.
     pub(crate) fn numbers(layout: &Layout, nv: usize, nu: usize, nf: &[usize]) -> usize {
         let m = layout.len();

@@ -83,7 +83,8 @@ impl<'a> Setup<'a> {
         self.model().velocity_index(joint)
     }
 
-    /// A joint's motor.
+    /// A joint's motor, whatever commands it: the effort of a servoed joint
+    /// ([`Drive`](crate::actuator::Drive)) is what the model predicts, and its servo decides.
     ///
     /// # Errors
     /// [`BindError::Other`] for a passive joint.

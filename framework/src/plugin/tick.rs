@@ -94,7 +94,7 @@ impl<'a> Tick<'a> {
     pub fn contact(&self, contact: ContactId) -> &'a ContactState {
         self.contacts
             .get(contact.index())
-            .unwrap_or(&self.contacts[0])
+            .unwrap_or_else(|| &self.contacts[0])
     }
 
     /// Where the plug-in's reference is in this tick.

@@ -53,7 +53,7 @@ pub(in super::super) fn blank_record(controller: &Controller) -> Record {
             vdot: vec![0.0; nv],
             sent: vec![0.0; controller.command.effort.len()],
             command: command.clone(),
-            held: vec![0.0; controller.world.state.q.len()],
+            held: vec![0.0; controller.fallback.law.memory.len()],
             warm: WarmStart::with_capacity(capacity.vars),
             relaxed_warm: WarmStart::with_capacity(relaxed),
             proof: WarmStart::with_capacity(relaxed + 1),
@@ -184,6 +184,7 @@ fn restore(controller: &mut Controller, record: &Record) {
     let contacts = world.contacts.iter_mut().zip(&mut world.bindings);
     for (memory, (contact, binding)) in before.contacts.iter().zip(contacts) {
         binding.recall(memory);
+        binding.place_again(world.time, &world.model, &world.data, contact);
         contact.measured = memory.measured.into();
         contact.measured_at_switch = memory.measured_at_switch.into();
         contact.set_point = memory.set_point.into();
