@@ -153,6 +153,7 @@
 //! | write a task | [`plugin::Task`], [`Layout`], [`plugin::Setup`], [`plugin::Tick`], [`plugin::Rows`] |
 //! | write a constraint | [`plugin::Constraint`], [`plugin::ConstraintRows`] |
 //! | write a trajectory | [`plugin::Reference`] |
+//! | write a law of last resort | [`plugin::FallbackLaw`] |
 //! | describe a robot | [`robot::Robot`], [`robot::RobotModel`], [`model::ModelBuilder`], [`actuator::Actuator`] |
 //! | describe a contact | [`contact::ContactSpec`], [`contact::Detector`] |
 //! | use the dynamics alone | [`dynamics::Data`], [`dynamics::FrameKinematics`] |
@@ -174,9 +175,10 @@
 //! # Re-exports
 //! A crate of plug-ins depends on `wbqp` alone. [`nalgebra`] is the linear algebra of the interfaces; [`serde`],
 //! [`schemars`], [`serde_json`] and [`toml`] are what configurations are read with, and derives find them by
-//! `crate = "wbqp::serde"` and `crate = "wbqp::schemars"`, as in the example. [`inventory`] and [`typetag`] are
-//! there for the code that the attributes [`task`](macro@task), [`constraint`](macro@constraint),
-//! [`reference`](macro@reference), [`robot`](macro@robot) and [`solver`](macro@solver) expand to.
+//! `crate = "wbqp::serde"` and `crate = "wbqp::schemars"`, as those of the robot in the example. [`inventory`] and
+//! [`typetag`] are there for the code that the attributes [`task`](macro@task), [`constraint`](macro@constraint),
+//! [`reference`](macro@reference), [`fallback_law`](macro@fallback_law), [`robot`](macro@robot) and
+//! [`solver`](macro@solver) expand to.
 //!
 //! A crate of plug-ins that no code of a binary names is left out by the linker: write `use my_plugins as _;`.
 pub mod actuator;

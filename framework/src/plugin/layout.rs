@@ -2,7 +2,7 @@
 //!
 //! A row is linear in the decision variables, `A_v v̇ + A_u u + Σ A_c f_c`, and a layout says for each of the
 //! blocks whether it is absent, dense, made of unit rows, or borrowed from a Jacobian that the framework
-//! computes anyway. Absent and borrowed blocks cost nothing to write and nothing to multiply.
+//! computes anyway. Absent and borrowed blocks cost nothing to write.
 
 use crate::{actuator::ActuatorId, contact::ContactId, model::VelocityId, plugin::FrameHandle};
 

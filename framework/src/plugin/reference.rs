@@ -29,9 +29,10 @@ pub trait Reference: Clone + Debug + Send + 'static {
     /// [`BindError`] when lengths or numbers do not fit.
     fn bind(&self, space: Space) -> Result<Self::Running, BindError>;
 
-    /// Takes over where another one, or the robot, stands. Called after [`bind`](Reference::bind) with the home
-    /// posture's value, once more in the first tick with what was measured if the robot stands elsewhere, and for one
-    /// that replaces another. No allocation, no panic.
+    /// Takes over where another one, or the robot, stands; any number of times. Called after
+    /// [`bind`](Reference::bind), with zero or the identity and then with the home posture's value, in the first tick
+    /// with what was measured if the robot stands elsewhere, and for one that replaces another. No allocation, no
+    /// panic.
     fn start(&self, running: &mut Self::Running, start: &Start<'_>);
 
     /// Writes the sample for this tick, which is of the space it was bound to. No allocation, no panic.

@@ -2,7 +2,7 @@
 //!
 //! Blocks lie row-major in buffers of their own, one per declared dense block, and keep their values between
 //! ticks: a constant coefficient may be written once. A block that was not declared has no storage; asking
-//! for it gives a scratch view and raises a fault that the report names.
+//! for it gives a scratch view, and the report says whose slip it was.
 
 use std::borrow::Borrow;
 

@@ -182,7 +182,7 @@ impl<'a> Setup<'a> {
     }
 
     /// Follows a trajectory of `n` numbers. It begins at what `measured` writes, in the first tick with a usable
-    /// measurement; where that is not far from the home posture, there. `key` is where the reference stands in the
+    /// measurement; where that is not far from the home posture, or `start = "home"` is configured, there. `key` is where the reference stands in the
     /// configuration, for errors.
     ///
     /// # Errors

@@ -273,3 +273,63 @@ fn files_that_do_not_fit_are_refused() {
         .to_string();
     assert!(missing.contains("cannot be read"), "{missing}");
 }
+
+/// Remembers how often it was asked, in the last of more numbers than the robot has joints.
+#[wbqp::fallback_law("test.counting")]
+struct Counting {}
+
+impl FallbackLaw for Counting {
+    type Running = ();
+
+    fn bind(&self, setup: &mut Setup<'_>) -> Result<((), Vec<f64>), BindError> {
+        Ok(((), vec![0.0; setup.model().joints().len() + 3]))
+    }
+
+    fn engage(&self, (): &mut (), _: &Tick<'_>, memory: &mut [f64]) {
+        memory.fill(0.0);
+    }
+
+    fn efforts(&self, (): &mut (), _: &Tick<'_>, _: f64, memory: &mut [f64], efforts: &mut [f64]) {
+        for count in memory.iter_mut().rev().take(1) {
+            *count += 1.0;
+            efforts.fill(0.01 * *count);
+        }
+    }
+}
+
+/// A contact is off, and then nothing is measured for long: what the law of last resort stands on, and what it
+/// remembers, is recorded.
+#[test]
+fn ticks_of_a_law_of_last_resort_are_the_same_to_the_bit() {
+    let scene = Scene::new(Kind::Quadruped, 3, 0b11, 0b11);
+    let counting = scene.config().with_fallback(Counting {});
+    for (config, name) in [(scene.config(), "damped_hover"), (counting, "counting")] {
+        let controller = config.build().expect("the scene is valid");
+        let mut controller = controller.with_recorder(60).expect("can be saved");
+        let mut measurement = scene.measurement();
+        for v in measurement.state.v.iter_mut() {
+            *v += 0.02;
+        }
+        for k in 0..60 {
+            measurement.time = 0.004 * f64::from(k);
+            if k == 10 {
+                let off = controller.deactivate_contact("contact_0");
+                off.expect("it is there");
+            }
+            let mut lost = measurement.clone();
+            if k >= 30 {
+                lost.state.q[0] = f64::NAN;
+            }
+            controller.tick(&lost);
+        }
+        assert_eq!(controller.report().level, FallbackLevel::Safe, "{name}");
+        let dump = controller.dump().expect("recorded");
+        for index in 0..60 {
+            let differences = dump.replay(index, None).expect("fits").differences;
+            assert!(
+                differences.is_empty(),
+                "{name}, tick {index}: {differences:?}"
+            );
+        }
+    }
+}

@@ -73,7 +73,7 @@ pub(crate) struct Memory {
     pub(crate) seen: Option<f64>,
     #[serde(default)]
     pub(crate) unseen: f64,
-    /// Where the safe law holds the joints.
+    /// What the law of last resort remembers.
     pub(crate) held: Vec<f64>,
     pub(crate) warm: WarmStart,
     pub(crate) relaxed_warm: WarmStart,
