@@ -148,7 +148,8 @@ macro_rules! running {
                 let mut changed = self.parameters.clone();
                 change(&mut changed);
                 let (bound, _) = changed.bind(setup)?;
-                if Layout::from(bound) != *layout {
+                let bound: Layout = bound.into();
+                if bound != *layout {
                     return Err(BindError::Other(
                         "has other rows with these parameters: a new controller is needed"
                             .to_owned(),
