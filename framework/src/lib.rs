@@ -9,8 +9,8 @@
 //! robot and no task.
 //!
 //! # Example
-//! A task is a plug-in: a struct of parameters with the attribute [`task`](macro@task). This one holds a joint of an arm of one
-//! link, which is built in code; a URDF is read by the crate `wbqp-robots`.
+//! A task is a plug-in: a struct of parameters with the attribute [`task`](macro@task). This one holds a joint of an
+//! arm of one link, which is built in code; a URDF is read by the crate `wbqp-robots`.
 //!
 //! ```
 //! use std::path::Path;

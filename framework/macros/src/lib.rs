@@ -18,7 +18,7 @@ use proc_macro::TokenStream;
 /// | | |
 /// |---|---|
 /// | `#[wbqp(default)]` | may be left out: the type's default |
-/// | `#[wbqp(default = 40.0)]` | may be left out: this value, by `into()` if it is of another type; the private function `default_field()` returns it |
+/// | `#[wbqp(default = 40.0)]` | may be left out: this value, by `into()`; also in `default_field()` |
 /// | `#[wbqp(unit = "1/s²")]` | its unit |
 /// | `#[wbqp(critical = "kp")]` | may be left out of a file: critical damping for that stiffness, `2 √kp` |
 ///

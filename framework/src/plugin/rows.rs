@@ -245,27 +245,24 @@ struct Blocks<'a> {
 impl Blocks<'_> {
     fn vdot(&mut self) -> RowMajorMut<'_> {
         let (m, n) = (self.layout.len(), self.store.nv);
-        let declared = self.layout.vdot == VdotBlock::Dense;
-        let data = pick(
-            declared,
-            &mut self.store.vdot,
-            &mut self.store.scratch,
-            &mut self.store.undeclared,
-        );
-        view(data, m, n)
+        view(self.vdot_rows(), m, n)
     }
 
     /// One row of them; empty if there is none.
     fn vdot_row(&mut self, k: usize) -> &mut [f64] {
         let n = self.store.nv;
+        let rows = self.vdot_rows();
+        rows.get_mut(k * n..(k + 1) * n).unwrap_or_default()
+    }
+
+    fn vdot_rows(&mut self) -> &mut [f64] {
         let declared = self.layout.vdot == VdotBlock::Dense;
-        let data = pick(
+        pick(
             declared,
             &mut self.store.vdot,
             &mut self.store.scratch,
             &mut self.store.undeclared,
-        );
-        data.get_mut(k * n..(k + 1) * n).unwrap_or_default()
+        )
     }
 
     fn effort(&mut self) -> RowMajorMut<'_> {
@@ -398,8 +395,8 @@ impl<'a> Rows<'a> {
     }
 
     /// Writes row `k` of a task on motion: its error, and what is asked of it, `J v̇ = a_d − K_D ė − K_P e − J̇ v`, so
-    /// that the error decays as `ë + K_D ė + K_P e = 0`. The bias `J̇ v` is that of the Jacobian which the layout names;
-    /// of coefficients written by the plug-in, that given to [`Rows::jacobian`].
+    /// that the error decays as `ë + K_D ė + K_P e = 0`. The bias `J̇ v` is that of the Jacobian which the layout
+    /// names; of coefficients written by the plug-in, that given to [`Rows::jacobian`].
     #[inline]
     pub fn motion(&mut self, k: usize, motion: MotionRow) {
         let MotionRow {

@@ -182,8 +182,8 @@ impl<'a> Setup<'a> {
     }
 
     /// Follows a trajectory of `n` numbers. It begins at what `measured` writes, in the first tick with a usable
-    /// measurement; where that is not far from the home posture, or `start = "home"` is configured, there. `key` is where the reference stands in the
-    /// configuration, for errors.
+    /// measurement; where that is not far from the home posture, or `start = "home"` is configured, there. `key` is
+    /// where the reference stands in the configuration, for errors.
     ///
     /// # Errors
     /// What the reference refuses.

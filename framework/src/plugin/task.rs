@@ -11,8 +11,8 @@ use crate::{
 ///
 /// The type that implements it is the task's *parameters*: plain data with the attribute [`task`](macro@crate::task),
 /// read from a file or made in code, and changed while running through
-/// [`Controller::parameters_mut`](crate::Controller::parameters_mut). What is resolved once and what is remembered from tick to
-/// tick is another type, [`Task::Running`], which [`bind`](Task::bind) makes.
+/// [`Controller::parameters_mut`](crate::Controller::parameters_mut). What is resolved once and what is remembered
+/// from tick to tick is another type, [`Task::Running`], which [`bind`](Task::bind) makes.
 ///
 /// The weight enters **linearly**: its unit is 1/unit(row)². Name, weight, activation, transition and hardness
 /// belong to the framework's entry around the task, not to the task.

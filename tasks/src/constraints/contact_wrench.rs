@@ -6,7 +6,7 @@
 
 use wbqp::{contact::ContactKind, prelude::*};
 
-use super::friction_pyramid::{Approximation, DEFAULT_SIDES, Pyramid, normals, validate_sides};
+use super::friction_pyramid::{Approximation, DEFAULT_SIDES, Pyramid, validate_sides};
 use crate::check;
 
 /// Keeps the wrench of a contact with moments (kinds `full` and `normal_tilt`) within what a flat rectangular sole can
@@ -100,11 +100,8 @@ impl Constraint for ContactWrench {
             );
             return Err(BindError::value("contact", problem));
         }
-        let normals: Vec<_> = match kind.tangential() {
-            Some(_) => normals(self.sides).collect(),
-            None => Vec::new(),
-        };
-        let sides = (0..normals.len()).map(|k| (format!("side {k}"), "N"));
+        let pyramid = Pyramid::new(contact, kind, self.sides);
+        let sides = (0..pyramid.normals.len()).map(|k| (format!("side {k}"), "N"));
         let pairs = moments(kind).flat_map(|(_, label, _)| {
             [
                 (format!("{label} upper"), "N·m"),
@@ -118,11 +115,6 @@ impl Constraint for ContactWrench {
             .limits_moments(contact)
             .while_contact(contact)
             .never_relaxed();
-        let pyramid = Pyramid {
-            contact,
-            kind,
-            normals,
-        };
         Ok((layout, pyramid))
     }
 

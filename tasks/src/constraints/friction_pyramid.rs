@@ -42,6 +42,21 @@ pub struct Pyramid {
     pub(super) normals: Vec<[f64; 2]>,
 }
 
+impl Pyramid {
+    /// Without sides where the contact leaves the tangential forces free.
+    pub(super) fn new(contact: ContactId, kind: ContactKind, sides: usize) -> Self {
+        let normals = match kind.tangential() {
+            Some(_) => normals(sides).collect(),
+            None => Vec::new(),
+        };
+        Self {
+            contact,
+            kind,
+            normals,
+        }
+    }
+}
+
 /// How a pyramid approximates the friction cone.
 #[wbqp::parameters]
 #[derive(Copy, Default, PartialEq, Eq)]
@@ -98,7 +113,7 @@ pub(super) fn validate_sides(sides: usize) -> Result<(), BindError> {
     Err(BindError::value("sides", problem))
 }
 
-pub(super) fn normals(sides: usize) -> impl Iterator<Item = [f64; 2]> {
+fn normals(sides: usize) -> impl Iterator<Item = [f64; 2]> {
     (0..sides).map(move |k| {
         let (sin, cos) = (TAU * k as f64 / sides as f64).sin_cos();
         [cos, sin]
@@ -112,11 +127,8 @@ impl Constraint for FrictionPyramid {
         validate_sides(self.sides)?;
         let contact = setup.contact(&self.contact)?;
         let kind = setup.contact_spec(contact).kind;
-        let normals: Vec<_> = match kind.tangential() {
-            Some(_) => normals(self.sides).collect(),
-            None => Vec::new(),
-        };
-        let layout = if normals.is_empty() {
+        let pyramid = Pyramid::new(contact, kind, self.sides);
+        let layout = if pyramid.normals.is_empty() {
             ConstraintLayout::bounds()
         } else {
             let rows = (0..self.sides).map(|k| (format!("side {k}"), "N"));
@@ -126,11 +138,6 @@ impl Constraint for FrictionPyramid {
             .bound_force(contact, kind.normal(), "normal", "N")
             .while_contact(contact)
             .never_relaxed();
-        let pyramid = Pyramid {
-            contact,
-            kind,
-            normals,
-        };
         Ok((layout, pyramid))
     }
 

@@ -127,8 +127,8 @@ fn a_file_names_the_law_and_its_parameters() {
         ),
         (
             "[fallback]\ntype = \"damped_hover\"\nfading = 0.2\n",
-            "law.toml:7:1: fallback (damped_hover): rotation_damping: damps with 10 1/s, which overshoots on a state that \
-             is `fading` = 0.2 s old",
+            "law.toml:7:1: fallback (damped_hover): rotation_damping: damps with 10 1/s, which overshoots on a state \
+             that is `fading` = 0.2 s old",
         ),
         (
             "[fallback]\ntype = \"damped_hover\"\nmax_linear = -1.0\n",

@@ -134,30 +134,8 @@ impl Lister<'_> {
             self.noted(List::Robot, 0, &subject, section);
             self.plugin::<dyn Robot>(&subject, section);
         }
-        match &document.solver {
-            Some(section) => {
-                let subject = entry::subject("solver", None, section);
-                self.plugin::<dyn Solver>(&subject, section);
-            }
-            None => self.add(
-                "solver",
-                "type",
-                Some("\"active_set\"".to_owned()),
-                "default",
-            ),
-        }
-        match &document.fallback {
-            Some(section) => {
-                let subject = entry::subject("fallback", None, section);
-                self.plugin::<dyn AnyFallbackLaw>(&subject, section);
-            }
-            None => self.add(
-                "fallback",
-                "type",
-                Some("\"damped_hover\"".to_owned()),
-                "default",
-            ),
-        }
+        self.optional::<dyn Solver>(document.solver.as_ref(), "active_set");
+        self.optional::<dyn AnyFallbackLaw>(document.fallback.as_ref(), "damped_hover");
         if let Some(section) = &document.measurement {
             self.defaults("measurement", &schema_of::<MeasurementLimits>(), section);
         }
@@ -169,6 +147,17 @@ impl Lister<'_> {
         }
         self.entries::<dyn AnyTask>(List::Task, &document.tasks, "\"soft\"");
         self.entries::<dyn AnyConstraint>(List::Constraint, &document.constraints, "\"hard\"");
+    }
+
+    /// A table of a plug-in that may be left out, and its type then.
+    fn optional<P: PluginKind + ?Sized>(&mut self, section: Option<&Section<'_>>, tag: &str) {
+        match section {
+            Some(section) => {
+                let subject = entry::subject(P::NAME, None, section);
+                self.plugin::<P>(&subject, section);
+            }
+            None => self.add(P::NAME, "type", Some(format!("{tag:?}")), "default"),
+        }
     }
 
     fn entries<P: PluginKind + ?Sized>(
