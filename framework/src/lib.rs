@@ -181,16 +181,13 @@
 //! [`solver`](macro@solver) expand to.
 //!
 //! A crate of plug-ins that no code of a binary names is left out by the linker: write `use my_plugins as _;`.
-pub mod actuator;
 pub mod config;
 pub mod contact;
 pub mod controller;
 pub mod damped_hover;
-pub mod dynamics;
 pub mod error;
 pub mod fault;
 pub mod input;
-pub mod model;
 pub mod plugin;
 pub mod prelude;
 mod problem;
@@ -199,8 +196,6 @@ pub mod registry;
 pub mod replay;
 pub mod robot;
 pub mod settings;
-pub mod spatial;
-pub mod state;
 pub mod stopwatch;
 pub mod suggestion;
 mod switch;
@@ -210,6 +205,7 @@ pub use controller::{Command, Controller, Measurement, Report};
 pub use plugin::Layout;
 pub use problem::{RowInfo, VarInfo};
 pub use registry::list as registry;
+pub use wbqp_dynamics::{self as dynamics, actuator, model, spatial, state};
 pub use wbqp_macros::{constraint, fallback_law, parameters, reference, robot, solver, task};
 pub use {inventory, nalgebra, schemars, serde, serde_json, toml, typetag};
 

@@ -21,12 +21,18 @@ use super::{
 };
 use crate::{
     contact::ContactSpec,
-    dynamics::Actuation,
     error::BindError,
-    model::FrameId,
     plugin::{
-        AnyConstraint, AnyFallbackLaw, AnyPlugin, AnyTask, BoundFallbackLaw, BoundPlugin, Entry,
-        EntryState, Setup, rows::RowStore,
+        rows::RowStore,
+        AnyConstraint,
+        AnyFallbackLaw,
+        AnyPlugin,
+        AnyTask,
+        BoundFallbackLaw,
+        BoundPlugin,
+        Entry,
+        EntryState,
+        Setup,
     },
     problem::{BoundEntry, Partition, Problem, ProblemRows, Relaxation, Table, VariableNames},
     qp::{ActiveSet, Capacity, Qp, QpSolver as _, Solution, Solver, WarmStart},
@@ -34,6 +40,7 @@ use crate::{
     settings::{MeasurementLimits, Settings},
     stopwatch::NoStopwatch,
 };
+use wbqp_dynamics::{model::FrameId, Actuation};
 
 /// What a controller is made of beside its robot.
 #[derive(Debug)]

@@ -7,7 +7,8 @@
 //! ([`Tick::elapsed`](crate::plugin::Tick::elapsed)). The leak is the anti-windup; drift of the position is
 //! removed by the posture task.
 
-use crate::{actuator::ActuatorKind, model::Model, robot::RobotModel, state::State};
+use wbqp_dynamics::{actuator::ActuatorKind, model::Model, state::State};
+use crate::robot::RobotModel;
 
 /// The command of a tick, in storage made once.
 #[derive(Clone, Debug, PartialEq)]

@@ -7,11 +7,11 @@
 use super::{report::TaskReport, running::RunningPlugin, world::World};
 use crate::{
     fault::Fault,
-    model::{Base, Model},
-    plugin::{EntryState, Layout, layout::VdotBlock},
+    plugin::{layout::VdotBlock, EntryState, Layout},
     problem::BoundEntry,
     settings::{FirstError, StartFrom},
 };
+use wbqp_dynamics::model::{Base, Model};
 
 /// What is remembered of the first tick, and how large its errors may be.
 #[derive(Debug)]

@@ -17,12 +17,8 @@
 //! limit) was not rounding: that command is not the optimum, whatever the solver said, and the tick says so.
 
 use super::command::Command;
-use crate::{
-    actuator::{Actuator, ActuatorId, ActuatorKind},
-    fault::Fault,
-    model::{JointId, Model},
-    robot::RobotModel,
-};
+use wbqp_dynamics::{actuator::{Actuator, ActuatorId, ActuatorKind}, model::{JointId, Model}};
+use crate::{fault::Fault, robot::RobotModel};
 
 /// Share of an actuator's range that counts as rounding.
 pub(super) const NEGLIGIBLE: f64 = 1e-9;
@@ -87,7 +83,7 @@ impl Gate {
         let mut cuts = each.map(|(i, (actuator, &asked))| {
             let sent = self.effort(i, &actuator.kind, asked);
             is_cut(actuator, asked, sent).then_some(CutEffort {
-                actuator: ActuatorId(i as u32),
+                actuator: ActuatorId::new(i),
                 asked,
                 sent,
             })
@@ -143,7 +139,7 @@ impl Gate {
             };
             let changed = !asked.is_finite() || (reference - asked).abs() > NEGLIGIBLE * size;
             if changed && first.is_none() {
-                first = Some(JointId(i as u32));
+                first = Some(JointId::new(i));
             }
             command.joint_velocity[i] = reference;
             if !command.joint_acceleration[i].is_finite() {
@@ -202,7 +198,7 @@ fn inwards(mut end: f64, sent: f64, most: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::actuator::{Drive, JointMotor};
+    use wbqp_dynamics::actuator::{Drive, JointMotor};
 
     fn motor(lower: f64, upper: f64, slew: f64) -> Actuator {
         Actuator {

@@ -2,12 +2,8 @@
 
 use nalgebra::Vector6;
 
-use crate::{
-    contact::ContactId,
-    fault::{Fault, Quantity},
-    robot::RobotModel,
-    state::State,
-};
+use crate::{contact::ContactId, fault::{Fault, Quantity}, robot::RobotModel};
+use wbqp_dynamics::state::State;
 
 /// The inputs of a tick.
 #[derive(Clone, Debug)]

@@ -50,8 +50,8 @@ pub(crate) use record::{CommandRecord, FORMAT, MadeFrom, misfit, rerun};
 
 use nalgebra::DVector;
 
+use wbqp_dynamics::Actuation;
 use crate::{
-    dynamics::Actuation,
     fault::Fault,
     plugin::EntryState,
     problem::{BoundEntry, Problem, RowInfo, Solved, Table, VarInfo},

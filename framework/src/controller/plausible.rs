@@ -22,14 +22,16 @@
 use nalgebra::UnitQuaternion;
 
 use super::Measurement;
-use crate::{
+use wbqp_dynamics::{
     actuator::ActuatorKind,
+    model::{Joint, JointId, JointKind, Model},
+    state::State,
+};
+use crate::{
     contact::{ContactId, ContactSpec},
     fault::{Fault, Implausible, Measured},
-    model::{Joint, JointId, JointKind, Model},
     robot::RobotModel,
     settings::MeasurementLimits,
-    state::State,
 };
 
 /// How many times what is possible.
@@ -209,7 +211,7 @@ impl Plausible {
         }
         let joints = joints.iter().zip(&self.joints).enumerate();
         let mut joints = joints.filter_map(|(i, (v, bounds))| {
-            let joint = Measured::JointVelocity(JointId(i as u32));
+            let joint = Measured::JointVelocity(JointId::new(i));
             beyond(joint, v.abs(), bounds.velocity)
         });
         let wrenches = measurement.wrenches.iter().zip(&self.wrenches).enumerate();
@@ -254,7 +256,7 @@ impl Plausible {
         let joints = now.q.iter().zip(last.q.iter()).zip(speeds);
         let mut joints = joints.zip(&self.joints).enumerate();
         let fault = joints.find_map(|(i, (((q, q_before), (v, v_before)), bounds))| {
-            let joint = JointId(i as u32);
+            let joint = JointId::new(i);
             let most = bounds.jump * periods + seen * v.abs().max(v_before.abs());
             beyond(Measured::JointJump(joint), (q - q_before).abs(), most).or_else(|| {
                 let rate = (v - v_before).abs() / passed;
@@ -358,7 +360,7 @@ fn reach(model: &Model) -> f64 {
 fn strength(robot: &RobotModel, reach: f64) -> f64 {
     let gravity = robot.model.gravity().norm();
     let gravity = if gravity > 0.0 { gravity } else { GRAVITY };
-    let largest = |actuator: &crate::actuator::Actuator| {
+    let largest = |actuator: &wbqp_dynamics::actuator::Actuator| {
         let effort = actuator.lower.abs().max(actuator.upper.abs());
         let effort = if effort.is_finite() { effort } else { 0.0 };
         match &actuator.kind {

@@ -11,13 +11,10 @@ use super::{
 use crate::{
     contact::{ContactId, ContactSpec},
     error::BindError,
-    plugin::{
-        AnyPlugin, BoundPlugin, EntryState, Layout, Setup,
-        rows::{RowStore, Variable},
-    },
+    plugin::{rows::{RowStore, Variable}, AnyPlugin, BoundPlugin, EntryState, Layout, Setup},
     robot::RobotModel,
-    state::State,
 };
+use wbqp_dynamics::state::State;
 
 /// What is in a row's place before the plug-in writes it: a NaN that no computation gives.
 const UNWRITTEN: u64 = 0x7ff8_0bad_0bad_0bad;

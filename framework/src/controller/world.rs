@@ -14,15 +14,13 @@ use nalgebra::{
 use super::{measurement::Measurement, record::ContactMemory};
 use crate::{
     contact::{ContactSpec, ContactState, FreeForce, SurfaceMotion},
-    dynamics::{Data, FrameKinematics},
     error::BindError,
-    model::{BodyId, FrameId, Model},
     plugin::{EntryState, PreviousSolution, Tick},
     problem::{BoundEntry, DynamicsTerms, Problem},
     robot::RobotModel,
-    state::State,
     switch::Switch,
 };
+use wbqp_dynamics::{model::{BodyId, FrameId, Model}, state::State, Data, FrameKinematics};
 
 /// State, dynamics, requested frames and contacts.
 #[derive(Debug)]

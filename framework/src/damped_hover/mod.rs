@@ -34,15 +34,14 @@ use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
-use crate::{
+use wbqp_dynamics::{
     actuator::{Actuator, ActuatorKind, Drive},
-    contact::ContactState,
-    dynamics::{Actuation, Data},
-    error::BindError,
     model::{Base, Model},
-    plugin::{FallbackLaw, Setup, Tick},
     state::State,
+    Actuation,
+    Data,
 };
+use crate::{contact::ContactState, error::BindError, plugin::{FallbackLaw, Setup, Tick}};
 use allocation::{Allocation, Priorities};
 
 /// Damped hover with the joints held: without an optimisation that can fail, in a fixed amount of arithmetic.

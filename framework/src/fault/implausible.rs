@@ -1,9 +1,7 @@
 //! What of a measurement cannot be true of the robot, in words.
 
-use crate::{
-    contact::ContactId,
-    model::{JointId, JointKind, Model},
-};
+use crate::contact::ContactId;
+use wbqp_dynamics::model::{JointId, JointKind, Model};
 
 /// What is not plausible.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,7 +4,8 @@ mod implausible;
 
 pub use implausible::{Implausible, Measured};
 
-use crate::{actuator::ActuatorId, contact::ContactId, model::JointId};
+use wbqp_dynamics::{actuator::ActuatorId, model::JointId};
+use crate::contact::ContactId;
 
 /// Why a tick's command is not the optimum of its problem.
 #[derive(Clone, Copy, Debug, PartialEq)]

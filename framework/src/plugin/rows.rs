@@ -8,14 +8,8 @@ use std::borrow::Borrow;
 
 use nalgebra::{DVectorViewMut, Dyn, MatrixViewMut, U1, Vector3};
 
-use crate::{
-    contact::{ContactId, ContactState},
-    dynamics::FrameKinematics,
-    plugin::{
-        Layout, Tick,
-        layout::{Block, VdotBlock},
-    },
-};
+use crate::{contact::{ContactId, ContactState}, plugin::{layout::{Block, VdotBlock}, Layout, Tick}};
+use wbqp_dynamics::FrameKinematics;
 
 /// A mutable row-major matrix view: rows of coefficients.
 pub type RowMajorMut<'a> = MatrixViewMut<'a, f64, Dyn, Dyn, Dyn, U1>;

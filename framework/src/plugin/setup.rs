@@ -2,14 +2,19 @@
 
 use nalgebra::UnitQuaternion;
 
+use wbqp_dynamics::{actuator::{Actuator, ActuatorId}, model::{FrameId, JointId, Model, VelocityId}};
 use crate::{
-    actuator::{Actuator, ActuatorId},
     contact::{ContactId, ContactSpec},
     error::BindError,
-    model::{FrameId, JointId, Model, VelocityId},
     plugin::{
-        AnyReference, FrameHandle, RotationReference, Sample, Space, Tick, VectorReference,
         followed::{Followed, Measured},
+        AnyReference,
+        FrameHandle,
+        RotationReference,
+        Sample,
+        Space,
+        Tick,
+        VectorReference,
     },
     robot::RobotModel,
 };
@@ -84,7 +89,7 @@ impl<'a> Setup<'a> {
     }
 
     /// A joint's motor, whatever commands it: the effort of a servoed joint
-    /// ([`Drive`](crate::actuator::Drive)) is what the model predicts, and its servo decides.
+    /// ([`Drive`](wbqp_dynamics::actuator::Drive)) is what the model predicts, and its servo decides.
     ///
     /// # Errors
     /// [`BindError::Other`] for a passive joint.

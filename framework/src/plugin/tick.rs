@@ -8,14 +8,17 @@ use nalgebra::UnitQuaternion;
 
 use crate::{
     contact::{ContactId, ContactState},
-    dynamics::{Data, FrameKinematics},
-    model::Model,
     plugin::{
-        FrameHandle, RotationReference, RotationSample, Sample, VectorReference, VectorSample,
         followed::Followed,
+        FrameHandle,
+        RotationReference,
+        RotationSample,
+        Sample,
+        VectorReference,
+        VectorSample,
     },
-    state::State,
 };
+use wbqp_dynamics::{model::Model, state::State, Data, FrameKinematics};
 
 static NO_VECTOR: VectorSample = VectorSample {
     value: Vec::new(),

@@ -68,11 +68,11 @@ pub use table::{RowInfo, VarInfo};
 
 use crate::{
     contact::ContactState,
-    dynamics::{Actuation, Data, FrameKinematics},
     fault::Fault,
     plugin::layout::BoundTarget,
     qp::{Capacity, Qp, RowId},
 };
+use wbqp_dynamics::{Actuation, Data, FrameKinematics};
 
 /// What the dynamics contribute this tick.
 #[derive(Clone, Copy)]

@@ -28,13 +28,8 @@
 use std::collections::HashMap;
 
 use super::{ContactElimination, SparsityPattern};
-use crate::{
-    actuator::ActuatorKind,
-    contact::ContactSpec,
-    model::{BodyId, FrameId, Model},
-    robot::RobotModel,
-    settings::Formulation,
-};
+use wbqp_dynamics::{actuator::ActuatorKind, model::{BodyId, FrameId, Model}};
+use crate::{contact::ContactSpec, robot::RobotModel, settings::Formulation};
 
 /// Where an actuator's effort is found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -20,7 +20,7 @@ use super::{
     partition::Place,
     tree_cholesky::TreeCholesky,
 };
-use crate::dynamics::Actuation;
+use wbqp_dynamics::Actuation;
 
 /// Pivots of N below this, in units in which the diagonal of `M_PP` is one, are as good as none.
 const SINGULAR: f64 = 1e-2;

@@ -1,7 +1,7 @@
 //! Why a robot cannot be loaded.
 
 use super::SourceLocation;
-use crate::model::ModelError;
+use wbqp_dynamics::model::ModelError;
 
 /// Why a robot's description was refused. Messages start with the file and name the element.
 #[derive(Debug, thiserror::Error)]

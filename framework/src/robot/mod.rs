@@ -10,7 +10,7 @@ pub use source_location::SourceLocation;
 
 use std::{fmt, sync::Arc};
 
-use crate::{
+use wbqp_dynamics::{
     actuator::{Actuator, ActuatorId, ActuatorKind, Rotor},
     model::{JointId, Model},
     state::State,
@@ -75,12 +75,12 @@ impl RobotModel {
 
     fn find(&self, is_it: impl Fn(&Actuator) -> bool) -> Option<ActuatorId> {
         let position = self.actuators.iter().position(is_it)?;
-        Some(ActuatorId(position as u32))
+        Some(ActuatorId::new(position))
     }
 
     /// All actuators with their index in `u`.
     pub fn numbered_actuators(&self) -> impl Iterator<Item = (ActuatorId, &Actuator)> {
-        (0..).map(ActuatorId).zip(&self.actuators)
+        (0..).map(ActuatorId::new).zip(&self.actuators)
     }
 
     /// All rotors with their index in `u`.

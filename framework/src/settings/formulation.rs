@@ -3,7 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{actuator::ActuatorKind, robot::RobotModel};
+use wbqp_dynamics::actuator::ActuatorKind;
+use crate::robot::RobotModel;
 
 /// Formulations of the same optimum.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]

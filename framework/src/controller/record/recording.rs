@@ -12,7 +12,8 @@ use super::{
     },
     CommandRecord, ContactMemory, EntryRecord, Memory, Outcome, Record, Recorder, StateRecord,
 };
-use crate::{qp::WarmStart, state::State};
+use crate::qp::WarmStart;
+use wbqp_dynamics::state::State;
 
 /// What a controller was made from.
 #[derive(Debug)]

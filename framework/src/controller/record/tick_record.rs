@@ -27,7 +27,7 @@ pub struct Record {
     pub(crate) outcome: Outcome,
 }
 
-/// A [`State`](crate::state::State).
+/// A [`State`](wbqp_dynamics::state::State).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct StateRecord {

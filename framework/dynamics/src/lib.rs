@@ -2,10 +2,11 @@
 //!
 //! ```
 //! use nalgebra::{Isometry3, Matrix3, Vector3};
-//! use wbqp::{
-//!     dynamics::{Data, FrameKinematics},
+//! use wbqp_dynamics::{
 //!     model::{Base, Inertia, ModelBuilder},
 //!     state::State,
+//!     Data,
+//!     FrameKinematics,
 //! };
 //! let ball = Inertia::from_com(2.0, Vector3::zeros(), Matrix3::identity() * 0.01);
 //! let mut builder = ModelBuilder::new("ball", Base::Floating, "ball", ball);
@@ -23,7 +24,7 @@
 //! assert!((data.bias()[2] - 2.0 * 9.81).abs() < 1e-12);
 //! assert!((kinematics.v_WF - Vector3::new(0.0, 0.3, 0.0)).norm() < 1e-12);
 //! assert!((kinematics.Jdot_v[0] + 0.9).abs() < 1e-12); // w² r, towards the axis
-//! # Ok::<(), wbqp::model::ModelError>(())
+//! # Ok::<(), wbqp_dynamics::model::ModelError>(())
 //! ```
 //!
 //! # Notation
@@ -44,6 +45,7 @@
 //! because all vectors are in world axes.
 
 mod actuation;
+pub mod actuator;
 mod coupled;
 mod data;
 mod energy;
@@ -52,8 +54,11 @@ mod frame;
 mod inverse;
 mod kinematics;
 mod mass_matrix;
+pub mod model;
+pub mod spatial;
 mod spatial_inertia;
 mod spatial_vector;
+pub mod state;
 mod wrenches;
 
 pub use actuation::Actuation;

@@ -10,9 +10,14 @@ use crate::model::{FrameId, JointId, Model};
 
 /// Index of an actuator, in the order of the efforts `u`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct ActuatorId(pub(crate) u32);
+pub struct ActuatorId(u32);
 
 impl ActuatorId {
+    /// Of the actuator at a position in the robot's list.
+    pub fn new(index: usize) -> Self {
+        Self(index as u32)
+    }
+
     /// Position in the robot's list.
     pub fn index(self) -> usize {
         self.0 as usize
@@ -44,8 +49,8 @@ pub struct Actuator {
 }
 
 impl Actuator {
-    /// What makes it unusable.
-    pub(crate) fn problem(&self, model: &Model) -> Option<String> {
+    /// What makes it unusable on a robot with this model, in words.
+    pub fn problem(&self, model: &Model) -> Option<String> {
         let Self {
             lower, upper, slew, ..
         } = *self;
@@ -69,7 +74,6 @@ impl Actuator {
 
 /// The kinds of actuator.
 #[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
 pub enum ActuatorKind {
     /// A motor at a joint: a unit column.
     Joint(JointMotor),

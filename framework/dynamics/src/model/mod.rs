@@ -54,6 +54,12 @@ pub struct VelocityId(pub(crate) u32);
 macro_rules! index {
     ($($id:ident),*) => {$(
         impl $id {
+            /// Of what stands at a position in the model's list.
+            #[inline]
+            pub fn new(index: usize) -> Self {
+                Self(index as u32)
+            }
+
             /// Position in the model's list.
             #[inline]
             pub fn index(self) -> usize {
