@@ -204,7 +204,7 @@ mod tests {
         Actuator {
             name: "motor".to_owned(),
             kind: ActuatorKind::Joint(JointMotor {
-                joint: JointId(0),
+                joint: JointId::new(0),
                 drive: Drive::Torque,
             }),
             lower,
