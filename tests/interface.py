@@ -12,15 +12,18 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-DOC = ROOT / "target/doc/wbqp"
+DOC = ROOT / "target/doc"
 KINDS = ["struct", "enum", "trait"]
 HEAD = """# The interface
 
-All public types of the crate `wbqp`, module by module, a sentence each; a type that is in several places stands in the
-first. Written by `python3 tests/interface.py` from the documentation of the code. What a program needs first is in
-[getting started](../README.md), what an author of plug-ins needs in [write your own task](write-your-own-task.md):
+All public types, a sentence each: of the crate `wbqp` module by module, and of the two crates below it, which it has as
+its modules `dynamics` (with `actuator`, `model`, `spatial` and `state`) and `qp`. A type that is in several places
+stands in the first. Left out is what only the code of the attributes and the crate `wbqp-testing` name. Written by
+`python3 tests/interface.py` from the documentation of the code. What a program needs first is in [getting
+started](../README.md), what an author of plug-ins needs in [write your own task](write-your-own-task.md):
 `use wbqp::prelude::*;`.
 """
+CRATES = ["wbqp", "wbqp-dynamics", "wbqp-qp"]
 
 
 def text(markup: str) -> str:
@@ -39,38 +42,45 @@ def items(page: str):
             yield text(name), kind, target, " ".join(text(sentence or "").split())
 
 
-def modules():
-    """The crate's modules in the order of their pages, the crate itself last."""
-    crate = (DOC / "index.html").read_text()
-    names = [name for name, kind, _, _ in items(crate) if kind == "mod"]
-    return [(name, (DOC / name / "index.html").read_text()) for name in names] + [("", crate)]
+def modules(crate: str):
+    """The crate's modules in the order of their pages, the crate itself first."""
+    folder = DOC / crate.replace("-", "_")
+    page = (folder / "index.html").read_text()
+    names = [name for name, kind, _, _ in items(page) if kind == "mod"]
+    return [("", page)] + [(name, (folder / name / "index.html").read_text()) for name in names]
 
 
 def main() -> None:
-    command = ["cargo", "doc", "--no-deps", "-p", "wbqp", "-p", "wbqp-qp", "-p", "wbqp-clarabel", "--quiet"]
+    command = ["cargo", "doc", "--no-deps", "--quiet"]
+    command += [part for crate in [*CRATES, "wbqp-clarabel"] for part in ("-p", crate)]
     subprocess.run(command, cwd=ROOT, check=True)
-    seen = set()
-    count = 0
     page = [HEAD]
-    for module, source in modules():
-        if module == "prelude":
-            continue
-        lines = []
-        for name, kind, target, sentence in items(source):
-            place = f"{module}/{target}"
-            if kind not in KINDS or place in seen or target.startswith("http"):
+    counts = []
+    for crate in CRATES:
+        seen = set()
+        sections = []
+        for module, source in modules(crate):
+            if module == "prelude":
                 continue
-            seen.add(place)
-            count += 1
-            lines.append(f"| `{name}` | {kind} | {sentence} |")
-        if lines:
-            title = f"`wbqp::{module}`" if module else "`wbqp`"
-            page += [f"\n## {title}\n", "| type | | |", "|---|---|---|", *lines]
+            lines = []
+            for name, kind, target, sentence in items(source):
+                # What another of the crates has stands there.
+                place = f"{module}/{target}" if module else target
+                if kind not in KINDS or place in seen or target.startswith(("http", "../")):
+                    continue
+                seen.add(place)
+                lines.append(f"| `{name}` | {kind} | {sentence} |")
+            if lines:
+                root = crate.replace("-", "_")
+                title = f"`{root}::{module}`" if module else f"`{root}`"
+                sections += [f"\n### {title}\n", "| type | | |", "|---|---|---|", *lines]
+        counts.append((crate, len(seen)))
+        page += [f"\n## {crate}: {len(seen)} types", *sections]
     if "--count" in sys.argv:
-        print(count)
+        print(", ".join(f"{crate} {count}" for crate, count in counts))
         return
-    (ROOT / "docs/interface.md").write_text("\n".join(page) + f"\n\n{count} types.\n")
-    print(f"docs/interface.md: {count} types")
+    (ROOT / "docs/interface.md").write_text("\n".join(page) + "\n")
+    print(f"docs/interface.md: {counts}")
 
 
 main()

@@ -156,9 +156,9 @@
 //! | write a law of last resort | [`plugin::FallbackLaw`] |
 //! | describe a robot | [`robot::Robot`], [`robot::RobotModel`], [`model::ModelBuilder`], [`actuator::Actuator`] |
 //! | describe a contact | [`contact::ContactSpec`], [`contact::Detector`] |
-//! | use the dynamics alone | [`dynamics::Data`], [`dynamics::FrameKinematics`] |
+//! | use the dynamics alone | the crate `wbqp-dynamics`: [`dynamics::Data`], [`dynamics::FrameKinematics`] |
 //! | bring a solver | [`qp::QpSolver`], [`qp::Qp`], [`qp::Solution`] |
-//! | test a plug-in | the crate `wbqp-testing`; [`controller::Probe`] |
+//! | test a plug-in | the crate `wbqp-testing` |
 //! | keep a log | the crate `wbqp-log` |
 //! | list what a file can name | [`registry()`], [`mod@registry`] |
 //!
@@ -187,6 +187,7 @@ pub mod controller;
 pub mod damped_hover;
 pub mod error;
 pub mod fault;
+#[doc(hidden)] // the crates of this workspace read their files with it
 pub mod input;
 pub mod plugin;
 pub mod prelude;
@@ -205,6 +206,7 @@ pub use controller::{Command, Controller, Measurement, Report};
 pub use plugin::Layout;
 pub use problem::{RowInfo, VarInfo};
 pub use registry::list as registry;
+#[doc(no_inline)]
 pub use wbqp_dynamics::{self as dynamics, actuator, model, spatial, state};
 pub use wbqp_macros::{constraint, fallback_law, parameters, reference, robot, solver, task};
 pub use {inventory, nalgebra, schemars, serde, serde_json, toml, typetag};

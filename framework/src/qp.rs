@@ -11,7 +11,9 @@
 use std::any::Any;
 
 #[cfg(feature = "clarabel")]
+#[doc(no_inline)]
 pub use wbqp_clarabel::Clarabel;
+#[doc(no_inline)]
 pub use wbqp_qp::{
     ActiveSet, Budget, Capacity, ConstraintId, Defect, Held, Optimality, Qp, QpError, QpSolver,
     RowId, Solution, Status, VarId, WarmStart,

@@ -1,10 +1,11 @@
 //! Time of the stages of a tick, from a clock that the caller owns: the library reads none.
 
+#[doc(no_inline)]
 pub use wbqp_qp::Stopwatch;
 
 /// No clock: all stage times are zero.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct NoStopwatch;
+pub(crate) struct NoStopwatch;
 
 impl Stopwatch for NoStopwatch {
     fn now(&mut self) -> f64 {

@@ -72,7 +72,7 @@ impl Actuator {
     }
 }
 
-/// The kinds of actuator.
+/// The kinds of actuator. Whoever commands or simulates actuators has to know all of them: one more breaks it.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ActuatorKind {
     /// A motor at a joint: a unit column.

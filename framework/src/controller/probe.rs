@@ -27,6 +27,7 @@ const ON: EntryState = EntryState {
 
 /// A task or constraint that is bound to a robot and belongs to no controller. All contacts are on, and so is its
 /// entry.
+#[doc(hidden)] // named by the crate `wbqp-testing` alone
 #[derive(Debug)]
 pub struct Probe {
     running: RunningPlugin,
@@ -36,6 +37,7 @@ pub struct Probe {
 }
 
 /// Everything that can change from tick to tick.
+#[doc(hidden)] // named by the crate `wbqp-testing` alone
 #[derive(Clone, Debug)]
 pub struct ProbeInputs {
     /// Time since the first tick, s.
@@ -53,6 +55,7 @@ pub struct ProbeInputs {
 }
 
 /// What a plug-in wrote, with borrowed and unit blocks written out.
+#[doc(hidden)] // named by the crate `wbqp-testing` alone
 #[derive(Clone, Debug)]
 pub struct WrittenRows {
     /// Coefficients on `v̇`, rows × nv.

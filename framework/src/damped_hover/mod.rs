@@ -128,6 +128,7 @@ enum Column {
 }
 
 /// Buffers of the law.
+#[doc(hidden)] // named by the code of the attributes alone
 #[derive(Debug)]
 pub struct RunningDampedHover {
     model: Arc<Model>,

@@ -15,6 +15,7 @@ use crate::{
 
 /// A task or constraint that was bound: its rows, and what runs. Made by the attributes
 /// [`task`](macro@crate::task) and [`constraint`](macro@crate::constraint).
+#[doc(hidden)] // named by the code of the attributes alone
 #[derive(Debug)]
 pub struct BoundPlugin {
     pub(crate) layout: Layout,
@@ -59,6 +60,7 @@ impl BoundPlugin {
 }
 
 /// What an entry holds: `dyn AnyTask` or `dyn AnyConstraint`.
+#[doc(hidden)] // nobody implements or calls it
 pub trait AnyPlugin: any::AnyPlugin {}
 
 impl<P: any::AnyPlugin + ?Sized> AnyPlugin for P {}

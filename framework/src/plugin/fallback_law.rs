@@ -53,6 +53,7 @@ pub trait AnyFallbackLaw: Any + Send + Debug {
 }
 
 /// A law that was bound. Made by the attribute [`fallback_law`](macro@crate::fallback_law).
+#[doc(hidden)] // named by the code of the attributes alone
 #[derive(Debug)]
 pub struct BoundFallbackLaw {
     law: Box<dyn RunningLaw>,

@@ -19,6 +19,7 @@ pub struct RotationReference(pub(crate) usize);
 
 /// A reference that was bound: its parameters and what it remembers. Made by the attribute
 /// [`reference`](macro@crate::reference).
+#[doc(hidden)] // named by the code of the attributes alone
 #[derive(Debug)]
 pub struct BoundReference(Box<dyn RunningReference>);
 

@@ -129,6 +129,7 @@ pub fn find<P: PluginKind + ?Sized>(tag: &str) -> Option<&'static Plugin<P>> {
 }
 
 /// A tag that more than one linked plug-in of a kind claims: no configuration can name it.
+#[doc(hidden)] // loading a configuration says so
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Duplicate {
