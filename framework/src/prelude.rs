@@ -36,29 +36,16 @@ pub use nalgebra::{self, DVector, Matrix3, Rotation3, UnitQuaternion, Vector3, V
 pub use schemars::{self, JsonSchema};
 pub use serde::{self, Deserialize, Serialize};
 
-pub use wbqp_dynamics::{actuator::ActuatorId, model::{JointId, VelocityId}};
 pub use crate::{
     contact::ContactId,
     error::BindError,
     plugin::{
-        AnyReference,
-        Constraint,
-        ConstraintLayout,
-        ConstraintRows,
-        FallbackLaw,
-        FrameHandle,
-        Layout,
-        MotionRow,
-        PerRow,
-        Reference,
-        RotationReference,
-        Rows,
-        Sample,
-        Setup,
-        Space,
-        Start,
-        Task,
-        Tick,
-        VectorReference,
+        AnyReference, Constraint, ConstraintLayout, ConstraintRows, FallbackLaw, FrameHandle,
+        Layout, MotionRow, PerRow, Reference, RotationReference, Rows, Sample, Setup, Space, Start,
+        Task, Tick, VectorReference,
     },
+};
+pub use wbqp_dynamics::{
+    actuator::ActuatorId,
+    model::{JointId, VelocityId},
 };

@@ -302,7 +302,6 @@ impl ActuatorFacts {
                 Drive::Velocity => "servo",
             },
             ActuatorKind::Rotor(_) => "rotor",
-            _ => "other",
         };
         Self {
             name: actuator.name.clone(),
@@ -321,6 +320,6 @@ pub fn effort_unit(model: &Model, actuator: &Actuator) -> &'static str {
             Some(joint) if joint.kind == JointKind::Prismatic => "N",
             _ => "N·m",
         },
-        _ => "N",
+        ActuatorKind::Rotor(_) => "N",
     }
 }

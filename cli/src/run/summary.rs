@@ -303,7 +303,7 @@ pub(super) fn effort_pointer(controller: &Controller, index: usize) -> Option<St
             let joint = robot.model.joints().get(motor.joint.index())?;
             format!("/joints/{}/effort", escaped(&joint.name))
         }
-        _ => format!("/rotors/{}/thrust", escaped(&actuator.name)),
+        ActuatorKind::Rotor(_) => format!("/rotors/{}/thrust", escaped(&actuator.name)),
     })
 }
 

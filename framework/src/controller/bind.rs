@@ -23,16 +23,8 @@ use crate::{
     contact::ContactSpec,
     error::BindError,
     plugin::{
-        rows::RowStore,
-        AnyConstraint,
-        AnyFallbackLaw,
-        AnyPlugin,
-        AnyTask,
-        BoundFallbackLaw,
-        BoundPlugin,
-        Entry,
-        EntryState,
-        Setup,
+        AnyConstraint, AnyFallbackLaw, AnyPlugin, AnyTask, BoundFallbackLaw, BoundPlugin, Entry,
+        EntryState, Setup, rows::RowStore,
     },
     problem::{BoundEntry, Partition, Problem, ProblemRows, Relaxation, Table, VariableNames},
     qp::{ActiveSet, Capacity, Qp, QpSolver as _, Solution, Solver, WarmStart},
@@ -40,7 +32,7 @@ use crate::{
     settings::{MeasurementLimits, Settings},
     stopwatch::NoStopwatch,
 };
-use wbqp_dynamics::{model::FrameId, Actuation};
+use wbqp_dynamics::{Actuation, model::FrameId};
 
 /// What a controller is made of beside its robot.
 #[derive(Debug)]

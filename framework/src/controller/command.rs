@@ -7,8 +7,8 @@
 //! ([`Tick::elapsed`](crate::plugin::Tick::elapsed)). The leak is the anti-windup; drift of the position is
 //! removed by the posture task.
 
-use wbqp_dynamics::{actuator::ActuatorKind, model::Model, state::State};
 use crate::robot::RobotModel;
+use wbqp_dynamics::{actuator::ActuatorKind, model::Model, state::State};
 
 /// The command of a tick, in storage made once.
 #[derive(Clone, Debug, PartialEq)]

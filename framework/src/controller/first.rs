@@ -7,7 +7,7 @@
 use super::{report::TaskReport, running::RunningPlugin, world::World};
 use crate::{
     fault::Fault,
-    plugin::{layout::VdotBlock, EntryState, Layout},
+    plugin::{EntryState, Layout, layout::VdotBlock},
     problem::BoundEntry,
     settings::{FirstError, StartFrom},
 };

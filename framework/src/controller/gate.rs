@@ -17,8 +17,11 @@
 //! limit) was not rounding: that command is not the optimum, whatever the solver said, and the tick says so.
 
 use super::command::Command;
-use wbqp_dynamics::{actuator::{Actuator, ActuatorId, ActuatorKind}, model::{JointId, Model}};
 use crate::{fault::Fault, robot::RobotModel};
+use wbqp_dynamics::{
+    actuator::{Actuator, ActuatorId, ActuatorKind},
+    model::{JointId, Model},
+};
 
 /// Share of an actuator's range that counts as rounding.
 pub(super) const NEGLIGIBLE: f64 = 1e-9;

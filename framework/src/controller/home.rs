@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use crate::{contact::ContactSpec, robot::RobotModel};
-use wbqp_dynamics::{frame_motion, model::Base, Data};
+use wbqp_dynamics::{Data, frame_motion, model::Base};
 
 /// Cosine of the angle to the vertical up to which a surface counts as ground: 5°.
 const UPWARD: f64 = 0.996;

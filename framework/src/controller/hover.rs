@@ -5,8 +5,12 @@
 //! that is missing; its first six components are the force and the moment on the base, in world axes.
 
 use super::Controller;
+use crate::{
+    qp::{Budget, Status, VarId},
+    robot::RobotModel,
+    settings::Hover,
+};
 use wbqp_dynamics::model::Base;
-use crate::{qp::{Budget, Status, VarId}, robot::RobotModel, settings::Hover};
 
 /// Forces below this share of the weight, and moments below this share of the weight at 1 m, count as none.
 const NEGLIGIBLE: f64 = 1e-4;

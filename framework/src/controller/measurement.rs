@@ -2,7 +2,11 @@
 
 use nalgebra::Vector6;
 
-use crate::{contact::ContactId, fault::{Fault, Quantity}, robot::RobotModel};
+use crate::{
+    contact::ContactId,
+    fault::{Fault, Quantity},
+    robot::RobotModel,
+};
 use wbqp_dynamics::state::State;
 
 /// The inputs of a tick.

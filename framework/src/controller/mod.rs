@@ -50,7 +50,6 @@ pub(crate) use record::{CommandRecord, FORMAT, MadeFrom, misfit, rerun};
 
 use nalgebra::DVector;
 
-use wbqp_dynamics::Actuation;
 use crate::{
     fault::Fault,
     plugin::EntryState,
@@ -68,6 +67,7 @@ use gate::Gate;
 use plausible::Plausible;
 use record::{Recorder, recall_rows, record_inputs, record_outcome, record_rows};
 use running::RunningPlugin;
+use wbqp_dynamics::Actuation;
 use world::World;
 
 /// A whole-body controller bound to a robot.

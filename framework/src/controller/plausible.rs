@@ -22,16 +22,16 @@
 use nalgebra::UnitQuaternion;
 
 use super::Measurement;
-use wbqp_dynamics::{
-    actuator::ActuatorKind,
-    model::{Joint, JointId, JointKind, Model},
-    state::State,
-};
 use crate::{
     contact::{ContactId, ContactSpec},
     fault::{Fault, Implausible, Measured},
     robot::RobotModel,
     settings::MeasurementLimits,
+};
+use wbqp_dynamics::{
+    actuator::ActuatorKind,
+    model::{Joint, JointId, JointKind, Model},
+    state::State,
 };
 
 /// How many times what is possible.

@@ -11,7 +11,10 @@ use super::{
 use crate::{
     contact::{ContactId, ContactSpec},
     error::BindError,
-    plugin::{rows::{RowStore, Variable}, AnyPlugin, BoundPlugin, EntryState, Layout, Setup},
+    plugin::{
+        AnyPlugin, BoundPlugin, EntryState, Layout, Setup,
+        rows::{RowStore, Variable},
+    },
     robot::RobotModel,
 };
 use wbqp_dynamics::state::State;

@@ -20,7 +20,11 @@ use crate::{
     robot::RobotModel,
     switch::Switch,
 };
-use wbqp_dynamics::{model::{BodyId, FrameId, Model}, state::State, Data, FrameKinematics};
+use wbqp_dynamics::{
+    Data, FrameKinematics,
+    model::{BodyId, FrameId, Model},
+    state::State,
+};
 
 /// State, dynamics, requested frames and contacts.
 #[derive(Debug)]

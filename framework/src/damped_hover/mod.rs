@@ -34,15 +34,18 @@ use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
+use crate::{
+    contact::ContactState,
+    error::BindError,
+    plugin::{FallbackLaw, Setup, Tick},
+};
+use allocation::{Allocation, Priorities};
 use wbqp_dynamics::{
+    Actuation, Data,
     actuator::{Actuator, ActuatorKind, Drive},
     model::{Base, Model},
     state::State,
-    Actuation,
-    Data,
 };
-use crate::{contact::ContactState, error::BindError, plugin::{FallbackLaw, Setup, Tick}};
-use allocation::{Allocation, Priorities};
 
 /// Damped hover with the joints held: without an optimisation that can fail, in a fixed amount of arithmetic.
 ///

@@ -4,8 +4,8 @@ mod implausible;
 
 pub use implausible::{Implausible, Measured};
 
-use wbqp_dynamics::{actuator::ActuatorId, model::JointId};
 use crate::contact::ContactId;
+use wbqp_dynamics::{actuator::ActuatorId, model::JointId};
 
 /// Why a tick's command is not the optimum of its problem.
 #[derive(Clone, Copy, Debug, PartialEq)]

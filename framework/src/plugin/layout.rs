@@ -4,8 +4,8 @@
 //! blocks whether it is absent, dense, made of unit rows, or borrowed from a Jacobian that the framework
 //! computes anyway. Absent and borrowed blocks cost nothing to write.
 
-use wbqp_dynamics::{actuator::ActuatorId, model::VelocityId};
 use crate::{contact::ContactId, plugin::FrameHandle};
+use wbqp_dynamics::{actuator::ActuatorId, model::VelocityId};
 
 /// One scalar row: its label among its owner's rows and the unit of its value.
 #[derive(Clone, Debug, PartialEq, Eq)]

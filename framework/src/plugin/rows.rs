@@ -8,7 +8,13 @@ use std::borrow::Borrow;
 
 use nalgebra::{DVectorViewMut, Dyn, MatrixViewMut, U1, Vector3};
 
-use crate::{contact::{ContactId, ContactState}, plugin::{layout::{Block, VdotBlock}, Layout, Tick}};
+use crate::{
+    contact::{ContactId, ContactState},
+    plugin::{
+        Layout, Tick,
+        layout::{Block, VdotBlock},
+    },
+};
 use wbqp_dynamics::FrameKinematics;
 
 /// A mutable row-major matrix view: rows of coefficients.

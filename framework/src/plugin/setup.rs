@@ -2,21 +2,18 @@
 
 use nalgebra::UnitQuaternion;
 
-use wbqp_dynamics::{actuator::{Actuator, ActuatorId}, model::{FrameId, JointId, Model, VelocityId}};
 use crate::{
     contact::{ContactId, ContactSpec},
     error::BindError,
     plugin::{
+        AnyReference, FrameHandle, RotationReference, Sample, Space, Tick, VectorReference,
         followed::{Followed, Measured},
-        AnyReference,
-        FrameHandle,
-        RotationReference,
-        Sample,
-        Space,
-        Tick,
-        VectorReference,
     },
     robot::RobotModel,
+};
+use wbqp_dynamics::{
+    actuator::{Actuator, ActuatorId},
+    model::{FrameId, JointId, Model, VelocityId},
 };
 
 /// The robot and the configuration around a plug-in, given to `bind`.

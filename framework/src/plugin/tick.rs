@@ -9,16 +9,11 @@ use nalgebra::UnitQuaternion;
 use crate::{
     contact::{ContactId, ContactState},
     plugin::{
+        FrameHandle, RotationReference, RotationSample, Sample, VectorReference, VectorSample,
         followed::Followed,
-        FrameHandle,
-        RotationReference,
-        RotationSample,
-        Sample,
-        VectorReference,
-        VectorSample,
     },
 };
-use wbqp_dynamics::{model::Model, state::State, Data, FrameKinematics};
+use wbqp_dynamics::{Data, FrameKinematics, model::Model, state::State};
 
 static NO_VECTOR: VectorSample = VectorSample {
     value: Vec::new(),

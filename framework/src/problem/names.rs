@@ -1,8 +1,11 @@
 //! Permanent names for the physical variables and for the framework's own rows.
 
 use super::{BoundEntry, Table, active_variables::FirstIds};
-use wbqp_dynamics::{actuator::ActuatorKind, model::{Base, JointKind, Model}};
 use crate::{contact::ContactSpec, qp::RowId, robot::RobotModel, settings::Formulation};
+use wbqp_dynamics::{
+    actuator::ActuatorKind,
+    model::{Base, JointKind, Model},
+};
 
 /// Names of the efforts and of the contacts' force components.
 pub(crate) struct VariableNames<'a> {

@@ -28,8 +28,11 @@
 use std::collections::HashMap;
 
 use super::{ContactElimination, SparsityPattern};
-use wbqp_dynamics::{actuator::ActuatorKind, model::{BodyId, FrameId, Model}};
 use crate::{contact::ContactSpec, robot::RobotModel, settings::Formulation};
+use wbqp_dynamics::{
+    actuator::ActuatorKind,
+    model::{BodyId, FrameId, Model},
+};
 
 /// Where an actuator's effort is found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,8 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use wbqp_dynamics::actuator::ActuatorKind;
 use crate::robot::RobotModel;
+use wbqp_dynamics::actuator::ActuatorKind;
 
 /// Formulations of the same optimum.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]

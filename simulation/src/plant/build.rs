@@ -278,7 +278,6 @@ fn joints(
                 Some(Some(_)) => return refuse("its joint has a motor already"),
                 Some(free) => *free = Some((index, actuator, motor.drive)),
             },
-            _ => return refuse("this kind of actuator cannot be simulated"),
         }
     }
     let offset = robot.model.joint_offset();

@@ -41,7 +41,7 @@ impl Constraint for ActuatorLimits {
                 ActuatorKind::Joint(motor) => {
                     model.joints()[motor.joint.index()].kind == JointKind::Revolute
                 }
-                _ => false,
+                ActuatorKind::Rotor(_) => false,
             };
             let unit = if turns { "N·m" } else { "N" };
             layout = layout.bound_effort(id, &actuator.name, unit);

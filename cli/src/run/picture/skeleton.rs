@@ -83,7 +83,7 @@ impl<'a> Posture<'a> {
     pub(super) fn rotors(&self) -> Vec<(Vector3<f64>, Vector3<f64>)> {
         let rotors = self.robot.actuators.iter().filter_map(|a| match &a.kind {
             ActuatorKind::Rotor(rotor) => Some(self.axis(rotor.frame)),
-            _ => None,
+            ActuatorKind::Joint(_) => None,
         });
         rotors.collect()
     }
@@ -144,7 +144,7 @@ impl<'a> Posture<'a> {
         };
         let rotors = self.robot.actuators.iter().filter_map(|a| match &a.kind {
             ActuatorKind::Rotor(rotor) => Some(rotor.frame),
-            _ => None,
+            ActuatorKind::Joint(_) => None,
         });
         let ends: Vec<FrameId> = self
             .ends

@@ -22,8 +22,11 @@ mod certificate;
 mod problem;
 
 use super::{BoundEntry, Problem, Table, Treatment};
+use crate::{
+    contact::ContactState,
+    qp::{Capacity, Qp, RowId, Solution},
+};
 use wbqp_dynamics::actuator::Actuator;
-use crate::{contact::ContactState, qp::{Capacity, Qp, RowId, Solution}};
 
 /// How far beyond a limit a solution is that needs to be, in the limit's unit or as a share of it.
 const NEEDED: f64 = 1e-2;
