@@ -275,7 +275,6 @@ pub fn hover(robot: &RobotModel, state: &State) -> Vec<f64> {
             ActuatorKind::Joint(motor) => {
                 S[(robot.model.velocity_index(motor.joint).index(), i)] = 1.0;
             }
-            _ => {}
         }
     }
     let u = S.lu().solve(data.gravity()).unwrap();
