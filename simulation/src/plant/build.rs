@@ -237,9 +237,18 @@ fn disturbances(model: &Model, list: &[Disturbance]) -> Result<Vec<ActiveDisturb
 }
 
 fn rotors(robot: &RobotModel, config: &PlantConfig) -> Result<Vec<RotorPlant>, PlantError> {
+    let (mismatch, count) = (&config.mismatch, robot.rotors().count());
+    let mut problems = Problems::default();
+    if !mismatch.rotor_scales.is_empty() && mismatch.rotor_scales.len() != count {
+        let given = mismatch.rotor_scales.len();
+        let what = format!("has {given} entries, the robot has {count} rotors");
+        problems.add("mismatch.rotor_scales", &what);
+    }
+    problems.into_result(|problems| PlantError::Config { problems })?;
     robot
         .rotors()
-        .map(|(index, actuator, rotor)| {
+        .enumerate()
+        .map(|(i, (index, actuator, rotor))| {
             if !actuator.lower.is_finite() || !actuator.upper.is_finite() {
                 return Err(PlantError::Actuator {
                     name: actuator.name.clone(),
@@ -250,7 +259,7 @@ fn rotors(robot: &RobotModel, config: &PlantConfig) -> Result<Vec<RotorPlant>, P
                 index.index(),
                 actuator,
                 rotor,
-                &config.mismatch,
+                (mismatch.rotor_scale(i), mismatch.thrust_max),
                 config.step,
                 &robot.model,
             )

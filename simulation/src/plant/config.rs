@@ -41,7 +41,7 @@ pub struct PlantConfig {
 }
 
 /// How the plant's parameters differ from the controller's. The default is not at all.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Mismatch {
     /// Factor on the mass of every body and, as it would be with a denser material, on its inertia.
@@ -52,6 +52,9 @@ pub struct Mismatch {
     pub inertia_scale: f64,
     /// Thrust that rotors produce relative to the thrust that was commanded.
     pub thrust_scale: f64,
+    /// Further factors on it, one per rotor in the robot's order; none: all 1.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub rotor_scales: Vec<f64>,
     /// Largest thrust that a rotor produces, N, whatever the controller's limit; `inf` for no other limit.
     pub thrust_max: f64,
 }
@@ -169,6 +172,7 @@ impl Default for Mismatch {
             com_shift: [0.0; 3],
             inertia_scale: 1.0,
             thrust_scale: 1.0,
+            rotor_scales: Vec::new(),
             thrust_max: f64::INFINITY,
         }
     }
@@ -269,12 +273,16 @@ impl PlantConfig {
             com_shift,
             inertia_scale,
             thrust_scale,
+            ref rotor_scales,
             thrust_max,
         } = self.mismatch;
         problems.positive("mismatch.mass_scale", mass_scale, false);
         problems.finite("mismatch.com_shift", &com_shift);
         problems.positive("mismatch.inertia_scale", inertia_scale, false);
         problems.positive("mismatch.thrust_scale", thrust_scale, false);
+        for (i, &scale) in rotor_scales.iter().enumerate() {
+            problems.positive(&format!("mismatch.rotor_scales[{i}]"), scale, false);
+        }
         problems.positive("mismatch.thrust_max", thrust_max, true);
         let ServoConfig {
             time_constant,

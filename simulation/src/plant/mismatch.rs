@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 use wbqp::{
-    actuator::ActuatorKind,
+    actuator::{Actuator, ActuatorKind},
     model::{Body, Inertia, Model, ModelError},
     robot::RobotModel,
 };
@@ -19,13 +19,18 @@ impl Mismatch {
             model: Arc::new(self.apply(&robot.model)?),
             ..robot.clone()
         };
-        for actuator in &mut own.actuators {
-            if let ActuatorKind::Rotor(_) = actuator.kind {
-                actuator.lower = (self.thrust_scale * actuator.lower).min(self.thrust_max);
-                actuator.upper = (self.thrust_scale * actuator.upper).min(self.thrust_max);
-            }
+        let is_rotor = |actuator: &&mut Actuator| matches!(actuator.kind, ActuatorKind::Rotor(_));
+        for (i, actuator) in own.actuators.iter_mut().filter(is_rotor).enumerate() {
+            let scale = self.rotor_scale(i);
+            actuator.lower = (scale * actuator.lower).min(self.thrust_max);
+            actuator.upper = (scale * actuator.upper).min(self.thrust_max);
         }
         Ok(own)
+    }
+
+    /// Thrust that rotor `i` produces relative to the thrust that was commanded.
+    pub(super) fn rotor_scale(&self, i: usize) -> f64 {
+        self.thrust_scale * self.rotor_scales.get(i).copied().unwrap_or(1.0)
     }
 
     /// A model of the same tree with this mismatch's inertias.

@@ -17,7 +17,7 @@ use wbqp::{
     model::{BodyId, FrameId, Model},
 };
 
-use super::{Mismatch, PlantError};
+use super::PlantError;
 
 /// A rotor of the plant.
 #[derive(Clone, Copy, Debug)]
@@ -41,7 +41,7 @@ impl RotorPlant {
         index: usize,
         actuator: &Actuator,
         rotor: &Rotor,
-        mismatch: &Mismatch,
+        (scale, max): (f64, f64),
         step: f64,
         model: &Model,
     ) -> Result<Self, PlantError> {
@@ -70,8 +70,8 @@ impl RotorPlant {
             body: frame.body,
             lower: actuator.lower,
             upper: actuator.upper,
-            scale: mismatch.thrust_scale,
-            max: mismatch.thrust_max,
+            scale,
+            max,
             rise: rotor.rise,
             fall: rotor.fall,
             moment: rotor.reaction.sign() * rotor.moment_coefficient,

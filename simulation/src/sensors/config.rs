@@ -20,7 +20,7 @@ pub struct SensorsConfig {
     pub force_torque: Vec<ForceTorqueConfig>,
 }
 
-/// Noise on pose and twist of the base. The twist is truth plus noise, not a difference of poses.
+/// Noise on pose and twist of the base. The twist is truth plus noise, or estimated from the poses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct BaseSensorConfig {
@@ -32,9 +32,13 @@ pub struct BaseSensorConfig {
     pub linear_sd: f64,
     /// Angular velocity, rad/s.
     pub angular_sd: f64,
+    /// Cut-off, Hz, of a first-order low-pass on differences of the measured poses, which are the twist then; without
+    /// it the twist is truth plus noise.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub velocity_cutoff: Option<f64>,
 }
 
-/// Noise on joint positions and velocities. The velocity is truth plus noise, not a difference of positions.
+/// Noise on joint positions and velocities. The velocity is truth plus noise, or estimated from the positions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct JointSensorConfig {
@@ -42,6 +46,10 @@ pub struct JointSensorConfig {
     pub position_sd: f64,
     /// Velocity, rad/s or m/s.
     pub velocity_sd: f64,
+    /// Cut-off, Hz, of a first-order low-pass on differences of the measured positions, which are the velocities then;
+    /// without it they are truth plus noise.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub velocity_cutoff: Option<f64>,
 }
 
 /// A force-torque sensor: `low-pass(truth + bias + noise)`.
@@ -98,6 +106,15 @@ impl SensorsConfig {
         problems.not_negative("base.angular_sd", self.base.angular_sd);
         problems.not_negative("joints.position_sd", self.joints.position_sd);
         problems.not_negative("joints.velocity_sd", self.joints.velocity_sd);
+        let cutoffs = [
+            ("base.velocity_cutoff", self.base.velocity_cutoff),
+            ("joints.velocity_cutoff", self.joints.velocity_cutoff),
+        ];
+        for (key, cutoff) in cutoffs {
+            if let Some(cutoff) = cutoff {
+                problems.positive(key, cutoff, true);
+            }
+        }
         for (i, sensor) in self.force_torque.iter().enumerate() {
             let key = |name| format!("force_torque[{i}].{name}");
             problems.finite(&key("force_bias"), &sensor.force_bias);

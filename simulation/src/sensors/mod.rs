@@ -11,6 +11,7 @@
 
 mod config;
 mod force_torque;
+mod velocity;
 
 use nalgebra::{Vector3, Vector6};
 use rand::{Rng, SeedableRng};
@@ -25,6 +26,7 @@ use crate::{
     plant::{Plant, PlantError},
 };
 use force_torque::ForceTorque;
+use velocity::VelocityEstimate;
 
 /// Streams of the generator. Force-torque sensor i has `FORCE_TORQUE + i`.
 const BASE: u64 = 0;
@@ -49,6 +51,7 @@ pub struct Sensors {
     config: SensorsConfig,
     base: ChaCha8Rng,
     joints: ChaCha8Rng,
+    velocity: VelocityEstimate,
     force_torque: Vec<ForceTorque>,
     reading: SensorReading,
 }
@@ -79,6 +82,11 @@ impl Sensors {
             config: config.clone(),
             base: stream(seed, BASE),
             joints: stream(seed, JOINTS),
+            velocity: VelocityEstimate::new(
+                config.base.velocity_cutoff,
+                config.joints.velocity_cutoff,
+                plant.state(),
+            ),
             reading: SensorReading {
                 time: plant.time(),
                 state: plant.state().clone(),
@@ -118,6 +126,7 @@ impl Sensors {
             state.q[i] += self.config.joints.position_sd * noise(&mut self.joints);
             state.v[offset + i] += self.config.joints.velocity_sd * noise(&mut self.joints);
         }
+        self.velocity.replace(reading.time, state);
         for (wrench, sensor) in reading.wrenches.iter_mut().zip(&mut self.force_torque) {
             *wrench = sensor.sample(plant);
         }

@@ -107,10 +107,12 @@ fn noise_has_its_standard_deviation_filtered_at_the_sample_rate() {
             rotation_sd: 0.002,
             linear_sd: 0.003,
             angular_sd: 0.004,
+            velocity_cutoff: None,
         },
         joints: JointSensorConfig {
             position_sd: 0.005,
             velocity_sd: 0.006,
+            velocity_cutoff: None,
         },
         force_torque: vec![ForceTorqueConfig {
             force_sd: 0.05,
@@ -165,10 +167,12 @@ fn noisy() -> SensorsConfig {
             rotation_sd: 0.002,
             linear_sd: 0.01,
             angular_sd: 0.02,
+            velocity_cutoff: None,
         },
         joints: JointSensorConfig {
             position_sd: 0.001,
             velocity_sd: 0.01,
+            velocity_cutoff: None,
         },
         force_torque: vec![ForceTorqueConfig {
             force_sd: 0.05,
