@@ -6,7 +6,7 @@ use anyhow::Result;
 use clap::Args;
 use wbqp_terminal::{Common, say};
 
-use crate::{experiments, markdown, replication, report, sweep};
+use crate::{experiments, markdown, replication, report, robustness, sweep};
 
 /// Replicates the paper's experiments: logs, figures, tables of results and a report
 ///
@@ -21,6 +21,10 @@ pub struct Arguments {
     /// Random combinations in the sweep, beside one variation at a time
     #[arg(long, value_name = "N", default_value_t = 12, requires = "sweep")]
     combinations: usize,
+    /// Then run every experiment with one thing at a time that the controller does not know: masses, thrusts, the
+    /// force sensor's bias, rotors that differ, estimated velocities, walls, servos
+    #[arg(long)]
+    robustness: bool,
     /// Also write the tables as a page of the documentation
     #[arg(
         long,
@@ -41,6 +45,7 @@ impl Arguments {
             common,
             sweep,
             combinations,
+            robustness,
             docs,
         } = self;
         let outcomes = replication::run(experiments::ALL, common)?;
@@ -59,6 +64,16 @@ impl Arguments {
             )?;
             say!("{}", sweep::text(&found));
             say!("sweep: {}", found.write(&common.out)?.display());
+        }
+        if *robustness {
+            let found = robustness::run(experiments::ALL, common.seed)?;
+            say!("{}", robustness::text(&found));
+            let held = found.iter().filter(|perturbed| perturbed.holds()).count();
+            say!(
+                "All of {} hold in {held} of {}.",
+                robustness::ROWS.join(", "),
+                found.len()
+            );
         }
         let report = report::write(&outcomes, &common.out)?;
         say!("report: {}", report.display());

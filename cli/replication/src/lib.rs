@@ -3,6 +3,7 @@
 //! A program runs the cases of a scenario into logs; every figure and every row (measured by `wbqp_measures`) is then
 //! made from the logs alone.
 
+pub mod attempt;
 pub mod command;
 pub mod experiment;
 pub mod experiments;
@@ -14,6 +15,7 @@ pub mod push_with_disturbance;
 pub mod replication;
 pub mod report;
 pub mod results;
+pub mod robustness;
 pub mod sweep;
 pub mod switching;
 pub mod under_actuated;

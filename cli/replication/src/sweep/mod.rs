@@ -17,11 +17,14 @@ use anyhow::{Context, Result};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use wbqp::{input, serde_json};
-use wbqp_measures::{Row, log::Recorder};
+use wbqp_measures::Row;
 use wbqp_sim::{Scenario, Variation};
 use wbqp_terminal::{Progress, ProgressBars, say, scenario_file};
 
-use crate::experiment::{Case, Experiment, Outcome, Recorded, Runs};
+use crate::{
+    attempt::{Attempt, attempt},
+    experiment::{Experiment, Outcome},
+};
 
 pub use factor::Factor;
 use factor::Nominal;
@@ -127,12 +130,6 @@ impl Done {
     }
 }
 
-/// What became of one point of one experiment.
-enum Attempt {
-    Measured(Vec<Row>),
-    Stopped(String),
-}
-
 /// An experiment with what its variations start from.
 struct Prepared<'a> {
     experiment: &'a Experiment,
@@ -155,55 +152,23 @@ impl<'a> Prepared<'a> {
     }
 
     fn attempt(&self, point: &Point, seed: u64, done: &Done) -> Result<Attempt> {
-        let mut stopped = None;
-        let mut run = 0;
-        let mut cases = Vec::new();
-        // Cases often start from the same values: the scenario is made and checked once for these.
-        let mut last: Option<(Variation, Scenario)> = None;
-        for (case, nominal) in &self.cases {
+        let variation = |nominal: &Nominal| {
             let scales = point.scales.iter();
-            let variation = scales.fold(Variation::new(), |variation, (factor, scale)| {
+            scales.fold(Variation::new(), |variation, (factor, scale)| {
                 nominal.scaled(variation, *factor, *scale)
-            });
-            let scenario = match last {
-                Some((same, scenario)) if same == variation => scenario,
-                _ => match self.scenario.varied(&variation) {
-                    Ok(scenario) => scenario,
-                    Err(error) => {
-                        stopped = Some(format!("{case} is refused: {error}"));
-                        break;
-                    }
-                },
-            };
-            let mut log = Recorder::default();
-            let summary = wbqp_sim::run(&scenario, case, seed, &mut log, &mut |_| ())?;
-            done.one_more();
-            run += 1;
-            if let Some(time) = summary.diverged {
-                stopped = Some(format!("{case} diverged at {time:.1} s"));
-                break;
-            }
-            cases.push(Case {
-                name: case.clone(),
-                log: Recorded::Memory(log.into_log()),
-                diverged: None,
-                ticks: (summary.ticks, summary.held),
-            });
-            last = Some((variation, scenario));
-        }
-        if let Some(why) = stopped {
-            (run..self.cases.len()).for_each(|_| done.one_more());
-            return Ok(Attempt::Stopped(why));
-        }
-        let rows = self.experiment.measure(&Runs::new(Path::new(""), cases));
-        let what = || {
-            format!(
-                "measuring {}, {}",
-                self.experiment.measures.name,
-                point.words()
-            )
+            })
         };
-        Ok(Attempt::Measured(rows.with_context(what)?))
+        let cases = self.cases.iter();
+        let variations: Vec<_> = cases
+            .map(|(case, nominal)| (case.clone(), variation(nominal)))
+            .collect();
+        let ran = AtomicUsize::new(0);
+        let attempt = attempt(self.experiment, &self.scenario, &variations, seed, &|| {
+            ran.fetch_add(1, Ordering::Relaxed);
+            done.one_more();
+        });
+        (ran.into_inner()..self.cases.len()).for_each(|_| done.one_more());
+        attempt.with_context(|| point.words())
     }
 }
 
