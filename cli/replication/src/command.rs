@@ -66,14 +66,7 @@ impl Arguments {
             say!("sweep: {}", found.write(&common.out)?.display());
         }
         if *robustness {
-            let found = robustness::run(experiments::ALL, common.seed)?;
-            say!("{}", robustness::text(&found));
-            let held = found.iter().filter(|perturbed| perturbed.holds()).count();
-            say!(
-                "All of {} hold in {held} of {}.",
-                robustness::ROWS.join(", "),
-                found.len()
-            );
+            robustness::print(experiments::ALL, None, common.seed)?;
         }
         let report = report::write(&outcomes, &common.out)?;
         say!("report: {}", report.display());

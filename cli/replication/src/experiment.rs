@@ -10,7 +10,7 @@ use clap::Parser;
 use wbqp_measures::{Cases, Recording, Row, log::Log, promises::Breach};
 use wbqp_terminal::{Common, complain, say};
 
-use crate::{replication, results};
+use crate::{replication, results, robustness};
 
 /// One experiment of the paper, with its figures.
 #[derive(Clone, Copy, Debug)]
@@ -67,6 +67,10 @@ impl Experiment {
         let arguments = Arguments::parse();
         let outcome = replication::run_one(self, &arguments.common, arguments.scenario.as_deref())?;
         outcome.print();
+        if arguments.robustness {
+            let scenario = arguments.scenario.as_deref();
+            robustness::print(&[*self], scenario, arguments.common.seed)?;
+        }
         Ok(replication::conclude(&[outcome]))
     }
 }
@@ -77,6 +81,9 @@ impl Experiment {
 struct Arguments {
     #[command(flatten)]
     common: Common,
+    /// Then with one thing at a time that the controller does not know
+    #[arg(long)]
+    robustness: bool,
     /// Scenario file instead of the one that ships
     #[arg(long, value_name = "FILE")]
     scenario: Option<PathBuf>,

@@ -4,13 +4,15 @@
 //! differences between rotors, velocities that are estimated from positions, stiffer and softer walls, faster and
 //! slower servos.
 
+use std::path::Path;
+
 use anyhow::Result;
 use comfy_table::{Cell, CellAlignment, Table, presets};
 use rayon::prelude::*;
 use toml::Value;
 use wbqp_measures::number;
 use wbqp_sim::{Scenario, Variation};
-use wbqp_terminal::{ProgressBars, scenario_file};
+use wbqp_terminal::{ProgressBars, say, scenario_file};
 
 use crate::{
     attempt::{Attempt, attempt},
@@ -155,17 +157,21 @@ impl Perturbed {
     }
 }
 
-/// Runs every perturbation of every experiment that has such rows.
+/// Runs every perturbation of every experiment that has such rows, of another scenario than their own if one is given.
 ///
 /// # Errors
 /// If a scenario as it ships is refused, or a recording lacks what its rows need.
-pub fn run(experiments: &[Experiment], seed: u64) -> Result<Vec<Perturbed>> {
+pub fn run(
+    experiments: &[Experiment],
+    scenario: Option<&Path>,
+    seed: u64,
+) -> Result<Vec<Perturbed>> {
     let bars = ProgressBars::new(2);
     let progress = bars.start("robustness");
-    let scenario = |experiment: &Experiment| {
-        Scenario::from_file(&scenario_file(experiment.measures.name, None))
+    let read = |experiment: &Experiment| {
+        Scenario::from_file(&scenario_file(experiment.measures.name, scenario))
     };
-    let scenarios: Vec<Scenario> = experiments.iter().map(scenario).collect::<Result<_, _>>()?;
+    let scenarios: Vec<Scenario> = experiments.iter().map(read).collect::<Result<_, _>>()?;
     let jobs: Vec<_> = experiments
         .iter()
         .zip(&scenarios)
@@ -201,6 +207,22 @@ fn is_judged(perturbed: &Perturbed) -> bool {
             .any(|row| row.pass.is_some() && ROWS.contains(&row.id.as_str())),
         Attempt::Stopped(_) => true,
     }
+}
+
+/// Runs, and prints the tables and how many hold.
+///
+/// # Errors
+/// See [`run`].
+pub fn print(experiments: &[Experiment], scenario: Option<&Path>, seed: u64) -> Result<()> {
+    let found = run(experiments, scenario, seed)?;
+    let held = found.iter().filter(|perturbed| perturbed.holds()).count();
+    say!("{}", text(&found));
+    say!(
+        "All of {} hold in {held} of {}.",
+        ROWS.join(", "),
+        found.len()
+    );
+    Ok(())
 }
 
 /// A table per experiment for a terminal: a line per row, a column per perturbation.
