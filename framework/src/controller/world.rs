@@ -233,7 +233,10 @@ impl ContactBinding {
             }
         }
         c.force_limits = if self.switch.is_on() {
-            [c.alpha * self.spec.force_min, c.alpha * self.spec.force_max]
+            // From the force that is there already: with less, what the robot pushes with would go away.
+            let there = c.measured_at_switch[2].clamp(0.0, self.spec.force_max);
+            let upper = there + c.alpha * (self.spec.force_max - there);
+            [c.alpha * self.spec.force_min, upper]
         } else {
             // From the force at the switch to zero, whichever ramp was under way.
             let ramp = c.alpha / self.exit_alpha;
