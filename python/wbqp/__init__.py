@@ -6,15 +6,21 @@ the environment does to the robot. Weights are linear: a row costs ``w r²``.
 
 from ._arrays import NamedArray
 from ._errors import ConfigError, Mistake
+from ._recording import Recording, Topic, experiments, read_log, rows
+from ._simulation import cases, scenarios, simulate
 from ._wbqp import (
     Command,
     ContactReport,
     Controller,
+    Dynamics,
+    FrameState,
     Measurement,
+    QpSolution,
     Report,
     Robot,
     TaskReport,
     __version__,
+    solve_qp,
 )
 
 __all__ = [
@@ -22,11 +28,23 @@ __all__ = [
     "ConfigError",
     "ContactReport",
     "Controller",
+    "Dynamics",
+    "FrameState",
     "Measurement",
     "Mistake",
     "NamedArray",
+    "QpSolution",
+    "Recording",
     "Report",
     "Robot",
     "TaskReport",
+    "Topic",
     "__version__",
+    "cases",
+    "experiments",
+    "read_log",
+    "rows",
+    "scenarios",
+    "simulate",
+    "solve_qp",
 ]
