@@ -233,7 +233,9 @@ impl Visuals {
             let attributes = Attributes::new()
                 .with("name", name)
                 .with("file", file.display())
-                .numbers("scale", scale);
+                .numbers("scale", scale)
+                // Has no mass: the volume does not matter, and that of a thin part may be zero.
+                .with("inertia", "shell");
             writer.element("mesh", &attributes);
         }
         writer.close();
