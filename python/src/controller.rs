@@ -257,6 +257,18 @@ impl Controller {
         self.names.contact_list.clone()
     }
 
+    /// The frame of every contact, by the contact's name.
+    #[getter]
+    fn contact_frames(&self) -> PyResult<std::collections::BTreeMap<String, String>> {
+        let inner = self.lock()?;
+        let frames = self.names.contact_list.iter().filter_map(|name| {
+            let contact = inner.controller.contact(name).ok()?;
+            let frame = inner.controller.contact_spec(contact).frame.clone();
+            Some((name.clone(), frame))
+        });
+        Ok(frames.collect())
+    }
+
     /// Why the last tick did not end with the optimum of its problem, in words; `None` if it did.
     fn explain(&self) -> PyResult<Option<String>> {
         Ok(self.lock()?.controller.explain().map(|why| why.to_string()))

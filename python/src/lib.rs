@@ -7,6 +7,7 @@ mod controller;
 mod dynamics;
 mod log;
 mod measurement;
+mod mujoco;
 mod names;
 mod qp;
 mod report;
@@ -39,5 +40,9 @@ fn _wbqp(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(log::_to_toml, module)?)?;
     module.add_function(wrap_pyfunction!(simulate::_cases, module)?)?;
     module.add_function(wrap_pyfunction!(simulate::_simulate, module)?)?;
+    module.add_class::<mujoco::CaseRun>()?;
+    module.add_function(wrap_pyfunction!(mujoco::export_robot, module)?)?;
+    module.add_function(wrap_pyfunction!(mujoco::measure, module)?)?;
+    module.add_function(wrap_pyfunction!(mujoco::experiment_cases, module)?)?;
     Ok(())
 }

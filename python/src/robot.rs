@@ -94,6 +94,41 @@ impl Robot {
         Ok(Self::new(Arc::new(robot)))
     }
 
+    /// The robot of a compiled MuJoCo model: bodies, inertias, joints with ranges, armature and friction, fixed and
+    /// coupled joints, motors and rotors with their limits; sites are frames.
+    ///
+    /// Parameters
+    /// ----------
+    /// model : mujoco.MjModel
+    ///     Compiled; every format that MuJoCo reads will do.
+    /// root : str, optional
+    ///     The body that is the base: the one with a free joint, or the world, if not given.
+    /// key : str, optional
+    ///     The key frame that is the home posture: `home` if there is one, else `qpos0`.
+    /// name : str, optional
+    ///     The robot's name.
+    ///
+    /// Raises
+    /// ------
+    /// wbqp.mujoco.UnsupportedModel
+    ///     For closed loops, tendons, muscles, ball joints; everything by name, at once.
+    #[staticmethod]
+    #[pyo3(signature = (model, *, root = None, key = None, name = None))]
+    fn from_mujoco(
+        model: &Bound<'_, PyAny>,
+        root: Option<&str>,
+        key: Option<&str>,
+        name: Option<&str>,
+    ) -> PyResult<Self> {
+        let py = model.py();
+        let options = PyDict::new(py);
+        options.set_item("root", root)?;
+        options.set_item("key", key)?;
+        options.set_item("name", name)?;
+        let table = py.import("wbqp.mujoco")?.getattr("robot_table")?;
+        Self::from_table(&table.call((model,), Some(&options))?, None)
+    }
+
     /// What a configuration says of this robot.
     fn _wbqp_table<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let table = PyDict::new(py);

@@ -260,30 +260,34 @@ class Actuators:
         to = self._to_effort
         site = model.actuator_trntype[to] == int(mujoco.mjtTrn.mjTRN_SITE)
         gear = np.where(site, np.linalg.norm(model.actuator_gear[to, :3], axis=1), model.actuator_gear[to, 0])
-        self._gear = gear
-        self._gain = model.actuator_gainprm[to, 0].copy()
+        gain = model.actuator_gainprm[to, 0].copy()
+        self._gain = gain
         affine = model.actuator_biastype[to] == int(mujoco.mjtBias.mjBIAS_AFFINE)
         self._bias = np.where(affine[:, None], model.actuator_biasprm[to, :3], 0.0)
         self._has_bias = bool(np.any(self._bias))
-        # Rotors whose lag differs between rise and fall.
+        # Rotors of an exported model, whose lag differs between rise and fall.
         lag = np.zeros((model.nu, 2))
         if model.nuser_actuator >= 2:
             lag = model.actuator_user[:, :2].copy()
         self._lagging = np.flatnonzero(
             (model.actuator_dyntype == int(mujoco.mjtDyn.mjDYN_FILTEREXACT)) & np.all(lag > 0.0, axis=1)
         )
+        # What they produce beside what is commanded is a mismatch of the plant's: nobody knows of it.
+        is_exported = np.isin(to, self._lagging)
+        self._scale = np.where(is_exported, 1.0, gear * gain)
         self._rise, self._fall = lag[self._lagging, 0], lag[self._lagging, 1]
         self._act = model.actuator_actadr[self._lagging].astype(int)
         self._range = model.actuator_ctrlrange[self._lagging].copy()
 
     def write(self, effort: np.ndarray, joint_velocity: np.ndarray, data: mujoco.MjData) -> None:
         """Writes efforts (nu,) and velocities of servoed joints (joints,) into ``data.ctrl``."""
-        force = np.asarray(effort)[self._from_effort] / self._gear
+        force = np.asarray(effort)[self._from_effort] / self._scale
         if self._has_bias:
             to = self._to_effort
-            force -= self._bias[:, 0]
-            force -= self._bias[:, 1] * data.actuator_length[to] + self._bias[:, 2] * data.actuator_velocity[to]
-        data.ctrl[self._to_effort] = force / self._gain
+            bias = self._bias[:, 0] + self._bias[:, 1] * data.actuator_length[to]
+            bias += self._bias[:, 2] * data.actuator_velocity[to]
+            force -= bias / self._gain
+        data.ctrl[self._to_effort] = force
         data.ctrl[self._to_velocity] = np.asarray(joint_velocity)[self._from_velocity]
 
     def settle(self, data: mujoco.MjData) -> None:
