@@ -16,7 +16,7 @@ use wbqp::{
     robot::RobotModel,
     state::State,
 };
-use wbqp_log::McapLog;
+use wbqp_log::{LogSink, McapLog};
 use wbqp_measures::{Cases, Recording, experiments, log::Log, promises};
 use wbqp_mjcf::{Mjcf, Scene};
 use wbqp_sim::{PlantCommand, Scenario, Variation, World};
@@ -184,12 +184,14 @@ impl CaseRun {
         variation: &str,
     ) -> PyResult<Self> {
         let variation = Variation::from_toml(variation).map_err(|e| refused(py, &e))?;
-        let scenario = Scenario::from_file_with(&scenario, &variation).map_err(|e| refused(py, &e))?;
+        let scenario =
+            Scenario::from_file_with(&scenario, &variation).map_err(|e| refused(py, &e))?;
         let case = scenario.case(case).map_err(|e| refused(py, &e))?;
         let controller = wbqp_sim::CaseRun::controller(case).map_err(|e| refused(py, &e))?;
         let robot = controller.robot().clone();
         let command = PlantCommand::of(&robot, controller.command());
-        let mut scene = Scene::of_case(case, &robot, command.clone()).map_err(|e| refused(py, &e))?;
+        let mut scene =
+            Scene::of_case(case, &robot, command.clone()).map_err(|e| refused(py, &e))?;
         scene.step = step;
         let mjcf = scene.export().map_err(|e| refused(py, &e))?;
         let body_of = |frame: &str| {
@@ -200,14 +202,19 @@ impl CaseRun {
         let sensors: Vec<_> = sensors.iter().filter_map(|s| body_of(&s.frame)).collect();
         let points = &case.plant().contact_points;
         let is_on = sensors.iter().map(|(_, body)| {
-            let on = points.iter().map(|p| body_of(&p.frame).is_some_and(|(_, b)| b == *body));
+            let on = points
+                .iter()
+                .map(|p| body_of(&p.frame).is_some_and(|(_, b)| b == *body));
             on.collect()
         });
         let is_on = is_on.collect();
         let truth = Truth {
             time: 0.0,
             state: scene.initial.clone(),
-            sensors: sensors.iter().map(|(id, _)| (*id, Vector6::zeros())).collect(),
+            sensors: sensors
+                .iter()
+                .map(|(id, _)| (*id, Vector6::zeros()))
+                .collect(),
             points: points
                 .iter()
                 .map(|p| (p.frame.clone(), Vector3::zeros(), Vector3::zeros()))
@@ -266,13 +273,19 @@ impl CaseRun {
     #[getter]
     fn disturbances(&self) -> Vec<(String, [f64; 3], [f64; 3], f64, f64)> {
         let all = self.case.plant().disturbances.iter();
-        all.map(|d| (d.frame.clone(), d.force, d.moment, d.from, d.until)).collect()
+        all.map(|d| (d.frame.clone(), d.force, d.moment, d.from, d.until))
+            .collect()
     }
 
     /// Viscous friction of every wall, N·s/m.
     #[getter]
     fn viscous(&self) -> Vec<f64> {
-        self.case.plant().walls.iter().map(|wall| wall.viscous).collect()
+        self.case
+            .plant()
+            .walls
+            .iter()
+            .map(|wall| wall.viscous)
+            .collect()
     }
 
     /// The command that is applied now, in the order of the actuators.
@@ -303,7 +316,12 @@ impl CaseRun {
             point.1 = Vector3::from_column_slice(&new[..3]);
             point.2 = Vector3::from_column_slice(&new[3..]);
         }
-        for ((sensor, frame), is_on) in truth.sensors.iter_mut().zip(frames.chunks_exact(12)).zip(&self.is_on) {
+        for ((sensor, frame), is_on) in truth
+            .sensors
+            .iter_mut()
+            .zip(frames.chunks_exact(12))
+            .zip(&self.is_on)
+        {
             let position = Vector3::from_column_slice(&frame[..3]);
             let R_WF = Matrix3::from_row_slice(&frame[3..]);
             let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
