@@ -42,7 +42,5 @@ fn _wbqp(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(simulate::_simulate, module)?)?;
     module.add_class::<mujoco::CaseRun>()?;
     module.add_function(wrap_pyfunction!(mujoco::export_robot, module)?)?;
-    module.add_function(wrap_pyfunction!(mujoco::measure, module)?)?;
-    module.add_function(wrap_pyfunction!(mujoco::experiment_cases, module)?)?;
     Ok(())
 }

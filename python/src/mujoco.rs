@@ -1,8 +1,8 @@
-//! What MuJoCo as a plant needs of Rust: the exported model, a case's run period by period, and what its rows measure.
-//! The engine itself is driven from Python (`wbqp.mujoco`).
+//! What MuJoCo as a plant needs of Rust: the exported model, and a case's run period by period. The engine itself is
+//! driven from Python (`wbqp.mujoco`).
 #![allow(non_snake_case)]
 
-use std::{collections::BTreeMap, path::PathBuf};
+use std::path::PathBuf;
 
 use numpy::{PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::{
@@ -17,7 +17,6 @@ use wbqp::{
     state::State,
 };
 use wbqp_log::{LogSink, McapLog};
-use wbqp_measures::{Cases, Recording, experiments, log::Log, promises};
 use wbqp_mjcf::{Mjcf, Scene};
 use wbqp_sim::{PlantCommand, Scenario, Variation, World};
 
@@ -48,57 +47,6 @@ pub(crate) fn export_robot<'py>(
     let mut scene = Scene::of_robot(&robot.get().model);
     scene.step = step;
     exported(py, &scene.export().map_err(|e| refused(py, &e))?)
-}
-
-/// The rows of an experiment, from the logs of its cases: dicts with `id`, `quantity`, `unit`, `paper`, `measured`,
-/// `tolerance`, `met` (`None` where a row only informs) and `is_promised`; and the promises that are not kept, in words.
-#[pyfunction]
-pub(crate) fn measure<'py>(
-    py: Python<'py>,
-    experiment: &str,
-    logs: BTreeMap<String, PathBuf>,
-) -> PyResult<(Vec<Bound<'py, PyDict>>, Vec<String>)> {
-    let known = experiments::of(experiment)
-        .ok_or_else(|| PyValueError::new_err(format!("there is no experiment `{experiment}`")))?;
-    let (rows, promised, breaches) = py
-        .detach(|| -> Result<_, Box<dyn std::error::Error + Send + Sync>> {
-            let logs: BTreeMap<String, Log> = logs
-                .into_iter()
-                .map(|(case, path)| Ok((case, Log::open(&path)?)))
-                .collect::<Result<_, wbqp_measures::log::ReadError>>()?;
-            let cases: Cases<'_> = logs
-                .iter()
-                .map(|(case, log)| (case.as_str(), log as &dyn Recording))
-                .collect();
-            let rows = known.rows(&cases)?;
-            let promises = promises::of(known.name)?;
-            let breaches = promises.breaches(&rows);
-            Ok((rows, promises, breaches))
-        })
-        .map_err(|error| PyValueError::new_err(error.to_string()))?;
-    let dicts = rows.iter().map(|row| {
-        let dict = PyDict::new(py);
-        dict.set_item("id", &row.id)?;
-        dict.set_item("quantity", &row.quantity)?;
-        dict.set_item("unit", &row.unit)?;
-        dict.set_item("paper", row.paper)?;
-        dict.set_item("measured", row.measured)?;
-        dict.set_item("tolerance", &row.tolerance)?;
-        dict.set_item("met", row.pass)?;
-        let key = promises::Key::of(row);
-        dict.set_item("is_promised", promised.promised.contains(&key))?;
-        Ok(dict)
-    });
-    let dicts = dicts.collect::<PyResult<_>>()?;
-    Ok((dicts, breaches.iter().map(ToString::to_string).collect()))
-}
-
-/// The cases of every experiment whose rows can be measured, by its name.
-#[pyfunction]
-pub(crate) fn experiment_cases() -> Vec<(&'static str, Vec<&'static str>)> {
-    let all = experiments::ALL.iter();
-    all.map(|experiment| (experiment.name, experiment.cases.to_vec()))
-        .collect()
 }
 
 /// What the engine said last.

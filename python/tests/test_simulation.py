@@ -99,7 +99,7 @@ def test_a_file_that_is_no_log_is_refused(tmp_path: Path) -> None:
 
 
 def test_the_rows_of_an_experiment_are_met() -> None:
-    runs = {case: wbqp.simulate("push_away", case=case) for case in wbqp.experiments()["push_away"]}
+    runs = {case: wbqp.simulate("push_away", case=case) for case in wbqp.experiment_cases()["push_away"]}
     rows = wbqp.rows("push_away", runs)
     assert len(rows) > 3
     assert [row for row in rows if row["promised"] and not row["pass"]] == []

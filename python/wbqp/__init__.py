@@ -6,7 +6,7 @@ the environment does to the robot. Weights are linear: a row costs ``w r²``.
 
 from ._arrays import NamedArray
 from ._errors import ConfigError, Mistake
-from ._recording import Recording, Topic, experiments, read_log, rows
+from ._recording import Recording, Topic, experiment_cases, read_log, rows
 from ._simulation import cases, scenarios, simulate
 from ._wbqp import (
     Command,
@@ -41,7 +41,7 @@ __all__ = [
     "Topic",
     "__version__",
     "cases",
-    "experiments",
+    "experiment_cases",
     "read_log",
     "rows",
     "scenarios",

@@ -127,9 +127,9 @@ def rows(experiment: str, runs: Mapping[str, Recording]) -> list[dict[str, Any]]
     Parameters
     ----------
     experiment : str
-        One of `experiments()`.
+        One of `experiment_cases()`.
     runs : dict
-        A recording for each case that `experiments()` names.
+        A recording for each case that `experiment_cases()` names.
 
     Returns
     -------
@@ -141,7 +141,7 @@ def rows(experiment: str, runs: Mapping[str, Recording]) -> list[dict[str, Any]]
     return found
 
 
-def experiments() -> dict[str, list[str]]:
+def experiment_cases() -> dict[str, list[str]]:
     """Names of the experiments with rows, each with the cases that these need."""
     found: dict[str, list[str]] = _wbqp._experiments()
     return found

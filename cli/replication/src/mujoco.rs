@@ -35,7 +35,7 @@ pub struct Measured {
     /// The value; nothing if it could not be measured.
     pub measured: Option<f64>,
     /// Whether it is met; nothing for one that only informs.
-    pub met: Option<bool>,
+    pub pass: Option<bool>,
 }
 
 impl Mujoco {
@@ -59,7 +59,7 @@ pub fn cell(measured: Option<&Measured>, number: impl Fn(f64) -> String) -> Stri
         return "–".to_owned();
     };
     let value = row.measured.map_or_else(|| "–".to_owned(), number);
-    match row.met {
+    match row.pass {
         Some(true) => format!("{value} ✓"),
         Some(false) => format!("{value} ✗"),
         None => value,
@@ -81,13 +81,13 @@ mod tests {
 
     #[test]
     fn a_cell_says_whether_the_row_is_met() {
-        let row = |met| Measured {
+        let row = |pass| Measured {
             id: "B4".into(),
             quantity: "error".into(),
             measured: Some(0.25),
-            met,
+            pass,
         };
-        let text = |met| cell(Some(&row(met)), |x| x.to_string());
+        let text = |pass| cell(Some(&row(pass)), |x| x.to_string());
         assert_eq!(text(Some(true)), "0.25 ✓");
         assert_eq!(text(Some(false)), "0.25 ✗");
         assert_eq!(text(None), "0.25");
