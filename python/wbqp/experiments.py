@@ -125,7 +125,11 @@ def main(arguments: list[str] | None = None) -> int:
     (given.out / "mujoco.json").write_text(json.dumps(said, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
     if given.record:
         keys = ("id", "quantity", "measured", "pass")
-        rows = {name: [{key: row[key] for key in keys} for row in r["rows"]] for name, r in results.items()}
+        rows = {
+            # How long a tick took is the machine's.
+            name: [{key: row[key] for key in keys} for row in result["rows"] if row["id"] != "time"]
+            for name, result in results.items()
+        }
         text = json.dumps({**said, "experiments": rows}, indent=1, ensure_ascii=False)
         given.record.write_text(text + "\n", encoding="utf-8")
     missed = [name for name, result in results.items() if result["breaches"]]

@@ -75,7 +75,11 @@ mod tests {
         let shipped = Mujoco::shipped().expect("the file is read");
         for experiment in wbqp_measures::experiments::ALL {
             let rows = shipped.experiments.get(experiment.name);
-            assert!(rows.is_some_and(|rows| !rows.is_empty()), "{}", experiment.name);
+            assert!(
+                rows.is_some_and(|rows| !rows.is_empty()),
+                "{}",
+                experiment.name
+            );
         }
     }
 
