@@ -3,6 +3,7 @@
 
 pub mod assignment;
 pub mod check;
+pub mod export_mjcf;
 pub mod log;
 pub mod new;
 pub mod plugin_table;

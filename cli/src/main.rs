@@ -6,7 +6,7 @@ use anyhow::Result;
 use clap::{Parser, Subcommand};
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 use wbqp_bench::command as tick_stats;
-use wbqp_cli::{check, log, new, plugins, replay, run, schema};
+use wbqp_cli::{check, export_mjcf, log, new, plugins, replay, run, schema};
 use wbqp_replication::command as replicate;
 use wbqp_terminal::complain;
 
@@ -30,6 +30,7 @@ enum Command {
     Check(check::Arguments),
     New(new::Arguments),
     Run(run::Arguments),
+    ExportMjcf(export_mjcf::Arguments),
     Log(log::Arguments),
     Replay(replay::Arguments),
     Plugins(plugins::Arguments),
@@ -45,6 +46,7 @@ impl Command {
             Self::Check(arguments) => arguments.run(),
             Self::New(arguments) => arguments.run(),
             Self::Run(arguments) => arguments.run(),
+            Self::ExportMjcf(arguments) => arguments.run().map(succeeded),
             Self::Log(arguments) => arguments.run(),
             Self::Replay(arguments) => arguments.run(),
             Self::Replicate(arguments) => arguments.run(),

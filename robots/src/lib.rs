@@ -18,6 +18,7 @@
 //!
 //! * [`urdf`]: what is read from a URDF and what is refused
 //! * [`rotors`]: the side-car's keys
+//! * [`tree`]: a robot as plain data, for programs that read other formats
 //! * [`Options`]: what neither file says: floating or fixed, servoed joints, home posture
 
 mod library;
@@ -26,6 +27,7 @@ mod plugins;
 pub mod rotors;
 mod source;
 mod srdf;
+pub mod tree;
 pub mod urdf;
 mod xml;
 
@@ -34,3 +36,4 @@ pub use library::{
 };
 pub use options::{BaseKind, LinkInertia, MimicKind, Options};
 pub use plugins::{Home, Humanoid, Othex, OthexVertical, Quadruped, Urdf};
+pub use tree::Tree;

@@ -9,17 +9,16 @@ use wbqp::{
 };
 
 use crate::{
-    CommandDelay, Plant, PlantCommand, PlantError, Sensors,
+    CommandDelay, Plant, PlantCommand, PlantError, Sensors, World,
     scenario::{Case, Event, ScenarioError},
 };
 
-/// The plant and the sensors of a case: [`ClosedLoop::measure`], the controller's tick, [`ClosedLoop::advance`].
+/// What stands between a case's controller and its world: sensors, the delay of commands, the clock.
 ///
-/// The controller sees nothing of the plant but the sensors.
+/// The controller sees nothing of the world but the sensors.
 #[derive(Debug)]
-pub struct ClosedLoop {
+pub struct Link {
     robot: RobotModel,
-    plant: Plant,
     sensors: Sensors,
     delay: CommandDelay,
     measurement: Measurement,
@@ -30,15 +29,19 @@ pub struct ClosedLoop {
     tick: usize,
 }
 
-impl ClosedLoop {
-    /// At time 0, with rotors at the controller's hover command. `seed` is the noise's.
+impl Link {
+    /// At time 0. `seed` is the noise's.
     ///
     /// # Errors
-    /// What plant and sensors refuse.
-    pub fn new(case: &Case, controller: &Controller, seed: u64) -> Result<Self, ScenarioError> {
+    /// What the sensors refuse.
+    pub fn new(
+        case: &Case,
+        controller: &Controller,
+        world: &dyn World,
+        seed: u64,
+    ) -> Result<Self, ScenarioError> {
         let robot = controller.robot().clone();
-        let mut plant = case.make_plant(&robot)?;
-        let sensors = case.make_sensors(&plant, seed)?;
+        let sensors = case.make_sensors(world, seed)?;
         let sensor_of = |frame: &str| {
             let sensors = &case.sensors().force_torque;
             sensors.iter().position(|s| s.frame == frame)
@@ -49,16 +52,12 @@ impl ClosedLoop {
             .map(|id| sensor_of(&controller.contact_spec(id).frame))
             .collect();
         let computed = PlantCommand::of(&robot, controller.command());
-        plant
-            .settle_rotors(&computed)
-            .map_err(|e| case.plant_error("plant", e))?;
         Ok(Self {
             delay: CommandDelay::new(case.plant().command_delay, computed.clone()),
             measurement: Measurement::home(&robot, contact_sensors.len()),
             period: 1.0 / controller.settings().rate,
             tick: 0,
             robot,
-            plant,
             sensors,
             computed,
             contact_sensors,
@@ -66,8 +65,8 @@ impl ClosedLoop {
     }
 
     /// What the sensors say now; draws new noise.
-    pub fn measure(&mut self) -> &Measurement {
-        let reading = self.sensors.sample(&self.plant);
+    pub fn measure(&mut self, world: &dyn World) -> &Measurement {
+        let reading = self.sensors.sample(world);
         let m = &mut self.measurement;
         m.time = self.tick as f64 * self.period;
         m.state.copy_from(&reading.state);
@@ -82,24 +81,89 @@ impl ClosedLoop {
         &self.measurement
     }
 
+    /// Takes the command that was computed from the last measurement and puts the one that is due for the next period
+    /// into `due`.
+    pub fn exchange(&mut self, command: &Command, due: &mut PlantCommand) {
+        self.computed.take(&self.robot, command);
+        due.copy_from(self.delay.exchange(&self.computed));
+        self.tick += 1;
+    }
+
+    /// Lets the sensors' filters follow the world. To be called after every integration step.
+    pub fn observe(&mut self, world: &dyn World) {
+        self.sensors.observe(world);
+    }
+
+    /// The last command that was computed, the hover command at first.
+    pub fn computed(&self) -> &PlantCommand {
+        &self.computed
+    }
+
+    /// The controller's period, s.
+    pub fn period(&self) -> f64 {
+        self.period
+    }
+}
+
+/// The plant and the sensors of a case: [`ClosedLoop::measure`], the controller's tick, [`ClosedLoop::advance`].
+///
+/// The controller sees nothing of the plant but the sensors.
+#[derive(Debug)]
+pub struct ClosedLoop {
+    plant: Plant,
+    link: Link,
+    due: PlantCommand,
+}
+
+impl ClosedLoop {
+    /// At time 0, with rotors at the controller's hover command. `seed` is the noise's.
+    ///
+    /// # Errors
+    /// What plant and sensors refuse.
+    pub fn new(case: &Case, controller: &Controller, seed: u64) -> Result<Self, ScenarioError> {
+        let plant = settled_plant(case, controller)?;
+        let link = Link::new(case, controller, &plant, seed)?;
+        Ok(Self {
+            due: link.computed.clone(),
+            plant,
+            link,
+        })
+    }
+
+    /// What the sensors say now; draws new noise.
+    pub fn measure(&mut self) -> &Measurement {
+        self.link.measure(&self.plant)
+    }
+
+    /// The last measurement.
+    pub fn measurement(&self) -> &Measurement {
+        &self.link.measurement
+    }
+
     /// Takes the command that was computed from the last measurement and moves the plant on by one period.
     ///
     /// # Errors
     /// What the plant refuses.
     pub fn advance(&mut self, command: &Command) -> Result<(), PlantError> {
-        self.computed.take(&self.robot, command);
-        let applied = self.delay.exchange(&self.computed);
-        let sensors = &mut self.sensors;
-        self.plant
-            .advance_with(applied, self.period, |plant| sensors.observe(plant))?;
-        self.tick += 1;
-        Ok(())
+        let Self { plant, link, due } = self;
+        link.exchange(command, due);
+        plant.advance_with(due, link.period, |plant| link.observe(plant))
     }
 
     /// The truth.
     pub fn plant(&self) -> &Plant {
         &self.plant
     }
+}
+
+/// The plant of a case at time 0, with rotors at the controller's hover command.
+pub(crate) fn settled_plant(case: &Case, controller: &Controller) -> Result<Plant, ScenarioError> {
+    let robot = controller.robot();
+    let mut plant = case.make_plant(robot)?;
+    plant
+        .settle_rotors(&PlantCommand::of(robot, controller.command()))
+        .map_err(|e| case.plant_error("plant", e))?;
+    Ok(plant)
 }
 
 /// What a case asks of a controller while it runs: its events when they are due, and contacts switched by measured

@@ -36,9 +36,11 @@ mod run;
 pub mod scenario;
 pub mod sensors;
 pub mod statics;
+mod world;
 
-pub use closed_loop::{ClosedLoop, Requests};
+pub use closed_loop::{ClosedLoop, Link, Requests};
 pub use plant::{CommandDelay, Plant, PlantCommand, PlantConfig, PlantError};
-pub use run::{Summary, run, run_with_dumps};
+pub use run::{CaseRun, Summary, run, run_with_dumps};
 pub use scenario::{RunError, Scenario, ScenarioError, Variation};
 pub use sensors::{SensorReading, Sensors, SensorsConfig};
+pub use world::World;

@@ -10,20 +10,20 @@
 
 use std::time::Instant;
 
-use nalgebra::Vector3;
 use wbqp::{
     controller::{Controller, FallbackLevel},
     replay::{DumpError, DumpFolder},
     stopwatch::Stopwatch,
 };
 use wbqp_log::{
-    ControllerLog, LogSink, Timeline, TrueContact, state_message, state_schema, write_diagnostics,
-    write_rotors, write_run,
+    ChannelId, ControllerLog, LogSink, Timeline, TrueContact, state_message, state_schema,
+    write_diagnostics, write_rotors, write_run,
 };
 
 use crate::{
-    ClosedLoop, Plant, Requests,
-    scenario::{Case, RunError, Scenario},
+    Link, PlantCommand, Requests, World,
+    closed_loop::settled_plant,
+    scenario::{Case, RunError, Scenario, ScenarioError},
 };
 
 /// How a run ended.
@@ -82,83 +82,205 @@ fn run_case(
     mut dumps: Option<&mut DumpFolder>,
 ) -> Result<Summary, RunError> {
     let case = scenario.case(case)?;
-    let config = case.controller_config()?;
-    let source = config.source.clone();
-    let controller = case.make_controller(config)?;
-    let mut controller = controller.with_stopwatch(Box::new(WallClock(Instant::now())));
+    let mut controller = CaseRun::controller(case)?;
     if dumps.is_some() {
         controller = controller
             .with_recorder(RECORDED_TICKS)
             .map_err(DumpError::from)?;
     }
-    let robot = controller.robot().clone();
-    let mut closed_loop = ClosedLoop::new(case, &controller, seed)?;
-    let mut requests = Requests::new(case, controller.settings().rate);
-    let contacts = Contacts::new(&controller);
-
-    write_run(
-        sink,
-        seed,
-        std::iter::once(scenario.source())
-            .chain(&scenario.variation().source())
-            .chain(&source)
-            .chain(&robot.sources),
-    )?;
-    let names = [("name", scenario.name()), ("case", case.name())];
-    let names = names.map(|(key, value)| (key.to_owned(), value.to_owned()));
-    sink.metadata("scenario", &names.into())?;
-    write_rotors(sink, &robot)?;
-    write_diagnostics(sink, &robot)?;
-    let mut log = ControllerLog::new(&controller, sink)?;
-    let truth_channel = sink.channel("/plant", "PlantState", &state_schema(&robot.model))?;
-    let mut message = Vec::new();
-    let mut truth = vec![None; contacts.points.len()];
-    let mut timeline = disturbance_marks(case);
-
-    let ticks = case.ticks(controller.settings().rate);
-    let mut summary = Summary::default();
-    for k in 0..ticks {
-        if k % (ticks / 100).max(1) == 0 {
-            progress(k as f64 / ticks as f64);
+    let mut plant = settled_plant(case, &controller)?;
+    let mut run = CaseRun::new(scenario, case, controller, seed, &plant, sink)?;
+    let mut due = run.link.computed().clone();
+    let ticks = run.ticks();
+    while !run.is_over() {
+        let done = run.summary.ticks;
+        if done.is_multiple_of((ticks / 100).max(1)) {
+            progress(done as f64 / ticks as f64);
         }
-        let measurement = closed_loop.measure();
-        while let Some(event) = requests.due(measurement.time) {
+        run.tick(&plant, sink, dumps.as_deref_mut())?;
+        run.exchange(&mut due);
+        plant.advance_with(&due, run.period(), |plant| run.observe(plant))?;
+        run.note_divergence(&plant);
+    }
+    let summary = run.finish(sink)?;
+    progress(1.0);
+    Ok(summary)
+}
+
+/// One case of a scenario whose world somebody else moves: sample, events, tick, log, as in [`run()`].
+///
+/// Every period is [`CaseRun::tick`], [`CaseRun::exchange`] for the command that is due, and then integration steps of
+/// the world with [`CaseRun::observe`] after each.
+#[derive(Debug)]
+pub struct CaseRun {
+    controller: Controller,
+    link: Link,
+    requests: Requests,
+    contacts: Contacts,
+    log: ControllerLog,
+    truth_channel: ChannelId,
+    message: Vec<u8>,
+    truth: Vec<Option<TrueContact>>,
+    timeline: Timeline,
+    ticks: usize,
+    summary: Summary,
+}
+
+impl CaseRun {
+    /// The controller of a case, with a stopwatch.
+    ///
+    /// # Errors
+    /// A configuration that is refused.
+    pub fn controller(case: &Case) -> Result<Controller, ScenarioError> {
+        let controller = case.make_controller(case.controller_config()?)?;
+        Ok(controller.with_stopwatch(Box::new(WallClock(Instant::now()))))
+    }
+
+    /// At time 0; what is to be known of the run goes into the log. The world has the controller's robot in the case's
+    /// initial state.
+    ///
+    /// # Errors
+    /// [`RunError`] if scenario or log refuse.
+    pub fn new(
+        scenario: &Scenario,
+        case: &Case,
+        controller: Controller,
+        seed: u64,
+        world: &dyn World,
+        sink: &mut dyn LogSink,
+    ) -> Result<Self, RunError> {
+        let link = Link::new(case, &controller, world, seed)?;
+        let robot = controller.robot();
+        write_run(
+            sink,
+            seed,
+            std::iter::once(scenario.source())
+                .chain(&scenario.variation().source())
+                .chain(&case.controller_config()?.source)
+                .chain(&robot.sources),
+        )?;
+        let names = [("name", scenario.name()), ("case", case.name())];
+        let names = names.map(|(key, value)| (key.to_owned(), value.to_owned()));
+        sink.metadata("scenario", &names.into())?;
+        write_rotors(sink, robot)?;
+        write_diagnostics(sink, robot)?;
+        let log = ControllerLog::new(&controller, sink)?;
+        let truth_channel = sink.channel("/plant", "PlantState", &state_schema(&robot.model))?;
+        let contacts = Contacts::new(&controller);
+        let rate = controller.settings().rate;
+        Ok(Self {
+            link,
+            requests: Requests::new(case, rate),
+            log,
+            truth_channel,
+            message: Vec::new(),
+            truth: vec![None; contacts.points.len()],
+            contacts,
+            timeline: disturbance_marks(case),
+            ticks: case.ticks(rate),
+            summary: Summary::default(),
+            controller,
+        })
+    }
+
+    /// One control period: samples the sensors, applies events that are due, ticks, logs.
+    ///
+    /// # Errors
+    /// An event that is refused, a log or a dump that cannot be written.
+    pub fn tick(
+        &mut self,
+        world: &dyn World,
+        sink: &mut dyn LogSink,
+        dumps: Option<&mut DumpFolder>,
+    ) -> Result<(), RunError> {
+        let Self {
+            controller,
+            link,
+            summary,
+            ..
+        } = self;
+        let measurement = link.measure(world);
+        while let Some(event) = self.requests.due(measurement.time) {
             event
-                .apply(&mut controller)
+                .apply(controller)
                 .map_err(|what| RunError::Event { at: event.at, what })?;
             if let Some(mark) = &event.mark {
-                timeline = timeline.mark(mark, measurement.time);
+                self.timeline = std::mem::take(&mut self.timeline).mark(mark, measurement.time);
             }
         }
         let (_, report) = controller.tick(measurement);
         summary.ticks += 1;
         summary.held += usize::from(report.level != FallbackLevel::Optimal);
         summary.last_level = report.level;
-        requests.detect(&mut controller, measurement);
-        if let Some(dumps) = &mut dumps {
-            dumps.write_if_changed(&mut controller)?;
+        self.requests.detect(controller, measurement);
+        if let Some(dumps) = dumps {
+            dumps.write_if_changed(controller)?;
         }
-
         let time = measurement.time;
-        contacts.truth(closed_loop.plant(), &controller, &mut truth);
-        log.record(&controller, closed_loop.measurement(), &truth, sink)?;
-        state_message(&robot.model, closed_loop.plant().state(), &mut message);
-        sink.write(truth_channel, time, &message)?;
+        self.contacts.truth(world, controller, &mut self.truth);
+        self.log
+            .record(controller, link.measurement(), &self.truth, sink)?;
+        let model = &controller.robot().model;
+        state_message(model, world.state(), &mut self.message);
+        sink.write(self.truth_channel, time, &self.message)?;
+        Ok(())
+    }
 
-        closed_loop.advance(controller.command())?;
-        let plant = closed_loop.plant();
-        if plant.is_diverged() {
-            summary.diverged = Some(plant.time());
-            break;
+    /// After a tick: the command that is due for the next period, which is an earlier one where commands are delayed.
+    pub fn exchange(&mut self, due: &mut PlantCommand) {
+        self.link.exchange(self.controller.command(), due);
+    }
+
+    /// Lets the sensors' filters follow the world. To be called after every integration step.
+    pub fn observe(&mut self, world: &dyn World) {
+        self.link.observe(world);
+    }
+
+    /// After a period: a world that has diverged ends the run.
+    pub fn note_divergence(&mut self, world: &dyn World) {
+        if world.is_diverged() {
+            self.summary.diverged = Some(world.time());
         }
     }
-    timeline.write(sink)?;
-    progress(1.0);
-    summary.why = controller.explain().map(|why| why.to_string());
-    Ok(summary)
+
+    /// Whether every period was run, or the world has diverged.
+    pub fn is_over(&self) -> bool {
+        self.summary.diverged.is_some() || self.summary.ticks >= self.ticks
+    }
+
+    /// Control periods of the whole run.
+    pub fn ticks(&self) -> usize {
+        self.ticks
+    }
+
+    /// The controller's period, s.
+    pub fn period(&self) -> f64 {
+        self.link.period()
+    }
+
+    /// The command at the start: the controller's hover command.
+    pub fn first_command(&self) -> &PlantCommand {
+        self.link.computed()
+    }
+
+    /// What there is to be told so far.
+    pub fn summary(&self) -> &Summary {
+        &self.summary
+    }
+
+    /// Ends the run and its log.
+    ///
+    /// # Errors
+    /// A log that cannot be written.
+    pub fn finish(mut self, sink: &mut dyn LogSink) -> Result<Summary, RunError> {
+        self.timeline.write(sink)?;
+        self.summary.why = self.controller.explain().map(|why| why.to_string());
+        Ok(self.summary)
+    }
 }
 
 /// Which point of the plant belongs to each of the controller's contacts.
+#[derive(Debug)]
 struct Contacts {
     points: Vec<String>,
 }
@@ -175,23 +297,20 @@ impl Contacts {
     }
 
     /// The real force and place of each contact; nothing where the plant has no such point or no wall.
-    fn truth(&self, plant: &Plant, controller: &Controller, out: &mut [Option<TrueContact>]) {
+    fn truth(&self, world: &dyn World, controller: &Controller, out: &mut [Option<TrueContact>]) {
         let names = controller.contact_names();
         for ((frame, name), out) in self.points.iter().zip(names).zip(out) {
-            let at_frame = || {
-                let contacts = plant.contacts();
-                contacts.filter(|(point, _, _)| &point.frame == frame)
-            };
-            let force_W: Vector3<f64> = at_frame().map(|(_, _, truth)| truth.force_W).sum();
-            let p_WC = at_frame().map(|(_, _, truth)| truth.p_WC).next();
-            *out = controller.contact(name).ok().zip(p_WC).map(|(id, p_WC)| {
-                let contact = controller.contact_state(id);
-                let R_CW = contact.R_WC.inverse();
-                TrueContact {
-                    force: R_CW * force_W,
-                    position: R_CW * (p_WC - contact.p_WS),
-                }
-            });
+            let contact = controller.contact(name).ok();
+            *out = contact
+                .zip(world.contact_at(frame))
+                .map(|(id, (force_W, p_WC))| {
+                    let contact = controller.contact_state(id);
+                    let R_CW = contact.R_WC.inverse();
+                    TrueContact {
+                        force: R_CW * force_W,
+                        position: R_CW * (p_WC - contact.p_WS),
+                    }
+                });
         }
     }
 }

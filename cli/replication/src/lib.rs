@@ -8,6 +8,7 @@ pub mod command;
 pub mod experiment;
 pub mod experiments;
 pub mod markdown;
+pub mod mujoco;
 pub mod plots;
 pub mod push_and_slide;
 pub mod push_away;

@@ -13,7 +13,10 @@ use wbqp_measures::{
     rounded,
 };
 
-use crate::experiment::Outcome;
+use crate::{
+    experiment::Outcome,
+    mujoco::{self, Mujoco},
+};
 
 const HEAD: &str = "\
 # Replication
@@ -29,6 +32,10 @@ tables with more digits and writes figures, logs and a report with all gains and
 
 *Accepted* is this project's tolerance, not the paper's. ✓ is met, ✗ missed, and · only informs. Everything is measured
 from the logs, seed 1. Which rows are promised is in `simulation/measures/promised_rows.toml`: the exit code follows it.
+
+*MuJoCo* is the same scenario, controller, sensors and measures with another engine as the plant:
+`python -m wbqp.experiments --plant mujoco` measures it, and `--record cli/replication/mujoco_rows.json` keeps it for
+this page. [What differs between the plants](mujoco.md#the-experiments) is said there.
 ";
 
 /// Writes the page.
@@ -57,10 +64,12 @@ pub fn section(outcome: &Outcome) -> Result<String, PromiseError> {
     let experiment = &outcome.experiment.measures;
     let promises = promises::of(experiment.name)?;
     let mut text = format!("## {}\n\n{}\n\n", experiment.title, experiment.about);
-    text.push_str("| | row | quantity | paper | measured | unit | accepted |\n");
-    text.push_str("|---|---|---|--:|--:|---|---|\n");
+    text.push_str("| | row | quantity | paper | measured | MuJoCo | unit | accepted |\n");
+    text.push_str("|---|---|---|--:|--:|--:|---|---|\n");
     for row in outcome.rows.iter().filter(|row| !row.is_wall_clock()) {
-        text.push_str(&line(row));
+        let other = Mujoco::shipped().and_then(|other| other.row(experiment.name, row));
+        let other = mujoco::cell(other, |x| rounded(x, 3));
+        text.push_str(&line(row, &other));
     }
     let mut notes = Vec::new();
     for row in outcome.rows.iter().filter(|row| row.pass == Some(false)) {
@@ -88,7 +97,7 @@ pub fn section(outcome: &Outcome) -> Result<String, PromiseError> {
     Ok(text)
 }
 
-fn line(row: &Row) -> String {
+fn line(row: &Row, mujoco: &str) -> String {
     let mark = match row.pass {
         Some(true) => "✓",
         Some(false) => "✗",
@@ -96,7 +105,7 @@ fn line(row: &Row) -> String {
     };
     let value = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), |v| rounded(v, 3));
     format!(
-        "| {mark} | {} | {} | {} | {} | {} | {} |\n",
+        "| {mark} | {} | {} | {} | {} | {mujoco} | {} | {} |\n",
         row.id,
         escaped(&row.quantity),
         value(row.paper),
@@ -133,8 +142,8 @@ mod tests {
             |_| true,
         );
         assert_eq!(
-            line(&row),
-            "| ✓ | B6 | \\|mean error\\| of f\\* | 1 | 0.743 | N | 0.6…1.4 N |\n"
+            line(&row, "0.75 ✓"),
+            "| ✓ | B6 | \\|mean error\\| of f\\* | 1 | 0.743 | 0.75 ✓ | N | 0.6…1.4 N |\n"
         );
     }
 }

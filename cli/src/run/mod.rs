@@ -61,7 +61,7 @@ impl Arguments {
     /// # Errors
     /// A file that is refused or cannot be written. A case that diverges is no error but in the exit code.
     pub fn run(&self) -> Result<ExitCode> {
-        let scenario = self.scenario()?;
+        let scenario = load(&self.file, &self.robot, self.duration)?;
         let directory = self.common.out.join(scenario.name());
         for case in &self.cases {
             scenario.case(case)?;
@@ -85,40 +85,6 @@ impl Arguments {
         } else {
             ExitCode::FAILURE
         })
-    }
-
-    fn scenario(&self) -> Result<Scenario> {
-        let set = self.robot.assignments()?;
-        let variation = Assignment::variation(&set)?;
-        let file = &self.file;
-        let scenario = match Subject::of_file(file)? {
-            Subject::Scenario => {
-                if self.duration.is_some() {
-                    bail!(
-                        "--duration: a scenario says how long it takes; `--set change.duration=…` changes it"
-                    );
-                }
-                Scenario::from_file_with(file, &variation)?
-            }
-            Subject::Controller => {
-                let of_controller: Vec<Assignment> = set
-                    .iter()
-                    .filter(|s| !s.is_of_scenario())
-                    .cloned()
-                    .collect();
-                let overrides = Assignment::overrides(&of_controller)?;
-                let name = stem(file);
-                let duration = self.duration.unwrap_or(DURATION);
-                let text = default_scenario::text(&name, file, &overrides, duration)?;
-                let label = format!("{} with the default plant", file.display());
-                Scenario::from_text_with(&text, &label, Path::new(""), &variation)?
-            }
-            Subject::Urdf => bail!(
-                "{}: is a robot without a controller; `wbqp new --urdf` writes one to start from",
-                file.display()
-            ),
-        };
-        Ok(scenario)
     }
 
     fn run_case(
@@ -163,6 +129,43 @@ impl Arguments {
 }
 
 /// A file's name without its extension, as it can name a folder.
+/// A scenario, or a controller on its default plant for `duration` s.
+///
+/// # Errors
+/// A file that is neither or is refused, options that do not suit it.
+pub(crate) fn load(file: &Path, robot: &RobotOptions, duration: Option<f64>) -> Result<Scenario> {
+    let set = robot.assignments()?;
+    let variation = Assignment::variation(&set)?;
+    let scenario = match Subject::of_file(file)? {
+        Subject::Scenario => {
+            if duration.is_some() {
+                bail!(
+                    "--duration: a scenario says how long it takes; `--set change.duration=…` changes it"
+                );
+            }
+            Scenario::from_file_with(file, &variation)?
+        }
+        Subject::Controller => {
+            let of_controller: Vec<Assignment> = set
+                .iter()
+                .filter(|s| !s.is_of_scenario())
+                .cloned()
+                .collect();
+            let overrides = Assignment::overrides(&of_controller)?;
+            let name = stem(file);
+            let duration = duration.unwrap_or(DURATION);
+            let text = default_scenario::text(&name, file, &overrides, duration)?;
+            let label = format!("{} with the default plant", file.display());
+            Scenario::from_text_with(&text, &label, Path::new(""), &variation)?
+        }
+        Subject::Urdf => bail!(
+            "{}: is a robot without a controller; `wbqp new --urdf` writes one to start from",
+            file.display()
+        ),
+    };
+    Ok(scenario)
+}
+
 fn stem(file: &Path) -> String {
     let name = file.file_stem().and_then(|name| name.to_str());
     name.unwrap_or("run").to_owned()

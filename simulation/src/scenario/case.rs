@@ -26,7 +26,7 @@ use super::{
     file::{CaseFile, Keys, Text},
     push::Asked,
 };
-use crate::{Plant, PlantConfig, PlantError, Sensors, SensorsConfig};
+use crate::{Plant, PlantConfig, PlantError, Sensors, SensorsConfig, World};
 
 /// One case of a [`Scenario`](super::Scenario).
 #[derive(Clone, Debug)]
@@ -163,13 +163,21 @@ impl Case {
         Controller::new(config).map_err(|source| self.controller_error(source))
     }
 
-    pub(crate) fn make_plant(&self, robot: &RobotModel) -> Result<Plant, ScenarioError> {
+    /// The plant, in its initial state, with the rotors at rest.
+    ///
+    /// # Errors
+    /// [`ScenarioError::Plant`] if it refuses the robot, which is then not the controller's.
+    pub fn make_plant(&self, robot: &RobotModel) -> Result<Plant, ScenarioError> {
         let initial = self.initial_state(robot)?;
         Plant::new(robot, &self.plant, initial).map_err(|e| self.plant_error("plant", e))
     }
 
-    pub(crate) fn make_sensors(&self, plant: &Plant, seed: u64) -> Result<Sensors, ScenarioError> {
-        Sensors::new(&self.sensors, plant, seed).map_err(|e| self.plant_error("sensors", e))
+    pub(crate) fn make_sensors(
+        &self,
+        world: &dyn World,
+        seed: u64,
+    ) -> Result<Sensors, ScenarioError> {
+        Sensors::new(&self.sensors, world, seed).map_err(|e| self.plant_error("sensors", e))
     }
 
     pub(super) fn initial_state(&self, robot: &RobotModel) -> Result<State, ScenarioError> {

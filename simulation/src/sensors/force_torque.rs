@@ -18,7 +18,7 @@ use rand_chacha::ChaCha8Rng;
 use wbqp::model::FrameId;
 
 use super::{ForceTorqueConfig, noise};
-use crate::plant::Plant;
+use crate::World;
 
 #[derive(Clone, Debug)]
 pub(super) struct ForceTorque {
@@ -40,7 +40,7 @@ impl ForceTorque {
     pub(super) fn new(
         config: &ForceTorqueConfig,
         frame: FrameId,
-        plant: &Plant,
+        plant: &dyn World,
         rng: ChaCha8Rng,
     ) -> Self {
         let [fx, fy, fz] = config.force_bias;
@@ -61,7 +61,7 @@ impl ForceTorque {
     }
 
     /// Filters the truth up to the plant's present time.
-    pub(super) fn observe(&mut self, plant: &Plant) {
+    pub(super) fn observe(&mut self, plant: &dyn World) {
         let elapsed = plant.time() - self.observed;
         if elapsed <= 0.0 {
             return;
@@ -76,7 +76,7 @@ impl ForceTorque {
     }
 
     /// The reading at the plant's present time; draws new noise.
-    pub(super) fn sample(&mut self, plant: &Plant) -> Vector6<f64> {
+    pub(super) fn sample(&mut self, plant: &dyn World) -> Vector6<f64> {
         self.observe(plant);
         let elapsed = plant.time() - self.sampled;
         self.sampled = plant.time();

@@ -23,7 +23,8 @@ pub use config::{BaseSensorConfig, ForceTorqueConfig, JointSensorConfig, Sensors
 
 use crate::{
     check::{Problems, unknown_frame},
-    plant::{Plant, PlantError},
+    plant::PlantError,
+    world::World,
 };
 use force_torque::ForceTorque;
 use velocity::VelocityEstimate;
@@ -61,7 +62,7 @@ impl Sensors {
     ///
     /// # Errors
     /// Numbers that cannot be, and frames that the robot does not have, all at once.
-    pub fn new(config: &SensorsConfig, plant: &Plant, seed: u64) -> Result<Self, PlantError> {
+    pub fn new(config: &SensorsConfig, plant: &dyn World, seed: u64) -> Result<Self, PlantError> {
         config.validate()?;
         let mut problems = Problems::default();
         let mut force_torque = Vec::new();
@@ -97,15 +98,15 @@ impl Sensors {
     }
 
     /// Lets the filters follow the plant. To be called after every integration step
-    /// ([`Plant::advance_with`]); without it the filters take the wrench for linear between two samples.
-    pub fn observe(&mut self, plant: &Plant) {
+    /// ([`Plant::advance_with`](crate::Plant::advance_with)); without it the filters take the wrench for linear between two samples.
+    pub fn observe(&mut self, plant: &dyn World) {
         for sensor in &mut self.force_torque {
             sensor.observe(plant);
         }
     }
 
     /// Measures: draws new noise and hands out the reading. Does not allocate.
-    pub fn sample(&mut self, plant: &Plant) -> &SensorReading {
+    pub fn sample(&mut self, plant: &dyn World) -> &SensorReading {
         let reading = &mut self.reading;
         reading.time = plant.time();
         reading.state.copy_from(plant.state());

@@ -15,6 +15,7 @@ use wbqp_measures::{Row, number, promises};
 
 use crate::{
     experiment::{Outcome, Picture},
+    mujoco::{self, Mujoco},
     sweep::Sweep,
 };
 
@@ -167,7 +168,7 @@ fn section(outcome: &Outcome) -> Result<Markup> {
             @for (case, time) in outcome.runs.diverged() {
                 p { "Case " code { (case) } " diverged at " (number(time)) " s: there is nothing to measure." }
             }
-            @if !outcome.rows.is_empty() { (rows(&outcome.rows)) }
+            @if !outcome.rows.is_empty() { (rows(outcome.experiment.measures.name, &outcome.rows)) }
             (notes(outcome)?)
             @if !figures.is_empty() { h3 { "Figures" } }
             @for figure in &figures { (figure) }
@@ -177,7 +178,9 @@ fn section(outcome: &Outcome) -> Result<Markup> {
     })
 }
 
-fn rows(rows: &[Row]) -> Markup {
+fn rows(experiment: &str, rows: &[Row]) -> Markup {
+    let shipped = Mujoco::shipped();
+    let other = |row: &Row| mujoco::cell(shipped.and_then(|m| m.row(experiment, row)), number);
     let value = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), number);
     html! {
         div.scroll {
@@ -189,6 +192,7 @@ fn rows(rows: &[Row]) -> Markup {
                         th { "quantity" }
                         th.n { "paper" }
                         th.n { "measured" }
+                        th.n title="the same scenario with MuJoCo as the plant, recorded before" { "MuJoCo" }
                         th { "unit" }
                         th { "accepted" }
                     }
@@ -206,6 +210,7 @@ fn rows(rows: &[Row]) -> Markup {
                             td { (row.quantity) }
                             td.n { (value(row.paper)) }
                             td.n { (value(row.measured)) }
+                            td.n { (other(row)) }
                             td { (unit(&row.unit)) }
                             td { (row.tolerance) }
                         }

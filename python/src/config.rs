@@ -1,0 +1,205 @@
+//! Configurations from Python: a file, a text, or a dict, which becomes a TOML document, so that the same loader reads
+//! it.
+
+use std::path::PathBuf;
+
+use pyo3::{
+    exceptions::{PyTypeError, PyValueError},
+    prelude::*,
+    types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString},
+};
+use wbqp::{
+    ControllerConfig,
+    config::{ConfigErrors, ControllerError, Overrides},
+};
+
+/// What messages call a configuration that is no file.
+const DICT: &str = "<dict>";
+
+/// How deep a configuration may be nested.
+const DEEPEST: usize = 32;
+
+/// A TOML value from Python's. `None` leaves a key out.
+///
+/// # Errors
+/// `TypeError` naming the place of what no configuration can hold.
+pub(crate) fn value(object: &Bound<'_, PyAny>, place: &str, depth: usize) -> PyResult<toml::Value> {
+    if depth > DEEPEST {
+        return Err(PyValueError::new_err(format!("{place}: nested too deeply")));
+    }
+    if let Ok(plugin) = object.getattr("_wbqp_table") {
+        return value(&plugin.call0()?, place, depth + 1);
+    }
+    if object.is_instance_of::<PyBool>() {
+        return Ok(toml::Value::Boolean(object.extract()?));
+    }
+    if object.is_instance_of::<PyInt>() {
+        let integer = object.extract::<i64>();
+        return integer.map(toml::Value::Integer).map_err(|_| {
+            PyValueError::new_err(format!("{place}: the integer does not fit in 64 bits"))
+        });
+    }
+    if object.is_instance_of::<PyFloat>() {
+        return Ok(toml::Value::Float(object.extract()?));
+    }
+    if object.is_instance_of::<PyString>() {
+        return Ok(toml::Value::String(object.extract()?));
+    }
+    if let Ok(dict) = object.cast::<PyDict>() {
+        return Ok(toml::Value::Table(table(dict, place, depth)?));
+    }
+    if let Ok(path) = object.call_method0("__fspath__") {
+        return value(&path, place, depth + 1);
+    }
+    // Numpy's numbers and arrays.
+    if let Ok(list) = object.call_method0("tolist") {
+        return value(&list, place, depth + 1);
+    }
+    let is_sequence =
+        object.is_instance_of::<PyList>() || object.is_instance_of::<pyo3::types::PyTuple>();
+    if is_sequence {
+        let items = object.try_iter()?.enumerate();
+        let items = items.map(|(i, item)| value(&item?, &format!("{place}[{i}]"), depth + 1));
+        return Ok(toml::Value::Array(items.collect::<PyResult<_>>()?));
+    }
+    let kind = object.get_type().name()?;
+    Err(PyTypeError::new_err(format!(
+        "{place}: a configuration cannot hold a {kind}; it holds numbers, texts, True and False, lists and dicts"
+    )))
+}
+
+fn table(dict: &Bound<'_, PyDict>, place: &str, depth: usize) -> PyResult<toml::Table> {
+    let mut table = toml::Table::new();
+    for (key, item) in dict {
+        if item.is_none() {
+            continue;
+        }
+        let key: String = key
+            .extract()
+            .map_err(|_| PyTypeError::new_err(format!("{place}: the key {key} is not a text")))?;
+        let place = if place.is_empty() {
+            key.clone()
+        } else {
+            format!("{place}.{key}")
+        };
+        let item = value(&item, &place, depth + 1)?;
+        table.insert(key, item);
+    }
+    Ok(table)
+}
+
+/// A dict with the tables of a controller's file.
+///
+/// # Errors
+/// `TypeError` for what no file can hold; `ConfigError` with all mistakes.
+pub(crate) fn from_dict(
+    dict: &Bound<'_, PyDict>,
+    directory: Option<PathBuf>,
+    set: Option<&Bound<'_, PyDict>>,
+) -> PyResult<ControllerConfig> {
+    let text = toml::to_string(&table(dict, "", 0)?)
+        .map_err(|error| PyValueError::new_err(format!("the configuration: {error}")))?;
+    from_text(dict.py(), &text, DICT, directory, set)
+}
+
+/// The text of a controller's file; relative paths count from `directory`.
+///
+/// # Errors
+/// `ConfigError` with all mistakes.
+pub(crate) fn from_text(
+    py: Python<'_>,
+    text: &str,
+    name: &str,
+    directory: Option<PathBuf>,
+    set: Option<&Bound<'_, PyDict>>,
+) -> PyResult<ControllerConfig> {
+    let overrides = overrides(set)?;
+    let directory = directory.unwrap_or_default();
+    ControllerConfig::from_str_with(text, name, directory, &overrides)
+        .map_err(|errors| refused(py, &errors.into()))
+}
+
+/// A controller's file.
+///
+/// # Errors
+/// `ConfigError` with all mistakes.
+pub(crate) fn from_file(
+    py: Python<'_>,
+    path: &std::path::Path,
+    set: Option<&Bound<'_, PyDict>>,
+) -> PyResult<ControllerConfig> {
+    let overrides = overrides(set)?;
+    ControllerConfig::from_file_with(path, &overrides).map_err(|errors| refused(py, &errors.into()))
+}
+
+/// What replaces values of a file: `{"task": {"com": {"kp": 40.0}}, "controller": {"rate": 500.0}}`.
+pub(crate) fn overrides(set: Option<&Bound<'_, PyDict>>) -> PyResult<Overrides> {
+    let Some(set) = set else {
+        return Ok(Overrides::default());
+    };
+    let table = table(set, "", 0)?;
+    table.try_into().map_err(|error: toml::de::Error| {
+        PyValueError::new_err(format!("set: {}", error.message()))
+    })
+}
+
+/// `ConfigError` with everything that is wrong.
+pub(crate) fn refused(py: Python<'_>, error: &ControllerError) -> PyErr {
+    let errors = match error {
+        ControllerError::Config(errors) => list(py, errors),
+        other => lines(py, &other.to_string()),
+    };
+    errors
+        .and_then(|errors| raise(py, &errors))
+        .unwrap_or_else(|error| error)
+}
+
+/// `ConfigError` with one message per line of a text.
+pub(crate) fn refused_text(py: Python<'_>, text: &str) -> PyErr {
+    let errors = lines(py, text).and_then(|errors| raise(py, &errors));
+    errors.unwrap_or_else(|error| error)
+}
+
+fn raise(py: Python<'_>, errors: &Bound<'_, PyList>) -> PyResult<PyErr> {
+    let class = py.import("wbqp._errors")?.getattr("ConfigError")?;
+    Ok(PyErr::from_value(class.call1((errors,))?))
+}
+
+fn message<'py>(
+    py: Python<'py>,
+    place: Option<(String, Option<u64>, Option<u64>)>,
+    subject: &str,
+    message: &str,
+) -> PyResult<Bound<'py, PyAny>> {
+    let class = py.import("wbqp._errors")?.getattr("Mistake")?;
+    let (file, line, column) = match place {
+        Some((file, ..)) if file == DICT => (None, None, None),
+        Some((file, line, column)) => (Some(file), line, column),
+        None => (None, None, None),
+    };
+    class.call1((file, line, column, subject, message))
+}
+
+fn lines<'py>(py: Python<'py>, text: &str) -> PyResult<Bound<'py, PyList>> {
+    let list = PyList::empty(py);
+    for line in text.lines() {
+        list.append(message(py, None, "", line)?)?;
+    }
+    Ok(list)
+}
+
+fn list<'py>(py: Python<'py>, errors: &ConfigErrors) -> PyResult<Bound<'py, PyList>> {
+    let list = PyList::empty(py);
+    for error in errors {
+        let place = error.place.as_ref().map(|place| {
+            let position = place.position;
+            (
+                place.file.clone(),
+                position.map(|(line, _)| line as u64),
+                position.map(|(_, column)| column as u64),
+            )
+        });
+        list.append(message(py, place, &error.subject, &error.message)?)?;
+    }
+    Ok(list)
+}

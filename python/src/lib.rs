@@ -1,0 +1,46 @@
+//! wbqp from Python: the extension module `wbqp._wbqp` of the package `wbqp`.
+
+mod arrays;
+mod command;
+mod config;
+mod controller;
+mod dynamics;
+mod log;
+mod measurement;
+mod mujoco;
+mod names;
+mod qp;
+mod report;
+mod robot;
+mod simulate;
+mod views;
+
+use pyo3::prelude::*;
+// Their plug-ins are what configurations name.
+use {wbqp_robots as _, wbqp_tasks as _};
+
+#[pymodule]
+fn _wbqp(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add_class::<controller::Controller>()?;
+    module.add_class::<measurement::Measurement>()?;
+    module.add_class::<command::Command>()?;
+    module.add_class::<report::Report>()?;
+    module.add_class::<report::TaskReport>()?;
+    module.add_class::<report::ContactReport>()?;
+    module.add_class::<robot::Robot>()?;
+    module.add_class::<dynamics::Dynamics>()?;
+    module.add_class::<dynamics::FrameState>()?;
+    module.add_class::<qp::QpSolution>()?;
+    module.add_class::<log::Log>()?;
+    module.add_function(wrap_pyfunction!(qp::solve_qp, module)?)?;
+    module.add_function(wrap_pyfunction!(log::_read_log, module)?)?;
+    module.add_function(wrap_pyfunction!(log::_rows, module)?)?;
+    module.add_function(wrap_pyfunction!(log::_experiments, module)?)?;
+    module.add_function(wrap_pyfunction!(log::_to_toml, module)?)?;
+    module.add_function(wrap_pyfunction!(simulate::_cases, module)?)?;
+    module.add_function(wrap_pyfunction!(simulate::_simulate, module)?)?;
+    module.add_class::<mujoco::CaseRun>()?;
+    module.add_function(wrap_pyfunction!(mujoco::export_robot, module)?)?;
+    Ok(())
+}

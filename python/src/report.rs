@@ -1,0 +1,437 @@
+//! What a tick says about itself: arrays and numbers that a tick writes, and Python reads.
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use pyo3::{
+    prelude::*,
+    types::{PyDict, PyMappingProxy},
+};
+use wbqp::{
+    controller::{ActiveRow, ConflictRow, RelaxedRow, Report as Inner},
+    qp::{RowId, Status},
+    stopwatch::StageTimes,
+};
+
+use crate::{
+    names::{Names, named},
+    views::{Access, Memory, array},
+};
+
+/// Cells of a contact: on, alpha, has a force task, set point, virtual input, clamped, solution, measured, position.
+const CONTACT: usize = 25;
+
+/// The report of the last tick; what is an array is a read-only view that the next tick writes: `copy()` keeps it.
+#[pyclass(frozen, module = "wbqp")]
+pub(crate) struct Report {
+    memory: Py<Memory>,
+    names: Arc<Names>,
+    scalars: Mutex<Scalars>,
+    vdot: Py<PyAny>,
+    tasks: Py<PyMappingProxy>,
+    contacts: Py<PyMappingProxy>,
+}
+
+/// What is no array.
+#[derive(Clone, Default)]
+struct Scalars {
+    time: f64,
+    level: &'static str,
+    since: f64,
+    ticks: u64,
+    fault: Option<wbqp::fault::Fault>,
+    traceback: Option<String>,
+    status: Status,
+    iterations: u32,
+    resolves: u32,
+    objective: f64,
+    times: StageTimes,
+    active: Vec<ActiveRow>,
+    conflict: Vec<ConflictRow>,
+    relaxed: Vec<RelaxedRow>,
+}
+
+/// What became of a task in the last tick.
+#[pyclass(frozen, module = "wbqp")]
+pub(crate) struct TaskReport {
+    memory: Py<Memory>,
+    at: usize,
+    arrays: [Py<PyAny>; 3],
+}
+
+/// The forces of a contact in the last tick: on the robot, in the contact's axes, about the contact point.
+#[pyclass(frozen, module = "wbqp")]
+pub(crate) struct ContactReport {
+    memory: Py<Memory>,
+    at: usize,
+    arrays: [Py<PyAny>; 5],
+}
+
+fn cells(names: &Names, velocities: usize, rows: &[usize]) -> usize {
+    let tasks: usize = rows.iter().map(|rows| 1 + 3 * rows).sum();
+    velocities + tasks + CONTACT * names.contact_list.len()
+}
+
+impl Report {
+    fn over(py: Python<'_>, memory: Py<Memory>, names: Arc<Names>) -> PyResult<Self> {
+        let bound = memory.bind(py);
+        let read = |at, shape: &[usize]| array(bound, at, shape, Access::Read).map(Bound::into_any);
+        let velocities = names.velocities.bind(py).len();
+        let vdot = named(&read(0, &[velocities])?, &names.velocities)?.unbind();
+        let mut at = velocities;
+        let tasks = PyDict::new(py);
+        for (name, labels) in names.tasks.iter().zip(&names.task_rows) {
+            let rows = labels.bind(py).len();
+            let view = |k: usize| {
+                Ok::<_, PyErr>(named(&read(at + 1 + k * rows, &[rows])?, labels)?.unbind())
+            };
+            let report = TaskReport {
+                memory: memory.clone_ref(py),
+                at,
+                arrays: [view(0)?, view(1)?, view(2)?],
+            };
+            tasks.set_item(name, Py::new(py, report)?)?;
+            at += 1 + 3 * rows;
+        }
+        let contacts = PyDict::new(py);
+        for name in &names.contact_list {
+            let view = |k: usize, n: usize| Ok::<_, PyErr>(read(at + k, &[n])?.unbind());
+            let report = ContactReport {
+                memory: memory.clone_ref(py),
+                at,
+                arrays: [
+                    view(3, 3)?,
+                    view(6, 3)?,
+                    view(10, 6)?,
+                    view(16, 6)?,
+                    view(22, 3)?,
+                ],
+            };
+            contacts.set_item(name, Py::new(py, report)?)?;
+            at += CONTACT;
+        }
+        Ok(Self {
+            scalars: Mutex::default(),
+            vdot,
+            tasks: PyMappingProxy::new(py, tasks.as_mapping()).unbind(),
+            contacts: PyMappingProxy::new(py, contacts.as_mapping()).unbind(),
+            memory,
+            names,
+        })
+    }
+
+    pub(crate) fn new(py: Python<'_>, inner: &Inner, names: Arc<Names>) -> PyResult<Self> {
+        let rows: Vec<usize> = inner.tasks.iter().map(|task| task.error.len()).collect();
+        let memory = Memory::new(cells(&names, inner.vdot.len(), &rows));
+        let this = Self::over(py, Py::new(py, memory)?, names)?;
+        this.write(inner, None);
+        Ok(this)
+    }
+
+    fn scalars(&self) -> MutexGuard<'_, Scalars> {
+        self.scalars.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Takes over a report of the same sizes. Allocates only where more limits are active than ever before.
+    pub(crate) fn write(&self, inner: &Inner, traceback: Option<String>) {
+        let memory = self.memory.get();
+        memory.write(0, inner.vdot.as_slice());
+        let mut at = inner.vdot.len();
+        for task in &inner.tasks {
+            let rows = task.error.len();
+            memory.set(at, task.alpha);
+            memory.write(at + 1, &task.error);
+            memory.write(at + 1 + rows, &task.residual);
+            memory.write(at + 1 + 2 * rows, &task.cost);
+            at += 1 + 3 * rows;
+        }
+        for contact in &inner.contacts {
+            memory.set(at, f64::from(u8::from(contact.on)));
+            memory.set(at + 1, contact.alpha);
+            memory.set(at + 2, f64::from(u8::from(contact.task.is_some())));
+            if let Some(force) = &contact.task {
+                memory.write(at + 3, force.reference.as_slice());
+                memory.write(at + 6, force.virtual_input.as_slice());
+                memory.set(at + 9, f64::from(u8::from(force.clamped)));
+            } else {
+                memory.write(at + 3, &[f64::NAN; 6]);
+                memory.set(at + 9, 0.0);
+            }
+            memory.write(at + 10, contact.solution.as_slice());
+            memory.write(at + 16, contact.measured.as_slice());
+            memory.write(at + 22, contact.position.as_slice());
+            at += CONTACT;
+        }
+        let mut scalars = self.scalars();
+        scalars.time = inner.time;
+        scalars.level = inner.level.as_str();
+        scalars.since = inner.on_level.since;
+        scalars.ticks = inner.on_level.ticks;
+        scalars.fault = inner.fault;
+        scalars.traceback = traceback;
+        scalars.status = inner.status;
+        scalars.iterations = inner.iterations;
+        scalars.resolves = inner.resolves;
+        scalars.objective = inner.objective;
+        scalars.times = inner.times;
+        scalars.active.clone_from(&inner.active);
+        scalars.conflict.clone_from(&inner.conflict);
+        scalars.relaxed.clone_from(&inner.relaxed);
+    }
+
+    fn row_name(&self, row: RowId) -> (String, String, String) {
+        let found = self.names.rows.get(row.index()).cloned();
+        found.unwrap_or_default().into()
+    }
+}
+
+#[pymethods]
+impl Report {
+    /// Time of the measurement, s.
+    #[getter]
+    fn time(&self) -> f64 {
+        self.scalars().time
+    }
+
+    /// Where the command comes from: `"optimal"`, `"relaxed"`, `"extrapolated"` or `"safe"`.
+    #[getter]
+    fn level(&self) -> &'static str {
+        self.scalars().level
+    }
+
+    /// Time stamp of the first tick on this level, s.
+    #[getter]
+    fn level_since(&self) -> f64 {
+        self.scalars().since
+    }
+
+    /// Ticks on this level, this one included.
+    #[getter]
+    fn level_ticks(&self) -> u64 {
+        self.scalars().ticks
+    }
+
+    /// Why the command is not this tick's optimum, in words; `None` if it is. `Controller.explain()` says more.
+    #[getter]
+    fn fault(&self) -> Option<String> {
+        self.scalars().fault.map(|fault| fault.to_string())
+    }
+
+    /// What a plug-in written in Python raised in this tick, with its traceback; `None` if none did.
+    #[getter]
+    fn traceback(&self) -> Option<String> {
+        self.scalars().traceback.clone()
+    }
+
+    /// How the solver ended on the tick's own problem, such as `"optimal"` or `"infeasible"`.
+    #[getter]
+    fn status(&self) -> &'static str {
+        self.scalars().status.as_str()
+    }
+
+    /// The solver's iterations.
+    #[getter]
+    fn iterations(&self) -> u32 {
+        self.scalars().iterations
+    }
+
+    /// Relaxed problems that were solved.
+    #[getter]
+    fn resolves(&self) -> u32 {
+        self.scalars().resolves
+    }
+
+    /// The optimum's cost.
+    #[getter]
+    fn objective(&self) -> f64 {
+        self.scalars().objective
+    }
+
+    /// Generalised acceleration that the solution predicts, shape (nv,).
+    #[getter]
+    fn vdot(&self, py: Python<'_>) -> Py<PyAny> {
+        self.vdot.clone_ref(py)
+    }
+
+    /// What became of each task, by name.
+    #[getter]
+    fn tasks(&self, py: Python<'_>) -> Py<PyMappingProxy> {
+        self.tasks.clone_ref(py)
+    }
+
+    /// The forces of each contact, by name.
+    #[getter]
+    fn contacts(&self, py: Python<'_>) -> Py<PyMappingProxy> {
+        self.contacts.clone_ref(py)
+    }
+
+    /// Limits that are active: a list of dicts with `owner`, `label`, `unit`, `side` and `multiplier`.
+    #[getter]
+    fn active<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
+        let rows = self.scalars().active.clone();
+        let dict = |row: &ActiveRow| {
+            let dict = self.named_row(py, row.row)?;
+            dict.set_item("side", row.side.as_str())?;
+            dict.set_item("multiplier", row.multiplier)?;
+            Ok(dict)
+        };
+        rows.iter().map(dict).collect()
+    }
+
+    /// Limits that contradict one another: a list of dicts with `owner`, `label`, `unit`, `side`, `limit`,
+    /// `multiplier` and `short`, by how much this one alone would have to give.
+    #[getter]
+    fn conflict<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
+        let rows = self.scalars().conflict.clone();
+        let dict = |row: &ConflictRow| {
+            let dict = self.named_row(py, row.row)?;
+            dict.set_item("side", row.side.as_str())?;
+            dict.set_item("limit", row.limit)?;
+            dict.set_item("multiplier", row.multiplier)?;
+            dict.set_item("short", row.short)?;
+            Ok(dict)
+        };
+        rows.iter().map(dict).collect()
+    }
+
+    /// Limits that were given up: a list of dicts with `owner`, `label`, `unit`, `side`, `limit` and `by`.
+    #[getter]
+    fn relaxed<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
+        let rows = self.scalars().relaxed.clone();
+        let dict = |row: &RelaxedRow| {
+            let dict = self.named_row(py, row.row)?;
+            dict.set_item("side", row.side.as_str())?;
+            dict.set_item("limit", row.limit)?;
+            dict.set_item("by", row.by)?;
+            Ok(dict)
+        };
+        rows.iter().map(dict).collect()
+    }
+
+    /// A report that no tick changes.
+    fn copy(&self, py: Python<'_>) -> PyResult<Self> {
+        let memory = Py::new(py, self.memory.get().duplicate())?;
+        let copy = Self::over(py, memory, Arc::clone(&self.names))?;
+        *copy.scalars() = self.scalars().clone();
+        Ok(copy)
+    }
+
+    fn __repr__(&self) -> String {
+        let scalars = self.scalars();
+        let fault = scalars
+            .fault
+            .map_or_else(String::new, |fault| format!(", fault: {fault}"));
+        format!(
+            "<wbqp.Report at {} s: {}, {} iterations{fault}>",
+            scalars.time, scalars.level, scalars.iterations
+        )
+    }
+}
+
+impl Report {
+    fn named_row<'py>(&self, py: Python<'py>, row: RowId) -> PyResult<Bound<'py, PyDict>> {
+        let (owner, label, unit) = self.row_name(row);
+        let dict = PyDict::new(py);
+        dict.set_item("owner", owner)?;
+        dict.set_item("label", label)?;
+        dict.set_item("unit", unit)?;
+        Ok(dict)
+    }
+}
+
+#[pymethods]
+impl TaskReport {
+    /// Ramp, 0 (off) to 1 (on).
+    #[getter]
+    fn alpha(&self) -> f64 {
+        self.memory.get().get(self.at)
+    }
+
+    /// Actual minus desired, per row, in the task's error unit; by index or by the row's label.
+    #[getter]
+    fn error(&self, py: Python<'_>) -> Py<PyAny> {
+        self.arrays[0].clone_ref(py)
+    }
+
+    /// `A x − b` per row: what the solution does beyond what the task asked for.
+    #[getter]
+    fn residual(&self, py: Python<'_>) -> Py<PyAny> {
+        self.arrays[1].clone_ref(py)
+    }
+
+    /// `w r²` per row.
+    #[getter]
+    fn cost(&self, py: Python<'_>) -> Py<PyAny> {
+        self.arrays[2].clone_ref(py)
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let error = self.arrays[0].bind(py).repr()?;
+        Ok(format!(
+            "<wbqp.TaskReport alpha={} error={error}>",
+            self.alpha()
+        ))
+    }
+}
+
+#[pymethods]
+impl ContactReport {
+    /// Whether it is switched on.
+    #[getter]
+    fn on(&self) -> bool {
+        self.memory.get().get(self.at) != 0.0
+    }
+
+    /// Ramp, 0 (off) to 1 (on).
+    #[getter]
+    fn alpha(&self) -> f64 {
+        self.memory.get().get(self.at + 1)
+    }
+
+    /// Whether a force task spoke of it.
+    #[getter]
+    fn has_force_task(&self) -> bool {
+        self.memory.get().get(self.at + 2) != 0.0
+    }
+
+    /// Set point of the contact's force task, N, shape (3,); NaN without one.
+    #[getter]
+    fn set_point(&self, py: Python<'_>) -> Py<PyAny> {
+        self.arrays[0].clone_ref(py)
+    }
+
+    /// What the force task's outer loop asks of the solver, N, shape (3,); NaN without one.
+    #[getter]
+    fn virtual_input(&self, py: Python<'_>) -> Py<PyAny> {
+        self.arrays[1].clone_ref(py)
+    }
+
+    /// Whether the force task's integrator stands at its clamp.
+    #[getter]
+    fn clamped(&self) -> bool {
+        self.memory.get().get(self.at + 9) != 0.0
+    }
+
+    /// What the solver plans, `[force; moment]`, N and N·m, shape (6,).
+    #[getter]
+    fn solution(&self, py: Python<'_>) -> Py<PyAny> {
+        self.arrays[2].clone_ref(py)
+    }
+
+    /// What the sensor says, `[force; moment]`, N and N·m, shape (6,).
+    #[getter]
+    fn measured(&self, py: Python<'_>) -> Py<PyAny> {
+        self.arrays[3].clone_ref(py)
+    }
+
+    /// Contact point on the robot, m, surface coordinates, shape (3,); also while it is off.
+    #[getter]
+    fn position(&self, py: Python<'_>) -> Py<PyAny> {
+        self.arrays[4].clone_ref(py)
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let solution = self.arrays[2].bind(py).repr()?;
+        let on = if self.on() { "on" } else { "off" };
+        Ok(format!("<wbqp.ContactReport {on} solution={solution}>"))
+    }
+}
