@@ -438,14 +438,14 @@ impl Tree {
                 continue;
             }
             let Some(joint) = model.joint(name) else {
-                return Err(self.refuse("home.joints", self.unknown_joint(model, name)));
+                return Err(self.refuse("home.joints", Self::unknown_joint(model, name)));
             };
             state.q[joint.index()] = *position;
         }
         Ok(state)
     }
 
-    fn unknown_joint(&self, model: &Model, name: &str) -> String {
+    fn unknown_joint(model: &Model, name: &str) -> String {
         let known: Vec<&str> = model.joints().iter().map(|j| j.name.as_str()).collect();
         format!(
             "there is no joint `{name}` that moves by itself{}",
@@ -496,7 +496,7 @@ impl Tree {
         }
         for motor in &self.motors {
             let Some(joint) = model.joint(&motor.joint) else {
-                let what = self.unknown_joint(model, &motor.joint);
+                let what = Self::unknown_joint(model, &motor.joint);
                 return Err(self.refuse(&format!("motor `{}`", motor.name), what));
             };
             let [lower, upper] = motor.limits;

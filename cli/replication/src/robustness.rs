@@ -244,13 +244,11 @@ pub fn text(found: &[Perturbed]) -> String {
                 let name = format!("{} {} [{}]", row.id, row.quantity, row.tolerance);
                 let mark = if pass { "" } else { " ✗" };
                 let cell = format!("{}{mark}", row.measured.map_or("–".into(), number));
-                let index = match lines.iter().position(|(known, _)| *known == name) {
-                    Some(index) => index,
-                    None => {
-                        lines.push((name, vec!["–".to_owned(); same.len()]));
-                        lines.len() - 1
-                    }
-                };
+                let known = lines.iter().position(|(known, _)| *known == name);
+                let index = known.unwrap_or_else(|| {
+                    lines.push((name, vec!["–".to_owned(); same.len()]));
+                    lines.len() - 1
+                });
                 lines[index].1[at] = cell;
             }
         }
@@ -263,7 +261,7 @@ pub fn text(found: &[Perturbed]) -> String {
                 Attempt::Measured(_) => {
                     cells.extend(lines.iter().map(|(_, values)| {
                         Cell::new(&values[at]).set_alignment(CellAlignment::Right)
-                    }))
+                    }));
                 }
                 Attempt::Stopped(why) => cells.push(Cell::new(why)),
             }

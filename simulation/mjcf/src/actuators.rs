@@ -60,7 +60,6 @@ pub(crate) fn write(scene: &Scene, writer: &mut Writer) -> Result<Vec<f64>, Mjcf
                     }
                 }
             }
-            _ => return Err(refuse("this kind of actuator has no counterpart in MuJoCo")),
         }
     }
     writer.close();

@@ -159,7 +159,7 @@ impl Visuals {
                         colour: colour(visual, &palette),
                     }),
                     Err(what) => {
-                        notes.push(format!("a visual of link `{name}` is left out: {what}"))
+                        notes.push(format!("a visual of link `{name}` is left out: {what}"));
                     }
                 }
             }
