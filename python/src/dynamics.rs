@@ -295,7 +295,6 @@ impl Dynamics {
                     let (force, moment) = (axis * *effort, axis * twist);
                     wrenches.add_wrench(&inner.data, body, &motion.p_WF, &force, &moment);
                 }
-                _ => {}
             }
         }
         let mut vdot = DVector::zeros(robot.model.nv());

@@ -201,8 +201,12 @@ impl Requests {
         Some(event)
     }
 
-    /// After a tick: switches contacts by the force measured in it. Counts from the next tick on.
+    /// After a tick: switches contacts by the force measured in it. Counts from the next tick on. A tick without a
+    /// solution has no such force, and changes nothing.
     pub fn detect(&mut self, controller: &mut Controller, measurement: &Measurement) {
+        if !controller.report().level.is_solved() {
+            return;
+        }
         for detector in &mut self.detectors {
             // Names were checked when the scenario was loaded.
             let Ok(contact) = controller.contact(&detector.contact) else {

@@ -94,6 +94,9 @@ impl ClosedLoop {
         let Some(detector) = &mut self.detector else {
             return;
         };
+        if !self.controller.report().level.is_solved() {
+            return;
+        }
         let normal = self.controller.report().contacts[0].measured[2];
         let touch = detector.update(self.measurement.time, normal);
         let contact = detector.contact.as_str();

@@ -144,10 +144,13 @@ impl Controller {
         self.world.slew_time = since_last_tick.min(period);
         self.gate
             .open(&self.robot, &self.command, self.world.slew_time);
-        let fault = measurement.fault(&self.robot, self.world.contacts.len(), last);
-        let fault = fault.or_else(|| self.plausible.fault(measurement, &self.world.state, last));
-        let outcome = match fault {
-            Some(fault) => Err(fault),
+        let outcome = match self.fault(measurement, last) {
+            Some(fault) => {
+                if fault.is_of_a_wrench() {
+                    self.look(measurement);
+                }
+                Err(fault)
+            }
             None => self.solve(measurement, recorded),
         };
         let mut level = match outcome {
@@ -172,6 +175,30 @@ impl Controller {
         self.report.level = level;
         self.report.on_level = self.fallback.on_level;
         record_outcome(self, changed && !is_first);
+    }
+
+    /// What makes a measurement unusable, if anything does: what is wrong with the state before what is wrong with
+    /// wrenches. `last` is the time stamp of the last usable state.
+    fn fault(&mut self, measurement: &Measurement, last: Option<f64>) -> Option<Fault> {
+        let fault = measurement.fault(&self.robot, self.world.contacts.len(), last);
+        if fault.is_some_and(|fault| !fault.is_of_a_wrench()) {
+            return fault;
+        }
+        let state = &self.world.state;
+        let implausible = self.plausible.fault(measurement, state, last);
+        match implausible {
+            Some(other) if other.is_of_a_wrench() => fault.or(implausible),
+            _ => implausible.or(fault),
+        }
+    }
+
+    /// Takes the state over from a measurement whose wrenches are not usable, for the law of last resort.
+    fn look(&mut self, measurement: &Measurement) {
+        self.world.look(measurement);
+        self.fallback.without_state.renew(measurement.time);
+        if !self.first.is_over {
+            self.world.origin = None;
+        }
     }
 
     /// From a usable measurement to command and report; with a fault if limits were given up.

@@ -168,7 +168,7 @@ impl Plausible {
         stamp: Option<f64>,
     ) -> Option<Fault> {
         let now = measurement.time;
-        let fault = self.in_itself(measurement).or_else(|| {
+        let fault = self.speeds(measurement).or_else(|| {
             let unseen = self.see(now)?;
             let passed = stamp.map_or(unseen, |stamp| unseen.max(now - stamp));
             self.since(&measurement.state, last, [unseen, passed])
@@ -176,7 +176,9 @@ impl Plausible {
         if fault.is_none() {
             self.seen.gap = 0.0;
         }
-        fault.map(Fault::Implausible)
+        fault
+            .or_else(|| self.forces(measurement))
+            .map(Fault::Implausible)
     }
 
     /// The next measurement is compared with a state that was seen at this time.
@@ -197,6 +199,11 @@ impl Plausible {
 
     /// What of the speeds and forces is not plausible.
     pub(super) fn in_itself(&self, measurement: &Measurement) -> Option<Implausible> {
+        self.speeds(measurement)
+            .or_else(|| self.forces(measurement))
+    }
+
+    fn speeds(&self, measurement: &Measurement) -> Option<Implausible> {
         let v = measurement.state.v.as_slice();
         let (base, joints) = split(v, measurement.state.q.len());
         if let Some([linear, angular]) = base {
@@ -214,6 +221,10 @@ impl Plausible {
             let joint = Measured::JointVelocity(JointId::new(i));
             beyond(joint, v.abs(), bounds.velocity)
         });
+        joints.next()
+    }
+
+    fn forces(&self, measurement: &Measurement) -> Option<Implausible> {
         let wrenches = measurement.wrenches.iter().zip(&self.wrenches).enumerate();
         let mut wrenches = wrenches.filter_map(|(i, (wrench, [most_force, most_moment]))| {
             let contact = ContactId(i as u32);
@@ -224,7 +235,7 @@ impl Plausible {
                 beyond(Measured::Moment(contact), moment, *most_moment)
             })
         });
-        joints.next().or_else(|| wrenches.next())
+        wrenches.next()
     }
 
     /// What has changed too much since a state that is `passed` seconds old, of which the robot was not seen for so

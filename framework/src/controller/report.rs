@@ -113,7 +113,8 @@ pub struct Report {
     pub iterations: u32,
     /// The optimum's cost: `Σ w r²` over all soft rows, plus slacks and regularisation.
     pub objective: f64,
-    /// Generalised acceleration that the solution predicts, size nv.
+    /// Generalised acceleration that the solution predicts, size nv. This, `tasks` and `contacts` are those of the last
+    /// tick with a solution ([`FallbackLevel::is_solved`]).
     pub vdot: DVector<f64>,
     /// One per task, in the configuration's order.
     pub tasks: Vec<TaskReport>,

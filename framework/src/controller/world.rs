@@ -233,10 +233,7 @@ impl ContactBinding {
             }
         }
         c.force_limits = if self.switch.is_on() {
-            // From the force that is there already: with less, what the robot pushes with would go away.
-            let there = c.measured_at_switch[2].clamp(0.0, self.spec.force_max);
-            let upper = there + c.alpha * (self.spec.force_max - there);
-            [c.alpha * self.spec.force_min, upper]
+            [c.alpha * self.spec.force_min, c.alpha * self.spec.force_max]
         } else {
             // From the force at the switch to zero, whichever ramp was under way.
             let ramp = c.alpha / self.exit_alpha;
@@ -370,11 +367,7 @@ impl World {
 
     /// Takes a measurement over and computes everything that depends on it.
     pub(crate) fn measure(&mut self, m: &Measurement) {
-        self.time = m.time - *self.origin.get_or_insert(m.time);
-        self.state.copy_from(&m.state);
-        // Sensors deliver quaternions that are almost of unit length: everything after needs exactly that.
-        self.state.R_WR = UnitQuaternion::new_normalize(*m.state.R_WR.quaternion());
-        self.update_bodies();
+        self.take_state(m);
         for ((binding, contact), wrench) in self
             .bindings
             .iter_mut()
@@ -390,6 +383,27 @@ impl World {
                 contact,
             );
         }
+    }
+
+    /// Takes the state of a measurement over, whose wrenches are not usable: what contacts measured stays what it was.
+    /// Contacts are switched off, but not on, for which the measured force would be needed.
+    pub(crate) fn look(&mut self, m: &Measurement) {
+        self.take_state(m);
+        let contacts = self.contacts.iter_mut().zip(&mut self.bindings);
+        for (contact, binding) in contacts {
+            if !binding.switch.is_wanted() {
+                binding.settle(self.time, contact);
+            }
+            binding.place_again(self.time, &self.model, &self.data, contact);
+        }
+    }
+
+    fn take_state(&mut self, m: &Measurement) {
+        self.time = m.time - *self.origin.get_or_insert(m.time);
+        self.state.copy_from(&m.state);
+        // Sensors deliver quaternions that are almost of unit length: everything after needs exactly that.
+        self.state.R_WR = UnitQuaternion::new_normalize(*m.state.R_WR.quaternion());
+        self.update_bodies();
     }
 
     /// Takes down what the next tick needs of a solution that the problem has recovered.

@@ -64,6 +64,22 @@ pub enum Quantity {
     Wrench(ContactId),
 }
 
+impl Fault {
+    /// Whether it is about a measured wrench: the state is usable.
+    pub(crate) fn is_of_a_wrench(self) -> bool {
+        match self {
+            Self::NotFinite(quantity) => matches!(quantity, Quantity::Wrench(_)),
+            Self::Implausible(implausible) => {
+                matches!(
+                    implausible.quantity,
+                    Measured::Force(_) | Measured::Moment(_)
+                )
+            }
+            _ => false,
+        }
+    }
+}
+
 impl std::fmt::Display for Fault {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {

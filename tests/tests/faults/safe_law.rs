@@ -131,9 +131,42 @@ fn pushing() -> ClosedLoop {
 fn it_lets_go_of_a_wall() {
     let mut running = pushing();
     running.controller.activate("breaker").expect("exists");
+    it_lets_go(&mut running, |_| ());
+}
+
+#[test]
+fn a_force_sensor_that_fails_leaves_the_state() {
+    let mut running = pushing();
+    it_lets_go(&mut running, |measurement| {
+        measurement.wrenches[0][2] = f64::NAN;
+    });
+    let report = running.controller.report();
+    assert_eq!(report.level, FallbackLevel::Safe);
+    let fault = report.fault.expect("a fault").to_string();
+    assert_eq!(fault, "measurement not finite: wrench of contact 0");
+    // Contacts are let go of meanwhile.
+    let contact = running.controller.contact("tip").expect("exists");
+    assert!(running.controller.contact_state(contact).live);
+    running
+        .controller
+        .deactivate_contact("tip")
+        .expect("exists");
+    let until = running.time() + 1.5;
+    while running.time() < until {
+        let spoil = |measurement: &mut Measurement| measurement.wrenches[0][2] = 1e9;
+        running.step_with(spoil).expect("the plant moves on");
+    }
+    assert!(!running.controller.contact_state(contact).live);
+    assert!(tilt(running.plant.state()) < 3.0);
+}
+
+/// Nothing has a solution for four seconds.
+fn it_lets_go(running: &mut ClosedLoop, spoil: impl Fn(&mut Measurement)) {
     let mut largest = 0.0_f64;
     while running.time() < 10.0 {
-        step(&mut running);
+        running.step_with(&spoil).expect("the plant moves on");
+        let (robot, command) = (running.controller.robot(), running.controller.command());
+        assert!(is_within_bounds(robot, command), "at {} s", running.time());
         let truth = running
             .plant
             .contacts()
