@@ -78,6 +78,18 @@ impl Controller {
         Ok(())
     }
 
+    /// Takes what the contact's force-torque sensor says now, on average over about half a second, for its zero, from
+    /// the next tick on: for a constant error of the sensor, while nothing is touched. Nothing happens before the first
+    /// tick.
+    ///
+    /// # Errors
+    /// [`RequestError::Absent`].
+    pub fn tare(&mut self, contact: &str) -> Result<(), RequestError> {
+        let i = self.contact(contact)?.index();
+        self.world.bindings[i].zero.take();
+        Ok(())
+    }
+
     /// Gives a task another trajectory, in place of the first that it follows. It begins one period after the last
     /// tick (before the first tick: with that), from what the task followed until then. Allocates.
     ///

@@ -13,7 +13,7 @@ use nalgebra::{
 
 use super::{measurement::Measurement, record::ContactMemory};
 use crate::{
-    contact::{ContactSpec, ContactState, FreeForce, SurfaceMotion},
+    contact::{ContactSpec, ContactState, FreeForce, SensorZero, SurfaceMotion},
     error::BindError,
     plugin::{EntryState, PreviousSolution, Tick},
     problem::{BoundEntry, DynamicsTerms, Problem},
@@ -64,6 +64,7 @@ pub(crate) struct ContactBinding {
     exit_alpha: f64,
     /// Low-passed force in the free directions, C axes, N.
     filtered: Vector3<f64>,
+    pub(crate) zero: SensorZero,
     motion: SurfaceMotion,
     /// Share of a new sample in the low-pass, one period after the one before.
     gain: f64,
@@ -88,6 +89,7 @@ impl ContactBinding {
             exit_force: 0.0,
             exit_alpha: 1.0,
             filtered: Vector3::zeros(),
+            zero: SensorZero::default(),
             motion: SurfaceMotion::fixed(
                 spec.surface.rotation()?,
                 Vector3::from(spec.surface.origin),
@@ -195,6 +197,7 @@ impl ContactBinding {
 
     /// The measured force and moment, in C axes about the contact point.
     fn sense(&self, wrench: &Vector6<f64>, c: &mut ContactState) -> Vector3<f64> {
+        let wrench = self.zero.correct(wrench);
         // The sensor speaks in E about E's origin; the contact point is the offset away.
         let force = Vector3::new(wrench[0], wrench[1], wrench[2]);
         let moment = Vector3::new(wrench[3], wrench[4], wrench[5])
@@ -214,6 +217,7 @@ impl ContactBinding {
         c: &mut ContactState,
     ) {
         self.place(model, data, c);
+        self.zero.follow(wrench, elapsed);
         let force = self.sense(wrench, c);
         let gain = if elapsed == self.period {
             self.gain
@@ -260,6 +264,8 @@ impl ContactBinding {
         out.exit_force = self.exit_force;
         out.exit_alpha = self.exit_alpha;
         out.filtered = self.filtered.into();
+        out.mean_reading = self.zero.mean.map(Into::into);
+        out.sensor_zero = self.zero.offset.into();
         for (out, r) in out.rotation.iter_mut().zip(self.motion.R_WC.matrix()) {
             *out = *r;
         }
@@ -273,6 +279,10 @@ impl ContactBinding {
         self.exit_force = memory.exit_force;
         self.exit_alpha = memory.exit_alpha;
         self.filtered = memory.filtered.into();
+        self.zero = SensorZero {
+            mean: memory.mean_reading.map(Into::into),
+            offset: memory.sensor_zero.into(),
+        };
         let [p_WS, v_WS, w_WC, a_WS, alpha_WC] = memory.motion.map(Vector3::from);
         let rotation = Matrix3::from_column_slice(&memory.rotation);
         self.motion = SurfaceMotion {

@@ -18,6 +18,9 @@ pub struct Event {
     /// Name under which the log's timeline keeps the time.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mark: Option<String>,
+    /// Contacts whose force-torque sensor says zero now.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub tare: Vec<String>,
     /// Contacts to switch off.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub deactivate_contact: Vec<String>,
@@ -49,6 +52,9 @@ impl Event {
             return Err("`at` must be finite and not negative".into());
         }
         let text = |e: wbqp::controller::RequestError| e.to_string();
+        for name in &self.tare {
+            controller.tare(name).map_err(text)?;
+        }
         for name in &self.deactivate_contact {
             controller.deactivate_contact(name).map_err(text)?;
         }

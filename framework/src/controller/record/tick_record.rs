@@ -98,6 +98,11 @@ pub(crate) struct ContactMemory {
     pub(crate) exit_force: f64,
     pub(crate) exit_alpha: f64,
     pub(crate) filtered: [f64; 3],
+    /// Of the force-torque sensor; not in older records.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) mean_reading: Option<[f64; 6]>,
+    #[serde(default)]
+    pub(crate) sensor_zero: [f64; 6],
     /// `R_WC`, column by column.
     pub(crate) rotation: [f64; 9],
     /// Position, velocity, angular velocity, acceleration, angular acceleration of the surface.
