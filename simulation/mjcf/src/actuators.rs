@@ -17,6 +17,7 @@ use crate::{
 pub(crate) fn write(scene: &Scene, writer: &mut Writer) -> Result<Vec<f64>, MjcfError> {
     let robot = &scene.robot;
     let mut activations = Vec::new();
+    let mut rotors = 0..;
     if robot.actuators.is_empty() {
         return Ok(activations);
     }
@@ -30,7 +31,8 @@ pub(crate) fn write(scene: &Scene, writer: &mut Writer) -> Result<Vec<f64>, Mjcf
         };
         match &actuator.kind {
             ActuatorKind::Rotor(rotor) => {
-                let (attributes, start) = rotor_attributes(scene, actuator, rotor, command)
+                let rank = rotors.next().unwrap_or_default();
+                let (attributes, start) = rotor_attributes(scene, (actuator, rank), rotor, command)
                     .ok_or_else(|| {
                         refuse("a rotor needs a frame of the robot and finite limits")
                     })?;
@@ -69,13 +71,13 @@ pub(crate) fn write(scene: &Scene, writer: &mut Writer) -> Result<Vec<f64>, Mjcf
 /// `min(s · sat(u), f_m)` is `s · sat(u)` with another upper limit.
 fn rotor_attributes(
     scene: &Scene,
-    actuator: &Actuator,
+    (actuator, rank): (&Actuator, usize),
     rotor: &Rotor,
     command: f64,
 ) -> Option<(Attributes, f64)> {
     let frame = scene.robot.model.frames().get(rotor.frame.index())?;
     let mismatch = &scene.plant.mismatch;
-    let scale = mismatch.thrust_scale;
+    let scale = mismatch.rotor_scale(rank);
     let most = actuator.upper.min(mismatch.thrust_max / scale);
     let least = actuator.lower.min(most);
     if !least.is_finite() || !most.is_finite() {

@@ -29,7 +29,7 @@ impl Mismatch {
     }
 
     /// Thrust that rotor `i` produces relative to the thrust that was commanded.
-    pub(super) fn rotor_scale(&self, i: usize) -> f64 {
+    pub fn rotor_scale(&self, i: usize) -> f64 {
         self.thrust_scale * self.rotor_scales.get(i).copied().unwrap_or(1.0)
     }
 
