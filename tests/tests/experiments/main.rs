@@ -10,3 +10,4 @@ mod push_with_disturbance;
 mod robustness;
 mod switching;
 mod under_actuated;
+mod unknown;
