@@ -1003,14 +1003,14 @@ impl PythonReference {
 pub(crate) fn _register(
     kind: &str,
     tag: String,
-    class: Py<PyAny>,
+    class_: Py<PyAny>,
     schema: &str,
     origin: String,
 ) -> PyResult<()> {
     let schema: Value = wbqp::serde_json::from_str(schema)
         .map_err(|error| PyValueError::new_err(error.to_string()))?;
     let schema = Schema::try_from(schema).map_err(|e| PyValueError::new_err(e.to_string()))?;
-    let class = Arc::new(class);
+    let class = Arc::new(class_);
     // Of a plug-in that stays until the program ends.
     let name: &'static str = tag.clone().leak();
     let parameters = move |value: wbqp::toml::de::ValueDeserializer<'_>| {

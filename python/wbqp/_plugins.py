@@ -36,7 +36,7 @@ class Plugin:
         keys = {key[:-1] if keyword.iskeyword(key[:-1]) else key: value for key, value in keys.items()}
         for key in keys:
             if key not in known or (key == "type" and cls._tag is not None):
-                close = difflib.get_close_matches(key, known, 1)
+                close = difflib.get_close_matches(key, known, 1, 0.5)
                 hint = f"; did you mean {close[0]!r}?" if close else ""
                 names = ", ".join(name for name in known if name != "type")
                 raise TypeError(f"{cls.__name__} has no key {key!r}{hint} (known: {names})")
