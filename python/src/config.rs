@@ -11,7 +11,10 @@ use pyo3::{
 use wbqp::{
     ControllerConfig,
     config::{ConfigErrors, ControllerError, Overrides},
+    plugin::{AnyReference, PerRow},
 };
+
+use crate::arrays::{Length, vector};
 
 /// What messages call a configuration that is no file.
 const DICT: &str = "<dict>";
@@ -88,48 +91,121 @@ fn table(dict: &Bound<'_, PyDict>, place: &str, depth: usize) -> PyResult<toml::
     Ok(table)
 }
 
-/// A dict with the tables of a controller's file.
-///
-/// # Errors
-/// `TypeError` for what no file can hold; `ConfigError` with all mistakes.
-pub(crate) fn from_dict(
-    dict: &Bound<'_, PyDict>,
-    directory: Option<PathBuf>,
-    set: Option<&Bound<'_, PyDict>>,
-) -> PyResult<ControllerConfig> {
-    let text = toml::to_string(&table(dict, "", 0)?)
-        .map_err(|error| PyValueError::new_err(format!("the configuration: {error}")))?;
-    from_text(dict.py(), &text, DICT, directory, set)
+/// A configuration that was given in Python, to be loaded once or many times, with or without the interpreter's lock.
+pub(crate) struct Source {
+    origin: Origin,
+    overrides: Overrides,
 }
 
-/// The text of a controller's file; relative paths count from `directory`.
-///
-/// # Errors
-/// `ConfigError` with all mistakes.
-pub(crate) fn from_text(
-    py: Python<'_>,
-    text: &str,
-    name: &str,
-    directory: Option<PathBuf>,
-    set: Option<&Bound<'_, PyDict>>,
-) -> PyResult<ControllerConfig> {
-    let overrides = overrides(set)?;
-    let directory = directory.unwrap_or_default();
-    ControllerConfig::from_str_with(text, name, directory, &overrides)
-        .map_err(|errors| refused(py, &errors.into()))
+enum Origin {
+    File(PathBuf),
+    Text {
+        text: String,
+        name: String,
+        directory: PathBuf,
+    },
 }
 
-/// A controller's file.
-///
-/// # Errors
-/// `ConfigError` with all mistakes.
-pub(crate) fn from_file(
-    py: Python<'_>,
-    path: &std::path::Path,
-    set: Option<&Bound<'_, PyDict>>,
-) -> PyResult<ControllerConfig> {
-    let overrides = overrides(set)?;
-    ControllerConfig::from_file_with(path, &overrides).map_err(|errors| refused(py, &errors.into()))
+impl Source {
+    /// A dict with the tables of a controller's file.
+    ///
+    /// # Errors
+    /// `TypeError` for what no file can hold.
+    pub(crate) fn dict(
+        dict: &Bound<'_, PyDict>,
+        directory: Option<PathBuf>,
+        set: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<Self> {
+        let text = toml::to_string(&table(dict, "", 0)?)
+            .map_err(|error| PyValueError::new_err(format!("the configuration: {error}")))?;
+        Self::text(text, DICT, directory, set)
+    }
+
+    /// The text of a controller's file; relative paths count from `directory`.
+    ///
+    /// # Errors
+    /// `ValueError` for values of `set` that are in no file.
+    pub(crate) fn text(
+        text: String,
+        name: &str,
+        directory: Option<PathBuf>,
+        set: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<Self> {
+        let directory = directory.unwrap_or_default();
+        let name = name.to_owned();
+        Ok(Self {
+            origin: Origin::Text {
+                text,
+                name,
+                directory,
+            },
+            overrides: overrides(set)?,
+        })
+    }
+
+    /// What a constructor was given: a path, a dict, or the tables as keywords.
+    ///
+    /// # Errors
+    /// `TypeError` if it is none of them.
+    pub(crate) fn given(
+        py: Python<'_>,
+        config: Option<&Bound<'_, PyAny>>,
+        directory: Option<PathBuf>,
+        set: Option<&Bound<'_, PyDict>>,
+        tables: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<Self> {
+        let tables = tables.filter(|tables| !tables.is_empty());
+        match (config, tables) {
+            (Some(_), Some(_)) => Err(PyTypeError::new_err(
+                "give a file or a dict, or the tables as keywords, not both; `set` changes single values",
+            )),
+            (None, None) => Err(PyTypeError::new_err(
+                "give a file, a dict, or the tables as keywords: robot=…, tasks=[…], rate=…",
+            )),
+            (None, Some(tables)) => {
+                let document = py.import("wbqp._config")?.getattr("document")?;
+                let document = document.call((), Some(tables))?;
+                Self::dict(document.cast()?, directory, set)
+            }
+            (Some(config), None) => {
+                if let Ok(dict) = config.cast::<PyDict>() {
+                    return Self::dict(dict, directory, set);
+                }
+                let path = config.extract().map_err(|_| {
+                    PyTypeError::new_err("the configuration must be a path or a dict")
+                })?;
+                Ok(Self {
+                    origin: Origin::File(path),
+                    overrides: overrides(set)?,
+                })
+            }
+        }
+    }
+
+    /// Loads it.
+    ///
+    /// # Errors
+    /// All mistakes.
+    pub(crate) fn load(&self) -> Result<ControllerConfig, ConfigErrors> {
+        match &self.origin {
+            Origin::File(path) => ControllerConfig::from_file_with(path, &self.overrides),
+            Origin::Text {
+                text,
+                name,
+                directory,
+            } => ControllerConfig::from_str_with(text, name, directory, &self.overrides),
+        }
+    }
+
+    /// Makes a controller of it.
+    ///
+    /// # Errors
+    /// `ConfigError` with all mistakes.
+    pub(crate) fn controller(&self, py: Python<'_>) -> PyResult<wbqp::Controller> {
+        let config = self.load().map_err(ControllerError::from);
+        let controller = config.and_then(wbqp::Controller::new);
+        controller.map_err(|error| refused(py, &error))
+    }
 }
 
 /// What replaces values of a file: `{"task": {"com": {"kp": 40.0}}, "controller": {"rate": 500.0}}`.
@@ -140,6 +216,28 @@ pub(crate) fn overrides(set: Option<&Bound<'_, PyDict>>) -> PyResult<Overrides> 
     let table = table(set, "", 0)?;
     table.try_into().map_err(|error: toml::de::Error| {
         PyValueError::new_err(format!("set: {}", error.message()))
+    })
+}
+
+/// Keys of a plug-in.
+pub(crate) fn keys(keys: Option<&Bound<'_, PyDict>>) -> PyResult<toml::Table> {
+    keys.map_or_else(|| Ok(toml::Table::new()), |keys| table(keys, "", 0))
+}
+
+/// A number, or one per row.
+pub(crate) fn weight(weight: &Bound<'_, PyAny>) -> PyResult<PerRow> {
+    Ok(match weight.extract::<f64>() {
+        Ok(weight) => PerRow::from(weight),
+        Err(_) => PerRow::Each(vector(weight, "weight", Length::Any)?),
+    })
+}
+
+/// An object of `wbqp.references`, or its table.
+pub(crate) fn reference(reference: &Bound<'_, PyAny>) -> PyResult<Box<dyn AnyReference>> {
+    let value = value(reference, "reference", 0)?;
+    value.try_into().map_err(|error: toml::de::Error| {
+        let message = format!("reference: {}", error.message());
+        refused_text(reference.py(), &message)
     })
 }
 

@@ -1,4 +1,5 @@
 //! The controller: bind once, then tick.
+#![allow(non_snake_case, reason = "frames are in the names of rotations")]
 
 use std::{
     path::PathBuf,
@@ -11,12 +12,20 @@ use pyo3::{
     types::{PyDict, PyString},
 };
 use wbqp::{
+    contact::SurfaceMotion,
     controller::{Measurement as Inputs, RequestError},
-    plugin::{AnyReference, PerRow},
+    nalgebra::{Matrix3, Rotation3, Vector3},
 };
 
 use crate::{
-    command::Command, config, measurement::Measurement, names::Names, report::Report, robot::Robot,
+    arrays::{Length, matrix, vector},
+    command::Command,
+    config::{self, Source},
+    measurement::Measurement,
+    names::Names,
+    plugin,
+    report::Report,
+    robot::Robot,
 };
 
 /// A whole-body controller bound to a robot.
@@ -88,6 +97,20 @@ impl Controller {
     }
 }
 
+/// A rotation matrix.
+fn turned(rotation: &Bound<'_, PyAny>) -> PyResult<Rotation3<f64>> {
+    let (numbers, rows, columns) = matrix(rotation, "rotation")?;
+    let matrix = (rows, columns) == (3, 3);
+    let matrix = matrix.then(|| Matrix3::from_row_slice(&numbers));
+    let is_rotation = |m: &Matrix3<f64>| {
+        (m * m.transpose() - Matrix3::identity()).amax() < 1e-6 && m.determinant() > 0.0
+    };
+    let matrix = matrix.filter(is_rotation);
+    let matrix = matrix
+        .ok_or_else(|| PyValueError::new_err("rotation: must be a rotation matrix, 3 × 3"))?;
+    Ok(Rotation3::from_matrix_unchecked(matrix))
+}
+
 #[cold]
 fn locked<T>(error: &TryLockError<T>) -> PyErr {
     PyRuntimeError::new_err(match error {
@@ -121,36 +144,8 @@ impl Controller {
         set: Option<&Bound<'_, PyDict>>,
         tables: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
-        let tables = tables.filter(|tables| !tables.is_empty());
-        let config = match (config, tables) {
-            (Some(_), Some(_)) => {
-                return Err(PyTypeError::new_err(
-                    "give a file or a dict, or the tables as keywords, not both; `set` changes single values",
-                ));
-            }
-            (None, None) => {
-                return Err(PyTypeError::new_err(
-                    "give a file, a dict, or the tables as keywords: robot=…, tasks=[…], rate=…",
-                ));
-            }
-            (None, Some(tables)) => {
-                let document = py.import("wbqp._config")?.getattr("document")?;
-                let document = document.call((), Some(tables))?;
-                config::from_dict(document.cast()?, directory, set)?
-            }
-            (Some(config), None) => {
-                if let Ok(dict) = config.cast::<PyDict>() {
-                    config::from_dict(dict, directory, set)?
-                } else {
-                    let path: PathBuf = config.extract().map_err(|_| {
-                        PyTypeError::new_err("the configuration must be a path or a dict")
-                    })?;
-                    config::from_file(py, &path, set)?
-                }
-            }
-        };
-        let controller = wbqp::Controller::new(config);
-        Self::over(py, controller.map_err(|error| config::refused(py, &error))?)
+        let source = Source::given(py, config, directory, set, tables)?;
+        Self::over(py, source.controller(py)?)
     }
 
     /// A controller from the text of a TOML file.
@@ -174,9 +169,8 @@ impl Controller {
         set: Option<&Bound<'_, PyDict>>,
         name: &str,
     ) -> PyResult<Self> {
-        let config = config::from_text(py, text, name, directory, set)?;
-        let controller = wbqp::Controller::new(config);
-        Self::over(py, controller.map_err(|error| config::refused(py, &error))?)
+        let source = Source::text(text.to_owned(), name, directory, set)?;
+        Self::over(py, source.controller(py)?)
     }
 
     /// A measurement of the right sizes: the home posture at rest at time 0, no force.
@@ -215,7 +209,10 @@ impl Controller {
         measurement.read(inputs)?;
         let (command, report) = controller.tick(inputs);
         self.command.get().write(command);
-        self.report.get().write(report, None);
+        self.report.get().write(report, plugin::traceback());
+        if let Some(interrupt) = plugin::interrupt() {
+            return Err(interrupt);
+        }
         Ok((self.command.clone_ref(py), self.report.clone_ref(py)))
     }
 
@@ -296,11 +293,59 @@ impl Controller {
 
     /// Gives a task or constraint another weight: a number, or one per row. It goes there with the entry's ramp.
     fn reweight(&self, entry: &str, weight: &Bound<'_, PyAny>) -> PyResult<()> {
-        let weight = match weight.extract::<f64>() {
-            Ok(weight) => PerRow::from(weight),
-            Err(_) => PerRow::Each(weight.extract::<Vec<f64>>()?),
-        };
+        let weight = config::weight(weight)?;
         self.request(|controller| controller.reweight(entry, weight))
+    }
+
+    /// Replaces keys of a task or constraint, named and written as in its file, all or none; checked as those of a file
+    /// are, and they hold from the next tick on: ``controller.set("com", kp=40.0)``. What was resolved when the
+    /// controller was made stays: frames and joints that are named, and references (`follow`).
+    #[pyo3(signature = (entry, /, **keys))]
+    fn set(&self, entry: &str, keys: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
+        let keys = config::keys(keys)?;
+        self.request(|controller| controller.set(entry, keys))
+    }
+
+    /// Moves a contact's surface, from the next tick on.
+    ///
+    /// Parameters
+    /// ----------
+    /// contact : str
+    ///     Its name.
+    /// position : array (3,)
+    ///     Origin of surface coordinates, m, world.
+    /// rotation : array (3, 3), optional
+    ///     Rotation matrix of the surface's axes, z its outward normal; as it was without.
+    /// velocity, acceleration : array (6,), optional
+    ///     ``[linear; angular]`` of the origin, world axes; zero without.
+    #[pyo3(signature = (contact, position, rotation = None, *, velocity = None, acceleration = None))]
+    fn move_surface(
+        &self,
+        contact: &str,
+        position: &Bound<'_, PyAny>,
+        rotation: Option<&Bound<'_, PyAny>>,
+        velocity: Option<&Bound<'_, PyAny>>,
+        acceleration: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<()> {
+        let position = vector(position, "position", Length::Exactly(3))?;
+        let six = |value: Option<&Bound<'_, PyAny>>, name| match value {
+            Some(value) => vector(value, name, Length::Exactly(6)),
+            None => Ok(vec![0.0; 6]),
+        };
+        let velocity = six(velocity, "velocity")?;
+        let acceleration = six(acceleration, "acceleration")?;
+        let rotation = rotation.map(|rotation| turned(rotation)).transpose()?;
+        self.request(|controller| {
+            let id = controller.contact(contact)?;
+            let was = controller.contact_state(id).R_WC;
+            let R_WC = rotation.unwrap_or(was);
+            let mut motion = SurfaceMotion::fixed(R_WC, Vector3::from_column_slice(&position));
+            motion.v_WS = Vector3::from_column_slice(&velocity[..3]);
+            motion.w_WC = Vector3::from_column_slice(&velocity[3..]);
+            motion.a_WS = Vector3::from_column_slice(&acceleration[..3]);
+            motion.alpha_WC = Vector3::from_column_slice(&acceleration[3..]);
+            controller.move_surface(contact, &motion)
+        })
     }
 
     /// Gives a task another trajectory, in place of the first that it follows.
@@ -312,11 +357,7 @@ impl Controller {
     /// reference : object of wbqp.references, or dict
     ///     ``{"type": "min_jerk", "to": [0.0, 0.3], "duration": 2.0}``
     fn follow(&self, task: &str, reference: &Bound<'_, PyAny>) -> PyResult<()> {
-        let reference: Box<dyn AnyReference> = config::value(reference, "reference", 0)?
-            .try_into()
-            .map_err(|error: wbqp::toml::de::Error| {
-                config::refused_text(reference.py(), &format!("reference: {}", error.message()))
-            })?;
+        let reference = config::reference(reference)?;
         self.request(|controller| controller.follow(task, reference))
     }
 

@@ -1,6 +1,7 @@
 //! wbqp from Python: the extension module `wbqp._wbqp` of the package `wbqp`.
 
 mod arrays;
+mod batch;
 mod command;
 mod config;
 mod controller;
@@ -9,10 +10,13 @@ mod log;
 mod measurement;
 mod mujoco;
 mod names;
+mod plugin;
 mod qp;
 mod report;
 mod robot;
+mod schema;
 mod simulate;
+mod timing;
 mod views;
 
 use pyo3::prelude::*;
@@ -29,6 +33,8 @@ fn _wbqp(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<report::TaskReport>()?;
     module.add_class::<report::ContactReport>()?;
     module.add_class::<robot::Robot>()?;
+    module.add_class::<batch::Batch>()?;
+    module.add_class::<plugin::PluginSetup>()?;
     module.add_class::<dynamics::Dynamics>()?;
     module.add_class::<dynamics::FrameState>()?;
     module.add_class::<qp::QpSolution>()?;
@@ -38,6 +44,10 @@ fn _wbqp(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(log::_rows, module)?)?;
     module.add_function(wrap_pyfunction!(log::_experiments, module)?)?;
     module.add_function(wrap_pyfunction!(log::_to_toml, module)?)?;
+    module.add_function(wrap_pyfunction!(plugin::_register, module)?)?;
+    module.add_function(wrap_pyfunction!(plugin::_check, module)?)?;
+    module.add_function(wrap_pyfunction!(schema::_schema, module)?)?;
+    module.add_function(wrap_pyfunction!(timing::_time_ticks, module)?)?;
     module.add_function(wrap_pyfunction!(simulate::_cases, module)?)?;
     module.add_function(wrap_pyfunction!(simulate::_simulate, module)?)?;
     module.add_class::<mujoco::CaseRun>()?;

@@ -11,11 +11,6 @@ use crate::{
     views::{Access, Memory, array},
 };
 
-const TIME: usize = 0;
-const POSITION: usize = 1;
-const QUATERNION: usize = 4;
-const FIRST: usize = 8;
-
 /// What the sensors say at the beginning of a tick; made by `Controller.measurement()`.
 ///
 /// All arrays are views: write into them. Assigning to an attribute copies into the array.
@@ -43,10 +38,75 @@ impl Sizes {
         }
     }
 
-    fn cells(self) -> usize {
-        FIRST + self.joints + self.velocities + 6 * self.contacts
+    /// Numbers of a measurement.
+    pub(crate) fn cells(self) -> usize {
+        8 + self.joints + self.velocities + 6 * self.contacts
     }
 }
+
+/// Where the numbers of one of several measurements are, which are stored quantity by quantity.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Places {
+    pub(crate) time: usize,
+    pub(crate) position: usize,
+    pub(crate) quaternion: usize,
+    pub(crate) q: usize,
+    pub(crate) v: usize,
+    pub(crate) wrench: usize,
+}
+
+impl Places {
+    /// Those of number `i` of `n`.
+    #[inline]
+    pub(crate) fn of(sizes: Sizes, i: usize, n: usize) -> Self {
+        let position = n;
+        let quaternion = position + 3 * n;
+        let q = quaternion + 4 * n;
+        let v = q + sizes.joints * n;
+        let wrench = v + sizes.velocities * n;
+        Self {
+            time: i,
+            position: position + 3 * i,
+            quaternion: quaternion + 4 * i,
+            q: q + sizes.joints * i,
+            v: v + sizes.velocities * i,
+            wrench: wrench + 6 * sizes.contacts * i,
+        }
+    }
+
+    /// Takes over the numbers of a measurement of the same sizes.
+    pub(crate) fn write(self, memory: &Memory, inner: &Inner) {
+        let state = &inner.state;
+        memory.set(self.time, inner.time);
+        memory.write(self.position, state.p_WR.as_slice());
+        let [x, y, z, w] = state.R_WR.coords.into();
+        memory.write(self.quaternion, &[w, x, y, z]);
+        memory.write(self.q, state.q.as_slice());
+        memory.write(self.v, state.v.as_slice());
+        for (i, wrench) in inner.wrenches.iter().enumerate() {
+            memory.write(self.wrench + 6 * i, wrench.as_slice());
+        }
+    }
+
+    /// Reads the numbers into a measurement of the same sizes.
+    #[inline]
+    pub(crate) fn read(self, memory: &Memory, out: &mut Inner) {
+        out.time = memory.get(self.time);
+        memory.read(self.position, out.state.p_WR.as_mut_slice());
+        let mut wxyz = [0.0; 4];
+        memory.read(self.quaternion, &mut wxyz);
+        let [w, x, y, z] = wxyz;
+        // The tick itself refuses what is no rotation.
+        out.state.R_WR = UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z));
+        memory.read(self.q, out.state.q.as_mut_slice());
+        memory.read(self.v, out.state.v.as_mut_slice());
+        for (i, wrench) in out.wrenches.iter_mut().enumerate() {
+            memory.read(self.wrench + 6 * i, wrench.as_mut_slice());
+        }
+    }
+}
+
+const TIME: usize = 0;
 
 impl Measurement {
     /// Over a memory that is there.
@@ -59,16 +119,14 @@ impl Measurement {
         let bound = memory.bind(py);
         let view =
             |at, shape: &[usize]| array(bound, at, shape, Access::Write).map(Bound::into_any);
-        let q = FIRST;
-        let v = q + sizes.joints;
-        let wrench = v + sizes.velocities;
+        let places = Places::of(sizes, 0, 1);
         let named = |at, shape: &[usize], names| named(&view(at, shape)?, names);
         let arrays = [
-            view(POSITION, &[3])?,
-            view(QUATERNION, &[4])?,
-            named(q, &[sizes.joints], names[0])?,
-            named(v, &[sizes.velocities], names[1])?,
-            named(wrench, &[sizes.contacts, 6], names[2])?,
+            view(places.position, &[3])?,
+            view(places.quaternion, &[4])?,
+            named(places.q, &[sizes.joints], names[0])?,
+            named(places.v, &[sizes.velocities], names[1])?,
+            named(places.wrench, &[sizes.contacts, 6], names[2])?,
         ];
         Ok(Self {
             arrays: arrays.map(Bound::unbind),
@@ -89,19 +147,7 @@ impl Measurement {
 
     /// Takes over the numbers of a measurement of the same sizes.
     pub(crate) fn write(&self, inner: &Inner) {
-        let memory = self.memory.get();
-        let state = &inner.state;
-        memory.set(TIME, inner.time);
-        memory.write(POSITION, state.p_WR.as_slice());
-        let [x, y, z, w] = state.R_WR.coords.into();
-        memory.write(QUATERNION, &[w, x, y, z]);
-        memory.write(FIRST, state.q.as_slice());
-        let velocities = FIRST + self.sizes.joints;
-        memory.write(velocities, state.v.as_slice());
-        let wrenches = velocities + self.sizes.velocities;
-        for (i, wrench) in inner.wrenches.iter().enumerate() {
-            memory.write(wrenches + 6 * i, wrench.as_slice());
-        }
+        Places::of(self.sizes, 0, 1).write(self.memory.get(), inner);
     }
 
     /// Reads the numbers into a measurement of the framework's.
@@ -114,21 +160,7 @@ impl Measurement {
         if sizes != self.sizes {
             return Err(other_sizes(self.sizes, sizes));
         }
-        let memory = self.memory.get();
-        out.time = memory.get(TIME);
-        memory.read(POSITION, out.state.p_WR.as_mut_slice());
-        let mut wxyz = [0.0; 4];
-        memory.read(QUATERNION, &mut wxyz);
-        let [w, x, y, z] = wxyz;
-        // The tick itself refuses what is no rotation.
-        out.state.R_WR = UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z));
-        memory.read(FIRST, out.state.q.as_mut_slice());
-        let velocities = FIRST + sizes.joints;
-        memory.read(velocities, out.state.v.as_mut_slice());
-        let wrenches = velocities + sizes.velocities;
-        for (i, wrench) in out.wrenches.iter_mut().enumerate() {
-            memory.read(wrenches + 6 * i, wrench.as_mut_slice());
-        }
+        Places::of(sizes, 0, 1).read(self.memory.get(), out);
         Ok(())
     }
 

@@ -9,12 +9,14 @@ use std::{
 use pyo3::{prelude::*, types::PyDict};
 use wbqp::{
     actuator::{ActuatorKind, Drive},
-    config::ControllerConfig,
     model::Base,
     robot::{Robot as Plugin, RobotError, RobotModel},
 };
 
-use crate::{config, names};
+use crate::{
+    config::{self, Source},
+    names,
+};
 
 /// A robot: rigid bodies, actuators, home posture. Immutable.
 #[pyclass(frozen, module = "wbqp")]
@@ -87,7 +89,8 @@ impl Robot {
         settings.set_item("rate", 100.0)?;
         document.set_item("controller", settings)?;
         document.set_item("robot", table)?;
-        let config: ControllerConfig = config::from_dict(&document, directory, None)?;
+        let config = Source::dict(&document, directory, None)?.load();
+        let config = config.map_err(|errors| config::refused(py, &errors.into()))?;
         let robot = config
             .load_robot()
             .map_err(|error| config::refused(py, &error))?;

@@ -16,7 +16,7 @@ use wbqp_log::{ChannelId, LogError, LogSink, McapLog};
 use wbqp_measures::log::Recorder;
 use wbqp_sim::{RunError, Scenario, ScenarioError, Summary, Variation};
 
-use crate::{config, log::Log};
+use crate::{config, log::Log, plugin};
 
 /// How often the interpreter is asked whether somebody wants the run to end.
 const PATIENCE: Duration = Duration::from_millis(50);
@@ -47,7 +47,8 @@ impl<S: LogSink> LogSink for Interruptible<S> {
 
     fn write(&mut self, channel: ChannelId, time: f64, message: &[u8]) -> Result<(), LogError> {
         if self.raised.is_none() && self.asked.elapsed() > PATIENCE {
-            self.raised = Python::attach(|py| py.check_signals()).err();
+            let raised = Python::attach(|py| py.check_signals()).err();
+            self.raised = raised.or_else(plugin::interrupt);
             self.asked = Instant::now();
         }
         if self.raised.is_some() {

@@ -4,11 +4,15 @@ SI units and radians, world z up. Velocities are world-aligned, ``v = [v_WR; w_W
 the environment does to the robot. Weights are linear: a row costs ``w r²``.
 """
 
+from . import constraints, fallbacks, references, robots, solvers, tasks, testing
 from ._arrays import NamedArray
+from ._authoring import Layout, Rows, Tick, constraint, entry, reference, task
+from ._contact import Contact
 from ._errors import ConfigError, Mistake
 from ._recording import Recording, Topic, experiment_cases, read_log, rows
 from ._simulation import cases, scenarios, simulate
 from ._wbqp import (
+    Batch,
     Command,
     ContactReport,
     Controller,
@@ -18,18 +22,22 @@ from ._wbqp import (
     QpSolution,
     Report,
     Robot,
+    Setup,
     TaskReport,
     __version__,
     solve_qp,
 )
 
 __all__ = [
+    "Batch",
     "Command",
     "ConfigError",
+    "Contact",
     "ContactReport",
     "Controller",
     "Dynamics",
     "FrameState",
+    "Layout",
     "Measurement",
     "Mistake",
     "NamedArray",
@@ -37,14 +45,28 @@ __all__ = [
     "Recording",
     "Report",
     "Robot",
+    "Rows",
+    "Setup",
     "TaskReport",
+    "Tick",
     "Topic",
     "__version__",
     "cases",
+    "constraint",
+    "constraints",
+    "entry",
     "experiment_cases",
+    "fallbacks",
     "read_log",
+    "reference",
+    "references",
+    "robots",
     "rows",
     "scenarios",
     "simulate",
     "solve_qp",
+    "solvers",
+    "task",
+    "tasks",
+    "testing",
 ]

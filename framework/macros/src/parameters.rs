@@ -97,12 +97,17 @@ pub(crate) fn plugin(kind: &str, arguments: TokenStream, item: TokenStream) -> T
             }
         }
     };
+    // What can be inside another plug-in, or be added while the program runs, is read through the registry.
+    let tagged = match kind {
+        "FallbackLaw" => quote!(typetag::serde),
+        _ => quote!(typetag::serialize),
+    };
     quote! {
         #item
         #defaults
         const _: () = {
             use ::wbqp::typetag;
-            #[typetag::serde(name = #tag)]
+            #[#tagged(name = #tag)]
             impl ::wbqp::plugin::#any for #name {
                 #methods
             }

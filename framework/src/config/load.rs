@@ -10,7 +10,7 @@ use serde::Deserialize;
 use serde_json::Value as Json;
 
 use super::{
-    ConfigError, ConfigErrorKind as Kind, ConfigErrors, ControllerConfig, ENTRY_KEYS, Keeping,
+    ConfigError, ConfigErrorKind as Kind, ConfigErrors, ControllerConfig, Keeping,
     MeasurementLimits, Overrides, Settings,
     document::Document,
     entry,
@@ -25,7 +25,7 @@ use crate::{
     damped_hover::DampedHover,
     error::BindError,
     input,
-    plugin::{AnyConstraint, AnyFallbackLaw, AnyTask, Entry, Hardness},
+    plugin::{AnyConstraint, AnyFallbackLaw, AnyTask, ENTRY_KEYS, Entry, Hardness},
     qp::{ActiveSet, Solver},
     registry::{self, PluginKind, schema::Node},
     robot::{Robot, SourceFile, SourceLocation},

@@ -61,16 +61,6 @@ pub use expand::{Implied, ImpliedValue, expand};
 pub use overrides::{Override, Overrides};
 pub use save::SaveError;
 
-/// The framework's keys of a task or constraint beside `type`; no plug-in may have them.
-const ENTRY_KEYS: [&str; 6] = [
-    "name",
-    "weight",
-    "active",
-    "transition",
-    "hardness",
-    "level",
-];
-
 /// Everything a controller is made of.
 #[derive(Debug)]
 pub struct ControllerConfig {

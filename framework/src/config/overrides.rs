@@ -15,7 +15,7 @@ use super::{
     report::{At, Report, Span},
     table::Section,
 };
-use crate::{settings::Target, suggestion::suggestion};
+use crate::{plugin::ENTRY_KEYS, settings::Target, suggestion::suggestion};
 
 /// One replaced value.
 #[derive(Clone, Debug, PartialEq)]
@@ -328,7 +328,7 @@ fn replace<'t>(
         let plugin_keys: Vec<_> = section
             .keys
             .keys()
-            .filter(|key| !super::ENTRY_KEYS.contains(&&**key.get_ref()))
+            .filter(|key| !ENTRY_KEYS.contains(&&**key.get_ref()))
             .cloned()
             .collect();
         for key in plugin_keys {

@@ -17,7 +17,7 @@ use crate::{
     contact::{ContactId, ContactSpec, ContactState, SurfaceMotion},
     error::BindError,
     fault::Fault,
-    plugin::{AnyReference, EntryState, Layout, PerRow, Sample, Setup},
+    plugin::{AnyConstraint, AnyReference, AnyTask, EntryState, Layout, PerRow, Sample, Setup},
     problem::{BoundEntry, Treatment},
 };
 
@@ -247,6 +247,60 @@ impl Controller {
             name: name.clone(),
             source,
         })
+    }
+
+    /// Replaces keys of a task or constraint between two ticks, named and written as in its file, all or none; checked
+    /// as those of a file are. What [`Controller::change`] says holds here as well. Allocates.
+    ///
+    /// ```text
+    /// controller.set("arm", toml::toml! { kp = 40.0 })?;
+    /// ```
+    ///
+    /// # Errors
+    /// [`RequestError`] if there is no such entry, or it has no such key or refuses what it would have become; the old
+    /// parameters are kept then.
+    pub fn set<'a>(
+        &mut self,
+        entry: impl Into<EntryRef<'a>>,
+        keys: toml::Table,
+    ) -> Result<(), RequestError> {
+        let index = self.find(entry.into())?;
+        let is_task = index < self.task_count;
+        let contacts: Vec<ContactSpec> =
+            self.world.bindings.iter().map(|b| b.spec.clone()).collect();
+        let mut frames = self.world.frame_ids.clone();
+        let mut setup = Setup::new(&self.robot, &contacts, self.world.period, &mut frames);
+        let BoundEntry { name, layout, .. } = &self.entries[index];
+        let plugin = &mut self.plugins[index].plugin;
+        let refused = |source: BindError| RequestError::Value {
+            name: name.clone(),
+            source,
+        };
+        let mut table = match plugin.table() {
+            Ok(toml::Value::Table(table)) => table,
+            Ok(_) => toml::Table::new(),
+            Err(error) => return Err(refused(BindError::Other(error.to_string()))),
+        };
+        let is_plugin = |value: &toml::Value| value.get("type").is_some();
+        for (key, value) in keys {
+            if key == "type" || is_plugin(&value) || table.get(&key).is_some_and(is_plugin) {
+                let problem = "cannot be changed here: a reference is replaced by `follow`, \
+                               an entry of another type needs a new controller";
+                return Err(refused(BindError::value(&key, problem)));
+            }
+            table.insert(key, value);
+        }
+        let table = toml::Value::Table(table);
+        let parameters: Result<Box<dyn Any>, toml::de::Error> = if is_task {
+            let task = table.try_into::<Box<dyn AnyTask>>();
+            task.map(|task| task as Box<dyn Any>)
+        } else {
+            let constraint = table.try_into::<Box<dyn AnyConstraint>>();
+            constraint.map(|constraint| constraint as Box<dyn Any>)
+        };
+        let parameters =
+            parameters.map_err(|error| refused(BindError::Other(error.message().to_owned())))?;
+        plugin.take(parameters, &mut setup, layout).map_err(refused)
     }
 
     /// The parameters of a task or constraint, to read or change them between two ticks without a check and without

@@ -27,7 +27,10 @@ impl BoundPlugin {
     ///
     /// # Errors
     /// What the task refuses.
-    pub fn task<T: Task>(parameters: &T, setup: &mut Setup<'_>) -> Result<Self, BindError> {
+    pub fn task<T: Task + AnyTask>(
+        parameters: &T,
+        setup: &mut Setup<'_>,
+    ) -> Result<Self, BindError> {
         let (layout, running) = parameters.bind(setup)?;
         let parameters = parameters.clone();
         Ok(Self {
@@ -43,7 +46,7 @@ impl BoundPlugin {
     ///
     /// # Errors
     /// What the constraint refuses.
-    pub fn constraint<C: Constraint>(
+    pub fn constraint<C: Constraint + AnyConstraint>(
         parameters: &C,
         setup: &mut Setup<'_>,
     ) -> Result<Self, BindError> {
@@ -113,6 +116,18 @@ pub(crate) trait Running: Debug + Send {
         setup: &mut Setup<'_>,
         layout: &Layout,
     ) -> Result<(), BindError>;
+    /// The parameters as a table of a file, with `type`.
+    ///
+    /// # Errors
+    /// Why they cannot be written.
+    fn table(&self) -> Result<toml::Value, toml::ser::Error>;
+    /// Takes parameters of the same type over if they can be bound to these rows.
+    fn take(
+        &mut self,
+        parameters: Box<dyn Any>,
+        setup: &mut Setup<'_>,
+        layout: &Layout,
+    ) -> Result<(), BindError>;
 }
 
 struct RunningTask<T: Task> {
@@ -126,8 +141,8 @@ struct RunningConstraint<C: Constraint> {
 }
 
 macro_rules! running {
-    ($running:ident, $plugin:ident, $rows:ident) => {
-        impl<P: $plugin> Running for $running<P> {
+    ($running:ident, $plugin:ident, $any:ident, $rows:ident) => {
+        impl<P: $plugin + $any> Running for $running<P> {
             fn update(&mut self, tick: &Tick<'_>, layout: &Layout, store: &mut RowStore) {
                 let mut rows = $rows::new(tick, layout, store);
                 self.parameters.update(&mut self.running, tick, &mut rows);
@@ -149,7 +164,35 @@ macro_rules! running {
             ) -> Result<(), BindError> {
                 let mut changed = self.parameters.clone();
                 change(&mut changed);
-                let (bound, _) = changed.bind(setup)?;
+                self.replace(changed, setup, layout)
+            }
+
+            fn table(&self) -> Result<toml::Value, toml::ser::Error> {
+                let parameters: &dyn $any = &self.parameters;
+                toml::Value::try_from(parameters)
+            }
+
+            fn take(
+                &mut self,
+                parameters: Box<dyn Any>,
+                setup: &mut Setup<'_>,
+                layout: &Layout,
+            ) -> Result<(), BindError> {
+                match parameters.downcast::<P>() {
+                    Ok(parameters) => self.replace(*parameters, setup, layout),
+                    Err(_) => Err(BindError::Other("is of another type".to_owned())),
+                }
+            }
+        }
+
+        impl<P: $plugin> $running<P> {
+            fn replace(
+                &mut self,
+                parameters: P,
+                setup: &mut Setup<'_>,
+                layout: &Layout,
+            ) -> Result<(), BindError> {
+                let (bound, _) = parameters.bind(setup)?;
                 let bound: Layout = bound.into();
                 if bound != *layout {
                     return Err(BindError::Other(
@@ -157,7 +200,7 @@ macro_rules! running {
                             .to_owned(),
                     ));
                 }
-                self.parameters = changed;
+                self.parameters = parameters;
                 Ok(())
             }
         }
@@ -170,5 +213,5 @@ macro_rules! running {
     };
 }
 
-running!(RunningTask, Task, Rows);
-running!(RunningConstraint, Constraint, ConstraintRows);
+running!(RunningTask, Task, AnyTask, Rows);
+running!(RunningConstraint, Constraint, AnyConstraint, ConstraintRows);

@@ -37,7 +37,7 @@ pub trait Constraint: Clone + Debug + Send + 'static {
 
 /// Any constraint: what an entry of a configuration holds. Implemented by the attribute
 /// [`constraint`](macro@crate::constraint).
-#[typetag::serde(tag = "type")]
+#[typetag::serialize(tag = "type")]
 pub trait AnyConstraint: Any + Send + Debug {
     /// Binds the constraint, as [`Constraint::bind`].
     ///

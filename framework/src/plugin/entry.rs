@@ -5,6 +5,16 @@ use serde::{Deserialize, Serialize};
 
 use crate::plugin::{AnyConstraint, AnyTask, PerRow};
 
+/// The framework's keys of a task or constraint beside `type`; no plug-in may have them.
+pub(crate) const ENTRY_KEYS: [&str; 6] = [
+    "name",
+    "weight",
+    "active",
+    "transition",
+    "hardness",
+    "level",
+];
+
 /// A task or constraint with what the framework needs to know about it.
 #[derive(Debug)]
 pub struct Entry<P: ?Sized> {

@@ -21,6 +21,7 @@ pub(crate) mod tick;
 
 pub use bound::{AnyPlugin, BoundPlugin};
 pub use constraint::{AnyConstraint, Constraint};
+pub(crate) use entry::ENTRY_KEYS;
 pub use entry::{Entry, Hardness};
 pub use fallback_law::{AnyFallbackLaw, BoundFallbackLaw, FallbackLaw};
 pub use followed::{AT_HOME, BoundReference, RotationReference, VectorReference};

@@ -41,7 +41,7 @@ pub trait Reference: Clone + Debug + Send + 'static {
 
 /// Any reference: what a task's parameters hold. Implemented by the attribute
 /// [`reference`](macro@crate::reference).
-#[typetag::serde(tag = "type")]
+#[typetag::serialize(tag = "type")]
 pub trait AnyReference: Any + Send + Debug {
     /// Binds the reference, as [`Reference::bind`].
     ///

@@ -39,7 +39,7 @@ pub trait Task: Clone + Debug + Send + 'static {
 
 /// Any task: what an entry of a configuration holds. Implemented by the attribute [`task`](macro@crate::task), which
 /// also gives it the tag by which files name it.
-#[typetag::serde(tag = "type")]
+#[typetag::serialize(tag = "type")]
 pub trait AnyTask: Any + Send + Debug {
     /// Binds the task, as [`Task::bind`].
     ///

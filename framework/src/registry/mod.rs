@@ -60,12 +60,15 @@
 //! # }
 //! ```
 
+mod added;
 mod listing;
 pub(crate) mod schema;
+mod tagged;
 
 use std::{
     collections::BTreeMap,
-    sync::{OnceLock, PoisonError, RwLock},
+    fmt,
+    sync::{PoisonError, RwLock},
 };
 
 use schemars::{JsonSchema, Schema, SchemaGenerator};
@@ -78,19 +81,30 @@ use crate::{
     robot::Robot,
 };
 
+pub use added::{AddError, NewPlugin, add};
 pub use listing::{Listing, Parameter, PluginInfo, list};
 
+/// Makes a plug-in from its own keys.
+pub type Load<P> = dyn Fn(ValueDeserializer<'_>) -> Result<Box<P>, toml::de::Error> + Sync;
+
 /// A registered plug-in of one kind.
-#[derive(Debug)]
 pub struct Plugin<P: ?Sized + 'static> {
     /// What `type` must be.
     pub tag: &'static str,
     /// Crate, file and line of the registration.
     pub origin: &'static str,
     /// Makes the JSON Schema of the plug-in's own keys; [`Plugin::described`] does so once.
-    pub schema: fn() -> Schema,
+    pub schema: &'static (dyn Fn() -> Schema + Sync),
     /// Makes the plug-in from its own keys.
-    pub load: fn(ValueDeserializer<'_>) -> Result<Box<P>, toml::de::Error>,
+    pub load: &'static Load<P>,
+}
+
+impl<P: ?Sized> fmt::Debug for Plugin<P> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut out = f.debug_struct("Plugin");
+        out.field("tag", &self.tag).field("origin", &self.origin);
+        out.finish_non_exhaustive()
+    }
 }
 
 impl<P: ?Sized + 'static> Plugin<P> {
@@ -117,8 +131,35 @@ pub trait PluginKind: 'static {
     /// What it is called in messages: `task`, `constraint`, `reference`, `robot`, `solver`, `fallback`.
     const NAME: &'static str;
 
-    /// All linked plug-ins of the kind, sorted by tag.
+    /// All plug-ins of the kind, sorted by tag: those that are linked, and those that were added since.
     fn plugins() -> &'static [&'static Plugin<Self>];
+
+    /// Where they are listed; made when it is first asked for.
+    #[doc(hidden)]
+    fn shelf() -> &'static Shelf<Self>;
+}
+
+/// The plug-ins of a kind. A list that was handed out stays as it is; a longer one takes its place.
+#[doc(hidden)]
+pub struct Shelf<P: ?Sized + 'static>(RwLock<Option<&'static [&'static Plugin<P>]>>);
+
+impl<P: ?Sized + 'static> Shelf<P> {
+    const fn new() -> Self {
+        Self(RwLock::new(None))
+    }
+
+    fn plugins(
+        &self,
+        linked: impl FnOnce() -> Vec<&'static Plugin<P>>,
+    ) -> &'static [&'static Plugin<P>] {
+        if let Some(all) = *self.0.read().unwrap_or_else(PoisonError::into_inner) {
+            return all;
+        }
+        let mut all = linked();
+        all.sort_by_key(|p| (p.tag, p.origin));
+        let mut place = self.0.write().unwrap_or_else(PoisonError::into_inner);
+        place.get_or_insert_with(|| all.leak())
+    }
 }
 
 /// The linked plug-in of that tag, if there is one; of several with the same tag the first by origin.
@@ -158,10 +199,8 @@ macro_rules! plugin_kinds {
                     Self(Plugin {
                         tag,
                         origin,
-                        schema: || {
-                            SchemaGenerator::default().into_root_schema_for::<T>()
-                        },
-                        load: |value| Ok(Box::new(T::deserialize(value)?)),
+                        schema: &|| SchemaGenerator::default().into_root_schema_for::<T>(),
+                        load: &|value| Ok(Box::new(T::deserialize(value)?)),
                     })
                 }
             }
@@ -174,16 +213,17 @@ macro_rules! plugin_kinds {
                 fn plugins() -> &'static [&'static Plugin<Self>] {
                     $list()
                 }
+
+                fn shelf() -> &'static Shelf<Self> {
+                    static SHELF: Shelf<dyn $kind> = Shelf::new();
+                    &SHELF
+                }
             }
 
-            #[doc = concat!("All linked ", $what, "s, sorted by tag.")]
+            #[doc = concat!("All ", $what, "s, sorted by tag: those that are linked, and those that were added since.")]
             pub fn $list() -> &'static [&'static Plugin<dyn $kind>] {
-                static ALL: OnceLock<Vec<&'static Plugin<dyn $kind>>> = OnceLock::new();
-                ALL.get_or_init(|| {
-                    let linked = inventory::iter::<$wrapper>.into_iter();
-                    let mut all: Vec<_> = linked.map(|p| &p.0).collect();
-                    all.sort_by_key(|p| (p.tag, p.origin));
-                    all
+                <dyn $kind>::shelf().plugins(|| {
+                    inventory::iter::<$wrapper>.into_iter().map(|p| &p.0).collect()
                 })
             }
         )*

@@ -245,7 +245,7 @@ struct Careless {
     known: f64,
 }
 
-#[typetag::serde(name = "test.careless")]
+#[typetag::serialize(name = "test.careless")]
 impl AnyConstraint for Careless {
     fn bind_any(&self, setup: &mut Setup<'_>) -> Result<BoundPlugin, BindError> {
         BoundPlugin::constraint(self, setup)

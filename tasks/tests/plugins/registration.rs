@@ -60,11 +60,10 @@ fn every_plugin_is_registered_once_under_its_name() {
 
 #[test]
 fn every_key_is_documented_and_every_number_has_a_unit() {
-    let schemas = (registry::tasks().iter().map(|p| (p.tag, p.schema)))
-        .chain(registry::constraints().iter().map(|p| (p.tag, p.schema)))
-        .chain(registry::references().iter().map(|p| (p.tag, p.schema)));
+    let schemas = (registry::tasks().iter().map(|p| (p.tag, p.described())))
+        .chain(registry::constraints().iter().map(|p| (p.tag, p.described())))
+        .chain(registry::references().iter().map(|p| (p.tag, p.described())));
     for (tag, schema) in schemas {
-        let schema = schema();
         let schema = schema.as_value();
         assert!(schema["description"].is_string(), "{tag}");
         assert_eq!(schema["additionalProperties"], false, "{tag}");
