@@ -150,7 +150,7 @@ impl Batch {
     }
 
     fn index(&self, of: isize) -> PyResult<usize> {
-        let n = self.n as isize;
+        let n = self.n.cast_signed();
         let at = if of < 0 { of + n } else { of };
         if (0..n).contains(&at) {
             return Ok(at as usize);

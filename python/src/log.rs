@@ -194,7 +194,8 @@ fn leaves(value: &Value, path: &mut String, fields: &mut Vec<String>) {
         Value::Array(items) => {
             let length = path.len();
             for (i, inner) in items.iter().enumerate() {
-                path.push_str(&format!("/{i}"));
+                path.push('/');
+                path.push_str(&i.to_string());
                 leaves(inner, path, fields);
                 path.truncate(length);
             }

@@ -98,9 +98,10 @@ pub(crate) fn plugin(kind: &str, arguments: TokenStream, item: TokenStream) -> T
         }
     };
     // What can be inside another plug-in, or be added while the program runs, is read through the registry.
-    let tagged = match kind {
-        "FallbackLaw" => quote!(typetag::serde),
-        _ => quote!(typetag::serialize),
+    let tagged = if kind == "FallbackLaw" {
+        quote!(typetag::serde)
+    } else {
+        quote!(typetag::serialize)
     };
     quote! {
         #item
