@@ -95,6 +95,9 @@ impl World for Truth {
 /// Farther from the world's origin than this (m) the engine has lost the robot, as the plant of this project would.
 const FARTHEST: f64 = 100.0;
 
+/// Frame, force, moment, start and end.
+type Disturbance = (String, [f64; 3], [f64; 3], f64, f64);
+
 /// One case of a scenario, period by period, whose world MuJoCo moves.
 #[pyclass(module = "wbqp.mujoco", unsendable)]
 pub(crate) struct CaseRun {
@@ -219,7 +222,7 @@ impl CaseRun {
 
     /// Disturbances: frame, force (N), moment (N·m), start and end (s); world axes.
     #[getter]
-    fn disturbances(&self) -> Vec<(String, [f64; 3], [f64; 3], f64, f64)> {
+    fn disturbances(&self) -> Vec<Disturbance> {
         let all = self.case.plant().disturbances.iter();
         all.map(|d| (d.frame.clone(), d.force, d.moment, d.from, d.until))
             .collect()

@@ -61,8 +61,16 @@ fn every_plugin_is_registered_once_under_its_name() {
 #[test]
 fn every_key_is_documented_and_every_number_has_a_unit() {
     let schemas = (registry::tasks().iter().map(|p| (p.tag, p.described())))
-        .chain(registry::constraints().iter().map(|p| (p.tag, p.described())))
-        .chain(registry::references().iter().map(|p| (p.tag, p.described())));
+        .chain(
+            registry::constraints()
+                .iter()
+                .map(|p| (p.tag, p.described())),
+        )
+        .chain(
+            registry::references()
+                .iter()
+                .map(|p| (p.tag, p.described())),
+        );
     for (tag, schema) in schemas {
         let schema = schema.as_value();
         assert!(schema["description"].is_string(), "{tag}");
