@@ -369,3 +369,35 @@ def test_an_experiment_keeps_its_promises(tmp_path: Path) -> None:
     experiments = pytest.importorskip("wbqp.experiments")
     assert experiments.main(["--plant", "mujoco", "--only", "push_away", "--out", str(tmp_path)]) == 0
     assert (tmp_path / "mujoco.json").is_file()
+
+
+@pytest.mark.parametrize(
+    "actuators",
+    [
+        '<motor name="m" joint="j" ctrlrange="-20 20" gear="2"/><motor name="n" joint="k" ctrlrange="-20 20"/>',
+        '<position name="m" joint="j" kp="80" kv="4"/><position name="n" joint="k" kp="50" kv="2"/>',
+        '<velocity name="m" joint="j" kv="30"/><velocity name="n" joint="k" kv="30"/>',
+    ],
+    ids=["motors", "position servos", "velocity servos"],
+)
+def test_a_users_own_arm_reaches_its_posture(actuators: str) -> None:
+    model = actuated(actuators)
+    model.jnt_actfrcrange[0] = -60.0, 60.0
+    # The servos are stiff for the step.
+    model.opt.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    robot = wbqp.Robot.from_mujoco(model)
+    wanted = [0.5, -0.7]
+    posture = {"type": "posture", "kp": 40.0, "reference": {"type": "hold", "value": wanted}, "weight": 1.0}
+    limits = {"type": "actuator_limits"}
+    controller = wbqp.Controller(robot=robot, rate=500.0, tasks=[posture], constraints=[limits], max_first_error={"rotation": 2.0})
+    between = bridge.Bridge(model, controller)
+    data = mujoco.MjData(model)
+    m = controller.measurement()
+    for _ in range(1000):
+        between.measure(data, m)
+        command, report = controller.tick(m)
+        assert report.fault is None
+        between.apply(command, data)
+        mujoco.mj_step(model, data)
+    # A velocity servo without integral has an error of its own.
+    assert np.allclose(data.qpos, wanted, atol=0.05)
