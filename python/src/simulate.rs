@@ -47,7 +47,11 @@ impl<S: LogSink> LogSink for Interruptible<S> {
 
     fn write(&mut self, channel: ChannelId, time: f64, message: &[u8]) -> Result<(), LogError> {
         if self.raised.is_none() && self.asked.elapsed() > PATIENCE {
-            let raised = Python::attach(Python::check_signals).err();
+            #[allow(
+                clippy::redundant_closure_for_method_calls,
+                reason = "the method is not general over the lifetime"
+            )]
+            let raised = Python::attach(|py| py.check_signals()).err();
             self.raised = raised.or_else(plugin::interrupt);
             self.asked = Instant::now();
         }
