@@ -90,10 +90,11 @@ def _run(job: tuple[str, str, str, str, dict[str, Any]]) -> float | None:
     if plant == "mujoco":
         from .mujoco import run_case
 
-        diverged: float | None = run_case(scenario, case, log, variation=_toml(change))["diverged"]
-        return diverged
-    _, summary = _simulate(Path(scenario), case, 1, None, change or None, Path(log), None)
-    return summary["diverged"]
+        summary: Mapping[str, Any] = run_case(scenario, case, log, variation=_toml(change))
+    else:
+        _, summary = _simulate(Path(scenario), case, 1, None, change or None, Path(log), None)
+    diverged: float | None = summary["diverged"]
+    return diverged
 
 
 def sweep(out: Path, *, plants: list[str], names: list[str], folder: Path, jobs: int | None = None) -> dict[str, Any]:

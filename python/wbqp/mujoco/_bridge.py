@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-import mujoco
+import mujoco  # type: ignore[import-untyped, import-not-found, unused-ignore]
 import numpy as np
 
 from ._robot import INTEGRAL, UnsupportedModel, is_velocity_servo
