@@ -165,12 +165,14 @@ def main(arguments: list[str] | None = None) -> int:
     """The command line."""
     parser = argparse.ArgumentParser(prog="python -m wbqp.robustness", description=__doc__)
     parser.add_argument("--plant", nargs="+", choices=["own", "mujoco"], default=["own", "mujoco"])
+    known = list(VARIATIONS)
+    parser.add_argument("--only", nargs="+", choices=known[1:], default=known[1:], metavar="NAME", help="these variations")
     parser.add_argument("--out", type=Path, default=Path("out/robustness"), help="folder of logs and results")
     parser.add_argument("--jobs", type=int, help="cases at a time; as many as there are processors if not given")
     parser.add_argument("--scenarios", type=Path, help="folder of the scenario files instead of those that ship")
     given = parser.parse_args(arguments)
     folder = scenarios(given.scenarios)
-    results = sweep(given.out, plants=given.plant, names=list(VARIATIONS), folder=folder, jobs=given.jobs)
+    results = sweep(given.out, plants=given.plant, names=known[:1] + given.only, folder=folder, jobs=given.jobs)
     (given.out / "robustness.json").write_text(json.dumps(results, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
     print(table(results))
     every = [row["pass"] for variations in results.values() for rows in variations.values() for row in rows]
