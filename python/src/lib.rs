@@ -12,6 +12,7 @@ mod mujoco;
 mod names;
 mod plugin;
 mod qp;
+mod record;
 mod report;
 mod robot;
 mod schema;
@@ -47,6 +48,7 @@ fn _wbqp(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(plugin::_register, module)?)?;
     module.add_function(wrap_pyfunction!(plugin::_check, module)?)?;
     module.add_function(wrap_pyfunction!(schema::_schema, module)?)?;
+    module.add_function(wrap_pyfunction!(record::_record, module)?)?;
     module.add_function(wrap_pyfunction!(timing::_time_ticks, module)?)?;
     module.add_function(wrap_pyfunction!(simulate::_cases, module)?)?;
     module.add_function(wrap_pyfunction!(simulate::_simulate, module)?)?;

@@ -10,6 +10,36 @@ from numpy.typing import ArrayLike
 from ._arrays import NamedArray
 
 __version__: str
+__all__ = [
+    "__version__",
+    "Measurement",
+    "Command",
+    "TaskReport",
+    "ContactReport",
+    "Report",
+    "Robot",
+    "Controller",
+    "Batch",
+    "Setup",
+    "FrameState",
+    "Dynamics",
+    "QpSolution",
+    "solve_qp",
+    "_Log",
+    "_read_log",
+    "_rows",
+    "_experiments",
+    "_to_toml",
+    "_schema",
+    "_register",
+    "_check",
+    "_time_ticks",
+    "_cases",
+    "_simulate",
+    "_record",
+    "CaseRun",
+    "export_robot",
+]
 
 _Path = str | PathLike[str]
 _Table = Mapping[str, Any]
@@ -395,6 +425,7 @@ def _check(
     kind: str, text: str, semantics: str | None = None, states: int = 5, seed: int = 1
 ) -> str | None: ...
 def _time_ticks(controller: Controller, measurement: Measurement, count: int) -> float: ...
+def _record(path: _Path, case: str, seed: int) -> dict[str, Any]: ...
 def _cases(path: _Path) -> list[tuple[str, float]]: ...
 def _simulate(
     path: _Path,
@@ -422,7 +453,7 @@ class CaseRun:
     @property
     def sensor_frames(self) -> list[str]: ...
     @property
-    def disturbances(self) -> list[tuple[str, list[float], list[float], float, float]]: ...
+    def disturbances(self) -> list[tuple[str, Sequence[float], Sequence[float], float, float]]: ...
     @property
     def viscous(self) -> list[float]: ...
     @property

@@ -1,4 +1,5 @@
-//! Everything that can be named by `type = "…"` in a configuration: what the linker brought in.
+//! Everything that can be named by `type = "…"` in a configuration: what the linker brought in, and what
+//! was [added](add) while the program ran.
 //!
 //! A plug-in registers itself through its attribute; a crate that no code names is not linked, so a binary
 //! writes `use my_plugins as _;`. Order of registration is not defined; lists are sorted by tag.
