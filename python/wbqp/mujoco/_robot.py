@@ -276,7 +276,8 @@ class _Reader:
             if name in names:
                 name += ".site"
             names.add(name)
-            frames.append({"name": name, "body": self.body_name(body), **_pose(model.site_pos[site], model.site_quat[site])})
+            pose = _pose(model.site_pos[site], model.site_quat[site])
+            frames.append({"name": name, "body": self.body_name(body), **pose})
         return frames
 
     # Actuators.
