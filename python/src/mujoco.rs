@@ -291,8 +291,8 @@ impl CaseRun {
         Ok(())
     }
 
-    /// One control period at the truth that was observed last: sensors, events, tick, log. Hands out the command that is
-    /// due now, by actuator; `None` after the last period.
+    /// One control period at the truth that was observed last: sensors, events, tick, log. Hands out the command that
+    /// is due now, by actuator; `None` after the last period.
     fn tick(&mut self) -> PyResult<Option<Vec<f64>>> {
         let (run, truth, log) = self.run()?;
         if run.is_over() {

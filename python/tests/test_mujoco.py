@@ -31,7 +31,7 @@ def couplings(model: mujoco.MjModel, data: mujoco.MjData, G: np.ndarray) -> np.n
 
 
 def assert_same_mechanics(model: mujoco.MjModel, robot: wbqp.Robot, frames: dict[str, str] | None = None) -> None:
-    """M (projected where joints are coupled), h and the Jacobians of sites at random states, relative to the largest."""
+    """M (projected where joints are coupled), h and Jacobians of sites at random states, relative to the largest."""
     rng = np.random.default_rng(7)
     data = mujoco.MjData(model)
     state = bridge.State(model, robot)
@@ -107,14 +107,16 @@ def test_exported_robots_have_the_same_mass_matrix_and_bias(name: str) -> None:
 @pytest.mark.parametrize("base", ["fixed", "floating"])
 def test_an_exported_arm_with_coupled_joints_has_the_same_mass_matrix_and_bias(base: str, tmp_path: Path) -> None:
     (tmp_path / "gripper.urdf").write_text(GRIPPER)
-    table = {"file": str(tmp_path / "gripper.urdf"), "base": base, "options": {"armature": {"grip": 0.02, "close": 0.1}}}
+    options = {"armature": {"grip": 0.02, "close": 0.1}}
+    table = {"file": str(tmp_path / "gripper.urdf"), "base": base, "options": options}
     robot = wbqp.Robot(table)
     model = mujoco.MjModel.from_xml_string(bridge.export(robot))
     assert_same_mechanics(model, robot, {"finger": "finger", "thumb": "thumb"})
     # Damping, visuals and limits are there as well, each with the joint that has it.
     joint = mujoco.mj_name2id(model, OBJ.mjOBJ_JOINT, "swing")
     assert model.dof_damping[model.jnt_dofadr[joint]] == pytest.approx(0.3)
-    assert model.dof_armature[model.jnt_dofadr[mujoco.mj_name2id(model, OBJ.mjOBJ_JOINT, "grip")]] == pytest.approx(0.02)
+    grip = mujoco.mj_name2id(model, OBJ.mjOBJ_JOINT, "grip")
+    assert model.dof_armature[model.jnt_dofadr[grip]] == pytest.approx(0.02)
     assert model.ngeom == 2
     assert not model.geom_contype.any() and not model.geom_conaffinity.any()
     # There and back.
@@ -389,7 +391,8 @@ def test_a_users_own_arm_reaches_its_posture(actuators: str) -> None:
     wanted = [0.5, -0.7]
     posture = {"type": "posture", "kp": 40.0, "reference": {"type": "hold", "value": wanted}, "weight": 1.0}
     limits = {"type": "actuator_limits"}
-    controller = wbqp.Controller(robot=robot, rate=500.0, tasks=[posture], constraints=[limits], max_first_error={"rotation": 2.0})
+    tables = {"tasks": [posture], "constraints": [limits], "max_first_error": {"rotation": 2.0}}
+    controller = wbqp.Controller(robot=robot, rate=500.0, **tables)
     between = bridge.Bridge(model, controller)
     data = mujoco.MjData(model)
     m = controller.measurement()

@@ -106,7 +106,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--record", type=Path, metavar="FILE", help="keeps the rows for docs/replication.md")
     given = parser.parse_args(arguments)
     try:
-        import mujoco
+        import mujoco  # type: ignore[import-untyped, import-not-found, unused-ignore]
     except ImportError:
         print("error: MuJoCo is not installed: pip install 'wbqp[mujoco]'", file=sys.stderr)
         return 1

@@ -55,6 +55,41 @@ class Quadruped(Plugin):
         self,
     ) -> None: ...
 
+class Tree(Plugin):
+    """A robot as plain data, for programs that read other formats: bodies, joints, frames, motors and rotors.
+
+    Parameters
+    ----------
+    body : Sequence[dict[str, Any]]
+        Bodies, the base first, parents before children. One without a joint is part of its parent.
+    name : str
+        The robot's name.
+    base : Literal['floating', 'fixed'], default "floating"
+        `"floating"` or `"fixed"`.
+    frame : Sequence[dict[str, Any]], optional
+        Further named frames; every body is one.
+    gravity : Sequence[float], default [0.0, 0.0, -9.81]
+        Gravity in world axes, m/s².
+    home : dict[str, Any], default {"quaternion": [1.0, 0.0, 0.0, 0.0]}
+        The home posture.
+    motor : Sequence[dict[str, Any]], optional
+        Motors of joints; a joint without one is passive.
+    rotor : Sequence[dict[str, Any]], optional
+        Rotors, the first of the actuators.
+    """
+    def __init__(
+        self,
+        *,
+        body: Sequence[dict[str, Any]],
+        name: str,
+        base: Literal['floating', 'fixed'] | None = ...,
+        frame: Sequence[dict[str, Any]] | None = ...,
+        gravity: Sequence[float] | None = ...,
+        home: dict[str, Any] | None = ...,
+        motor: Sequence[dict[str, Any]] | None = ...,
+        rotor: Sequence[dict[str, Any]] | None = ...,
+    ) -> None: ...
+
 class Urdf(Plugin):
     """Any URDF, with a rotor side-car if it flies.
 
@@ -93,4 +128,4 @@ class Urdf(Plugin):
         strict: bool | None = ...,
     ) -> None: ...
 
-__all__ = ["Humanoid", "Othex", "OthexVertical", "Quadruped", "Urdf"]
+__all__ = ["Humanoid", "Othex", "OthexVertical", "Quadruped", "Tree", "Urdf"]

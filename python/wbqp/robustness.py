@@ -1,8 +1,8 @@
 """Which rows still hold when something is not as the controller thinks: ``python -m wbqp.robustness``.
 
 One thing at a time: mass, thrust, differences between rotors, bias of the force sensor, velocities that are estimated
-from positions, stiffness of the wall, servos. The controllers are those that ship, the rows B4, C1, C2, D3 to D5, E1 and E3
-of the experiments, the plants this project's own and MuJoCo.
+from positions, stiffness of the wall, servos. The controllers are those that ship, the rows B4, C1, C2, D3 to D5, E1
+and E3 of the experiments, the plants this project's own and MuJoCo.
 """
 
 from __future__ import annotations
@@ -63,7 +63,9 @@ VARIATIONS: Mapping[str, dict[str, Any]] = {
     "force bias 0.2 N": _bias(0.2),
     "rotors ± 2 % in turn": _mismatch(rotor_scales=[1.02, 0.98] * 3),
     "rotors ± 2 % by halves": _mismatch(rotor_scales=[1.02] * 3 + [0.98] * 3),
-    "velocities estimated, 30 Hz": {"sensors": {"base": {"velocity_cutoff": 30.0}, "joints": {"velocity_cutoff": 30.0}}},
+    "velocities estimated, 30 Hz": {
+        "sensors": {"base": {"velocity_cutoff": 30.0}, "joints": {"velocity_cutoff": 30.0}}
+    },
     "wall 5 kN/m": _wall(5e3),
     "wall 100 kN/m": _wall(1e5),
     "servo time × 0.5": _servo(0.5),
@@ -90,10 +92,11 @@ def _run(job: tuple[str, str, str, str, dict[str, Any]]) -> float | None:
     if plant == "mujoco":
         from .mujoco import run_case
 
-        diverged: float | None = run_case(scenario, case, log, variation=_toml(change))["diverged"]
-        return diverged
-    _, summary = _simulate(Path(scenario), case, 1, None, change or None, Path(log), None)
-    return summary["diverged"]
+        summary: Mapping[str, Any] = run_case(scenario, case, log, variation=_toml(change))
+    else:
+        _, summary = _simulate(Path(scenario), case, 1, None, change or None, Path(log), None)
+    diverged: float | None = summary["diverged"]
+    return diverged
 
 
 def sweep(out: Path, *, plants: list[str], names: list[str], folder: Path, jobs: int | None = None) -> dict[str, Any]:
@@ -124,7 +127,8 @@ def sweep(out: Path, *, plants: list[str], names: list[str], folder: Path, jobs:
                 ended = [diverged[plant, name, experiment, case] for case in cases]
                 failed = [str(e) for e in ended if e is not None]
                 if failed:
-                    rows += [{"id": id_, "quantity": failed[0], "measured": None, "pass": False} for id_ in ROWS[experiment]]
+                    why = {"quantity": failed[0], "measured": None, "pass": False}
+                    rows += [{"id": id_, **why} for id_ in ROWS[experiment]]
                     continue
                 read = {case: _read_log(logs[plant, name, experiment, case]) for case in cases}
                 for case in _OTHERS.get(experiment, ()):
@@ -164,13 +168,16 @@ def main(arguments: list[str] | None = None) -> int:
     """The command line."""
     parser = argparse.ArgumentParser(prog="python -m wbqp.robustness", description=__doc__)
     parser.add_argument("--plant", nargs="+", choices=["own", "mujoco"], default=["own", "mujoco"])
+    known = list(VARIATIONS)
+    parser.add_argument("--only", nargs="+", choices=known[1:], default=known[1:], metavar="NAME", help="of these")
     parser.add_argument("--out", type=Path, default=Path("out/robustness"), help="folder of logs and results")
     parser.add_argument("--jobs", type=int, help="cases at a time; as many as there are processors if not given")
     parser.add_argument("--scenarios", type=Path, help="folder of the scenario files instead of those that ship")
     given = parser.parse_args(arguments)
     folder = scenarios(given.scenarios)
-    results = sweep(given.out, plants=given.plant, names=list(VARIATIONS), folder=folder, jobs=given.jobs)
-    (given.out / "robustness.json").write_text(json.dumps(results, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+    results = sweep(given.out, plants=given.plant, names=known[:1] + given.only, folder=folder, jobs=given.jobs)
+    text = json.dumps(results, indent=1, ensure_ascii=False)
+    (given.out / "robustness.json").write_text(text + "\n", encoding="utf-8")
     print(table(results))
     every = [row["pass"] for variations in results.values() for rows in variations.values() for row in rows]
     return 0 if all(every) else 1

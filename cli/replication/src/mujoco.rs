@@ -1,5 +1,5 @@
-//! The same rows as MuJoCo has them: `mujoco_rows.json`, which `python -m wbqp.experiments --plant mujoco --record FILE`
-//! writes. It is measured there and shown here.
+//! The same rows as MuJoCo has them: `mujoco_rows.json`, which `python -m wbqp.experiments --plant mujoco` writes with
+//! `--record FILE`. It is measured there and shown here.
 
 use std::{collections::BTreeMap, sync::LazyLock};
 

@@ -28,7 +28,8 @@ __all__ = [
 def export(robot: Robot, *, step: float = STEP) -> str:
     """A robot at home, alone in the world, as MJCF: the text of a file.
 
-    ``wbqp export-mjcf`` writes the plants of controllers and scenarios too, and says what could not be written as it is.
+    ``wbqp export-mjcf`` writes the plants of controllers and scenarios too, and says what could not be written as it
+    is.
 
     Parameters
     ----------

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-import mujoco
+import mujoco  # type: ignore[import-untyped, import-not-found, unused-ignore]
 import numpy as np
 
 from ._robot import INTEGRAL, UnsupportedModel, is_velocity_servo
@@ -71,7 +71,7 @@ class State:
         q: np.ndarray,
         v: np.ndarray,
     ) -> None:
-        """Writes MuJoCo's state into arrays: base position (3,) m, quaternion (4,) w-x-y-z, joints, velocities (nv,)."""
+        """Writes MuJoCo's state into arrays: base position (3,) m, quaternion (4,) w-x-y-z, q (joints,), v (nv,)."""
         if self.free:
             at, dof = self.free
             position[:] = data.qpos[at : at + 3]
@@ -296,7 +296,7 @@ class Actuators:
         data.act[self._act] = clamped
 
     def before_step(self, data: mujoco.MjData) -> None:
-        """Gives rotors of an exported model the lag of a rising or a falling thrust, which MuJoCo does not tell apart."""
+        """Gives rotors of an exported model the lag of a rising or a falling thrust: MuJoCo has one for both."""
         rising = np.minimum(data.ctrl[self._lagging], self._range[:, 1]) > data.act[self._act]
         self.model.actuator_dynprm[self._lagging, 0] = np.where(rising, self._rise, self._fall)
 

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-import mujoco
+import mujoco  # type: ignore[import-untyped, import-not-found, unused-ignore]
 import numpy as np
 
 from .._wbqp import CaseRun
@@ -94,10 +94,10 @@ class Case:
         self._observe()
 
     def _geom(self, name: str) -> int:
-        return mujoco.mj_name2id(self.model, _OBJ.mjOBJ_GEOM, name)
+        return int(mujoco.mj_name2id(self.model, _OBJ.mjOBJ_GEOM, name))
 
     def _site(self, name: str) -> int:
-        return mujoco.mj_name2id(self.model, _OBJ.mjOBJ_SITE, name)
+        return int(mujoco.mj_name2id(self.model, _OBJ.mjOBJ_SITE, name))
 
     def _control(self, due: list[float]) -> None:
         """The plant's command as it is: a mismatch of the rotors is the plant's."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-import mujoco
+import mujoco  # type: ignore[import-untyped, import-not-found, unused-ignore]
 import numpy as np
 
 _JOINT, _BODY, _SITE = mujoco.mjtObj.mjOBJ_JOINT, mujoco.mjtObj.mjOBJ_BODY, mujoco.mjtObj.mjOBJ_SITE
@@ -96,7 +96,7 @@ class _Reader:
     def _base(self, root: str | None) -> int:
         model = self.model
         if root is not None:
-            body = mujoco.mj_name2id(model, _BODY, root)
+            body = int(mujoco.mj_name2id(model, _BODY, root))
             if body < 0:
                 raise UnsupportedModel([f"root: there is no body {root!r}"])
             return body
@@ -121,8 +121,8 @@ class _Reader:
         if index < 0:
             if key is not None:
                 raise UnsupportedModel([f"key: there is no key frame {key!r}"])
-            return model.qpos0.copy()
-        return model.key_qpos[index].copy()
+            return np.array(model.qpos0)
+        return np.array(model.key_qpos[index])
 
     def _subtree(self) -> list[int]:
         model = self.model
@@ -276,7 +276,8 @@ class _Reader:
             if name in names:
                 name += ".site"
             names.add(name)
-            frames.append({"name": name, "body": self.body_name(body), **_pose(model.site_pos[site], model.site_quat[site])})
+            pose = _pose(model.site_pos[site], model.site_quat[site])
+            frames.append({"name": name, "body": self.body_name(body), **pose})
         return frames
 
     # Actuators.

@@ -2,8 +2,8 @@
 //!
 //! # Mathematics
 //! MuJoCo's contact force along the normal is `f = (a_ref − a₀ − A f) / R` with `a_ref = −b v − k r` and
-//! `R = Â (1 − d)/d`, where `A` is how easily the point moves, `Â` the compiler's estimate of it (`body_invweight0`) and
-//! `d` the impedance. With `solref = (−s, −c)`, `k = s / d` and `b = c / d`: so for a small d
+//! `R = Â (1 − d)/d`, where `A` is how easily the point moves, `Â` the compiler's estimate of it (`body_invweight0`)
+//! and `d` the impedance. With `solref = (−s, −c)`, `k = s / d` and `b = c / d`: so for a small d
 //! `f ≈ −(s r + c v) / Â − d a₀ / Â`, and `s = Â k_wall`, `c = Â c_wall` give the wall's spring and damper.
 #![allow(non_snake_case)]
 
