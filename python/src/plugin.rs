@@ -416,26 +416,12 @@ struct Written {
     forces: Vec<Block>,
 }
 
-const FRAME: [&str; 5] = ["position", "rotation", "velocity", "J", "Jdot_v"];
-const CONTACT: [&str; 7] = [
-    "live", "position", "velocity", "measured", "solution", "J", "Jdot_v",
-];
-
-impl Running {
-    fn new(
-        py: Python<'_>,
-        parameters: &Parameters,
-        object: Bound<'_, PyAny>,
-        setup: &PluginSetup,
-        declared: &Declared,
-        frames: Vec<FrameHandle>,
-    ) -> PyResult<Self> {
+impl Seen {
+    fn new(places: &mut Places, setup: &PluginSetup, frames: usize) -> Self {
         let (nv, nu) = (setup.robot.model.nv(), setup.robot.nu());
         let joints = setup.robot.model.joints().len();
-        let m = declared.rows.len();
-        let mut places = Places::default();
         let mut block = |shape: &[usize]| places.block(shape);
-        let seen = Seen {
+        Self {
             scalars: block(&[4]),
             position: block(&[3]),
             quaternion: block(&[4]),
@@ -449,8 +435,7 @@ impl Running {
             com_bias: block(&[3]),
             last_vdot: block(&[nv]),
             last_effort: block(&[nu]),
-            frames: frames
-                .iter()
+            frames: (0..frames)
                 .map(|_| {
                     [
                         block(&[3]),
@@ -476,10 +461,18 @@ impl Running {
                     ]
                 })
                 .collect(),
-        };
+        }
+    }
+}
+
+impl Written {
+    fn new(places: &mut Places, setup: &PluginSetup, declared: &Declared) -> Self {
+        let (nv, nu) = (setup.robot.model.nv(), setup.robot.nu());
+        let m = declared.rows.len();
+        let mut block = |shape: &[usize]| places.block(shape);
         let components =
             |contact: &ContactId| setup.contacts[contact.index()].kind.constrained().len();
-        let written = Written {
+        Self {
             target: block(&[m]),
             error: block(&[m]),
             lower: block(&[m]),
@@ -492,7 +485,27 @@ impl Running {
                 .iter()
                 .map(|c| block(&[m, components(c)]))
                 .collect(),
-        };
+        }
+    }
+}
+
+const FRAME: [&str; 5] = ["position", "rotation", "velocity", "J", "Jdot_v"];
+const CONTACT: [&str; 7] = [
+    "live", "position", "velocity", "measured", "solution", "J", "Jdot_v",
+];
+
+impl Running {
+    fn new(
+        py: Python<'_>,
+        parameters: &Parameters,
+        object: Bound<'_, PyAny>,
+        setup: &PluginSetup,
+        declared: &Declared,
+        frames: Vec<FrameHandle>,
+    ) -> PyResult<Self> {
+        let mut places = Places::default();
+        let seen = Seen::new(&mut places, setup, frames.len());
+        let written = Written::new(&mut places, setup, declared);
         let memory = Py::new(py, Memory::new(places.cells))?;
         let view = |block: &Block, access| {
             array(memory.bind(py), block.at, &block.shape, access).map(Bound::into_any)
