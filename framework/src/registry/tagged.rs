@@ -9,7 +9,10 @@ use serde::{
 use toml::{Table, Value, de::ValueDeserializer};
 
 use super::{PluginKind, find};
-use crate::plugin::{AnyConstraint, AnyReference, AnyTask};
+use crate::{
+    plugin::{AnyConstraint, AnyReference, AnyTask},
+    suggestion::suggestion,
+};
 
 macro_rules! by_type {
     ($($kind:ident),*) => {
@@ -35,8 +38,11 @@ fn load<'de, P: PluginKind + ?Sized, D: Deserializer<'de>>(
     let Some(Value::String(tag)) = keys.remove("type") else {
         return Err(de::Error::missing_field("type"));
     };
-    let plugin = find::<P>(&tag)
-        .ok_or_else(|| de::Error::custom(format!("unknown {} type `{tag}`", P::NAME)))?;
+    let plugin = find::<P>(&tag).ok_or_else(|| {
+        let known: Vec<_> = P::plugins().iter().map(|plugin| plugin.tag).collect();
+        let hint = suggestion(&tag, &known);
+        de::Error::custom(format!("unknown {} type `{tag}`{hint}", P::NAME))
+    })?;
     let text = Value::Table(keys).to_string();
     let keys = ValueDeserializer::parse(&text).map_err(de::Error::custom)?;
     (plugin.load)(keys).map_err(|error| de::Error::custom(error.message()))

@@ -111,7 +111,7 @@ fn unknown_keys() {
     let plant = "one of `step`, `command_delay`, `friction_speed`, `mismatch`, `servo`, `wall`, \
                  `contact_point`, `disturbance`";
     unknown("step =", "stop =", "13:1", plant);
-    let base = "one of `position_sd`, `rotation_sd`, `linear_sd`, `angular_sd`";
+    let base = "one of `position_sd`, `rotation_sd`, `linear_sd`, `angular_sd`, `velocity_cutoff`";
     unknown("position_sd", "position_sf", "30:1", base);
     let force = "one of `frame`, `force_bias`, `moment_bias`, `force_sd`, `moment_sd`, `cutoff`";
     unknown("force_sd", "force_df", "34:1", force);
@@ -122,7 +122,7 @@ fn unknown_keys() {
         "38:1",
         detector,
     );
-    let event = "one of `at`, `mark`, `deactivate_contact`, `activate_contact`, `deactivate`, \
+    let event = "one of `at`, `mark`, `tare`, `deactivate_contact`, `activate_contact`, `deactivate`, \
                  `activate`, `weight`, `follow`";
     unknown("weight.contact", "weigth.contact", "43:1", event);
     unknown(
@@ -479,8 +479,8 @@ fn events() {
     event(
         "\"min_jerk\"",
         "\"minjerk\"",
-        "follow.base_position: unknown variant `minjerk`, expected one of `ellipse`, `hold`, \
-         `min_jerk`, `thrust_attitude`, `waypoints`",
+        "follow.base_position: unknown reference type `minjerk`; did you mean `min_jerk`? \
+         (known: ellipse, hold, min_jerk, thrust_attitude, waypoints)",
     );
     event(
         "to = [",
