@@ -10,6 +10,7 @@ import pytest
 import wbqp
 from wbqp import _wbqp
 
+pytestmark = pytest.mark.speed
 CONFIG = wbqp.scenarios()["push_with_disturbance"].with_name("push_with_disturbance.controller.toml")
 AT_THE_WALL = [-0.9, 0.0, 1.26]
 
