@@ -504,6 +504,12 @@ impl Batch {
         self.request(of, |controller| controller.deactivate_contact(contact))
     }
 
+    /// Takes what the contact's force-torque sensor says now, on average over about half a second, for its zero.
+    #[pyo3(signature = (contact, of = None))]
+    fn tare(&self, contact: &str, of: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+        self.request(of, |controller| controller.tare(contact))
+    }
+
     /// Gives a task or constraint another weight: a number, or one per row.
     #[pyo3(signature = (entry, weight, of = None))]
     fn reweight(

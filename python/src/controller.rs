@@ -291,6 +291,12 @@ impl Controller {
         self.request(|controller| controller.deactivate_contact(contact))
     }
 
+    /// Takes what the contact's force-torque sensor says now, on average over about half a second, for its zero: while
+    /// nothing is touched.
+    fn tare(&self, contact: &str) -> PyResult<()> {
+        self.request(|controller| controller.tare(contact))
+    }
+
     /// Gives a task or constraint another weight: a number, or one per row. It goes there with the entry's ramp.
     fn reweight(&self, entry: &str, weight: &Bound<'_, PyAny>) -> PyResult<()> {
         let weight = config::weight(weight)?;

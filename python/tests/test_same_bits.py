@@ -15,7 +15,7 @@ CASES = [(name, case) for name in wbqp.scenarios() for case in wbqp.cases(name)]
 
 def ask(controller: wbqp.Controller, requests: str) -> None:
     for request in json.loads(requests):
-        for key in ("deactivate_contact", "activate_contact", "deactivate", "activate"):
+        for key in ("tare", "deactivate_contact", "activate_contact", "deactivate", "activate"):
             for name in request.get(key, []):
                 getattr(controller, key)(name)
         for name, weight in request.get("weight", {}).items():

@@ -107,6 +107,8 @@ def annotation(about: dict[str, Any]) -> str:
 
 
 def _document(text: str, schema: dict[str, Any]) -> str:
+    # Links of Rust's documentation lead nowhere here.
+    text = re.sub(r"\[([^\]]+)\]\([^)]*\)", r"\1", text)
     lines = [text.strip() or "No description.", "", "Parameters", "----------"]
     required = schema.get("required", [])
     for key, about in _ordered(schema):

@@ -85,7 +85,7 @@ class ContactWrench(Plugin):
     """Keeps the wrench of a contact with moments (kinds `full` and `normal_tilt`) within what a flat rectangular sole can
     bear:
 
-    `n_kᵀ f_t ≤ μ' f_n` for `k = 0 … N − 1`, N: friction, as in [`FrictionPyramid`](crate::FrictionPyramid),
+    `n_kᵀ f_t ≤ μ' f_n` for `k = 0 … N − 1`, N: friction, as in `FrictionPyramid`,
 
     `|m_x| ≤ l_y f_n`, `|m_y| ≤ l_x f_n`, N·m: the centre of pressure stays inside the sole,
 
@@ -305,7 +305,7 @@ class ThrustRateLimits(Plugin):
     `f⁻ − r_fall T ≤ f ≤ f⁻ + r_rise T`, N, with T the time since then, at most a period.
 
     Rotors speed up faster than they slow down, or the other way round: the two rates may differ. Rates that are not
-    given are the robot's own (`slew`), which [`ActuatorLimits`](crate::ActuatorLimits) keeps as well. Thrusts are sent
+    given are the robot's own (`slew`), which `ActuatorLimits` keeps as well. Thrusts are sent
     within the actuators' limits, so with those the bounds always leave something.
 
     Bounds on single variables, no rows; they are hard whatever the entry says.

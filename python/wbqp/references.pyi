@@ -11,7 +11,7 @@ class Ellipse(Plugin):
 
     Two components of the task move: `axes[0]` by `semi_axes[0] cos φ`, `axes[1]` by `semi_axes[1] sin φ` about the
     centre, where the angle φ goes from `phase` to `phase + 2π turns` with the profile of
-    [`MinJerk`](crate::MinJerk); the others hold. Rates and accelerations are the exact derivatives. Equal
+    `MinJerk`; the others hold. Rates and accelerations are the exact derivatives. Equal
     semi-axes make a circle, a semi-axis of zero a line there and back.
 
     For tasks on vectors; rotations are refused.
@@ -49,7 +49,7 @@ class Ellipse(Plugin):
 class Hold(Plugin):
     """Stays at a value, or where it takes over. Rate and acceleration are zero.
 
-    Jumps to the value at once; [`MinJerk`](crate::MinJerk) goes there smoothly.
+    Jumps to the value at once; `MinJerk` goes there smoothly.
 
     Parameters
     ----------
@@ -97,13 +97,13 @@ class MinJerk(Plugin):
 class ThrustAttitude(Plugin):
     """Points the base's z where force is needed: for robots whose thrust has that one direction.
 
-    A reference for [`BaseOrientation`](crate::BaseOrientation). It tilts the base as far as the accelerations that
+    A reference for `BaseOrientation`. It tilts the base as far as the accelerations that
     tasks ask of it and the set points of its contacts need:
 
     `F = m (a_R* − g) − Σ_c R_WC f_c^d`, `z_R = F/‖F‖`, with F low-passed and the tilt limited.
 
-    Nothing has to be named: `a_R*` is the [virtual input](wbqp::plugin::PreviousSolution::virtual_input) of whatever task moves
-    the base, and [`f_c^d`](wbqp::contact::ContactState::set_point) that of every contact with a force task, both of the
+    Nothing has to be named: `a_R*` is the virtual input of whatever task moves
+    the base, and `f_c^d` that of every contact with a force task, both of the
     tick before. It begins with the attitude where it takes over, apart from the yaw.
 
     With a steady position error the base tilts for what its stiffness asks, too: a base that is pulled into a wall by
@@ -127,7 +127,7 @@ class ThrustAttitude(Plugin):
     ) -> None: ...
 
 class Waypoints(Plugin):
-    """Visits points at given times. Between two points it moves as [`MinJerk`](crate::MinJerk) does, from rest to
+    """Visits points at given times. Between two points it moves as `MinJerk` does, from rest to
     rest; it leaves a point after its `dwell` and reaches the next at that one's `at`. The first move begins where
     the reference takes over; after the last point it holds.
 

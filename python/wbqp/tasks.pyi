@@ -215,7 +215,7 @@ class ConstantForce(Plugin):
 
     where the contact's ramp α takes the set point from zero and back to it.
 
-    To push with a force that is measured, see [`ContactForce`](crate::ContactForce). Exists while the contact is on.
+    To push with a force that is measured, see `ContactForce`. Exists while the contact is on.
 
     Error: measured minus `α f_d`, N or N·m.
 
@@ -332,7 +332,7 @@ class FrameOrientation(Plugin):
     `J_F v̇ = ẇ_d − K_D (w_WF − w_d) − K_P e − J̇_F v`, `e = log(R_WF R_WDᵀ)∨` or `½[R_WF R_WDᵀ − R_WD R_WFᵀ]∨`,
 
     `J_F` the angular rows of the frame's world-aligned Jacobian. Errors as in
-    [`BaseOrientation`](crate::BaseOrientation); both forms are derived in Siciliano et al., *Robotics*, 3.7.3.
+    `BaseOrientation`; both forms are derived in Siciliano et al., *Robotics*, 3.7.3.
 
     Error: `e`, rad, world axes.
 
@@ -379,8 +379,8 @@ class FrameOrientation(Plugin):
     ) -> None: ...
 
 class FramePose(Plugin):
-    """Moves and turns a frame of the robot: [`FramePosition`](crate::FramePosition) and
-    [`FrameOrientation`](crate::FrameOrientation) in one entry.
+    """Moves and turns a frame of the robot: `FramePosition` and
+    `FrameOrientation` in one entry.
 
     Six rows in world axes, m/s² and rad/s²:
 
@@ -751,7 +751,7 @@ class ThrustRegularisation(Plugin):
 
     `f_i = f_d`.
 
-    In contrast to [`PropellerRegularisation`](crate::PropellerRegularisation) each thrust is weighed by itself, so the
+    In contrast to `PropellerRegularisation` each thrust is weighed by itself, so the
     solution does not depend on the order of the rotors; the minimum of `Σ f_i²` is the allocation of the
     pseudo-inverse.
 
