@@ -22,8 +22,8 @@ use crate::{
 
 /// Kinematics and dynamics of a robot in one state: ``M v̇ + h = S u + Σ Jᵀ f``.
 ///
-/// World axes throughout; ``v = [v_WR; w_WR; q̇]`` of a floating base, linear first, ``q̇`` of a fixed one. Accelerations
-/// are classical ones. Every method returns new arrays.
+/// World axes throughout; ``v = [v_WR; w_WR; q̇]`` of a floating base, linear first, ``q̇`` of a fixed one.
+/// Accelerations are classical ones. Every method returns new arrays.
 ///
 /// Parameters
 /// ----------

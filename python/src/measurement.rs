@@ -243,9 +243,9 @@ impl Measurement {
         self.assign(py, 3, value)
     }
 
-    /// Measured wrenches, shape (contacts, 6), by index or by the contact's name: `[force; moment]` that the environment
-    /// exerts on the robot, N and N·m, in the axes and about the origin of the contact's frame on the robot. Zero where
-    /// there is no sensor.
+    /// Measured wrenches, shape (contacts, 6), by index or by the contact's name: `[force; moment]` that the
+    /// environment exerts on the robot, N and N·m, in the axes and about the origin of the contact's frame on the
+    /// robot. Zero where there is no sensor.
     #[getter]
     fn wrench(&self, py: Python<'_>) -> Py<PyAny> {
         self.arrays[4].clone_ref(py)

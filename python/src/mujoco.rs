@@ -18,9 +18,9 @@ use wbqp::{
 };
 use wbqp_log::{LogSink, McapLog};
 use wbqp_mjcf::{Mjcf, Scene};
-use wbqp_sim::{PlantCommand, Scenario, Variation, World};
+use wbqp_sim::{PlantCommand, Scenario, Variation, World, plant::has_diverged};
 
-use crate::{config, robot::Robot};
+use crate::{config, robot::Robot, simulate};
 
 /// Text, notes, and the geoms of walls and contact points.
 fn exported<'py>(py: Python<'py>, mjcf: &Mjcf) -> PyResult<Bound<'py, PyDict>> {
@@ -92,9 +92,6 @@ impl World for Truth {
     }
 }
 
-/// Farther from the world's origin than this (m) the engine has lost the robot, as the plant of this project would.
-const FARTHEST: f64 = 100.0;
-
 /// Frame, force, moment, start and end.
 type Disturbance = (String, [f64; 3], [f64; 3], f64, f64);
 
@@ -138,7 +135,8 @@ impl CaseRun {
         let scenario =
             Scenario::from_file_with(&scenario, &variation).map_err(|e| refused(py, &e))?;
         let case = scenario.case(case).map_err(|e| refused(py, &e))?;
-        let controller = wbqp_sim::CaseRun::controller(case).map_err(|e| refused(py, &e))?;
+        let (controller, source) =
+            wbqp_sim::CaseRun::controller(case).map_err(|e| refused(py, &e))?;
         let robot = controller.robot().clone();
         let command = PlantCommand::of(&robot, controller.command());
         let mut scene =
@@ -176,8 +174,15 @@ impl CaseRun {
         };
         let text = |e: &dyn std::fmt::Display| PyRuntimeError::new_err(e.to_string());
         let mut log = McapLog::create(&log).map_err(|e| text(&e))?;
-        let run = wbqp_sim::CaseRun::new(&scenario, case, controller, seed, &truth, &mut log)
-            .map_err(|e| text(&e))?;
+        let run = wbqp_sim::CaseRun::new(
+            &scenario,
+            case,
+            (controller, source),
+            seed,
+            &truth,
+            &mut log,
+        )
+        .map_err(|e| text(&e))?;
         Ok(Self {
             run: Some(run),
             truth,
@@ -284,7 +289,7 @@ impl CaseRun {
             sensor.1.fixed_rows_mut::<3>(0).copy_from(&force);
             sensor.1.fixed_rows_mut::<3>(3).copy_from(&moment);
         }
-        truth.diverged = !truth.state.is_finite() || truth.state.p_WR.norm() > FARTHEST;
+        truth.diverged = has_diverged(&truth.state);
         let (run, truth, _) = self.run()?;
         run.observe(truth);
         run.note_divergence(truth);
@@ -306,7 +311,7 @@ impl CaseRun {
         Ok(Some(self.due.values().to_vec()))
     }
 
-    /// Ends the log: `ticks`, `held` (commands that were not an optimum), `diverged` (when, s), `why`.
+    /// Ends the log, and says how the run went, as `wbqp.simulate` does.
     fn finish<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let (Some(run), Some(mut log)) = (self.run.take(), self.log.take()) else {
             return Err(PyRuntimeError::new_err("the run is finished"));
@@ -314,12 +319,7 @@ impl CaseRun {
         let text = |e: &dyn std::fmt::Display| PyRuntimeError::new_err(e.to_string());
         let summary = run.finish(&mut log).map_err(|e| text(&e))?;
         log.finish().map_err(|e| text(&e))?;
-        let dict = PyDict::new(py);
-        dict.set_item("ticks", summary.ticks)?;
-        dict.set_item("held", summary.held)?;
-        dict.set_item("diverged", summary.diverged)?;
-        dict.set_item("why", summary.why)?;
-        Ok(dict)
+        simulate::described(py, &summary)
     }
 }
 

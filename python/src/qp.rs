@@ -38,8 +38,8 @@ impl QpSolution {
         self.arrays[0].clone_ref(py)
     }
 
-    /// Multipliers of the rows, shape (m,): positive at an upper side, negative at a lower one. Of an infeasible problem
-    /// the certificate: ``Aᵀ y + z = 0``, while the limits, weighted with them, have a negative sum.
+    /// Multipliers of the rows, shape (m,): positive at an upper side, negative at a lower one. Of an infeasible
+    /// problem the certificate: ``Aᵀ y + z = 0``, while the limits, weighted with them, have a negative sum.
     #[getter]
     fn y(&self, py: Python<'_>) -> Py<PyAny> {
         self.arrays[1].clone_ref(py)
@@ -115,15 +115,18 @@ fn refused(error: &QpError) -> PyErr {
 /// Returns
 /// -------
 /// QpSolution
-///     With `status`, `x`, multipliers `y` and `z`, and `certificate`. A problem that makes no sense is a status, not an
-///     exception.
+///     With `status`, `x`, multipliers `y` and `z`, and `certificate`. A problem that makes no sense is a status, not
+///     an exception.
 ///
 /// Raises
 /// ------
 /// ValueError
 ///     If shapes do not fit.
 #[pyfunction]
-#[pyo3(signature = (H, g, A = None, lower = None, upper = None, lb = None, ub = None, *, warm_start = None, max_iterations = None))]
+#[pyo3(signature = (
+    H, g, A = None, lower = None, upper = None, lb = None, ub = None,
+    *, warm_start = None, max_iterations = None
+))]
 pub(crate) fn solve_qp(
     py: Python<'_>,
     H: &Bound<'_, PyAny>,

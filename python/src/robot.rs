@@ -212,7 +212,10 @@ impl Robot {
     /// Names of the joints with a velocity servo.
     #[getter]
     fn servoed_joints(&self) -> Vec<String> {
-        let servoed = |kind: &ActuatorKind| matches!(kind, ActuatorKind::Joint(motor) if motor.drive == Drive::Velocity);
+        let servoed = |kind: &ActuatorKind| match kind {
+            ActuatorKind::Joint(motor) => motor.drive == Drive::Velocity,
+            ActuatorKind::Rotor(_) => false,
+        };
         let actuators = self.model.actuators.iter().filter(|a| servoed(&a.kind));
         actuators.map(|a| a.name.clone()).collect()
     }

@@ -145,13 +145,18 @@ pub(crate) fn _simulate(
             )
         }
     };
+    Ok((Log::new(log), described(py, &summary)?.unbind()))
+}
+
+/// `ticks`, `held` (commands that were not an optimum), `diverged` (when, s), `last_level`, `why`.
+pub(crate) fn described<'py>(py: Python<'py>, summary: &Summary) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
     dict.set_item("ticks", summary.ticks)?;
     dict.set_item("held", summary.held)?;
     dict.set_item("diverged", summary.diverged)?;
     dict.set_item("last_level", summary.last_level.as_str())?;
-    dict.set_item("why", summary.why)?;
-    Ok((Log::new(log), dict.unbind()))
+    dict.set_item("why", &summary.why)?;
+    Ok(dict)
 }
 
 fn run<S: LogSink + Send>(

@@ -13,6 +13,7 @@ use std::time::Instant;
 use wbqp::{
     controller::{Controller, FallbackLevel},
     replay::{DumpError, DumpFolder},
+    robot::SourceFile,
     stopwatch::Stopwatch,
 };
 use wbqp_log::{
@@ -82,14 +83,14 @@ fn run_case(
     mut dumps: Option<&mut DumpFolder>,
 ) -> Result<Summary, RunError> {
     let case = scenario.case(case)?;
-    let mut controller = CaseRun::controller(case)?;
+    let (mut controller, source) = CaseRun::controller(case)?;
     if dumps.is_some() {
         controller = controller
             .with_recorder(RECORDED_TICKS)
             .map_err(DumpError::from)?;
     }
     let mut plant = settled_plant(case, &controller)?;
-    let mut run = CaseRun::new(scenario, case, controller, seed, &plant, sink)?;
+    let mut run = CaseRun::new(scenario, case, (controller, source), seed, &plant, sink)?;
     let mut due = run.link.computed().clone();
     let ticks = run.ticks();
     while !run.is_over() {
@@ -127,13 +128,16 @@ pub struct CaseRun {
 }
 
 impl CaseRun {
-    /// The controller of a case, with a stopwatch.
+    /// The controller of a case, with a stopwatch, and the file that it was read from.
     ///
     /// # Errors
     /// A configuration that is refused.
-    pub fn controller(case: &Case) -> Result<Controller, ScenarioError> {
-        let controller = case.make_controller(case.controller_config()?)?;
-        Ok(controller.with_stopwatch(Box::new(WallClock(Instant::now()))))
+    pub fn controller(case: &Case) -> Result<(Controller, Option<SourceFile>), ScenarioError> {
+        let config = case.controller_config()?;
+        let source = config.source.clone();
+        let controller = case.make_controller(config)?;
+        let clock = Box::new(WallClock(Instant::now()));
+        Ok((controller.with_stopwatch(clock), source))
     }
 
     /// At time 0; what is to be known of the run goes into the log. The world has the controller's robot in the case's
@@ -144,7 +148,7 @@ impl CaseRun {
     pub fn new(
         scenario: &Scenario,
         case: &Case,
-        controller: Controller,
+        (controller, source): (Controller, Option<SourceFile>),
         seed: u64,
         world: &dyn World,
         sink: &mut dyn LogSink,
@@ -156,7 +160,7 @@ impl CaseRun {
             seed,
             std::iter::once(scenario.source())
                 .chain(&scenario.variation().source())
-                .chain(&case.controller_config()?.source)
+                .chain(&source)
                 .chain(&robot.sources),
         )?;
         let names = [("name", scenario.name()), ("case", case.name())];

@@ -128,7 +128,6 @@ impl Arguments {
     }
 }
 
-/// A file's name without its extension, as it can name a folder.
 /// A scenario, or a controller on its default plant for `duration` s.
 ///
 /// # Errors
@@ -166,6 +165,7 @@ pub(crate) fn load(file: &Path, robot: &RobotOptions, duration: Option<f64>) -> 
     Ok(scenario)
 }
 
+/// A file's name without its extension, as it can name a folder.
 fn stem(file: &Path) -> String {
     let name = file.file_stem().and_then(|name| name.to_str());
     name.unwrap_or("run").to_owned()

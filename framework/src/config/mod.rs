@@ -17,7 +17,7 @@
 //! | `weight` | the plug-in's, if it declares one | linear, ≥ 0; needed unless hard |
 //! | `active` | `true` | on at the start |
 //! | `transition` | `0.0` | duration of the ramp when it is switched or reweighted, s |
-//! | `hardness` | tasks `"soft"`, constraints `"hard"` | or `{ exact = λ }`, see [`Hardness`](crate::plugin::Hardness) |
+//! | `hardness` | tasks `"soft"`, constraints `"hard"` | or `{ exact = λ }`: [`Hardness`](crate::plugin::Hardness) |
 //!
 //! A file may be short ([`expand()`] writes it out, [`ControllerConfig::implied`] lists what it leaves to defaults): a
 //! contact with the key `motion` brings its own constraints, a robot with a `file` needs no `type`, and names, weights

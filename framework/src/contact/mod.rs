@@ -10,14 +10,13 @@
 
 mod detector;
 mod motion;
-mod sensor_zero;
+pub(crate) mod sensor_zero;
 mod short;
 mod spec;
 mod state;
 
 pub use detector::{ContactEvent, Detector};
 pub use motion::SurfaceMotion;
-pub(crate) use sensor_zero::SensorZero;
 pub use short::{Motion, ShortContact};
 pub use spec::{ContactKind, ContactSpec, FreeForce, Surface};
 pub use state::ContactState;

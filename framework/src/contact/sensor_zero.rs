@@ -1,13 +1,13 @@
 //! The zero of a force-torque sensor, taken while nothing is touched.
 //!
 //! # Mathematics
-//! `m̄ += (m − m̄)(1 − exp(−Δt/τ))` with τ = 0.25 s follows the reading m, and [`SensorZero::take`] makes it the zero m₀:
-//! from then on `m − m₀` counts as the wrench.
+//! A first-order low-pass with a time constant of 0.25 s follows the reading m, `m̄ += (m − m̄) s`, and
+//! [`SensorZero::take`] makes it the zero m₀: from then on `m − m₀` counts as the wrench.
 
 use nalgebra::Vector6;
 
-/// s.
-const TIME_CONSTANT: f64 = 0.25;
+/// Of the mean reading, Hz: a time constant of 0.25 s.
+pub(crate) const CUTOFF: f64 = 4.0 / std::f64::consts::TAU;
 
 /// The mean reading, and what of a reading counts as zero. `[force; moment]`, N and N·m, in the sensor's axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -18,10 +18,10 @@ pub(crate) struct SensorZero {
 }
 
 impl SensorZero {
-    /// Follows a reading, so many seconds after the one before.
-    pub(crate) fn follow(&mut self, reading: &Vector6<f64>, elapsed: f64) {
+    /// Follows a reading, of which so much is new.
+    pub(crate) fn follow(&mut self, reading: &Vector6<f64>, share: f64) {
         let mean = self.mean.get_or_insert(*reading);
-        *mean += (reading - *mean) * (1.0 - (-elapsed / TIME_CONSTANT).exp());
+        *mean += (reading - *mean) * share;
     }
 
     /// The wrench that a reading means.
@@ -51,7 +51,7 @@ mod tests {
         assert_eq!(zero.correct(&bias), bias);
         for k in 0..500 {
             let noise = if k % 2 == 0 { 0.05 } else { -0.05 };
-            zero.follow(&bias.add_scalar(noise), 0.004);
+            zero.follow(&bias.add_scalar(noise), 0.016);
         }
         assert_eq!(zero.correct(&bias), bias);
         zero.take();

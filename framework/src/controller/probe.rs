@@ -89,8 +89,8 @@ impl WrittenRows {
 }
 
 impl Probe {
-    /// Binds the plug-in, a `dyn AnyTask` or `dyn AnyConstraint`, to a robot with contacts, all of them on, at a control
-    /// period in s.
+    /// Binds the plug-in, a `dyn AnyTask` or `dyn AnyConstraint`, to a robot with contacts, all of them on, at a
+    /// control period in s.
     ///
     /// # Errors
     /// [`BindError`]: what the plug-in refuses, or what does not fit in its layout.

@@ -13,7 +13,10 @@ use nalgebra::{
 
 use super::{measurement::Measurement, record::ContactMemory};
 use crate::{
-    contact::{ContactSpec, ContactState, FreeForce, SensorZero, SurfaceMotion},
+    contact::{
+        ContactSpec, ContactState, FreeForce, SurfaceMotion,
+        sensor_zero::{CUTOFF, SensorZero},
+    },
     error::BindError,
     plugin::{EntryState, PreviousSolution, Tick},
     problem::{BoundEntry, DynamicsTerms, Problem},
@@ -66,8 +69,9 @@ pub(crate) struct ContactBinding {
     filtered: Vector3<f64>,
     pub(crate) zero: SensorZero,
     motion: SurfaceMotion,
-    /// Share of a new sample in the low-pass, one period after the one before.
-    gain: f64,
+    /// Shares of a new sample in the low-passes of the free force and of the sensor's mean reading, one period after
+    /// the one before.
+    shares: [f64; 2],
     period: f64,
 }
 
@@ -94,7 +98,7 @@ impl ContactBinding {
                 spec.surface.rotation()?,
                 Vector3::from(spec.surface.origin),
             ),
-            gain: low_pass(spec.free_force_cutoff, period),
+            shares: [spec.free_force_cutoff, CUTOFF].map(|cutoff| low_pass(cutoff, period)),
             period,
             spec: spec.clone(),
         })
@@ -217,14 +221,14 @@ impl ContactBinding {
         c: &mut ContactState,
     ) {
         self.place(model, data, c);
-        self.zero.follow(wrench, elapsed);
-        let force = self.sense(wrench, c);
-        let gain = if elapsed == self.period {
-            self.gain
+        let [free, mean] = if elapsed == self.period {
+            self.shares
         } else {
-            low_pass(self.spec.free_force_cutoff, elapsed)
+            [self.spec.free_force_cutoff, CUTOFF].map(|cutoff| low_pass(cutoff, elapsed))
         };
-        self.filtered += (force - self.filtered) * gain;
+        self.zero.follow(wrench, mean);
+        let force = self.sense(wrench, c);
+        self.filtered += (force - self.filtered) * free;
         self.settle(time, c);
         c.alpha = self.switch.alpha(time);
         c.live = self.switch.is_live(time);
@@ -446,6 +450,7 @@ impl World {
         let contacts = self.contacts.iter_mut().zip(&mut self.bindings);
         for ((contact, binding), wrench) in contacts.zip(&m.wrenches) {
             binding.place(&self.model, &self.data, contact);
+            binding.zero.mean = Some(*wrench);
             binding.filtered = binding.sense(wrench, contact);
         }
     }

@@ -45,10 +45,17 @@ use joint::JointPlant;
 use layout::Layout;
 use rotor::RotorPlant;
 
-/// Farther from the world's origin than this (m) the plant has diverged.
+/// Farther from the world's origin than this (m) a plant has diverged.
 const FARTHEST: f64 = 100.0;
-/// Faster than this (m/s or rad/s) the plant has diverged.
+/// Faster than this (m/s or rad/s) a plant has diverged.
 const FASTEST: f64 = 1e4;
+
+/// Whether there is no use in going on from a state: it has numbers that are not finite, or is beyond what robots do.
+/// The same for whatever engine moves them.
+pub fn has_diverged(state: &State) -> bool {
+    !state.is_finite() || state.p_WR.amax() > FARTHEST || state.v.amax() > FASTEST
+}
+
 /// Tolerance of the clock, s: sums of periods are rounded.
 const CLOCK: f64 = 1e-9;
 

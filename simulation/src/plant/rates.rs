@@ -2,7 +2,7 @@
 
 use wbqp::dynamics::forward_dynamics;
 
-use super::{CLOCK, FARTHEST, FASTEST, Plant, layout::Layout};
+use super::{CLOCK, Plant, has_diverged, layout::Layout};
 
 /// Classical Runge–Kutta: fraction of the step at which the second to fourth stages are evaluated.
 const STAGES: [f64; 3] = [0.5, 0.5, 1.0];
@@ -47,9 +47,7 @@ impl Plant {
             self.settle_contacts(&mut x);
         }
         self.evaluate_rates(&x, &mut rates);
-        self.diverged |= !(within(&x) && within(&rates[..3]))
-            || self.state.p_WR.amax() > FARTHEST
-            || self.state.v.amax() > FASTEST;
+        self.diverged |= !(within(&x) && within(&rates[..3])) || has_diverged(&self.state);
         self.x = x;
         self.rates = rates;
     }

@@ -97,8 +97,9 @@ impl Sensors {
         })
     }
 
-    /// Lets the filters follow the plant. To be called after every integration step
-    /// ([`Plant::advance_with`](crate::Plant::advance_with)); without it the filters take the wrench for linear between two samples.
+    /// Lets the filters follow the world. To be called after every integration step
+    /// ([`Plant::advance_with`](crate::Plant::advance_with)); without it the filters take the wrench for linear between
+    /// two samples.
     pub fn observe(&mut self, plant: &dyn World) {
         for sensor in &mut self.force_torque {
             sensor.observe(plant);
