@@ -13,6 +13,7 @@ use super::{
     hover::{hover, missing_wrench, must_hover},
     memory::{Memory, Need, Stored},
     misfits::{Misfit, Misfits},
+    observer::Observer,
     plausible::Plausible,
     record::MadeFrom,
     report::{FallbackLevel, OnLevel, Report},
@@ -358,7 +359,11 @@ impl Bound {
         misfits.solver(solver_tag, solver.bind(capacity).map_err(BindError::from));
         misfits.stop_if_any()?;
 
-        let world = World::new(&robot, period, bindings, frame_ids);
+        let mut world = World::new(&robot, period, bindings, frame_ids);
+        world.observer = settings.observer.clone().map(|observer| {
+            let actuation = Actuation::new(&model, &robot.actuators);
+            Observer::new(observer, actuation, &model, robot.nu())
+        });
         let relaxation = Relaxation::new(&problem, &entries, &table, &robot.actuators, capacity);
         let relaxed = relaxation.qp.capacity();
         misfits.solver("active_set", native.bind(relaxed).map_err(BindError::from));

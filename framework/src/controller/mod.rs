@@ -19,6 +19,7 @@ mod hover;
 mod measurement;
 mod memory;
 mod misfits;
+mod observer;
 mod output;
 mod planned_force;
 mod plausible;

@@ -11,7 +11,7 @@ use nalgebra::{
     Vector6,
 };
 
-use super::{measurement::Measurement, record::ContactMemory};
+use super::{measurement::Measurement, observer::Observer, record::ContactMemory};
 use crate::{
     contact::{
         ContactSpec, ContactState, FreeForce, SurfaceMotion,
@@ -49,6 +49,7 @@ pub(crate) struct World {
     pub(crate) contacts: Vec<ContactState>,
     pub(crate) last: PreviousSolution,
     pub(crate) bindings: Vec<ContactBinding>,
+    pub(crate) observer: Option<Observer>,
 }
 
 /// What a contact needs besides its state.
@@ -256,7 +257,7 @@ impl ContactBinding {
 }
 
 /// Share of a new sample in a low-pass with this cutoff, Hz, so many seconds after the one before.
-fn low_pass(cutoff: f64, seconds: f64) -> f64 {
+pub(super) fn low_pass(cutoff: f64, seconds: f64) -> f64 {
     1.0 - (-std::f64::consts::TAU * cutoff * seconds).exp()
 }
 
@@ -330,6 +331,7 @@ impl World {
                 effort: DVector::zeros(robot.nu()),
             },
             bindings,
+            observer: None,
             model,
         }
     }
@@ -413,8 +415,22 @@ impl World {
     }
 
     fn take_state(&mut self, m: &Measurement) {
+        let is_first = self.origin.is_none();
         self.time = m.time - *self.origin.get_or_insert(m.time);
-        self.state.copy_from(&m.state);
+        let observer = self.observer.as_mut().filter(|_| !is_first);
+        if let Some(observer) = observer {
+            observer.predict(
+                &self.state.v,
+                &self.data,
+                &self.contacts,
+                &self.last,
+                self.elapsed,
+            );
+            self.state.copy_from(&m.state);
+            observer.correct(&mut self.state.v, &self.data, self.elapsed);
+        } else {
+            self.state.copy_from(&m.state);
+        }
         // Sensors deliver quaternions that are almost of unit length: everything after needs exactly that.
         self.state.R_WR = UnitQuaternion::new_normalize(*m.state.R_WR.quaternion());
         self.update_bodies();
@@ -468,12 +484,19 @@ impl World {
         }
     }
 
+    /// The unknown wrench on the base; zero without an observer.
+    fn disturbance(&self) -> Vector6<f64> {
+        let observer = self.observer.as_ref();
+        observer.map_or_else(Vector6::zeros, |observer| observer.disturbance)
+    }
+
     /// The terms of the dynamics, borrowed for the problem.
     pub(crate) fn terms(&self) -> DynamicsTerms<'_> {
         DynamicsTerms {
             data: &self.data,
             frames: &self.frames,
             contacts: &self.contacts,
+            disturbance: self.disturbance(),
         }
     }
 
@@ -488,6 +511,7 @@ impl World {
             state: &self.state,
             dynamics: &self.data,
             last: &self.last,
+            disturbance: self.disturbance(),
             entry,
             frames: &self.frames,
             contacts: &self.contacts,

@@ -214,6 +214,9 @@ impl FallbackLaw for DampedHover {
         running.force.copy_from(tick.dynamics.gravity());
         let mass_matrix = tick.dynamics.mass_matrix();
         running.force.gemv(1.0, mass_matrix, &running.vdot, 1.0);
+        for (force, unknown) in running.force.iter_mut().take(offset).zip(&tick.disturbance) {
+            *force -= unknown;
+        }
         let floating = running.model.base() == Base::Floating;
         if floating {
             running.load(self, tick.state, tick.dynamics, tick.contacts());

@@ -4,7 +4,7 @@
 //! W world (z up), R base, F a named frame, C a contact frame (z along the surface's outward normal). Frame
 //! Jacobians are world-aligned, contact Jacobians in C axes; both linear first.
 
-use nalgebra::UnitQuaternion;
+use nalgebra::{UnitQuaternion, Vector6};
 
 use crate::{
     contact::{ContactId, ContactState},
@@ -41,6 +41,9 @@ pub struct Tick<'a> {
     pub dynamics: &'a Data,
     /// Solution of the last tick that had one, and the efforts that the last tick sent.
     pub last: &'a PreviousSolution,
+    /// Estimate of the wrench on a floating base that the model does not have, `[force; moment]` about the base's origin,
+    /// world axes, N and N·m; zero without an [observer](crate::settings::Observer).
+    pub disturbance: Vector6<f64>,
     /// The plug-in's own switch.
     pub entry: EntryState,
     pub(crate) frames: &'a [FrameKinematics],

@@ -66,6 +66,8 @@ use sparsity::SparsityPattern;
 pub(crate) use table::Table;
 pub use table::{RowInfo, VarInfo};
 
+use nalgebra::Vector6;
+
 use crate::{
     contact::ContactState,
     fault::Fault,
@@ -80,6 +82,8 @@ pub(crate) struct DynamicsTerms<'a> {
     pub(crate) data: &'a Data,
     pub(crate) frames: &'a [FrameKinematics],
     pub(crate) contacts: &'a [ContactState],
+    /// The unknown wrench on a floating base, `[force; moment]` about its origin, world axes, N and N·m.
+    pub(crate) disturbance: Vector6<f64>,
 }
 
 /// What the problem is built in: storage made once, for everything switched on.

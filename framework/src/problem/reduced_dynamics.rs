@@ -111,6 +111,10 @@ impl ReducedDynamics {
         {
             row[known] = -h;
         }
+        // Zero for a fixed base, which has fewer rows or others.
+        for (row, w) in forcing.chunks_exact_mut(stride).zip(&terms.disturbance) {
+            row[known] += w;
+        }
         let contacts = terms.contacts.iter().zip(&active.forces);
         for ((contact, start), carriers) in contacts.zip(&partition.contacts) {
             let Some(start) = start else { continue };

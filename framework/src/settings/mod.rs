@@ -2,6 +2,7 @@
 
 mod formulation;
 mod measurement;
+mod observer;
 mod target;
 
 use schemars::JsonSchema;
@@ -11,6 +12,7 @@ use crate::error::BindError;
 
 pub use formulation::Formulation;
 pub use measurement::MeasurementLimits;
+pub use observer::{ContactForces, Observer};
 pub use target::Target;
 
 /// The `[controller]` table.
@@ -53,6 +55,10 @@ pub struct Settings {
     #[serde(default = "default_max_memory")]
     #[schemars(extend("x-unit" = "MiB"))]
     pub max_memory: f64,
+    /// Velocities and an unknown wrench from the motion that the model predicts. Without it velocities are those that
+    /// are measured, and the model is taken at its word.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub observer: Option<Observer>,
 }
 
 /// Where references begin that have no value of their own.
@@ -134,6 +140,7 @@ impl Settings {
             start: StartFrom::default(),
             max_first_error: FirstError::default(),
             max_memory: default_max_memory(),
+            observer: None,
         }
     }
 
@@ -182,6 +189,11 @@ impl Settings {
         .filter(|(_, value, allowed, _)| !value.is_finite() || !allowed)
         .map(|(key, value, _, rule)| (key, format!("must be finite and {rule}, is {value}")))
         .chain(self.first_error_problems())
+        .chain(
+            self.observer
+                .iter()
+                .flat_map(|observer| observer.problems(self.rate)),
+        )
     }
 
     fn first_error_problems(&self) -> impl Iterator<Item = (&'static str, String)> {

@@ -32,6 +32,7 @@ pub mod push_and_slide;
 pub mod push_away;
 pub mod push_with_disturbance;
 mod recording;
+pub mod robust;
 mod row;
 mod series;
 mod signals;

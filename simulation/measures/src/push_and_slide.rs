@@ -8,17 +8,26 @@
 
 use std::f64::consts::TAU;
 
-use crate::{Cases, Experiment, MeasureError, Recording, Row, Series, escaped, table_i, tick_time};
+use crate::{
+    Cases, Experiment, MeasureError, Recording, Row, Series, escaped, robust::robust, table_i,
+    tick_time,
+};
 
-/// Four cases: with and without the measured friction in the model, and with a plant that is heavier than the model,
-/// with and without integral action.
+/// Five cases: with and without the measured friction in the model; with a plant that is heavier than the model, with
+/// and without integral action; and with an observer.
 pub const EXPERIMENT: Experiment = Experiment {
     name: "push_and_slide",
     title: "C: push and slide (IV-C)",
-    about: "The tip pushes on a wall with 2.5 N and slides once around an ellipse, 20 cm wide and 10 cm high. Four \
-        cases: with the measured friction in the model, and without; and a plant that is 3 % heavier than the model, \
-        without and with integral action.",
-    cases: &["with_ff", "without_ff", "heavier", "heavier_integral"],
+    about: "The tip pushes on a wall with 2.5 N and slides once around an ellipse, 20 cm wide and 10 cm high. Five \
+        cases: with the measured friction in the model, and without; a plant that is 3 % heavier than the model, \
+        without and with integral action; and an observer of the unknown wrench.",
+    cases: &[
+        "with_ff",
+        "without_ff",
+        "heavier",
+        "heavier_integral",
+        "robust",
+    ],
     measure: |cases| rows(&Logs::of(cases)?),
 };
 
@@ -44,6 +53,8 @@ pub struct Logs<'a> {
     pub heavier: &'a dyn Recording,
     /// The same, with integrals.
     pub heavier_integral: &'a dyn Recording,
+    /// As the first, with an observer.
+    pub robust: &'a dyn Recording,
 }
 
 impl<'a> Logs<'a> {
@@ -57,6 +68,7 @@ impl<'a> Logs<'a> {
             without_ff: cases.get("without_ff")?,
             heavier: cases.get("heavier")?,
             heavier_integral: cases.get("heavier_integral")?,
+            robust: cases.get("robust")?,
         })
     }
 }
@@ -84,6 +96,9 @@ pub fn rows(logs: &Logs<'_>) -> Result<Vec<Row>, MeasureError> {
     rows.extend(heavier_plant("heavier plant", &heavier)?);
     let heavier = Case::new(logs.heavier_integral)?;
     rows.extend(heavier_plant("heavier plant, with integrals", &heavier)?);
+    let observed = Case::new(logs.robust)?;
+    rows.extend(robust(normal_force(&observed)?));
+    rows.extend(robust(tracking(&observed)?));
     rows.push(tick_time::row(logs.with_ff)?);
     Ok(rows)
 }

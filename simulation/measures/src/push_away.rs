@@ -7,17 +7,24 @@
 //! wall's outward normal n, errors are actual minus desired; what is desired is the measured state minus the task's
 //! error.
 
-use crate::{Experiment, MeasureError, Recording, Row, Series, base, table_i, tick_time};
+use crate::{
+    Experiment, MeasureError, Recording, Row, Series, base, robust::robust, table_i, tick_time,
+};
 
-/// Two cases, far from the wall and in contact with it.
+/// Two cases, far from the wall and in contact with it, and the same with an observer.
 pub const EXPERIMENT: Experiment = Experiment {
     name: "push_away",
     title: "D: pushing away (IV-D)",
     about: "The base is asked to move 35 cm away from a wall within half a second. Two cases: far from any wall, and \
         touching it, where the contact force is free for the optimisation to use; at half time the contact leaves the \
-        problem.",
-    cases: &["free", "contact"],
-    measure: |cases| rows(cases.get("free")?, cases.get("contact")?),
+        problem. Both again with an observer of the unknown wrench.",
+    cases: &["free", "contact", "robust_free", "robust_contact"],
+    measure: |cases| {
+        rows(
+            [cases.get("free")?, cases.get("contact")?],
+            [cases.get("robust_free")?, cases.get("robust_contact")?],
+        )
+    },
 };
 
 /// Name of the contact in the scenario's controller.
@@ -33,11 +40,14 @@ pub const DURATION: f64 = 0.5;
 /// What counts as rounding in positions and times of a log, m or s.
 const EXACT: f64 = 1e-9;
 
-/// All rows, in order.
+/// All rows, in order, of both cases, free and in contact, and of the same with an observer.
 ///
 /// # Errors
 /// [`MeasureError`] if a log lacks a topic or a table that every row needs.
-pub fn rows(free: &dyn Recording, contact: &dyn Recording) -> Result<Vec<Row>, MeasureError> {
+pub fn rows(
+    [free, contact]: [&dyn Recording; 2],
+    observed: [&dyn Recording; 2],
+) -> Result<Vec<Row>, MeasureError> {
     let controller = contact.configuration("task")?;
     let mut rows = table_i::rows('D', [2.0, 2.0, 0.05, 0.0, 0.0, 1e-5], &controller);
     let (free, contact) = (Case::new(free)?, Case::new(contact)?);
@@ -46,6 +56,10 @@ pub fn rows(free: &dyn Recording, contact: &dyn Recording) -> Result<Vec<Row>, M
     rows.extend(tracking(&free, &contact)?);
     rows.extend(saturation(&free, &contact)?);
     rows.extend(mechanism(&free, &contact)?);
+    let [free, touching] = observed.map(Case::new);
+    let (free, touching) = (free?, touching?);
+    rows.extend(robust(tracking(&free, &touching)?));
+    rows.extend(robust(saturation(&free, &touching)?));
     rows.push(tick_time::row(contact.log)?);
     Ok(rows)
 }

@@ -11,19 +11,26 @@ use toml::Table;
 
 use crate::{
     Experiment, MeasureError, Recording, Row, Series, base,
+    robust::robust,
     table_i::{self, number},
     tick_time,
 };
 
-/// Two cases, with and without force feedback.
+/// Three cases: with and without force feedback, and with feedback and an observer.
 pub const EXPERIMENT: Experiment = Experiment {
     name: "push_with_disturbance",
     title: "B: pushing with disturbances (IV-B)",
     about: "The fully actuated robot touches a wall and pushes with 5 N. For five seconds a force of 3.5 N at its \
-        base, which neither controller nor sensors know of, pulls it away. Two cases: with feedback of the measured \
-        force, and without.",
-    cases: &["with_ft", "no_ft"],
-    measure: |cases| rows(cases.get("with_ft")?, cases.get("no_ft")?),
+        base, which neither controller nor sensors know of, pulls it away. Three cases: with feedback of the \
+        measured force, without, and with feedback and an observer of the unknown force.",
+    cases: &["with_ft", "no_ft", "robust"],
+    measure: |cases| {
+        rows(
+            cases.get("with_ft")?,
+            cases.get("no_ft")?,
+            cases.get("robust")?,
+        )
+    },
 };
 
 /// Name of the contact in the scenario's controller.
@@ -35,7 +42,11 @@ const SET_POINT: f64 = 5.0;
 ///
 /// # Errors
 /// [`MeasureError`] if a log lacks a topic or a table that every row needs.
-pub fn rows(with_ft: &dyn Recording, no_ft: &dyn Recording) -> Result<Vec<Row>, MeasureError> {
+pub fn rows(
+    with_ft: &dyn Recording,
+    no_ft: &dyn Recording,
+    observed: &dyn Recording,
+) -> Result<Vec<Row>, MeasureError> {
     let controller = with_ft.configuration("task")?;
     let mut rows = table_i::rows('B', [1.0, 1.0, 0.1, 0.0, 2.0, 1e-5], &controller);
     let ft = Case::new(with_ft)?;
@@ -45,6 +56,9 @@ pub fn rows(with_ft: &dyn Recording, no_ft: &dyn Recording) -> Result<Vec<Row>, 
     rows_without_ft(&no, error, &mut rows)?;
     rows.extend(saturation(&ft)?);
     rows.extend(motion(&ft)?);
+    let mut of_observed = Vec::new();
+    rows_with_ft(&Case::new(observed)?, &mut of_observed)?;
+    rows.extend(robust(of_observed));
     rows.push(tick_time::row(with_ft)?);
     Ok(rows)
 }

@@ -6,18 +6,33 @@
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
-use crate::{Experiment, MeasureError, Recording, Row, Series, base, table_i, tick_time};
+use crate::{
+    Experiment, MeasureError, Recording, Row, Series, base, robust::robust, table_i, tick_time,
+};
 
 /// Two cases: the weights of Table I with a level attitude reference, as in the paper, and an attitude reference
-/// computed from the force.
+/// computed from the force; and the same with an observer.
 pub const EXPERIMENT: Experiment = Experiment {
     name: "under_actuated",
     title: "E: force control with underactuation (IV-E)",
     about: "All rotors thrust along the base's z, so the robot must tilt to push with 5 N. Two cases: Table I's \
         weights with a level attitude reference, which gives way, as in the paper; and an attitude reference that \
-        follows from the force.",
-    cases: &["literal", "attitude_reference"],
-    measure: |cases| rows(cases.get("literal")?, cases.get("attitude_reference")?),
+        follows from the force. Both again with an observer of the unknown wrench.",
+    cases: &[
+        "literal",
+        "attitude_reference",
+        "robust",
+        "robust_attitude_reference",
+    ],
+    measure: |cases| {
+        rows(
+            [cases.get("literal")?, cases.get("attitude_reference")?],
+            [
+                cases.get("robust")?,
+                cases.get("robust_attitude_reference")?,
+            ],
+        )
+    },
 };
 
 /// Name of the contact in the scenario's controller.
@@ -29,17 +44,29 @@ const SET_POINT: f64 = 5.0;
 /// Length of the window at the end, s.
 const STEADY: f64 = 5.0;
 
-/// All rows, in order.
+/// All rows, in order, of both cases, with Table I's weights and with an attitude reference, and of the same with an
+/// observer.
 ///
 /// # Errors
 /// [`MeasureError`] if a log lacks a topic or a table that every row needs.
-pub fn rows(literal: &dyn Recording, attitude: &dyn Recording) -> Result<Vec<Row>, MeasureError> {
+pub fn rows(
+    papers: [&dyn Recording; 2],
+    observed: [&dyn Recording; 2],
+) -> Result<Vec<Row>, MeasureError> {
+    let names = ["Table I", "attitude reference"];
+    let literal = papers[0];
     let controller = literal.configuration("task")?;
     let mut rows = table_i::rows('E', [1.0, 0.01, 0.01, 0.0, 1.0, 1e-5], &controller);
-    for (case, log) in [("Table I", literal), ("attitude reference", attitude)] {
+    for (case, log) in names.into_iter().zip(papers) {
         force(case, log, &mut rows)?;
         tilt(case, log, &mut rows)?;
         propellers(case, log, &mut rows)?;
+    }
+    for (case, log) in names.into_iter().zip(observed) {
+        let mut of_observed = Vec::new();
+        force(case, log, &mut of_observed)?;
+        propellers(case, log, &mut of_observed)?;
+        rows.extend(robust(of_observed));
     }
     rows.push(tick_time::row(literal)?);
     Ok(rows)

@@ -7,10 +7,10 @@
 //! A robot whose rotors all push along the base's z moves sideways, and pushes against a wall, by tilting. Newton's law
 //! for the whole robot says which force its rotors have to produce,
 //!
-//! `F = m (a_R* − g) − Σ_c R_WC f_c^d`,
+//! `F = m (a_R* − g) − Σ_c R_WC f_c^d − f̂`,
 //!
-//! where m is the robot's mass, g gravity (a vector), `a_R*` what the tasks ask of the base's linear acceleration, and
-//! `f_c^d` the set point of the force that contact c exerts on the robot. So that the measurement noise in `a_R*` does
+//! where m is the robot's mass, g gravity (a vector), `a_R*` what the tasks ask of the base's linear acceleration,
+//! `f_c^d` the set point of the force that contact c exerts on the robot, and f̂ the unknown force of an observer. So that the measurement noise in `a_R*` does
 //! not shake the attitude, F passes two equal first-order low-passes, one after the other. The thrust axis follows,
 //!
 //! `z_R = F/‖F‖`, turned back towards the vertical if it is tilted by more than a limit,
@@ -40,7 +40,7 @@ use crate::check;
 /// A reference for [`BaseOrientation`](crate::BaseOrientation). It tilts the base as far as the accelerations that
 /// tasks ask of it and the set points of its contacts need:
 ///
-/// `F = m (a_R* − g) − Σ_c R_WC f_c^d`, `z_R = F/‖F‖`, with F low-passed and the tilt limited.
+/// `F = m (a_R* − g) − Σ_c R_WC f_c^d − f̂`, `z_R = F/‖F‖`, with F low-passed and the tilt limited.
 ///
 /// Nothing has to be named: `a_R*` is the [virtual input](wbqp::plugin::PreviousSolution::virtual_input) of whatever task moves
 /// the base, and [`f_c^d`](wbqp::contact::ContactState::set_point) that of every contact with a force task, both of the
@@ -178,12 +178,13 @@ fn facing(z: &Vector3<f64>, yaw: f64) -> UnitQuaternion<f64> {
     UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(R))
 }
 
-/// `m (a_R* − g) − Σ_c R_WC f_c^d`, N, world axes.
+/// `m (a_R* − g) − Σ_c R_WC f_c^d − f̂`, N, world axes.
 fn needed_force(tick: &Tick<'_>) -> Vector3<f64> {
     let asked = Vector3::from_fn(|i, _| tick.last.virtual_input[i]);
     let inertial = (asked - tick.model.gravity()) * tick.model.mass();
+    let unknown = tick.disturbance.fixed_rows::<3>(0);
     let contacts = tick.contacts().iter();
-    contacts.fold(inertial, |force, contact| {
+    contacts.fold(inertial - unknown, |force, contact| {
         force - contact.R_WC * contact.set_point
     })
 }

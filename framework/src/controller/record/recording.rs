@@ -100,6 +100,8 @@ pub(in super::super) fn record_inputs(controller: &mut Controller, measurement: 
         out.set_point = contact.set_point.into();
         out.solution = contact.solution.into();
     }
+    let observer = controller.world.observer.as_ref();
+    before.disturbance = observer.map_or([0.0; 6], |observer| observer.disturbance.into());
     let last = &controller.world.last;
     copy(&mut before.asked, last.virtual_input.as_slice());
     copy(&mut before.vdot, last.vdot.as_slice());
@@ -190,6 +192,9 @@ fn restore(controller: &mut Controller, record: &Record) {
         contact.measured_at_switch = memory.measured_at_switch.into();
         contact.set_point = memory.set_point.into();
         contact.solution = memory.solution.into();
+    }
+    if let Some(observer) = &mut world.observer {
+        observer.disturbance = before.disturbance.into();
     }
     copy(world.last.virtual_input.as_mut_slice(), &before.asked);
     copy(world.last.vdot.as_mut_slice(), &before.vdot);

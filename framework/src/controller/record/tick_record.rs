@@ -51,6 +51,9 @@ pub(crate) struct Memory {
     /// The last usable state.
     pub(crate) state: StateRecord,
     pub(crate) contacts: Vec<ContactMemory>,
+    /// The unknown wrench on the base; zero in older records.
+    #[serde(default)]
+    pub(crate) disturbance: [f64; 6],
     pub(crate) asked: Vec<f64>,
     pub(crate) vdot: Vec<f64>,
     pub(crate) sent: Vec<f64>,

@@ -35,6 +35,7 @@ fn rows_are_the_same_from_memory() {
         &[
             ("with_ft", push::log(&push::with_ft())),
             ("no_ft", push::log(&push::no_ft())),
+            ("robust", push::log(&push::with_ft())),
         ],
     );
     same_from_memory(&push_and_slide::EXPERIMENT, &recorded(GOOD).by_name());
@@ -43,6 +44,8 @@ fn rows_are_the_same_from_memory() {
         &[
             ("free", away::log(&away::FREE)),
             ("contact", away::log(&away::CONTACT)),
+            ("robust_free", away::log(&away::FREE)),
+            ("robust_contact", away::log(&away::CONTACT)),
         ],
     );
     same_from_memory(
@@ -50,6 +53,8 @@ fn rows_are_the_same_from_memory() {
         &[
             ("literal", tilted::log(&tilted::good())),
             ("attitude_reference", tilted::log(&tilted::good())),
+            ("robust", tilted::log(&tilted::good())),
+            ("robust_attitude_reference", tilted::log(&tilted::good())),
         ],
     );
 }

@@ -125,12 +125,13 @@ pub(crate) fn log(story: &Story) -> Log {
     Log::from_bytes(&buffer.into_inner()).unwrap()
 }
 
-/// The four cases.
+/// The five cases.
 pub(crate) struct Recorded {
     with_ff: Log,
     without_ff: Log,
     heavier: Log,
     heavier_integral: Log,
+    robust: Log,
 }
 
 impl Recorded {
@@ -140,16 +141,18 @@ impl Recorded {
             without_ff: &self.without_ff,
             heavier: &self.heavier,
             heavier_integral: &self.heavier_integral,
+            robust: &self.robust,
         }
     }
 
     /// By their names in the scenario.
-    pub(crate) fn by_name(self) -> [(&'static str, Log); 4] {
+    pub(crate) fn by_name(self) -> [(&'static str, Log); 5] {
         [
             ("with_ff", self.with_ff),
             ("without_ff", self.without_ff),
             ("heavier", self.heavier),
             ("heavier_integral", self.heavier_integral),
+            ("robust", self.robust),
         ]
     }
 }
@@ -169,5 +172,6 @@ pub(crate) fn recorded(with_ff: Story) -> Recorded {
         without_ff: log(&without_ff),
         heavier: log(&heavier),
         heavier_integral: log(&GOOD),
+        robust: log(&GOOD),
     }
 }

@@ -1,0 +1,129 @@
+//! Velocities, and the wrench that the model does not know, from the motion that the model predicts.
+//!
+//! # Notation
+//! b the base's six velocities, j those of the joints, W world.
+//!
+//! # Mathematics
+//! With the efforts u that were sent, the joints' accelerations of the last solution and the contact forces λ, the base
+//! rows of the equations of motion say how the base accelerates,
+//!
+//! `M_bb v̇_b = S_b u + J_bᵀ λ + ŵ − h_b − M_bj v̇_j`.
+//!
+//! Over the time Δ since the last measurement that predicts `v⁻ = v̂ + v̇ Δ`. The measured velocities v correct it by the
+//! innovation `e = v − v⁻`, and what of it would come again and again is a wrench on the base:
+//!
+//! `v̂ = v⁻ + a e`, `ŵ ← ŵ + c (a/Δ) M_b e`, `a = 1 − exp(−2π f_v Δ)`, `c = 1 − exp(−2π f_w Δ)`,
+//!
+//! a Luenberger observer with poles near `2π f_v` and `2π f_w` where `f_w ≪ f_v`. For constant errors of the base's
+//! acceleration ŵ is the observer of the generalised momentum of De Luca et al., "Collision detection and safe reaction
+//! with the DLR-III lightweight manipulator arm", IROS 2006, for the base alone.
+
+use nalgebra::{DVector, Matrix6, Vector3, Vector6};
+
+use super::world::low_pass;
+use crate::{
+    contact::ContactState,
+    plugin::PreviousSolution,
+    settings::{ContactForces, Observer as Settings},
+};
+use wbqp_dynamics::{Actuation, Data, model::Model};
+
+/// What is observed from tick to tick, sized once.
+#[derive(Clone, Debug)]
+pub(crate) struct Observer {
+    settings: Settings,
+    actuation: Actuation,
+    /// Of the base: 6, or 0 if it is fixed.
+    base: usize,
+    /// S, row-major, nv × nu.
+    inputs: Vec<f64>,
+    /// Predicted velocities, then the innovation.
+    velocity: DVector<f64>,
+    /// ŵ, `[force; moment]` about the base's origin, world axes, N and N·m. Zero for a fixed base.
+    pub(crate) disturbance: Vector6<f64>,
+}
+
+impl Observer {
+    pub(crate) fn new(settings: Settings, actuation: Actuation, model: &Model, nu: usize) -> Self {
+        Self {
+            settings,
+            actuation,
+            base: model.joint_offset(),
+            inputs: vec![0.0; model.nv() * nu],
+            velocity: DVector::zeros(model.nv()),
+            disturbance: Vector6::zeros(),
+        }
+    }
+
+    /// Predicts the velocities of this tick from everything that is known of the last one.
+    pub(crate) fn predict(
+        &mut self,
+        v: &DVector<f64>,
+        data: &Data,
+        contacts: &[ContactState],
+        last: &PreviousSolution,
+        elapsed: f64,
+    ) {
+        self.velocity.copy_from(v);
+        for i in self.base..v.len() {
+            self.velocity[i] += last.vdot[i] * elapsed;
+        }
+        if self.base == 0 {
+            return;
+        }
+        let mass = data.mass_matrix();
+        let nu = last.effort.len();
+        self.inputs.fill(0.0);
+        self.actuation.write(data, &mut self.inputs, nu);
+        let mut push = self.disturbance;
+        for (i, push) in push.iter_mut().enumerate() {
+            *push -= data.bias()[i];
+            for (s, u) in self.inputs[i * nu..(i + 1) * nu].iter().zip(&last.effort) {
+                *push += s * u;
+            }
+            for j in self.base..v.len() {
+                *push -= mass[(i, j)] * last.vdot[j];
+            }
+            for contact in contacts {
+                let force = match self.settings.forces {
+                    ContactForces::Measured => &contact.measured,
+                    ContactForces::Planned => &contact.solution,
+                };
+                *push += contact.J.column(i).dot(force);
+            }
+        }
+        let own: Matrix6<f64> = mass.fixed_view::<6, 6>(0, 0).into();
+        if let Some(factor) = own.cholesky() {
+            let acceleration = factor.solve(&push);
+            for (v, a) in self.velocity.iter_mut().zip(&acceleration) {
+                *v += a * elapsed;
+            }
+        }
+    }
+
+    /// Corrects the prediction by what is measured, and takes its place.
+    pub(crate) fn correct(&mut self, v: &mut DVector<f64>, data: &Data, elapsed: f64) {
+        let share = low_pass(self.settings.velocity, elapsed);
+        for (predicted, measured) in self.velocity.iter_mut().zip(v.iter_mut()) {
+            let innovation = *measured - *predicted;
+            *measured = *predicted + share * innovation;
+            *predicted = innovation;
+        }
+        if self.base == 0 || self.settings.wrench == 0.0 {
+            return;
+        }
+        let mass = data.mass_matrix();
+        let gain = low_pass(self.settings.wrench, elapsed) * share / elapsed;
+        for i in 0..self.base {
+            self.disturbance[i] += gain * mass.column(i).dot(&self.velocity);
+        }
+        self.limit();
+    }
+
+    fn limit(&mut self) {
+        let w = &self.disturbance;
+        let force = Vector3::new(w[0], w[1], w[2]).cap_magnitude(self.settings.max_force);
+        let moment = Vector3::new(w[3], w[4], w[5]).cap_magnitude(self.settings.max_moment);
+        self.disturbance = Vector6::new(force.x, force.y, force.z, moment.x, moment.y, moment.z);
+    }
+}

@@ -1,0 +1,89 @@
+//! Plug-ins written in Python: tasks, constraints and references that are registered while the program runs.
+//!
+//! The parameters are the class and the keys of the file; `bind` makes an object of the class, and that is what runs.
+//! What an `update` sees and writes are arrays over one memory, made once. What it raises becomes a number that is no
+//! number in its rows, so that the tick falls back; the traceback is kept for the report.
+
+mod check;
+mod constraint;
+mod declared;
+mod parameters;
+mod raised;
+mod reference;
+mod running;
+mod setup;
+mod task;
+
+use std::sync::Arc;
+
+use pyo3::{exceptions::PyValueError, prelude::*};
+use wbqp::{
+    plugin::{AnyConstraint, AnyReference, AnyTask},
+    registry::{self, NewPlugin},
+    schemars::Schema,
+    serde::Deserialize,
+    serde_json::Value,
+};
+
+use constraint::PythonConstraint;
+use parameters::Parameters;
+use reference::PythonReference;
+use task::PythonTask;
+
+pub(crate) use check::_check;
+pub(crate) use raised::{interrupt, traceback};
+pub(crate) use setup::PluginSetup;
+
+/// Registers a class: `kind` is `task`, `constraint` or `reference`.
+#[pyfunction]
+pub(crate) fn _register(
+    kind: &str,
+    tag: String,
+    class_: Py<PyAny>,
+    schema: &str,
+    origin: String,
+) -> PyResult<()> {
+    let schema: Value = wbqp::serde_json::from_str(schema)
+        .map_err(|error| PyValueError::new_err(error.to_string()))?;
+    let schema = Schema::try_from(schema).map_err(|e| PyValueError::new_err(e.to_string()))?;
+    let class = Arc::new(class_);
+    // Of a plug-in that stays until the program ends.
+    let name: &'static str = tag.clone().leak();
+    let parameters = move |value: wbqp::toml::de::ValueDeserializer<'_>| {
+        let keys = Arc::new(toml::Table::deserialize(value)?);
+        let parameters = Parameters {
+            tag: name,
+            class: Arc::clone(&class),
+            keys,
+        };
+        let made = Python::attach(|py| match parameters.object(py) {
+            Ok(_) => Ok(()),
+            Err(error) => Err(error.value(py).to_string()),
+        });
+        match made {
+            Ok(()) => Ok(parameters),
+            Err(problem) => Err(serde::de::Error::custom(problem)),
+        }
+    };
+    let added = match kind {
+        "task" => registry::add(NewPlugin::<dyn AnyTask> {
+            tag,
+            origin,
+            schema,
+            load: Box::new(move |value| Ok(Box::new(PythonTask(parameters(value)?)))),
+        }),
+        "constraint" => registry::add(NewPlugin::<dyn AnyConstraint> {
+            tag,
+            origin,
+            schema,
+            load: Box::new(move |value| Ok(Box::new(PythonConstraint(parameters(value)?)))),
+        }),
+        _ => registry::add(NewPlugin::<dyn AnyReference> {
+            tag,
+            origin,
+            schema,
+            load: Box::new(move |value| Ok(Box::new(PythonReference(parameters(value)?)))),
+        }),
+    };
+    added.map_err(|error| PyValueError::new_err(error.to_string()))
+}
