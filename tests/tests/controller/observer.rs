@@ -48,7 +48,9 @@ fn estimate(changes: &[(&str, &str)]) -> (Vector6<f64>, Vec<f64>) {
         }
         count += 1.0;
     });
-    efforts.iter_mut().for_each(|effort| *effort /= count);
+    for effort in &mut efforts {
+        *effort /= count;
+    }
     (sum / count, efforts)
 }
 
