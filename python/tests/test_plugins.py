@@ -318,6 +318,8 @@ def test_what_an_update_raises_is_a_fault_and_the_command_still_comes(what: str,
     assert report.level in ("extrapolated", "safe")
     assert "not finite" in (report.fault or "")
     assert says in (report.traceback or "") and "plug-in `test.naughty`" in (report.traceback or "")
+    if what == "raise":
+        assert f'File "{__file__}"' in (report.traceback or "") and "in update" in (report.traceback or "")
     np.testing.assert_allclose(command.effort, good, atol=2.0)
     # The next tick is well again once the plug-in is.
     controller.set("naughty", what="nothing")
