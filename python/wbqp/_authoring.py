@@ -289,7 +289,8 @@ def task(tag: str) -> Callable[[C], C]:
 
     Its parameters are the fields of a dataclass, or annotations with defaults. ``bind(self, setup)`` resolves names and
     returns a `Layout`; ``update(self, tick, rows)`` writes the rows in every tick. Optional: ``activate(self)``, called
-    when the entry is switched on. Each controller has an object of its own.
+    when the entry is switched on. Each controller has an object of its own. A class with the same name in the same
+    module takes the place of an earlier one for controllers that are made afterwards, as when a cell runs again.
     """
     return _decorator("task", tag)
 
