@@ -25,7 +25,7 @@ class Kinematics:
         self.configuration.update(q)
         self.pose[4:] = wanted[0]
         self.tool.set_target(mink.SE3(self.pose))
-        velocity = mink.solve_ik(self.configuration, self.tasks, self.dt, "daqp", limits=self.limits)
+        velocity = mink.solve_ik(self.configuration, self.tasks, self.dt, "quadprog", limits=self.limits)
         return None, velocity, True
 
     def convention(self, job):
