@@ -88,6 +88,8 @@ pub(crate) fn scenario(
     set: Option<&Bound<'_, PyDict>>,
     change: Option<&Bound<'_, PyDict>>,
 ) -> PyResult<Scenario> {
+    // What nobody asked for until now is of something else.
+    let _ = plugin::cause();
     let table = PyDict::new(py);
     if let Some(set) = set {
         table.set_item("set", set)?;
@@ -126,7 +128,6 @@ pub(crate) fn _simulate(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(Log, Py<PyDict>)> {
     let scenario = scenario(py, &path, set, change)?;
-    // What nobody asked for until now is of something else.
     let _ = (plugin::traceback(), plugin::interrupt());
     let refused = |error: LogError| PyOSError::new_err(error.to_string());
     let (summary, log) = match log {

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import threading
+import traceback
 import time
 from typing import Any
 
@@ -337,8 +338,16 @@ def test_numbers_that_are_none_are_a_fault(what: str) -> None:
 
 @pytest.mark.parametrize(("what", "says"), [("bind", "ValueError: no, thanks"), ("layout", "must return a wbqp.Layout")])
 def test_what_bind_raises_is_a_config_error(what: str, says: str) -> None:
-    with pytest.raises(wbqp.ConfigError, match=says):
+    with pytest.raises(wbqp.ConfigError, match=says) as refused:
         naughty(what)
+    cause = refused.value.__cause__
+    assert cause is not None and f"{type(cause).__name__}: {cause}" in str(refused.value)
+    if what == "bind":
+        assert cause.__traceback__ is not None and "bind" in [entry.name for entry in traceback.extract_tb(cause.__traceback__)]
+    # It was that controller's.
+    with pytest.raises(wbqp.ConfigError) as other:
+        hover({"type": "test.naughtty"})
+    assert other.value.__cause__ is None
 
 
 def test_a_plug_in_that_sleeps_leaves_the_controller_in_use() -> None:
@@ -401,9 +410,12 @@ def naughty_scenario(tmp_path: Any) -> Any:
 def test_a_simulation_says_what_a_plug_in_raised(naughty_scenario: Any) -> None:
     run = wbqp.simulate(naughty_scenario, case="with_ft", progress=False)
     assert run.summary["held"] > 0
-    traceback = run.summary["traceback"]
-    assert "plug-in `test.naughty`" in traceback and "RuntimeError: out of order" in traceback
-    assert "in update" in traceback and __file__ in traceback
+    said = run.summary["traceback"]
+    assert "plug-in `test.naughty`" in said and "RuntimeError: out of order" in said
+    assert "in update" in said and __file__ in said
+    with pytest.raises(wbqp.ConfigError, match="no, thanks") as refused:
+        wbqp.simulate(naughty_scenario, case="with_ft", set={"task": {"naughty": {"what": "bind"}}}, progress=False)
+    assert isinstance(refused.value.__cause__, ValueError)
     # It was that run's: neither the next one's nor that of a tick.
     well = wbqp.simulate(naughty_scenario, case="with_ft", set={"task": {"naughty": {"what": "nothing"}}}, progress=False)
     assert well.summary["traceback"] is None

@@ -92,6 +92,16 @@ pub enum AddError {
 /// registry::add(new())?;
 /// assert!(registry::find::<dyn AnyReference>("example.added.pause").is_some());
 /// assert!(registry::add(new()).is_err());
+///
+/// // What says where it is defined may be defined anew.
+/// let named = |tag: &str| NewPlugin {
+///     tag: tag.to_owned(),
+///     definition: Some("notebook.Breath".to_owned()),
+///     ..new()
+/// };
+/// registry::add(named("example.added.breath"))?;
+/// registry::add(named("example.added.breath"))?;
+/// assert!(registry::add(named("example.added.pause")).is_err());
 /// # Ok::<(), registry::AddError>(())
 /// ```
 ///
