@@ -4,7 +4,7 @@
 //! `min ‖S u − g(q_home)‖²` subject to the limits of the efforts `u`. What is left, `g − S u`, is the generalised force
 //! that is missing; its first six components are the force and the moment on the base, in world axes.
 
-use super::Controller;
+use super::{Controller, report::FallbackLevel};
 use crate::{
     qp::{Budget, Status, VarId},
     robot::RobotModel,
@@ -42,7 +42,7 @@ fn rounded(x: f64) -> String {
 /// posture, `min ‖S u − g(q_home)‖²`. False if the solver could not find them.
 pub(super) fn hover(controller: &mut Controller) -> bool {
     let at_home = super::Measurement::home(&controller.robot, controller.world.contacts.len());
-    controller.world.measure(&at_home);
+    controller.world.measure(&at_home, FallbackLevel::Safe);
     let (nv, nu) = (controller.robot.model.nv(), controller.robot.nu());
     let mut s = vec![0.0; nv * nu];
     controller

@@ -195,7 +195,7 @@ impl Controller {
 
     /// Takes the state over from a measurement whose wrenches are not usable, for the law of last resort.
     fn look(&mut self, measurement: &Measurement) {
-        self.world.look(measurement);
+        self.world.look(measurement, self.fallback.level);
         self.fallback.without_state.renew(measurement.time);
         if !self.first.is_over {
             self.world.origin = None;
@@ -209,7 +209,7 @@ impl Controller {
         recorded: Option<&Record>,
     ) -> Result<Option<Fault>, Fault> {
         let start = self.stopwatch.now();
-        self.world.measure(measurement);
+        self.world.measure(measurement, self.fallback.level);
         self.report.disturbance = self.world.disturbance();
         self.fallback.without_state.renew(measurement.time);
         let measured = self.stopwatch.now();

@@ -4,8 +4,8 @@
 //! b the base's six velocities, j those of the joints, W world.
 //!
 //! # Mathematics
-//! With the efforts u that were sent, the joints' accelerations of the last solution and the contact forces λ, the base
-//! rows of the equations of motion say how the base accelerates,
+//! With the efforts u that were sent, the joints' accelerations of the last solution (none, if the last tick had none)
+//! and the contact forces λ, the base rows of the equations of motion say how the base accelerates,
 //!
 //! `M_bb v̇_b = S_b u + J_bᵀ λ + ŵ − h_b − M_bj v̇_j`.
 //!
@@ -20,13 +20,24 @@
 
 use nalgebra::{DVector, Matrix6, Vector3, Vector6};
 
-use super::world::low_pass;
+use super::{report::FallbackLevel, world::low_pass};
 use crate::{
     contact::ContactState,
     plugin::PreviousSolution,
     settings::{ContactForces, Observer as Settings},
 };
 use wbqp_dynamics::{Actuation, Data, model::Model};
+
+/// A prediction that is farther from what is measured counts for nothing, m/s or rad/s: it comes from a wrench, or from
+/// a mass matrix, of no robot, and would not be forgotten for long.
+const CREDIBLE: f64 = 100.0;
+
+/// How the last tick ended, and how long ago it was, s.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LastTick {
+    pub(crate) level: FallbackLevel,
+    pub(crate) elapsed: f64,
+}
 
 /// What is observed from tick to tick, sized once.
 #[derive(Clone, Debug)]
@@ -62,11 +73,12 @@ impl Observer {
         data: &Data,
         contacts: &[ContactState],
         last: &PreviousSolution,
-        elapsed: f64,
+        LastTick { level, elapsed }: LastTick,
     ) {
+        let planned = |i: usize| if level.is_solved() { last.vdot[i] } else { 0.0 };
         self.velocity.copy_from(v);
         for i in self.base..v.len() {
-            self.velocity[i] += last.vdot[i] * elapsed;
+            self.velocity[i] += planned(i) * elapsed;
         }
         if self.base == 0 {
             return;
@@ -82,7 +94,7 @@ impl Observer {
                 *push += s * u;
             }
             for j in self.base..v.len() {
-                *push -= mass[(i, j)] * last.vdot[j];
+                *push -= mass[(i, j)] * planned(j);
             }
             for contact in contacts {
                 let force = match self.settings.forces {
@@ -101,12 +113,14 @@ impl Observer {
         }
     }
 
-    /// Corrects the prediction by what is measured, and takes its place.
+    /// Corrects the prediction by the measured velocities, and replaces them by the outcome.
     pub(crate) fn correct(&mut self, v: &mut DVector<f64>, data: &Data, elapsed: f64) {
         let share = low_pass(self.settings.velocity, elapsed);
         for (predicted, measured) in self.velocity.iter_mut().zip(v.iter_mut()) {
             let innovation = *measured - *predicted;
-            *measured = *predicted + share * innovation;
+            let is_credible = innovation.abs() <= CREDIBLE;
+            let innovation = if is_credible { innovation } else { 0.0 };
+            *measured -= (1.0 - share) * innovation;
             *predicted = innovation;
         }
         if self.base == 0 || self.settings.wrench == 0.0 {
@@ -115,7 +129,10 @@ impl Observer {
         let mass = data.mass_matrix();
         let gain = low_pass(self.settings.wrench, elapsed) * share / elapsed;
         for i in 0..self.base {
-            self.disturbance[i] += gain * mass.column(i).dot(&self.velocity);
+            let more = gain * mass.column(i).dot(&self.velocity);
+            if more.is_finite() {
+                self.disturbance[i] += more;
+            }
         }
         self.limit();
     }

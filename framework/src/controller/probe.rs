@@ -5,6 +5,7 @@ use nalgebra::{DMatrix, DVector, Vector6};
 use super::{
     Measurement,
     fit::{Sizes, check_layout},
+    report::FallbackLevel,
     running::RunningPlugin,
     world::{ContactBinding, World},
 };
@@ -160,11 +161,12 @@ impl Probe {
 
     /// Takes the inputs of a tick: kinematics, dynamics and contacts are computed. Panics if they are of another robot.
     pub fn measure(&mut self, inputs: &ProbeInputs) {
-        self.world.measure(&Measurement {
+        let measurement = Measurement {
             time: inputs.time,
             state: inputs.state.clone(),
             wrenches: inputs.wrenches.clone(),
-        });
+        };
+        self.world.measure(&measurement, FallbackLevel::Safe);
         for (contact, force) in self.world.contacts.iter_mut().zip(&inputs.forces) {
             contact.solution = *force;
         }

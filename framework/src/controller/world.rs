@@ -11,7 +11,12 @@ use nalgebra::{
     Vector6,
 };
 
-use super::{measurement::Measurement, observer::Observer, record::ContactMemory};
+use super::{
+    measurement::Measurement,
+    observer::{LastTick, Observer},
+    record::ContactMemory,
+    report::FallbackLevel,
+};
 use crate::{
     contact::{
         ContactSpec, ContactState, FreeForce, SurfaceMotion,
@@ -382,8 +387,8 @@ impl World {
     }
 
     /// Takes a measurement over and computes everything that depends on it.
-    pub(crate) fn measure(&mut self, m: &Measurement) {
-        self.take_state(m);
+    pub(crate) fn measure(&mut self, m: &Measurement, level: FallbackLevel) {
+        self.take_state(m, level);
         for ((binding, contact), wrench) in self
             .bindings
             .iter_mut()
@@ -403,8 +408,8 @@ impl World {
 
     /// Takes the state of a measurement over, whose wrenches are not usable: what contacts measured stays what it was.
     /// Contacts are switched off, but not on, for which the measured force would be needed.
-    pub(crate) fn look(&mut self, m: &Measurement) {
-        self.take_state(m);
+    pub(crate) fn look(&mut self, m: &Measurement, level: FallbackLevel) {
+        self.take_state(m, level);
         let contacts = self.contacts.iter_mut().zip(&mut self.bindings);
         for (contact, binding) in contacts {
             if !binding.switch.is_wanted() {
@@ -414,20 +419,18 @@ impl World {
         }
     }
 
-    fn take_state(&mut self, m: &Measurement) {
+    /// `level` is that of the last tick.
+    fn take_state(&mut self, m: &Measurement, level: FallbackLevel) {
         let is_first = self.origin.is_none();
         self.time = m.time - *self.origin.get_or_insert(m.time);
         let observer = self.observer.as_mut().filter(|_| !is_first);
         if let Some(observer) = observer {
-            observer.predict(
-                &self.state.v,
-                &self.data,
-                &self.contacts,
-                &self.last,
-                self.elapsed,
-            );
+            let elapsed = self.elapsed;
+            let (data, contacts) = (&self.data, &self.contacts);
+            let last = LastTick { level, elapsed };
+            observer.predict(&self.state.v, data, contacts, &self.last, last);
             self.state.copy_from(&m.state);
-            observer.correct(&mut self.state.v, &self.data, self.elapsed);
+            observer.correct(&mut self.state.v, data, elapsed);
         } else {
             self.state.copy_from(&m.state);
         }

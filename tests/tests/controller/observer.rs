@@ -157,3 +157,22 @@ fn what_makes_no_sense_is_refused_by_key() {
         }
     }
 }
+
+#[test]
+fn what_overflowed_is_forgotten() {
+    let mut config = Scene::new(Kind::Othex, 1, 0, 0b1).config();
+    config.settings.observer = Some(observer(Kind::Othex));
+    config.measurement.max_force = Some(f64::INFINITY);
+    let mut controller = Controller::new(config).expect("fits");
+    let mut measurement = controller.measurement();
+    let mut optimal = 0;
+    for tick in 0..20 {
+        measurement.time = 0.004 * f64::from(tick);
+        let force = if tick == 5 { 1e308 } else { 0.0 };
+        measurement.wrenches[0][0] = force;
+        let (_, report) = controller.tick(&measurement);
+        assert!(report.disturbance.iter().all(|w| w.is_finite()));
+        optimal += i32::from(tick > 8 && report.fault.is_none());
+    }
+    assert_eq!(optimal, 11, "{:?}", controller.report().fault);
+}
