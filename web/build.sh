@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Builds the WebAssembly module of the page into web/src/pkg, from which Vite takes it.
+# Builds the WebAssembly module of the page into web/page/pkg, from which Vite takes it.
 # The toolchain is rustup's where it offers the target; else Debian's, which compiles the standard library too.
 # Ends with 3 where neither can be had.
 set -euo pipefail
@@ -51,5 +51,5 @@ fi
 export CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUSTFLAGS="${WBQP_WEB_RUSTFLAGS-}"
 "${cargo[@]}" build --locked --release --no-default-features -p wbqp-web --lib --target "$target" \
     --target-dir "$folder" "${options[@]}"
-$bindgen --target web --out-dir web/src/pkg --out-name wbqp "$folder/$target/release/wbqp_web.wasm"
-ls -l web/src/pkg/wbqp_bg.wasm
+$bindgen --target web --out-dir web/page/pkg --out-name wbqp "$folder/$target/release/wbqp_web.wasm"
+ls -l web/page/pkg/wbqp_bg.wasm

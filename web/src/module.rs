@@ -174,13 +174,6 @@ impl Run {
         self.session.move_wall(wall, [x, y, z])
     }
 
-    /// The rows of the paper's experiment that this run and another are the cases of, as JSON; throws what is missing.
-    pub fn measured_with(&self, other: &Run) -> Result<String, JsError> {
-        let rows = Session::rows(&[&self.session, &other.session]);
-        let rows = rows.map_err(|what| JsError::new(&what))?;
-        Ok(rows.to_string())
-    }
-
     /// A tick on a measurement of another run, see `Session::replay`.
     pub fn replay(&mut self, measured: &[f64]) -> Result<Vec<f64>, JsError> {
         self.session
@@ -207,4 +200,13 @@ impl Run {
     pub fn is_stopped(&self) -> bool {
         self.session.stopped().is_some()
     }
+}
+
+/// The rows of the paper's experiment that these runs are the cases of, as JSON; throws what is missing. The runs are
+/// used up.
+#[wasm_bindgen]
+pub fn measured(runs: Vec<Run>) -> Result<String, JsError> {
+    let sessions: Vec<&Session> = runs.iter().map(|run| &run.session).collect();
+    let rows = Session::rows(&sessions).map_err(|what| JsError::new(&what))?;
+    Ok(rows.to_string())
 }
