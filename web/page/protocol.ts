@@ -157,13 +157,13 @@ export type ToWorker =
   | { type: "pull"; frame: string; point: number[]; force: number[] }
   | { type: "wall"; name: string; point: number[] }
   | { type: "measure" }
-  | { type: "describe"; path: string; case: string };
+  | { type: "describe"; path: string; case: string; variation: string };
 
 export type FromWorker =
   | { type: "ready"; scenarios: Shipped[]; schemas: { controller: Schema; scenario: Schema } }
   | { type: "loaded"; about: About; fields: Fields; frame: Float64Array; words: Words; problems: string[] }
   | { type: "described"; about: About; fields: Fields }
-  | { type: "refused"; text: string }
+  | { type: "refused"; what: "load" | "describe"; text: string }
   | { type: "frame"; frame: Float64Array; rows: Float64Array; pace: number; playing: boolean; words: Words | null }
   | { type: "changed"; change: Change; problem: string | null }
   | { type: "measured"; title: string; rows: Row[]; seconds: number; simulated: number }

@@ -57,7 +57,7 @@ const UP = new THREE.Vector3(0, 1, 0);
 
 /** The last places of a point, as a line. */
 class Trace extends THREE.Line {
-  private count = 0;
+  private held = 0;
 
   constructor(colour: THREE.ColorRepresentation, opacity: number) {
     const geometry = new THREE.BufferGeometry();
@@ -69,22 +69,22 @@ class Trace extends THREE.Line {
 
   push(at: THREE.Vector3): void {
     const places = this.geometry.getAttribute("position") as THREE.BufferAttribute;
-    if (this.count > 0) {
-      const last = 3 * (this.count - 1);
+    if (this.held > 0) {
+      const last = 3 * (this.held - 1);
       const [x, y, z] = [0, 1, 2].map((i) => places.array[last + i]);
       if (Math.hypot(x - at.x, y - at.y, z - at.z) < 5e-4) return;
     }
-    if (this.count === TRACE) {
+    if (this.held === TRACE) {
       (places.array as Float32Array).copyWithin(0, 3 * (TRACE / 2));
-      this.count = TRACE / 2;
+      this.held = TRACE / 2;
     }
-    places.setXYZ(this.count++, at.x, at.y, at.z);
+    places.setXYZ(this.held++, at.x, at.y, at.z);
     places.needsUpdate = true;
-    this.geometry.setDrawRange(0, this.count);
+    this.geometry.setDrawRange(0, this.held);
   }
 
   clear(): this {
-    this.count = 0;
+    this.held = 0;
     this.geometry.setDrawRange(0, 0);
     return this;
   }
@@ -255,19 +255,19 @@ export class Scene {
     // Meshes come from what was dropped with the URDF; what is not there is drawn as a primitive.
     loader.packages = "";
     const rest = loader.loadMeshCb;
-    loader.loadMeshCb = (path, manager, done) => {
+    loader.loadMeshCb = (path, manager, material, done) => {
       const name = path.split(/[\\/]/).pop() ?? path;
       const file = this.meshes.find(name);
       if (!file) {
-        done(new THREE.Group(), undefined as unknown as Error);
+        done(new THREE.Group());
         return;
       }
       // The extension says what it is.
       const url = URL.createObjectURL(file) + "#" + name;
-      rest.call(loader, url, manager, (mesh, error) => {
+      rest(url, manager, material, (mesh, error) => {
         URL.revokeObjectURL(url.split("#")[0]);
         mesh?.traverse((part) => (part.castShadow = true));
-        done(mesh ?? new THREE.Group(), error as Error);
+        done(mesh ?? new THREE.Group(), error);
         this.stale = true;
       });
     };

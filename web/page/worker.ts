@@ -154,7 +154,7 @@ function hear(message: ToWorker): void {
         show(next, prepare(next, changes, walls));
       } catch (error) {
         if (isBroken(error)) throw error;
-        say({ type: "refused", text: text(error) });
+        say({ type: "refused", what: "load", text: text(error) });
       }
       break;
     case "reset":
@@ -208,12 +208,12 @@ function hear(message: ToWorker): void {
       break;
     case "describe":
       try {
-        const other = new Run(message.path, message.case, 1, "");
+        const other = new Run(message.path, message.case, 1, message.variation);
         say({ type: "described", about: JSON.parse(other.about()), fields: JSON.parse(other.fields()) });
         other.free();
       } catch (error) {
         if (isBroken(error)) throw error;
-        say({ type: "refused", text: text(error) });
+        say({ type: "refused", what: "describe", text: text(error) });
       }
       break;
   }
