@@ -49,7 +49,7 @@ else
     options=(-Zbuild-std=std,panic_abort)
 fi
 export CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUSTFLAGS="${WBQP_WEB_RUSTFLAGS-}"
-"${cargo[@]}" build --locked --release --no-default-features -p wbqp-web --lib --target "$target" \
-    --target-dir "$folder" "${options[@]}"
+"${cargo[@]}" rustc --locked --release --no-default-features -p wbqp-web --lib --crate-type cdylib \
+    --target "$target" --target-dir "$folder" "${options[@]}"
 $bindgen --target web --out-dir web/page/pkg --out-name wbqp "$folder/$target/release/wbqp_web.wasm"
 ls -l web/page/pkg/wbqp_bg.wasm

@@ -569,7 +569,7 @@ export class Scene {
       this.drag = { kind: "wall", wall, start: group.position.clone(), from: hit.point.clone(), normal: group.userData.normal, last: 0 };
     }
     if (this.drag) {
-      event.stopPropagation();
+      event.stopImmediatePropagation();
       this.controls.enabled = false;
       this.canvas.setPointerCapture(event.pointerId);
       this.canvas.style.cursor = "grabbing";

@@ -10,7 +10,7 @@ mod describe;
 mod library;
 mod measure;
 #[cfg(target_arch = "wasm32")]
-mod module;
+pub mod module;
 mod session;
 
 pub use board::{Board, Field};

@@ -114,9 +114,7 @@ fn changes_reach_the_command_and_bad_ones_are_refused_with_words() {
 fn limits_that_contradict_one_another_are_named() {
     let mut session = session(
         "push_with_disturbance",
-        "set.contact.tip.force_min = 15.0\nset.constraint.no_slip.hardness = 'hard'\n\
-         set.task.contact_force.reference = { type = 'hold', value = [16.0] }\n\
-         change.plant.mismatch.thrust_scale = 1.0",
+        "set.contact.tip.force_min = 15.0\nset.constraint.no_slip.hardness = 'hard'",
     );
     run(&mut session, 12.0);
     let words = session.words();
