@@ -117,7 +117,7 @@ function keepOwn(own: { scenario: string; controller: string }): void {
 function setPlaying(on: boolean): void {
   playing = on;
   const play = $("play");
-  play.textContent = on ? "⏸" : "▶";
+  play.querySelector("path")?.setAttribute("d", on ? "M3 2h4v12H3zM9 2h4v12H9z" : "M4 2v12l10-6z");
   play.setAttribute("aria-label", on ? "Pause" : "Play");
 }
 

@@ -111,21 +111,35 @@ export class Plots {
     }
     this.host.append(host);
     made.plot = this.plot(chart, host);
+    new ResizeObserver(() => this.fit()).observe(host);
     return made;
   }
 
   private plot(chart: Chart, host: HTMLElement): uPlot {
+    host.querySelector(".key")?.remove();
+    host.querySelector(".chart")?.remove();
+    const key = document.createElement("div");
+    key.className = "key";
+    // Many lines are a bundle: names would say less than they cover.
+    for (const line of chart.lines.length <= 8 && chart.lines.length > 1 ? chart.lines : []) {
+      const name = document.createElement("span");
+      name.textContent = line.label;
+      name.style.setProperty("--c", line.colour);
+      key.append(name);
+    }
+    const room = document.createElement("div");
+    room.className = "chart";
+    host.append(key, room);
     const axis = { stroke: "#4a5561", font: "11px system-ui", grid: { stroke: "#e6eaee", width: 1 }, ticks: { stroke: "#c9d1d9", size: 4 } };
     const limits = chart.limits ?? [];
     const options: uPlot.Options = {
       width: 300,
       height: 150,
-      // Many lines are told by name on demand, few always.
-      legend: { show: chart.lines.length <= 6, live: false },
+      legend: { show: false },
       cursor: { drag: { x: false, y: false }, points: { show: false } },
       scales: { x: { time: false }, y: { range: (_, low, high) => range(low, high, limits) } },
       axes: [
-        { ...axis, size: 34, label: "t / s", labelSize: 14, labelFont: "11px system-ui", labelGap: -2 },
+        { ...axis, size: 24, gap: 2, label: "t / s", labelSize: 13, labelFont: "11px system-ui", labelGap: 0 },
         { ...axis, size: 46, label: chart.unit, labelSize: 16, labelFont: "11px system-ui", labelGap: -2 },
       ],
       series: [
@@ -165,7 +179,7 @@ export class Plots {
         ],
       },
     };
-    return new uPlot(options, [[], ...chart.lines.map(() => [])] as uPlot.AlignedData, host);
+    return new uPlot(options, [[], ...chart.lines.map(() => [])] as uPlot.AlignedData, room);
   }
 
   /** Rows of the history. */
@@ -215,10 +229,8 @@ export class Plots {
 
   private fit(): void {
     for (const { plot, host } of this.panels) {
-      const caption = host.querySelector("figcaption")?.clientHeight ?? 20;
-      const legend = host.querySelector<HTMLElement>(".u-legend")?.clientHeight ?? 0;
-      const width = host.clientWidth - 8;
-      const height = Math.max(90, host.clientHeight - caption - legend - 10);
+      const room = host.querySelector(".chart");
+      const [width, height] = [room?.clientWidth ?? 0, Math.max(80, room?.clientHeight ?? 0)];
       if (width > 60) plot.setSize({ width, height });
     }
     this.dirty = true;
@@ -259,14 +271,14 @@ function efforts(about: About, at: Map<string, Field>): Panel {
     const some = about.actuators.map((a, i) => ({ a, i })).filter(({ a }) => (a.rotor !== null) === isRotor);
     if (some.length === 0) return [];
     const lines = some.map(({ a, i }, k) => ({
-      label: a.name.replace(/_/g, " "), column: field.at + i, colour: SERIES[k % SERIES.length], width: some.length > 8 ? 1 : 1.5,
+      label: a.name.replace(/_/g, " ").replace(/^rotor /, ""), column: field.at + i, colour: SERIES[k % SERIES.length], width: some.length > 8 ? 1 : 1.5,
     }));
     const limits = isRotor
       ? [...new Set(some.flatMap(({ a }) => [a.lower, a.upper]).filter((x): x is number => x !== null))]
       : [];
     return [{
       key: isRotor ? "thrusts" : "joints",
-      title: isRotor ? "rotors, limits dashed" : "joints",
+      title: isRotor ? "rotors" : "joints",
       unit: isRotor ? "thrust / N" : "torque / N·m",
       lines, limits,
     }];

@@ -149,6 +149,7 @@ export class Scene {
   private drag: Drag | null = null;
   private time = 0;
   private stale = true;
+  private isBuilt = false;
 
   constructor(private readonly host: HTMLElement, private readonly hands: Hands, private readonly meshes: Meshes) {
     this.renderer = new THREE.WebGLRenderer({ antialias: true, preserveDrawingBuffer: true });
@@ -230,6 +231,7 @@ export class Scene {
     this.references = [];
     this.walls.clear();
     this.frame = null;
+    this.isBuilt = false;
     this.robot = this.parse(about);
     if (this.robot) this.world.add(this.robot);
     const bears = Math.max(1, about.contacts.length);
@@ -311,7 +313,7 @@ export class Scene {
     group.userData.normal = normal;
     if (normal.z < 0.9) {
       const panel = new THREE.Mesh(
-        new THREE.BoxGeometry(1.8, 1.5, 0.02).translate(0, 0, -0.01),
+        new THREE.BoxGeometry(1.8, 1, 0.02).translate(0, 0.5, -0.01),
         new THREE.MeshStandardMaterial({ color: 0xcdb894, roughness: 0.9, transparent: true, opacity: 0.55 }),
       );
       panel.receiveShadow = true;
@@ -325,7 +327,6 @@ export class Scene {
       const level = new THREE.Vector3(0, 0, 1).cross(normal);
       const upright = new THREE.Matrix4().makeBasis(level, normal.clone().cross(level), normal);
       panel.quaternion.setFromRotationMatrix(upright);
-      panel.position.z = 1.05;
       group.add(panel);
     }
     this.walls.set(wall.name, group);
@@ -417,8 +418,8 @@ export class Scene {
     if (flies) {
       const wall = this.about?.walls[0];
       const x = wall ? wall.point[0] - 0.32 : 0;
-      this.controls.target.set(x, 0, 1.12);
-      this.camera.position.set(x - 1.25, -2.15, 1.95);
+      this.controls.target.set(x + 0.1, 0, 1.06);
+      this.camera.position.set(x - 1.2, -1.95, 1.72);
     } else {
       const z = 0.45 * size;
       this.controls.target.set(0, 0, z);
@@ -449,6 +450,7 @@ export class Scene {
       this.light.position.set(p[0] - 2.2, p[1] - 2.8, p[2] + 3.5);
       this.baseTrace.push(this.robot.position);
     }
+    if (!this.isBuilt) this.build(frame);
     for (const wall of this.walls.values()) {
       const at = this.take(frame, `wall/${wall.name}`);
       if (at) wall.position.set(at[0], at[1], at[2]);
@@ -476,6 +478,14 @@ export class Scene {
       reference.trace.push(reference.marker.position);
     }
     if (this.drag) this.pullOn();
+  }
+
+  /** Walls reach a hand's breadth above what touches them: the plant's are planes, but nothing above touches them. */
+  private build(frame: Float64Array): void {
+    this.isBuilt = true;
+    const heights = this.contacts.map(({ about }) => this.take(frame, `contact/${about.name}/point`)?.[2] ?? 1);
+    const top = heights.length > 0 ? Math.max(...heights) + 0.15 : 1;
+    for (const wall of this.walls.values()) for (const panel of wall.children) panel.scale.y = Math.max(0.3, top);
   }
 
   private showContact(contact: DrawnContact, frame: Float64Array): void {
