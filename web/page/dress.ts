@@ -91,10 +91,13 @@ export function dress(robot: URDFRobot, rotors: Set<string>): void {
       if (children.length === 0) add(link, ball(0.012, PALETTE.tip));
       continue;
     }
+    const flat = limbs.length === 1 && isAcross(mass.sides, limbs[0].at);
     const moved = joints.some((joint) => joint.jointType !== "fixed" && joint.children.includes(link));
     const reach = Math.max(0, ...limbs.map(({ at }) => at.length()));
     if (arms.length === 0 && (limbs.length > 1 || (limbs.length === 0 && mass.sides.length() > 0.03))) {
       torso(link, mass, limbs.length > 1 ? limbs.map(({ at }) => at) : []);
+    } else if (arms.length === 0 && flat) {
+      torso(link, mass, []);
     } else {
       for (const { at, moves } of limbs) {
         const volume = mass.mass / DENSITY / Math.max(1, limbs.length);
@@ -109,6 +112,10 @@ export function dress(robot: URDFRobot, rotors: Set<string>): void {
         }
       }
     }
+    if (moved && limbs.length === 0 && mass.centre.length() > 0.08) {
+      // A head on its neck.
+      add(link, rod(new THREE.Vector3(), mass.centre, 0.22 * Math.min(mass.sides.x, mass.sides.y), PALETTE.limb));
+    }
     if (moved && reach === 0 && arms.length === 0 && limbs.length === 0) {
       const size = THREE.MathUtils.clamp(0.25 * mass.sides.length(), 0.008, 0.05);
       add(link, ball(size, PALETTE.joint));
@@ -116,16 +123,25 @@ export function dress(robot: URDFRobot, rotors: Set<string>): void {
   }
 }
 
+/** Whether a link is longest across the way to what it carries: a foot, not a shank. */
+function isAcross(sides: THREE.Vector3, way: THREE.Vector3): boolean {
+  const axes = ["x", "y", "z"] as const;
+  const long = axes.reduce((a, b) => (sides[b] > sides[a] ? b : a));
+  const main = axes.reduce((a, b) => (Math.abs(way[b]) > Math.abs(way[a]) ? b : a));
+  return long !== main && sides[long] > 1.5 * sides[main];
+}
+
 /** A box of the link's inertia, or around what it carries. */
 function torso(link: URDFLink, mass: Mass, around: THREE.Vector3[]): void {
-  const box = new THREE.Box3();
+  // From its own joint on.
+  const box = new THREE.Box3(new THREE.Vector3(), new THREE.Vector3());
   for (const at of around) box.expandByPoint(at);
-  const sides = mass.sides.clone().clampScalar(0.02, 0.6);
+  const sides = mass.sides.clone().multiplyScalar(around.length > 2 ? 1 : 0.8).clampScalar(0.02, 0.6);
   const centre = mass.centre.clone();
   if (around.length > 2) {
     const size = box.getSize(new THREE.Vector3());
     // As wide as what it carries, as thick as its mass.
-    for (const axis of ["x", "y", "z"] as const) sides[axis] = Math.max(size[axis], 0.35 * sides[axis], 0.03);
+    for (const axis of ["x", "y", "z"] as const) sides[axis] = Math.max(0.9 * size[axis], 0.45 * sides[axis], 0.03);
     box.getCenter(centre);
   }
   const radius = 0.3 * Math.min(sides.x, sides.y, sides.z);

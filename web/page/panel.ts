@@ -124,7 +124,8 @@ export class Panel {
       : reference.space === "rotation" ? ["roll", "pitch", "yaw"] : reference.value.map((_, i) => `${i + 1}`);
     const unit = entry.error_unit ?? "";
     const folder = gui.addFolder(entry.name);
-    const values = [...reference.value];
+    const values = reference.value.map((x) => Number(x.toFixed(4)));
+    if (values.length > 6) folder.close();
     if (entry.type === "contact_force") names[0] = "normal";
     values.forEach((x, i) => {
       const name = `${names[i]} / ${unit}`;

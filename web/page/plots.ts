@@ -140,7 +140,7 @@ export class Plots {
       scales: { x: { time: false }, y: { range: (_, low, high) => range(low, high, limits) } },
       axes: [
         { ...axis, size: 24, gap: 2, label: "t / s", labelSize: 13, labelFont: "11px system-ui", labelGap: 0 },
-        { ...axis, size: 46, label: chart.unit, labelSize: 16, labelFont: "11px system-ui", labelGap: -2 },
+        { ...axis, values: (_, ticks) => ticks.map((x) => String(Number(x.toPrecision(4)))), size: 50, label: chart.unit, labelSize: 16, labelFont: "11px system-ui", labelGap: -2 },
       ],
       series: [
         { label: "t" },
@@ -192,9 +192,12 @@ export class Plots {
         this.count = CAPACITY / 2;
       }
       for (let i = 0; i < this.width; i++) this.columns[i][this.count] = rows[row + i];
+      // In the first ticks the browser still compiles the module.
+      if (this.count < 25) this.columns[1][this.count] = NaN;
       // The clock's times are averaged where they come in.
       const mean = this.columns[1];
-      if (this.count > 0 && mean) mean[this.count] = mean[this.count - 1] + (mean[this.count] - mean[this.count - 1]) / MEAN;
+      const before = this.count > 0 ? mean[this.count - 1] : NaN;
+      if (!Number.isNaN(before)) mean[this.count] = before + (mean[this.count] - before) / MEAN;
       this.count++;
     }
     this.dirty = true;
@@ -258,6 +261,7 @@ function forces(about: About, at: Map<string, Field>): Panel {
       { label: "measured", column: field.at + 2, colour: COLOURS.measured, width: 1 },
       { label: "true", column: field.at + 3, colour: COLOURS.true },
     ];
+    if (contact.sensed === false) lines.splice(1, 1);
     if (hasSetPoint) lines.push({ label: "set point", column: field.at, colour: COLOURS.reference, dash: [6, 4] });
     return [{ key: contact.name, title: `contact ${contact.name}`, unit: "force / N", lines }];
   });

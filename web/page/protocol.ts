@@ -37,6 +37,8 @@ export interface Contact {
   force_min?: number;
   force_max?: number;
   active?: boolean;
+  /** Whether its force is measured. */
+  sensed?: boolean;
   /** Rotation of the surface's axes, column by column. */
   axes: number[];
   origin: number[];

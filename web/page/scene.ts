@@ -24,15 +24,16 @@ class Arrow extends THREE.Group {
   private readonly head: THREE.Mesh;
   private readonly material: THREE.MeshBasicMaterial;
 
-  constructor(colour: THREE.ColorRepresentation, private readonly radius: number, order = 0) {
+  /** `isOnTop`: seen through whatever is before it. */
+  constructor(colour: THREE.ColorRepresentation, private readonly radius: number, isOnTop: boolean) {
     super();
-    this.material = new THREE.MeshBasicMaterial({ color: colour });
+    this.material = new THREE.MeshBasicMaterial({ color: colour, depthTest: !isOnTop, transparent: isOnTop });
     const shaft = new THREE.CylinderGeometry(radius, radius, 1, 12).translate(0, 0.5, 0);
     const head = new THREE.ConeGeometry(2.6 * radius, 6 * radius, 16).translate(0, 3 * radius, 0);
     this.shaft = new THREE.Mesh(shaft, this.material);
     this.head = new THREE.Mesh(head, this.material);
+    this.shaft.renderOrder = this.head.renderOrder = isOnTop ? 10 : 0;
     this.add(this.shaft, this.head);
-    this.renderOrder = order;
   }
 
   /** From a point along a vector; hidden if that is next to nothing. */
@@ -150,6 +151,8 @@ export class Scene {
   private time = 0;
   private stale = true;
   private isBuilt = false;
+  /** Whether the camera stays where it is. */
+  private isKept = false;
 
   constructor(private readonly host: HTMLElement, private readonly hands: Hands, private readonly meshes: Meshes) {
     this.renderer = new THREE.WebGLRenderer({ antialias: true, preserveDrawingBuffer: true });
@@ -247,7 +250,7 @@ export class Scene {
       }
     });
     for (const entry of about.entries) this.addReference(entry.name, entry.type, entry.error_unit, entry);
-    if (!same) this.look();
+    this.isKept = same;
     this.stale = true;
   }
 
@@ -336,7 +339,7 @@ export class Scene {
   private addContact(about: Contact): void {
     const radius = 0.006 * Math.max(0.6, Math.min(2, this.size()));
     const [planned, measured, real] = (["planned", "measured", "true"] as const).map(
-      (which, i) => new Arrow(COLOURS[which], radius * [1.5, 1.2, 0.9][i]),
+      (which, i) => new Arrow(COLOURS[which], radius * [1.5, 1.2, 0.9][i], true),
     );
     const cone = new THREE.Group();
     const height = 0.16 * Math.max(0.6, Math.min(2.5, this.size()));
@@ -364,7 +367,7 @@ export class Scene {
   }
 
   private addRotor(index: number, link: THREE.Object3D, lower: number, upper: number): void {
-    const arrow = new Arrow(COLOURS.thrust, 0.008);
+    const arrow = new Arrow(COLOURS.thrust, 0.008, false);
     const bar = new THREE.Group();
     const colour = new THREE.MeshBasicMaterial({ color: 0x98a4b1 });
     const long = (upper - lower) * this.thrustScale;
@@ -414,16 +417,16 @@ export class Scene {
   /** Puts the camera where robot and wall are seen. */
   private look(): void {
     const flies = this.rotors.length > 0;
-    const size = this.size();
     if (flies) {
       const wall = this.about?.walls[0];
       const x = wall ? wall.point[0] - 0.32 : 0;
       this.controls.target.set(x + 0.1, 0, 1.06);
       this.camera.position.set(x - 1.2, -1.95, 1.72);
     } else {
-      const z = 0.45 * size;
-      this.controls.target.set(0, 0, z);
-      this.camera.position.set(1.35 * size, -1.75 * size, 1.15 * size);
+      const sphere = new THREE.Box3().setFromObject(this.robot ?? this.world).getBoundingSphere(new THREE.Sphere());
+      const far = 2.75 * Math.max(0.1, sphere.radius);
+      this.controls.target.copy(sphere.center);
+      this.camera.position.copy(sphere.center).add(new THREE.Vector3(0.58, -0.74, 0.36).multiplyScalar(far));
     }
     this.controls.update();
   }
@@ -485,6 +488,7 @@ export class Scene {
     this.isBuilt = true;
     const heights = this.contacts.map(({ about }) => this.take(frame, `contact/${about.name}/point`)?.[2] ?? 1);
     const top = heights.length > 0 ? Math.max(...heights) + 0.15 : 1;
+    if (!this.isKept) this.look();
     for (const wall of this.walls.values()) for (const panel of wall.children) panel.scale.y = Math.max(0.3, top);
   }
 
@@ -505,7 +509,7 @@ export class Scene {
     aside.normalize().multiplyScalar(0.016 * Math.max(0.7, Math.min(2, this.forceScale * 20)));
     (["planned", "measured", "true"] as const).forEach((which, i) => {
       const force = this.take(frame, `contact/${name}/${which}`);
-      if (!force) {
+      if (!force || (which === "measured" && contact.about.sensed === false)) {
         contact[which].visible = false;
         return;
       }
