@@ -77,7 +77,7 @@ describe("the page", () => {
     await page.click("#measure");
     await page.waitForSelector("#results[open]", { timeout: 120_000 });
     const rows = await page.$$eval("#results-table tr[data-row=B4]", (list) => list.map((row) => row.textContent));
-    assert.equal(rows.length, 3);
+    assert.ok(rows.length >= 3, `${rows.length}`);
     for (const row of rows) assert.match(row, /^✓/);
     assert.equal(await page.locator("#results-table td.fail").count(), 0);
     await page.screenshot({ path: join(pictures, "measured.png") });
@@ -115,7 +115,8 @@ describe("the page", () => {
     await page.click("#reset");
     await page.waitForFunction(() => window.wbqp.field("time")[0] === 0);
     // The set point of the normal force.
-    const slider = page.getByLabel("contact_force: set point normal / N").first();
+    await page.locator("#side .lil-title", { hasText: "contact_force" }).first().click();
+    const slider = page.locator('#side input[aria-label="contact_force: set point normal / N"]').last();
     await slider.fill("2");
     await slider.press("Enter");
     await page.waitForFunction(() => location.hash.includes("changes"));
@@ -135,13 +136,13 @@ describe("the page", () => {
   });
 
   test("limits that contradict one another are explained", async () => {
-    const w = encodeURIComponent(JSON.stringify([
-      ["set.contact.tip.force_min", 15], ["set.constraint.no_slip.hardness", "hard"],
-    ]));
-    const { page, errors } = await open(chrome, `${host.address}${B}&with=${w}&speed=10`);
+    // One foot must push with more than the whole weight, and all must stay where they are.
+    const stiff = encodeURIComponent(JSON.stringify([["set.contact.fl.force_min", 29]]));
+    const { page, errors } = await open(chrome, `${host.address}#scenario=quadruped_stand&with=${stiff}&speed=10`);
     await page.click("#play");
     await page.waitForFunction(() => document.querySelector("#level").dataset.level !== "optimal", null, { timeout: 60_000 });
     await page.waitForFunction(() => /contradict/.test(document.querySelector("#say").textContent));
+    await page.click("#play");
     assert.match(await say(page), /any one of these would have to give|given up/);
     assert.match(await say(page), /short by/);
     await page.screenshot({ path: join(pictures, "explained.png") });
