@@ -215,6 +215,8 @@ export class Plots {
     if (!this.all) while (first < this.count && time[first] < end - this.window) first++;
     // More samples than pixels are not seen.
     const step = Math.max(1, Math.floor((this.count - first) / 1600));
+    // What is not there is null to the plot.
+    const known = (column: Float64Array) => (column.some(Number.isNaN) ? Array.from(column, (x) => (Number.isNaN(x) ? null : x)) : column);
     const pick = (column: Float64Array) => {
       if (step === 1) return column.subarray(first, this.count);
       const picked = new Float64Array(Math.ceil((this.count - first) / step));
@@ -223,7 +225,7 @@ export class Plots {
     };
     const t = pick(time);
     for (const { plot, chart } of this.panels) {
-      const columns = chart.lines.map((line) => pick(this.columns[line.column]));
+      const columns = chart.lines.map((line) => known(pick(this.columns[line.column])));
       plot.setData([t, ...columns] as unknown as uPlot.AlignedData, false);
       const from = this.all ? (t[0] ?? 0) : Math.max(0, end - this.window);
       plot.setScale("x", { min: from, max: Math.max(end, from + (this.all ? 1 : this.window)) });

@@ -38,16 +38,18 @@ test("commands from recorded measurements of B are the native ones within 1e-9 p
 });
 
 test("controller and plant run B at twenty times real time", () => {
-  let best = 0;
-  // The best of three: other programs use the same processor.
-  for (let i = 0; i < 3 && best < 20; i++) {
+  let [best, wall] = [0, 0];
+  // Seconds of the processor, all threads: other programs use it as well. The best of three: the first one compiles.
+  for (let i = 0; i < 3; i++) {
     const run = new Run(B, "with_ft", 1, "");
-    const begin = performance.now();
+    const [cpu, begin] = [process.cpuUsage(), performance.now()];
     while (!run.is_over() && !run.is_stopped()) run.advance(500);
-    best = Math.max(best, (1000 * run.time()) / (performance.now() - begin));
+    const { user, system } = process.cpuUsage(cpu);
+    best = Math.max(best, (1e6 * run.time()) / (user + system));
+    wall = Math.max(wall, (1e3 * run.time()) / (performance.now() - begin));
     run.free();
   }
-  console.log(`B at ${best.toFixed(1)} times real time`);
+  console.log(`B at ${best.toFixed(1)} times real time of the processor's, ${wall.toFixed(1)} of the clock's`);
   assert.ok(best >= 20, `${best}`);
 });
 
