@@ -46,6 +46,8 @@ export async function browser() {
 /** A page, with everything that its console calls an error. */
 export async function open(browser, address, size = { width: 1400, height: 900 }) {
   const page = await browser.newPage({ viewport: size });
+  // Without a graphics card, and beside other programs, a picture takes its time.
+  page.setDefaultTimeout(120_000);
   const errors = [];
   page.on("console", (message) => {
     if (message.type() === "error") errors.push(message.text());
