@@ -179,7 +179,11 @@ export class Plots {
         ],
       },
     };
-    return new uPlot(options, [[], ...chart.lines.map(() => [])] as uPlot.AlignedData, room);
+    const plot = new uPlot(options, [[], ...chart.lines.map(() => [])] as uPlot.AlignedData, room);
+    const canvas = room.querySelector("canvas");
+    canvas?.setAttribute("role", "img");
+    canvas?.setAttribute("aria-label", `${chart.unit} over time: ${chart.lines.map((line) => line.label).join(", ")}`);
+    return plot;
   }
 
   /** Rows of the history. */
