@@ -60,6 +60,6 @@ fn contradicting_limits_are_named() {
 fn an_experiment_has_its_rows() {
     let text = printed(env!("CARGO_BIN_EXE_experiment"));
     assert!(text.contains("D: pushing away (IV-D)"), "{text}");
-    assert_eq!(text.matches(" met ").count(), 19, "{text}");
+    assert_eq!(text.matches(" met ").count(), 22, "{text}");
     assert!(!text.contains("missed"), "{text}");
 }

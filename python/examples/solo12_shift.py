@@ -1,15 +1,16 @@
-"""Solo12 stands in MuJoCo, shifts its weight and lifts a foot: ``python python/examples/solo12_shift.py [picture.png]``."""
+"""Solo12 stands, shifts its weight and lifts a foot: ``python python/examples/solo12_shift.py [film.webp]``."""
 
 import sys
 
 import mujoco
 import numpy as np
+from film import BLACK, BLUE, GREY, RED, Film
 from robots import urdf
 
 import wbqp.mujoco
 
 RATE = 1000.0  # Hz
-FEET = ["FL_FOOT", "FR_FOOT", "HL_FOOT", "HR_FOOT"]
+FEET = ["FL_FOOT", "FR_FOOT", "HR_FOOT", "HL_FOOT"]  # in turn around the robot
 
 
 def scene(robot: wbqp.Robot) -> str:
@@ -24,7 +25,7 @@ def scene(robot: wbqp.Robot) -> str:
     return spec.to_xml()
 
 
-def main() -> dict[str, float]:
+def main(picture: str | None = None) -> dict[str, float]:
     """Returns the largest error of the centre of mass, m, and how high the foot was lifted, m."""
     bent = {f"{side}_{joint}": angle for side, sign in (("FL", 1), ("FR", 1), ("HL", -1), ("HR", -1))
             for joint, angle in (("HFE", 0.8 * sign), ("KFE", -1.6 * sign))}
@@ -39,13 +40,16 @@ def main() -> dict[str, float]:
             wbqp.tasks.Posture(kp=30.0, weight=1e-2),
         ],
     )
-    model = mujoco.MjModel.from_xml_string(scene(controller.robot))
+    mjcf = scene(controller.robot)
+    model = mujoco.MjModel.from_xml_string(mjcf)
     data = mujoco.MjData(model)
     bridge = wbqp.mujoco.Bridge(model, controller)
     m = controller.measurement()
     bridge.state.write(data, m.position, m.quaternion, m.q, m.v)
     mujoco.mj_forward(model, data)
     dynamics = wbqp.Dynamics(controller.robot)
+    film = Film(picture, mjcf, lookat=[0.0, 0.05, 0.13], distance=0.85, azimuth=140.0, elevation=-22.0, every=0.1,
+                dot=0.006)
     trace = []
     for k in range(int(6.0 * RATE)):
         bridge.measure(data, m)
@@ -67,31 +71,24 @@ def main() -> dict[str, float]:
             mujoco.mj_step(model, data)
         dynamics.update(m.q, m.v, position=m.position, quaternion=m.quaternion)
         com = dynamics.center_of_mass().copy()
-        trace.append([m.time, *com, data.site("FL_FOOT").xpos[2], *(data.site(foot).xpos[2] for foot in FEET[1:]),
-                      float(np.abs(report.tasks["com"].error).max())])
+        trace.append([m.time, *com, data.site("FL_FOOT").xpos[2], float(np.abs(report.tasks["com"].error).max())])
+        if film.due(data.time):
+            draw(film, data, bridge, com, trace[-1])
+    film.save()
     trace = np.array(trace)
-    if len(sys.argv) > 1:
-        draw(trace, sys.argv[1])
     return {"com": float(trace[trace[:, 0] > 0.5, -1].max()), "lift": float(trace[-1, 4] - trace[0, 4])}
 
 
-def draw(trace: np.ndarray, file: str) -> None:
-    """Where the centre of mass and the feet are."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    from matplotlib import pyplot as plt
-
-    figure, (com, feet) = plt.subplots(2, 1, figsize=(8, 5), sharex=True, layout="constrained")
-    com.plot(trace[:, 0], 100.0 * (trace[:, 1:3] - trace[0, 1:3]), label=["x", "y"])
-    com.set(ylabel="centre of mass [cm]")
-    feet.plot(trace[:, 0], 100.0 * trace[:, 4:8], label=FEET)
-    feet.set(xlabel="time [s]", ylabel="height of feet [cm]")
-    for axes in (com, feet):
-        axes.legend()
-    figure.savefig(file, dpi=120)
+def draw(film: Film, data: mujoco.MjData, bridge: wbqp.mujoco.Bridge, com: np.ndarray, row: list) -> None:
+    """A frame with the force on each foot, and the centre of mass over the floor between the feet that stand."""
+    arrows = [(at, 0.015 * force, RED) for which in range(4) for force, _, at in bridge.contacts.forces(data, which)]
+    stand = [data.site(foot).xpos for foot in FEET if data.site(foot).xpos[2] < 0.005]
+    edges = [a + s * (b - a) for a, b in zip(stand, stand[1:] + stand[:1]) for s in np.linspace(0.0, 1.0, 16)]
+    dots = [([*edge[:2], 0.0], GREY) for edge in edges] + [([*com[:2], 0.0], BLUE), (com, BLUE)]
+    film.take(data, [(f"t = {data.time:3.1f} s", BLACK), ("forces on the feet", RED), ("centre of mass", BLUE),
+                     (f"foot {1e3 * max(row[4], 0.0):.0f} mm up", BLACK)], arrows, dots)
 
 
 if __name__ == "__main__":
-    found = main()
-    print(f"largest error of the centre of mass: {1e3 * found['com']:.1f} mm; foot lifted by {1e3 * found['lift']:.0f} mm")
+    found = main(*sys.argv[1:])
+    print(f"centre of mass off by {1e3 * found['com']:.1f} mm at most; foot lifted by {1e3 * found['lift']:.0f} mm")

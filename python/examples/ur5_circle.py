@@ -1,10 +1,11 @@
-"""A UR5 draws a circle with its tool, in MuJoCo: ``python python/examples/ur5_circle.py [picture.png]``."""
+"""A UR5 draws a circle with its tool, in MuJoCo: ``python python/examples/ur5_circle.py [film.webp]``."""
 
 import sys
 from dataclasses import dataclass
 
 import mujoco
 import numpy as np
+from film import BLACK, GREY, RED, Film
 from robots import urdf
 
 import wbqp.mujoco
@@ -12,7 +13,7 @@ import wbqp.mujoco
 RATE, RADIUS, TURN = 500.0, 0.1, 4.0  # Hz, m, s
 
 
-def main() -> float:
+def main(picture: str | None = None) -> dict[str, float]:
     """Runs two turns; returns the largest error after the first second, m."""
     controller = wbqp.Controller(
         rate=RATE,
@@ -24,7 +25,8 @@ def main() -> float:
         ],
     )
     # A reference of one's own, in each period: the centre is what is measured in the first.
-    model = mujoco.MjModel.from_xml_string(wbqp.mujoco.export(controller.robot, step=1e-3))
+    mjcf = wbqp.mujoco.export(controller.robot, step=1e-3)
+    model = mujoco.MjModel.from_xml_string(mjcf)
     data = mujoco.MjData(model)
     bridge = wbqp.mujoco.Bridge(model, controller)
     m = controller.measurement()
@@ -32,6 +34,8 @@ def main() -> float:
     mujoco.mj_forward(model, data)
     centre = data.site("tool0").xpos.copy()
     controller.follow("tool", Circle(centre=list(centre)))
+    film = Film(picture, mjcf, lookat=[0.3, 0.15, 0.32], distance=1.4, azimuth=150.0, elevation=-18.0, tube=0.045,
+                every=0.1, speed=1.2)
     trace = []
     for k in range(int(2 * TURN * RATE)):
         bridge.measure(data, m)
@@ -43,11 +47,12 @@ def main() -> float:
             mujoco.mj_step(model, data)
         wanted = centre + circle(m.time + 1.0 / RATE)[0]
         trace.append([m.time, *data.site("tool0").xpos, *wanted])
+        if film.due(data.time):
+            draw(film, data, centre, trace)
+    film.save()
     trace = np.array(trace)
     error = np.linalg.norm(trace[:, 1:4] - trace[:, 4:], axis=1)
-    if len(sys.argv) > 1:
-        draw(trace, error, sys.argv[1])
-    return float(error[trace[:, 0] > 1.0].max())
+    return {"error": float(error[trace[:, 0] > 1.0].max())}
 
 
 def circle(t: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -74,22 +79,14 @@ class Circle:
         return np.asarray(self.centre) + value, rate, acceleration
 
 
-def draw(trace: np.ndarray, error: np.ndarray, file: str) -> None:
-    """The path beside the wanted one, and the error."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    from matplotlib import pyplot as plt
-
-    figure, (path, errors) = plt.subplots(1, 2, figsize=(9, 4), layout="constrained")
-    path.plot(trace[:, 5], trace[:, 6], "--", label="wanted")
-    path.plot(trace[:, 2], trace[:, 3], label="tool")
-    path.set(xlabel="y [m]", ylabel="z [m]", aspect="equal")
-    path.legend()
-    errors.plot(trace[:, 0], 1e3 * error)
-    errors.set(xlabel="time [s]", ylabel="error [mm]")
-    figure.savefig(file, dpi=120)
+def draw(film: Film, data: mujoco.MjData, centre: np.ndarray, trace: list) -> None:
+    """A frame with the wanted circle and where the tool was."""
+    dots = [(centre + RADIUS * np.array([0.0, np.sin(a), 1.0 - np.cos(a)]), GREY) for a in np.linspace(0.0, 6.28, 90)]
+    dots += [(row[1:4], RED) for row in trace[-1000::20]]
+    error = 1e3 * np.linalg.norm(np.subtract(trace[-1][1:4], trace[-1][4:]))
+    film.take(data, [(f"t = {data.time:3.1f} s", BLACK), (f"{error:.2f} mm off the circle", RED)], dots=dots)
 
 
 if __name__ == "__main__":
-    print(f"largest error after the first second: {1e3 * main():.2f} mm")
+    found = main(*sys.argv[1:])
+    print(f"largest error after the first second: {1e3 * found['error']:.2f} mm")

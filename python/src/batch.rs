@@ -543,7 +543,9 @@ impl Batch {
         keys: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<()> {
         let keys = config::keys(keys)?;
-        self.request(of, |controller| controller.set(entry, keys.clone()))
+        self.request(of, |controller| {
+            plugin::set(controller, entry, keys.clone())
+        })
     }
 
     /// Says that what the next tick measures is meant to be elsewhere: environments that were set back, say.

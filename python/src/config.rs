@@ -14,7 +14,10 @@ use wbqp::{
     plugin::{AnyReference, PerRow},
 };
 
-use crate::arrays::{Length, vector};
+use crate::{
+    arrays::{Length, vector},
+    plugin,
+};
 
 /// What messages call a configuration that is no file.
 const DICT: &str = "<dict>";
@@ -202,6 +205,8 @@ impl Source {
     /// # Errors
     /// `ConfigError` with all mistakes.
     pub(crate) fn controller(&self, py: Python<'_>) -> PyResult<wbqp::Controller> {
+        // What nobody asked for until now is of something else.
+        let _ = plugin::cause();
         let config = self.load().map_err(ControllerError::from);
         let controller = config.and_then(wbqp::Controller::new);
         controller.map_err(|error| refused(py, &error))
@@ -260,7 +265,10 @@ pub(crate) fn refused_text(py: Python<'_>, text: &str) -> PyErr {
 
 fn raise(py: Python<'_>, errors: &Bound<'_, PyList>) -> PyResult<PyErr> {
     let class = py.import("wbqp._errors")?.getattr("ConfigError")?;
-    Ok(PyErr::from_value(class.call1((errors,))?))
+    let error = PyErr::from_value(class.call1((errors,))?);
+    // With the traceback of a plug-in written in Python.
+    error.set_cause(py, plugin::cause());
+    Ok(error)
 }
 
 fn message<'py>(

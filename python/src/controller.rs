@@ -309,7 +309,7 @@ impl Controller {
     #[pyo3(signature = (entry, /, **keys))]
     fn set(&self, entry: &str, keys: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
         let keys = config::keys(keys)?;
-        self.request(|controller| controller.set(entry, keys))
+        self.request(|controller| plugin::set(controller, entry, keys))
     }
 
     /// Moves a contact's surface, from the next tick on.

@@ -5,13 +5,12 @@ use std::{collections::BTreeMap, path::PathBuf, sync::OnceLock};
 use pyo3::{
     exceptions::{PyKeyError, PyOSError, PyValueError},
     prelude::*,
-    types::{PyBytes, PyDict, PyList},
+    types::{PyBytes, PyDict},
 };
 use wbqp::serde_json::Value;
 use wbqp_measures::{
-    MeasureError, Recording, RotorLimits, Row, Series, Signals, experiments,
+    MeasureError, Recording, RotorLimits, Series, Signals,
     log::{Log as Inner, ReadError},
-    promises,
 };
 
 use crate::{
@@ -35,7 +34,7 @@ impl Log {
     }
 
     /// All series; a log's are read when they are first asked for.
-    fn signals(&self) -> PyResult<&Signals> {
+    pub(crate) fn signals(&self) -> PyResult<&Signals> {
         if let Some(signals) = self.signals.get() {
             return Ok(signals);
         }
@@ -214,69 +213,6 @@ pub(crate) fn _read_log(py: Python<'_>, path: PathBuf) -> PyResult<Log> {
         _ => PyValueError::new_err(format!("{}: {error}", path.display())),
     })?;
     Ok(Log::new(log))
-}
-
-/// The rows of an experiment from the runs of its cases: dicts with `id`, `quantity`, `unit`, `paper`, `measured`,
-/// `tolerance`, `pass`, `promised` and `reason`, why a row is known to be missed.
-#[pyfunction]
-pub(crate) fn _rows<'py>(
-    py: Python<'py>,
-    experiment: &str,
-    runs: &Bound<'py, PyDict>,
-) -> PyResult<Bound<'py, PyList>> {
-    let known = || {
-        let names: Vec<&str> = experiments::ALL.iter().map(|e| e.name).collect();
-        PyKeyError::new_err(format!(
-            "there is no experiment `{experiment}` (known: {})",
-            names.join(", ")
-        ))
-    };
-    let found = experiments::of(experiment).ok_or_else(known)?;
-    let runs: Vec<(String, Bound<'py, Log>)> = runs
-        .iter()
-        .map(|(case, log)| Ok((case.extract()?, log.cast_into::<Log>()?)))
-        .collect::<PyResult<_>>()?;
-    let mut recordings: Vec<(&str, &dyn Recording)> = Vec::new();
-    for (case, log) in &runs {
-        recordings.push((case.as_str(), log.get().signals()?));
-    }
-    let rows = found.rows(&recordings.into_iter().collect());
-    let rows = rows.map_err(|error| measure_error(&error))?;
-    let promised = promises::of(experiment).map_err(|e| PyValueError::new_err(e.to_string()))?;
-    let list = PyList::empty(py);
-    for row in &rows {
-        let reason = promised.reason(row);
-        let Row {
-            id,
-            quantity,
-            unit,
-            paper,
-            measured,
-            tolerance,
-            pass,
-        } = row;
-        let dict = PyDict::new(py);
-        dict.set_item("id", id)?;
-        dict.set_item("quantity", quantity)?;
-        dict.set_item("unit", unit)?;
-        dict.set_item("paper", paper)?;
-        dict.set_item("measured", measured)?;
-        dict.set_item("tolerance", tolerance)?;
-        dict.set_item("pass", pass)?;
-        dict.set_item("promised", pass.is_some() && reason.is_none())?;
-        dict.set_item("reason", reason)?;
-        list.append(dict)?;
-    }
-    Ok(list)
-}
-
-/// Names of the experiments with the cases that their rows need.
-#[pyfunction]
-pub(crate) fn _experiments() -> BTreeMap<&'static str, Vec<&'static str>> {
-    experiments::ALL
-        .iter()
-        .map(|e| (e.name, e.cases.to_vec()))
-        .collect()
 }
 
 /// A dict as text of TOML, for what is handed over as text.

@@ -20,7 +20,7 @@ use wbqp_log::{LogSink, McapLog};
 use wbqp_mjcf::{Mjcf, Scene};
 use wbqp_sim::{PlantCommand, Scenario, Variation, World, plant::has_diverged};
 
-use crate::{config, robot::Robot, simulate};
+use crate::{config, plugin, robot::Robot, simulate};
 
 /// Text, notes, and the geoms of walls and contact points.
 fn exported<'py>(py: Python<'py>, mjcf: &Mjcf) -> PyResult<Bound<'py, PyDict>> {
@@ -106,6 +106,8 @@ pub(crate) struct CaseRun {
     /// Which of the sensors' bodies each contact point is on.
     is_on: Vec<Vec<bool>>,
     case: wbqp_sim::scenario::Case,
+    /// Of the first thing that a plug-in written in Python raised.
+    traceback: Option<String>,
 }
 
 impl CaseRun {
@@ -191,6 +193,7 @@ impl CaseRun {
             mjcf,
             is_on,
             case: case.clone(),
+            traceback: None,
         })
     }
 
@@ -305,6 +308,12 @@ impl CaseRun {
         }
         run.tick(truth, log, None)
             .map_err(|e| PyRuntimeError::new_err(e.to_string()))?;
+        if let Some(traceback) = plugin::traceback() {
+            self.traceback.get_or_insert(traceback);
+        }
+        if let Some(interrupt) = plugin::interrupt() {
+            return Err(interrupt);
+        }
         if let Some(run) = &mut self.run {
             run.exchange(&mut self.due);
         }
@@ -319,7 +328,7 @@ impl CaseRun {
         let text = |e: &dyn std::fmt::Display| PyRuntimeError::new_err(e.to_string());
         let summary = run.finish(&mut log).map_err(|e| text(&e))?;
         log.finish().map_err(|e| text(&e))?;
-        simulate::described(py, &summary)
+        simulate::described(py, &summary, self.traceback.take())
     }
 }
 

@@ -13,6 +13,7 @@ use wbqp::{
 };
 
 use crate::{
+    arrays::of_vector,
     names::{Names, named},
     views::{Access, Memory, array},
 };
@@ -44,6 +45,7 @@ struct Scalars {
     iterations: u32,
     resolves: u32,
     objective: f64,
+    disturbance: [f64; 6],
     times: StageTimes,
     active: Vec<ActiveRow>,
     conflict: Vec<ConflictRow>,
@@ -172,6 +174,7 @@ impl Report {
         scalars.iterations = inner.iterations;
         scalars.resolves = inner.resolves;
         scalars.objective = inner.objective;
+        scalars.disturbance = inner.disturbance.into();
         scalars.times = inner.times;
         scalars.active.clone_from(&inner.active);
         scalars.conflict.clone_from(&inner.conflict);
@@ -244,6 +247,13 @@ impl Report {
     #[getter]
     fn objective(&self) -> f64 {
         self.scalars().objective
+    }
+
+    /// Estimate of the wrench on the base that the model does not have, force then moment about the base's origin,
+    /// world axes, N and N·m, shape (6,), a copy; zeros without an observer.
+    #[getter]
+    fn disturbance<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
+        of_vector(py, &self.scalars().disturbance)
     }
 
     /// Generalised acceleration that the solution predicts, shape (nv,).

@@ -88,6 +88,8 @@ pub(crate) fn scenario(
     set: Option<&Bound<'_, PyDict>>,
     change: Option<&Bound<'_, PyDict>>,
 ) -> PyResult<Scenario> {
+    // What nobody asked for until now is of something else.
+    let _ = plugin::cause();
     let table = PyDict::new(py);
     if let Some(set) = set {
         table.set_item("set", set)?;
@@ -126,6 +128,7 @@ pub(crate) fn _simulate(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(Log, Py<PyDict>)> {
     let scenario = scenario(py, &path, set, change)?;
+    let _ = (plugin::traceback(), plugin::interrupt());
     let refused = |error: LogError| PyOSError::new_err(error.to_string());
     let (summary, log) = match log {
         None => {
@@ -145,17 +148,24 @@ pub(crate) fn _simulate(
             )
         }
     };
-    Ok((Log::new(log), described(py, &summary)?.unbind()))
+    let traceback = plugin::traceback();
+    Ok((Log::new(log), described(py, &summary, traceback)?.unbind()))
 }
 
-/// `ticks`, `held` (commands that were not an optimum), `diverged` (when, s), `last_level`, `why`.
-pub(crate) fn described<'py>(py: Python<'py>, summary: &Summary) -> PyResult<Bound<'py, PyDict>> {
+/// `ticks`, `held` (commands that were not an optimum), `diverged` (when, s), `last_level`, `why`, and the first
+/// `traceback` of what plug-ins written in Python raised.
+pub(crate) fn described<'py>(
+    py: Python<'py>,
+    summary: &Summary,
+    traceback: Option<String>,
+) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
     dict.set_item("ticks", summary.ticks)?;
     dict.set_item("held", summary.held)?;
     dict.set_item("diverged", summary.diverged)?;
     dict.set_item("last_level", summary.last_level.as_str())?;
     dict.set_item("why", &summary.why)?;
+    dict.set_item("traceback", traceback)?;
     Ok(dict)
 }
 

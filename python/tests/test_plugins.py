@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import threading
+import traceback
 import time
 from typing import Any
 
@@ -215,7 +216,7 @@ def test_parameters_are_checked_with_their_places() -> None:
 
 def test_a_tag_is_registered_once_and_keys_of_the_framework_are_refused() -> None:
     with pytest.raises(ValueError, match="task type `test.level_head` is there already, from "):
-        wbqp.task("test.level_head")(LevelHead)
+        wbqp.task("test.level_head")(Naughty)
     with pytest.raises(ValueError, match="there already"):
         wbqp.task("com")(LevelHead)
 
@@ -227,6 +228,74 @@ def test_a_tag_is_registered_once_and_keys_of_the_framework_are_refused() -> Non
         wbqp.task("test.weighty")(Weighty)
     with pytest.raises(TypeError, match="needs a method `bind`"):
         wbqp.task("test.empty")(type("Empty", (), {}))
+
+
+CELL = """
+@wbqp.{kind}("{tag}")
+class Again:
+    "As a cell of a notebook defines it."
+
+    gain: float = 1.0
+    {keys}
+    def bind(self, setup):
+        return wbqp.Layout([("x", "m/s²")])
+
+    def update(self, tick, rows):
+        rows.vdot[0, 0] = 1.0
+        rows.{write} = self.gain * {number}
+"""
+
+
+def run_cell(**words: Any) -> None:
+    exec(CELL.format_map({"kind": "task", "tag": "test.again", "keys": "", "write": "target[0]", **words}), globals())
+
+
+def wanted(controller: wbqp.Controller, **keys: float) -> float:
+    """The acceleration along x that the entry wants, from its residual without an acceleration."""
+    m = controller.measurement()
+    controller.reset(m)
+    if keys:
+        controller.set("again", **keys)
+    m.time = controller.report.time + 0.004
+    return float(controller.tick(m)[1].vdot["base x"])
+
+
+def again(**keys: Any) -> wbqp.Controller:
+    return hover({"type": "test.again", "name": "again", "weight": 1e6, **keys})
+
+
+def test_a_cell_that_runs_again_defines_its_plug_in_anew() -> None:
+    run_cell(number=0.1)
+    first = again()
+    run_cell(number=0.2, keys="more: float = 0.0")
+    second = again(more=1.0)
+    assert wanted(first) == pytest.approx(0.1, rel=1e-3)
+    assert wanted(second) == pytest.approx(0.2, rel=1e-3)
+    # The earlier controller keeps its class, with its keys.
+    assert wanted(first, gain=2.0) == pytest.approx(0.2, rel=1e-3)
+    assert wanted(second, gain=2.0) == pytest.approx(0.4, rel=1e-3)
+    with pytest.raises(ValueError, match=r"unknown key `more` \(known: gain\)"):
+        first.set("again", more=1.0)
+    second.set("again", more=2.0)
+    # What is no longer there is refused, as a key that never was.
+    run_cell(number=0.3)
+    with pytest.raises(wbqp.ConfigError, match="unknown key `more`"):
+        again(more=1.0)
+    # A class with another name is another plug-in.
+    with pytest.raises(ValueError, match="task type `test.again` is there already"):
+        exec(CELL.format(kind="task", tag="test.again", keys="", write="target[0]", number=0.0).replace("Again", "Other"))
+    assert wanted(again()) == pytest.approx(0.3, rel=1e-3)
+
+
+def test_a_constraint_is_defined_anew_as_well() -> None:
+    limit = {"type": "test.again_limit", "name": "again"}
+    words = {"kind": "constraint", "tag": "test.again_limit", "write": "lower[0] = rows.upper[0]"}
+    run_cell(**words, number=0.1)
+    first = hover(constraints=[limit])
+    run_cell(**words, number=0.2)
+    assert wanted(first) == pytest.approx(0.1, rel=1e-6)
+    assert wanted(hover(constraints=[limit])) == pytest.approx(0.2, rel=1e-6)
+    assert wanted(first, gain=3.0) == pytest.approx(0.3, rel=1e-6)
 
 
 def naughty(what: str) -> wbqp.Controller:
@@ -250,6 +319,8 @@ def test_what_an_update_raises_is_a_fault_and_the_command_still_comes(what: str,
     assert report.level in ("extrapolated", "safe")
     assert "not finite" in (report.fault or "")
     assert says in (report.traceback or "") and "plug-in `test.naughty`" in (report.traceback or "")
+    if what == "raise":
+        assert f'File "{__file__}"' in (report.traceback or "") and "in update" in (report.traceback or "")
     np.testing.assert_allclose(command.effort, good, atol=2.0)
     # The next tick is well again once the plug-in is.
     controller.set("naughty", what="nothing")
@@ -267,8 +338,16 @@ def test_numbers_that_are_none_are_a_fault(what: str) -> None:
 
 @pytest.mark.parametrize(("what", "says"), [("bind", "ValueError: no, thanks"), ("layout", "must return a wbqp.Layout")])
 def test_what_bind_raises_is_a_config_error(what: str, says: str) -> None:
-    with pytest.raises(wbqp.ConfigError, match=says):
+    with pytest.raises(wbqp.ConfigError, match=says) as refused:
         naughty(what)
+    cause = refused.value.__cause__
+    assert cause is not None and f"{type(cause).__name__}: {cause}" in str(refused.value)
+    if what == "bind":
+        assert cause.__traceback__ is not None and "bind" in [entry.name for entry in traceback.extract_tb(cause.__traceback__)]
+    # It was that controller's.
+    with pytest.raises(wbqp.ConfigError) as other:
+        hover({"type": "test.naughtty"})
+    assert other.value.__cause__ is None
 
 
 def test_a_plug_in_that_sleeps_leaves_the_controller_in_use() -> None:
@@ -309,3 +388,46 @@ def test_each_controller_has_an_object_of_its_own() -> None:
             m.time = 0.004 * k
             accelerations.append(controller.tick(m)[1].vdot["base roll"])
     assert accelerations[1] != accelerations[3] and not hasattr(parameters, "head")
+
+
+@pytest.fixture
+def naughty_scenario(tmp_path: Any) -> Any:
+    """Half a second of experiment B's controller, with a task that raises."""
+    shipped = wbqp.scenarios()["push_with_disturbance"]
+    text = (shipped.parent / "push_with_disturbance.controller.toml").read_text(encoding="utf-8")
+    more = '\n[[task]]\nname = "naughty"\ntype = "test.naughty"\nwhat = "raise"\nweight = 1.0\n'
+    (tmp_path / "push_with_disturbance.controller.toml").write_text(text + more, encoding="utf-8")
+    scenario = tmp_path / "push.toml"
+    text = shipped.read_text(encoding="utf-8")
+    for old, new in (("duration = 25.0", "duration = 0.5"), ("from = 12.0\nuntil = 17.0", "from = 0.2\nuntil = 0.3"),
+                     ("at = 1.0", "at = 0.1")):
+        assert old in text
+        text = text.replace(old, new)
+    scenario.write_text(text, encoding="utf-8")
+    return scenario
+
+
+def test_a_simulation_says_what_a_plug_in_raised(naughty_scenario: Any) -> None:
+    run = wbqp.simulate(naughty_scenario, case="with_ft", progress=False)
+    assert run.summary["held"] > 0
+    said = run.summary["traceback"]
+    assert "plug-in `test.naughty`" in said and "RuntimeError: out of order" in said
+    assert "in update" in said and __file__ in said
+    with pytest.raises(wbqp.ConfigError, match="no, thanks") as refused:
+        wbqp.simulate(naughty_scenario, case="with_ft", set={"task": {"naughty": {"what": "bind"}}}, progress=False)
+    assert isinstance(refused.value.__cause__, ValueError)
+    # It was that run's: neither the next one's nor that of a tick.
+    well = wbqp.simulate(naughty_scenario, case="with_ft", set={"task": {"naughty": {"what": "nothing"}}}, progress=False)
+    assert well.summary["traceback"] is None
+    controller = hover()
+    assert controller.tick(controller.measurement())[1].traceback is None
+
+
+def test_a_case_in_another_engine_says_what_a_plug_in_raised(naughty_scenario: Any, tmp_path: Any) -> None:
+    pytest.importorskip("mujoco", reason="MuJoCo is not installed: the extra `mujoco`")
+    from wbqp.mujoco import run_case
+
+    summary = run_case(naughty_scenario, "with_ft", tmp_path / "run.mcap")
+    assert "RuntimeError: out of order" in summary["traceback"]
+    with pytest.raises(KeyboardInterrupt):
+        run_case(naughty_scenario, "with_ft", tmp_path / "run.mcap", variation='set.task.naughty.what = "interrupt"')

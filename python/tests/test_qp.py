@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -53,6 +56,24 @@ def test_wrong_shapes_are_refused() -> None:
         wbqp.solve_qp(np.eye(1), np.zeros((1, 1)))
     with pytest.raises((TypeError, ValueError), match="g: "):
         wbqp.solve_qp(np.eye(1), ["many"])
+
+
+@pytest.mark.parametrize(
+    "layout",
+    [
+        np.array,
+        list,
+        lambda x: np.array(x, dtype=int),
+        lambda x: np.array(x, dtype="f4"),
+        lambda x: np.array(x, dtype=">f8"),
+        lambda x: np.repeat(np.array(x), 2)[::2],
+        lambda x: np.array(x[::-1])[::-1],
+    ],
+    ids=["as they are read", "list", "int", "single", "other bytes", "every second", "backwards"],
+)
+def test_vectors_are_read_however_they_lie(layout: Callable[[list[float]], Any]) -> None:
+    solution = wbqp.solve_qp(np.eye(3), layout([-1.0, -2.0, -3.0]))
+    np.testing.assert_allclose(solution.x, [1.0, 2.0, 3.0], atol=1e-12)
 
 
 def test_arguments_of_qpsolvers() -> None:

@@ -274,7 +274,8 @@ def _decorator(kind: str, tag: str) -> Callable[[C], C]:
         frame = inspect.currentframe()
         caller = frame.f_back if frame else None
         origin = f"{caller.f_code.co_filename}:{caller.f_lineno}" if caller else "Python"
-        _wbqp._register(kind, tag, cls, plain, origin)
+        # A cell of a notebook that runs again defines the same class anew.
+        _wbqp._register(kind, tag, cls, plain, origin, f"{cls.__module__}.{cls.__qualname__}")
         made: Any = cls
         made._wbqp_tag, made._wbqp_kind, made._wbqp_fields = tag, kind, about
         made._wbqp_table = _table
@@ -288,7 +289,8 @@ def task(tag: str) -> Callable[[C], C]:
 
     Its parameters are the fields of a dataclass, or annotations with defaults. ``bind(self, setup)`` resolves names and
     returns a `Layout`; ``update(self, tick, rows)`` writes the rows in every tick. Optional: ``activate(self)``, called
-    when the entry is switched on. Each controller has an object of its own.
+    when the entry is switched on. Each controller has an object of its own. A class with the same name in the same
+    module takes the place of an earlier one for controllers that are made afterwards, as when a cell runs again.
     """
     return _decorator("task", tag)
 

@@ -100,7 +100,7 @@ class ThrustAttitude(Plugin):
     A reference for `BaseOrientation`. It tilts the base as far as the accelerations that
     tasks ask of it and the set points of its contacts need:
 
-    `F = m (a_R* − g) − Σ_c R_WC f_c^d`, `z_R = F/‖F‖`, with F low-passed and the tilt limited.
+    `F = m (a_R* − g) − Σ_c R_WC f_c^d − f̂`, `z_R = F/‖F‖`, with F low-passed and the tilt limited.
 
     Nothing has to be named: `a_R*` is the virtual input of whatever task moves
     the base, and `f_c^d` that of every contact with a force task, both of the

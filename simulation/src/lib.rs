@@ -41,6 +41,6 @@ mod world;
 pub use closed_loop::{ClosedLoop, Link, Requests};
 pub use plant::{CommandDelay, Plant, PlantCommand, PlantConfig, PlantError};
 pub use run::{CaseRun, Summary, run, run_with_dumps};
-pub use scenario::{RunError, Scenario, ScenarioError, Variation};
+pub use scenario::{Perturbation, RunError, Scenario, ScenarioError, Variation};
 pub use sensors::{SensorReading, Sensors, SensorsConfig};
 pub use world::World;

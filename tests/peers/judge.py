@@ -20,10 +20,11 @@ class Judge:
 
     def judge(self, answers):
         """Per tick the cost and the violations: of the dynamics (N, N·m), of contacts' motion (m/s², rad/s²), of
-        friction, centre of pressure and unilaterality (N, N·m), of torques (N·m); and `corners`, by how much the soles'
+        friction, centre of pressure and unilaterality (N, N·m), of torques (N·m); `margin`, how far the contact that is
+        nearest to its limits is beyond them, negative within (N, N·m); and `corners`, by how much the soles'
         wrenches miss what forces at their four corners bear, each in its own friction pyramid (N, N·m): a narrower
         limit, TSID's."""
-        keys = ["cost", "dynamics", "motion", "wrench", "torque", "corners"]
+        keys = ["cost", "dynamics", "motion", "wrench", "torque", "margin", "corners"]
         rows = [self.one(tick, answer) for tick, answer in zip(self.states.ticks, answers)]
         return {key: np.array([row[i] for row in rows]) for i, key in enumerate(keys)}
 
@@ -80,7 +81,7 @@ class Judge:
         J = np.vstack(rows)
         wrench, *_ = np.linalg.lstsq(J.T, force, rcond=None)
         dynamics = np.abs(J.T @ wrench - force).max()
-        violation, corners, first = 0.0, 0.0, 0
+        margin, corners, first = -np.inf, 0.0, 0
         for name, n in kinds:
             f = wrench[first : first + n]
             first += n
@@ -92,8 +93,9 @@ class Judge:
                 beyond += [abs(f[3]) - number(f"contact.{name}.half_length_y") * f[2],
                            abs(f[4]) - number(f"contact.{name}.half_length_x") * f[2]]
                 corners = max(corners, self.beyond_corners(name, mu, f))
-            violation = max(violation, *beyond)
-        return cost, dynamics, motion, violation, max(0.0, (np.abs(torque) - self.limit).max()), corners
+            margin = max(margin, *beyond)
+        beyond = max(0.0, (np.abs(torque) - self.limit).max())
+        return cost, dynamics, motion, max(0.0, margin), beyond, margin, corners
 
     def beyond_corners(self, name, mu, wrench):
         """Distance of a wrench from the cone that the edges of the pyramids at the corners span."""

@@ -45,13 +45,18 @@ SCALE = 100
 VIOLATIONS = ("dynamics", "motion", "wrench", "torque")
 
 
-def urdf_of(robot):
+def folder():
+    """Where example-robot-data has its robots."""
     folder = Path(pin.__file__).parents[4].parent / "cmeel.prefix/share/example-robot-data/robots"
     for path in [Path(p) for p in sys.path if p]:
         candidate = path / "cmeel.prefix/share/example-robot-data/robots"
         if candidate.is_dir():
             folder = candidate
-    return folder / ROBOTS[robot][1]
+    return folder
+
+
+def urdf_of(robot):
+    return folder() / ROBOTS[robot][1]
 
 
 def without_meshes(source, target):
@@ -307,16 +312,19 @@ def markdown(summary):
     return f"{text}.\n\n{times}\n\n{answers}"
 
 
-def write_page(page, summaries):
-    text = page.read_text()
-    pattern = re.compile(r"(<!-- begin robots -->\n).*?(<!-- end robots -->)", re.DOTALL)
-    if not pattern.search(text):
-        sys.exit(f"{page}: there is no place for robots")
+def machine():
     processor = next((line.split(":", 1)[1].strip() for line in Path("/proc/cpuinfo").read_text().splitlines()
                       if "model name" in line), platform.processor())
-    machine = f"{processor}, {os.cpu_count()} logical cores, {platform.system()}; "
-    machine += f"load over the last 15 minutes {os.getloadavg()[2]:.1f}."
-    content = "\n\n".join([machine, *map(markdown, summaries)])
+    return (f"{processor}, {os.cpu_count()} logical cores, {platform.system()}; "
+            f"load over the last 15 minutes {os.getloadavg()[2]:.1f}.")
+
+
+def write_page(page, place, content):
+    """Puts the content between the marks of that name."""
+    text = page.read_text()
+    pattern = re.compile(rf"(<!-- begin {place} -->\n).*?(<!-- end {place} -->)", re.DOTALL)
+    if not pattern.search(text):
+        sys.exit(f"{page}: there is no place for {place}")
     page.write_text(pattern.sub(lambda m: f"{m[1]}\n{content}\n\n{m[2]}", text))
 
 
@@ -337,7 +345,7 @@ def main():
     if args.json:
         args.json.write_text(text + "\n")
     if args.page:
-        write_page(args.page, summaries)
+        write_page(args.page, "robots", "\n\n".join([machine(), *map(markdown, summaries)]))
     print(text)
 
 

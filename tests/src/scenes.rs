@@ -14,7 +14,7 @@ use wbqp::{
     nalgebra,
     plugin::{AnyTask, Entry, Hardness, PerRow},
     robot::{Robot, RobotModel},
-    settings::{FirstError, Formulation, Hover, Settings, StartFrom},
+    settings::{ContactForces, FirstError, Formulation, Hover, Observer, Settings, StartFrom},
     state::State,
 };
 use wbqp_robots::{BaseKind, Options, Othex, OthexVertical, Urdf};
@@ -45,6 +45,20 @@ pub const KINDS: [Kind; 4] = [
     Kind::Quadruped,
     Kind::FixedArm,
 ];
+
+/// An observer for such a robot; of velocities alone where the base is fixed.
+pub fn observer(kind: Kind) -> Observer {
+    Observer {
+        velocity: 10.0,
+        wrench: if kind == Kind::FixedArm { 0.0 } else { 1.0 },
+        max_force: 5.0,
+        max_moment: 1.0,
+        forces: match kind {
+            Kind::Quadruped => ContactForces::Planned,
+            _ => ContactForces::Measured,
+        },
+    }
+}
 
 /// A control problem, reproducible from its fields.
 #[allow(

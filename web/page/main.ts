@@ -33,6 +33,8 @@ let panel: Panel | null = null;
 let replay: Replay | null = null;
 let source: Source | null = null;
 let logName = "";
+/** What is wrong with the link, to be said when something is there to be seen. */
+let greeting: [string, string] | null = null;
 /** Meshes and other files that were dropped. */
 const dropped = new Map<string, File>();
 let latest: Float64Array | null = null;
@@ -183,6 +185,8 @@ async function hear(message: FromWorker): Promise<void> {
       speak(message.words);
       $("pace").textContent = "";
       draw(message.frame);
+      if (greeting) problem(...greeting);
+      greeting = null;
       if (message.problems.length > 0) problem("Not everything of the link could be applied", message.problems.join("\n"));
       editor?.mark("");
       if ($<HTMLDialogElement>("editor").open && state.scenario === OWN) {
@@ -277,11 +281,12 @@ async function begin(): Promise<void> {
         const known = shipped.map((s) => s.name).join(", ");
         const name = state.scenario;
         state = fresh(first.name, first.case);
-        problem("The link is of another page", `There is no scenario \`${name}\`; known: ${known}. This is the first.`);
+        greeting = ["The link is of another page", `There is no scenario \`${name}\`; known: ${known}. This is the first.`];
       }
     }
   } catch (error) {
-    problem("The link is damaged", `${String(error)}\nThis is the first scenario as it ships.`);
+    state = fresh(first.name, first.case);
+    greeting = ["The link is damaged", `${String(error)}\nThis is the first scenario as it ships.`];
   }
   choice.value = state.scenario;
   $<HTMLInputElement>("seed").value = String(state.seed);

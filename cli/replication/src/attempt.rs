@@ -6,7 +6,7 @@ use anyhow::{Context, Result};
 use wbqp_measures::{Row, log::Recorder};
 use wbqp_sim::{Scenario, Variation};
 
-use crate::experiment::{Case, Experiment, Recorded, Runs};
+use crate::experiment::{Case, Recorded, Runs};
 
 /// What became of it.
 #[derive(Clone, Debug)]
@@ -17,16 +17,16 @@ pub enum Attempt {
     Stopped(String),
 }
 
-/// Runs all cases, each with its variation, and measures. `ran` is called after each case.
+/// Runs cases, each with its variation, and measures. `ran` is called after each case.
 ///
 /// # Errors
 /// If a recording lacks what the rows need.
 pub fn attempt(
-    experiment: &Experiment,
     scenario: &Scenario,
     variations: &[(String, Variation)],
     seed: u64,
     ran: &dyn Fn(),
+    measure: impl FnOnce(&Runs) -> Result<Vec<Row>>,
 ) -> Result<Attempt> {
     let mut cases = Vec::new();
     // Cases often start from the same values: the scenario is made and checked once for these.
@@ -55,7 +55,7 @@ pub fn attempt(
         });
         last = Some((variation, varied));
     }
-    let rows = experiment.measure(&Runs::new(Path::new(""), cases));
-    let what = || format!("measuring {}", experiment.measures.name);
+    let rows = measure(&Runs::new(Path::new(""), cases));
+    let what = || format!("measuring {}", scenario.name());
     Ok(Attempt::Measured(rows.with_context(what)?))
 }

@@ -22,6 +22,7 @@ use wbqp::{
 /// | `/command` | `rotors` and `joints` by name |
 /// | `/contact/<name>` | switch, ramp, the four forces, and the contact point |
 /// | `/task/<name>` | ramp, and per row error, residual and cost |
+/// | `/observer` | the unknown wrench on the base, if there is an observer |
 /// | `/qp` | status, fault, iterations, times of the stages, active limits |
 ///
 /// A tick without a solution ([`FallbackLevel::is_solved`](wbqp::controller::FallbackLevel::is_solved)) has no new
@@ -31,6 +32,7 @@ pub struct ControllerLog {
     state: ChannelId,
     command: ChannelId,
     qp: ChannelId,
+    observer: Option<ChannelId>,
     contacts: Vec<ChannelId>,
     tasks: Vec<TaskChannel>,
     /// Time of the last record: a tick whose own time is unusable is filed there.
@@ -64,6 +66,10 @@ impl ControllerLog {
         let state = sink.channel("/state", "wbqp.State", &state_schema(&robot.model))?;
         let command = sink.channel("/command", "wbqp.Command", &command_schema(robot))?;
         let qp = sink.channel("/qp", "wbqp.Qp", &qp_schema())?;
+        let observer = match controller.settings().observer {
+            Some(_) => Some(sink.channel("/observer", "wbqp.Observer", &observer_schema())?),
+            None => None,
+        };
         let mut contacts = Vec::new();
         for name in controller.contact_names() {
             let topic = format!("/contact/{name}");
@@ -84,6 +90,7 @@ impl ControllerLog {
             state,
             command,
             qp,
+            observer,
             contacts,
             tasks,
             time: 0.0,
@@ -117,6 +124,10 @@ impl ControllerLog {
         if !report.level.is_solved() {
             return Ok(());
         }
+        if let Some(channel) = self.observer {
+            observer_message(report, message);
+            sink.write(channel, time, message)?;
+        }
         for (i, channel) in self.contacts.iter().enumerate() {
             contact_message(report, i, truth.get(i).copied().flatten(), message);
             sink.write(*channel, time, message)?;
@@ -127,6 +138,31 @@ impl ControllerLog {
         }
         Ok(())
     }
+}
+
+fn observer_schema() -> Value {
+    let fields = [
+        (
+            "force",
+            schema::xyz("N", "Unknown force on the base, W axes"),
+        ),
+        (
+            "moment",
+            schema::xyz("N·m", "Unknown moment about the base's origin, W axes"),
+        ),
+    ];
+    titled(
+        "wbqp.Observer",
+        schema::object("What the model does not have", fields),
+    )
+}
+
+fn observer_message(report: &Report, out: &mut Vec<u8>) {
+    let w = &report.disturbance;
+    JsonWriter::write(out, |o| {
+        o.xyz("force", &Vector3::new(w[0], w[1], w[2]));
+        o.xyz("moment", &Vector3::new(w[3], w[4], w[5]));
+    });
 }
 
 /// Labels with a number behind the second, third, … of the same name.

@@ -162,7 +162,7 @@ impl Bound {
             made_from,
         } = parts;
         let mut misfits = Misfits::default();
-        misfits.settings(&settings);
+        misfits.settings(&settings, &robot.model);
         misfits.measurement(&measurement);
         misfits.robot(tag, robot.problems());
         // Plug-ins rely on a sound robot and a sound rate.

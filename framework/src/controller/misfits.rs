@@ -8,6 +8,7 @@ use crate::{
     plugin::{AnyConstraint, AnyPlugin, AnyTask, Entry},
     settings::{MeasurementLimits, Settings, Target},
 };
+use wbqp_dynamics::model::{Base, Model};
 
 /// One thing that does not fit the robot.
 #[derive(Debug)]
@@ -72,9 +73,15 @@ impl Misfits {
         self.list.push((index, misfit));
     }
 
-    pub(super) fn settings(&mut self, settings: &Settings) {
+    pub(super) fn settings(&mut self, settings: &Settings, model: &Model) {
         for (key, problem) in settings.problems() {
             let error = BindError::value(key, problem);
+            self.add(Target::Controller, 0, "controller".to_owned(), error);
+        }
+        let wrench = settings.observer.as_ref().map_or(0.0, |o| o.wrench);
+        if wrench > 0.0 && model.base() == Base::Fixed {
+            let problem = "the robot's base is fixed: no wrench on it is observed; leave it out, and velocities are";
+            let error = BindError::value("observer.wrench", problem);
             self.add(Target::Controller, 0, "controller".to_owned(), error);
         }
     }

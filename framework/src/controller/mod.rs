@@ -210,6 +210,7 @@ impl Controller {
     ) -> Result<Option<Fault>, Fault> {
         let start = self.stopwatch.now();
         self.world.measure(measurement);
+        self.report.disturbance = self.world.disturbance();
         self.fallback.without_state.renew(measurement.time);
         let measured = self.stopwatch.now();
         let is_first = !self.first.is_over;

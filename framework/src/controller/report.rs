@@ -116,6 +116,9 @@ pub struct Report {
     /// Generalised acceleration that the solution predicts, size nv. This, `tasks` and `contacts` are those of the last
     /// tick with a solution ([`FallbackLevel::is_solved`]).
     pub vdot: DVector<f64>,
+    /// Estimate of the wrench on a floating base that the model does not have, `[force; moment]` about the base's
+    /// origin, world axes, N and N·m; zero without an [observer](crate::settings::Observer).
+    pub disturbance: Vector6<f64>,
     /// One per task, in the configuration's order.
     pub tasks: Vec<TaskReport>,
     /// One per contact, in the configuration's order.
@@ -176,6 +179,7 @@ impl Report {
             iterations: 0,
             objective: 0.0,
             vdot: DVector::zeros(world.model.nv()),
+            disturbance: Vector6::zeros(),
             tasks: tasks
                 .iter()
                 .map(|g| TaskReport {

@@ -485,7 +485,7 @@ impl World {
     }
 
     /// The unknown wrench on the base; zero without an observer.
-    fn disturbance(&self) -> Vector6<f64> {
+    pub(crate) fn disturbance(&self) -> Vector6<f64> {
         let observer = self.observer.as_ref();
         observer.map_or_else(Vector6::zeros, |observer| observer.disturbance)
     }

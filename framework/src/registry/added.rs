@@ -12,6 +12,10 @@ pub struct NewPlugin<P: ?Sized + 'static> {
     pub tag: String,
     /// Where it comes from: file and line, for messages.
     pub origin: String,
+    /// What defines it, such as a class's qualified name, if it may be defined anew: it takes the place of an earlier
+    /// one with the same tag and definition, for controllers that are made afterwards. Without it, and in place of one
+    /// that has none or another, it is refused.
+    pub definition: Option<String>,
     /// The JSON Schema of its own keys: an object with `properties`, `required` and `additionalProperties = false`.
     pub schema: Schema,
     /// Makes it from its own keys.
@@ -62,7 +66,8 @@ pub enum AddError {
     },
 }
 
-/// Adds a plug-in, from now on as if it were linked. It stays until the program ends: its memory is never freed.
+/// Adds a plug-in, from now on as if it were linked. Its memory is never freed, also if another takes its place:
+/// controllers that were made from it keep it.
 ///
 /// ```
 /// use wbqp::{plugin::AnyReference, registry::{self, NewPlugin}, schemars::json_schema};
@@ -80,12 +85,23 @@ pub enum AddError {
 /// let new = || NewPlugin::<dyn AnyReference> {
 ///     tag: "example.added.pause".to_owned(),
 ///     origin: "this example".to_owned(),
+///     definition: None,
 ///     schema: json_schema!({ "type": "object", "properties": {}, "additionalProperties": false }),
 ///     load: Box::new(|_| Ok(Box::new(Rest {}))),
 /// };
 /// registry::add(new())?;
 /// assert!(registry::find::<dyn AnyReference>("example.added.pause").is_some());
 /// assert!(registry::add(new()).is_err());
+///
+/// // What says where it is defined may be defined anew.
+/// let named = |tag: &str| NewPlugin {
+///     tag: tag.to_owned(),
+///     definition: Some("notebook.Breath".to_owned()),
+///     ..new()
+/// };
+/// registry::add(named("example.added.breath"))?;
+/// registry::add(named("example.added.breath"))?;
+/// assert!(registry::add(named("example.added.pause")).is_err());
 /// # Ok::<(), registry::AddError>(())
 /// ```
 ///
@@ -95,6 +111,7 @@ pub fn add<P: PluginKind + ?Sized>(new: NewPlugin<P>) -> Result<(), AddError> {
     let NewPlugin {
         tag,
         origin,
+        definition,
         schema,
         load,
     } = new;
@@ -117,21 +134,27 @@ pub fn add<P: PluginKind + ?Sized>(new: NewPlugin<P>) -> Result<(), AddError> {
     P::plugins();
     let mut place = P::shelf().0.write().unwrap_or_else(PoisonError::into_inner);
     let all = place.unwrap_or_default();
-    let at = match all.binary_search_by(|plugin| plugin.tag.cmp(&tag)) {
-        Ok(found) => {
-            let origin = all.get(found).map_or("", |plugin| plugin.origin);
+    let found = all.binary_search_by(|plugin| plugin.tag.cmp(&tag));
+    let earlier = found.ok().and_then(|at| all.get(at).copied());
+    if let Some(earlier) = earlier {
+        let same = earlier.definition.is_some() && earlier.definition == definition.as_deref();
+        if !same {
+            let origin = earlier.origin;
             return Err(AddError::Taken { kind, tag, origin });
         }
-        Err(at) => at,
-    };
+    }
     let plugin: &'static Plugin<P> = Box::leak(Box::new(Plugin {
-        tag: tag.leak(),
+        tag: earlier.map_or_else(|| &*tag.leak(), |earlier| earlier.tag),
         origin: origin.leak(),
+        definition: definition.map(|definition| &*definition.leak()),
         schema: Box::leak(Box::new(move || schema.clone())),
         load: Box::leak(load),
     }));
-    let mut longer = all.to_vec();
-    longer.insert(at, plugin);
-    *place = Some(longer.leak());
+    let mut changed = all.to_vec();
+    match found {
+        Ok(at) => changed[at] = plugin,
+        Err(at) => changed.insert(at, plugin),
+    }
+    *place = Some(changed.leak());
     Ok(())
 }

@@ -94,6 +94,8 @@ pub struct Plugin<P: ?Sized + 'static> {
     pub tag: &'static str,
     /// Crate, file and line of the registration.
     pub origin: &'static str,
+    /// The definition of a plug-in that was [added](add) and may be [replaced](NewPlugin::definition).
+    pub definition: Option<&'static str>,
     /// Makes the JSON Schema of the plug-in's own keys; [`Plugin::described`] does so once.
     pub schema: &'static (dyn Fn() -> Schema + Sync),
     /// Makes the plug-in from its own keys.
@@ -113,8 +115,10 @@ impl<P: ?Sized + 'static> Plugin<P> {
     /// thousand times.
     pub fn described(&self) -> &'static Schema {
         // A plug-in is a constant, which can hold no memory of its own. Made once each, for as long as the program.
-        static MADE: RwLock<BTreeMap<[&str; 2], &Schema>> = RwLock::new(BTreeMap::new());
-        let key = [self.tag, self.origin];
+        static MADE: RwLock<BTreeMap<(&str, &str, usize), &Schema>> = RwLock::new(BTreeMap::new());
+        // One that replaces another may have its tag and its place; what makes its schema is its own.
+        let maker = std::ptr::from_ref(self.schema).cast::<()>().addr();
+        let key = (self.tag, self.origin, maker);
         let made = MADE.read().unwrap_or_else(PoisonError::into_inner);
         if let Some(schema) = made.get(&key) {
             return schema;
@@ -200,6 +204,7 @@ macro_rules! plugin_kinds {
                     Self(Plugin {
                         tag,
                         origin,
+                        definition: None,
                         schema: &|| SchemaGenerator::default().into_root_schema_for::<T>(),
                         load: &|value| Ok(Box::new(T::deserialize(value)?)),
                     })

@@ -4,6 +4,7 @@
 //! What an `update` sees and writes are arrays over one memory, made once. What it raises becomes a number that is no
 //! number in its rows, so that the tick falls back; the traceback is kept for the report.
 
+mod change;
 mod check;
 mod constraint;
 mod declared;
@@ -14,7 +15,10 @@ mod running;
 mod setup;
 mod task;
 
-use std::sync::Arc;
+use std::{
+    collections::BTreeSet,
+    sync::{Arc, Mutex, PoisonError},
+};
 
 use pyo3::{exceptions::PyValueError, prelude::*};
 use wbqp::{
@@ -30,11 +34,26 @@ use parameters::Parameters;
 use reference::PythonReference;
 use task::PythonTask;
 
+pub(crate) use change::set;
 pub(crate) use check::_check;
-pub(crate) use raised::{interrupt, traceback};
+pub(crate) use raised::{cause, interrupt, traceback};
 pub(crate) use setup::PluginSetup;
 
-/// Registers a class: `kind` is `task`, `constraint` or `reference`.
+/// A tag for as long as the program: a plug-in says its own as a constant would. Kept once, however often a cell that
+/// registers it runs.
+fn lasting(tag: &str) -> &'static str {
+    static TAGS: Mutex<BTreeSet<&str>> = Mutex::new(BTreeSet::new());
+    let mut tags = TAGS.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(known) = tags.get(tag) {
+        return known;
+    }
+    let tag: &str = tag.to_owned().leak();
+    tags.insert(tag);
+    tag
+}
+
+/// Registers a class: `kind` is `task`, `constraint` or `reference`. One with the same `definition`, the qualified name
+/// of a class, takes the place of an earlier one.
 #[pyfunction]
 pub(crate) fn _register(
     kind: &str,
@@ -42,13 +61,14 @@ pub(crate) fn _register(
     class_: Py<PyAny>,
     schema: &str,
     origin: String,
+    definition: String,
 ) -> PyResult<()> {
     let schema: Value = wbqp::serde_json::from_str(schema)
         .map_err(|error| PyValueError::new_err(error.to_string()))?;
     let schema = Schema::try_from(schema).map_err(|e| PyValueError::new_err(e.to_string()))?;
     let class = Arc::new(class_);
-    // Of a plug-in that stays until the program ends.
-    let name: &'static str = tag.clone().leak();
+    let name = lasting(&tag);
+    let definition = Some(definition);
     let parameters = move |value: wbqp::toml::de::ValueDeserializer<'_>| {
         let keys = Arc::new(toml::Table::deserialize(value)?);
         let parameters = Parameters {
@@ -69,18 +89,21 @@ pub(crate) fn _register(
         "task" => registry::add(NewPlugin::<dyn AnyTask> {
             tag,
             origin,
+            definition,
             schema,
             load: Box::new(move |value| Ok(Box::new(PythonTask(parameters(value)?)))),
         }),
         "constraint" => registry::add(NewPlugin::<dyn AnyConstraint> {
             tag,
             origin,
+            definition,
             schema,
             load: Box::new(move |value| Ok(Box::new(PythonConstraint(parameters(value)?)))),
         }),
         _ => registry::add(NewPlugin::<dyn AnyReference> {
             tag,
             origin,
+            definition,
             schema,
             load: Box::new(move |value| Ok(Box::new(PythonReference(parameters(value)?)))),
         }),

@@ -11,6 +11,8 @@ struct Raised {
     traceback: Option<String>,
     /// What no plug-in may swallow: `KeyboardInterrupt`, `SystemExit`.
     interrupt: Option<PyErr>,
+    /// What a `bind` raised, for the error of the configuration.
+    cause: Option<PyErr>,
 }
 
 thread_local! {
@@ -27,6 +29,11 @@ pub(crate) fn traceback() -> Option<String> {
 #[inline]
 pub(crate) fn interrupt() -> Option<PyErr> {
     RAISED.with(|raised| raised.borrow_mut().interrupt.take())
+}
+
+/// What a `bind` raised in this thread since this was last asked, of several the first.
+pub(crate) fn cause() -> Option<PyErr> {
+    RAISED.with(|raised| raised.borrow_mut().cause.take())
 }
 
 #[cold]
@@ -48,13 +55,21 @@ pub(super) fn keep(py: Python<'_>, tag: &str, error: PyErr) {
 fn described(py: Python<'_>, error: &PyErr) -> String {
     let lines = py
         .import("traceback")
-        .and_then(|module| module.call_method1("format_exception", (error.value(py),)))
+        .and_then(|module| {
+            // Before Python 3.12 the value does not carry the frames that it came through.
+            let raised = (error.get_type(py), error.value(py), error.traceback(py));
+            module.call_method1("format_exception", raised)
+        })
         .and_then(|lines| lines.extract::<Vec<String>>());
     lines.map_or_else(|_| error.to_string(), |lines| lines.concat())
 }
 
 /// What is wrong in `bind`.
 pub(super) fn bind_error(py: Python<'_>, error: &PyErr) -> BindError {
+    RAISED.with(|raised| {
+        let mut raised = raised.borrow_mut();
+        raised.cause.get_or_insert_with(|| error.clone_ref(py));
+    });
     let kind = error.get_type(py);
     let kind = kind
         .name()

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::{MeasureError, Recording, Row};
+use crate::{MeasureError, Recording, Row, robust::Robust};
 
 /// One experiment of the paper, or one that is measured in the same way.
 #[derive(Clone, Copy, Debug)]
@@ -15,17 +15,23 @@ pub struct Experiment {
     pub about: &'static str,
     /// The cases of the scenario that its rows need.
     pub cases: &'static [&'static str],
-    /// Measures them.
+    /// The rows that are to hold whatever the controller does not know, if there are such.
+    pub robust: Option<Robust>,
+    /// Measures all others.
     pub(crate) measure: fn(&Cases<'_>) -> Result<Vec<Row>, MeasureError>,
 }
 
 impl Experiment {
-    /// All rows, in the order of the acceptance table.
+    /// All rows, in the order of the acceptance table, and after them those of the robust variant.
     ///
     /// # Errors
     /// [`MeasureError`] if a case is not there or lacks what every row needs.
     pub fn rows(&self, cases: &Cases<'_>) -> Result<Vec<Row>, MeasureError> {
-        (self.measure)(cases)
+        let mut rows = (self.measure)(cases)?;
+        if let Some(robust) = &self.robust {
+            rows.extend(robust.promised(cases)?);
+        }
+        Ok(rows)
     }
 }
 

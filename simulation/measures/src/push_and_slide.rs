@@ -9,7 +9,7 @@
 use std::f64::consts::TAU;
 
 use crate::{
-    Cases, Experiment, MeasureError, Recording, Row, Series, escaped, robust::robust, table_i,
+    Cases, Experiment, MeasureError, Recording, Row, Series, escaped, robust::Robust, table_i,
     tick_time,
 };
 
@@ -28,6 +28,19 @@ pub const EXPERIMENT: Experiment = Experiment {
         "heavier_integral",
         "robust",
     ],
+    robust: Some(Robust {
+        papers: &["with_ff"],
+        robust: &["robust"],
+        measure: |cases| {
+            let mut rows = Vec::new();
+            for log in cases {
+                let case = Case::new(*log)?;
+                rows.extend(normal_force(&case)?);
+                rows.extend(tracking(&case)?);
+            }
+            Ok(rows)
+        },
+    }),
     measure: |cases| rows(&Logs::of(cases)?),
 };
 
@@ -53,8 +66,6 @@ pub struct Logs<'a> {
     pub heavier: &'a dyn Recording,
     /// The same, with integrals.
     pub heavier_integral: &'a dyn Recording,
-    /// As the first, with an observer.
-    pub robust: &'a dyn Recording,
 }
 
 impl<'a> Logs<'a> {
@@ -68,7 +79,6 @@ impl<'a> Logs<'a> {
             without_ff: cases.get("without_ff")?,
             heavier: cases.get("heavier")?,
             heavier_integral: cases.get("heavier_integral")?,
-            robust: cases.get("robust")?,
         })
     }
 }
@@ -96,9 +106,6 @@ pub fn rows(logs: &Logs<'_>) -> Result<Vec<Row>, MeasureError> {
     rows.extend(heavier_plant("heavier plant", &heavier)?);
     let heavier = Case::new(logs.heavier_integral)?;
     rows.extend(heavier_plant("heavier plant, with integrals", &heavier)?);
-    let observed = Case::new(logs.robust)?;
-    rows.extend(robust(normal_force(&observed)?));
-    rows.extend(robust(tracking(&observed)?));
     rows.push(tick_time::row(logs.with_ff)?);
     Ok(rows)
 }

@@ -8,7 +8,7 @@
 //! error.
 
 use crate::{
-    Experiment, MeasureError, Recording, Row, Series, base, robust::robust, table_i, tick_time,
+    Experiment, MeasureError, Recording, Row, Series, base, robust::Robust, table_i, tick_time,
 };
 
 /// Two cases, far from the wall and in contact with it, and the same with an observer.
@@ -19,12 +19,20 @@ pub const EXPERIMENT: Experiment = Experiment {
         touching it, where the contact force is free for the optimisation to use; at half time the contact leaves the \
         problem. Both again with an observer of the unknown wrench.",
     cases: &["free", "contact", "robust_free", "robust_contact"],
-    measure: |cases| {
-        rows(
-            [cases.get("free")?, cases.get("contact")?],
-            [cases.get("robust_free")?, cases.get("robust_contact")?],
-        )
-    },
+    robust: Some(Robust {
+        papers: &["free", "contact"],
+        robust: &["robust_free", "robust_contact"],
+        measure: |cases| {
+            let mut rows = Vec::new();
+            for pair in cases.as_chunks::<2>().0 {
+                let (free, contact) = (Case::new(pair[0])?, Case::new(pair[1])?);
+                rows.extend(tracking(&free, &contact)?);
+                rows.extend(saturation(&free, &contact)?);
+            }
+            Ok(rows)
+        },
+    }),
+    measure: |cases| rows(cases.get("free")?, cases.get("contact")?),
 };
 
 /// Name of the contact in the scenario's controller.
@@ -40,14 +48,11 @@ pub const DURATION: f64 = 0.5;
 /// What counts as rounding in positions and times of a log, m or s.
 const EXACT: f64 = 1e-9;
 
-/// All rows, in order, of both cases, free and in contact, and of the same with an observer.
+/// All rows, in order.
 ///
 /// # Errors
 /// [`MeasureError`] if a log lacks a topic or a table that every row needs.
-pub fn rows(
-    [free, contact]: [&dyn Recording; 2],
-    observed: [&dyn Recording; 2],
-) -> Result<Vec<Row>, MeasureError> {
+pub fn rows(free: &dyn Recording, contact: &dyn Recording) -> Result<Vec<Row>, MeasureError> {
     let controller = contact.configuration("task")?;
     let mut rows = table_i::rows('D', [2.0, 2.0, 0.05, 0.0, 0.0, 1e-5], &controller);
     let (free, contact) = (Case::new(free)?, Case::new(contact)?);
@@ -56,10 +61,6 @@ pub fn rows(
     rows.extend(tracking(&free, &contact)?);
     rows.extend(saturation(&free, &contact)?);
     rows.extend(mechanism(&free, &contact)?);
-    let [free, touching] = observed.map(Case::new);
-    let (free, touching) = (free?, touching?);
-    rows.extend(robust(tracking(&free, &touching)?));
-    rows.extend(robust(saturation(&free, &touching)?));
     rows.push(tick_time::row(contact.log)?);
     Ok(rows)
 }

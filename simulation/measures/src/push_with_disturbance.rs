@@ -11,7 +11,7 @@ use toml::Table;
 
 use crate::{
     Experiment, MeasureError, Recording, Row, Series, base,
-    robust::robust,
+    robust::Robust,
     table_i::{self, number},
     tick_time,
 };
@@ -24,13 +24,18 @@ pub const EXPERIMENT: Experiment = Experiment {
         base, which neither controller nor sensors know of, pulls it away. Three cases: with feedback of the \
         measured force, without, and with feedback and an observer of the unknown force.",
     cases: &["with_ft", "no_ft", "robust"],
-    measure: |cases| {
-        rows(
-            cases.get("with_ft")?,
-            cases.get("no_ft")?,
-            cases.get("robust")?,
-        )
-    },
+    robust: Some(Robust {
+        papers: &["with_ft"],
+        robust: &["robust"],
+        measure: |cases| {
+            let mut rows = Vec::new();
+            for log in cases {
+                rows_with_ft(&Case::new(*log)?, &mut rows)?;
+            }
+            Ok(rows)
+        },
+    }),
+    measure: |cases| rows(cases.get("with_ft")?, cases.get("no_ft")?),
 };
 
 /// Name of the contact in the scenario's controller.
@@ -42,11 +47,7 @@ const SET_POINT: f64 = 5.0;
 ///
 /// # Errors
 /// [`MeasureError`] if a log lacks a topic or a table that every row needs.
-pub fn rows(
-    with_ft: &dyn Recording,
-    no_ft: &dyn Recording,
-    observed: &dyn Recording,
-) -> Result<Vec<Row>, MeasureError> {
+pub fn rows(with_ft: &dyn Recording, no_ft: &dyn Recording) -> Result<Vec<Row>, MeasureError> {
     let controller = with_ft.configuration("task")?;
     let mut rows = table_i::rows('B', [1.0, 1.0, 0.1, 0.0, 2.0, 1e-5], &controller);
     let ft = Case::new(with_ft)?;
@@ -56,9 +57,6 @@ pub fn rows(
     rows_without_ft(&no, error, &mut rows)?;
     rows.extend(saturation(&ft)?);
     rows.extend(motion(&ft)?);
-    let mut of_observed = Vec::new();
-    rows_with_ft(&Case::new(observed)?, &mut of_observed)?;
-    rows.extend(robust(of_observed));
     rows.push(tick_time::row(with_ft)?);
     Ok(rows)
 }

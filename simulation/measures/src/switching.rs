@@ -11,6 +11,7 @@ pub const EXPERIMENT: Experiment = Experiment {
     about: "Not from the paper: with experiment B's controller, contact, force task, a weight and the set point are \
         switched while the robot pushes. Two cases: each with its ramp, and all at once.",
     cases: &["ramped", "sudden"],
+    robust: None,
     measure: |cases| rows(cases.get("ramped")?, cases.get("sudden")?),
 };
 

@@ -7,7 +7,7 @@
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 use crate::{
-    Experiment, MeasureError, Recording, Row, Series, base, robust::robust, table_i, tick_time,
+    Experiment, MeasureError, Recording, Row, Series, base, robust::Robust, table_i, tick_time,
 };
 
 /// Two cases: the weights of Table I with a level attitude reference, as in the paper, and an attitude reference
@@ -24,17 +24,23 @@ pub const EXPERIMENT: Experiment = Experiment {
         "robust",
         "robust_attitude_reference",
     ],
-    measure: |cases| {
-        rows(
-            [cases.get("literal")?, cases.get("attitude_reference")?],
-            [
-                cases.get("robust")?,
-                cases.get("robust_attitude_reference")?,
-            ],
-        )
-    },
+    robust: Some(Robust {
+        papers: &["literal", "attitude_reference"],
+        robust: &["robust", "robust_attitude_reference"],
+        measure: |cases| {
+            let mut rows = Vec::new();
+            for (case, log) in VARIANTS.into_iter().zip(cases) {
+                force(case, *log, &mut rows)?;
+                propellers(case, *log, &mut rows)?;
+            }
+            Ok(rows)
+        },
+    }),
+    measure: |cases| rows(cases.get("literal")?, cases.get("attitude_reference")?),
 };
 
+/// The cases in words.
+const VARIANTS: [&str; 2] = ["Table I", "attitude reference"];
 /// Name of the contact in the scenario's controller.
 pub const CONTACT: &str = "tip";
 /// Name of the task that turns the base.
@@ -44,29 +50,17 @@ const SET_POINT: f64 = 5.0;
 /// Length of the window at the end, s.
 const STEADY: f64 = 5.0;
 
-/// All rows, in order, of both cases, with Table I's weights and with an attitude reference, and of the same with an
-/// observer.
+/// All rows, in order.
 ///
 /// # Errors
 /// [`MeasureError`] if a log lacks a topic or a table that every row needs.
-pub fn rows(
-    papers: [&dyn Recording; 2],
-    observed: [&dyn Recording; 2],
-) -> Result<Vec<Row>, MeasureError> {
-    let names = ["Table I", "attitude reference"];
-    let literal = papers[0];
+pub fn rows(literal: &dyn Recording, attitude: &dyn Recording) -> Result<Vec<Row>, MeasureError> {
     let controller = literal.configuration("task")?;
     let mut rows = table_i::rows('E', [1.0, 0.01, 0.01, 0.0, 1.0, 1e-5], &controller);
-    for (case, log) in names.into_iter().zip(papers) {
+    for (case, log) in VARIANTS.into_iter().zip([literal, attitude]) {
         force(case, log, &mut rows)?;
         tilt(case, log, &mut rows)?;
         propellers(case, log, &mut rows)?;
-    }
-    for (case, log) in names.into_iter().zip(observed) {
-        let mut of_observed = Vec::new();
-        force(case, log, &mut of_observed)?;
-        propellers(case, log, &mut of_observed)?;
-        rows.extend(robust(of_observed));
     }
     rows.push(tick_time::row(literal)?);
     Ok(rows)

@@ -50,6 +50,7 @@ mod error;
 mod event;
 mod file;
 mod json_schema;
+mod perturbation;
 mod push;
 mod variation;
 
@@ -58,6 +59,7 @@ pub use check::Note;
 pub use error::{RunError, ScenarioError};
 pub use event::Event;
 pub use json_schema::json_schema;
+pub use perturbation::Perturbation;
 pub use variation::Variation;
 
 use std::{

@@ -23,7 +23,7 @@ use wbqp_tasks::{
 };
 use wbqp_tests::{
     adversary::{Adversary, spoil},
-    scenes::{KINDS, Kind, Scene},
+    scenes::{KINDS, Kind, Scene, observer},
 };
 
 use crate::allocations;
@@ -95,6 +95,9 @@ fn with_solver(solver: Option<fn() -> Box<dyn Solver>>) {
             scene.hard_contacts = formulation == Formulation::TorqueEliminated;
             scene.soft_cones = true;
             let mut config = scene.config();
+            if formulation != Formulation::Explicit {
+                config.settings.observer = Some(observer(kind));
+            }
             if let Some(solver) = solver {
                 config.solver = solver();
             }

@@ -5,5 +5,6 @@ mod contact_switching;
 mod entry_switching;
 mod first_tick;
 mod golden_hash;
+mod observer;
 mod replay;
 mod time_of_ticks;

@@ -13,7 +13,7 @@ use wbqp::{
 };
 use wbqp_tests::{
     files::Temporary,
-    scenes::{Kind, Scene},
+    scenes::{Kind, Scene, observer},
 };
 
 /// Asks from time to time for an effort that the limits do not allow, and once for one that is no number.
@@ -45,9 +45,10 @@ const TICKS: usize = 240;
 /// A controller whose ticks are all recorded, and that is switched, misled and contradicted.
 fn eventful(kind: Kind, seed: u64) -> Controller {
     let scene = Scene::new(kind, seed, 0b11, 0b1);
-    let config = scene
+    let mut config = scene
         .config()
         .with_constraint(Entry::constraint("impossible", Impossible {}));
+    config.settings.observer = Some(observer(kind));
     let controller = config.build().expect("the scene is valid");
     let mut controller = controller.with_recorder(TICKS).expect("can be saved");
     let mut rng = ChaCha8Rng::seed_from_u64(seed);

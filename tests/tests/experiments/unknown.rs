@@ -1,34 +1,29 @@
 //! The robust variant of every experiment with something that the controller does not know.
 
-use wbqp_measures::robust::is_robust;
 use wbqp_replication::{
-    attempt::{Attempt, attempt},
+    attempt::Attempt,
     experiment::Experiment,
     push_and_slide, push_away, push_with_disturbance,
-    robustness::Perturbation::{self, EstimatedVelocities, ForceBias, RotorsByHalves, Thrust},
+    robustness::{Variant, perturbed},
     under_actuated,
 };
-use wbqp_sim::Scenario;
+use wbqp_sim::{
+    Perturbation::{self, EstimatedVelocities, ForceBias, RotorsByHalves, Thrust},
+    Scenario,
+};
 use wbqp_tests::files::scenarios;
 
 fn holds(experiment: &Experiment, perturbation: Perturbation, rows: usize) {
     let file = scenarios().join(format!("{}.toml", experiment.measures.name));
     let scenario = Scenario::from_file(&file).expect("ships");
-    let variation = |case: &str| {
-        let variation = perturbation.variation(&scenario, case).expect("fits");
-        (case.to_owned(), variation)
+    let robust = experiment.measures.robust.expect("has such rows");
+    let what = (Variant::Robust, perturbation);
+    let found = perturbed(experiment, &robust, &scenario, what, 1).expect("is measured");
+    let Attempt::Measured(measured) = &found.attempt else {
+        panic!("{found:?}");
     };
-    let variations: Vec<_> = scenario.cases().map(variation).collect();
-    let words = perturbation.words();
-    let found = match attempt(experiment, &scenario, &variations, 1, &|| ()).expect("is measured") {
-        Attempt::Measured(rows) => rows,
-        Attempt::Stopped(why) => panic!("{words}: {why}"),
-    };
-    let judged: Vec<_> = found.iter().filter(|row| is_robust(row)).collect();
-    assert_eq!(judged.len(), rows);
-    for row in judged {
-        assert_eq!(row.pass, Some(true), "{words}: {row:?}");
-    }
+    assert_eq!(measured.len(), rows);
+    assert!(found.holds(), "{}: {measured:?}", perturbation.words());
 }
 
 #[test]

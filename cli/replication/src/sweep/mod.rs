@@ -163,9 +163,12 @@ impl<'a> Prepared<'a> {
             .map(|(case, nominal)| (case.clone(), variation(nominal)))
             .collect();
         let ran = AtomicUsize::new(0);
-        let attempt = attempt(self.experiment, &self.scenario, &variations, seed, &|| {
+        let counted = || {
             ran.fetch_add(1, Ordering::Relaxed);
             done.one_more();
+        };
+        let attempt = attempt(&self.scenario, &variations, seed, &counted, |runs| {
+            self.experiment.measure(runs)
         });
         (ran.into_inner()..self.cases.len()).for_each(|_| done.one_more());
         attempt.with_context(|| point.words())

@@ -71,7 +71,7 @@ fn the_exit_code_follows_the_promised_rows() {
         &scenario(out, "wall.point = [1.0", "wall.point = [1.1"),
     );
     assert!(good, "{text}");
-    assert!(text.contains("All promised rows are met: 19."), "{text}");
+    assert!(text.contains("All promised rows are met: 22."), "{text}");
     // 34 cm are not 35.
     let (good, text) = binary(out, &scenario(out, "[-0.4638,", "[-0.4538,"));
     assert!(!good, "{text}");
@@ -92,7 +92,7 @@ fn a_sweep_depends_on_plan_and_seed_alone_and_the_report_shows_it() {
             .install(|| sweep::run(EXPERIMENT, &points, 1).unwrap())
     };
     let [one, two] = [1, 2].map(run);
-    assert_eq!(one.runs, 8);
+    assert_eq!(one.runs, 16);
     let [one_text, two_text] = [&one, &two].map(|s| serde_json::to_string(s).unwrap());
     assert_eq!(one_text, two_text);
     assert_eq!(one.experiments[0].stopped, [const { None }; 4]);

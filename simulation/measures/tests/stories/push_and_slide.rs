@@ -141,7 +141,6 @@ impl Recorded {
             without_ff: &self.without_ff,
             heavier: &self.heavier,
             heavier_integral: &self.heavier_integral,
-            robust: &self.robust,
         }
     }
 

@@ -1,0 +1,159 @@
+//! The observer of velocities and of the unknown wrench, in closed loop with the plant.
+
+use std::fs;
+
+use wbqp::{
+    Controller,
+    nalgebra::{Vector3, Vector6},
+};
+use wbqp_sim::{CaseRun, ClosedLoop, Scenario};
+use wbqp_tests::{
+    files::scenarios,
+    scenes::{Kind, Scene, observer},
+};
+
+const SECONDS: usize = 8;
+
+/// A case of the push, without its approach: the robot hovers. `changes` of the scenario's text, and what is seen of
+/// each tick of the last two seconds.
+fn hover(case: &str, changes: &[(&str, &str)], mut see: impl FnMut(&Controller)) {
+    let folder = scenarios();
+    let mut text = fs::read_to_string(folder.join("push_with_disturbance.toml")).expect("ships");
+    for (from, to) in changes {
+        assert!(text.contains(from), "{from}");
+        text = text.replace(from, to);
+    }
+    let scenario = Scenario::from_text(&text, "push.toml", &folder).expect("is good");
+    let case = scenario.case(case).expect("ships");
+    let (mut controller, _) = CaseRun::controller(case).expect("fits");
+    let mut plant = ClosedLoop::new(case, &controller, 3).expect("fits");
+    for tick in 0..250 * SECONDS {
+        let (command, _) = controller.tick(plant.measure());
+        plant.advance(command).expect("is finite");
+        if tick >= 250 * (SECONDS - 2) {
+            see(&controller);
+        }
+    }
+}
+
+/// Mean estimate of the last two seconds, N and N·m, and mean efforts.
+fn estimate(changes: &[(&str, &str)]) -> (Vector6<f64>, Vec<f64>) {
+    let mut sum = Vector6::zeros();
+    let mut efforts = vec![0.0; 9];
+    let mut count = 0.0;
+    hover("robust", changes, |controller| {
+        sum += controller.report().disturbance;
+        for (sum, effort) in efforts.iter_mut().zip(&controller.command().effort) {
+            *sum += effort;
+        }
+        count += 1.0;
+    });
+    for effort in &mut efforts {
+        *effort /= count;
+    }
+    (sum / count, efforts)
+}
+
+#[test]
+fn a_force_at_the_base_is_found() {
+    let pushed = [
+        ("force = [-3.5, 0.0, 0.0]", "force = [-1.5, 1.0, 0.5]"),
+        ("from = 12.0", "from = 0.5"),
+    ];
+    let (found, _) = estimate(&pushed);
+    let force = Vector3::new(-1.5, 1.0, 0.5);
+    let wrong = found - Vector6::new(force.x, force.y, force.z, 0.0, 0.0, 0.0);
+    assert!(wrong.fixed_rows::<3>(0).norm() < 0.05, "{found}");
+    assert!(wrong.fixed_rows::<3>(3).norm() < 0.02, "{found}");
+}
+
+#[test]
+fn nothing_is_found_where_the_model_is_right() {
+    let (found, _) = estimate(&[]);
+    assert!(found.norm() < 0.03, "{found}");
+}
+
+/// Thrusts that are 5 % short are a wrench of −5 % of what was commanded: at rest that balances gravity, and the
+/// weight is what is left.
+#[test]
+fn thrusts_that_fall_short_are_an_unknown_wrench() {
+    let weak = [("[plant]\n", "[plant]\nmismatch = { thrust_scale = 0.95 }\n")];
+    let (found, weak) = estimate(&weak);
+    let (_, right) = estimate(&[]);
+    let weight = 2.9193 * 9.81;
+    // The commanded thrusts carry weight / 0.95, of which 5 % are not there.
+    let short = weight * (1.0 - 1.0 / 0.95);
+    assert!((found[2] - short).abs() < 0.05, "{found}, {short}");
+    for (weak, right) in weak.iter().zip(&right).take(6) {
+        assert!((weak * 0.95 / right - 1.0).abs() < 0.01, "{weak} {right}");
+    }
+}
+
+/// From one tick to the next, where velocities are differences of noisy poses.
+#[test]
+fn thrusts_are_calmer_than_measured_velocities_are() {
+    let differences = [(
+        "position_sd = 0.0005\nrotation_sd = 0.001\n",
+        "position_sd = 0.0005\nrotation_sd = 0.001\nvelocity_cutoff = 30.0\n",
+    )];
+    let unrest = |case: &str| {
+        let mut last: Option<Vec<f64>> = None;
+        let mut sum = 0.0;
+        hover(case, &differences, |controller| {
+            let now = controller.command().effort[..6].to_vec();
+            if let Some(last) = last.replace(now.clone()) {
+                sum += last
+                    .iter()
+                    .zip(&now)
+                    .map(|(a, b)| (a - b).powi(2))
+                    .sum::<f64>();
+            }
+        });
+        sum.sqrt()
+    };
+    let (without, with) = (unrest("with_ft"), unrest("robust"));
+    assert!(4.0 * with < without, "{with} {without}");
+}
+
+#[test]
+fn what_makes_no_sense_is_refused_by_key() {
+    let refused = |kind, change: fn(&mut wbqp::settings::Observer)| {
+        let mut config = Scene::new(kind, 1, 0, 0).config();
+        let mut settings = observer(kind);
+        change(&mut settings);
+        config.settings.observer = Some(settings);
+        Controller::new(config).expect_err("is refused").to_string()
+    };
+    for (kind, change, words) in [
+        (
+            Kind::FixedArm,
+            (|o| o.wrench = 1.0) as fn(&mut wbqp::settings::Observer),
+            ["observer.wrench", "base is fixed"],
+        ),
+        (
+            Kind::Othex,
+            |o| o.wrench = 3.0,
+            ["observer.wrench", "a quarter of `velocity`"],
+        ),
+        (
+            Kind::Othex,
+            |o| o.velocity = f64::NAN,
+            ["observer.velocity", "below half the rate"],
+        ),
+        (
+            Kind::Othex,
+            |o| (o.max_force, o.max_moment) = (0.0, 0.0),
+            ["observer.wrench", "give `max_force`"],
+        ),
+        (
+            Kind::Othex,
+            |o| o.max_moment = -1.0,
+            ["observer.max_moment", "not negative"],
+        ),
+    ] {
+        let error = refused(kind, change);
+        for word in words {
+            assert!(error.contains(word), "{error}");
+        }
+    }
+}
