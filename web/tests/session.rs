@@ -165,7 +165,7 @@ fn a_text_with_a_mistake_is_refused_with_its_line() {
         .to_string();
     let place = format!("controller.toml:{line}:1: ");
     assert!(
-        error.contains(&place) && error.contains("did you mean `kp`"),
+        error.contains(&place) && error.contains("unknown key `kq`"),
         "{error}"
     );
 }
