@@ -150,6 +150,11 @@ impl ClosedLoop {
         plant.advance_with(due, link.period, |plant| link.observe(plant))
     }
 
+    /// The truth, to be pulled at and to have its walls moved.
+    pub fn plant_mut(&mut self) -> &mut Plant {
+        &mut self.plant
+    }
+
     /// The truth.
     pub fn plant(&self) -> &Plant {
         &self.plant

@@ -3,7 +3,10 @@
 //! A path may lead to anything: a device that never ends, a pipe that nobody writes into, a log of a day where a
 //! controller's file was meant. All of them are refused with words, and whatever a file system says of a file's size,
 //! no more than the limit is ever read.
+//!
+//! Where there is no file system, as in a web page, a program [keeps](keep) its files in memory.
 
+mod memory;
 mod outline;
 
 use std::{
@@ -13,6 +16,7 @@ use std::{
     path::Path,
 };
 
+pub use memory::keep;
 pub use outline::{Enough, IsText, Mark, outline};
 
 /// The largest text that is read, bytes: controllers, scenarios, robots, rotors, postures. A hundred times the largest
@@ -23,11 +27,18 @@ pub const LARGEST_RECORD: u64 = 256 << 20;
 /// The largest log that is read, bytes: all of it is in memory at once.
 pub const LARGEST_LOG: u64 = 16 << 30;
 
-/// The bytes of a regular file of at most `largest` bytes.
+/// The bytes of a regular file of at most `largest` bytes, or of one that is [kept](keep).
 ///
 /// # Errors
 /// What is no regular file, what is too large, and what the system refuses; the words go behind "cannot be read: ".
 pub fn read(path: &Path, largest: u64) -> io::Result<Vec<u8>> {
+    if let Some(kept) = memory::kept(path) {
+        return if kept.len() as u64 > largest {
+            Err(too_large(largest))
+        } else {
+            Ok(kept.to_vec())
+        };
+    }
     // Before it is opened: opening a pipe waits for somebody who writes.
     regular(fs::metadata(path)?.file_type())?;
     let file = File::open(path)?;

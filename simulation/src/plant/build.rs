@@ -104,6 +104,7 @@ impl Plant {
             joints,
             contacts,
             disturbances,
+            pull: None,
             layout,
             x,
             state,

@@ -103,6 +103,11 @@ impl Contact {
         }
     }
 
+    /// Puts the plane through another point.
+    pub(super) fn move_plane(&mut self, point: Vector3<f64>) {
+        self.plane = point;
+    }
+
     /// Largest stiffness (N/m) and damping (N·s/m) that a step has to bear.
     pub(super) fn hardness(&self) -> (f64, f64) {
         (self.k.max(self.k_t), self.c.max(self.c_t + self.viscous))

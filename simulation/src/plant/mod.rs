@@ -24,7 +24,7 @@ mod mismatch;
 mod rates;
 mod rotor;
 
-use nalgebra::{DVector, Vector3, Vector6};
+use nalgebra::{DVector, Point3, Vector3, Vector6};
 use wbqp::{
     dynamics::{Data, Energy, FrameMotion, JointDrive, Wrenches, energy, frame_motion},
     model::{BodyId, FrameId, Model},
@@ -70,6 +70,17 @@ struct ActiveDisturbance {
     until: f64,
 }
 
+/// A force at a point of a body, held until it is another one.
+#[derive(Clone, Copy, Debug)]
+struct Pull {
+    frame: FrameId,
+    body: BodyId,
+    /// The point, m, frame's axes from its origin.
+    p_FP: Point3<f64>,
+    /// World axes, N.
+    force: Vector3<f64>,
+}
+
 /// The simulated robot and its world: the truth that no controller sees.
 #[derive(Clone, Debug)]
 pub struct Plant {
@@ -79,6 +90,7 @@ pub struct Plant {
     joints: Vec<JointPlant>,
     contacts: Vec<Contact>,
     disturbances: Vec<ActiveDisturbance>,
+    pull: Option<Pull>,
     layout: Layout,
     time: f64,
     diverged: bool,
@@ -163,6 +175,41 @@ impl Plant {
         }
         self.refresh();
         Ok(())
+    }
+
+    /// Pulls at a point of the robot from now on, in place of what pulled before: a hand. The point is given from the
+    /// frame's origin in its axes, m, the force in world axes, N; a force of zero lets go. A frame that the robot does
+    /// not have, or a number that is not finite, changes nothing.
+    pub fn pull(&mut self, frame: FrameId, p_FP: Point3<f64>, force: Vector3<f64>) {
+        let finite = p_FP.iter().chain(&force).all(|x| x.is_finite());
+        let Some(known) = self.model().frames().get(frame.index()).filter(|_| finite) else {
+            return;
+        };
+        let body = known.body;
+        self.pull = (force != Vector3::zeros()).then_some(Pull {
+            frame,
+            body,
+            p_FP,
+            force,
+        });
+        self.refresh();
+    }
+
+    /// Moves a wall, by its name, so that its plane goes through `point`, m, world; its normal stays. What touches it
+    /// goes on from where it is: a wall that is put far into the robot throws it. A point that is not finite, or a wall
+    /// that is not there, changes nothing; says whether the wall was moved.
+    pub fn move_wall(&mut self, name: &str, point: Vector3<f64>) -> bool {
+        let walls = &mut self.config.walls;
+        let found = walls.iter().position(|wall| wall.name == name);
+        let Some(index) = found.filter(|_| point.iter().all(|x| x.is_finite())) else {
+            return false;
+        };
+        walls[index].point = point.into();
+        for contact in self.contacts.iter_mut().filter(|c| c.wall == index) {
+            contact.move_plane(point);
+        }
+        self.refresh();
+        true
     }
 
     /// Time since the plant was made, s.

@@ -106,6 +106,12 @@ impl Plant {
                 );
             }
         }
+        if let Some(pull) = &self.pull {
+            let at = wbqp::dynamics::frame_motion(model, &self.data, pull.frame);
+            let p_WP = at.p_WF + at.R_WF * pull.p_FP.coords;
+            self.wrenches
+                .add_force(&self.data, pull.body, &p_WP, &pull.force);
+        }
         self.solve();
         self.layout.rigid_rates(x, self.vdot.as_slice(), dx);
         for ((rate, rotor), &thrust) in self

@@ -1,0 +1,70 @@
+// The module without a browser: the native commands, and how fast it is.
+import assert from "node:assert/strict";
+import { readFile } from "node:fs/promises";
+import { test } from "node:test";
+import { here } from "./help.mjs";
+import start, { Run, keep, scenarios, schemas } from "../page/pkg/wbqp.js";
+
+await start({ module_or_path: await readFile(here("../page/pkg/wbqp_bg.wasm")) });
+const B = "scenarios/push_with_disturbance.toml";
+
+test("every plug-in is registered, once", () => {
+  const { controller } = JSON.parse(schemas());
+  const kinds = Object.keys(controller.$defs);
+  for (const kind of ["task.base_position", "constraint.friction_pyramid", "reference.min_jerk", "robot.othex", "solver.active_set"]) {
+    assert.ok(kinds.includes(kind), kind);
+  }
+  // Twice registered, no configuration would load.
+  for (const { path } of JSON.parse(scenarios())) new Run(path, "", 1, "").free();
+});
+
+test("commands from recorded measurements of B are the native ones: 1e-9 of the largest effort, per tick", async () => {
+  const bytes = await readFile(here("../../target/web-test/push_with_disturbance.bin"));
+  const numbers = new Float64Array(bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.length));
+  const [measured, commanded] = numbers;
+  const run = new Run(B, "with_ft", 1, "");
+  let [ticks, worst, apart] = [0, 0, 0];
+  for (let at = 2; at < numbers.length; at += measured + commanded) {
+    const command = run.replay(numbers.subarray(at, at + measured));
+    const native = numbers.subarray(at + measured, at + measured + commanded);
+    // Sine and cosine are not the same to the last bit everywhere, and the solution has thrusts of up to 10 N.
+    const most = Math.max(...native.map(Math.abs));
+    for (let i = 0; i < commanded; i++) {
+      const difference = Math.abs(command[i] - native[i]);
+      apart = Math.max(apart, difference);
+      worst = Math.max(worst, difference / most);
+    }
+    ticks++;
+  }
+  run.free();
+  console.log(`${ticks} ticks, largest difference ${apart} N or rad/s, ${worst} of the largest effort`);
+  assert.equal(ticks, 6250);
+  assert.ok(worst <= 1e-9, `${worst}`);
+});
+
+test("controller and plant run B at twenty times real time", () => {
+  let [best, wall] = [0, 0];
+  // Seconds of the processor, all threads: other programs use it as well. The best of three: the first one compiles.
+  for (let i = 0; i < 3; i++) {
+    const run = new Run(B, "with_ft", 1, "");
+    const [cpu, begin] = [process.cpuUsage(), performance.now()];
+    while (!run.is_over() && !run.is_stopped()) run.advance(500);
+    const { user, system } = process.cpuUsage(cpu);
+    best = Math.max(best, (1e6 * run.time()) / (user + system));
+    wall = Math.max(wall, (1e3 * run.time()) / (performance.now() - begin));
+    run.free();
+  }
+  console.log(`B at ${best.toFixed(1)} times real time of the processor's, ${wall.toFixed(1)} of the clock's`);
+  assert.ok(best >= 20, `${best}`);
+});
+
+test("what is wrong is thrown in words, and the module goes on", () => {
+  assert.throws(() => new Run("nothing.toml", "", 1, ""), /nothing.toml: cannot be read/);
+  assert.throws(() => new Run(B, "withft", 1, ""), /there is no case `withft`.*did you mean/);
+  keep("own/bad.toml", new TextEncoder().encode("name = 3\n"));
+  assert.throws(() => new Run("own/bad.toml", "", 1, ""), /own\/bad.toml:1:8: /);
+  const run = new Run(B, "", 1, "");
+  assert.throws(() => run.change('{"do":"set","of":"posture","keys":{"kp":-1}}'), /kp/);
+  assert.equal(run.advance(10), 10);
+  run.free();
+});
