@@ -46,9 +46,8 @@ impl Change {
         let Value::Object(mut keys) = value else {
             return Err(shape("a change must be an object"));
         };
-        let of = match keys.remove("of") {
-            Some(Value::String(of)) => of,
-            _ => return Err(shape("a change needs `of`, a name")),
+        let Some(Value::String(of)) = keys.remove("of") else {
+            return Err(shape("a change needs `of`, a name"));
         };
         let kind = keys.remove("do");
         Ok(match kind.as_ref().and_then(Value::as_str) {

@@ -14,16 +14,16 @@ use wbqp_sim::{Plant, Scenario, scenario::Case};
 pub(crate) fn entries(config: &ControllerConfig) -> Vec<Value> {
     let tasks = config.tasks.iter().map(|entry| {
         let plugin = serde_json::to_value(&*entry.plugin);
-        of_entry("task", entry, plugin.unwrap_or_default())
+        of_entry("task", entry, &plugin.unwrap_or_default())
     });
     let constraints = config.constraints.iter().map(|entry| {
         let plugin = serde_json::to_value(&*entry.plugin);
-        of_entry("constraint", entry, plugin.unwrap_or_default())
+        of_entry("constraint", entry, &plugin.unwrap_or_default())
     });
     tasks.chain(constraints).collect()
 }
 
-fn of_entry<P: ?Sized>(kind: &str, entry: &Entry<P>, parameters: Value) -> Value {
+fn of_entry<P: ?Sized>(kind: &str, entry: &Entry<P>, parameters: &Value) -> Value {
     let hardness = serde_json::to_value(entry.hardness).unwrap_or_default();
     json!({
         "kind": kind,

@@ -240,6 +240,9 @@ impl Session {
     }
 
     /// The rows of the scenario's experiment, if it is one of the paper's, as far as the runs that are given have them.
+    ///
+    /// # Errors
+    /// In words, if a run lacks what every row needs.
     pub fn rows(runs: &[&Self]) -> Result<Value, String> {
         let tracks: Vec<_> = runs.iter().map(|run| (run.case(), &run.track)).collect();
         let scenario = runs.first().map_or("", |run| run.scenario.name());
