@@ -38,6 +38,25 @@ def test_a_tick_at_home_carries_the_robot(hover: wbqp.Controller) -> None:
     assert hover.explain() is None
 
 
+def test_an_observer_finds_what_the_model_does_not_have(hover: wbqp.Controller) -> None:
+    observer = {"velocity": 3.0, "wrench": 0.5, "max_force": 5.0, "max_moment": 1.0}
+    controller = wbqp.Controller(HOVER | {"controller": {"rate": 250.0, "observer": observer}})
+    m = controller.measurement()
+    for tick in range(2000):
+        m.time = 0.004 * tick
+        # At rest, which is what its thrusts are for.
+        _, report = controller.tick(m)
+    assert report.disturbance.shape == (6,)
+    assert np.abs(report.disturbance).max() < 0.05
+    assert np.all(hover.tick(hover.measurement())[1].disturbance == 0.0)
+    # Something holds it back: it stays at rest with thrusts that lift by 1.2 N more than the weight.
+    controller.follow("base_position", wbqp.references.Hold(value=[0.0, 0.0, 0.04]))
+    for tick in range(2000, 6000):
+        m.time = 0.004 * tick
+        _, report = controller.tick(m)
+    assert report.disturbance[2] < -0.9
+
+
 def test_names_and_arrays_see_the_same_numbers(hover: wbqp.Controller) -> None:
     m = hover.measurement()
     m.q["arm_pitch1"] = 0.3
