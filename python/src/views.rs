@@ -1,9 +1,9 @@
 //! Numbers that Rust and Python share: the one place where memory of Rust is seen by numpy.
 //!
 //! A [`Memory`] is a Python object with a fixed number of cells. Arrays over it have it as their base, so that it
-//! lives as long as any of them, and its cells never move. Rust reads and writes them as atomics, which on every platform
-//! that Python runs on are plain loads and stores of eight bytes: whatever another thread does with an array, no reference
-//! of Rust's to changing memory exists.
+//! lives as long as any of them, and its cells never move. Rust reads and writes them as atomics, which on every
+//! platform that Python runs on are plain loads and stores of eight bytes: whatever another thread does with an array,
+//! no reference of Rust's to changing memory exists.
 #![allow(
     unsafe_code,
     reason = "numpy is given pointers to memory that Rust owns"

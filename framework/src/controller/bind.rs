@@ -3,8 +3,8 @@
 use super::{
     Controller,
     command::Command,
+    contact_binding::ContactBinding,
     entry_id::Stamp,
-    explanation::owners,
     fallback::{Age, Clock, Fallback},
     first::FirstTick,
     fit::{Sizes, make_entry, unlimited_moments},
@@ -13,12 +13,13 @@ use super::{
     hover::{hover, missing_wrench, must_hover},
     memory::{Memory, Need, Stored},
     misfits::{Misfit, Misfits},
+    names::owners,
     observer::Observer,
     plausible::Plausible,
     record::MadeFrom,
     report::{FallbackLevel, OnLevel, Report},
     running::RunningPlugin,
-    world::{ContactBinding, World},
+    world::World,
 };
 use crate::{
     contact::ContactSpec,

@@ -17,13 +17,9 @@
 
 use std::fmt;
 
-use super::{
-    Controller,
-    report::{ConflictRow, FallbackLevel, Side},
-};
+use super::report::{ConflictRow, FallbackLevel, Side};
 use crate::{
-    fault::{Fault, Quantity},
-    problem::{BoundEntry, Problem, Table},
+    problem::Problem,
     qp::{Qp, RowId, Solution, Status},
 };
 
@@ -164,7 +160,7 @@ pub(super) fn write_conflict(
     }
 }
 
-/// Why the last tick did not end with the optimum of its problem, in words: [`Controller::explain`].
+/// Why the last tick did not end with the optimum of its problem, in words: [`Controller::explain`](super::Controller::explain).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Explanation {
     /// Where the command comes from.
@@ -220,7 +216,7 @@ impl fmt::Display for Limit {
 }
 
 /// With about four significant digits and at least one decimal.
-struct Rounded(f64);
+pub(super) struct Rounded(pub(super) f64);
 
 impl fmt::Display for Rounded {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -253,135 +249,6 @@ impl fmt::Display for Explanation {
         }
         Ok(())
     }
-}
-
-impl Explanation {
-    /// Of a controller's last tick; nothing if it ended with the optimum.
-    pub(super) fn of(controller: &Controller) -> Option<Self> {
-        let report = &controller.report;
-        let fault = report.fault.as_ref()?;
-        let conflict = report.conflict.iter();
-        let conflict = conflict.filter_map(|c| named(controller, c.row, c.side, c.limit, c.short));
-        let relaxed = report.relaxed.iter();
-        let relaxed = relaxed.filter_map(|r| named(controller, r.row, r.side, r.limit, r.by));
-        Some(Self {
-            level: report.level,
-            fault: fault_text(controller, fault),
-            conflict: conflict.collect(),
-            relaxed: relaxed.collect(),
-        })
-    }
-}
-
-/// A fault with the names of the entries and contacts that it counts.
-fn fault_text(controller: &Controller, fault: &Fault) -> String {
-    match fault {
-        Fault::FirstError(task) => {
-            let name = controller.entries.get(*task).map(|entry| &entry.name);
-            match (name, controller.report.tasks.get(*task)) {
-                (Some(name), Some(report)) => {
-                    controller.first.error_text(*task, name, &report.error)
-                }
-                _ => fault.to_string(),
-            }
-        }
-        Fault::Rows(index) => match controller.entries.get(*index) {
-            Some(entry) => format!("entry `{}` wrote a number that is not finite", entry.name),
-            None => fault.to_string(),
-        },
-        Fault::NotFinite(Quantity::Wrench(contact)) => {
-            match controller.world.bindings.get(contact.index()) {
-                Some(binding) => format!(
-                    "measurement not finite: wrench of contact `{}`",
-                    binding.spec.name
-                ),
-                None => fault.to_string(),
-            }
-        }
-        Fault::Implausible(implausible) => implausible.text(&controller.robot.model, |contact| {
-            let binding = controller.world.bindings.get(contact.index());
-            binding.map(|binding| binding.spec.name.as_str())
-        }),
-        Fault::CutEffort(actuator) => match controller.robot.actuators.get(actuator.index()) {
-            Some(actuator) => {
-                let name = &actuator.name;
-                let cut = controller.report.cut.map_or_else(String::new, |cut| {
-                    let (asked, sent) = (Rounded(cut.asked), Rounded(cut.sent));
-                    format!(": {asked} asked, {sent} sent")
-                });
-                format!("the effort of actuator `{name}` had to be cut to its limits{cut}")
-            }
-            None => fault.to_string(),
-        },
-        Fault::CutVelocity(joint) => match controller.robot.model.joints().get(joint.index()) {
-            Some(joint) => format!(
-                "the velocity reference of joint `{}` is not finite",
-                joint.name
-            ),
-            None => fault.to_string(),
-        },
-        _ => fault.to_string(),
-    }
-}
-
-/// A limit by name.
-fn named(controller: &Controller, row: RowId, side: Side, limit: f64, short: f64) -> Option<Limit> {
-    let info = controller.table.rows.get(row.index())?;
-    let (owner, is_equality) = match controller.fallback.owners.get(row.index()) {
-        Some(owner) => (owner.text.clone(), owner.is_equality),
-        None => (format!("`{}`", info.owner), false),
-    };
-    Some(Limit {
-        owner,
-        label: info.label.clone(),
-        is_equality,
-        side,
-        limit,
-        short,
-        unit: info.unit.clone(),
-    })
-}
-
-/// Whose a row is, in words.
-#[derive(Clone, Debug)]
-pub(super) struct Owner {
-    text: String,
-    is_equality: bool,
-}
-
-/// Whose each row and bound is: of an entry the type of its plug-in, its contact if it has one, and its name.
-pub(super) fn owners(
-    table: &Table,
-    entries: &[BoundEntry],
-    tags: &[&'static str],
-    contacts: &[&str],
-) -> Vec<Owner> {
-    let plain = |info: &crate::problem::RowInfo| Owner {
-        text: if contacts.contains(&info.owner.as_str()) {
-            format!("contact `{}`", info.owner)
-        } else {
-            info.owner.clone()
-        },
-        is_equality: false,
-    };
-    let mut owners: Vec<Owner> = table.rows.iter().map(plain).collect();
-    for (entry, tag) in entries.iter().zip(tags) {
-        let contact = entry.layout.contact.or_else(|| {
-            let forces = entry.layout.forces.first();
-            forces.map(|(contact, _)| *contact)
-        });
-        let kind = tag.rsplit('.').next().unwrap_or(tag).replace('_', " ");
-        let of = contact.and_then(|c| contacts.get(c.index()));
-        let of = of.map_or_else(String::new, |name| format!(" of `{name}`"));
-        let text = format!("{kind}{of} (`{}`)", entry.name);
-        for id in entry.rows.iter().chain(&entry.bounds) {
-            if let Some(owner) = owners.get_mut(id.index()) {
-                owner.text.clone_from(&text);
-                owner.is_equality = entry.rows.contains(id) && entry.is_equality();
-            }
-        }
-    }
-    owners
 }
 
 #[cfg(test)]

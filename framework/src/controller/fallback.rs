@@ -28,8 +28,9 @@
 //! more time: the tick goes to the next level.
 
 use super::{
-    explanation::{Owner, is_proof, write_conflict},
+    explanation::{is_proof, write_conflict},
     measurement::Measurement,
+    names::Owner,
     report::{FallbackLevel, OnLevel, RelaxedRow, Report, Side},
 };
 use crate::{

@@ -14,7 +14,7 @@ use crate::{
 use wbqp_dynamics::model::{Base, Model};
 
 /// What is remembered of the first tick, and how large its errors may be.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct FirstTick {
     /// Whether a tick was plausible.
     pub(super) is_over: bool,

@@ -34,6 +34,18 @@ impl Measurement {
         }
     }
 
+    /// Copies another measurement without allocating; of one of other sizes the time only.
+    pub(super) fn copy_from(&mut self, other: &Self) {
+        self.time = other.time;
+        let (state, others) = (&mut self.state, &other.state);
+        if (state.q.len(), state.v.len()) == (others.q.len(), others.v.len()) {
+            state.copy_from(others);
+        }
+        if self.wrenches.len() == other.wrenches.len() {
+            self.wrenches.copy_from_slice(&other.wrenches);
+        }
+    }
+
     /// What makes the measurement unusable, if anything does.
     pub(crate) fn fault(
         &self,

@@ -6,6 +6,7 @@
 
 mod bind;
 mod command;
+mod contact_binding;
 mod elapsed;
 mod entry_id;
 mod error;
@@ -16,9 +17,11 @@ mod fit;
 mod gate;
 mod home;
 mod hover;
+mod low_pass;
 mod measurement;
 mod memory;
 mod misfits;
+mod names;
 mod observer;
 mod output;
 mod planned_force;
@@ -28,6 +31,7 @@ mod record;
 mod report;
 mod requests;
 mod running;
+mod snapshot;
 mod world;
 
 pub use command::Command;
@@ -37,6 +41,7 @@ pub use explanation::{Explanation, Limit};
 pub use gate::CutEffort;
 pub use measurement::Measurement;
 pub use memory::Memory;
+pub use names::Names;
 pub use planned_force::PlannedForce;
 pub use probe::{Probe, ProbeInputs, WrittenRows};
 pub use record::{Dump, Record, Source};
@@ -44,6 +49,7 @@ pub use report::{
     ActiveRow, ConflictRow, ContactReport, FallbackLevel, OnLevel, RelaxedRow, Report, Side,
     TaskReport,
 };
+pub use snapshot::{ContactSurface, Snapshot};
 
 pub(crate) use bind::{Bound, Parts};
 pub(crate) use misfits::{Misfit, MisfitKind};

@@ -9,8 +9,8 @@
 //!
 //! `M_bb v̇_b = S_b u + J_bᵀ λ + ŵ − h_b − M_bj v̇_j`.
 //!
-//! Over the time Δ since the last measurement that predicts `v⁻ = v̂ + v̇ Δ`. The measured velocities v correct it by the
-//! innovation `e = v − v⁻`, and what of it would come again and again is a wrench on the base:
+//! Over the time Δ since the last measurement that predicts `v⁻ = v̂ + v̇ Δ`. The measured velocities v correct it by
+//! the innovation `e = v − v⁻`, and what of it would come again and again is a wrench on the base:
 //!
 //! `v̂ = v⁻ + a e`, `ŵ ← ŵ + c (a/Δ) M_b e`, `a = 1 − exp(−2π f_v Δ)`, `c = 1 − exp(−2π f_w Δ)`,
 //!
@@ -20,7 +20,7 @@
 
 use nalgebra::{DVector, Matrix6, Vector3, Vector6};
 
-use super::{report::FallbackLevel, world::low_pass};
+use super::{low_pass::low_pass, report::FallbackLevel};
 use crate::{
     contact::ContactState,
     plugin::PreviousSolution,

@@ -4,10 +4,11 @@ use nalgebra::{DMatrix, DVector, Vector6};
 
 use super::{
     Measurement,
+    contact_binding::ContactBinding,
     fit::{Sizes, check_layout},
     report::FallbackLevel,
     running::RunningPlugin,
-    world::{ContactBinding, World},
+    world::World,
 };
 use crate::{
     contact::{ContactId, ContactSpec},

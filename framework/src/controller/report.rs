@@ -157,6 +157,68 @@ impl Report {
         self.contacts.get(found)
     }
 
+    /// A copy with room for all that a later tick may say.
+    pub(super) fn with_room(&self) -> Self {
+        let mut copy = self.clone();
+        copy.conflict.reserve_exact(self.conflict.capacity());
+        copy.relaxed.reserve_exact(self.relaxed.capacity());
+        copy.active.reserve_exact(self.active.capacity());
+        copy
+    }
+
+    /// Copies another report of the same controller into one that has room for it, without allocating.
+    pub(super) fn copy_from(&mut self, other: &Self) {
+        let Self {
+            time,
+            level,
+            on_level,
+            fault,
+            conflict,
+            relaxed,
+            cut,
+            resolves,
+            status,
+            iterations,
+            objective,
+            vdot,
+            disturbance,
+            tasks,
+            contacts,
+            active,
+            undeclared,
+            regularisation,
+            times,
+            // They are the controller's, and stay.
+            task_names: _,
+            contact_names: _,
+            controller: _,
+        } = self;
+        *time = other.time;
+        *level = other.level;
+        *on_level = other.on_level;
+        *fault = other.fault;
+        conflict.clone_from(&other.conflict);
+        relaxed.clone_from(&other.relaxed);
+        *cut = other.cut;
+        *resolves = other.resolves;
+        *status = other.status;
+        *iterations = other.iterations;
+        *objective = other.objective;
+        vdot.copy_from(&other.vdot);
+        *disturbance = other.disturbance;
+        for (task, other) in tasks.iter_mut().zip(&other.tasks) {
+            task.alpha = other.alpha;
+            task.error.clone_from(&other.error);
+            task.residual.clone_from(&other.residual);
+            task.cost.clone_from(&other.cost);
+        }
+        contacts.clone_from(&other.contacts);
+        active.clone_from(&other.active);
+        *undeclared = other.undeclared;
+        *regularisation = other.regularisation;
+        *times = other.times;
+    }
+
     /// Before the first tick, with room for all that one may say; `limits` may be given up.
     pub(super) fn new(
         tasks: &[BoundEntry],

@@ -9,9 +9,11 @@ use super::{
     entry_id::{EntryId, EntryRef},
     error::RequestError,
     explanation::Explanation,
+    names::Names,
     planned_force::PlannedForce,
     record::{Dump, Record, Recorder, blank_record},
     running::RunningPlugin,
+    snapshot::Snapshot,
 };
 use crate::{
     contact::{ContactId, ContactSpec, ContactState, SurfaceMotion},
@@ -394,7 +396,18 @@ impl Controller {
     /// Why the last tick did not end with the optimum of its problem; nothing if it did. Allocates: not for inside the
     /// loop.
     pub fn explain(&self) -> Option<Explanation> {
-        Explanation::of(self)
+        self.report.fault?;
+        self.names().explain(&self.report)
+    }
+
+    /// A copy of what the last tick gave, to be filled again after later ones. Allocates.
+    pub fn snapshot(&self) -> Snapshot {
+        Snapshot::of(self)
+    }
+
+    /// The names that reports refer to by number. Allocates.
+    pub fn names(&self) -> Names {
+        Names::of(self)
     }
 
     /// Records the last `ticks` ticks, at least one. Costs a copy of the rows per tick.

@@ -41,8 +41,8 @@ pub struct Tick<'a> {
     pub dynamics: &'a Data,
     /// Solution of the last tick that had one, and the efforts that the last tick sent.
     pub last: &'a PreviousSolution,
-    /// Estimate of the wrench on a floating base that the model does not have, `[force; moment]` about the base's origin,
-    /// world axes, N and N·m; zero without an [observer](crate::settings::Observer).
+    /// Estimate of the wrench on a floating base that the model does not have, `[force; moment]` about the base's
+    /// origin, world axes, N and N·m; zero without an [observer](crate::settings::Observer).
     pub disturbance: Vector6<f64>,
     /// The plug-in's own switch.
     pub entry: EntryState,

@@ -1,6 +1,6 @@
 //! One thing at a time that is not as the controller believes, in the plant and the sensors alone: masses, thrusts, a
-//! constant error of the force sensor, differences between rotors, velocities that are estimated from positions, stiffer
-//! and softer walls, faster and slower servos.
+//! constant error of the force sensor, differences between rotors, velocities that are estimated from positions,
+//! stiffer and softer walls, faster and slower servos.
 
 use toml::Value;
 

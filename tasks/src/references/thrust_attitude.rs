@@ -10,8 +10,9 @@
 //! `F = m (a_R* − g) − Σ_c R_WC f_c^d − f̂`,
 //!
 //! where m is the robot's mass, g gravity (a vector), `a_R*` what the tasks ask of the base's linear acceleration,
-//! `f_c^d` the set point of the force that contact c exerts on the robot, and f̂ the unknown force of an observer. So that the measurement noise in `a_R*` does
-//! not shake the attitude, F passes two equal first-order low-passes, one after the other. The thrust axis follows,
+//! `f_c^d` the set point of the force that contact c exerts on the robot, and f̂ the unknown force of an observer. So
+//! that the measurement noise in `a_R*` does not shake the attitude, F passes two equal first-order low-passes, one
+//! after the other. The thrust axis follows,
 //!
 //! `z_R = F/‖F‖`, turned back towards the vertical if it is tilted by more than a limit,
 //!
@@ -42,9 +43,10 @@ use crate::check;
 ///
 /// `F = m (a_R* − g) − Σ_c R_WC f_c^d − f̂`, `z_R = F/‖F‖`, with F low-passed and the tilt limited.
 ///
-/// Nothing has to be named: `a_R*` is the [virtual input](wbqp::plugin::PreviousSolution::virtual_input) of whatever task moves
-/// the base, and [`f_c^d`](wbqp::contact::ContactState::set_point) that of every contact with a force task, both of the
-/// tick before. It begins with the attitude where it takes over, apart from the yaw.
+/// Nothing has to be named: `a_R*` is the
+/// [virtual input](wbqp::plugin::PreviousSolution::virtual_input) of whatever task moves the base, and
+/// [`f_c^d`](wbqp::contact::ContactState::set_point) that of every contact with a force task, both of the tick before.
+/// It begins with the attitude where it takes over, apart from the yaw.
 ///
 /// With a steady position error the base tilts for what its stiffness asks, too: a base that is pulled into a wall by
 /// its position reference pushes with more than the set point.

@@ -95,7 +95,8 @@ fn with_solver(solver: Option<fn() -> Box<dyn Solver>>) {
             scene.hard_contacts = formulation == Formulation::TorqueEliminated;
             scene.soft_cones = true;
             let mut config = scene.config();
-            // The measured velocity is not how the robot moves: what walks on planned forces would take that for a push.
+            // The measured velocity is not how the robot moves: what stands on planned forces would take that for a
+            // push.
             if formulation != Formulation::Explicit && kind != Kind::Quadruped {
                 config.settings.observer = Some(observer(kind));
             }

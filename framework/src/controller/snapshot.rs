@@ -1,0 +1,110 @@
+//! What a tick took and gave, copied.
+#![allow(non_snake_case)]
+
+use nalgebra::{Rotation3, Vector3};
+
+use super::{Command, Controller, Measurement, Report};
+use crate::{contact::ContactState, plugin::Sample};
+
+/// What a tick took and gave, copied without allocation: for a log or a view that another thread writes.
+/// [`Names`](super::Names) says what the numbers in it stand for.
+///
+/// ```no_run
+/// # fn send(_: &wbqp::controller::Snapshot) {}
+/// # fn run(mut controller: wbqp::Controller) {
+/// let mut measurement = controller.measurement();
+/// let mut snapshot = controller.snapshot();
+/// loop {
+///     controller.tick(&measurement);
+///     snapshot.take(&controller, &measurement);
+///     send(&snapshot);
+/// #   measurement.time += 0.001;
+/// }
+/// # }
+/// ```
+#[derive(Clone, Debug)]
+pub struct Snapshot {
+    /// What the tick was given.
+    pub measurement: Measurement,
+    /// What it gave.
+    pub command: Command,
+    /// What it says of itself.
+    pub report: Report,
+    /// Where each contact's surface is, in the configuration's order.
+    pub surfaces: Vec<ContactSurface>,
+    /// What each task followed, of the first reference that it follows; nothing for one that follows none.
+    pub references: Vec<Option<Sample>>,
+}
+
+/// A contact's surface as the controller has it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactSurface {
+    /// Its orientation in the world; z is the outward normal.
+    pub R_WC: Rotation3<f64>,
+    /// Origin of surface coordinates, m, world.
+    pub p_WS: Vector3<f64>,
+    /// Friction coefficient assumed.
+    pub friction: f64,
+}
+
+impl ContactSurface {
+    fn of(contact: &ContactState) -> Self {
+        Self {
+            R_WC: contact.R_WC,
+            p_WS: contact.p_WS,
+            friction: contact.friction,
+        }
+    }
+}
+
+impl Snapshot {
+    /// Of the last tick, with room for all that a later one may say.
+    pub(super) fn of(controller: &Controller) -> Self {
+        let tasks = controller.plugins[..controller.task_count].iter();
+        let sample = |plugin: &super::RunningPlugin| {
+            let followed = plugin.references.first();
+            followed.map(|followed| followed.sample.clone())
+        };
+        Self {
+            measurement: controller.measurement(),
+            command: controller.command.clone(),
+            report: controller.report.with_room(),
+            surfaces: controller
+                .world
+                .contacts
+                .iter()
+                .map(ContactSurface::of)
+                .collect(),
+            references: tasks.map(sample).collect(),
+        }
+    }
+
+    /// Takes the last tick over, of the controller that made this. Does not allocate. A measurement of other sizes,
+    /// which the tick has refused, is left out but for its time.
+    pub fn take(&mut self, controller: &Controller, measurement: &Measurement) {
+        self.measurement.copy_from(measurement);
+        self.command.copy_from(&controller.command);
+        self.report.copy_from(&controller.report);
+        for (out, contact) in self.surfaces.iter_mut().zip(&controller.world.contacts) {
+            *out = ContactSurface::of(contact);
+        }
+        for (out, plugin) in self.references.iter_mut().zip(&controller.plugins) {
+            if let (Some(out), Some(followed)) = (out, plugin.references.first()) {
+                copy(out, &followed.sample);
+            }
+        }
+    }
+}
+
+fn copy(out: &mut Sample, sample: &Sample) {
+    match (out, sample) {
+        (Sample::Vector(out), Sample::Vector(sample)) => {
+            out.value.clone_from(&sample.value);
+            out.rate.clone_from(&sample.rate);
+            out.acceleration.clone_from(&sample.acceleration);
+        }
+        (Sample::Rotation(out), Sample::Rotation(sample)) => *out = *sample,
+        // A reference is replaced by one of the same space only.
+        _ => {}
+    }
+}
