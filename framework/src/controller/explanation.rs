@@ -160,7 +160,8 @@ pub(super) fn write_conflict(
     }
 }
 
-/// Why the last tick did not end with the optimum of its problem, in words: [`Controller::explain`](super::Controller::explain).
+/// Why the last tick did not end with the optimum of its problem, in words:
+/// [`Controller::explain`](super::Controller::explain).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Explanation {
     /// Where the command comes from.
