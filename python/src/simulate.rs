@@ -45,6 +45,15 @@ impl<S: LogSink> LogSink for Interruptible<S> {
         self.sink.channel(topic, name, schema)
     }
 
+    fn protobuf_channel(
+        &mut self,
+        topic: &str,
+        name: &str,
+        descriptors: &[u8],
+    ) -> Result<ChannelId, LogError> {
+        self.sink.protobuf_channel(topic, name, descriptors)
+    }
+
     fn write(&mut self, channel: ChannelId, time: f64, message: &[u8]) -> Result<(), LogError> {
         if self.raised.is_none() && self.asked.elapsed() > PATIENCE {
             #[allow(

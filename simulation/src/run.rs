@@ -11,7 +11,7 @@
 use std::time::Instant;
 
 use wbqp::{
-    controller::{Controller, FallbackLevel},
+    controller::{Controller, FallbackLevel, Snapshot},
     replay::{DumpError, DumpFolder},
     robot::SourceFile,
     stopwatch::Stopwatch,
@@ -119,6 +119,7 @@ pub struct CaseRun {
     requests: Requests,
     contacts: Contacts,
     log: ControllerLog,
+    snapshot: Snapshot,
     truth_channel: ChannelId,
     message: Vec<u8>,
     truth: Vec<Option<TrueContact>>,
@@ -176,6 +177,7 @@ impl CaseRun {
             link,
             requests: Requests::new(case, rate),
             log,
+            snapshot: controller.snapshot(),
             truth_channel,
             message: Vec::new(),
             truth: vec![None; contacts.points.len()],
@@ -222,8 +224,8 @@ impl CaseRun {
         }
         let time = measurement.time;
         self.contacts.truth(world, controller, &mut self.truth);
-        self.log
-            .record(controller, link.measurement(), &self.truth, sink)?;
+        self.snapshot.take(controller, link.measurement());
+        self.log.record(&self.snapshot, &self.truth, sink)?;
         let model = &controller.robot().model;
         state_message(model, world.state(), &mut self.message);
         sink.write(self.truth_channel, time, &self.message)?;

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use wbqp::serde_json::Value;
 use wbqp_log::{ChannelId, LogError, LogSink};
 
-/// Calls a function with topic, time in s and text of every message.
+/// Calls a function with topic, time in s and contents of every message.
 #[derive(Debug)]
 pub struct Listener<F> {
     topics: Vec<String>,
@@ -26,6 +26,10 @@ impl<F: FnMut(&str, f64, &[u8]) -> Result<(), LogError> + Send> LogSink for List
     fn channel(&mut self, topic: &str, _: &str, _: &Value) -> Result<ChannelId, LogError> {
         self.topics.push(topic.to_owned());
         Ok(ChannelId::new(self.topics.len() as u32 - 1))
+    }
+
+    fn protobuf_channel(&mut self, topic: &str, _: &str, _: &[u8]) -> Result<ChannelId, LogError> {
+        self.channel(topic, "", &Value::Null)
     }
 
     fn write(&mut self, channel: ChannelId, time: f64, message: &[u8]) -> Result<(), LogError> {

@@ -1,5 +1,7 @@
 //! JSON text, written straight into a buffer that is used again.
 
+use std::io::Write;
+
 use nalgebra::Vector3;
 use serde::Serialize;
 
@@ -10,20 +12,29 @@ use serde::Serialize;
 pub struct JsonWriter<'a> {
     out: &'a mut Vec<u8>,
     empty: bool,
+    /// Significant digits of a number; all that tell it from others if none are given.
+    digits: Option<usize>,
 }
 
 impl JsonWriter<'_> {
     /// Replaces the buffer's contents by one object.
     pub fn write(out: &mut Vec<u8>, fill: impl FnOnce(&mut JsonWriter<'_>)) {
         out.clear();
-        JsonWriter::append(out, fill);
+        JsonWriter::append(out, None, fill);
     }
 
-    fn append(out: &mut Vec<u8>, fill: impl FnOnce(&mut JsonWriter<'_>)) {
+    /// Like [`write`](Self::write), numbers rounded to so many significant digits (1 to 17).
+    pub fn write_rounded(out: &mut Vec<u8>, digits: usize, fill: impl FnOnce(&mut JsonWriter<'_>)) {
+        out.clear();
+        JsonWriter::append(out, Some(digits.clamp(1, 17)), fill);
+    }
+
+    fn append(out: &mut Vec<u8>, digits: Option<usize>, fill: impl FnOnce(&mut JsonWriter<'_>)) {
         out.push(b'{');
         fill(&mut JsonWriter {
             out: &mut *out,
             empty: true,
+            digits,
         });
         out.push(b'}');
     }
@@ -31,7 +42,8 @@ impl JsonWriter<'_> {
     /// A number; left out if it is not finite.
     pub fn number(&mut self, name: &str, value: f64) {
         if value.is_finite() {
-            self.field(name, &value);
+            let rounded = self.digits.map_or(value, |digits| rounded(value, digits));
+            self.field(name, &rounded);
         }
     }
 
@@ -73,7 +85,7 @@ impl JsonWriter<'_> {
     /// A nested object.
     pub fn object(&mut self, name: &str, fill: impl FnOnce(&mut JsonWriter<'_>)) {
         self.name(name);
-        JsonWriter::append(self.out, fill);
+        JsonWriter::append(self.out, self.digits, fill);
     }
 
     /// A list of objects.
@@ -89,7 +101,7 @@ impl JsonWriter<'_> {
             if i > 0 {
                 self.out.push(b',');
             }
-            JsonWriter::append(self.out, |o| fill(o, item));
+            JsonWriter::append(self.out, self.digits, |o| fill(o, item));
         }
         self.out.push(b']');
     }
@@ -118,6 +130,21 @@ impl JsonWriter<'_> {
     }
 }
 
+/// The number that is nearest to so many significant digits of a finite one; its shortest text has no more.
+fn rounded(value: f64, digits: usize) -> f64 {
+    // Sign, point, 17 digits, and an exponent of three digits with its sign.
+    let mut text = [0; 32];
+    let mut rest = &mut text[..];
+    if write!(rest, "{value:.*e}", digits - 1).is_err() {
+        return value;
+    }
+    let unused = rest.len();
+    let text = std::str::from_utf8(&text[..text.len() - unused]);
+    let number = text.ok().and_then(|text| text.parse::<f64>().ok());
+    // Next to the largest number, rounding up has no result.
+    number.filter(|n| n.is_finite()).unwrap_or(value)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -138,5 +165,32 @@ mod tests {
             String::from_utf8(text).unwrap(),
             r#"{"a \"quoted\"":1e-7,"v":{"x":1.0,"z":3.0},"empty":{},"list":[{"i":1},{"i":2}],"on":true,"shown":"a.b"}"#
         );
+    }
+
+    #[test]
+    fn rounds_numbers_to_significant_digits() {
+        let mut text = Vec::new();
+        JsonWriter::write_rounded(&mut text, 7, |o| {
+            o.number("third", 1.0 / 3.0);
+            o.number("small", -1.234_567_89e-300);
+            o.number("large", 123_456_789.0);
+            o.object("inner", |o| o.number("whole", 2.0));
+            o.list("list", [0.1 + 0.2], |o, v| o.number("v", v));
+            o.number("largest", f64::MAX);
+        });
+        let text = String::from_utf8(text).unwrap();
+        let expected = r#"{"third":0.3333333,"small":-1.234568e-300,"large":123456800.0,"inner":{"whole":2.0},"list":[{"v":0.3}],"largest":1.797693e+308}"#;
+        assert_eq!(text, expected);
+    }
+
+    proptest::proptest! {
+        #[test]
+        fn a_rounded_number_is_near(bits: u64, digits in 1_usize..=17) {
+            let value = f64::from_bits(bits);
+            proptest::prop_assume!(value.is_normal());
+            let error = (rounded(value, digits) - value).abs();
+            let bound = (0.5001 * 10_f64.powi(1 - digits as i32) + f64::EPSILON) * value.abs();
+            proptest::prop_assert!(error <= bound);
+        }
     }
 }

@@ -8,7 +8,8 @@
 //! A message is a JSON object described by a JSON schema, which names the unit of every number. What has a name is
 //! a field, never a position in a list. A value that does not exist (the set point of a contact without force
 //! task) or is not finite is left out, so that every message is valid under its schema; Foxglove refuses schemas
-//! with nullable types. Times are seconds of the measurement's clock.
+//! with nullable types. Times are seconds of the measurement's clock. Channels of Protocol Buffers are for the types
+//! that other programs define, such as Foxglove's.
 //!
 //! ```
 //! use wbqp_log::{LogSink, MemoryLog, JsonWriter, schema};
@@ -29,6 +30,7 @@ mod lock;
 #[cfg(feature = "mcap")]
 mod mcap;
 mod memory;
+mod messages;
 #[cfg(feature = "mcap")]
 mod repair;
 mod run;
@@ -77,7 +79,19 @@ pub trait LogSink: Send {
         schema: &serde_json::Value,
     ) -> Result<ChannelId, LogError>;
 
-    /// Writes one message, JSON text, at `time` in s.
+    /// Opens a channel whose messages are of a Protocol Buffers type: its full name, and the serialized
+    /// `google.protobuf.FileDescriptorSet` of the files that define it.
+    ///
+    /// # Errors
+    /// [`LogError`] if the topic is taken or the sink cannot write.
+    fn protobuf_channel(
+        &mut self,
+        topic: &str,
+        type_name: &str,
+        descriptors: &[u8],
+    ) -> Result<ChannelId, LogError>;
+
+    /// Writes one message at `time` in s: JSON text or a serialized message, as its channel has it.
     ///
     /// # Errors
     /// [`LogError`] if the time is negative or not finite, the channel is not the sink's, or it cannot write.

@@ -14,7 +14,7 @@ use serde_json::Value;
 
 use crate::{ChannelId, LogError, LogSink, RunLock};
 
-/// A sink that writes an MCAP file: JSON messages, jsonschema schemas, zstd chunks. Log time is the message's time in
+/// A sink that writes an MCAP file: messages in JSON or Protocol Buffers with their schemas, zstd chunks. Log time is the message's time in
 /// ns.
 ///
 /// A file that is dropped without [`LogSink::finish`] is still completed, but an error then is lost.
@@ -31,6 +31,10 @@ pub struct McapLog<W: Write + Seek + Send = BufWriter<File>> {
 /// The longest time that the messages of a chunk span, ns. What a run that is killed has not written yet is at most
 /// this, and what is in memory.
 const CHUNK: u64 = 500_000_000;
+
+/// Level of zstd. A log of an experiment is a third smaller than at its own, 3; 19 saves a tenth more in thirty times
+/// the time.
+const COMPRESSION: u32 = 9;
 
 struct Channel {
     topic: String,
@@ -66,6 +70,7 @@ impl<W: Write + Seek + Send> McapLog<W> {
     pub fn new(output: W) -> Result<Self, LogError> {
         let options = WriteOptions::new()
             .compression(Some(Compression::Zstd))
+            .compression_level(COMPRESSION)
             .library(concat!("wbqp ", env!("CARGO_PKG_VERSION")));
         Ok(Self {
             writer: Some(options.create(output).map_err(failed)?),
@@ -104,6 +109,29 @@ impl<W: Write + Seek + Send> McapLog<W> {
         writer.write_to_known_channel(header, data).map_err(failed)
     }
 
+    /// Encodings are those of schema and messages.
+    fn open_channel(
+        &mut self,
+        topic: &str,
+        schema_name: &str,
+        (schema_encoding, encoding): (&str, &str),
+        schema: &[u8],
+    ) -> Result<ChannelId, LogError> {
+        if self.channels.iter().any(|c| c.topic == topic) {
+            return Err(LogError::Topic(topic.to_owned()));
+        }
+        let writer = self.writer()?;
+        let schema = writer.add_schema(schema_name, schema_encoding, schema);
+        let schema = schema.map_err(failed)?;
+        let id = writer.add_channel(schema, topic, encoding, &BTreeMap::new());
+        self.channels.push(Channel {
+            topic: topic.to_owned(),
+            id: id.map_err(failed)?,
+            sequence: 0,
+        });
+        Ok(ChannelId::new(self.channels.len() as u32 - 1))
+    }
+
     /// Ends the chunk if a message at this time, ns, would make it too long.
     fn begin_chunk(&mut self, time: u64) -> Result<(), LogError> {
         let is_full = |begin: &u64| time.abs_diff(*begin) >= CHUNK;
@@ -131,23 +159,17 @@ impl<W: Write + Seek + Send> LogSink for McapLog<W> {
         schema_name: &str,
         schema: &Value,
     ) -> Result<ChannelId, LogError> {
-        if self.channels.iter().any(|c| c.topic == topic) {
-            return Err(LogError::Topic(topic.to_owned()));
-        }
         let schema = serde_json::to_vec(schema)?;
-        let writer = self.writer()?;
-        let schema = writer
-            .add_schema(schema_name, "jsonschema", &schema)
-            .map_err(failed)?;
-        let id = writer
-            .add_channel(schema, topic, "json", &BTreeMap::new())
-            .map_err(failed)?;
-        self.channels.push(Channel {
-            topic: topic.to_owned(),
-            id,
-            sequence: 0,
-        });
-        Ok(ChannelId::new(self.channels.len() as u32 - 1))
+        self.open_channel(topic, schema_name, ("jsonschema", "json"), &schema)
+    }
+
+    fn protobuf_channel(
+        &mut self,
+        topic: &str,
+        type_name: &str,
+        descriptors: &[u8],
+    ) -> Result<ChannelId, LogError> {
+        self.open_channel(topic, type_name, ("protobuf", "protobuf"), descriptors)
     }
 
     fn write(&mut self, channel: ChannelId, time: f64, message: &[u8]) -> Result<(), LogError> {

@@ -6,13 +6,16 @@ use serde_json::Value;
 
 use crate::{ChannelId, LogError, LogSink};
 
-/// A log in memory: everything is public and parsed.
+/// A log in memory: everything is public, and what is JSON is parsed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MemoryLog {
     /// Topic, schema name and schema of each channel.
     pub channels: Vec<(String, String, Value)>,
     /// Channel, time in s and contents of each message, in the order written.
     pub messages: Vec<(ChannelId, f64, Value)>,
+    /// Channel, time in s and contents of each message of Protocol Buffers; the schema of such a channel is its type's
+    /// name alone.
+    pub protobuf: Vec<(ChannelId, f64, Vec<u8>)>,
     /// Metadata tables by name.
     pub metadata: BTreeMap<String, BTreeMap<String, String>>,
     /// Media type and contents of the attachments by name.
@@ -55,13 +58,25 @@ impl LogSink for MemoryLog {
         Ok(ChannelId::new(self.channels.len() as u32 - 1))
     }
 
+    fn protobuf_channel(
+        &mut self,
+        topic: &str,
+        type_name: &str,
+        _: &[u8],
+    ) -> Result<ChannelId, LogError> {
+        self.channel(topic, type_name, &Value::Null)
+    }
+
     fn write(&mut self, channel: ChannelId, time: f64, message: &[u8]) -> Result<(), LogError> {
         self.open()?;
-        if channel.index() >= self.channels.len() {
-            return Err(LogError::Channel(channel));
-        }
+        let opened = self.channels.get(channel.index());
+        let (_, _, schema) = opened.ok_or(LogError::Channel(channel))?;
         if !(time.is_finite() && time >= 0.0) {
             return Err(LogError::Time(time));
+        }
+        if schema.is_null() {
+            self.protobuf.push((channel, time, message.to_owned()));
+            return Ok(());
         }
         let message = serde_json::from_slice(message)?;
         self.messages.push((channel, time, message));

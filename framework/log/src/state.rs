@@ -9,6 +9,9 @@ use wbqp::{
     state::State,
 };
 
+/// Significant digits of a number: a state is put into models again, whose derivatives magnify what is missing.
+const DIGITS: usize = 10;
+
 pub(super) fn joint_unit(joint: &Joint) -> &'static str {
     match joint.kind {
         JointKind::Revolute => "rad",
@@ -53,7 +56,7 @@ pub fn state_schema(model: &Model) -> Value {
     schema
 }
 
-/// Replaces the buffer's contents by the state's message. Parts that the state lacks are left out.
+/// Replaces the buffer's contents by the state's message, numbers with 10 significant digits. Parts that the state lacks are left out.
 pub fn state_message(model: &Model, state: &State, out: &mut Vec<u8>) {
     let offset = model.joint_offset();
     let v = |i: usize| state.v.get(i).copied().unwrap_or(f64::NAN);
@@ -64,7 +67,7 @@ pub fn state_message(model: &Model, state: &State, out: &mut Vec<u8>) {
             Vector3::zeros()
         }
     };
-    JsonWriter::write(out, |o| {
+    JsonWriter::write_rounded(out, DIGITS, |o| {
         o.object("base", |o| {
             o.xyz("position", &state.p_WR);
             o.object("orientation", |o| {

@@ -158,6 +158,7 @@ fn controller() -> Controller {
 fn run(sink: &mut dyn LogSink) -> Controller {
     let mut controller = controller();
     let mut log = ControllerLog::new(&controller, sink).unwrap();
+    let mut snapshot = controller.snapshot();
     let mut measurement = Measurement::home(controller.robot(), 2);
     measurement.time = 0.004;
     measurement.state.p_WR.x = -0.5;
@@ -169,12 +170,14 @@ fn run(sink: &mut dyn LogSink) -> Controller {
         position: Vector3::new(0.1, 0.2, 0.3),
     };
     let truth = [Some(tip), None];
-    log.record(&controller, &measurement, &truth, sink).unwrap();
+    snapshot.take(&controller, &measurement);
+    log.record(&snapshot, &truth, sink).unwrap();
     measurement.time = f64::NAN;
     measurement.state.p_WR.y = f64::INFINITY;
     controller.tick(&measurement);
     assert_eq!(controller.report().level, FallbackLevel::Extrapolated);
-    log.record(&controller, &measurement, &truth, sink).unwrap();
+    snapshot.take(&controller, &measurement);
+    log.record(&snapshot, &truth, sink).unwrap();
     controller
 }
 

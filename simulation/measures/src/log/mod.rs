@@ -20,7 +20,7 @@ pub use recorder::Recorder;
 /// Times, s, and texts of a topic's messages.
 type Messages = Vec<(f64, Vec<u8>)>;
 
-/// A log in memory: the text of each message by topic, schemas, metadata and attachments. Clones share the messages.
+/// A log in memory: the text of each message in JSON by topic, schemas, metadata and attachments. Clones share the messages.
 #[derive(Clone, Debug, Default)]
 pub struct Log {
     topics: BTreeMap<String, Arc<Messages>>,
@@ -72,6 +72,9 @@ impl Log {
         let mut schemas = BTreeMap::new();
         for message in MessageStream::new(bytes)? {
             let message = message?;
+            if message.channel.message_encoding != "json" {
+                continue;
+            }
             if let Some(schema) = &message.channel.schema
                 && !schemas.contains_key(&message.channel.topic)
             {

@@ -7,7 +7,7 @@ use wbqp_log::{ChannelId, LogError, LogSink};
 
 use super::{Log, Messages};
 
-/// Keeps what a run writes, to be read without a file. What is read is what an MCAP file would give.
+/// Keeps what a run writes in JSON, to be read without a file. What is read is what an MCAP file would give.
 #[derive(Debug, Default)]
 pub struct Recorder {
     topics: Vec<(String, Messages)>,
@@ -39,12 +39,21 @@ impl LogSink for Recorder {
         Ok(ChannelId::new(self.topics.len() as u32 - 1))
     }
 
+    fn protobuf_channel(&mut self, topic: &str, _: &str, _: &[u8]) -> Result<ChannelId, LogError> {
+        let channel = self.channel(topic, "", &Value::Null)?;
+        self.schemas.remove(topic);
+        Ok(channel)
+    }
+
     fn write(&mut self, channel: ChannelId, time: f64, message: &[u8]) -> Result<(), LogError> {
         if !(time.is_finite() && time >= 0.0) {
             return Err(LogError::Time(time));
         }
         let topic = self.topics.get_mut(channel.index());
-        let (_, messages) = topic.ok_or(LogError::Channel(channel))?;
+        let (topic, messages) = topic.ok_or(LogError::Channel(channel))?;
+        if !self.schemas.contains_key(topic) {
+            return Ok(());
+        }
         // Files have whole nanoseconds.
         let nanoseconds = (time * 1e9).round() as u64;
         messages.push((nanoseconds as f64 * 1e-9, message.to_owned()));

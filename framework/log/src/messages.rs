@@ -1,0 +1,365 @@
+//! Messages of a controller's channels and the schemas that describe them.
+
+use nalgebra::{Vector3, Vector6};
+use serde_json::{Value, json};
+
+use crate::{JsonWriter, TrueContact, schema, state::joint_unit};
+use wbqp::{
+    actuator::ActuatorKind,
+    controller::{Command, Names, Report, Side},
+    plugin::Layout,
+    robot::RobotModel,
+};
+
+/// Significant digits of a number: more than any sensor or model has, and half the size of the file that all would
+/// make. What is computed with again, the states, has more.
+const DIGITS: usize = 7;
+
+pub(super) fn observer_schema() -> Value {
+    let fields = [
+        (
+            "force",
+            schema::xyz("N", "Unknown force on the base, W axes"),
+        ),
+        (
+            "moment",
+            schema::xyz("N·m", "Unknown moment about the base's origin, W axes"),
+        ),
+    ];
+    titled(
+        "wbqp.Observer",
+        schema::object("What the model does not have", fields),
+    )
+}
+
+pub(super) fn observer_message(report: &Report, out: &mut Vec<u8>) {
+    let w = &report.disturbance;
+    JsonWriter::write_rounded(out, DIGITS, |o| {
+        o.xyz("force", &Vector3::new(w[0], w[1], w[2]));
+        o.xyz("moment", &Vector3::new(w[3], w[4], w[5]));
+    });
+}
+
+/// Labels with a number behind the second, third, … of the same name.
+pub(super) fn unique_labels(layout: &Layout) -> Vec<String> {
+    let mut labels: Vec<String> = Vec::new();
+    for row in layout.row_specs() {
+        let mut label = row.label.clone();
+        let mut count = 1;
+        while labels.contains(&label) {
+            count += 1;
+            label = format!("{} {count}", row.label);
+        }
+        labels.push(label);
+    }
+    labels
+}
+
+fn titled(title: &str, mut schema: Value) -> Value {
+    schema["title"] = json!(title);
+    schema
+}
+
+pub(super) fn command_schema(robot: &RobotModel) -> Value {
+    let rotors = robot.rotors().map(|(_, actuator, _)| {
+        let fields = [
+            ("thrust", schema::number("N", "Commanded thrust")),
+            ("speed", schema::number("rad/s", "Commanded speed")),
+        ];
+        (actuator.name.clone(), schema::object("Rotor", fields))
+    });
+    let joints = robot.model.joints().iter().map(|joint| {
+        let unit = joint_unit(joint);
+        let effort = if unit == "rad" { "N·m" } else { "N" };
+        let fields = [
+            (
+                "effort",
+                schema::number(effort, "Optimal effort; absent for a passive joint"),
+            ),
+            (
+                "acceleration",
+                schema::number(&format!("{unit}/s²"), "Optimal acceleration"),
+            ),
+            (
+                "velocity",
+                schema::number(&format!("{unit}/s"), "Velocity reference"),
+            ),
+        ];
+        (joint.name.clone(), schema::object("Joint", fields))
+    });
+    titled(
+        "wbqp.Command",
+        schema::object(
+            "What goes to the actuators",
+            [
+                ("rotors", schema::object("By name", rotors)),
+                ("joints", schema::object("By name", joints)),
+            ],
+        ),
+    )
+}
+
+pub(super) fn command_message(robot: &RobotModel, command: &Command, out: &mut Vec<u8>) {
+    JsonWriter::write_rounded(out, DIGITS, |o| {
+        o.object("rotors", |o| {
+            for (id, actuator, _) in robot.rotors() {
+                o.object(&actuator.name, |o| {
+                    o.number("thrust", command.effort[id.index()]);
+                    o.number("speed", command.rotor_speed[id.index()]);
+                });
+            }
+        });
+        o.object("joints", |o| {
+            for (i, joint) in robot.model.joints().iter().enumerate() {
+                let motor = robot.actuators.iter().position(
+                    |a| matches!(&a.kind, ActuatorKind::Joint(m) if m.joint.index() == i),
+                );
+                o.object(&joint.name, |o| {
+                    if let Some(motor) = motor {
+                        o.number("effort", command.effort[motor]);
+                    }
+                    o.number("acceleration", command.joint_acceleration[i]);
+                    o.number("velocity", command.joint_velocity[i]);
+                });
+            }
+        });
+    });
+}
+
+pub(super) fn contact_schema() -> Value {
+    titled(
+        "wbqp.Contact",
+        schema::object(
+            "A contact point on the robot and the forces of the environment on it, contact axes: z is the \
+             surface's outward normal, so pushing is positive",
+            [
+                ("active", schema::boolean("Switched on")),
+                ("alpha", schema::ratio("Ramp, 0 off to 1 on")),
+                (
+                    "clamped",
+                    schema::boolean("Force integrator at its clamp; absent without force task"),
+                ),
+                (
+                    "reference",
+                    schema::xyz("N", "Set point f^d; absent without force task"),
+                ),
+                (
+                    "virtual_input",
+                    schema::xyz(
+                        "N",
+                        "What the force loop asks of the solver, f*; absent without force task",
+                    ),
+                ),
+                ("solution", schema::xyz("N", "What the solver plans, f_QP")),
+                ("measured", schema::xyz("N", "What the sensor says, f^m")),
+                (
+                    "position",
+                    schema::xyz(
+                        "m",
+                        "Contact point according to the measured state, surface coordinates",
+                    ),
+                ),
+                (
+                    "truth",
+                    schema::xyz("N", "The real force; absent outside simulation"),
+                ),
+                (
+                    "true_position",
+                    schema::xyz("m", "The real contact point; absent outside simulation"),
+                ),
+            ],
+        ),
+    )
+}
+
+pub(super) fn contact_message(
+    report: &Report,
+    index: usize,
+    truth: Option<TrueContact>,
+    out: &mut Vec<u8>,
+) {
+    let contact = &report.contacts[index];
+    let force = |w: &Vector6<f64>| Vector3::new(w[0], w[1], w[2]);
+    JsonWriter::write_rounded(out, DIGITS, |o| {
+        o.boolean("active", contact.on);
+        o.number("alpha", contact.alpha);
+        if let Some(task) = &contact.task {
+            o.boolean("clamped", task.clamped);
+            o.xyz("reference", &task.reference);
+            o.xyz("virtual_input", &task.virtual_input);
+        }
+        o.xyz("solution", &force(&contact.solution));
+        o.xyz("measured", &force(&contact.measured));
+        o.xyz("position", &contact.position);
+        if let Some(truth) = truth {
+            o.xyz("truth", &truth.force);
+            o.xyz("true_position", &truth.position);
+        }
+    });
+}
+
+pub(super) fn task_schema(layout: &Layout, labels: &[String]) -> Value {
+    let rows = layout.row_specs().iter().zip(labels).map(|(row, label)| {
+        let fields = [
+            (
+                "error",
+                schema::number(layout.unit_of_error(), "Actual minus desired"),
+            ),
+            (
+                "residual",
+                schema::number(&row.unit, "A x − b of the solution"),
+            ),
+            ("cost", schema::ratio("Weight times squared residual")),
+        ];
+        (label.clone(), schema::object("Row", fields))
+    });
+    titled(
+        "wbqp.Task",
+        schema::object(
+            "What became of a task",
+            [
+                ("alpha", schema::ratio("Ramp, 0 off to 1 on")),
+                ("rows", schema::object("By label", rows)),
+            ],
+        ),
+    )
+}
+
+pub(super) fn task_message(report: &Report, index: usize, labels: &[String], out: &mut Vec<u8>) {
+    let task = &report.tasks[index];
+    JsonWriter::write_rounded(out, DIGITS, |o| {
+        o.number("alpha", task.alpha);
+        o.object("rows", |o| {
+            for (k, label) in labels.iter().enumerate() {
+                o.object(label, |o| {
+                    o.number("error", task.error[k]);
+                    o.number("residual", task.residual[k]);
+                    o.number("cost", task.cost[k]);
+                });
+            }
+        });
+    });
+}
+
+pub(super) fn qp_schema() -> Value {
+    let stage = |what: &str| schema::number("µs", what);
+    let times = schema::object(
+        "Wall-clock time of each stage; zero without a stopwatch",
+        [
+            ("dynamics", stage("Kinematics, mass matrix, contacts")),
+            ("rows", stage("Rows of tasks and constraints")),
+            ("assembly", stage("From rows to the quadratic program")),
+            ("solve", stage("Solver")),
+            ("output", stage("Command and report")),
+            ("total", stage("All stages")),
+        ],
+    );
+    let active = schema::object(
+        "A row or bound at its limit",
+        [
+            ("row", schema::text("Owner and label, `owner.label`")),
+            ("side", schema::text("`lower` or `upper`")),
+            (
+                "multiplier",
+                schema::ratio(
+                    "Change of the cost per unit of the row; positive at the upper side, zero where the optimum only \
+                     touches the limit",
+                ),
+            ),
+        ],
+    );
+    let short = schema::object(
+        "A limit that cannot be kept",
+        [
+            ("row", schema::text("Owner and label, `owner.label`")),
+            ("side", schema::text("`lower` or `upper`")),
+            ("limit", schema::ratio("The limit, in the row's unit")),
+            (
+                "short",
+                schema::ratio("By how much it has to give, or gave"),
+            ),
+        ],
+    );
+    titled(
+        "wbqp.Qp",
+        schema::object(
+            "How the solver ended",
+            [
+                ("status", schema::text("Status of the solver")),
+                (
+                    "level",
+                    schema::text(
+                        "Where the command comes from: `optimal`, `relaxed`, `extrapolated` or `safe`",
+                    ),
+                ),
+                (
+                    "level_since",
+                    schema::number("s", "Time of the first tick on the level"),
+                ),
+                ("level_ticks", schema::integer("Ticks on the level")),
+                (
+                    "fault",
+                    schema::text("Why the command is not the optimum; absent if it is"),
+                ),
+                (
+                    "conflict",
+                    schema::list("Limits that contradict one another", &short),
+                ),
+                ("relaxed", schema::list("Limits that were given up", &short)),
+                ("iterations", schema::integer("Iterations of the solver")),
+                ("times", times),
+                (
+                    "active",
+                    schema::list("All limits that the solution is at", &active),
+                ),
+            ],
+        ),
+    )
+}
+
+pub(super) fn qp_message(names: &Names, report: &Report, out: &mut Vec<u8>) {
+    JsonWriter::write_rounded(out, DIGITS, |o| {
+        o.text("status", report.status.as_str());
+        o.text("level", report.level.as_str());
+        o.number("level_since", report.on_level.since);
+        o.integer("level_ticks", report.on_level.ticks);
+        if let Some(why) = names.explain(report) {
+            o.text("fault", &why.fault);
+        }
+        let short = |o: &mut JsonWriter<'_>, row, side: Side, limit: f64, short: f64| {
+            if let Some(row) = names.row(row) {
+                o.display("row", row);
+            }
+            o.text("side", side.as_str());
+            o.number("limit", limit);
+            o.number("short", short);
+        };
+        o.list("conflict", &report.conflict, |o, c| {
+            short(o, c.row, c.side, c.limit, c.short);
+        });
+        o.list("relaxed", &report.relaxed, |o, r| {
+            short(o, r.row, r.side, r.limit, r.by);
+        });
+        o.integer("iterations", u64::from(report.iterations));
+        o.object("times", |o| {
+            let t = &report.times;
+            for (stage, seconds) in [
+                ("dynamics", t.dynamics),
+                ("rows", t.rows),
+                ("assembly", t.assembly),
+                ("solve", t.solve),
+                ("output", t.output),
+                ("total", t.total()),
+            ] {
+                o.number(stage, 1e6 * seconds);
+            }
+        });
+        o.list("active", &report.active, |o, active| {
+            if let Some(row) = names.row(active.row) {
+                o.display("row", row);
+            }
+            o.text("side", active.side.as_str());
+            o.number("multiplier", active.multiplier);
+        });
+    });
+}
