@@ -16,14 +16,14 @@ use crate::{
 };
 
 /// Writes a controller's inputs, commands and reports. Channels are opened once, buffers are used again. Numbers have 7
-/// significant digits, states 10.
+/// significant digits, positions 10, references all.
 ///
 /// | topic | contents |
 /// |---|---|
 /// | `/state` | the measured state, see [`state_message`] |
 /// | `/command` | `rotors` and `joints` by name |
 /// | `/contact/<name>` | switch, ramp, the four forces, and the contact point |
-/// | `/task/<name>` | ramp, and per row error, residual and cost |
+/// | `/task/<name>` | ramp, reference, and per row error, residual and cost |
 /// | `/observer` | the unknown wrench on the base, if there is an observer |
 /// | `/qp` | status, fault, iterations, times of the stages, active limits |
 ///
@@ -80,9 +80,10 @@ impl ControllerLog {
             contacts.push(sink.channel(&topic, "wbqp.Contact", &contact_schema())?);
         }
         let mut tasks = Vec::new();
-        for (name, layout) in controller.task_names().zip(controller.task_layouts()) {
+        let layouts = controller.task_names().zip(controller.task_layouts());
+        for ((name, layout), reference) in layouts.zip(controller.snapshot().references) {
             let rows = unique_labels(layout);
-            let schema = task_schema(layout, &rows);
+            let schema = task_schema(layout, &rows, reference.as_ref());
             let id = sink.channel(
                 &format!("/task/{name}"),
                 &format!("wbqp.Task.{name}"),
@@ -136,8 +137,9 @@ impl ControllerLog {
             contact_message(report, i, truth.get(i).copied().flatten(), message);
             sink.write(*channel, time, message)?;
         }
-        for (i, channel) in self.tasks.iter().enumerate() {
-            task_message(report, i, &channel.rows, message);
+        let tasks = report.tasks.iter().zip(&snapshot.references);
+        for (channel, (task, reference)) in self.tasks.iter().zip(tasks) {
+            task_message(task, &channel.rows, reference.as_ref(), message);
             sink.write(channel.id, time, message)?;
         }
         Ok(())

@@ -26,7 +26,7 @@ impl JsonWriter<'_> {
     /// Like [`write`](Self::write), numbers rounded to so many significant digits (1 to 17).
     pub fn write_rounded(out: &mut Vec<u8>, digits: usize, fill: impl FnOnce(&mut JsonWriter<'_>)) {
         out.clear();
-        JsonWriter::append(out, Some(digits.clamp(1, 17)), fill);
+        JsonWriter::append(out, Some(digits), fill);
     }
 
     fn append(out: &mut Vec<u8>, digits: Option<usize>, fill: impl FnOnce(&mut JsonWriter<'_>)) {
@@ -41,9 +41,21 @@ impl JsonWriter<'_> {
 
     /// A number; left out if it is not finite.
     pub fn number(&mut self, name: &str, value: f64) {
+        match self.digits {
+            Some(digits) => self.rounded_number(name, value, digits),
+            None => self.exact_number(name, value),
+        }
+    }
+
+    /// A number of so many significant digits (1 to 17); left out if it is not finite.
+    pub fn rounded_number(&mut self, name: &str, value: f64, digits: usize) {
+        self.exact_number(name, rounded(value, digits.clamp(1, 17)));
+    }
+
+    /// A number with all its digits; left out if it is not finite.
+    pub fn exact_number(&mut self, name: &str, value: f64) {
         if value.is_finite() {
-            let rounded = self.digits.map_or(value, |digits| rounded(value, digits));
-            self.field(name, &rounded);
+            self.field(name, &value);
         }
     }
 
@@ -177,19 +189,20 @@ mod tests {
             o.object("inner", |o| o.number("whole", 2.0));
             o.list("list", [0.1 + 0.2], |o, v| o.number("v", v));
             o.number("largest", f64::MAX);
+            o.exact_number("exact", 0.1 + 0.2);
         });
         let text = String::from_utf8(text).unwrap();
-        let expected = r#"{"third":0.3333333,"small":-1.234568e-300,"large":123456800.0,"inner":{"whole":2.0},"list":[{"v":0.3}],"largest":1.797693e+308}"#;
+        let expected = r#"{"third":0.3333333,"small":-1.234568e-300,"large":123456800.0,"inner":{"whole":2.0},"list":[{"v":0.3}],"largest":1.797693e+308,"exact":0.30000000000000004}"#;
         assert_eq!(text, expected);
     }
 
     proptest::proptest! {
         #[test]
-        fn a_rounded_number_is_near(bits: u64, digits in 1_usize..=17) {
+        fn a_rounded_number_is_near(bits: u64, digits in 1_u8..=17) {
             let value = f64::from_bits(bits);
             proptest::prop_assume!(value.is_normal());
-            let error = (rounded(value, digits) - value).abs();
-            let bound = (0.5001 * 10_f64.powi(1 - digits as i32) + f64::EPSILON) * value.abs();
+            let error = (rounded(value, usize::from(digits)) - value).abs();
+            let bound = (0.5001 * 10_f64.powi(1 - i32::from(digits)) + f64::EPSILON) * value.abs();
             proptest::prop_assert!(error <= bound);
         }
     }

@@ -6,14 +6,17 @@ use serde_json::{Value, json};
 use crate::{JsonWriter, TrueContact, schema, state::joint_unit};
 use wbqp::{
     actuator::ActuatorKind,
-    controller::{Command, Names, Report, Side},
-    plugin::Layout,
+    controller::{Command, Names, Report, Side, TaskReport},
+    plugin::{Layout, Sample},
     robot::RobotModel,
 };
 
 /// Significant digits of a number: more than any sensor or model has, and half the size of the file that all would
 /// make. What is computed with again, the states, has more.
 const DIGITS: usize = 7;
+
+/// Of what is only compared: costs, multipliers and times.
+const COST_DIGITS: usize = 4;
 
 pub(super) fn observer_schema() -> Value {
     let fields = [
@@ -198,46 +201,72 @@ pub(super) fn contact_message(
     });
 }
 
-pub(super) fn task_schema(layout: &Layout, labels: &[String]) -> Value {
+/// `reference` is one of those that the task's first reference gives.
+pub(super) fn task_schema(layout: &Layout, labels: &[String], reference: Option<&Sample>) -> Value {
+    let unit = layout.unit_of_error();
+    let has_reference = row_references(reference, labels).is_some();
     let rows = layout.row_specs().iter().zip(labels).map(|(row, label)| {
+        let desired = has_reference.then(|| ("reference", schema::number(unit, "Desired")));
+        let residual = schema::number(&row.unit, "A x − b of the solution");
         let fields = [
-            (
-                "error",
-                schema::number(layout.unit_of_error(), "Actual minus desired"),
-            ),
-            (
-                "residual",
-                schema::number(&row.unit, "A x − b of the solution"),
-            ),
+            ("error", schema::number(unit, "Actual minus desired")),
+            ("residual", residual),
             ("cost", schema::ratio("Weight times squared residual")),
         ];
+        let fields = desired.into_iter().chain(fields);
         (label.clone(), schema::object("Row", fields))
     });
-    titled(
-        "wbqp.Task",
-        schema::object(
-            "What became of a task",
-            [
-                ("alpha", schema::ratio("Ramp, 0 off to 1 on")),
-                ("rows", schema::object("By label", rows)),
-            ],
-        ),
-    )
+    let rotation = matches!(reference, Some(Sample::Rotation(_))).then(|| {
+        let quaternion = ["w", "x", "y", "z"].map(|c| (c, schema::ratio(c)));
+        let what = "Desired orientation, unit quaternion, to W";
+        ("reference", schema::object(what, quaternion))
+    });
+    let fields = [
+        ("alpha", schema::ratio("Ramp, 0 off to 1 on")),
+        ("rows", schema::object("By label", rows)),
+    ];
+    let fields = fields.into_iter().chain(rotation);
+    titled("wbqp.Task", schema::object("What became of a task", fields))
 }
 
-pub(super) fn task_message(report: &Report, index: usize, labels: &[String], out: &mut Vec<u8>) {
-    let task = &report.tasks[index];
+/// What each row should become, of a reference that has a number for each.
+fn row_references<'a>(reference: Option<&'a Sample>, labels: &[String]) -> Option<&'a [f64]> {
+    match reference? {
+        Sample::Vector(sample) if sample.value.len() == labels.len() => Some(&sample.value),
+        _ => None,
+    }
+}
+
+/// References are written with all digits: they stand still or are smooth, and cost little.
+pub(super) fn task_message(
+    task: &TaskReport,
+    labels: &[String],
+    reference: Option<&Sample>,
+    out: &mut Vec<u8>,
+) {
+    let references = row_references(reference, labels);
     JsonWriter::write_rounded(out, DIGITS, |o| {
         o.number("alpha", task.alpha);
         o.object("rows", |o| {
             for (k, label) in labels.iter().enumerate() {
                 o.object(label, |o| {
+                    if let Some(values) = references {
+                        o.exact_number("reference", values[k]);
+                    }
                     o.number("error", task.error[k]);
                     o.number("residual", task.residual[k]);
-                    o.number("cost", task.cost[k]);
+                    o.rounded_number("cost", task.cost[k], COST_DIGITS);
                 });
             }
         });
+        if let Some(Sample::Rotation(sample)) = reference {
+            let q = sample.rotation;
+            o.object("reference", |o| {
+                for (name, value) in [("w", q.w), ("x", q.i), ("y", q.j), ("z", q.k)] {
+                    o.exact_number(name, value);
+                }
+            });
+        }
     });
 }
 
@@ -351,7 +380,7 @@ pub(super) fn qp_message(names: &Names, report: &Report, out: &mut Vec<u8>) {
                 ("output", t.output),
                 ("total", t.total()),
             ] {
-                o.number(stage, 1e6 * seconds);
+                o.rounded_number(stage, 1e6 * seconds, COST_DIGITS);
             }
         });
         o.list("active", &report.active, |o, active| {
@@ -359,7 +388,7 @@ pub(super) fn qp_message(names: &Names, report: &Report, out: &mut Vec<u8>) {
                 o.display("row", row);
             }
             o.text("side", active.side.as_str());
-            o.number("multiplier", active.multiplier);
+            o.rounded_number("multiplier", active.multiplier, COST_DIGITS);
         });
     });
 }

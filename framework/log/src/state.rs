@@ -9,8 +9,11 @@ use wbqp::{
     state::State,
 };
 
-/// Significant digits of a number: a state is put into models again, whose derivatives magnify what is missing.
-const DIGITS: usize = 10;
+/// Significant digits of a position: it is put into models again, and differences of two are taken.
+const POSITION_DIGITS: usize = 10;
+
+/// Significant digits of a velocity.
+const VELOCITY_DIGITS: usize = 7;
 
 pub(super) fn joint_unit(joint: &Joint) -> &'static str {
     match joint.kind {
@@ -56,7 +59,8 @@ pub fn state_schema(model: &Model) -> Value {
     schema
 }
 
-/// Replaces the buffer's contents by the state's message, numbers with 10 significant digits. Parts that the state lacks are left out.
+/// Replaces the buffer's contents by the state's message, positions with 10
+/// significant digits, velocities with 7. Parts that the state lacks are left out.
 pub fn state_message(model: &Model, state: &State, out: &mut Vec<u8>) {
     let offset = model.joint_offset();
     let v = |i: usize| state.v.get(i).copied().unwrap_or(f64::NAN);
@@ -67,22 +71,27 @@ pub fn state_message(model: &Model, state: &State, out: &mut Vec<u8>) {
             Vector3::zeros()
         }
     };
-    JsonWriter::write_rounded(out, DIGITS, |o| {
+    JsonWriter::write_rounded(out, VELOCITY_DIGITS, |o| {
         o.object("base", |o| {
-            o.xyz("position", &state.p_WR);
-            o.object("orientation", |o| {
-                o.number("w", state.R_WR.w);
-                o.number("x", state.R_WR.i);
-                o.number("y", state.R_WR.j);
-                o.number("z", state.R_WR.k);
-            });
+            let (p, q) = (&state.p_WR, &state.R_WR);
+            let mut object = |name: &str, parts: &[(&str, f64)]| {
+                o.object(name, |o| {
+                    for (name, value) in parts {
+                        o.rounded_number(name, *value, POSITION_DIGITS);
+                    }
+                });
+            };
+            object("position", &[("x", p.x), ("y", p.y), ("z", p.z)]);
+            let parts = [("w", q.w), ("x", q.i), ("y", q.j), ("z", q.k)];
+            object("orientation", &parts);
             o.xyz("linear_velocity", &triple(0));
             o.xyz("angular_velocity", &triple(3));
         });
         o.object("joints", |o| {
             for (i, joint) in model.joints().iter().enumerate() {
                 o.object(&joint.name, |o| {
-                    o.number("position", state.q.get(i).copied().unwrap_or(f64::NAN));
+                    let q = state.q.get(i).copied().unwrap_or(f64::NAN);
+                    o.rounded_number("position", q, POSITION_DIGITS);
                     o.number("velocity", v(offset + i));
                 });
             }

@@ -19,6 +19,24 @@ pub fn position(log: &dyn Recording, axis: &str) -> Result<Series, MeasureError>
     log.series(topic(log), &format!("/base/position/{axis}"))
 }
 
+/// What the base is asked for along a world axis (`x`, `y` or `z`), m: what the task `base_position` says of its
+/// reference or, in a log that has none, the measured position minus the error.
+///
+/// # Errors
+/// [`MeasureError`] if the log has no such task.
+pub fn reference(log: &dyn Recording, axis: &str) -> Result<Series, MeasureError> {
+    let topic = "/task/base_position";
+    let fields = ["reference", "error"].map(|field| format!("/rows/{axis}/{field}"));
+    let mut columns = log.columns(topic, &fields)?.into_iter();
+    let reference = columns.next().unwrap_or_default();
+    if reference.y.iter().any(|value| value.is_finite()) {
+        return Ok(reference);
+    }
+    let error = columns.next().unwrap_or_default();
+    let measured = log.series("/state", &format!("/base/position/{axis}"))?;
+    Ok(measured.minus(&error))
+}
+
 /// Roll, pitch and yaw of the base, rad (z-y-x convention); positive pitch is nose down.
 ///
 /// # Errors

@@ -9,8 +9,8 @@
 use std::f64::consts::TAU;
 
 use crate::{
-    Cases, Experiment, MeasureError, Recording, Row, Series, escaped, robust::Robust, table_i,
-    tick_time,
+    Cases, Experiment, MeasureError, Recording, Row, Series, base, escaped, robust::Robust,
+    table_i, tick_time,
 };
 
 /// Five cases: with and without the measured friction in the model; with a plant that is heavier than the model, with
@@ -345,21 +345,19 @@ pub fn joint_errors(log: &dyn Recording) -> Result<Vec<(String, Series)>, Measur
     Ok(names.into_iter().zip(errors).collect())
 }
 
-/// Largest way along an axis that the base's reference (measured position minus error) makes during the slide, m.
+/// Largest way along an axis that the base's reference makes during the slide, m.
 fn base_reference(case: &Case<'_>) -> Result<Option<f64>, MeasureError> {
     let mut most: Option<f64> = None;
     for axis in ["x", "y", "z"] {
         let position = case
             .log
             .series("/state", &format!("/base/position/{axis}"))?;
-        let error = case
-            .log
-            .series(BASE_POSITION, &format!("/rows/{axis}/error"))?;
-        // Ticks that kept the last command have a state but no error.
-        if position.t != error.t {
+        let reference = base::reference(case.log, axis)?;
+        // Ticks that kept the last command have a state but no reference.
+        if position.t != reference.t {
             return Ok(None);
         }
-        let reference = case.slide(&combine(&position, &error, |p, e| p - e));
+        let reference = case.slide(&reference);
         let Some((high, low)) = reference.max().zip(reference.min()) else {
             return Ok(None);
         };

@@ -4,8 +4,8 @@
 //!
 //! T is the start of the manoeuvre: the last instant at which the base's reference is where it was. Unless a row says
 //! otherwise its window is [T, end of the log], which is as long in both cases. Positions are the base's along the
-//! wall's outward normal n, errors are actual minus desired; what is desired is the measured state minus the task's
-//! error.
+//! wall's outward normal n, errors are actual minus desired; what is desired is the task's
+//! reference.
 
 use crate::{
     Experiment, MeasureError, Recording, Row, Series, base, robust::Robust, table_i, tick_time,
@@ -99,10 +99,10 @@ impl<'a> Case<'a> {
         let mut squares: Option<Series> = None;
         for axis in ["x", "y", "z"] {
             let actual = base::position(self.log, axis)?;
-            let error = difference(&actual, &reference(self.log, axis)?);
+            let error = actual.minus(&base::reference(self.log, axis)?);
             let square = error.map(|e| e * e);
             squares = Some(match squares {
-                Some(sum) => difference(&sum, &square.map(|s| -s)),
+                Some(sum) => sum.minus(&square.map(|s| -s)),
                 None => square,
             });
         }
@@ -116,7 +116,7 @@ impl<'a> Case<'a> {
 /// [`MeasureError`].
 pub fn manoeuvre_start(log: &dyn Recording) -> Result<f64, MeasureError> {
     let mark = log.mark("manoeuvre")?;
-    let near = reference(log, "x")?.window(mark - 0.1, f64::INFINITY);
+    let near = base::reference(log, "x")?.window(mark - 0.1, f64::INFINITY);
     let Some(&rest) = near.y.first() else {
         return Ok(mark);
     };
@@ -125,23 +125,15 @@ pub fn manoeuvre_start(log: &dyn Recording) -> Result<f64, MeasureError> {
     Ok(last.copied().unwrap_or(mark))
 }
 
-/// What the base is asked for along a world axis (`x`, `y` or `z`), m.
-///
-/// # Errors
-/// [`MeasureError`].
-pub fn reference(log: &dyn Recording, axis: &str) -> Result<Series, MeasureError> {
-    let measured = log.series("/state", &format!("/base/position/{axis}"))?;
-    let error = log.series("/task/base_position", &format!("/rows/{axis}/error"))?;
-    Ok(difference(&measured, &error))
-}
-
 /// Error of the base's position along the wall's outward normal, m.
 ///
 /// # Errors
 /// [`MeasureError`].
 pub fn position_error(log: &dyn Recording) -> Result<Series, MeasureError> {
     let actual = base::position(log, "x")?;
-    Ok(difference(&actual, &reference(log, "x")?).map(|e| NORMAL * e))
+    Ok(actual
+        .minus(&base::reference(log, "x")?)
+        .map(|e| NORMAL * e))
 }
 
 /// How far the base has gone along the wall's outward normal since T, m.
@@ -157,7 +149,7 @@ pub fn displacement(log: &dyn Recording) -> Result<Series, MeasureError> {
 /// # Errors
 /// [`MeasureError`].
 pub fn reference_displacement(log: &dyn Recording) -> Result<Series, MeasureError> {
-    since_start(log, &reference(log, "x")?)
+    since_start(log, &base::reference(log, "x")?)
 }
 
 fn since_start(log: &dyn Recording, x: &Series) -> Result<Series, MeasureError> {
@@ -166,26 +158,13 @@ fn since_start(log: &dyn Recording, x: &Series) -> Result<Series, MeasureError> 
     Ok(x.map(|x| NORMAL * (x - there.unwrap_or(f64::NAN))))
 }
 
-/// The samples of both at the same times, subtracted.
-fn difference(a: &Series, b: &Series) -> Series {
-    let mut others = b.samples().peekable();
-    let same = |t: f64, u: f64| (t - u).abs() < EXACT;
-    a.samples()
-        .filter_map(|(t, y)| {
-            while others.next_if(|(u, _)| *u < t && !same(t, *u)).is_some() {}
-            let (_, other) = others.next_if(|(u, _)| same(t, *u))?;
-            Some((t, y - other))
-        })
-        .collect()
-}
-
 /// D1: the reference, the worse of both cases.
 fn manoeuvre(cases: &[&Case<'_>]) -> Result<Vec<Row>, MeasureError> {
     let mut distance = Vec::new();
     let mut duration = Vec::new();
     let mut shape = Vec::new();
     for case in cases {
-        let along = case.after(&reference(case.log, "x")?.map(|x| NORMAL * x));
+        let along = case.after(&base::reference(case.log, "x")?.map(|x| NORMAL * x));
         let ends = along.y.first().copied().zip(along.y.last().copied());
         let Some((from, to)) = ends else { continue };
         distance.push((case.start, to - from));
@@ -200,7 +179,7 @@ fn manoeuvre(cases: &[&Case<'_>]) -> Result<Vec<Row>, MeasureError> {
         let ideal = |t: f64| from + DISTANCE * min_jerk((t - case.start) / DURATION);
         shape.extend(along.samples().map(|(t, x)| (t, x - ideal(t))));
         for axis in ["y", "z"] {
-            let across = case.after(&reference(case.log, axis)?);
+            let across = case.after(&base::reference(case.log, axis)?);
             let rest = across.y.first().copied().unwrap_or(f64::NAN);
             shape.extend(across.samples().map(|(t, y)| (t, y - rest)));
         }

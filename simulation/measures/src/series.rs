@@ -26,6 +26,19 @@ impl Series {
         }
     }
 
+    /// The samples of both at the same times (to 1 ns), subtracted.
+    pub fn minus(&self, other: &Self) -> Self {
+        let mut others = other.samples().peekable();
+        let same = |t: f64, u: f64| (t - u).abs() < 1e-9;
+        self.samples()
+            .filter_map(|(t, y)| {
+                while others.next_if(|(u, _)| *u < t && !same(t, *u)).is_some() {}
+                let (_, other) = others.next_if(|(u, _)| same(t, *u))?;
+                Some((t, y - other))
+            })
+            .collect()
+    }
+
     /// Number of samples.
     pub fn len(&self) -> usize {
         self.t.len()
