@@ -19,6 +19,7 @@
 //! * [`urdf`]: what is read from a URDF and what is refused
 //! * [`rotors`]: the side-car's keys
 //! * [`tree`]: a robot as plain data, for programs that read other formats
+//! * [`visuals`]: what a robot looks like, for programs that draw it
 //! * [`Options`]: what neither file says: floating or fixed, servoed joints, home posture
 
 mod library;
@@ -29,6 +30,7 @@ mod source;
 mod srdf;
 pub mod tree;
 pub mod urdf;
+pub mod visuals;
 mod xml;
 
 pub use library::{
