@@ -62,12 +62,12 @@ pub enum Shape {
 /// The visuals of the first URDF among a robot's sources, and in words those that cannot be drawn. A robot that comes
 /// from no URDF has none.
 pub fn visuals(robot: &RobotModel) -> (Vec<Visual>, Vec<String>) {
-    let options = ParsingOptions {
-        allow_dtd: true,
-        ..ParsingOptions::default()
-    };
     let (mut visuals, mut left_out) = (Vec::new(), Vec::new());
     for source in &robot.sources {
+        let options = ParsingOptions {
+            allow_dtd: true,
+            ..ParsingOptions::default()
+        };
         let Ok(document) = Document::parse_with_options(&source.contents, options) else {
             continue;
         };
