@@ -9,6 +9,7 @@ mod command;
 mod contact_binding;
 mod elapsed;
 mod entry_id;
+mod entry_view;
 mod error;
 mod explanation;
 mod fallback;
@@ -36,6 +37,7 @@ mod world;
 
 pub use command::Command;
 pub use entry_id::{EntryId, EntryRef};
+pub use entry_view::EntryView;
 pub use error::RequestError;
 pub use explanation::{Explanation, Limit};
 pub use gate::CutEffort;

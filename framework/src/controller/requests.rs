@@ -7,6 +7,7 @@ use std::any::{Any, type_name};
 use super::{
     Controller, Measurement,
     entry_id::{EntryId, EntryRef},
+    entry_view::EntryView,
     error::RequestError,
     explanation::Explanation,
     names::Names,
@@ -193,6 +194,43 @@ impl Controller {
             .map(|g| g.name.as_str())
     }
 
+    /// All tasks, then all constraints.
+    pub fn entries(&self) -> impl Iterator<Item = EntryView<'_>> {
+        self.entries.iter().map(|entry| EntryView {
+            name: &entry.name,
+            is_task: entry.is_task,
+            layout: &entry.layout,
+            weight: entry.weight.wanted(),
+            is_on: entry.switch.is_wanted(),
+        })
+    }
+
+    /// Whether a contact is on or, during a ramp, goes on.
+    ///
+    /// # Errors
+    /// [`RequestError::Absent`].
+    pub fn is_contact_on(&self, name: &str) -> Result<bool, RequestError> {
+        let i = self.contact(name)?.index();
+        Ok(self.world.bindings[i].switch.is_wanted())
+    }
+
+    /// The keys of a task or constraint with their present values, as its file would have them: what
+    /// [`Controller::set`] replaces.
+    ///
+    /// # Errors
+    /// [`RequestError`] if there is no such entry, or its parameters cannot be written in TOML.
+    pub fn parameters<'a>(
+        &self,
+        entry: impl Into<EntryRef<'a>>,
+    ) -> Result<toml::Table, RequestError> {
+        let index = self.find(entry.into())?;
+        let parameters = self.plugins[index].parameters();
+        parameters.map_err(|source| RequestError::Value {
+            name: self.entries[index].name.clone(),
+            source,
+        })
+    }
+
     /// Rows of each task with labels and units, in the order of [`Controller::task_names`].
     pub fn task_layouts(&self) -> impl Iterator<Item = &Layout> {
         self.entries[..self.task_count].iter().map(|g| &g.layout)
@@ -273,16 +311,11 @@ impl Controller {
         let mut frames = self.world.frame_ids.clone();
         let mut setup = Setup::new(&self.robot, &contacts, self.world.period, &mut frames);
         let BoundEntry { name, layout, .. } = &self.entries[index];
-        let plugin = &mut self.plugins[index].plugin;
         let refused = |source: BindError| RequestError::Value {
             name: name.clone(),
             source,
         };
-        let mut table = match plugin.table() {
-            Ok(toml::Value::Table(table)) => table,
-            Ok(_) => toml::Table::new(),
-            Err(error) => return Err(refused(BindError::Other(error.to_string()))),
-        };
+        let mut table = self.plugins[index].parameters().map_err(refused)?;
         let is_plugin = |value: &toml::Value| value.get("type").is_some();
         for (key, value) in keys {
             if key == "type" || is_plugin(&value) || table.get(&key).is_some_and(is_plugin) {
@@ -302,6 +335,7 @@ impl Controller {
         };
         let parameters =
             parameters.map_err(|error| refused(BindError::Other(error.message().to_owned())))?;
+        let plugin = &mut self.plugins[index].plugin;
         plugin.take(parameters, &mut setup, layout).map_err(refused)
     }
 

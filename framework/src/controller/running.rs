@@ -1,6 +1,9 @@
 //! What runs of an entry in each tick: the plug-in, and the references that it follows.
 
-use crate::plugin::{EntryState, Layout, bound::Running, followed::Followed, rows::RowStore};
+use crate::{
+    error::BindError,
+    plugin::{EntryState, Layout, bound::Running, followed::Followed, rows::RowStore},
+};
 
 use super::world::World;
 
@@ -14,6 +17,15 @@ pub(super) struct RunningPlugin {
 }
 
 impl RunningPlugin {
+    /// Its keys with their present values, as its file would have them.
+    pub(super) fn parameters(&self) -> Result<toml::Table, BindError> {
+        match self.plugin.table() {
+            Ok(toml::Value::Table(table)) => Ok(table),
+            Ok(_) => Ok(toml::Table::new()),
+            Err(error) => Err(BindError::Other(error.to_string())),
+        }
+    }
+
     /// Takes the samples of this tick, and lets the plug-in write its rows.
     pub(super) fn update(
         &mut self,

@@ -1,0 +1,118 @@
+//! Poses of bodies and frames.
+#![allow(non_snake_case)]
+
+use std::sync::Arc;
+
+use foxglove::messages::{FrameTransform, FrameTransforms};
+use nalgebra::Isometry3;
+use wbqp::{
+    dynamics::Data,
+    model::{FrameId, Model},
+    state::State,
+};
+
+use crate::convert::{quaternion, timestamp, vector};
+
+/// A robot's frames, with the poses of the last state.
+#[derive(Debug)]
+pub(crate) struct Frames {
+    model: Arc<Model>,
+    data: Data,
+    /// The name of the world's frame: one that no body has.
+    world: String,
+}
+
+impl Frames {
+    pub(crate) fn new(model: &Arc<Model>) -> Self {
+        let is_taken = |name: &str| {
+            let bodies = model.bodies().iter().map(|body| &body.name);
+            let mut names = bodies.chain(model.frames().iter().map(|frame| &frame.name));
+            names.any(|taken| taken == name)
+        };
+        let mut world = "world".to_owned();
+        while is_taken(&world) {
+            world.insert_str(0, "the_");
+        }
+        Self {
+            model: Arc::clone(model),
+            data: Data::new(model),
+            world,
+        }
+    }
+
+    /// The world's frame.
+    pub(crate) fn world(&self) -> &str {
+        &self.world
+    }
+
+    /// The name of a frame.
+    pub(crate) fn name(&self, frame: FrameId) -> &str {
+        let frame = self.model.frames().get(frame.index());
+        frame.map_or(self.world(), |frame| &frame.name)
+    }
+
+    /// Of a state that fits the model.
+    pub(crate) fn update(&mut self, state: &State) {
+        if state.fits(&self.model) {
+            self.data.update_kinematics(&self.model, state);
+        }
+    }
+
+    /// Of the base's body.
+    pub(crate) fn base_pose(&self) -> Isometry3<f64> {
+        self.body_pose(0)
+    }
+
+    fn body_pose(&self, index: usize) -> Isometry3<f64> {
+        let body = self.model.body_id(index);
+        body.map_or_else(Isometry3::identity, |body| self.data.body_pose(body))
+    }
+
+    /// Every body in its parent's frame, the base in the world's.
+    pub(crate) fn moving(&self, time: f64) -> FrameTransforms {
+        let bodies = self.model.bodies().iter().enumerate();
+        let transforms = bodies.map(|(i, body)| {
+            let X_WB = self.body_pose(i);
+            let parent = self.model.bodies().get(body.parent.index());
+            match parent.filter(|_| i > 0) {
+                Some(parent) => {
+                    let X_PB = self.body_pose(body.parent.index()).inv_mul(&X_WB);
+                    transform(time, &parent.name, &body.name, &X_PB)
+                }
+                None => transform(time, &self.world, &body.name, &X_WB),
+            }
+        });
+        FrameTransforms {
+            transforms: transforms.collect(),
+        }
+    }
+
+    /// Every frame in that of its body.
+    pub(crate) fn fixed(&self, time: f64) -> FrameTransforms {
+        let frames = self.model.frames().iter();
+        let transforms = frames.filter_map(|frame| {
+            let body = &self.model.bodies().get(frame.body.index())?.name;
+            let is_body = self.model.bodies().iter().any(|b| b.name == frame.name);
+            (!is_body).then(|| transform(time, body, &frame.name, &frame.X_BF))
+        });
+        FrameTransforms {
+            transforms: transforms.collect(),
+        }
+    }
+
+    /// Its mass times gravity, N; 1 where there is none.
+    pub(crate) fn weight(&self) -> f64 {
+        let weight = self.model.mass() * self.model.gravity().norm();
+        if weight > 0.0 { weight } else { 1.0 }
+    }
+}
+
+fn transform(time: f64, parent: &str, child: &str, X: &Isometry3<f64>) -> FrameTransform {
+    FrameTransform {
+        timestamp: Some(timestamp(time)),
+        parent_frame_id: parent.to_owned(),
+        child_frame_id: child.to_owned(),
+        translation: Some(vector(&X.translation.vector)),
+        rotation: Some(quaternion(&X.rotation)),
+    }
+}

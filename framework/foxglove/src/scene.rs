@@ -1,0 +1,267 @@
+//! What moves in the scene: thrusts, contacts, walls, what pushes the robot unknown.
+#![allow(non_snake_case)]
+
+use foxglove::messages::{
+    ArrowPrimitive, CubePrimitive, CylinderPrimitive, PosesInFrame, SceneEntity, SceneUpdate,
+};
+use nalgebra::{Isometry3, Rotation3, UnitQuaternion, Vector3};
+use wbqp::{
+    actuator::ActuatorId,
+    controller::{ContactReport, ContactSurface, Snapshot},
+    plugin::Sample,
+};
+use wbqp_log::TrueContact;
+
+use crate::{
+    convert::{colour, length, pose, timestamp, vector},
+    frames::Frames,
+};
+
+/// Length of the arrow of the largest thrust, m.
+pub(crate) const THRUST_LENGTH: f64 = 0.3;
+/// Length of the arrow of a force as large as the robot's weight, m.
+const WEIGHT_LENGTH: f64 = 1.0;
+/// Height of a friction cone, m.
+const CONE_HEIGHT: f64 = 0.12;
+/// Edge and thickness of a wall, m.
+const WALL: [f64; 2] = [2.0, 0.01];
+
+const THRUST: [f64; 4] = [0.2, 0.7, 0.3, 1.0];
+const AT_LIMIT: [f64; 4] = [0.9, 0.1, 0.1, 1.0];
+const PLANNED: [f64; 4] = [0.15, 0.4, 0.95, 1.0];
+const MEASURED: [f64; 4] = [1.0, 0.55, 0.0, 1.0];
+const TRUE: [f64; 4] = [0.1, 0.65, 0.2, 1.0];
+const UNKNOWN: [f64; 4] = [0.6, 0.2, 0.8, 1.0];
+const CONE: [f64; 4] = [0.15, 0.4, 0.95, 0.25];
+const SURFACE: [f64; 4] = [0.6, 0.6, 0.65, 0.5];
+
+/// What is drawn of a robot, beside its links.
+#[derive(Debug)]
+pub(crate) struct Scene {
+    rotors: Vec<DrawnRotor>,
+    contacts: Vec<String>,
+    /// Tasks whose first reference is a point, then the one that is an orientation, if there is one only.
+    points: Vec<usize>,
+    orientation: Option<usize>,
+    has_observer: bool,
+    /// m/N.
+    thrust_scale: f64,
+    /// m/N.
+    force_scale: f64,
+}
+
+#[derive(Debug)]
+struct DrawnRotor {
+    actuator: ActuatorId,
+    name: String,
+    frame: String,
+    /// N.
+    limits: [f64; 2],
+}
+
+impl Scene {
+    pub(crate) fn new(controller: &wbqp::Controller, frames: &Frames) -> Self {
+        let robot = controller.robot();
+        let rotors = robot.rotors().map(|(id, actuator, rotor)| DrawnRotor {
+            actuator: id,
+            name: actuator.name.clone(),
+            frame: frames.name(rotor.frame).to_owned(),
+            limits: [actuator.lower, actuator.upper],
+        });
+        let rotors: Vec<_> = rotors.collect();
+        let largest = rotors.iter().map(|rotor| rotor.limits[1]);
+        let largest = largest.filter(|thrust| thrust.is_finite());
+        let largest = largest.fold(0.0, f64::max);
+        let thrust = if largest > 0.0 {
+            largest
+        } else {
+            frames.weight()
+        };
+        let references = controller.snapshot().references;
+        let layouts = controller.task_layouts().enumerate().zip(&references);
+        let points = layouts.filter_map(|((task, layout), reference)| {
+            let is_point = layout.unit_of_error() == "m"
+                && layout.len() == 3
+                && matches!(reference, Some(Sample::Vector(at)) if at.value.len() == 3);
+            is_point.then_some(task)
+        });
+        let points = points.collect();
+        let is_rotation = |of: &Option<Sample>| matches!(of, Some(Sample::Rotation(_)));
+        let orientation = references.iter().position(is_rotation);
+        let several = references.iter().filter(|of| is_rotation(of)).count() > 1;
+        Self {
+            rotors,
+            contacts: controller.contact_names().map(str::to_owned).collect(),
+            points,
+            orientation: orientation.filter(|_| !several),
+            has_observer: controller.settings().observer.is_some(),
+            thrust_scale: THRUST_LENGTH / thrust,
+            force_scale: WEIGHT_LENGTH / frames.weight(),
+        }
+    }
+
+    /// m/N of a thrust's arrow.
+    pub(crate) fn thrust_scale(&self) -> f64 {
+        self.thrust_scale
+    }
+
+    /// What a tick plans, measures and knows, drawn at `time`, s.
+    pub(crate) fn update(
+        &self,
+        time: f64,
+        snapshot: &Snapshot,
+        truth: &[Option<TrueContact>],
+        frames: &Frames,
+    ) -> SceneUpdate {
+        let rotors = self
+            .rotors
+            .iter()
+            .map(|rotor| self.thrust(time, rotor, snapshot));
+        let contacts = self.contacts.iter().enumerate();
+        let contacts = contacts.filter_map(|(i, name)| {
+            let surface = snapshot.surfaces.get(i)?;
+            let contact = snapshot.report.contacts.get(i)?;
+            let truth = truth.get(i).copied().flatten();
+            Some(self.contact(time, name, (contact, surface), truth, frames))
+        });
+        let unknown = self.has_observer.then(|| {
+            let w = &snapshot.report.disturbance;
+            let force = Vector3::new(w[0], w[1], w[2]);
+            let from = frames.base_pose().translation.vector;
+            let mut entity = entity(time, "observer".to_owned(), frames.world());
+            entity
+                .arrows
+                .extend(arrow(&from, &(self.force_scale * force), UNKNOWN));
+            entity
+        });
+        SceneUpdate {
+            deletions: Vec::new(),
+            entities: rotors.chain(contacts).chain(unknown).collect(),
+        }
+    }
+
+    fn thrust(&self, time: f64, rotor: &DrawnRotor, snapshot: &Snapshot) -> SceneEntity {
+        let efforts = &snapshot.command.effort;
+        let thrust = efforts.get(rotor.actuator.index()).copied();
+        let thrust = thrust.unwrap_or_default();
+        let [lower, upper] = rotor.limits;
+        let near = 1e-3 * (upper - lower);
+        let is_limited = thrust <= lower + near || thrust >= upper - near;
+        let paint = if is_limited { AT_LIMIT } else { THRUST };
+        let mut entity = entity(time, format!("rotor/{}", rotor.name), &rotor.frame);
+        let along = Vector3::new(0.0, 0.0, thrust * self.thrust_scale);
+        entity
+            .arrows
+            .extend(arrow(&Vector3::zeros(), &along, paint));
+        entity
+    }
+
+    fn contact(
+        &self,
+        time: f64,
+        name: &str,
+        (contact, surface): (&ContactReport, &ContactSurface),
+        truth: Option<TrueContact>,
+        frames: &Frames,
+    ) -> SceneEntity {
+        let mut entity = entity(time, format!("contact/{name}"), frames.world());
+        let ContactSurface {
+            R_WC,
+            p_WS,
+            friction,
+        } = surface;
+        let [edge, thickness] = WALL;
+        let behind = Vector3::new(0.0, 0.0, -0.5 * thickness);
+        entity.cubes.push(CubePrimitive {
+            pose: Some(pose(&place(&(p_WS + R_WC * behind), R_WC))),
+            size: Some(vector(&Vector3::new(edge, edge, thickness))),
+            color: Some(colour(SURFACE)),
+        });
+        let at = p_WS + R_WC * contact.position;
+        let mut force = |from: &Vector3<f64>, force_C: &Vector3<f64>, paint| {
+            let along = self.force_scale * (R_WC * force_C);
+            entity.arrows.extend(arrow(from, &along, paint));
+        };
+        force(&at, &contact.measured.fixed_rows::<3>(0).into(), MEASURED);
+        if contact.on {
+            force(&at, &contact.solution.fixed_rows::<3>(0).into(), PLANNED);
+        }
+        if let Some(truth) = truth {
+            force(&(p_WS + R_WC * truth.position), &truth.force, TRUE);
+        }
+        if contact.on {
+            let middle = Vector3::new(0.0, 0.0, 0.5 * CONE_HEIGHT);
+            let width = 2.0 * friction.min(5.0) * CONE_HEIGHT;
+            entity.cylinders.push(CylinderPrimitive {
+                pose: Some(pose(&place(&(at + R_WC * middle), R_WC))),
+                size: Some(vector(&Vector3::new(width, width, CONE_HEIGHT))),
+                bottom_scale: 0.0,
+                top_scale: 1.0,
+                color: Some(colour(CONE)),
+            });
+        }
+        entity
+    }
+
+    /// Where tasks want points to be; with the orientation that is wanted if there is one only.
+    pub(crate) fn references(
+        &self,
+        time: f64,
+        snapshot: &Snapshot,
+        frames: &Frames,
+    ) -> PosesInFrame {
+        let sample = |task: &usize| snapshot.references.get(*task)?.as_ref();
+        let rotation = match self.orientation.as_ref().and_then(sample) {
+            Some(Sample::Rotation(wanted)) => wanted.rotation,
+            _ => UnitQuaternion::identity(),
+        };
+        let poses = self.points.iter().filter_map(|task| match sample(task)? {
+            Sample::Vector(wanted) => {
+                let [x, y, z] = wanted.value.first_chunk::<3>()?;
+                let at = Vector3::new(*x, *y, *z);
+                Some(pose(&Isometry3::from_parts(at.into(), rotation)))
+            }
+            Sample::Rotation(_) => None,
+        });
+        PosesInFrame {
+            timestamp: Some(timestamp(time)),
+            frame_id: frames.world().to_owned(),
+            poses: poses.collect(),
+        }
+    }
+}
+
+fn entity(time: f64, id: String, frame: &str) -> SceneEntity {
+    SceneEntity {
+        timestamp: Some(timestamp(time)),
+        frame_id: frame.to_owned(),
+        id,
+        frame_locked: true,
+        ..SceneEntity::default()
+    }
+}
+
+fn place(at: &Vector3<f64>, R: &Rotation3<f64>) -> Isometry3<f64> {
+    Isometry3::from_parts((*at).into(), UnitQuaternion::from_rotation_matrix(R))
+}
+
+/// From a point along a vector, m; nothing for one that is too short to be seen.
+fn arrow(from: &Vector3<f64>, along: &Vector3<f64>, paint: [f64; 4]) -> Option<ArrowPrimitive> {
+    let size = along.norm();
+    if !size.is_finite() || size < 1e-3 {
+        return None;
+    }
+    // Foxglove's arrows point along x.
+    let turn = UnitQuaternion::rotation_between(&Vector3::x(), along).unwrap_or_else(|| {
+        UnitQuaternion::from_axis_angle(&Vector3::z_axis(), std::f64::consts::PI)
+    });
+    let head = 0.25 * size.min(0.2);
+    Some(ArrowPrimitive {
+        pose: Some(pose(&Isometry3::from_parts((*from).into(), turn))),
+        shaft_length: length(size - head),
+        shaft_diameter: 0.012,
+        head_length: length(head),
+        head_diameter: 0.03,
+        color: Some(colour(paint)),
+    })
+}
