@@ -18,7 +18,7 @@ use wbqp::{
 };
 use wbqp_log::{LogSink, McapLog};
 use wbqp_mjcf::{Mjcf, Scene};
-use wbqp_sim::{PlantCommand, Scenario, Variation, World, plant::has_diverged};
+use wbqp_sim::{PlantCommand, RunOptions, Scenario, Variation, World, plant::has_diverged};
 
 use crate::{config, plugin, robot::Robot, simulate};
 
@@ -306,7 +306,7 @@ impl CaseRun {
         if run.is_over() {
             return Ok(None);
         }
-        run.tick(truth, log, None)
+        run.tick(truth, log, &mut RunOptions::default())
             .map_err(|e| PyRuntimeError::new_err(e.to_string()))?;
         if let Some(traceback) = plugin::traceback() {
             self.traceback.get_or_insert(traceback);

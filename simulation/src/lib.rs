@@ -36,11 +36,15 @@ mod run;
 pub mod scenario;
 pub mod sensors;
 pub mod statics;
+mod watch;
 mod world;
 
 pub use closed_loop::{ClosedLoop, Link, Requests};
 pub use plant::{CommandDelay, Plant, PlantCommand, PlantConfig, PlantError};
-pub use run::{CaseRun, Summary, run, run_with_dumps};
+pub use run::{CaseRun, Summary, run, run_with};
 pub use scenario::{Perturbation, RunError, Scenario, ScenarioError, Variation};
 pub use sensors::{SensorReading, Sensors, SensorsConfig};
+#[cfg(feature = "foxglove")]
+pub use watch::SceneWatcher;
+pub use watch::{RunOptions, Watcher};
 pub use world::World;

@@ -12,7 +12,7 @@ use std::time::Instant;
 
 use wbqp::{
     controller::{Controller, FallbackLevel, Snapshot},
-    replay::{DumpError, DumpFolder},
+    replay::DumpError,
     robot::SourceFile,
     stopwatch::Stopwatch,
 };
@@ -22,7 +22,7 @@ use wbqp_log::{
 };
 
 use crate::{
-    Link, PlantCommand, Requests, World,
+    Link, PlantCommand, Requests, RunOptions, World,
     closed_loop::settled_plant,
     scenario::{Case, RunError, Scenario, ScenarioError},
 };
@@ -56,55 +56,50 @@ pub fn run(
     sink: &mut dyn LogSink,
     progress: &mut dyn FnMut(f64),
 ) -> Result<Summary, RunError> {
-    run_case(scenario, case, seed, sink, progress, None)
+    let options = RunOptions {
+        progress: Some(progress),
+        ..RunOptions::default()
+    };
+    run_with(scenario, case, seed, sink, options)
 }
 
-/// Like [`run()`]; the ticks before a change of the level are written into files, for `replay`.
+/// Like [`run()`], with options: dumps of the ticks before a change of the level, and whoever follows the run.
 ///
 /// # Errors
-/// Those of [`run()`], and [`RunError::Dump`].
-pub fn run_with_dumps(
+/// Those of [`run()`], of a dump that cannot be written and of whoever follows.
+pub fn run_with(
     scenario: &Scenario,
     case: &str,
     seed: u64,
     sink: &mut dyn LogSink,
-    progress: &mut dyn FnMut(f64),
-    dumps: &mut DumpFolder,
-) -> Result<Summary, RunError> {
-    run_case(scenario, case, seed, sink, progress, Some(dumps))
-}
-
-fn run_case(
-    scenario: &Scenario,
-    case: &str,
-    seed: u64,
-    sink: &mut dyn LogSink,
-    progress: &mut dyn FnMut(f64),
-    mut dumps: Option<&mut DumpFolder>,
+    mut options: RunOptions<'_>,
 ) -> Result<Summary, RunError> {
     let case = scenario.case(case)?;
     let (mut controller, source) = CaseRun::controller(case)?;
-    if dumps.is_some() {
+    if options.dumps.is_some() {
         controller = controller
             .with_recorder(RECORDED_TICKS)
             .map_err(DumpError::from)?;
     }
     let mut plant = settled_plant(case, &controller)?;
     let mut run = CaseRun::new(scenario, case, (controller, source), seed, &plant, sink)?;
+    for watcher in &mut options.watchers {
+        watcher.begin(&run.controller, sink)?;
+    }
     let mut due = run.link.computed().clone();
     let ticks = run.ticks();
     while !run.is_over() {
         let done = run.summary.ticks;
         if done.is_multiple_of((ticks / 100).max(1)) {
-            progress(done as f64 / ticks as f64);
+            options.tell(done as f64 / ticks as f64);
         }
-        run.tick(&plant, sink, dumps.as_deref_mut())?;
+        run.tick(&plant, sink, &mut options)?;
         run.exchange(&mut due);
         plant.advance_with(&due, run.period(), |plant| run.observe(plant))?;
         run.note_divergence(&plant);
     }
     let summary = run.finish(sink)?;
-    progress(1.0);
+    options.tell(1.0);
     Ok(summary)
 }
 
@@ -197,7 +192,7 @@ impl CaseRun {
         &mut self,
         world: &dyn World,
         sink: &mut dyn LogSink,
-        dumps: Option<&mut DumpFolder>,
+        options: &mut RunOptions<'_>,
     ) -> Result<(), RunError> {
         let Self {
             controller,
@@ -214,12 +209,15 @@ impl CaseRun {
                 self.timeline = std::mem::take(&mut self.timeline).mark(mark, measurement.time);
             }
         }
+        for watcher in &mut options.watchers {
+            watcher.before_tick(measurement.time, controller);
+        }
         let (_, report) = controller.tick(measurement);
         summary.ticks += 1;
         summary.held += usize::from(report.level != FallbackLevel::Optimal);
         summary.last_level = report.level;
         self.requests.detect(controller, measurement);
-        if let Some(dumps) = dumps {
+        if let Some(dumps) = &mut options.dumps {
             dumps.write_if_changed(controller)?;
         }
         let time = measurement.time;
@@ -229,6 +227,9 @@ impl CaseRun {
         let model = &controller.robot().model;
         state_message(model, world.state(), &mut self.message);
         sink.write(self.truth_channel, time, &self.message)?;
+        for watcher in &mut options.watchers {
+            watcher.after_tick(&self.snapshot, &self.truth, sink)?;
+        }
         Ok(())
     }
 

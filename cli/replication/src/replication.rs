@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use wbqp::replay::DumpFolder;
 use wbqp_log::{LogSink, McapLog};
 use wbqp_measures::promises;
-use wbqp_sim::Scenario;
+use wbqp_sim::{RunOptions, Scenario, SceneWatcher};
 use wbqp_terminal::{Common, ProgressBars, say, scenario_file};
 
 use crate::{
@@ -100,8 +100,13 @@ fn run_case(
     let mut dumps = DumpFolder::new(directory.join(case), MOST_DUMPS);
     let mut update = |fraction| progress.update(fraction);
     dumps.remove_old()?;
-    let summary =
-        wbqp_sim::run_with_dumps(scenario, case, seed, &mut log, &mut update, &mut dumps)?;
+    let mut scene = SceneWatcher::default();
+    let options = RunOptions {
+        progress: Some(&mut update),
+        dumps: Some(&mut dumps),
+        watchers: vec![&mut scene],
+    };
+    let summary = wbqp_sim::run_with(scenario, case, seed, &mut log, options)?;
     for file in dumps.written() {
         bars.say(&format!(
             "the controller changed its level: {}",

@@ -20,7 +20,7 @@ use rayon::prelude::*;
 use wbqp::replay::DumpFolder;
 use wbqp_log::{LogSink, McapLog};
 use wbqp_measures::log::Log;
-use wbqp_sim::Scenario;
+use wbqp_sim::{RunOptions, Scenario, SceneWatcher};
 use wbqp_terminal::{Common, ProgressBars, say};
 
 use self::soles::Soles;
@@ -100,14 +100,13 @@ impl Arguments {
         let mut update = |fraction| progress.update(fraction);
         let mut dumps = DumpFolder::new(directory.join(case), MOST_DUMPS);
         dumps.remove_old()?;
-        let run = wbqp_sim::run_with_dumps(
-            scenario,
-            case,
-            self.common.seed,
-            &mut log,
-            &mut update,
-            &mut dumps,
-        )?;
+        let mut scene = SceneWatcher::default();
+        let options = RunOptions {
+            progress: Some(&mut update),
+            dumps: Some(&mut dumps),
+            watchers: vec![&mut scene],
+        };
+        let run = wbqp_sim::run_with(scenario, case, self.common.seed, &mut log, options)?;
         log.finish()?;
         progress.finish();
         for file in dumps.written() {

@@ -32,9 +32,8 @@ pub struct McapLog<W: Write + Seek + Send = BufWriter<File>> {
 /// this, and what is in memory.
 const CHUNK: u64 = 500_000_000;
 
-/// Level of zstd. A log of an experiment is a third smaller than at its own, 3; 19 saves a tenth more in thirty times
-/// the time.
-const COMPRESSION: u32 = 9;
+/// Level of zstd: beyond it, 15 saves 1 % more in twice the time.
+const COMPRESSION: u32 = 12;
 
 struct Channel {
     topic: String,

@@ -15,6 +15,9 @@ use wbqp::{
 /// make. What is computed with again, the states, has more.
 const DIGITS: usize = 7;
 
+/// Of what is left over or estimated: residuals, the observer's wrench; of speeds that follow from thrusts.
+const RESIDUAL_DIGITS: usize = 5;
+
 /// Of what is only compared: costs, multipliers and times.
 const COST_DIGITS: usize = 4;
 
@@ -37,7 +40,7 @@ pub(super) fn observer_schema() -> Value {
 
 pub(super) fn observer_message(report: &Report, out: &mut Vec<u8>) {
     let w = &report.disturbance;
-    JsonWriter::write_rounded(out, DIGITS, |o| {
+    JsonWriter::write_rounded(out, RESIDUAL_DIGITS, |o| {
         o.xyz("force", &Vector3::new(w[0], w[1], w[2]));
         o.xyz("moment", &Vector3::new(w[3], w[4], w[5]));
     });
@@ -108,7 +111,8 @@ pub(super) fn command_message(robot: &RobotModel, command: &Command, out: &mut V
             for (id, actuator, _) in robot.rotors() {
                 o.object(&actuator.name, |o| {
                     o.number("thrust", command.effort[id.index()]);
-                    o.number("speed", command.rotor_speed[id.index()]);
+                    let speed = command.rotor_speed[id.index()];
+                    o.rounded_number("speed", speed, RESIDUAL_DIGITS);
                 });
             }
         });
@@ -254,7 +258,7 @@ pub(super) fn task_message(
                         o.exact_number("reference", values[k]);
                     }
                     o.number("error", task.error[k]);
-                    o.number("residual", task.residual[k]);
+                    o.rounded_number("residual", task.residual[k], RESIDUAL_DIGITS);
                     o.rounded_number("cost", task.cost[k], COST_DIGITS);
                 });
             }

@@ -10,7 +10,7 @@ use wbqp::{
 };
 
 /// Significant digits of a position: it is put into models again, and differences of two are taken.
-const POSITION_DIGITS: usize = 10;
+const POSITION_DIGITS: usize = 9;
 
 /// Significant digits of a velocity.
 const VELOCITY_DIGITS: usize = 7;
@@ -59,7 +59,7 @@ pub fn state_schema(model: &Model) -> Value {
     schema
 }
 
-/// Replaces the buffer's contents by the state's message, positions with 10
+/// Replaces the buffer's contents by the state's message, positions with 9
 /// significant digits, velocities with 7. Parts that the state lacks are left out.
 pub fn state_message(model: &Model, state: &State, out: &mut Vec<u8>) {
     let offset = model.joint_offset();
