@@ -5,7 +5,7 @@
 //! JavaScript sees of it, in the WebAssembly module alone.
 
 mod board;
-mod change;
+pub mod change;
 mod describe;
 mod library;
 mod measure;
@@ -14,7 +14,7 @@ pub mod module;
 mod session;
 
 pub use board::{Board, Field};
-pub use change::{Change, ChangeError};
+pub use change::ChangeError;
 pub use library::{Shipped, keep_shipped, shipped};
 pub use session::{LoadError, Session};
 

@@ -9,7 +9,7 @@ use std::path::Path;
 use wasm_bindgen::prelude::*;
 use wbqp::{config::json_schema, input, serde_json::json};
 
-use crate::{Board, Change, Session, keep_shipped, shipped};
+use crate::{Board, Session, change, keep_shipped, shipped};
 
 #[wasm_bindgen]
 extern "C" {
@@ -156,7 +156,7 @@ impl Run {
 
     /// A change, as JSON; throws why it is refused.
     pub fn change(&mut self, change: &str) -> Result<(), JsError> {
-        let change = Change::from_json(change)?;
+        let change = change::from_json(change)?;
         Ok(self.session.change(&change)?)
     }
 

@@ -7,7 +7,7 @@
 use std::path::Path;
 
 use wbqp::{
-    controller::{Controller, FallbackLevel, Measurement},
+    controller::{Change, Controller, FallbackLevel, Measurement},
     model::FrameId,
     nalgebra::{Point3, UnitQuaternion, Vector3, Vector6},
     plugin::Sample,
@@ -18,12 +18,7 @@ use wbqp_sim::{
     plant::has_diverged,
 };
 
-use crate::{
-    board::Board,
-    change::{Change, ChangeError},
-    describe,
-    measure::Track,
-};
+use crate::{board::Board, change::ChangeError, describe, measure::Track};
 
 /// Why a scenario cannot be run. The text has one line per mistake, `file:line:column: what`.
 #[derive(Debug, thiserror::Error)]
@@ -202,7 +197,7 @@ impl Session {
     /// # Errors
     /// What is refused.
     pub fn change(&mut self, change: &Change) -> Result<(), ChangeError> {
-        change.apply(&mut self.controller)
+        Ok(change.apply(&mut self.controller)?)
     }
 
     /// Pulls at a link of the robot until the next call: the point in the frame's axes, m, the force in world axes, N.

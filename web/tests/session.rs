@@ -1,6 +1,6 @@
 //! A session is the run that it says it is, and takes what a page does to it.
 
-use wbqp_web::{Change, Session, keep_shipped, shipped};
+use wbqp_web::{Session, change, keep_shipped, shipped};
 
 fn session(name: &str, variation: &str) -> Session {
     keep_shipped();
@@ -11,8 +11,8 @@ fn run(session: &mut Session, until: f64) {
     while session.time() < until && session.tick(&mut || 0.0) {}
 }
 
-fn change(session: &mut Session, text: &str) -> Result<(), String> {
-    let change = Change::from_json(text).map_err(|error| error.to_string())?;
+fn ask(session: &mut Session, text: &str) -> Result<(), String> {
+    let change = change::from_json(text).map_err(|error| error.to_string())?;
     session.change(&change).map_err(|error| error.to_string())
 }
 
@@ -92,7 +92,7 @@ fn changes_reach_the_command_and_bad_ones_are_refused_with_words() {
     run(&mut plain, 11.0);
     run(&mut changed, 11.0);
     let push = r#"{"do":"follow","of":"contact_force","reference":{"type":"hold","value":[2.0]}}"#;
-    change(&mut changed, push).expect("a set point");
+    ask(&mut changed, push).expect("a set point");
     run(&mut plain, 12.0);
     run(&mut changed, 12.0);
     let force = |session: &mut Session| session.frame().get("contact/tip/true").map(|f| -f[0]);
@@ -115,7 +115,7 @@ fn changes_reach_the_command_and_bad_ones_are_refused_with_words() {
         (r#"{"do":"entry","of":"posture"}"#, "`on` must be"),
         ("nothing", "expected"),
     ] {
-        let refused = change(&mut changed, text).expect_err(text);
+        let refused = ask(&mut changed, text).expect_err(text);
         assert!(refused.contains(words), "{refused}");
     }
 }

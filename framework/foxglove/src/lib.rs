@@ -36,9 +36,14 @@
 mod convert;
 mod forces;
 mod frames;
+#[cfg(feature = "live")]
+mod live;
 mod scene;
 mod scene_log;
 mod shapes;
+mod skeleton;
 
 pub use forces::ContactForces;
+#[cfg(feature = "live")]
+pub use live::{LiveError, LiveView};
 pub use scene_log::SceneLog;

@@ -231,7 +231,8 @@ impl Scene {
     }
 }
 
-fn entity(time: f64, id: String, frame: &str) -> SceneEntity {
+/// One without shapes yet.
+pub(crate) fn entity(time: f64, id: String, frame: &str) -> SceneEntity {
     SceneEntity {
         timestamp: Some(timestamp(time)),
         frame_id: frame.to_owned(),

@@ -10,9 +10,10 @@ use wbqp::robot::RobotModel;
 use wbqp_robots::visuals::{Shape, visuals};
 
 use crate::{
-    convert::{colour, length, point, pose, timestamp, vector},
+    convert::{colour, length, point, pose, vector},
     frames::Frames,
-    scene::THRUST_LENGTH,
+    scene::{THRUST_LENGTH, entity},
+    skeleton::skeleton,
 };
 
 const GREY: [f64; 4] = [0.6, 0.62, 0.65, 1.0];
@@ -21,21 +22,26 @@ const LIMIT: [f64; 4] = [0.5, 0.5, 0.5, 0.5];
 /// Largest mesh that is put into a scene, bytes.
 const LARGEST_MESH: u64 = 20_000_000;
 
-/// Shapes of the links, each in its link's frame, and what rotors could thrust.
+/// Shapes of the links, each in its link's frame, or lines if the robot's files have none; and what rotors could
+/// thrust.
 pub(crate) fn scene(robot: &RobotModel, frames: &Frames, thrust_scale: f64) -> SceneUpdate {
     let mut entities: Vec<SceneEntity> = Vec::new();
     for visual in visuals(robot).0 {
         let id = format!("link/{}", visual.link);
         if entities.last().is_none_or(|entity| entity.id != id) {
-            entities.push(entity(id, frames.name(visual.frame)));
+            entities.push(entity(0.0, id, frames.name(visual.frame)));
         }
         if let Some(entity) = entities.last_mut() {
             let paint = visual.colour.unwrap_or(GREY);
             add_shape(entity, &visual.shape, &visual.X_LV, paint);
         }
     }
+    if entities.is_empty() {
+        entities = skeleton(&robot.model);
+    }
     for (_, actuator, rotor) in robot.rotors() {
         let mut limits = entity(
+            0.0,
             format!("rotor_limits/{}", actuator.name),
             frames.name(rotor.frame),
         );
@@ -59,16 +65,6 @@ pub(crate) fn scene(robot: &RobotModel, frames: &Frames, thrust_scale: f64) -> S
     SceneUpdate {
         deletions: Vec::new(),
         entities,
-    }
-}
-
-fn entity(id: String, frame: &str) -> SceneEntity {
-    SceneEntity {
-        timestamp: Some(timestamp(0.0)),
-        frame_id: frame.to_owned(),
-        id,
-        frame_locked: true,
-        ..SceneEntity::default()
     }
 }
 

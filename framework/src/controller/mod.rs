@@ -5,6 +5,7 @@
 //! [`Controller::new`] except inside a solver that needs it.
 
 mod bind;
+mod change;
 mod command;
 mod contact_binding;
 mod elapsed;
@@ -35,6 +36,7 @@ mod running;
 mod snapshot;
 mod world;
 
+pub use change::Change;
 pub use command::Command;
 pub use entry_id::{EntryId, EntryRef};
 pub use entry_view::EntryView;

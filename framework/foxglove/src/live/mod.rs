@@ -1,0 +1,340 @@
+//! A controller that is watched and tuned while it runs.
+
+mod exchange;
+mod parameters;
+mod topics;
+
+use std::{
+    sync::{Arc, Mutex, MutexGuard, PoisonError},
+    thread::{self, JoinHandle},
+    time::{Duration, Instant},
+};
+
+use foxglove::{
+    Context, FoxgloveError, WebSocketServerHandle,
+    websocket::{
+        AnyClient, GetParametersResponder, Parameter, ParameterHandler, SetParametersResponder,
+        Status,
+    },
+};
+use wbqp::{Controller, Measurement};
+use wbqp_log::{ChannelId, ControllerLog, JsonWriter, LogError, LogSink, TrueContact, schema};
+
+use crate::SceneLog;
+use exchange::{Exchange, Outcome};
+use parameters::Parameters;
+use topics::Topics;
+
+/// How long the view's thread sleeps when there is nothing to show.
+const REST: Duration = Duration::from_millis(4);
+/// How often what does not change is sent again, for clients that come later.
+const REPEAT: Duration = Duration::from_secs(2);
+/// Messages that the server keeps for a client that is slow; older ones are dropped.
+const BACKLOG: usize = 512;
+
+/// Why there is no live view.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum LiveError {
+    /// The server does not start, because another one has the port for example.
+    #[error(
+        "live view: no server on port {port}: {source}; give another port, or 0 for any that is free"
+    )]
+    Server {
+        /// Where it was to listen.
+        port: u16,
+        /// What the server says.
+        source: FoxgloveError,
+    },
+    /// A topic cannot be opened.
+    #[error("live view: {0}")]
+    Topic(#[from] LogError),
+    /// There is no thread for it.
+    #[error("live view: no thread: {0}")]
+    Thread(#[from] std::io::Error),
+}
+
+/// A server that a running controller is watched and tuned with, in [Foxglove](https://foxglove.dev) (*Open connection*,
+/// *Foxglove WebSocket*) or any program that speaks its protocol. It listens on the loopback address only.
+///
+/// Topics are those of a log: [`ControllerLog`] and [`SceneLog`], and `/view` with the count of ticks that were not
+/// shown. Parameters are weights (`<entry>.weight`), keys of tasks and constraints as in their file (`<entry>.kp`),
+/// switches (`<entry>.active`, `contact.<name>.active`), and where tasks stay (`<task>.reference`; setting it makes the
+/// task `hold` that value). What a client sets holds from the next tick on; what the controller refuses is told to all
+/// clients and set back. What the program changes by itself meanwhile, parameters do not show.
+///
+/// The loop never waits for it: [`update`](Self::update) copies the tick into storage made once and takes changes out of
+/// a queue, both without locks. Whoever is slow misses the oldest ticks; the newest win. Only a change that a client
+/// asked for allocates, between two ticks.
+///
+/// ```no_run
+/// # fn run(mut controller: wbqp::Controller) -> Result<(), wbqp_foxglove::LiveError> {
+/// use wbqp_foxglove::LiveView;
+///
+/// let mut view = LiveView::new(&controller)?;
+/// let measurement = controller.measurement();
+/// loop {
+///     controller.tick(&measurement);
+///     view.update(&mut controller, &measurement);
+/// #   break;
+/// }
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Debug)]
+pub struct LiveView {
+    exchange: Arc<Exchange>,
+    thread: Option<JoinHandle<()>>,
+    port: u16,
+    /// Every so many ticks are shown.
+    every: u32,
+    /// Ticks until the next one that is shown.
+    wait: u32,
+}
+
+impl LiveView {
+    /// The port that Foxglove proposes.
+    pub const PORT: u16 = 8765;
+    /// Ticks per second that are shown, at most.
+    pub const RATE: f64 = 250.0;
+
+    /// Serves on [`PORT`](Self::PORT).
+    ///
+    /// # Errors
+    /// [`LiveError`].
+    pub fn new(controller: &Controller) -> Result<Self, LiveError> {
+        Self::on_port(controller, Self::PORT)
+    }
+
+    /// Serves on a port; on any that is free for 0.
+    ///
+    /// # Errors
+    /// [`LiveError`].
+    pub fn on_port(controller: &Controller, port: u16) -> Result<Self, LiveError> {
+        let context = Context::new();
+        let mut topics = Topics::new(&context);
+        let log = ControllerLog::new(controller, &mut topics)?;
+        let scene = SceneLog::new(controller, &mut topics)?;
+        let count = schema::object(
+            "The live view itself",
+            [("dropped", schema::integer("Ticks that were not shown"))],
+        );
+        let view = topics.channel("/view", "wbqp.View", &count)?;
+        let exchange = Arc::new(Exchange::new(controller));
+        let desk = Arc::new(Desk {
+            exchange: Arc::clone(&exchange),
+            parameters: Mutex::new(Parameters::of(controller)),
+            notes: Mutex::new(Vec::new()),
+        });
+        let server = context
+            .websocket_server()
+            .name(format!("wbqp: {}", controller.robot().model.name()))
+            .bind("127.0.0.1", port)
+            .message_backlog_size(BACKLOG)
+            .parameter_handler(Arc::clone(&desk) as Arc<dyn ParameterHandler>)
+            .start_blocking()
+            .map_err(|source| LiveError::Server { port, source })?;
+        let port = server.port();
+        let show = Show {
+            topics,
+            log,
+            scene,
+            view,
+            desk,
+            server,
+            time: 0.0,
+            repeated: Instant::now(),
+            message: Vec::new(),
+        };
+        let thread = thread::Builder::new().name("wbqp live view".to_owned());
+        let rate = controller.settings().rate;
+        Ok(Self {
+            exchange,
+            thread: Some(thread.spawn(move || show.run())?),
+            port,
+            every: (rate / Self::RATE).ceil().clamp(1.0, 1e6) as u32,
+            wait: 0,
+        })
+    }
+
+    /// Where the server listens.
+    pub fn port(&self) -> u16 {
+        self.port
+    }
+
+    /// Ticks that were not shown because clients, or the server, were slow.
+    pub fn dropped(&self) -> u64 {
+        self.exchange.dropped()
+    }
+
+    /// To be called after every tick: shows it, and applies what clients have asked for. Never waits.
+    pub fn update(&mut self, controller: &mut Controller, measurement: &Measurement) {
+        self.update_with(controller, measurement, &[]);
+    }
+
+    /// Like [`update`](Self::update), with what only a simulator knows of each contact.
+    pub fn update_with(
+        &mut self,
+        controller: &mut Controller,
+        measurement: &Measurement,
+        truth: &[Option<TrueContact>],
+    ) {
+        if self.wait == 0 {
+            self.exchange.show(controller, measurement, truth);
+            self.wait = self.every;
+        }
+        self.wait -= 1;
+        self.exchange.apply(controller);
+    }
+}
+
+impl Drop for LiveView {
+    fn drop(&mut self) {
+        self.exchange.stop();
+        if let Some(thread) = self.thread.take() {
+            // One that has panicked has said so.
+            let _ = thread.join();
+        }
+    }
+}
+
+/// Where clients' requests arrive.
+struct Desk {
+    exchange: Arc<Exchange>,
+    parameters: Mutex<Parameters>,
+    /// What clients are to be told.
+    notes: Mutex<Vec<String>>,
+}
+
+impl Desk {
+    fn parameters(&self) -> MutexGuard<'_, Parameters> {
+        self.parameters
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn note(&self, text: String) {
+        self.notes().push(text);
+    }
+
+    fn notes(&self) -> MutexGuard<'_, Vec<String>> {
+        self.notes.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl ParameterHandler for Desk {
+    fn get(
+        &self,
+        _: AnyClient,
+        names: Vec<String>,
+        _: Option<String>,
+        responder: GetParametersResponder,
+    ) {
+        responder.respond(self.parameters().get(&names));
+    }
+
+    fn set(
+        &self,
+        _: AnyClient,
+        wanted: Vec<Parameter>,
+        _: Option<String>,
+        responder: SetParametersResponder,
+    ) {
+        let mut parameters = self.parameters();
+        for wanted in &wanted {
+            match parameters.request(wanted) {
+                Ok(request) => {
+                    if let Err(request) = self.exchange.ask(request) {
+                        let name = &request.name;
+                        self.note(format!("`{name}` is not changed: too many changes wait"));
+                        parameters.undo(request);
+                    }
+                }
+                Err(what) => self.note(what),
+            }
+        }
+        let names: Vec<String> = wanted.into_iter().map(|wanted| wanted.name).collect();
+        responder.respond(parameters.get(&names));
+    }
+}
+
+/// The view's thread.
+struct Show {
+    topics: Topics,
+    log: ControllerLog,
+    scene: SceneLog,
+    view: ChannelId,
+    desk: Arc<Desk>,
+    server: WebSocketServerHandle,
+    /// Of the last tick, s.
+    time: f64,
+    repeated: Instant,
+    message: Vec<u8>,
+}
+
+impl Show {
+    fn run(mut self) {
+        let exchange = Arc::clone(&self.desk.exchange);
+        while !exchange.is_stopped() {
+            let mut idle = true;
+            while let Some(shown) = exchange.next_shown() {
+                idle = false;
+                let time = shown.snapshot.report.time;
+                if time.is_finite() && time >= 0.0 {
+                    self.time = time;
+                }
+                let (snapshot, truth) = (&shown.snapshot, &shown.truth);
+                let logged = self.log.record(snapshot, truth, &mut self.topics);
+                let drawn = self.scene.record(snapshot, truth, &mut self.topics);
+                exchange.give_back(shown);
+                self.report(logged.and(drawn));
+                if exchange.is_stopped() {
+                    break;
+                }
+            }
+            while let Some(outcome) = exchange.next_outcome() {
+                self.tell(outcome);
+            }
+            for note in std::mem::take(&mut *self.desk.notes()) {
+                self.server.publish_status(Status::warning(note));
+            }
+            if self.repeated.elapsed() > REPEAT {
+                self.repeat();
+            }
+            if idle {
+                thread::sleep(REST);
+            }
+        }
+        self.server.stop().wait_blocking();
+    }
+
+    fn report(&self, result: Result<(), LogError>) {
+        if let Err(error) = result {
+            self.server.publish_status(Status::error(error.to_string()));
+        }
+    }
+
+    /// Lets all clients know what became of a request.
+    fn tell(&mut self, outcome: Outcome) {
+        let Outcome { request, result } = outcome;
+        let name = request.name.clone();
+        let mut parameters = self.desk.parameters();
+        if let Err(error) = result {
+            let text = format!("`{name}` is not changed: {error}");
+            self.server.publish_status(Status::warning(text));
+            parameters.undo(request);
+        }
+        self.server
+            .publish_parameter_values(parameters.get(&[name]));
+    }
+
+    /// For clients that came late.
+    fn repeat(&mut self) {
+        self.repeated = Instant::now();
+        let dropped = self.desk.exchange.dropped();
+        JsonWriter::write(&mut self.message, |o| o.integer("dropped", dropped));
+        let written = self.topics.write(self.view, self.time, &self.message);
+        let described = self.scene.record_description(self.time, &mut self.topics);
+        self.report(written.and(described));
+    }
+}

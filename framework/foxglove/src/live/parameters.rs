@@ -1,0 +1,307 @@
+//! What can be changed of a running controller, as Foxglove's parameters.
+
+use std::collections::BTreeMap;
+
+use foxglove::websocket::{Parameter, ParameterType, ParameterValue};
+use wbqp::{
+    Controller,
+    controller::Change,
+    plugin::{AnyReference, PerRow, Sample},
+    toml,
+};
+
+/// What can be changed, and what it is now as far as is known.
+#[derive(Debug)]
+pub(super) struct Parameters {
+    /// By name, as clients see it.
+    known: BTreeMap<String, Known>,
+    /// Keys of each entry as in its file: a change of a nested key replaces the whole key that it is in.
+    tables: BTreeMap<String, toml::Table>,
+}
+
+#[derive(Clone, Debug)]
+struct Known {
+    what: What,
+    value: Value,
+}
+
+/// What a parameter stands for; the text is the name of an entry or contact.
+#[derive(Clone, Debug, PartialEq)]
+enum What {
+    /// A key of an entry, and the keys inside it.
+    Key(String, Vec<String>),
+    Weight(String),
+    Entry(String),
+    Contact(String),
+    /// Where a task stays: the value of its first reference.
+    Reference(String),
+}
+
+/// The values that parameters have; a change does not change the kind.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Value {
+    Number(f64),
+    Integer(i64),
+    Switch(bool),
+    Text(String),
+    Numbers(Vec<f64>),
+}
+
+/// A change that a client asked for, to be undone here if the controller refuses it.
+#[derive(Debug)]
+pub(super) struct Request {
+    pub(super) name: String,
+    pub(super) change: Change,
+    old: Value,
+}
+
+impl Parameters {
+    pub(super) fn of(controller: &Controller) -> Self {
+        let mut parameters = Self {
+            known: BTreeMap::new(),
+            tables: BTreeMap::new(),
+        };
+        for entry in controller.entries() {
+            let name = entry.name;
+            let weights = entry.weight;
+            let is_uniform = weights.windows(2).all(|pair| pair[0] == pair[1]);
+            let weight = match weights.first() {
+                Some(first) if is_uniform => Value::Number(*first),
+                _ => Value::Numbers(weights.to_vec()),
+            };
+            parameters.add(
+                format!("{name}.weight"),
+                What::Weight(name.to_owned()),
+                weight,
+            );
+            let active = Value::Switch(entry.is_on);
+            parameters.add(
+                format!("{name}.active"),
+                What::Entry(name.to_owned()),
+                active,
+            );
+            if let Ok(sample) = controller.followed(name) {
+                let value = Value::Numbers(standing(sample));
+                let what = What::Reference(name.to_owned());
+                parameters.add(format!("{name}.reference"), what, value);
+            }
+            if let Ok(table) = controller.parameters(name) {
+                parameters.add_keys(name, &table, &mut Vec::new());
+                parameters.tables.insert(name.to_owned(), table);
+            }
+        }
+        for name in controller.contact_names() {
+            let is_on = controller.is_contact_on(name).unwrap_or_default();
+            let what = What::Contact(name.to_owned());
+            parameters.add(format!("contact.{name}.active"), what, Value::Switch(is_on));
+        }
+        parameters
+    }
+
+    fn add(&mut self, name: String, what: What, value: Value) {
+        self.known.entry(name).or_insert(Known { what, value });
+    }
+
+    /// Numbers, switches and texts of an entry's table; other plug-ins in it are replaced as a whole, not by key.
+    fn add_keys(&mut self, entry: &str, table: &toml::Table, path: &mut Vec<String>) {
+        for (key, value) in table {
+            if path.is_empty() && key == "type" {
+                continue;
+            }
+            path.push(key.clone());
+            match value {
+                toml::Value::Table(inner) if inner.contains_key("type") => {}
+                toml::Value::Table(inner) => self.add_keys(entry, inner, path),
+                other => {
+                    if let Some(value) = Value::from_toml(other) {
+                        let name = format!("{entry}.{}", path.join("."));
+                        self.add(name, What::Key(entry.to_owned(), path.clone()), value);
+                    }
+                }
+            }
+            path.pop();
+        }
+    }
+
+    /// Those of these names; all if none is given.
+    pub(super) fn get(&self, names: &[String]) -> Vec<Parameter> {
+        let wanted = |name: &String| names.is_empty() || names.contains(name);
+        let known = self.known.iter().filter(|(name, _)| wanted(name));
+        known
+            .map(|(name, known)| known.value.published(name))
+            .collect()
+    }
+
+    /// Takes over what a client wants, and says what the controller has to do for it.
+    ///
+    /// # Errors
+    /// In words: no such parameter, or a value of another kind.
+    pub(super) fn request(&mut self, wanted: &Parameter) -> Result<Request, String> {
+        let name = &wanted.name;
+        let known = self.known.get_mut(name);
+        let known = known.ok_or_else(|| format!("there is no parameter `{name}`"))?;
+        let given = wanted.value.as_ref();
+        let value = given.and_then(|value| known.value.like(value));
+        let value = value.ok_or_else(|| format!("`{name}` must be {}", known.value.kind()))?;
+        let change = change(&known.what, &value, &mut self.tables)?;
+        let old = std::mem::replace(&mut known.value, value);
+        Ok(Request {
+            name: name.clone(),
+            change,
+            old,
+        })
+    }
+
+    /// The controller has refused it, or never heard of it.
+    pub(super) fn undo(&mut self, request: Request) {
+        let Some(known) = self.known.get_mut(&request.name) else {
+            return;
+        };
+        // The table of the entry's keys is set back by asking for the old value.
+        let _ = change(&known.what, &request.old, &mut self.tables);
+        known.value = request.old;
+    }
+}
+
+/// What makes a parameter have a value; keys of entries are kept in `tables`.
+fn change(
+    what: &What,
+    value: &Value,
+    tables: &mut BTreeMap<String, toml::Table>,
+) -> Result<Change, String> {
+    Ok(match (what, value) {
+        (What::Entry(entry), Value::Switch(on)) => Change::Entry(entry.clone(), *on),
+        (What::Contact(contact), Value::Switch(on)) => Change::Contact(contact.clone(), *on),
+        (What::Weight(entry), Value::Number(weight)) => {
+            Change::Weight(entry.clone(), PerRow::Uniform(*weight))
+        }
+        (What::Weight(entry), Value::Numbers(weights)) => {
+            Change::Weight(entry.clone(), PerRow::Each(weights.clone()))
+        }
+        (What::Reference(task), Value::Numbers(values)) => {
+            let mut hold = toml::Table::new();
+            hold.insert("type".to_owned(), "hold".into());
+            hold.insert("value".to_owned(), values.clone().into());
+            let reference = toml::Value::Table(hold).try_into::<Box<dyn AnyReference>>();
+            Change::Follow(task.clone(), reference.map_err(|e| e.message().to_owned())?)
+        }
+        (What::Key(entry, path), value) => {
+            let table = tables.entry(entry.clone()).or_default();
+            let Some((first, inner)) = path.split_first() else {
+                return Err("has no key".to_owned());
+            };
+            let mut place = table
+                .entry(first.clone())
+                .or_insert_with(|| toml::Table::new().into());
+            for key in inner {
+                let toml::Value::Table(table) = place else {
+                    return Err(format!("`{first}` has no keys"));
+                };
+                place = table
+                    .entry(key.clone())
+                    .or_insert_with(|| toml::Table::new().into());
+            }
+            *place = value.to_toml();
+            let whole = table.get(first).cloned();
+            let whole = whole.ok_or("has no key")?;
+            let keys = toml::Table::from_iter([(first.clone(), whole)]);
+            Change::Set(entry.clone(), keys)
+        }
+        _ => return Err("is of another kind".to_owned()),
+    })
+}
+
+/// What `hold` takes: a vector, or roll, pitch and yaw, rad.
+fn standing(sample: &Sample) -> Vec<f64> {
+    match sample {
+        Sample::Vector(sample) => sample.value.clone(),
+        Sample::Rotation(sample) => {
+            let (roll, pitch, yaw) = sample.rotation.euler_angles();
+            vec![roll, pitch, yaw]
+        }
+    }
+}
+
+impl Value {
+    fn from_toml(value: &toml::Value) -> Option<Self> {
+        let number = |value: &toml::Value| match value {
+            toml::Value::Float(x) => Some(*x),
+            toml::Value::Integer(x) => Some(*x as f64),
+            _ => None,
+        };
+        Some(match value {
+            toml::Value::Float(x) if x.is_finite() => Self::Number(*x),
+            toml::Value::Integer(x) => Self::Integer(*x),
+            toml::Value::Boolean(x) => Self::Switch(*x),
+            toml::Value::String(x) => Self::Text(x.clone()),
+            toml::Value::Array(items) => {
+                Self::Numbers(items.iter().map(number).collect::<Option<_>>()?)
+            }
+            _ => return None,
+        })
+    }
+
+    fn to_toml(&self) -> toml::Value {
+        match self {
+            Self::Number(x) => (*x).into(),
+            Self::Integer(x) => (*x).into(),
+            Self::Switch(x) => (*x).into(),
+            Self::Text(x) => x.clone().into(),
+            Self::Numbers(x) => x.clone().into(),
+        }
+    }
+
+    fn kind(&self) -> String {
+        match self {
+            Self::Number(_) => "a finite number".to_owned(),
+            Self::Integer(_) => "a whole number".to_owned(),
+            Self::Switch(_) => "true or false".to_owned(),
+            Self::Text(_) => "a text".to_owned(),
+            Self::Numbers(x) => format!("a list of {} finite numbers", x.len()),
+        }
+    }
+
+    /// A client's value, if it is of this kind.
+    fn like(&self, value: &ParameterValue) -> Option<Self> {
+        let number = |value: &ParameterValue| match value {
+            ParameterValue::Float64(x) => Some(*x).filter(|x| x.is_finite()),
+            ParameterValue::Integer(x) => Some(*x as f64),
+            _ => None,
+        };
+        Some(match (self, value) {
+            (Self::Number(_), value) => Self::Number(number(value)?),
+            (Self::Integer(_), ParameterValue::Integer(x)) => Self::Integer(*x),
+            // Sliders give whole numbers a fraction of zero.
+            (Self::Integer(_), ParameterValue::Float64(x))
+                if x.fract() == 0.0 && x.abs() < 1e15 =>
+            {
+                Self::Integer(*x as i64)
+            }
+            (Self::Switch(_), ParameterValue::Bool(x)) => Self::Switch(*x),
+            (Self::Text(_), ParameterValue::String(x)) => Self::Text(x.clone()),
+            (Self::Numbers(now), ParameterValue::Array(items)) if items.len() == now.len() => {
+                Self::Numbers(items.iter().map(number).collect::<Option<_>>()?)
+            }
+            _ => return None,
+        })
+    }
+
+    fn published(&self, name: &str) -> Parameter {
+        let (kind, value) = match self {
+            Self::Number(x) => (Some(ParameterType::Float64), ParameterValue::Float64(*x)),
+            Self::Integer(x) => (None, ParameterValue::Integer(*x)),
+            Self::Switch(x) => (None, ParameterValue::Bool(*x)),
+            Self::Text(x) => (None, ParameterValue::String(x.clone())),
+            Self::Numbers(x) => {
+                let items = x.iter().map(|x| ParameterValue::Float64(*x));
+                let items = ParameterValue::Array(items.collect());
+                (Some(ParameterType::Float64Array), items)
+            }
+        };
+        Parameter {
+            name: name.to_owned(),
+            r#type: kind,
+            value: Some(value),
+        }
+    }
+}
