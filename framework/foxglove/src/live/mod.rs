@@ -286,6 +286,7 @@ impl Show {
                 let (snapshot, truth) = (&shown.snapshot, &shown.truth);
                 let logged = self.log.record(snapshot, truth, &mut self.topics);
                 let drawn = self.scene.record(snapshot, truth, &mut self.topics);
+                self.desk.parameters().follow(&snapshot.references);
                 exchange.give_back(shown);
                 self.report(logged.and(drawn));
                 if exchange.is_stopped() {

@@ -17,6 +17,7 @@ pub(super) struct Parameters {
     known: BTreeMap<String, Known>,
     /// Keys of each entry as in its file: a change of a nested key replaces the whole key that it is in.
     tables: BTreeMap<String, toml::Table>,
+    tasks: Vec<String>,
 }
 
 #[derive(Clone, Debug)]
@@ -60,6 +61,7 @@ impl Parameters {
         let mut parameters = Self {
             known: BTreeMap::new(),
             tables: BTreeMap::new(),
+            tasks: controller.task_names().map(str::to_owned).collect(),
         };
         for entry in controller.entries() {
             let name = entry.name;
@@ -120,6 +122,18 @@ impl Parameters {
                 }
             }
             path.pop();
+        }
+    }
+
+    /// Takes over what tasks follow, in the order of the tasks.
+    pub(super) fn follow(&mut self, references: &[Option<Sample>]) {
+        for (task, reference) in self.tasks.iter().zip(references) {
+            let known = self.known.get_mut(&format!("{task}.reference"));
+            if let (Some(known), Some(sample)) = (known, reference)
+                && known.what == What::Reference(task.clone())
+            {
+                known.value = Value::Numbers(standing(sample));
+            }
         }
     }
 
