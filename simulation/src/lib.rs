@@ -44,6 +44,8 @@ pub use plant::{CommandDelay, Plant, PlantCommand, PlantConfig, PlantError};
 pub use run::{CaseRun, Summary, run, run_with};
 pub use scenario::{Perturbation, RunError, Scenario, ScenarioError, Variation};
 pub use sensors::{SensorReading, Sensors, SensorsConfig};
+#[cfg(feature = "live")]
+pub use watch::LiveWatcher;
 #[cfg(feature = "foxglove")]
 pub use watch::SceneWatcher;
 pub use watch::{RunOptions, Watcher};

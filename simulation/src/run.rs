@@ -209,9 +209,6 @@ impl CaseRun {
                 self.timeline = std::mem::take(&mut self.timeline).mark(mark, measurement.time);
             }
         }
-        for watcher in &mut options.watchers {
-            watcher.before_tick(measurement.time, controller);
-        }
         let (_, report) = controller.tick(measurement);
         summary.ticks += 1;
         summary.held += usize::from(report.level != FallbackLevel::Optimal);
@@ -228,7 +225,7 @@ impl CaseRun {
         state_message(model, world.state(), &mut self.message);
         sink.write(self.truth_channel, time, &self.message)?;
         for watcher in &mut options.watchers {
-            watcher.after_tick(&self.snapshot, &self.truth, sink)?;
+            watcher.after_tick(&mut self.controller, &self.snapshot, &self.truth, sink)?;
         }
         Ok(())
     }

@@ -43,17 +43,14 @@ pub trait Watcher {
     /// What ends the run.
     fn begin(&mut self, controller: &Controller, sink: &mut dyn LogSink) -> Result<(), LogError>;
 
-    /// Before each tick, at `time`, s. Whoever waits here slows the run down.
-    fn before_tick(&mut self, time: f64, controller: &mut Controller) {
-        let _ = (time, controller);
-    }
-
-    /// After each tick. `truth` is what the plant knows of each contact.
+    /// After each tick, which `snapshot` is of. `truth` is what the plant knows of each contact. What is changed of the
+    /// controller holds from the next tick on; whoever waits here slows the run down.
     ///
     /// # Errors
     /// What ends the run.
     fn after_tick(
         &mut self,
+        controller: &mut Controller,
         snapshot: &Snapshot,
         truth: &[Option<TrueContact>],
         sink: &mut dyn LogSink,
@@ -74,6 +71,7 @@ impl Watcher for SceneWatcher {
 
     fn after_tick(
         &mut self,
+        _: &mut Controller,
         snapshot: &Snapshot,
         truth: &[Option<TrueContact>],
         sink: &mut dyn LogSink,
@@ -82,5 +80,67 @@ impl Watcher for SceneWatcher {
             Some(log) => log.record(snapshot, truth, sink),
             None => Ok(()),
         }
+    }
+}
+
+/// Serves a run to Foxglove while it goes on, at the speed of real time, and takes changes from there
+/// ([`LiveView`](wbqp_foxglove::LiveView)).
+#[cfg(feature = "live")]
+pub struct LiveWatcher<'a> {
+    port: u16,
+    announce: &'a mut (dyn FnMut(u16) + 'a),
+    view: Option<wbqp_foxglove::LiveView>,
+    start: std::time::Instant,
+}
+
+#[cfg(feature = "live")]
+impl<'a> LiveWatcher<'a> {
+    /// On a port, 0 for any that is free; `announce` hears which when the run begins.
+    pub fn new(port: u16, announce: &'a mut (dyn FnMut(u16) + 'a)) -> Self {
+        Self {
+            port,
+            announce,
+            view: None,
+            start: std::time::Instant::now(),
+        }
+    }
+}
+
+#[cfg(feature = "live")]
+impl std::fmt::Debug for LiveWatcher<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("LiveWatcher")
+            .field("view", &self.view)
+            .finish_non_exhaustive()
+    }
+}
+
+#[cfg(feature = "live")]
+impl Watcher for LiveWatcher<'_> {
+    fn begin(&mut self, controller: &Controller, _: &mut dyn LogSink) -> Result<(), LogError> {
+        let view = wbqp_foxglove::LiveView::on_port(controller, self.port);
+        let view = view.map_err(|error| LogError::Write(Box::new(error)))?;
+        (self.announce)(view.port());
+        self.view = Some(view);
+        self.start = std::time::Instant::now();
+        Ok(())
+    }
+
+    fn after_tick(
+        &mut self,
+        controller: &mut Controller,
+        snapshot: &Snapshot,
+        truth: &[Option<TrueContact>],
+        _: &mut dyn LogSink,
+    ) -> Result<(), LogError> {
+        if let Some(view) = &mut self.view {
+            view.update_with(controller, &snapshot.measurement, truth);
+        }
+        let time = std::time::Duration::try_from_secs_f64(snapshot.measurement.time);
+        let ahead = time
+            .unwrap_or_default()
+            .saturating_sub(self.start.elapsed());
+        std::thread::sleep(ahead);
+        Ok(())
     }
 }

@@ -18,6 +18,7 @@ pub fn assert_as_promised(experiment: &Experiment) {
     let args = Common {
         out: out.path().to_owned(),
         seed: 1,
+        live: None,
     };
     let outcome = experiment.run(&args).expect("runs");
     let diverged = outcome.runs.diverged();

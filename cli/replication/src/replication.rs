@@ -7,8 +7,8 @@ use rayon::prelude::*;
 use wbqp::replay::DumpFolder;
 use wbqp_log::{LogSink, McapLog};
 use wbqp_measures::promises;
-use wbqp_sim::{RunOptions, Scenario, SceneWatcher};
-use wbqp_terminal::{Common, ProgressBars, say, scenario_file};
+use wbqp_sim::{LiveWatcher, RunOptions, Scenario, SceneWatcher};
+use wbqp_terminal::{Common, ProgressBars, live_address, say, scenario_file};
 
 use crate::{
     experiment::{Case, Experiment, Outcome, Recorded, Runs},
@@ -21,10 +21,12 @@ use crate::{
 /// If a scenario is refused or a file cannot be written. A case that diverged is no error.
 pub fn run(experiments: &[Experiment], args: &Common) -> Result<Vec<Outcome>> {
     let bars = ProgressBars::new(2);
-    experiments
-        .par_iter()
-        .map(|experiment| finish(experiment, args, None, &bars))
-        .collect()
+    args.in_order(|| {
+        experiments
+            .par_iter()
+            .map(|experiment| finish(experiment, args, None, &bars))
+            .collect()
+    })
 }
 
 /// [`run`] for one experiment, with another scenario than its own if one is given.
@@ -32,7 +34,7 @@ pub fn run(experiments: &[Experiment], args: &Common) -> Result<Vec<Outcome>> {
 /// # Errors
 /// See [`run`].
 pub fn run_one(experiment: &Experiment, args: &Common, scenario: Option<&Path>) -> Result<Outcome> {
-    finish(experiment, args, scenario, &ProgressBars::new(2))
+    args.in_order(|| finish(experiment, args, scenario, &ProgressBars::new(2)))
 }
 
 /// Says on standard output whether everything is as promised; the exit code says the same.
@@ -62,7 +64,7 @@ fn finish(
     let names: Vec<&str> = scenario.cases().collect();
     let cases = names
         .par_iter()
-        .map(|case| run_case(experiment, &scenario, case, &directory, args.seed, bars))
+        .map(|case| run_case(experiment, &scenario, case, args, bars))
         .collect::<Result<Vec<Case>>>()?;
     let runs = Runs::new(&directory, cases);
     let mut outcome = Outcome {
@@ -90,10 +92,10 @@ fn run_case(
     experiment: &Experiment,
     scenario: &Scenario,
     case: &str,
-    directory: &Path,
-    seed: u64,
+    args: &Common,
     bars: &ProgressBars,
 ) -> Result<Case> {
+    let directory = args.out.join(experiment.measures.name);
     let path = directory.join(format!("{case}.mcap"));
     let mut log = McapLog::create(&path)?;
     let progress = bars.start(&format!("{}/{case}", experiment.measures.name));
@@ -101,12 +103,17 @@ fn run_case(
     let mut update = |fraction| progress.update(fraction);
     dumps.remove_old()?;
     let mut scene = SceneWatcher::default();
-    let options = RunOptions {
+    let mut announce = |port| bars.say(&live_address(port));
+    let mut live = args.live.map(|port| LiveWatcher::new(port, &mut announce));
+    let mut options = RunOptions {
         progress: Some(&mut update),
         dumps: Some(&mut dumps),
         watchers: vec![&mut scene],
     };
-    let summary = wbqp_sim::run_with(scenario, case, seed, &mut log, options)?;
+    if let Some(live) = &mut live {
+        options.watchers.push(live);
+    }
+    let summary = wbqp_sim::run_with(scenario, case, args.seed, &mut log, options)?;
     for file in dumps.written() {
         bars.say(&format!(
             "the controller changed its level: {}",

@@ -20,8 +20,8 @@ use rayon::prelude::*;
 use wbqp::replay::DumpFolder;
 use wbqp_log::{LogSink, McapLog};
 use wbqp_measures::log::Log;
-use wbqp_sim::{RunOptions, Scenario, SceneWatcher};
-use wbqp_terminal::{Common, ProgressBars, say};
+use wbqp_sim::{LiveWatcher, RunOptions, Scenario, SceneWatcher};
+use wbqp_terminal::{Common, ProgressBars, live_address, say};
 
 use self::soles::Soles;
 use crate::{assignment::Assignment, check::RobotOptions, subject::Subject};
@@ -69,10 +69,12 @@ impl Arguments {
         let is_asked = |case: &&str| self.cases.is_empty() || self.cases.iter().any(|c| c == case);
         let cases: Vec<&str> = scenario.cases().filter(is_asked).collect();
         let bars = ProgressBars::new(2);
-        let summaries = cases
-            .par_iter()
-            .map(|case| self.run_case(&scenario, case, &directory, &bars))
-            .collect::<Result<Vec<CaseSummary>>>()?;
+        let summaries = self.common.in_order(|| {
+            cases
+                .par_iter()
+                .map(|case| self.run_case(&scenario, case, &directory, &bars))
+                .collect::<Result<Vec<CaseSummary>>>()
+        })?;
         for summary in &summaries {
             say!("\n{}", summary.text().trim_end());
         }
@@ -101,11 +103,17 @@ impl Arguments {
         let mut dumps = DumpFolder::new(directory.join(case), MOST_DUMPS);
         dumps.remove_old()?;
         let mut scene = SceneWatcher::default();
-        let options = RunOptions {
+        let mut announce = |port| bars.say(&live_address(port));
+        let live = self.common.live;
+        let mut live = live.map(|port| LiveWatcher::new(port, &mut announce));
+        let mut options = RunOptions {
             progress: Some(&mut update),
             dumps: Some(&mut dumps),
             watchers: vec![&mut scene],
         };
+        if let Some(live) = &mut live {
+            options.watchers.push(live);
+        }
         let run = wbqp_sim::run_with(scenario, case, self.common.seed, &mut log, options)?;
         log.finish()?;
         progress.finish();

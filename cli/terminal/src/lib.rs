@@ -4,7 +4,7 @@ mod options;
 mod progress;
 mod scenarios;
 
-pub use options::Common;
+pub use options::{Common, live_address};
 pub use progress::{Progress, ProgressBars};
 pub use scenarios::scenario_file;
 

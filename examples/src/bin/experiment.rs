@@ -4,12 +4,13 @@
 
 use std::{env, error::Error, path::Path};
 
+use wbqp_examples::live_port;
 use wbqp_measures::{
     Cases, Recording, experiments,
     log::{Log, Recorder},
     number,
 };
-use wbqp_sim::Scenario;
+use wbqp_sim::{LiveWatcher, RunOptions, Scenario};
 
 // Plug-ins are found once their crate is linked, and a crate that no code names is not.
 use {wbqp_robots as _, wbqp_tasks as _};
@@ -18,7 +19,8 @@ use {wbqp_robots as _, wbqp_tasks as _};
 const SEED: u64 = 1;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let name = env::args().nth(1).unwrap_or("push_away".to_owned());
+    let name = env::args().nth(1).filter(|name| name != "--live");
+    let name = name.unwrap_or("push_away".to_owned());
     let known: Vec<&str> = experiments::ALL.iter().map(|e| e.name).collect();
     let experiment = experiments::of(&name).ok_or_else(|| {
         format!(
@@ -32,7 +34,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut logs: Vec<(&str, Log)> = Vec::new();
     for case in experiment.cases {
         let mut log = Recorder::default();
-        let summary = wbqp_sim::run(&scenario, case, SEED, &mut log, &mut |_| ())?;
+        let mut announce = |port| println!("{case}: live on ws://127.0.0.1:{port}");
+        let mut live = live_port()?.map(|port| LiveWatcher::new(port, &mut announce));
+        let mut options = RunOptions::default();
+        if let Some(live) = &mut live {
+            options.watchers.push(live);
+        }
+        let summary = wbqp_sim::run_with(&scenario, case, SEED, &mut log, options)?;
         println!("{case}: {} ticks", summary.ticks);
         logs.push((case, log.into_log()));
     }

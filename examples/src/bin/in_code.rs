@@ -5,6 +5,7 @@
 use std::error::Error;
 
 use wbqp::{ControllerConfig, plugin::Entry};
+use wbqp_examples::Live;
 use wbqp_robots::Othex;
 use wbqp_tasks::{
     ActuatorLimits, BaseOrientation, BasePosition, MinJerk, Posture, PropellerRegularisation,
@@ -28,6 +29,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("# the file that says the same\n{}", config.to_toml()?);
     let mut controller = config.build()?;
 
+    let mut live = Live::from_args(&controller)?; // nothing without `--live`
     let mut measurement = controller.measurement(); // at home, where the robot stays in this program
     controller.tick(&measurement);
 
@@ -45,6 +47,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 report.time, command.joint_acceleration
             );
         }
+        live.update(&mut controller, &measurement);
     }
     Ok(())
 }

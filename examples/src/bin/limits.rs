@@ -5,6 +5,7 @@
 use std::error::Error;
 
 use wbqp::{Controller, ControllerConfig};
+use wbqp_examples::Live;
 
 // Plug-ins are found once their crate is linked, and a crate that no code names is not.
 use {wbqp_robots as _, wbqp_tasks as _};
@@ -48,10 +49,17 @@ margin = 0.9
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut controller = Controller::new(ControllerConfig::from_str(FILE, "limits.toml", "")?)?;
-    let measurement = controller.measurement(); // at home
+    let mut live = Live::from_args(&controller)?; // nothing without `--live`
+    let mut measurement = controller.measurement(); // at home
     controller.tick(&measurement);
     if let Some(why) = controller.explain() {
         println!("{why}");
+    }
+    // With a live view, until the program is ended: there, `margin` of the ceiling can be made smaller.
+    while live.is_on() {
+        measurement.time += 0.004;
+        controller.tick(&measurement);
+        live.update(&mut controller, &measurement);
     }
     Ok(())
 }

@@ -1,10 +1,11 @@
 //! A control loop of one's own, around the drivers of a robot: what is to be filled in is in `Driver`.
 //!
-//! `cargo run --release --bin own_loop`
+//! `cargo run --release --bin own_loop [-- --live]`
 
 use std::{error::Error, path::Path};
 
 use wbqp::{Controller, Measurement, controller::Command};
+use wbqp_examples::Live;
 
 // Plug-ins are found once their crate is linked, and a crate that no code names is not.
 use {wbqp_robots as _, wbqp_tasks as _};
@@ -40,10 +41,12 @@ fn main() -> Result<(), Box<dyn Error>> {
         ticks: 0,
         sent: vec![0.0; controller.robot().nu()],
     };
+    let mut live = Live::from_args(&controller)?; // nothing without `--live`
     for _ in 0..1000 {
         driver.read(&mut measurement);
         let (command, _) = controller.tick(&measurement);
         driver.write(command); // also after a fault: it is within the actuators' limits
+        live.update(&mut controller, &measurement);
         if let Some(why) = controller.explain() {
             eprintln!("{why}"); // in words: not in a real-time loop
         }

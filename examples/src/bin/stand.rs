@@ -4,6 +4,7 @@
 
 use std::{error::Error, path::Path};
 
+use wbqp_examples::Live;
 use wbqp_sim::{ClosedLoop, Scenario};
 
 // Plug-ins are found once their crate is linked, and a crate that no code names is not.
@@ -23,8 +24,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let feet: Vec<String> = controller.contact_names().map(str::to_owned).collect();
     println!("t [s]  height [m]  normal force of {} [N]", feet.join(", "));
     let rate = controller.settings().rate;
+    let mut live = Live::from_args(&controller)?; // nothing without `--live`
     for tick in 0..case.ticks(rate) {
-        let (command, report) = controller.tick(robot.measure());
+        let measurement = robot.measure().clone();
+        let (command, report) = controller.tick(&measurement);
         if tick % 500 == 0 {
             let height = robot.plant().state().p_WR.z;
             let forces = report.contacts.iter().map(|c| c.solution[2]);
@@ -32,6 +35,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             println!("{:5.1}  {height:10.4}  {}", report.time, forces.join(" "));
         }
         robot.advance(command)?;
+        live.update(&mut controller, &measurement);
     }
     Ok(())
 }

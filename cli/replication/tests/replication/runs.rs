@@ -102,6 +102,7 @@ fn a_sweep_depends_on_plan_and_seed_alone_and_the_report_shows_it() {
     let args = Common {
         out: out.clone(),
         seed: 1,
+        live: None,
     };
     let outcomes = [push_away::EXPERIMENT.run(&args).unwrap()];
     // In memory and without variation it is the same as from files.
