@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 """Checks a log that 3-D views show, with readers that others made.
 
-    scene_log.py LOG [--largest BYTES]
+    scene_log.py LOG [--largest BYTES] [--layout FILE]
 
 Every message on a topic of Protocol Buffers is decoded by its own schema, schemas of Foxglove's types are those that
 Foxglove's SDK has, all frames hang together, and what stands in them is what the JSON topics say: the base's pose, the
-thrusts, the forces. Says what it checked; fails at the first difference.
+thrusts, the forces. What a layout of Foxglove's shows is in the log. Says what it checked; fails at the first difference.
 """
 
 import argparse
@@ -148,18 +148,42 @@ def check_forces(protobuf, texts):
     return count
 
 
+def check_layout(layout, schemas, texts):
+    """Every topic and field that a layout shows is in the log."""
+    fields = 0
+    for panel in layout["configById"].values():
+        for topic in [*panel.get("topics", {}), *filter(None, [panel.get("topicPath")])]:
+            assert topic in schemas, f"the layout shows {topic}"
+        for path in panel.get("paths", []):
+            topic, *names = path["value"].split(".")
+            messages = [json.loads(text) for text in texts[topic].values()]
+            assert any(has(message, names) for message in messages), f"the layout shows {path['value']}"
+            fields += 1
+    return fields
+
+
+def has(message, names):
+    for name in names:
+        if name not in message:
+            return False
+        message = message[name]
+    return isinstance(message, (int, float))
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("log", type=pathlib.Path)
     parser.add_argument("--largest", type=int, help="how large the file may be, bytes")
+    parser.add_argument("--layout", type=pathlib.Path, help="a layout that is made for this log")
     arguments = parser.parse_args()
     size = arguments.log.stat().st_size
     assert arguments.largest is None or size <= arguments.largest, f"{arguments.log} has {size} bytes"
     schemas, protobuf, texts = read(arguments.log)
     check_schemas(schemas, protobuf)
+    shown = check_layout(json.loads(arguments.layout.read_text()), schemas, texts) if arguments.layout else 0
     print(
         f"{arguments.log}: {size} bytes; {check_frames(protobuf)} frames, {check_base(protobuf, texts)} poses of the "
-        f"base, {check_thrusts(protobuf, texts)} thrusts, {check_forces(protobuf, texts)} forces"
+        f"base, {check_thrusts(protobuf, texts)} thrusts, {check_forces(protobuf, texts)} forces, {shown} fields of the layout"
     )
 
 
