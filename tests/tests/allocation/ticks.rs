@@ -6,8 +6,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use wbqp::{
-    ControllerConfig,
-    controller::FallbackLevel,
+    Controller, ControllerConfig, Measurement,
+    controller::{FallbackLevel, Snapshot},
     fault::Fault,
     nalgebra::UnitQuaternion,
     plugin::Entry,
@@ -147,6 +147,21 @@ fn with_solver(solver: Option<fn() -> Box<dyn Solver>>) {
     }
 }
 
+/// A snapshot is what the tick took and gave. As text: what is not a number equals itself there.
+fn assert_copied(snapshot: &Snapshot, controller: &Controller, measurement: &Measurement) {
+    let text = |value: &dyn std::fmt::Debug| format!("{value:?}");
+    assert_eq!(text(&snapshot.measurement), text(measurement));
+    assert_eq!(text(&snapshot.command), text(controller.command()));
+    assert_eq!(text(&snapshot.report), text(controller.report()));
+    for (name, surface) in controller.contact_names().zip(&snapshot.surfaces) {
+        let contact = controller.contact_state(controller.contact(name).expect("exists"));
+        assert_eq!((surface.R_WC, surface.p_WS), (contact.R_WC, contact.p_WS));
+    }
+    for (task, reference) in controller.task_names().zip(&snapshot.references) {
+        assert_eq!(reference.as_ref(), controller.followed(task).ok());
+    }
+}
+
 /// Far from home, where all references are bound once more; and in first ticks that are refused.
 pub(crate) fn the_first_tick_allocates_nothing() {
     let config = || {
@@ -237,6 +252,7 @@ pub(crate) fn no_rung_allocates() {
         let mut controller = controller.with_recorder(4).expect("can be saved");
         let good = scene.measurement();
         let mut measurement = good.clone();
+        let (mut snapshot, names) = (controller.snapshot(), controller.names());
         let (mut inside, mut outage) = (0, 0_u32);
         let mut levels = [0_u32; 4];
         let ticks = (f64::from(total) * share) as u32;
@@ -265,7 +281,11 @@ pub(crate) fn no_rung_allocates() {
             .expect("the names exist");
             let before = allocations();
             let level = controller.tick(&measurement).1.level;
+            snapshot.take(&controller, &measurement);
             inside += allocations() - before;
+            assert_copied(&snapshot, &controller, &measurement);
+            let told = names.explain(&snapshot.report);
+            assert_eq!(told, controller.explain(), "tick {tick}");
             let position = FallbackLevel::ALL.iter().position(|r| *r == level);
             levels[position.expect("is one of all")] += 1;
         }

@@ -71,11 +71,11 @@ impl Parameters {
                 Some(first) if is_uniform => Value::Number(*first),
                 _ => Value::Numbers(weights.to_vec()),
             };
-            parameters.add(
-                format!("{name}.weight"),
-                What::Weight(name.to_owned()),
-                weight,
-            );
+            // Bounds and hard limits have none.
+            if !weights.is_empty() {
+                let what = What::Weight(name.to_owned());
+                parameters.add(format!("{name}.weight"), what, weight);
+            }
             let active = Value::Switch(entry.is_on);
             parameters.add(
                 format!("{name}.active"),
