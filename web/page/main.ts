@@ -3,6 +3,7 @@
 import "./style.css";
 import { type State, fresh, joined, read as readAddress, variation, write as writeAddress } from "./address";
 import type { Editor, Tab } from "./editor";
+import { type Named, fetchLog, namedLog } from "./fetched";
 import { Panel } from "./panel";
 import { Plots } from "./plots";
 import type { About, Change, Fields, FromWorker, Schema, Shipped, ToWorker, Words } from "./protocol";
@@ -33,6 +34,11 @@ let panel: Panel | null = null;
 let replay: Replay | null = null;
 let source: Source | null = null;
 let logName = "";
+/** The log that the page's address names. */
+let named: Named | null = null;
+/** What the address begins with is there, or is refused: from now on other things may be shown. */
+let settle: () => void = () => {};
+const settled = new Promise<void>((done) => (settle = done));
 /** What is wrong with the link, to be said when something is there to be seen. */
 let greeting: [string, string] | null = null;
 /** Meshes and other files that were dropped. */
@@ -172,6 +178,7 @@ async function hear(message: FromWorker): Promise<void> {
       shipped = message.scenarios;
       schemas = message.schemas;
       await begin();
+      await beginWithLog();
       break;
     case "loaded": {
       calm();
@@ -194,11 +201,13 @@ async function hear(message: FromWorker): Promise<void> {
         $<HTMLDialogElement>("editor").close();
       }
       document.body.dataset.loaded = state.scenario;
+      settle();
       break;
     }
     case "refused":
+      if (message.what === "load") settle();
       if (message.what === "describe") {
-        leaveLog();
+        source = null;
         problem(`The log ${logName} cannot be drawn`, `What it was made from is refused:\n${message.text}`);
       } else if ($<HTMLDialogElement>("editor").open) {
         $("refusal").textContent = plain(message.text);
@@ -305,7 +314,12 @@ function template(): { scenario: string; controller: string } {
 }
 
 async function edit(): Promise<void> {
-  const { Editor } = await import("./editor");
+  let Editor;
+  try {
+    ({ Editor } = await import("./editor"));
+  } catch (error) {
+    return problem("The editor cannot be loaded", `Is what serves this page still there? ${String(error)}`);
+  }
   const own = state.scenario === OWN && state.own ? state.own : template();
   editor ??= new Editor($("text"), $("tabs"), schemas, apply);
   const tabs: Tab[] = [
@@ -376,6 +390,33 @@ name = "hold"
   load();
 }
 
+/** The log that the address names, when there is something behind it that stays if it cannot be shown. */
+async function beginWithLog(): Promise<void> {
+  await settled;
+  try {
+    named = namedLog(location.href);
+  } catch (error) {
+    return problem("The log is not fetched", error instanceof Error ? error.message : String(error));
+  }
+  if (!named) return;
+  $("reload").hidden = false;
+  await reload();
+}
+
+async function reload(): Promise<void> {
+  if (!named) return;
+  calm();
+  const button = $<HTMLButtonElement>("reload");
+  button.disabled = true;
+  try {
+    await openLog(await fetchLog(named));
+  } catch (error) {
+    problem(`The log ${named.name} cannot be fetched`, error instanceof Error ? error.message : String(error));
+  } finally {
+    button.disabled = false;
+  }
+}
+
 async function openLog(file: File): Promise<void> {
   setPlaying(false);
   tell({ type: "play", on: false });
@@ -395,6 +436,8 @@ async function openLog(file: File): Promise<void> {
 async function begun(next: About, where: Fields): Promise<void> {
   if (!source) return;
   const { Replay } = await import("./replay");
+  // A log that is read again stays where it was.
+  const at = document.body.dataset.replay === logName ? replayed : 0;
   show(next, where);
   replay = new Replay(source, next, where);
   source = null;
@@ -408,7 +451,7 @@ async function begun(next: About, where: Fields): Promise<void> {
   scrub.max = String(replay.end);
   plots.all = true;
   plots.add(replay.rows);
-  seek(0);
+  seek(at);
 }
 
 let replayed = 0;
@@ -429,6 +472,8 @@ function seek(time: number): void {
 }
 
 function leaveLog(): void {
+  // What is shown now is another thing than the log of the address; the button has it still.
+  if (replay && location.search) history.replaceState(null, "", location.pathname + location.hash);
   replay = null;
   delete document.body.dataset.replay;
   plots.all = false;
@@ -507,6 +552,7 @@ $("measure").onclick = () => {
   tell({ type: "play", on: false });
   tell({ type: "measure" });
 };
+$("reload").onclick = () => void reload();
 $("open").onclick = () => $("files").click();
 $<HTMLInputElement>("files").onchange = (event) => {
   const input = event.target as HTMLInputElement;
