@@ -9,6 +9,7 @@ import { Plots } from "./plots";
 import type { About, Change, Fields, FromWorker, Schema, Shipped, ToWorker, Words } from "./protocol";
 import type { Replay, Source } from "./replay";
 import { Scene } from "./scene";
+import { WordBox } from "./words";
 
 function $<T extends HTMLElement = HTMLElement>(id: string): T {
   const found = document.getElementById(id);
@@ -46,6 +47,8 @@ const dropped = new Map<string, File>();
 let latest: Float64Array | null = null;
 let words: Words | null = null;
 
+const said = new WordBox($("say"));
+const wrong = new WordBox($("problem"));
 let scene: Scene | null = null;
 const plots = new Plots($("plots"));
 try {
@@ -69,16 +72,11 @@ try {
 // Words.
 
 function problem(title: string, text: string): void {
-  const host = $("problem");
-  host.replaceChildren();
-  const strong = document.createElement("strong");
-  strong.textContent = title;
-  host.append(strong, text);
-  host.hidden = false;
+  wrong.show(text, title);
 }
 
 function calm(): void {
-  $("problem").hidden = true;
+  wrong.hide();
 }
 
 function speak(now: Words): void {
@@ -86,15 +84,12 @@ function speak(now: Words): void {
   const level = $("level");
   level.textContent = now.stopped ? "stopped" : now.level;
   level.dataset.level = now.stopped ? "safe" : now.level;
-  const say = $("say");
   const parts: string[] = [];
   if (now.stopped) parts.push(now.stopped);
   if (now.why) parts.push(now.why);
   else if (now.last && now.time - now.last.at < 3) parts.push(`at ${now.last.at.toFixed(3)} s, ${now.last.why}`);
   if (now.over && !now.stopped) parts.push("The scenario is over: Reset begins again, Play goes on.");
-  const text = parts.join("\n\n");
-  if (say.textContent !== text) say.textContent = text;
-  say.hidden = text === "";
+  said.show(parts.join("\n\n"));
 }
 
 // The run.
@@ -637,6 +632,6 @@ Object.assign(window, {
     about: () => about,
     words: () => words,
     change,
-    whereIs: (link: string) => scene?.whereIs(link) ?? null,
+    whereIs: (name: string) => scene?.whereIs(name) ?? null,
   },
 });

@@ -642,9 +642,9 @@ export class Scene {
     this.stale = true;
   }
 
-  /** Where a link is on the canvas, in its pixels: for tests that drag it. */
-  whereIs(link: string): [number, number] | null {
-    const object = this.robot?.links[link];
+  /** Where a link or a wall is on the canvas, in its pixels: for tests that drag it. */
+  whereIs(name: string): [number, number] | null {
+    const object = this.robot?.links[name] ?? this.walls.get(name);
     if (!object || !this.frame) return null;
     const at = object.getWorldPosition(new THREE.Vector3()).project(this.camera);
     return [((at.x + 1) / 2) * this.canvas.clientWidth, ((1 - at.y) / 2) * this.canvas.clientHeight];

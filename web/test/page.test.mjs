@@ -145,6 +145,28 @@ describe("the page", () => {
     assert.match(await say(page), /any one of these would have to give|given up/);
     assert.match(await say(page), /short by/);
     await page.screenshot({ path: join(pictures, "explained.png") });
+    // A long text leaves the view free, also on a phone, until all of it is asked for.
+    const share = () =>
+      page.evaluate(() => {
+        const [words, view] = ["words", "view"].map((id) => document.getElementById(id).getBoundingClientRect());
+        return { wide: words.width / view.width, high: words.height / view.height, out: words.right > view.right || words.top < view.top };
+      });
+    const small = await share();
+    assert.ok(small.wide < 0.45 && small.high < 0.25 && !small.out, JSON.stringify(small));
+    await page.click("#say .more");
+    const large = await share();
+    assert.ok(large.high > 2 * small.high && !large.out, `${JSON.stringify(small)} ${JSON.stringify(large)}`);
+    await page.screenshot({ path: join(pictures, "explained-all.png") });
+    await page.click("#say .more");
+    assert.deepEqual(await share(), small);
+    await page.setViewportSize({ width: 390, height: 844 });
+    await page.waitForTimeout(300);
+    const phone = await share();
+    assert.ok(phone.high < 0.3 && !phone.out, JSON.stringify(phone));
+    await page.screenshot({ path: join(pictures, "explained-phone.png") });
+    await page.click("#say .more");
+    assert.ok((await share()).high > phone.high && !(await share()).out);
+    await page.screenshot({ path: join(pictures, "explained-phone-all.png") });
     assert.deepEqual(errors, []);
     await page.close();
   });
