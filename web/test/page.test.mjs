@@ -171,7 +171,7 @@ describe("the page", () => {
     await page.close();
   });
 
-  test("the robot is pulled with the pointer, the wall is moved", async () => {
+  test("the robot is pulled with the pointer", async () => {
     const { page } = await open(chrome, host.address + B);
     await page.click("#play");
     await until(page, 0.5);
@@ -187,6 +187,49 @@ describe("the page", () => {
     await page.mouse.up();
     const moved = Math.hypot(...after.map((p, i) => p - before[i]));
     assert.ok(moved > 0.02, `${moved}`);
+    await page.close();
+  });
+
+  test("the wall is dragged, along its normal, and a robot that pushes follows it", async () => {
+    const { page, errors } = await open(chrome, `${host.address}${B}&speed=10`);
+    const wall = "wall";
+    await page.click("#play");
+    await until(page, 8);
+    // What comes at 12 s shall not come while it is dragged, however slow the pictures are.
+    await page.selectOption("#speed", "0.1");
+    const { normal } = await page.evaluate((name) => window.wbqp.about().walls.find((w) => w.name === name), wall);
+    const before = { wall: await field(page, `wall/${wall}`), tip: await field(page, "contact/tip/point") };
+    const box = await page.locator("#stage canvas").boundingBox();
+    const [x, y] = await page.evaluate((name) => window.wbqp.whereIs(name), wall);
+    const [fromX, fromY] = [box.x + x, box.y + y];
+    await page.mouse.move(fromX, fromY);
+    await page.mouse.down();
+    await page.mouse.move(fromX + 40, fromY + 10, { steps: 10 });
+    await page.waitForTimeout(300);
+    await page.screenshot({ path: join(pictures, "wall-dragged.png") });
+    await page.mouse.up();
+    const moved = (await field(page, `wall/${wall}`)).map((p, i) => p - before.wall[i]);
+    const along = moved.reduce((sum, p, i) => sum + p * normal[i], 0);
+    assert.ok(Math.abs(along) > 0.01, `${moved}`);
+    assert.ok(moved.every((p, i) => Math.abs(p - along * normal[i]) < 1e-9), `${moved}`);
+    // It pushes again, at the new place.
+    await page.selectOption("#speed", "1");
+    const seen = await page.waitForFunction(() => {
+      const [time, force, tip] = ["time", "contact/tip/true", "contact/tip/point"].map((name) => window.wbqp.field(name));
+      return time[0] > 11 && { time: time[0], force: -force[0], tip };
+    });
+    const { time, force, tip } = await seen.jsonValue();
+    assert.ok(time < 12, `${time}`);
+    assert.ok(Math.abs(force - 5) < 1.5, `${force}`);
+    const followed = tip.reduce((sum, p, i) => sum + (p - before.tip[i]) * normal[i], 0);
+    assert.ok(Math.abs(followed - along) < 0.1 * Math.abs(along), `${followed} ${along}`);
+    // A link has it.
+    await page.waitForFunction(() => location.hash.includes("walls"));
+    const again = await open(chrome, page.url());
+    const there = await field(again.page, `wall/${wall}`);
+    assert.ok(there.every((p, i) => Math.abs(p - before.wall[i] - moved[i]) < 1e-3), `${there}`);
+    await again.page.close();
+    assert.deepEqual(errors, []);
     await page.close();
   });
 
