@@ -18,6 +18,8 @@ function $<T extends HTMLElement = HTMLElement>(id: string): T {
 }
 
 const OWN = "own";
+/** Of the scenarios to choose, the log that is shown. */
+const LOG = "a log";
 /** Where one's own files are kept, for the module. */
 const FOLDER = "own";
 
@@ -438,8 +440,10 @@ async function begun(next: About, where: Fields): Promise<void> {
   source = null;
   document.body.dataset.replay = logName;
   $("about").textContent = `Log ${logName}: ${next.scenario}, case ${next.case}, ${replay.times.length} frames. Choose a scenario to leave it.`;
-  $<HTMLSelectElement>("case").disabled = true;
-  $("side").inert = true;
+  offerLog(logName);
+  const cases = $<HTMLSelectElement>("case");
+  cases.replaceChildren(new Option(next.case.replace(/_/g, " "), next.case));
+  cases.disabled = true;
   const scrub = $<HTMLInputElement>("scrub");
   scrub.hidden = false;
   $("progress").hidden = true;
@@ -466,6 +470,14 @@ function seek(time: number): void {
   });
 }
 
+/** The log's name stands where the scenario's stood; without a name, the scenario's again. */
+function offerLog(name: string | null): void {
+  const choice = $<HTMLSelectElement>("scenario");
+  choice.querySelector(`option[value="${LOG}"]`)?.remove();
+  if (name !== null) choice.prepend(new Option(`Log: ${name}`, LOG));
+  choice.value = name === null ? state.scenario : LOG;
+}
+
 function leaveLog(): void {
   // What is shown now is another thing than the log of the address; the button has it still.
   if (replay && location.search) history.replaceState(null, "", location.pathname + location.hash);
@@ -475,7 +487,7 @@ function leaveLog(): void {
   plots.cursor = null;
   $("scrub").hidden = true;
   $("progress").hidden = false;
-  $("side").inert = false;
+  offerLog(null);
 }
 
 let before = performance.now();
@@ -568,6 +580,8 @@ $("link").onclick = async () => {
 };
 $<HTMLSelectElement>("scenario").onchange = (event) => {
   const name = (event.target as HTMLSelectElement).value;
+  // It is shown already: what was chosen instead was refused.
+  if (name === LOG) return;
   const { seed, speed } = state;
   if (name === OWN) {
     state = { ...fresh(OWN, ""), seed, speed, own: template() };

@@ -287,12 +287,22 @@ describe("the page", () => {
     const force = -(await field(page, "contact/tip/true"))[0];
     assert.ok(Math.abs(force - 5) < 0.5, `${force}`);
     await page.waitForTimeout(300);
+    // Nothing of a scenario that is not shown is left, and nothing to change.
+    assert.equal(await page.$eval("#scenario", (choice) => choice.selectedOptions[0].textContent), "Log: push.mcap");
+    assert.equal(await page.$eval("#case", (choice) => choice.textContent), "with ft");
+    for (const what of ["#side", "#seed", "#edit", "#measure", "#link"]) assert.ok(!(await page.isVisible(what)), what);
+    const wide = await page.$eval("#view", (view) => view.clientWidth);
+    assert.ok(wide > 1390, `${wide}`);
     await page.screenshot({ path: join(pictures, "replay.png") });
     await page.click("#play");
     await until(page, 14.5);
     // Out of the log again.
     await page.selectOption("#scenario", "push_away");
     await page.waitForFunction(() => !document.body.dataset.replay);
+    const offered = await page.$$eval("#scenario option", (options) => options.map((option) => option.textContent));
+    assert.ok(!offered.some((name) => name.startsWith("Log")), `${offered}`);
+    assert.equal(await page.inputValue("#scenario"), "push_away");
+    assert.ok(await page.isVisible("#side"));
     assert.deepEqual(errors, []);
     await page.close();
   });

@@ -109,6 +109,10 @@ describe("wbqp view", () => {
     await page.click("#reload");
     await says(page, "no connection to 127\\.0\\.0\\.1.*wbqp view");
     await page.screenshot({ path: join(pictures, "view-lost.png") });
+    await page.click("#play");
+    await until(page, 0.5);
+    await page.selectOption("#scenario", "push_away");
+    await page.waitForFunction(() => !document.body.dataset.replay);
     await page.click("#edit");
     await says(page, "editor cannot be loaded");
     await page.click("#play");
