@@ -1,5 +1,5 @@
 //! What the command `wbqp` does: [`check`] a robot, a controller or a scenario, run a scenario, write a new
-//! controller, look at plug-ins, schemas and recorded ticks. The binaries parse the command line and call this.
+//! controller, look at plug-ins, schemas, recorded ticks and logs. The binaries parse the command line and call this.
 
 pub mod assignment;
 pub mod check;
@@ -13,6 +13,7 @@ pub mod run;
 pub mod schema;
 pub mod subject;
 pub mod text;
+pub mod view;
 
 // Plug-ins are registered by linking.
 use wbqp_robots as _;

@@ -6,7 +6,7 @@ use anyhow::Result;
 use clap::{Parser, Subcommand};
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 use wbqp_bench::command as tick_stats;
-use wbqp_cli::{check, export_mjcf, log, new, plugins, replay, run, schema};
+use wbqp_cli::{check, export_mjcf, log, new, plugins, replay, run, schema, view};
 use wbqp_replication::command as replicate;
 use wbqp_terminal::complain;
 
@@ -32,6 +32,7 @@ enum Command {
     Run(run::Arguments),
     ExportMjcf(export_mjcf::Arguments),
     Log(log::Arguments),
+    View(view::Arguments),
     Replay(replay::Arguments),
     Plugins(plugins::Arguments),
     Schema(schema::Arguments),
@@ -48,6 +49,7 @@ impl Command {
             Self::Run(arguments) => arguments.run(),
             Self::ExportMjcf(arguments) => arguments.run().map(succeeded),
             Self::Log(arguments) => arguments.run(),
+            Self::View(arguments) => arguments.run().map(succeeded),
             Self::Replay(arguments) => arguments.run(),
             Self::Replicate(arguments) => arguments.run(),
             Self::Plugins(arguments) => arguments.run().map(succeeded),

@@ -3,11 +3,13 @@
 import "./style.css";
 import { type State, fresh, joined, read as readAddress, variation, write as writeAddress } from "./address";
 import type { Editor, Tab } from "./editor";
+import { type Named, fetchLog, namedLog } from "./fetched";
 import { Panel } from "./panel";
 import { Plots } from "./plots";
 import type { About, Change, Fields, FromWorker, Schema, Shipped, ToWorker, Words } from "./protocol";
 import type { Replay, Source } from "./replay";
 import { Scene } from "./scene";
+import { WordBox } from "./words";
 
 function $<T extends HTMLElement = HTMLElement>(id: string): T {
   const found = document.getElementById(id);
@@ -16,6 +18,8 @@ function $<T extends HTMLElement = HTMLElement>(id: string): T {
 }
 
 const OWN = "own";
+/** Of the scenarios to choose, the log that is shown. */
+const LOG = "a log";
 /** Where one's own files are kept, for the module. */
 const FOLDER = "own";
 
@@ -33,6 +37,11 @@ let panel: Panel | null = null;
 let replay: Replay | null = null;
 let source: Source | null = null;
 let logName = "";
+/** The log that the page's address names. */
+let named: Named | null = null;
+/** What the address begins with is there, or is refused: from now on other things may be shown. */
+let settle: () => void = () => {};
+const settled = new Promise<void>((done) => (settle = done));
 /** What is wrong with the link, to be said when something is there to be seen. */
 let greeting: [string, string] | null = null;
 /** Meshes and other files that were dropped. */
@@ -40,6 +49,8 @@ const dropped = new Map<string, File>();
 let latest: Float64Array | null = null;
 let words: Words | null = null;
 
+const said = new WordBox($("say"));
+const wrong = new WordBox($("problem"));
 let scene: Scene | null = null;
 const plots = new Plots($("plots"));
 try {
@@ -63,16 +74,11 @@ try {
 // Words.
 
 function problem(title: string, text: string): void {
-  const host = $("problem");
-  host.replaceChildren();
-  const strong = document.createElement("strong");
-  strong.textContent = title;
-  host.append(strong, text);
-  host.hidden = false;
+  wrong.show(text, title);
 }
 
 function calm(): void {
-  $("problem").hidden = true;
+  wrong.hide();
 }
 
 function speak(now: Words): void {
@@ -80,15 +86,12 @@ function speak(now: Words): void {
   const level = $("level");
   level.textContent = now.stopped ? "stopped" : now.level;
   level.dataset.level = now.stopped ? "safe" : now.level;
-  const say = $("say");
   const parts: string[] = [];
   if (now.stopped) parts.push(now.stopped);
   if (now.why) parts.push(now.why);
   else if (now.last && now.time - now.last.at < 3) parts.push(`at ${now.last.at.toFixed(3)} s, ${now.last.why}`);
   if (now.over && !now.stopped) parts.push("The scenario is over: Reset begins again, Play goes on.");
-  const text = parts.join("\n\n");
-  if (say.textContent !== text) say.textContent = text;
-  say.hidden = text === "";
+  said.show(parts.join("\n\n"));
 }
 
 // The run.
@@ -172,6 +175,7 @@ async function hear(message: FromWorker): Promise<void> {
       shipped = message.scenarios;
       schemas = message.schemas;
       await begin();
+      await beginWithLog();
       break;
     case "loaded": {
       calm();
@@ -194,11 +198,13 @@ async function hear(message: FromWorker): Promise<void> {
         $<HTMLDialogElement>("editor").close();
       }
       document.body.dataset.loaded = state.scenario;
+      settle();
       break;
     }
     case "refused":
+      if (message.what === "load") settle();
       if (message.what === "describe") {
-        leaveLog();
+        source = null;
         problem(`The log ${logName} cannot be drawn`, `What it was made from is refused:\n${message.text}`);
       } else if ($<HTMLDialogElement>("editor").open) {
         $("refusal").textContent = plain(message.text);
@@ -305,7 +311,12 @@ function template(): { scenario: string; controller: string } {
 }
 
 async function edit(): Promise<void> {
-  const { Editor } = await import("./editor");
+  let Editor;
+  try {
+    ({ Editor } = await import("./editor"));
+  } catch (error) {
+    return problem("The editor cannot be loaded", `Is what serves this page still there? ${String(error)}`);
+  }
   const own = state.scenario === OWN && state.own ? state.own : template();
   editor ??= new Editor($("text"), $("tabs"), schemas, apply);
   const tabs: Tab[] = [
@@ -376,6 +387,33 @@ name = "hold"
   load();
 }
 
+/** The log that the address names, when there is something behind it that stays if it cannot be shown. */
+async function beginWithLog(): Promise<void> {
+  await settled;
+  try {
+    named = namedLog(location.href);
+  } catch (error) {
+    return problem("The log is not fetched", error instanceof Error ? error.message : String(error));
+  }
+  if (!named) return;
+  $("reload").hidden = false;
+  await reload();
+}
+
+async function reload(): Promise<void> {
+  if (!named) return;
+  calm();
+  const button = $<HTMLButtonElement>("reload");
+  button.disabled = true;
+  try {
+    await openLog(await fetchLog(named));
+  } catch (error) {
+    problem(`The log ${named.name} cannot be fetched`, error instanceof Error ? error.message : String(error));
+  } finally {
+    button.disabled = false;
+  }
+}
+
 async function openLog(file: File): Promise<void> {
   setPlaying(false);
   tell({ type: "play", on: false });
@@ -395,20 +433,24 @@ async function openLog(file: File): Promise<void> {
 async function begun(next: About, where: Fields): Promise<void> {
   if (!source) return;
   const { Replay } = await import("./replay");
+  // A log that is read again stays where it was.
+  const at = document.body.dataset.replay === logName ? replayed : 0;
   show(next, where);
   replay = new Replay(source, next, where);
   source = null;
   document.body.dataset.replay = logName;
   $("about").textContent = `Log ${logName}: ${next.scenario}, case ${next.case}, ${replay.times.length} frames. Choose a scenario to leave it.`;
-  $<HTMLSelectElement>("case").disabled = true;
-  $("side").inert = true;
+  offerLog(logName);
+  const cases = $<HTMLSelectElement>("case");
+  cases.replaceChildren(new Option(next.case.replace(/_/g, " "), next.case));
+  cases.disabled = true;
   const scrub = $<HTMLInputElement>("scrub");
   scrub.hidden = false;
   $("progress").hidden = true;
   scrub.max = String(replay.end);
   plots.all = true;
   plots.add(replay.rows);
-  seek(0);
+  seek(at);
 }
 
 let replayed = 0;
@@ -428,14 +470,24 @@ function seek(time: number): void {
   });
 }
 
+/** The log's name stands where the scenario's stood; without a name, the scenario's again. */
+function offerLog(name: string | null): void {
+  const choice = $<HTMLSelectElement>("scenario");
+  choice.querySelector(`option[value="${LOG}"]`)?.remove();
+  if (name !== null) choice.prepend(new Option(`Log: ${name}`, LOG));
+  choice.value = name === null ? state.scenario : LOG;
+}
+
 function leaveLog(): void {
+  // What is shown now is another thing than the log of the address; the button has it still.
+  if (replay && location.search) history.replaceState(null, "", location.pathname + location.hash);
   replay = null;
   delete document.body.dataset.replay;
   plots.all = false;
   plots.cursor = null;
   $("scrub").hidden = true;
   $("progress").hidden = false;
-  $("side").inert = false;
+  offerLog(null);
 }
 
 let before = performance.now();
@@ -507,6 +559,7 @@ $("measure").onclick = () => {
   tell({ type: "play", on: false });
   tell({ type: "measure" });
 };
+$("reload").onclick = () => void reload();
 $("open").onclick = () => $("files").click();
 $<HTMLInputElement>("files").onchange = (event) => {
   const input = event.target as HTMLInputElement;
@@ -527,6 +580,8 @@ $("link").onclick = async () => {
 };
 $<HTMLSelectElement>("scenario").onchange = (event) => {
   const name = (event.target as HTMLSelectElement).value;
+  // It is shown already: what was chosen instead was refused.
+  if (name === LOG) return;
   const { seed, speed } = state;
   if (name === OWN) {
     state = { ...fresh(OWN, ""), seed, speed, own: template() };
@@ -591,6 +646,6 @@ Object.assign(window, {
     about: () => about,
     words: () => words,
     change,
-    whereIs: (link: string) => scene?.whereIs(link) ?? null,
+    whereIs: (name: string) => scene?.whereIs(name) ?? null,
   },
 });

@@ -642,11 +642,14 @@ export class Scene {
     this.stale = true;
   }
 
-  /** Where a link is on the canvas, in its pixels: for tests that drag it. */
-  whereIs(link: string): [number, number] | null {
-    const object = this.robot?.links[link];
-    if (!object || !this.frame) return null;
-    const at = object.getWorldPosition(new THREE.Vector3()).project(this.camera);
+  /** Where a link's origin or a wall's middle is on the canvas, in its pixels: for tests that drag it. */
+  whereIs(name: string): [number, number] | null {
+    const [link, wall] = [this.robot?.links[name], this.walls.get(name)];
+    if (!this.frame || !(link ?? wall)) return null;
+    const at = new THREE.Vector3();
+    if (link) link.getWorldPosition(at);
+    else if (wall) new THREE.Box3().setFromObject(wall).getCenter(at);
+    at.project(this.camera);
     return [((at.x + 1) / 2) * this.canvas.clientWidth, ((1 - at.y) / 2) * this.canvas.clientHeight];
   }
 }

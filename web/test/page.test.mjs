@@ -145,11 +145,33 @@ describe("the page", () => {
     assert.match(await say(page), /any one of these would have to give|given up/);
     assert.match(await say(page), /short by/);
     await page.screenshot({ path: join(pictures, "explained.png") });
+    // A long text leaves the view free, also on a phone, until all of it is asked for.
+    const share = () =>
+      page.evaluate(() => {
+        const [words, view] = ["words", "view"].map((id) => document.getElementById(id).getBoundingClientRect());
+        return { wide: words.width / view.width, high: words.height / view.height, out: words.right > view.right || words.top < view.top };
+      });
+    const small = await share();
+    assert.ok(small.wide < 0.45 && small.high < 0.25 && !small.out, JSON.stringify(small));
+    await page.click("#say .more");
+    const large = await share();
+    assert.ok(large.high > 2 * small.high && !large.out, `${JSON.stringify(small)} ${JSON.stringify(large)}`);
+    await page.screenshot({ path: join(pictures, "explained-all.png") });
+    await page.click("#say .more");
+    assert.deepEqual(await share(), small);
+    await page.setViewportSize({ width: 390, height: 844 });
+    await page.waitForTimeout(300);
+    const phone = await share();
+    assert.ok(phone.high < 0.3 && !phone.out, JSON.stringify(phone));
+    await page.screenshot({ path: join(pictures, "explained-phone.png") });
+    await page.click("#say .more");
+    assert.ok((await share()).high > phone.high && !(await share()).out);
+    await page.screenshot({ path: join(pictures, "explained-phone-all.png") });
     assert.deepEqual(errors, []);
     await page.close();
   });
 
-  test("the robot is pulled with the pointer, the wall is moved", async () => {
+  test("the robot is pulled with the pointer", async () => {
     const { page } = await open(chrome, host.address + B);
     await page.click("#play");
     await until(page, 0.5);
@@ -165,6 +187,49 @@ describe("the page", () => {
     await page.mouse.up();
     const moved = Math.hypot(...after.map((p, i) => p - before[i]));
     assert.ok(moved > 0.02, `${moved}`);
+    await page.close();
+  });
+
+  test("the wall is dragged, along its normal, and a robot that pushes follows it", async () => {
+    const { page, errors } = await open(chrome, `${host.address}${B}&speed=10`);
+    const wall = "wall";
+    await page.click("#play");
+    await until(page, 8);
+    // What comes at 12 s shall not come while it is dragged, however slow the pictures are.
+    await page.selectOption("#speed", "0.1");
+    const { normal } = await page.evaluate((name) => window.wbqp.about().walls.find((w) => w.name === name), wall);
+    const before = { wall: await field(page, `wall/${wall}`), tip: await field(page, "contact/tip/point") };
+    const box = await page.locator("#stage canvas").boundingBox();
+    const [x, y] = await page.evaluate((name) => window.wbqp.whereIs(name), wall);
+    const [fromX, fromY] = [box.x + x, box.y + y];
+    await page.mouse.move(fromX, fromY);
+    await page.mouse.down();
+    await page.mouse.move(fromX + 40, fromY + 10, { steps: 10 });
+    await page.waitForTimeout(300);
+    await page.screenshot({ path: join(pictures, "wall-dragged.png") });
+    await page.mouse.up();
+    const moved = (await field(page, `wall/${wall}`)).map((p, i) => p - before.wall[i]);
+    const along = moved.reduce((sum, p, i) => sum + p * normal[i], 0);
+    assert.ok(Math.abs(along) > 0.01, `${moved}`);
+    assert.ok(moved.every((p, i) => Math.abs(p - along * normal[i]) < 1e-9), `${moved}`);
+    // It pushes again, at the new place.
+    await page.selectOption("#speed", "1");
+    const seen = await page.waitForFunction(() => {
+      const [time, force, tip] = ["time", "contact/tip/true", "contact/tip/point"].map((name) => window.wbqp.field(name));
+      return time[0] > 11 && { time: time[0], force: -force[0], tip };
+    });
+    const { time, force, tip } = await seen.jsonValue();
+    assert.ok(time < 12, `${time}`);
+    assert.ok(Math.abs(force - 5) < 1.5, `${force}`);
+    const followed = tip.reduce((sum, p, i) => sum + (p - before.tip[i]) * normal[i], 0);
+    assert.ok(Math.abs(followed - along) < 0.1 * Math.abs(along), `${followed} ${along}`);
+    // A link has it.
+    await page.waitForFunction(() => location.hash.includes("walls"));
+    const again = await open(chrome, page.url());
+    const there = await field(again.page, `wall/${wall}`);
+    assert.ok(there.every((p, i) => Math.abs(p - before.wall[i] - moved[i]) < 1e-3), `${there}`);
+    await again.page.close();
+    assert.deepEqual(errors, []);
     await page.close();
   });
 
@@ -222,12 +287,22 @@ describe("the page", () => {
     const force = -(await field(page, "contact/tip/true"))[0];
     assert.ok(Math.abs(force - 5) < 0.5, `${force}`);
     await page.waitForTimeout(300);
+    // Nothing of a scenario that is not shown is left, and nothing to change.
+    assert.equal(await page.$eval("#scenario", (choice) => choice.selectedOptions[0].textContent), "Log: push.mcap");
+    assert.equal(await page.$eval("#case", (choice) => choice.textContent), "with ft");
+    for (const what of ["#side", "#seed", "#edit", "#measure", "#link"]) assert.ok(!(await page.isVisible(what)), what);
+    const wide = await page.$eval("#view", (view) => view.clientWidth);
+    assert.ok(wide > 1390, `${wide}`);
     await page.screenshot({ path: join(pictures, "replay.png") });
     await page.click("#play");
     await until(page, 14.5);
     // Out of the log again.
     await page.selectOption("#scenario", "push_away");
     await page.waitForFunction(() => !document.body.dataset.replay);
+    const offered = await page.$$eval("#scenario option", (options) => options.map((option) => option.textContent));
+    assert.ok(!offered.some((name) => name.startsWith("Log")), `${offered}`);
+    assert.equal(await page.inputValue("#scenario"), "push_away");
+    assert.ok(await page.isVisible("#side"));
     assert.deepEqual(errors, []);
     await page.close();
   });

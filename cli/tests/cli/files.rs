@@ -40,6 +40,8 @@ fn devices_and_pipes_are_refused_in_words_whatever_reads_them() {
         vec!["run", &pipe],
         vec!["replay", "/dev/zero"],
         vec!["log", "repair", "/dev/zero"],
+        vec!["view", "/dev/zero"],
+        vec!["view", &pipe],
         vec!["check", &file],
         vec!["check", &file, "--set", "robot.file='a.pipe'"],
         vec!["new", "--urdf", "/dev/zero", "--kind", "arm"],

@@ -1,7 +1,9 @@
-//! The binary `wbqp` as it is called: checking, new controllers, runs, and files on a disk that are none.
+//! The binary `wbqp` as it is called: checking, new controllers, runs, logs on the page, and files on a disk that are
+//! none.
 
 mod check;
 mod common;
 mod files;
 mod new;
 mod run;
+mod view;

@@ -19,6 +19,7 @@ use super::{
     spatial_vector::{Force, Motion},
 };
 use crate::{
+    elementary,
     model::{Carrier, Joint, JointKind, Model},
     state::State,
 };
@@ -111,7 +112,7 @@ fn place_child(
     match joint.kind {
         JointKind::Revolute => {
             let axis = q_WJ * joint.axis.into_inner();
-            let (sin, cos) = (0.5 * q).sin_cos();
+            let (sin, cos) = elementary::sin_cos(0.5 * q);
             let turn = Quaternion::from_parts(cos, joint.axis.into_inner() * sin);
             link.q_WB = q_WJ * UnitQuaternion::new_unchecked(turn);
             link.r = r_J;

@@ -48,6 +48,7 @@ mod actuation;
 pub mod actuator;
 mod coupled;
 mod data;
+pub mod elementary;
 mod energy;
 mod forward;
 mod frame;

@@ -6,7 +6,9 @@
 //! `R_WB⁺ = exp(S(w) dt) R_WB`.
 #![allow(non_snake_case)]
 
-use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
+
+use crate::elementary;
 
 /// The skew-symmetric matrix `S(x)` with `S(x) y = x × y`.
 pub fn skew(x: &Vector3<f64>) -> Matrix3<f64> {
@@ -24,12 +26,23 @@ pub fn vee(A: &Matrix3<f64>) -> Vector3<f64> {
 
 /// `exp(S(x))` as a unit quaternion; `x` is a rotation vector in rad.
 pub fn exp(x: &Vector3<f64>) -> UnitQuaternion<f64> {
-    UnitQuaternion::from_scaled_axis(*x)
+    let angle = x.norm();
+    let (sin, cos) = elementary::sin_cos(0.5 * angle);
+    // The limit of sin(angle / 2) / angle.
+    let ratio = if angle > 0.0 { sin / angle } else { 0.5 };
+    UnitQuaternion::new_unchecked(Quaternion::from_parts(cos, x * ratio))
 }
 
 /// The rotation vector `log(R)∨`, rad, of magnitude at most π.
 pub fn log(R: &UnitQuaternion<f64>) -> Vector3<f64> {
-    R.scaled_axis()
+    let sin = R.imag().norm();
+    if sin <= 0.0 {
+        return Vector3::zeros();
+    }
+    // Of the two quaternions of a rotation the one of the shorter way.
+    let angle = 2.0 * elementary::atan2(sin, R.w.abs());
+    let sign = if R.w < 0.0 { -1.0 } else { 1.0 };
+    R.imag() * (sign * angle / sin)
 }
 
 /// Rotation error in world axes from the matrices, `e_W = ½[R R_dᵀ − R_d Rᵀ]∨` (rad for small angles).
@@ -49,6 +62,19 @@ pub fn error_log(R_WB: &UnitQuaternion<f64>, R_WD: &UnitQuaternion<f64>) -> Vect
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn exponential_and_logarithm_are_those_of_the_library_of_quaternions() {
+        let axis = Vector3::new(0.4, -0.9, 0.3).normalize();
+        for angle in [0.0, 1e-300, 1e-12, 0.3, 1.5, 3.0, 3.1, 4.0, 6.2, -2.0] {
+            let x = axis * angle;
+            let R = exp(&x);
+            let expected = UnitQuaternion::from_scaled_axis(x);
+            assert!((R.coords - expected.coords).norm() < 1e-15, "{angle}");
+            assert!((log(&R) - R.scaled_axis()).norm() < 1e-14, "{angle}");
+            assert!(log(&R).norm() <= std::f64::consts::PI, "{angle}");
+        }
+    }
 
     #[test]
     fn errors_point_from_desired_to_actual_and_agree_for_small_angles() {

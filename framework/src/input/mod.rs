@@ -11,7 +11,7 @@ mod outline;
 
 use std::{
     collections::HashSet,
-    fs::{self, File, FileType},
+    fs::{self, File, FileType, Metadata},
     io::{self, ErrorKind, Read as _},
     path::Path,
 };
@@ -39,11 +39,7 @@ pub fn read(path: &Path, largest: u64) -> io::Result<Vec<u8>> {
             Ok(kept.to_vec())
         };
     }
-    // Before it is opened: opening a pipe waits for somebody who writes.
-    regular(fs::metadata(path)?.file_type())?;
-    let file = File::open(path)?;
-    let metadata = file.metadata()?;
-    regular(metadata.file_type())?;
+    let (file, metadata) = open_regular(path)?;
     if metadata.len() > largest {
         return Err(too_large(largest));
     }
@@ -54,6 +50,23 @@ pub fn read(path: &Path, largest: u64) -> io::Result<Vec<u8>> {
         return Err(too_large(largest));
     }
     Ok(bytes)
+}
+
+/// A regular file on the disk, opened, for what reads it piece by piece.
+///
+/// # Errors
+/// What is no regular file, and what the system refuses; the words go behind "cannot be read: ".
+pub fn open(path: &Path) -> io::Result<File> {
+    Ok(open_regular(path)?.0)
+}
+
+fn open_regular(path: &Path) -> io::Result<(File, Metadata)> {
+    // Before it is opened: opening a pipe waits for somebody who writes.
+    regular(fs::metadata(path)?.file_type())?;
+    let file = File::open(path)?;
+    let metadata = file.metadata()?;
+    regular(metadata.file_type())?;
+    Ok((file, metadata))
 }
 
 /// The text of a file of at most [`LARGEST_TEXT`] bytes.

@@ -6,7 +6,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use wbqp::{contact::ContactKind, prelude::*};
+use wbqp::{contact::ContactKind, dynamics::elementary, prelude::*};
 
 /// Keeps the contact force in a pyramid around the normal and the normal force within the contact's limits, the
 /// paper's (10c):
@@ -72,7 +72,7 @@ impl Approximation {
     /// `μ'/μ` for a number of sides.
     pub(super) fn factor(self, sides: usize) -> f64 {
         match self {
-            Self::Inner => (PI / sides as f64).cos(),
+            Self::Inner => elementary::sin_cos(PI / sides as f64).1,
             Self::Outer => 1.0,
         }
     }
@@ -115,7 +115,7 @@ pub(super) fn validate_sides(sides: usize) -> Result<(), BindError> {
 
 fn normals(sides: usize) -> impl Iterator<Item = [f64; 2]> {
     (0..sides).map(move |k| {
-        let (sin, cos) = (TAU * k as f64 / sides as f64).sin_cos();
+        let (sin, cos) = elementary::sin_cos(TAU * k as f64 / sides as f64);
         [cos, sin]
     })
 }

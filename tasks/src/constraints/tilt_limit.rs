@@ -6,7 +6,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use wbqp::prelude::*;
+use wbqp::{dynamics::elementary, prelude::*};
 
 use super::{
     barrier::{DEFAULT_RATE, least, validate_rate},
@@ -82,7 +82,7 @@ impl Constraint for TiltLimit {
         validate_rate("a1", self.a1, setup.period())?;
         validate_rate("a2", self.a2, setup.period())?;
         let directions = (0..self.sides).map(|k| {
-            let (sin, cos) = (TAU * k as f64 / self.sides as f64).sin_cos();
+            let (sin, cos) = elementary::sin_cos(TAU * k as f64 / self.sides as f64);
             Vector3::new(cos, sin, 0.0)
         });
         let cone = Cone {
@@ -97,7 +97,8 @@ impl Constraint for TiltLimit {
         let z = tick.state.R_WR * Vector3::z();
         let w = Vector3::from(cone.angular.map(|column| tick.state.v[column]));
         let (zdot, centripetal) = (w.cross(&z), w.cross(&w.cross(&z)));
-        let room = self.max_tilt.sin() * (PI / self.sides as f64).cos();
+        let room =
+            elementary::sin_cos(self.max_tilt).0 * elementary::sin_cos(PI / self.sides as f64).1;
         let mut vdot = rows.vdot();
         for (k, d) in cone.directions.iter().enumerate() {
             let gradient = -z.cross(d);

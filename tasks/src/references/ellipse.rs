@@ -12,7 +12,7 @@
 
 use std::f64::consts::TAU;
 
-use wbqp::{plugin::VectorSample, prelude::*};
+use wbqp::{dynamics::elementary, plugin::VectorSample, prelude::*};
 
 use super::leg;
 use crate::check;
@@ -117,8 +117,8 @@ impl Ellipse {
         };
         let [s, ds, dds] = leg::min_jerk(progress);
         let sweep = TAU * self.turns;
-        let (sin, cos) = (self.phase + sweep * s).sin_cos();
-        let (sin_0, cos_0) = self.phase.sin_cos();
+        let (sin, cos) = elementary::sin_cos(self.phase + sweep * s);
+        let (sin_0, cos_0) = elementary::sin_cos(self.phase);
         let rate = sweep * ds / self.duration;
         let acceleration = sweep * dds / (self.duration * self.duration);
         // Position from the start, and its derivatives by the angle.

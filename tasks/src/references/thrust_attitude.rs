@@ -28,6 +28,7 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use wbqp::{
+    dynamics::elementary,
     nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3},
     plugin::RotationSample,
     prelude::*,
@@ -145,7 +146,7 @@ impl ThrustAttitude {
         });
         let elapsed = time - last.time;
         if elapsed > 0.0 && force.iter().all(|f| f.is_finite()) {
-            let gain = 1.0 - (-TAU * self.cutoff * elapsed).exp();
+            let gain = 1.0 - elementary::exp(-TAU * self.cutoff * elapsed);
             let [first, second] = &mut last.stages;
             *first += (force - *first) * gain;
             *second += (*first - *second) * gain;
@@ -166,14 +167,15 @@ fn thrust_axis(force: &Vector3<f64>, limit: f64) -> Vector3<f64> {
     if sideways <= f64::MIN_POSITIVE {
         return Vector3::z();
     }
-    let (sin, cos) = sideways.atan2(force.z).min(limit).sin_cos();
+    let (sin, cos) = elementary::sin_cos(elementary::atan2(sideways, force.z).min(limit));
     let direction = force.xy() / sideways;
     Vector3::new(sin * direction.x, sin * direction.y, cos)
 }
 
 /// The attitude with this z axis (unit length, less than 90° from the vertical) and this yaw.
 fn facing(z: &Vector3<f64>, yaw: f64) -> UnitQuaternion<f64> {
-    let left = Vector3::new(-yaw.sin(), yaw.cos(), 0.0);
+    let (sin, cos) = elementary::sin_cos(yaw);
+    let left = Vector3::new(-sin, cos, 0.0);
     // Not parallel: z has an upward part, `left` is level.
     let x = left.cross(z).normalize();
     let R = Matrix3::from_columns(&[x, z.cross(&x), *z]);

@@ -1,0 +1,22 @@
+//! Sine, cosine and their like with the same bits everywhere.
+//!
+//! Those of the standard library are the platform's, and each rounds otherwise: a command in a browser, or of another
+//! operating system, would differ in its tenth digit. What a tick computes takes these.
+
+/// Sine and cosine of an angle in rad.
+#[inline]
+pub fn sin_cos(angle: f64) -> (f64, f64) {
+    libm::sincos(angle)
+}
+
+/// The angle of the point (`x`, `y`), rad, from −π to π.
+#[inline]
+pub fn atan2(y: f64, x: f64) -> f64 {
+    libm::atan2(y, x)
+}
+
+/// The exponential function.
+#[inline]
+pub fn exp(x: f64) -> f64 {
+    libm::exp(x)
+}
