@@ -18,7 +18,9 @@ use wbqp::{
 };
 use wbqp_log::{LogSink, McapLog};
 use wbqp_mjcf::{Mjcf, Scene};
-use wbqp_sim::{PlantCommand, RunOptions, Scenario, Variation, World, plant::has_diverged};
+use wbqp_sim::{
+    PlantCommand, RunOptions, Scenario, SceneWatcher, Variation, World, plant::has_diverged,
+};
 
 use crate::{config, plugin, robot::Robot, simulate};
 
@@ -101,6 +103,7 @@ pub(crate) struct CaseRun {
     run: Option<wbqp_sim::CaseRun>,
     truth: Truth,
     log: Option<McapLog>,
+    scene: SceneWatcher,
     due: PlantCommand,
     mjcf: Mjcf,
     /// Which of the sensors' bodies each contact point is on.
@@ -114,8 +117,19 @@ impl CaseRun {
     fn run(&mut self) -> PyResult<(&mut wbqp_sim::CaseRun, &Truth, &mut McapLog)> {
         match (&mut self.run, &mut self.log) {
             (Some(run), Some(log)) => Ok((run, &self.truth, log)),
-            _ => Err(PyRuntimeError::new_err("the run is finished")),
+            _ => Err(finished()),
         }
+    }
+}
+
+fn finished() -> PyErr {
+    PyRuntimeError::new_err("the run is finished")
+}
+
+fn watched_by(scene: &mut SceneWatcher) -> RunOptions<'_> {
+    RunOptions {
+        watchers: vec![scene],
+        ..RunOptions::default()
     }
 }
 
@@ -185,10 +199,14 @@ impl CaseRun {
             &mut log,
         )
         .map_err(|e| text(&e))?;
+        let mut scene = SceneWatcher::default();
+        run.begin(&mut log, &mut watched_by(&mut scene))
+            .map_err(|e| text(&e))?;
         Ok(Self {
             run: Some(run),
             truth,
             log: Some(log),
+            scene,
             due: command,
             mjcf,
             is_on,
@@ -302,11 +320,13 @@ impl CaseRun {
     /// One control period at the truth that was observed last: sensors, events, tick, log. Hands out the command that
     /// is due now, by actuator; `None` after the last period.
     fn tick(&mut self) -> PyResult<Option<Vec<f64>>> {
-        let (run, truth, log) = self.run()?;
+        let (Some(run), Some(log)) = (&mut self.run, &mut self.log) else {
+            return Err(finished());
+        };
         if run.is_over() {
             return Ok(None);
         }
-        run.tick(truth, log, &mut RunOptions::default())
+        run.tick(&self.truth, log, &mut watched_by(&mut self.scene))
             .map_err(|e| PyRuntimeError::new_err(e.to_string()))?;
         if let Some(traceback) = plugin::traceback() {
             self.traceback.get_or_insert(traceback);
@@ -323,7 +343,7 @@ impl CaseRun {
     /// Ends the log, and says how the run went, as `wbqp.simulate` does.
     fn finish<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let (Some(run), Some(mut log)) = (self.run.take(), self.log.take()) else {
-            return Err(PyRuntimeError::new_err("the run is finished"));
+            return Err(finished());
         };
         let text = |e: &dyn std::fmt::Display| PyRuntimeError::new_err(e.to_string());
         let summary = run.finish(&mut log).map_err(|e| text(&e))?;

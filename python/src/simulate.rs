@@ -14,7 +14,7 @@ use pyo3::{
 use wbqp::serde_json::Value;
 use wbqp_log::{ChannelId, LogError, LogSink, McapLog};
 use wbqp_measures::log::Recorder;
-use wbqp_sim::{RunError, Scenario, ScenarioError, Summary, Variation};
+use wbqp_sim::{RunError, RunOptions, Scenario, ScenarioError, SceneWatcher, Summary, Variation};
 
 use crate::{config, log::Log, plugin};
 
@@ -198,7 +198,13 @@ fn run<S: LogSink + Send>(
                 heard = Python::attach(|py| progress.call1(py, (fraction,)).err());
             }
         };
-        wbqp_sim::run(scenario, case, seed, &mut sink, &mut tell)
+        let mut scene = SceneWatcher::default();
+        let options = RunOptions {
+            progress: Some(&mut tell),
+            watchers: vec![&mut scene],
+            ..RunOptions::default()
+        };
+        wbqp_sim::run_with(scenario, case, seed, &mut sink, options)
     });
     if let Some(error) = sink.raised.take().or(heard) {
         return Err(error);

@@ -83,9 +83,7 @@ pub fn run_with(
     }
     let mut plant = settled_plant(case, &controller)?;
     let mut run = CaseRun::new(scenario, case, (controller, source), seed, &plant, sink)?;
-    for watcher in &mut options.watchers {
-        watcher.begin(&run.controller, sink)?;
-    }
+    run.begin(sink, &mut options)?;
     let mut due = run.link.computed().clone();
     let ticks = run.ticks();
     while !run.is_over() {
@@ -182,6 +180,21 @@ impl CaseRun {
             summary: Summary::default(),
             controller,
         })
+    }
+
+    /// Before the first tick: lets those who follow the run open their channels.
+    ///
+    /// # Errors
+    /// What one of them refuses.
+    pub fn begin(
+        &self,
+        sink: &mut dyn LogSink,
+        options: &mut RunOptions<'_>,
+    ) -> Result<(), RunError> {
+        for watcher in &mut options.watchers {
+            watcher.begin(&self.controller, sink)?;
+        }
+        Ok(())
     }
 
     /// One control period: samples the sensors, applies events that are due, ticks, logs.

@@ -1,8 +1,16 @@
 //! Runs `pointing.toml`: the robot does what the controller predicts, and a line per second says how well it points.
+//! With `--live [PORT]`, in real time, watched and tuned in Foxglove.
 
-use std::{error::Error, path::Path};
+use std::{
+    env,
+    error::Error,
+    path::Path,
+    thread,
+    time::{Duration, Instant},
+};
 
 use wbqp::{Controller, ControllerConfig, Measurement};
+use wbqp_foxglove::LiveView;
 
 // Plug-ins are found once their crate is linked, and a crate that no code names is not.
 use pointing as _;
@@ -15,6 +23,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     let robot = controller.robot().clone();
     let period = 1.0 / controller.settings().rate;
     let mut measurement = Measurement::home(&robot, 0);
+    let mut live = env::args().skip_while(|argument| argument != "--live");
+    let mut view = match (live.next(), live.next()) {
+        (None, _) => None,
+        (_, Some(port)) => Some(LiveView::on_port(&controller, port.parse()?)?),
+        (_, None) => Some(LiveView::new(&controller)?),
+    };
+    let start = Instant::now();
     let mut tilt = 0.0_f64;
     println!("  t [s]   pointing error [deg]   largest tilt [deg]");
     for tick in 0..=4000_u32 {
@@ -31,10 +46,16 @@ fn main() -> Result<(), Box<dyn Error>> {
             let error = x.hypot(y).asin().to_degrees();
             println!("{:7.1} {error:22.3} {tilt:20.2}", report.time);
         }
+        if let Some(view) = &mut view {
+            view.update(&mut controller, &measurement);
+            let time = Duration::from_secs_f64(measurement.time);
+            thread::sleep(time.saturating_sub(start.elapsed()));
+        }
         // A perfect robot: it accelerates as predicted.
-        let v = &measurement.state.v + &report.vdot * (0.5 * period);
+        let vdot = &controller.report().vdot;
+        let v = &measurement.state.v + vdot * (0.5 * period);
         measurement.state.advance(&robot.model, &v, period);
-        measurement.state.v += &report.vdot * period;
+        measurement.state.v += vdot * period;
     }
     Ok(())
 }

@@ -55,3 +55,25 @@ pub fn angles(log: &dyn Recording) -> Result<[Series; 3], MeasureError> {
     }
     Ok(angles.map(|y| Series { t: w.t.clone(), y }))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Signals;
+
+    #[test]
+    fn a_log_without_references_has_them_as_position_minus_error() {
+        let series = |y: [f64; 3]| Series {
+            t: vec![0.0, 0.1, 0.2],
+            y: y.to_vec(),
+        };
+        let task = "/task/base_position";
+        let old = Signals::new()
+            .with_series("/state", "/base/position/x", series([1.0, 1.5, 2.0]))
+            .with_series(task, "/rows/x/error", series([0.25, 0.5, 0.75]));
+        let said = reference(&old, "x").unwrap();
+        assert_eq!(said.y, [0.75, 1.0, 1.25]);
+        let new = old.with_series(task, "/rows/x/reference", series([3.0, 4.0, 5.0]));
+        assert_eq!(reference(&new, "x").unwrap().y, [3.0, 4.0, 5.0]);
+    }
+}
