@@ -7,7 +7,8 @@ use foxglove::messages::{FrameTransform, FrameTransforms};
 use nalgebra::Isometry3;
 use wbqp::{
     dynamics::Data,
-    model::{FrameId, Model},
+    model::{Base, FrameId, Model},
+    robot::RobotModel,
     state::State,
 };
 
@@ -18,25 +19,33 @@ use crate::convert::{quaternion, timestamp, vector};
 pub(crate) struct Frames {
     model: Arc<Model>,
     data: Data,
-    /// The name of the world's frame: one that no body has.
+    /// The name of the world's frame.
     world: String,
+    /// Whether the base is the world: a fixed one of that name, where the world is.
+    base_is_world: bool,
 }
 
 impl Frames {
-    pub(crate) fn new(model: &Arc<Model>) -> Self {
+    pub(crate) fn new(robot: &RobotModel) -> Self {
+        let model = &robot.model;
+        let mut world = "world".to_owned();
+        let base = model.bodies().first().map(|body| body.name.as_str());
+        let home = Isometry3::from_parts(robot.home.p_WR.into(), robot.home.R_WR);
+        let base_is_world =
+            base == Some(&world) && model.base() == Base::Fixed && home == Isometry3::identity();
         let is_taken = |name: &str| {
             let bodies = model.bodies().iter().map(|body| &body.name);
             let mut names = bodies.chain(model.frames().iter().map(|frame| &frame.name));
             names.any(|taken| taken == name)
         };
-        let mut world = "world".to_owned();
-        while is_taken(&world) {
+        while !base_is_world && is_taken(&world) {
             world.insert_str(0, "the_");
         }
         Self {
             model: Arc::clone(model),
             data: Data::new(model),
             world,
+            base_is_world,
         }
     }
 
@@ -71,6 +80,7 @@ impl Frames {
     /// Every body in its parent's frame, the base in the world's.
     pub(crate) fn moving(&self, time: f64) -> FrameTransforms {
         let bodies = self.model.bodies().iter().enumerate();
+        let bodies = bodies.skip(usize::from(self.base_is_world));
         let transforms = bodies.map(|(i, body)| {
             let X_WB = self.body_pose(i);
             let parent = self.model.bodies().get(body.parent.index());

@@ -122,7 +122,12 @@ impl Scene {
             let surface = snapshot.surfaces.get(i)?;
             let contact = snapshot.report.contacts.get(i)?;
             let truth = truth.get(i).copied().flatten();
-            Some(self.contact(time, name, (contact, surface), truth, frames))
+            let mut entity = self.contact(time, name, (contact, surface), truth, frames);
+            // Feet on the same ground: once is enough.
+            if !snapshot.surfaces[..i].contains(surface) {
+                entity.cubes.push(wall(surface));
+            }
+            Some(entity)
         });
         let unknown = self.has_observer.then(|| {
             let w = &snapshot.report.disturbance;
@@ -170,13 +175,6 @@ impl Scene {
             p_WS,
             friction,
         } = surface;
-        let [edge, thickness] = WALL;
-        let behind = Vector3::new(0.0, 0.0, -0.5 * thickness);
-        entity.cubes.push(CubePrimitive {
-            pose: Some(pose(&place(&(p_WS + R_WC * behind), R_WC))),
-            size: Some(vector(&Vector3::new(edge, edge, thickness))),
-            color: Some(colour(SURFACE)),
-        });
         let at = p_WS + R_WC * contact.position;
         let mut force = |from: &Vector3<f64>, force_C: &Vector3<f64>, paint| {
             let along = self.force_scale * (R_WC * force_C);
@@ -228,6 +226,17 @@ impl Scene {
             frame_id: frames.world().to_owned(),
             poses: poses.collect(),
         }
+    }
+}
+
+fn wall(surface: &ContactSurface) -> CubePrimitive {
+    let ContactSurface { R_WC, p_WS, .. } = surface;
+    let [edge, thickness] = WALL;
+    let behind = Vector3::new(0.0, 0.0, -0.5 * thickness);
+    CubePrimitive {
+        pose: Some(pose(&place(&(p_WS + R_WC * behind), R_WC))),
+        size: Some(vector(&Vector3::new(edge, edge, thickness))),
+        color: Some(colour(SURFACE)),
     }
 }
 

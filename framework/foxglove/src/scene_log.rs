@@ -48,7 +48,7 @@ impl SceneLog {
     /// [`LogError`] of the sink.
     pub fn new(controller: &Controller, sink: &mut dyn LogSink) -> Result<Self, LogError> {
         let robot = controller.robot();
-        let frames = Frames::new(&robot.model);
+        let frames = Frames::new(robot);
         let text = schema::object("A text", [("data", schema::text("The URDF"))]);
         let mut contacts = Vec::new();
         for name in controller.contact_names() {

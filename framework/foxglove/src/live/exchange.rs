@@ -12,7 +12,7 @@ use wbqp_log::TrueContact;
 use super::parameters::Request;
 
 /// Ticks that wait to be shown.
-const DEPTH: usize = 16;
+pub(super) const DEPTH: usize = 16;
 /// Changes that wait to be applied.
 const REQUESTS: usize = 64;
 /// Changes that are applied after one tick.

@@ -32,6 +32,9 @@ const REPEAT: Duration = Duration::from_secs(2);
 /// Messages that the server keeps for a client that is slow; older ones are dropped.
 const BACKLOG: usize = 512;
 
+/// Texts for clients that wait to be sent.
+const NOTES: usize = 32;
+
 /// Why there is no live view.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -213,8 +216,12 @@ impl Desk {
             .unwrap_or_else(PoisonError::into_inner)
     }
 
+    /// Keeps a few: whoever asks too often hears of the first ones.
     fn note(&self, text: String) {
-        self.notes().push(text);
+        let mut notes = self.notes();
+        if notes.len() < NOTES {
+            notes.push(text);
+        }
     }
 
     fn notes(&self) -> MutexGuard<'_, Vec<String>> {
@@ -247,7 +254,7 @@ impl ParameterHandler for Desk {
                     if let Err(request) = self.exchange.ask(request) {
                         let name = &request.name;
                         self.note(format!("`{name}` is not changed: too many changes wait"));
-                        parameters.undo(request);
+                        parameters.undo(&request);
                     }
                 }
                 Err(what) => self.note(what),
@@ -277,7 +284,11 @@ impl Show {
         let exchange = Arc::clone(&self.desk.exchange);
         while !exchange.is_stopped() {
             let mut idle = true;
-            while let Some(shown) = exchange.next_shown() {
+            // No more than wait at once: what clients ask for has its turn.
+            for _ in 0..exchange::DEPTH {
+                let Some(shown) = exchange.next_shown() else {
+                    break;
+                };
                 idle = false;
                 let time = shown.snapshot.report.time;
                 if time.is_finite() && time >= 0.0 {
@@ -289,9 +300,6 @@ impl Show {
                 self.desk.parameters().follow(&snapshot.references);
                 exchange.give_back(shown);
                 self.report(logged.and(drawn));
-                if exchange.is_stopped() {
-                    break;
-                }
             }
             while let Some(outcome) = exchange.next_outcome() {
                 self.tell(outcome);
@@ -320,10 +328,13 @@ impl Show {
         let Outcome { request, result } = outcome;
         let name = request.name.clone();
         let mut parameters = self.desk.parameters();
-        if let Err(error) = result {
-            let text = format!("`{name}` is not changed: {error}");
-            self.server.publish_status(Status::warning(text));
-            parameters.undo(request);
+        match result {
+            Ok(()) => parameters.confirm(&request),
+            Err(error) => {
+                let text = format!("`{name}` is not changed: {error}");
+                self.server.publish_status(Status::warning(text));
+                parameters.undo(&request);
+            }
         }
         self.server
             .publish_parameter_values(parameters.get(&[name]));

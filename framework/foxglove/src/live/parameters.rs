@@ -23,7 +23,10 @@ pub(super) struct Parameters {
 #[derive(Clone, Debug)]
 struct Known {
     what: What,
+    /// What was asked for last.
     value: Value,
+    /// What the controller has.
+    confirmed: Value,
 }
 
 /// What a parameter stands for; the text is the name of an entry or contact.
@@ -48,12 +51,12 @@ pub(super) enum Value {
     Numbers(Vec<f64>),
 }
 
-/// A change that a client asked for, to be undone here if the controller refuses it.
+/// A change that a client asked for.
 #[derive(Debug)]
 pub(super) struct Request {
     pub(super) name: String,
     pub(super) change: Change,
-    old: Value,
+    value: Value,
 }
 
 impl Parameters {
@@ -101,7 +104,12 @@ impl Parameters {
     }
 
     fn add(&mut self, name: String, what: What, value: Value) {
-        self.known.entry(name).or_insert(Known { what, value });
+        let confirmed = value.clone();
+        self.known.entry(name).or_insert(Known {
+            what,
+            value,
+            confirmed,
+        });
     }
 
     /// Numbers, switches and texts of an entry's table; other plug-ins in it are replaced as a whole, not by key.
@@ -133,6 +141,7 @@ impl Parameters {
                 && known.what == What::Reference(task.clone())
             {
                 known.value = Value::Numbers(standing(sample));
+                known.confirmed = known.value.clone();
             }
         }
     }
@@ -158,22 +167,32 @@ impl Parameters {
         let value = given.and_then(|value| known.value.like(value));
         let value = value.ok_or_else(|| format!("`{name}` must be {}", known.value.kind()))?;
         let change = change(&known.what, &value, &mut self.tables)?;
-        let old = std::mem::replace(&mut known.value, value);
+        known.value = value.clone();
         Ok(Request {
             name: name.clone(),
             change,
-            old,
+            value,
         })
     }
 
-    /// The controller has refused it, or never heard of it.
-    pub(super) fn undo(&mut self, request: Request) {
+    /// The controller has done it.
+    pub(super) fn confirm(&mut self, request: &Request) {
+        if let Some(known) = self.known.get_mut(&request.name) {
+            known.confirmed = request.value.clone();
+        }
+    }
+
+    /// The controller has refused it, or never heard of it: what it has is shown again, unless something else was asked
+    /// for meanwhile.
+    pub(super) fn undo(&mut self, request: &Request) {
         let Some(known) = self.known.get_mut(&request.name) else {
             return;
         };
-        // The table of the entry's keys is set back by asking for the old value.
-        let _ = change(&known.what, &request.old, &mut self.tables);
-        known.value = request.old;
+        if known.value == request.value {
+            // The table of the entry's keys is set back by asking for the value that it had.
+            let _ = change(&known.what, &known.confirmed, &mut self.tables);
+            known.value = known.confirmed.clone();
+        }
     }
 }
 
@@ -317,5 +336,52 @@ impl Value {
             r#type: kind,
             value: Some(value),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parameters() -> Parameters {
+        let keys = toml::Table::from_iter([("kp".to_owned(), 9.0.into())]);
+        let mut parameters = Parameters {
+            known: BTreeMap::new(),
+            tables: BTreeMap::from([("base".to_owned(), keys.clone())]),
+            tasks: Vec::new(),
+        };
+        parameters.add_keys("base", &keys, &mut Vec::new());
+        parameters
+    }
+
+    fn ask(parameters: &mut Parameters, kp: f64) -> Request {
+        let wanted = Parameter::float64("base.kp", kp);
+        parameters.request(&wanted).expect("is a number")
+    }
+
+    fn kp(parameters: &Parameters) -> Option<ParameterValue> {
+        parameters.get(&[]).first()?.value.clone()
+    }
+
+    #[test]
+    fn what_is_shown_is_what_the_controller_has_in_the_end() {
+        let number = |x| Some(ParameterValue::Float64(x));
+        // Refused, then done.
+        let mut parameters = parameters();
+        let (bad, good) = (ask(&mut parameters, -1.0), ask(&mut parameters, 4.0));
+        parameters.undo(&bad);
+        parameters.confirm(&good);
+        assert_eq!(kp(&parameters), number(4.0));
+        // Done, then refused.
+        let (good, bad) = (ask(&mut parameters, 5.0), ask(&mut parameters, -2.0));
+        assert_eq!(
+            kp(&parameters),
+            number(-2.0),
+            "what is asked for is shown at once"
+        );
+        parameters.confirm(&good);
+        parameters.undo(&bad);
+        assert_eq!(kp(&parameters), number(5.0));
+        assert_eq!(parameters.tables["base"]["kp"].as_float(), Some(5.0));
     }
 }
