@@ -5,7 +5,8 @@
 
 Every message on a topic of Protocol Buffers is decoded by its own schema, schemas of Foxglove's types are those that
 Foxglove's SDK has, all frames hang together, and what stands in them is what the JSON topics say: the base's pose, the
-thrusts, the forces. What a layout of Foxglove's shows is in the log. Says what it checked; fails at the first difference.
+thrusts, the forces. What a layout of Foxglove's shows is in the log. Says what it checked; fails at the first
+difference.
 """
 
 import argparse
@@ -180,11 +181,16 @@ def main():
     assert arguments.largest is None or size <= arguments.largest, f"{arguments.log} has {size} bytes"
     schemas, protobuf, texts = read(arguments.log)
     check_schemas(schemas, protobuf)
-    shown = check_layout(json.loads(arguments.layout.read_text()), schemas, texts) if arguments.layout else 0
-    print(
-        f"{arguments.log}: {size} bytes; {check_frames(protobuf)} frames, {check_base(protobuf, texts)} poses of the "
-        f"base, {check_thrusts(protobuf, texts)} thrusts, {check_forces(protobuf, texts)} forces, {shown} fields of the layout"
-    )
+    counts = [
+        f"{check_frames(protobuf)} frames",
+        f"{check_base(protobuf, texts)} poses of the base",
+        f"{check_thrusts(protobuf, texts)} thrusts",
+        f"{check_forces(protobuf, texts)} forces",
+    ]
+    if arguments.layout:
+        layout = json.loads(arguments.layout.read_text())
+        counts.append(f"{check_layout(layout, schemas, texts)} fields of the layout")
+    print(f"{arguments.log}: {size} bytes; {', '.join(counts)}")
 
 
 if __name__ == "__main__":

@@ -192,7 +192,10 @@ mod tests {
             o.exact_number("exact", 0.1 + 0.2);
         });
         let text = String::from_utf8(text).unwrap();
-        let expected = r#"{"third":0.3333333,"small":-1.234568e-300,"large":123456800.0,"inner":{"whole":2.0},"list":[{"v":0.3}],"largest":1.797693e+308,"exact":0.30000000000000004}"#;
+        let expected = concat!(
+            r#"{"third":0.3333333,"small":-1.234568e-300,"large":123456800.0,"inner":{"whole":2.0},"#,
+            r#""list":[{"v":0.3}],"largest":1.797693e+308,"exact":0.30000000000000004}"#,
+        );
         assert_eq!(text, expected);
     }
 

@@ -14,8 +14,8 @@ use serde_json::Value;
 
 use crate::{ChannelId, LogError, LogSink, RunLock};
 
-/// A sink that writes an MCAP file: messages in JSON or Protocol Buffers with their schemas, zstd chunks. Log time is the message's time in
-/// ns.
+/// A sink that writes an MCAP file: messages in JSON or Protocol Buffers with their schemas, zstd chunks. Log time is
+/// the message's time in ns.
 ///
 /// A file that is dropped without [`LogSink::finish`] is still completed, but an error then is lost.
 pub struct McapLog<W: Write + Seek + Send = BufWriter<File>> {

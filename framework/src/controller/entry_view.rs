@@ -2,8 +2,8 @@
 
 use crate::plugin::Layout;
 
-/// A task or constraint of a running controller. [`Controller::parameters`](super::Controller::parameters) gives what it
-/// is parametrised with.
+/// A task or constraint of a running controller. [`Controller::parameters`](super::Controller::parameters) gives what
+/// it is parametrised with.
 #[derive(Clone, Copy, Debug)]
 pub struct EntryView<'a> {
     /// Its name.

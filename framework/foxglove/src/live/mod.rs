@@ -57,8 +57,8 @@ pub enum LiveError {
     Thread(#[from] std::io::Error),
 }
 
-/// A server that a running controller is watched and tuned with, in [Foxglove](https://foxglove.dev) (*Open connection*,
-/// *Foxglove WebSocket*) or any program that speaks its protocol. It listens on the loopback address only.
+/// A server that a running controller is watched and tuned with, in [Foxglove](https://foxglove.dev) (*Open
+/// connection*, *Foxglove WebSocket*) or any program that speaks its protocol. It listens on the loopback address only.
 ///
 /// Topics are those of a log: [`ControllerLog`] and [`SceneLog`], and `/view` with the count of ticks that were not
 /// shown. Parameters are weights (`<entry>.weight`), keys of tasks and constraints as in their file (`<entry>.kp`),
@@ -66,8 +66,8 @@ pub enum LiveError {
 /// task `hold` that value). What a client sets holds from the next tick on; what the controller refuses is told to all
 /// clients and set back. What the program changes by itself meanwhile, parameters do not show.
 ///
-/// The loop never waits for it: [`update`](Self::update) copies the tick into storage made once and takes changes out of
-/// a queue, both without locks. Whoever is slow misses the oldest ticks; the newest win. Only a change that a client
+/// The loop never waits for it: [`update`](Self::update) copies the tick into storage made once and takes changes out
+/// of a queue, both without locks. Whoever is slow misses the oldest ticks; the newest win. Only a change that a client
 /// asked for allocates, between two ticks.
 ///
 /// ```no_run

@@ -20,7 +20,8 @@ pub use recorder::Recorder;
 /// Times, s, and texts of a topic's messages.
 type Messages = Vec<(f64, Vec<u8>)>;
 
-/// A log in memory: the text of each message in JSON by topic, schemas, metadata and attachments. Clones share the messages.
+/// A log in memory: the text of each message in JSON by topic, schemas, metadata and attachments. Clones share the
+/// messages.
 #[derive(Clone, Debug, Default)]
 pub struct Log {
     topics: BTreeMap<String, Arc<Messages>>,

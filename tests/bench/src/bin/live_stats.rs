@@ -40,7 +40,8 @@ struct Arguments {
     turns: usize,
 }
 
-/// What happened in a period, ns: until the tick and what shows it were done, from the call and from the period's start.
+/// What happened in a period, ns: until the tick and what shows it were done, from the call and from the period's
+/// start.
 #[derive(Default)]
 struct Times {
     tick: Vec<u32>,
