@@ -14,7 +14,11 @@ export const PALETTE = {
   joint: new THREE.MeshStandardMaterial({ color: ACCENT, roughness: 0.45, metalness: 0.1 }),
   tip: new THREE.MeshStandardMaterial({ color: 0x20262d, roughness: 0.7 }),
   disc: new THREE.MeshStandardMaterial({
-    color: 0x7f93a8, transparent: true, opacity: 0.28, side: THREE.DoubleSide, depthWrite: false,
+    color: 0x7f93a8,
+    transparent: true,
+    opacity: 0.28,
+    side: THREE.DoubleSide,
+    depthWrite: false,
   }),
 };
 
@@ -85,7 +89,11 @@ export function dress(robot: URDFRobot, rotors: Set<string>): void {
       rotor(link, robot);
       continue;
     }
-    if (arms.length > 0) hub(link, arms.map(({ at }) => at));
+    if (arms.length > 0)
+      hub(
+        link,
+        arms.map(({ at }) => at),
+      );
     if (!mass) {
       // A frame: what touches the world.
       if (children.length === 0) add(link, ball(0.012, PALETTE.tip));
@@ -136,7 +144,10 @@ function torso(link: URDFLink, mass: Mass, around: THREE.Vector3[]): void {
   // From its own joint on.
   const box = new THREE.Box3(new THREE.Vector3(), new THREE.Vector3());
   for (const at of around) box.expandByPoint(at);
-  const sides = mass.sides.clone().multiplyScalar(around.length > 2 ? 1 : 0.8).clampScalar(0.02, 0.6);
+  const sides = mass.sides
+    .clone()
+    .multiplyScalar(around.length > 2 ? 1 : 0.8)
+    .clampScalar(0.02, 0.6);
   const centre = mass.centre.clone();
   if (around.length > 2) {
     const size = box.getSize(new THREE.Vector3());
@@ -161,7 +172,12 @@ function rounded(sides: THREE.Vector3, radius: number): THREE.BufferGeometry {
   const bevel = 0.6 * radius;
   const depth = Math.max(1e-3, sides.z - 2 * bevel);
   const geometry = new THREE.ExtrudeGeometry(shape, {
-    depth, bevelEnabled: true, bevelSize: 0, bevelThickness: bevel, bevelSegments: 3, curveSegments: 6,
+    depth,
+    bevelEnabled: true,
+    bevelSize: 0,
+    bevelThickness: bevel,
+    bevelSegments: 3,
+    curveSegments: 6,
   });
   geometry.translate(0, 0, -depth / 2);
   return geometry;

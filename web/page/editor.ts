@@ -53,11 +53,21 @@ export class Editor {
     return EditorState.create({
       doc: tab.text,
       extensions: [
-        lineNumbers(), history(), drawSelection(), highlightActiveLine(), lintGutter(),
-        StreamLanguage.define(toml), syntaxHighlighting(defaultHighlightStyle),
+        lineNumbers(),
+        history(),
+        drawSelection(),
+        highlightActiveLine(),
+        lintGutter(),
+        StreamLanguage.define(toml),
+        syntaxHighlighting(defaultHighlightStyle),
         schema ? autocompletion({ override: [(context) => complete(context, schema)] }) : [],
         EditorView.contentAttributes.of({ "aria-label": `${tab.file}, text` }),
-        keymap.of([{ key: "Mod-Enter", run: () => (this.run(), true) }, ...defaultKeymap, ...historyKeymap, indentWithTab]),
+        keymap.of([
+          { key: "Mod-Enter", run: () => (this.run(), true) },
+          ...defaultKeymap,
+          ...historyKeymap,
+          indentWithTab,
+        ]),
       ],
     });
   }
@@ -103,7 +113,11 @@ export class Editor {
       this.view.dispatch(setDiagnostics(this.view.state, found.get(tab.key) ?? []));
     }
     this.show(first?.key ?? this.tabs[0].key);
-    if (first) this.view.dispatch({ selection: { anchor: first.at }, effects: EditorView.scrollIntoView(first.at, { y: "center" }) });
+    if (first)
+      this.view.dispatch({
+        selection: { anchor: first.at },
+        effects: EditorView.scrollIntoView(first.at, { y: "center" }),
+      });
     this.view.focus();
   }
 }
@@ -143,7 +157,9 @@ function follow(root: Schema, schema: Schema | undefined): Schema | undefined {
 
 function kinds(root: Schema, kind: string): string[] {
   const prefix = `${kind}.`;
-  return Object.keys(root.$defs ?? {}).filter((name) => name.startsWith(prefix)).map((name) => name.slice(prefix.length));
+  return Object.keys(root.$defs ?? {})
+    .filter((name) => name.startsWith(prefix))
+    .map((name) => name.slice(prefix.length));
 }
 
 function complete(context: CompletionContext, root: Schema): CompletionResult | null {
@@ -151,7 +167,11 @@ function complete(context: CompletionContext, root: Schema): CompletionResult | 
   const before = line.text.slice(0, context.pos - line.from);
   const header = /^\s*\[\[?([\w.]*)$/.exec(before);
   if (header) {
-    const options = Object.entries(root.properties ?? {}).map(([label, about]) => ({ label, info: about.description, type: "class" }));
+    const options = Object.entries(root.properties ?? {}).map(([label, about]) => ({
+      label,
+      info: about.description,
+      type: "class",
+    }));
     return { from: context.pos - header[1].length, options };
   }
   const value = /^\s*([\w.]+)\s*=\s*["']?([\w.]*)$/.exec(before);
@@ -161,9 +181,12 @@ function complete(context: CompletionContext, root: Schema): CompletionResult | 
     const quoted = /["'][\w.]*$/.test(before);
     const wrap = (text: string) => (quoted ? text : `"${text}"`);
     const kind = /^\[\[?(\w+)/.exec(above(context))?.[1] ?? "";
-    const words = value[1] === "type" ? kinds(root, kind) : [about, ...(about?.oneOf ?? []), ...(about?.anyOf ?? [])]
-      .flatMap((branch) => [...(branch?.enum ?? []), branch?.const])
-      .filter((x): x is string => typeof x === "string");
+    const words =
+      value[1] === "type"
+        ? kinds(root, kind)
+        : [about, ...(about?.oneOf ?? []), ...(about?.anyOf ?? [])]
+            .flatMap((branch) => [...(branch?.enum ?? []), branch?.const])
+            .filter((x): x is string => typeof x === "string");
     const from = context.pos - value[2].length;
     if (words.length > 0) return { from, options: words.map((label) => ({ label, apply: wrap(label), type: "enum" })) };
     const standard = about?.default;
@@ -175,7 +198,11 @@ function complete(context: CompletionContext, root: Schema): CompletionResult | 
   if (key && (key[1] || context.explicit)) {
     const { schema } = tableAt(context, root);
     const options = Object.entries(schema?.properties ?? {}).map(([label, about]) => ({
-      label, apply: `${label} = `, detail: about["x-unit"], info: about.description, type: "property",
+      label,
+      apply: `${label} = `,
+      detail: about["x-unit"],
+      info: about.description,
+      type: "property",
     }));
     return options.length > 0 ? { from: context.pos - key[1].length, options } : null;
   }

@@ -103,13 +103,23 @@ function remember(): void {
 }
 
 function pathOf(): string {
-  return state.scenario === OWN ? `${FOLDER}/scenario.toml` : (shipped.find((s) => s.name === state.scenario)?.path ?? state.scenario);
+  return state.scenario === OWN
+    ? `${FOLDER}/scenario.toml`
+    : (shipped.find((s) => s.name === state.scenario)?.path ?? state.scenario);
 }
 
 function load(): void {
   if (state.own && state.scenario === OWN) keepOwn(state.own);
   setPlaying(false);
-  tell({ type: "load", path: pathOf(), case: state.case, seed: state.seed, variation: variation(state), changes: state.changes, walls: state.walls });
+  tell({
+    type: "load",
+    path: pathOf(),
+    case: state.case,
+    seed: state.seed,
+    variation: variation(state),
+    changes: state.changes,
+    walls: state.walls,
+  });
   remember();
 }
 
@@ -167,7 +177,8 @@ function draw(frame: Float64Array): void {
 }
 
 worker.onmessage = ({ data }: MessageEvent<FromWorker>) => hear(data);
-worker.onerror = (event) => problem("The simulation cannot start", event.message || "the worker's script was not loaded");
+worker.onerror = (event) =>
+  problem("The simulation cannot start", event.message || "the worker's script was not loaded");
 
 async function hear(message: FromWorker): Promise<void> {
   switch (message.type) {
@@ -185,13 +196,15 @@ async function hear(message: FromWorker): Promise<void> {
       panel ??= new Panel($("side"), schemas, { change, vary });
       const begun = withChanges(message.about);
       panel.load(begun, state.varied);
-      $("about").textContent = shipped.find((s) => s.name === state.scenario)?.about ?? message.about.diagnostics.slice(0, 3).join("\n");
+      $("about").textContent =
+        shipped.find((s) => s.name === state.scenario)?.about ?? message.about.diagnostics.slice(0, 3).join("\n");
       speak(message.words);
       $("pace").textContent = "";
       draw(message.frame);
       if (greeting) problem(...greeting);
       greeting = null;
-      if (message.problems.length > 0) problem("Not everything of the link could be applied", message.problems.join("\n"));
+      if (message.problems.length > 0)
+        problem("Not everything of the link could be applied", message.problems.join("\n"));
       editor?.mark("");
       if ($<HTMLDialogElement>("editor").open && state.scenario === OWN) {
         $("refusal").hidden = true;
@@ -222,7 +235,8 @@ async function hear(message: FromWorker): Promise<void> {
       plots.add(message.rows);
       draw(message.frame);
       if (message.playing !== playing) setPlaying(message.playing);
-      $("pace").textContent = message.pace > 0 && playing ? `${message.pace.toFixed(message.pace < 10 ? 2 : 0)}× real time` : "";
+      $("pace").textContent =
+        message.pace > 0 && playing ? `${message.pace.toFixed(message.pace < 10 ? 2 : 0)}× real time` : "";
       if (message.words) speak(message.words);
       else if (words && !words.why && words.last && (field("time")?.[0] ?? 0) - words.last.at > 3) {
         speak({ ...words, time: Infinity });
@@ -240,7 +254,10 @@ async function hear(message: FromWorker): Promise<void> {
       break;
     case "broken":
       setPlaying(false);
-      problem("The module has stopped", `${message.text}\nReload the page; a link that ends like this is worth a report.`);
+      problem(
+        "The module has stopped",
+        `${message.text}\nReload the page; a link that ends like this is worth a report.`,
+      );
       break;
   }
 }
@@ -287,7 +304,10 @@ async function begin(): Promise<void> {
         const known = shipped.map((s) => s.name).join(", ");
         const name = state.scenario;
         state = fresh(first.name, first.case);
-        greeting = ["The link is of another page", `There is no scenario \`${name}\`; known: ${known}. This is the first.`];
+        greeting = [
+          "The link is of another page",
+          `There is no scenario \`${name}\`; known: ${known}. This is the first.`,
+        ];
       }
     }
   } catch (error) {
@@ -307,7 +327,10 @@ async function begin(): Promise<void> {
 /** What one's own begins with: the scenario that is shown. */
 function template(): { scenario: string; controller: string } {
   const from = shipped.find((s) => s.name === state.scenario) ?? shipped[0];
-  return { scenario: from.text.replace(/^controller = .*$/m, 'controller = "controller.toml"'), controller: from.controller };
+  return {
+    scenario: from.text.replace(/^controller = .*$/m, 'controller = "controller.toml"'),
+    controller: from.controller,
+  };
 }
 
 async function edit(): Promise<void> {
@@ -349,7 +372,11 @@ async function open(files: File[]): Promise<void> {
   const urdf = files.find((file) => /\.(urdf|xml)$/.test(file.name));
   if (log) await openLog(log);
   else if (urdf) await openRobot(urdf);
-  else problem("Nothing to open", `${files.map((f) => f.name).join(", ")}: a log ends in .mcap, a robot in .urdf (with its meshes beside it)`);
+  else
+    problem(
+      "Nothing to open",
+      `${files.map((f) => f.name).join(", ")}: a log ends in .mcap, a robot in .urdf (with its meshes beside it)`,
+    );
 }
 
 async function openRobot(file: File): Promise<void> {
@@ -439,7 +466,8 @@ async function begun(next: About, where: Fields): Promise<void> {
   replay = new Replay(source, next, where);
   source = null;
   document.body.dataset.replay = logName;
-  $("about").textContent = `Log ${logName}: ${next.scenario}, case ${next.case}, ${replay.times.length} frames. Choose a scenario to leave it.`;
+  $("about").textContent =
+    `Log ${logName}: ${next.scenario}, case ${next.case}, ${replay.times.length} frames. Choose a scenario to leave it.`;
   offerLog(logName);
   const cases = $<HTMLSelectElement>("case");
   cases.replaceChildren(new Option(next.case.replace(/_/g, " "), next.case));
@@ -465,8 +493,12 @@ function seek(time: number): void {
   const fault = replay.faultAt(replayed);
   const isFault = fault !== null && fault.level !== "optimal";
   speak({
-    time: replayed, level: (fault?.level ?? "optimal") as Words["level"],
-    why: isFault ? `${fault.level} since ${fault.at.toFixed(3)} s: ${fault.text}` : null, last: null, stopped: null, over: false,
+    time: replayed,
+    level: (fault?.level ?? "optimal") as Words["level"],
+    why: isFault ? `${fault.level} since ${fault.at.toFixed(3)} s: ${fault.text}` : null,
+    last: null,
+    stopped: null,
+    over: false,
   });
 }
 
@@ -502,7 +534,19 @@ setInterval(() => {
 
 // Results.
 
-function results(title: string, rows: { id: string; quantity: string; unit: string; paper: number | null; measured: number | null; tolerance: string; pass: boolean | null }[], pace: number): void {
+function results(
+  title: string,
+  rows: {
+    id: string;
+    quantity: string;
+    unit: string;
+    paper: number | null;
+    measured: number | null;
+    tolerance: string;
+    pass: boolean | null;
+  }[],
+  pace: number,
+): void {
   $("results-title").textContent = title;
   const number = (x: number | null) => (x === null ? "–" : String(Number(x.toPrecision(4))));
   const table = document.createElement("table");
@@ -515,7 +559,15 @@ function results(title: string, rows: { id: string; quantity: string; unit: stri
     const line = body.insertRow();
     line.dataset.row = row.id;
     const verdict = row.pass === null ? "" : row.pass ? "✓" : "✗";
-    for (const text of [verdict, row.id, row.quantity, number(row.paper), number(row.measured), row.unit, row.tolerance]) {
+    for (const text of [
+      verdict,
+      row.id,
+      row.quantity,
+      number(row.paper),
+      number(row.measured),
+      row.unit,
+      row.tolerance,
+    ]) {
       line.insertCell().textContent = text;
     }
     line.cells[0].className = row.pass === null ? "" : row.pass ? "pass" : "fail";
@@ -599,7 +651,8 @@ $<HTMLSelectElement>("case").onchange = (event) => {
 };
 $<HTMLInputElement>("seed").onchange = (event) => {
   const seed = Number((event.target as HTMLInputElement).value);
-  if (!Number.isInteger(seed) || seed < 0 || seed >= 2 ** 32) return problem("The seed stays as it was", "It must be a whole number from 0 to 4294967295.");
+  if (!Number.isInteger(seed) || seed < 0 || seed >= 2 ** 32)
+    return problem("The seed stays as it was", "It must be a whole number from 0 to 4294967295.");
   state.seed = seed;
   reset();
   remember();

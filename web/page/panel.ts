@@ -62,8 +62,14 @@ export class Panel {
     label(toggle, `${entry.name}: on`);
     const isSoft = entry.kind === "task" || entry.hardness !== "hard";
     if (isSoft) {
-      this.numbers(folder, "weight", entry.weight, { minimum: 0, description: schema?.properties?.weight?.description }, entry, (value) =>
-        this.asked.change({ do: "weight", of: entry.name, value: value as number | number[] }));
+      this.numbers(
+        folder,
+        "weight",
+        entry.weight,
+        { minimum: 0, description: schema?.properties?.weight?.description },
+        entry,
+        (value) => this.asked.change({ do: "weight", of: entry.name, value: value as number | number[] }),
+      );
     }
     for (const [key, about] of Object.entries(schema?.properties ?? {})) {
       if (COMMON.has(key)) continue;
@@ -76,13 +82,22 @@ export class Panel {
     const set = (value: unknown) => this.asked.change({ do: "set", of: entry.name, keys: { [key]: value } });
     if (about["x-plugin"] || about.$ref || isReference(value)) return;
     const options = choices(about);
-    if (typeof value === "number" || (Array.isArray(value) && value.length > 0 && value.every((x) => typeof x === "number"))) {
+    if (
+      typeof value === "number" ||
+      (Array.isArray(value) && value.length > 0 && value.every((x) => typeof x === "number"))
+    ) {
       this.numbers(gui, key, value as number | number[], about, entry, set);
     } else if (typeof value === "boolean") {
-      const made = gui.add({ [key]: value }, key).name(words(key)).onChange(set);
+      const made = gui
+        .add({ [key]: value }, key)
+        .name(words(key))
+        .onChange(set);
       label(made, `${entry.name}: ${words(key)}`, about.description);
     } else if (typeof value === "string" && options.length > 1) {
-      const made = gui.add({ [key]: value }, key, options).name(words(key)).onChange(set);
+      const made = gui
+        .add({ [key]: value }, key, options)
+        .name(words(key))
+        .onChange(set);
       label(made, `${entry.name}: ${words(key)}`, about.description);
     }
   }
@@ -119,9 +134,12 @@ export class Panel {
   private setPoint(gui: GUI, entry: Entry): void {
     const reference = entry.reference;
     if (!reference) return;
-    const names = entry.rows?.length === reference.value.length && reference.space === "vector"
-      ? entry.rows.map((row) => row.label)
-      : reference.space === "rotation" ? ["roll", "pitch", "yaw"] : reference.value.map((_, i) => `${i + 1}`);
+    const names =
+      entry.rows?.length === reference.value.length && reference.space === "vector"
+        ? entry.rows.map((row) => row.label)
+        : reference.space === "rotation"
+          ? ["roll", "pitch", "yaw"]
+          : reference.value.map((_, i) => `${i + 1}`);
     const unit = entry.error_unit ?? "";
     const folder = gui.addFolder(entry.name);
     const values = reference.value.map((x) => Number(x.toFixed(4)));
@@ -136,7 +154,9 @@ export class Panel {
       made.onChange((now: number) => {
         values[i] = now;
         this.asked.change({
-          do: "follow", of: entry.name, reference: { type: "min_jerk", to: [...values], duration: 1 },
+          do: "follow",
+          of: entry.name,
+          reference: { type: "min_jerk", to: [...values], duration: 1 },
         });
       });
       label(made, `${entry.name}: set point ${name}`, "The task goes there within a second.");
@@ -204,7 +224,9 @@ function resolve(root: Schema, schema: Schema | undefined): Schema | undefined {
 
 function choices(about: Schema): string[] {
   const branches = [about, ...(about.oneOf ?? []), ...(about.anyOf ?? [])];
-  return branches.flatMap((branch) => [...(branch.enum ?? []), branch.const]).filter((x): x is string => typeof x === "string");
+  return branches
+    .flatMap((branch) => [...(branch.enum ?? []), branch.const])
+    .filter((x): x is string => typeof x === "string");
 }
 
 /** A limit of a number, also where the schema has a choice of number and list. */
@@ -232,6 +254,7 @@ function words(key: string): string {
 
 /** For screen readers and pointers that rest. */
 function label(controller: Controller, name: string, description?: string): void {
-  for (const input of controller.domElement.querySelectorAll("input, select, button")) input.setAttribute("aria-label", name);
+  for (const input of controller.domElement.querySelectorAll("input, select, button"))
+    input.setAttribute("aria-label", name);
   if (description) controller.domElement.title = description;
 }

@@ -130,7 +130,12 @@ export class Plots {
     const room = document.createElement("div");
     room.className = "chart";
     host.append(key, room);
-    const axis = { stroke: "#4a5561", font: "11px system-ui", grid: { stroke: "#e6eaee", width: 1 }, ticks: { stroke: "#c9d1d9", size: 4 } };
+    const axis = {
+      stroke: "#4a5561",
+      font: "11px system-ui",
+      grid: { stroke: "#e6eaee", width: 1 },
+      ticks: { stroke: "#c9d1d9", size: 4 },
+    };
     const limits = chart.limits ?? [];
     const options: uPlot.Options = {
       width: 300,
@@ -140,12 +145,24 @@ export class Plots {
       scales: { x: { time: false }, y: { range: (_, low, high) => range(low, high, limits) } },
       axes: [
         { ...axis, size: 24, gap: 2, label: "t / s", labelSize: 13, labelFont: "11px system-ui", labelGap: 0 },
-        { ...axis, values: (_, ticks) => ticks.map((x) => String(Number(x.toPrecision(4)))), size: 50, label: chart.unit, labelSize: 16, labelFont: "11px system-ui", labelGap: -2 },
+        {
+          ...axis,
+          values: (_, ticks) => ticks.map((x) => String(Number(x.toPrecision(4)))),
+          size: 50,
+          label: chart.unit,
+          labelSize: 16,
+          labelFont: "11px system-ui",
+          labelGap: -2,
+        },
       ],
       series: [
         { label: "t" },
         ...chart.lines.map((line) => ({
-          label: line.label, stroke: line.colour, width: line.width ?? 1.5, dash: line.dash, points: { show: false },
+          label: line.label,
+          stroke: line.colour,
+          width: line.width ?? 1.5,
+          dash: line.dash,
+          points: { show: false },
         })),
       ],
       hooks: {
@@ -220,7 +237,8 @@ export class Plots {
     // More samples than pixels are not seen.
     const step = Math.max(1, Math.floor((this.count - first) / 1600));
     // What is not there is null to the plot.
-    const known = (column: Float64Array) => (column.some(Number.isNaN) ? Array.from(column, (x) => (Number.isNaN(x) ? null : x)) : column);
+    const known = (column: Float64Array) =>
+      column.some(Number.isNaN) ? Array.from(column, (x) => (Number.isNaN(x) ? null : x)) : column;
     const pick = (column: Float64Array) => {
       if (step === 1) return column.subarray(first, this.count);
       const picked = new Float64Array(Math.ceil((this.count - first) / step));
@@ -281,17 +299,23 @@ function efforts(about: About, at: Map<string, Field>): Panel {
     const some = about.actuators.map((a, i) => ({ a, i })).filter(({ a }) => (a.rotor !== null) === isRotor);
     if (some.length === 0) return [];
     const lines = some.map(({ a, i }, k) => ({
-      label: a.name.replace(/_/g, " ").replace(/^rotor /, ""), column: field.at + i, colour: SERIES[k % SERIES.length], width: some.length > 8 ? 1 : 1.5,
+      label: a.name.replace(/_/g, " ").replace(/^rotor /, ""),
+      column: field.at + i,
+      colour: SERIES[k % SERIES.length],
+      width: some.length > 8 ? 1 : 1.5,
     }));
     const limits = isRotor
       ? [...new Set(some.flatMap(({ a }) => [a.lower, a.upper]).filter((x): x is number => x !== null))]
       : [];
-    return [{
-      key: isRotor ? "thrusts" : "joints",
-      title: isRotor ? "rotors" : "joints",
-      unit: isRotor ? "thrust / N" : "torque / N·m",
-      lines, limits,
-    }];
+    return [
+      {
+        key: isRotor ? "thrusts" : "joints",
+        title: isRotor ? "rotors" : "joints",
+        unit: isRotor ? "thrust / N" : "torque / N·m",
+        lines,
+        limits,
+      },
+    ];
   };
   const variants = [...group(true), ...group(false)];
   return { key: "effort", title: variants[0]?.key === "thrusts" ? "Thrusts" : "Torques", variants };
@@ -303,10 +327,19 @@ function errors(about: About, at: Map<string, Field>): Panel {
     const field = at.get(`error/${entry.name}`);
     if (!field || !entry.error_unit) continue;
     const lines = units.get(entry.error_unit) ?? [];
-    lines.push({ label: entry.name.replace(/_/g, " "), column: field.at, colour: SERIES[lines.length % SERIES.length] });
+    lines.push({
+      label: entry.name.replace(/_/g, " "),
+      column: field.at,
+      colour: SERIES[lines.length % SERIES.length],
+    });
     units.set(entry.error_unit, lines);
   }
-  const variants = [...units].map(([unit, lines]) => ({ key: unit, title: `in ${unit}`, unit: `|error| / ${unit}`, lines }));
+  const variants = [...units].map(([unit, lines]) => ({
+    key: unit,
+    title: `in ${unit}`,
+    unit: `|error| / ${unit}`,
+    lines,
+  }));
   return { key: "error", title: "Task errors", variants };
 }
 

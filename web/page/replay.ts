@@ -25,7 +25,8 @@ export async function read(bytes: Uint8Array): Promise<Source> {
   const readable = {
     size: async () => BigInt(bytes.length),
     read: async (offset: bigint, length: bigint) => {
-      if (offset + length > BigInt(bytes.length)) throw new Error("the file ends before what its index names: it is cut off");
+      if (offset + length > BigInt(bytes.length))
+        throw new Error("the file ends before what its index names: it is cut off");
       return bytes.subarray(Number(offset), Number(offset + length));
     },
   };
@@ -39,12 +40,14 @@ export async function read(bytes: Uint8Array): Promise<Source> {
     const copy = new Uint8Array(attachment.data);
     source.files.set(attachment.name, copy);
     if (attachment.name === "variation.toml") source.variation = text.decode(copy);
-    else if (attachment.name.endsWith(".toml") && /^\s*\[\[case\]\]/m.test(text.decode(copy))) source.scenario ||= attachment.name;
+    else if (attachment.name.endsWith(".toml") && /^\s*\[\[case\]\]/m.test(text.decode(copy)))
+      source.scenario ||= attachment.name;
   }
   for await (const metadata of reader.readMetadata()) {
     if (metadata.name === "scenario") source.case = metadata.metadata.get("case") ?? "";
     if (metadata.name === "timeline") {
-      for (const [name, at] of metadata.metadata) if (Number.isFinite(Number(at))) source.marks.push({ name, at: Number(at) });
+      for (const [name, at] of metadata.metadata)
+        if (Number.isFinite(Number(at))) source.marks.push({ name, at: Number(at) });
     }
   }
   if (!source.scenario) throw new Error("it has no scenario attached: only logs of this project's runs can be drawn");
@@ -82,7 +85,8 @@ export class Replay {
       const qp = tick.get("/qp");
       if (qp && qp.level !== level) {
         level = qp.level;
-        const short = (what: Json[] | undefined) => (what ?? []).map((l) => `\n  ${l.row}: ${l.side} limit ${l.limit}, short by ${l.short}`).join("");
+        const short = (what: Json[] | undefined) =>
+          (what ?? []).map((l) => `\n  ${l.row}: ${l.side} limit ${l.limit}, short by ${l.short}`).join("");
         this.faults.push({ at: time / 1e9, level, text: `${qp.fault ?? ""}${short(qp.conflict)}` });
       }
       if (index++ % every !== 0) continue;
@@ -159,8 +163,9 @@ function frame(fields: Field[], about: About, said: Map<string, Json>, time: num
 }
 
 function efforts(about: About, command: Json | undefined): number[] {
-  return about.actuators.map(({ name, rotor }) =>
-    (rotor !== null ? command?.rotors?.[name]?.thrust : command?.joints?.[name]?.effort) ?? NaN);
+  return about.actuators.map(
+    ({ name, rotor }) => (rotor !== null ? command?.rotors?.[name]?.thrust : command?.joints?.[name]?.effort) ?? NaN,
+  );
 }
 
 function history(fields: Field[], about: About, said: Map<string, Json>, time: number): number[] {

@@ -25,7 +25,11 @@ class Arrow extends THREE.Group {
   private readonly material: THREE.MeshBasicMaterial;
 
   /** `isOnTop`: seen through whatever is before it. */
-  constructor(colour: THREE.ColorRepresentation, private readonly radius: number, isOnTop: boolean) {
+  constructor(
+    colour: THREE.ColorRepresentation,
+    private readonly radius: number,
+    isOnTop: boolean,
+  ) {
     super();
     this.material = new THREE.MeshBasicMaterial({ color: colour, depthTest: !isOnTop, transparent: isOnTop });
     const shaft = new THREE.CylinderGeometry(radius, radius, 1, 12).translate(0, 0.5, 0);
@@ -154,7 +158,11 @@ export class Scene {
   /** Whether the camera stays where it is. */
   private isKept = false;
 
-  constructor(private readonly host: HTMLElement, private readonly hands: Hands, private readonly meshes: Meshes) {
+  constructor(
+    private readonly host: HTMLElement,
+    private readonly hands: Hands,
+    private readonly meshes: Meshes,
+  ) {
     this.renderer = new THREE.WebGLRenderer({ antialias: true, preserveDrawingBuffer: true });
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     this.renderer.shadowMap.enabled = true;
@@ -182,10 +190,7 @@ export class Scene {
     [box.left, box.right, box.top, box.bottom, box.far] = [-2, 2, 2, -2, 12];
     this.light.shadow.bias = -5e-4;
     this.scene.add(this.light, this.light.target, this.world);
-    const floor = new THREE.Mesh(
-      new THREE.PlaneGeometry(40, 40),
-      new THREE.ShadowMaterial({ opacity: 0.16 }),
-    );
+    const floor = new THREE.Mesh(new THREE.PlaneGeometry(40, 40), new THREE.ShadowMaterial({ opacity: 0.16 }));
     floor.receiveShadow = true;
     const grid = new THREE.GridHelper(20, 40, 0xb8c1cb, 0xdde2e7);
     grid.rotation.x = Math.PI / 2;
@@ -238,7 +243,9 @@ export class Scene {
     this.robot = this.parse(about);
     if (this.robot) this.world.add(this.robot);
     const bears = Math.max(1, about.contacts.length);
-    this.forceScale = about.actuators.some((a) => a.rotor) ? 0.055 : (0.45 * this.size()) / ((about.mass * 9.81) / bears);
+    this.forceScale = about.actuators.some((a) => a.rotor)
+      ? 0.055
+      : (0.45 * this.size()) / ((about.mass * 9.81) / bears);
     this.baseTrace = new Trace(0x5b6672, 0.6);
     this.world.add(this.baseTrace);
     for (const wall of about.walls) this.addWall(wall);
@@ -348,7 +355,11 @@ export class Scene {
     const skin = new THREE.Mesh(
       shape,
       new THREE.MeshBasicMaterial({
-        color: 0xe0a100, transparent: true, opacity: 0.2, side: THREE.DoubleSide, depthWrite: false,
+        color: 0xe0a100,
+        transparent: true,
+        opacity: 0.2,
+        side: THREE.DoubleSide,
+        depthWrite: false,
       }),
     );
     const ring = new THREE.LineLoop(
@@ -371,7 +382,10 @@ export class Scene {
     const bar = new THREE.Group();
     const colour = new THREE.MeshBasicMaterial({ color: 0x98a4b1 });
     const long = (upper - lower) * this.thrustScale;
-    const line = new THREE.Mesh(new THREE.CylinderGeometry(0.0018, 0.0018, long, 6).translate(0, lower * this.thrustScale + long / 2, 0), colour);
+    const line = new THREE.Mesh(
+      new THREE.CylinderGeometry(0.0018, 0.0018, long, 6).translate(0, lower * this.thrustScale + long / 2, 0),
+      colour,
+    );
     bar.add(line);
     for (const limit of [lower, upper]) {
       const ring = new THREE.Mesh(new THREE.TorusGeometry(0.02, 0.0028, 6, 24).rotateX(Math.PI / 2), colour);
@@ -382,7 +396,12 @@ export class Scene {
     this.rotors.push({ index, link, arrow, bar, lower, upper });
   }
 
-  private addReference(name: string, type: string, unit: string | undefined, entry: { parameters: Record<string, unknown>; reference?: { space: string; value: number[] } | null }): void {
+  private addReference(
+    name: string,
+    type: string,
+    unit: string | undefined,
+    entry: { parameters: Record<string, unknown>; reference?: { space: string; value: number[] } | null },
+  ): void {
     const reference = entry.reference;
     if (reference?.space !== "vector" || unit !== "m" || !this.fields.has(`reference/${name}`)) return;
     let place: DrawnReference["place"];
@@ -404,11 +423,25 @@ export class Scene {
     }
     const marker = new THREE.Group();
     const arm = 0.05 * Math.max(0.7, Math.min(1.5, this.size()));
-    for (const axis of [[1, 0, 0], [0, 1, 0], [0, 0, 1]]) {
+    for (const axis of [
+      [1, 0, 0],
+      [0, 1, 0],
+      [0, 0, 1],
+    ]) {
       const ends = [1, -1].map((s) => new THREE.Vector3(...(axis as [number, number, number])).multiplyScalar(s * arm));
-      marker.add(new THREE.Line(new THREE.BufferGeometry().setFromPoints(ends), new THREE.LineBasicMaterial({ color: COLOURS.reference })));
+      marker.add(
+        new THREE.Line(
+          new THREE.BufferGeometry().setFromPoints(ends),
+          new THREE.LineBasicMaterial({ color: COLOURS.reference }),
+        ),
+      );
     }
-    marker.add(new THREE.Mesh(new THREE.SphereGeometry(0.25 * arm, 16, 12), new THREE.MeshBasicMaterial({ color: COLOURS.reference })));
+    marker.add(
+      new THREE.Mesh(
+        new THREE.SphereGeometry(0.25 * arm, 16, 12),
+        new THREE.MeshBasicMaterial({ color: COLOURS.reference }),
+      ),
+    );
     const trace = new Trace(COLOURS.reference, 0.9);
     this.world.add(marker, trace);
     this.references.push({ name, marker, trace, place });
@@ -535,14 +568,21 @@ export class Scene {
       this.canvas.addEventListener(end, () => this.release());
     }
     const push: Record<string, [number, number, number]> = {
-      ArrowUp: [0, 0, 1], ArrowDown: [0, 0, -1], ArrowLeft: [-1, 0, 0], ArrowRight: [1, 0, 0],
+      ArrowUp: [0, 0, 1],
+      ArrowDown: [0, 0, -1],
+      ArrowLeft: [-1, 0, 0],
+      ArrowRight: [1, 0, 0],
     };
     this.canvas.addEventListener("keydown", (event) => {
       const along = push[event.key];
       if (!along || !this.about) return;
       event.preventDefault();
       const force = 0.12 * this.about.mass * 9.81;
-      this.hands.pull(this.about.base, [0, 0, 0], along.map((a) => a * force));
+      this.hands.pull(
+        this.about.base,
+        [0, 0, 0],
+        along.map((a) => a * force),
+      );
     });
     this.canvas.addEventListener("keyup", (event) => {
       if (push[event.key] && this.about) this.hands.pull(this.about.base, [0, 0, 0], [0, 0, 0]);
@@ -575,12 +615,23 @@ export class Scene {
       const owner = this.robot.links[link];
       const local = owner.worldToLocal(hit.point.clone());
       this.drag = {
-        kind: "link", link, local, plane: new THREE.Plane().setFromNormalAndCoplanarPoint(away, hit.point), target: hit.point.clone(),
+        kind: "link",
+        link,
+        local,
+        plane: new THREE.Plane().setFromNormalAndCoplanarPoint(away, hit.point),
+        target: hit.point.clone(),
       };
     } else if (wall) {
       const group = this.walls.get(wall);
       if (!group) return;
-      this.drag = { kind: "wall", wall, start: group.position.clone(), from: hit.point.clone(), normal: group.userData.normal, last: 0 };
+      this.drag = {
+        kind: "wall",
+        wall,
+        start: group.position.clone(),
+        from: hit.point.clone(),
+        normal: group.userData.normal,
+        last: 0,
+      };
     }
     if (this.drag) {
       event.stopImmediatePropagation();
@@ -623,7 +674,11 @@ export class Scene {
     const at = this.robot.links[link].localToWorld(local.clone());
     const weight = this.about.mass * 9.81;
     // A spring between hand and link, of the robot's weight per half a metre.
-    const force = target.clone().sub(at).multiplyScalar(2 * weight).clampLength(0, 0.8 * weight);
+    const force = target
+      .clone()
+      .sub(at)
+      .multiplyScalar(2 * weight)
+      .clampLength(0, 0.8 * weight);
     this.hands.pull(link, local.toArray(), force.toArray());
     const line = this.rubber.geometry.getAttribute("position") as THREE.BufferAttribute;
     line.setXYZ(0, at.x, at.y, at.z);

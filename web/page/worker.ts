@@ -52,10 +52,7 @@ function send(run: Run): void {
   const news = JSON.stringify({ ...parsed, time: 0 });
   const changed = news !== lastWords;
   lastWords = news;
-  say(
-    { type: "frame", frame, rows, pace, playing, words: changed ? parsed : null },
-    [frame.buffer, rows.buffer],
-  );
+  say({ type: "frame", frame, rows, pace, playing, words: changed ? parsed : null }, [frame.buffer, rows.buffer]);
 }
 
 function turn(): void {

@@ -12,13 +12,20 @@ export const pictures = here("../test-results");
 mkdirSync(pictures, { recursive: true });
 
 const TYPES = {
-  ".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".wasm": "application/wasm", ".svg": "image/svg+xml",
+  ".html": "text/html",
+  ".js": "text/javascript",
+  ".css": "text/css",
+  ".wasm": "application/wasm",
+  ".svg": "image/svg+xml",
 };
 
 /** Serves the built page below a folder's name, without any header but the type. */
 export async function serve() {
   const server = createServer(async (request, response) => {
-    const path = normalize(decodeURIComponent(new URL(request.url, "http://x").pathname)).replace(/^\/some\/folder/, "");
+    const path = normalize(decodeURIComponent(new URL(request.url, "http://x").pathname)).replace(
+      /^\/some\/folder/,
+      "",
+    );
     const file = join(dist, path === "/" || path === "" ? "index.html" : path);
     try {
       const bytes = await readFile(file);
@@ -39,7 +46,13 @@ export async function browser() {
   if (!executablePath) throw new Error("no browser: install chromium, or name one in CHROMIUM");
   return chromium.launch({
     executablePath,
-    args: ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"],
+    args: [
+      "--no-sandbox",
+      "--use-gl=angle",
+      "--use-angle=swiftshader",
+      "--enable-unsafe-swiftshader",
+      "--ignore-gpu-blocklist",
+    ],
   });
 }
 

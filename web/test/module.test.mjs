@@ -11,7 +11,13 @@ const B = "scenarios/push_with_disturbance.toml";
 test("every plug-in is registered, once", () => {
   const { controller } = JSON.parse(schemas());
   const kinds = Object.keys(controller.$defs);
-  for (const kind of ["task.base_position", "constraint.friction_pyramid", "reference.min_jerk", "robot.othex", "solver.active_set"]) {
+  for (const kind of [
+    "task.base_position",
+    "constraint.friction_pyramid",
+    "reference.min_jerk",
+    "robot.othex",
+    "solver.active_set",
+  ]) {
     assert.ok(kinds.includes(kind), kind);
   }
   // Twice registered, no configuration would load.

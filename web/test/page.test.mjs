@@ -20,7 +20,10 @@ const say = (page) => page.locator("#say").textContent();
 const problem = (page) => page.locator("#problem").textContent();
 /** A file as a browser gives it when it is chosen. */
 const choose = (page, ...files) =>
-  page.setInputFiles("#files", files.map(([name, text]) => ({ name, mimeType: "application/octet-stream", buffer: Buffer.from(text) })));
+  page.setInputFiles(
+    "#files",
+    files.map(([name, text]) => ({ name, mimeType: "application/octet-stream", buffer: Buffer.from(text) })),
+  );
 
 /** Reads the pixels of the 3-D view: how many differ clearly from the background, and how many are of a kind. */
 const pixels = (page) =>
@@ -41,7 +44,14 @@ const pixels = (page) =>
 
 describe("the page", () => {
   test("loads without errors and draws the robot of every scenario", async () => {
-    for (const name of ["push_with_disturbance", "push_and_slide", "push_away", "under_actuated", "quadruped_stand", "humanoid_stand"]) {
+    for (const name of [
+      "push_with_disturbance",
+      "push_and_slide",
+      "push_away",
+      "under_actuated",
+      "quadruped_stand",
+      "humanoid_stand",
+    ]) {
       const { page, errors } = await open(chrome, `${host.address}#scenario=${name}`);
       await page.click("#play");
       await until(page, 0.2);
@@ -139,7 +149,9 @@ describe("the page", () => {
     const stiff = encodeURIComponent(JSON.stringify([["set.contact.fl.force_min", 29]]));
     const { page, errors } = await open(chrome, `${host.address}#scenario=quadruped_stand&with=${stiff}&speed=10`);
     await page.click("#play");
-    await page.waitForFunction(() => document.querySelector("#level").dataset.level !== "optimal", null, { timeout: 60_000 });
+    await page.waitForFunction(() => document.querySelector("#level").dataset.level !== "optimal", null, {
+      timeout: 60_000,
+    });
     await page.waitForFunction(() => /contradict/.test(document.querySelector("#say").textContent));
     await page.click("#play");
     assert.match(await say(page), /any one of these would have to give|given up/);
@@ -149,7 +161,11 @@ describe("the page", () => {
     const share = () =>
       page.evaluate(() => {
         const [words, view] = ["words", "view"].map((id) => document.getElementById(id).getBoundingClientRect());
-        return { wide: words.width / view.width, high: words.height / view.height, out: words.right > view.right || words.top < view.top };
+        return {
+          wide: words.width / view.width,
+          high: words.height / view.height,
+          out: words.right > view.right || words.top < view.top,
+        };
       });
     const small = await share();
     assert.ok(small.wide < 0.45 && small.high < 0.25 && !small.out, JSON.stringify(small));
@@ -211,11 +227,16 @@ describe("the page", () => {
     const moved = (await field(page, `wall/${wall}`)).map((p, i) => p - before.wall[i]);
     const along = moved.reduce((sum, p, i) => sum + p * normal[i], 0);
     assert.ok(Math.abs(along) > 0.01, `${moved}`);
-    assert.ok(moved.every((p, i) => Math.abs(p - along * normal[i]) < 1e-9), `${moved}`);
+    assert.ok(
+      moved.every((p, i) => Math.abs(p - along * normal[i]) < 1e-9),
+      `${moved}`,
+    );
     // It pushes again, at the new place.
     await page.selectOption("#speed", "1");
     const seen = await page.waitForFunction(() => {
-      const [time, force, tip] = ["time", "contact/tip/true", "contact/tip/point"].map((name) => window.wbqp.field(name));
+      const [time, force, tip] = ["time", "contact/tip/true", "contact/tip/point"].map((name) =>
+        window.wbqp.field(name),
+      );
       return time[0] > 11 && { time: time[0], force: -force[0], tip };
     });
     const { time, force, tip } = await seen.jsonValue();
@@ -227,17 +248,24 @@ describe("the page", () => {
     await page.waitForFunction(() => location.hash.includes("walls"));
     const again = await open(chrome, page.url());
     const there = await field(again.page, `wall/${wall}`);
-    assert.ok(there.every((p, i) => Math.abs(p - before.wall[i] - moved[i]) < 1e-3), `${there}`);
+    assert.ok(
+      there.every((p, i) => Math.abs(p - before.wall[i] - moved[i]) < 1e-3),
+      `${there}`,
+    );
     await again.page.close();
     assert.deepEqual(errors, []);
     await page.close();
   });
 
   test("what diverges stops with words", async () => {
-    const changes = encodeURIComponent(JSON.stringify([{ do: "set", of: "base_orientation", keys: { kp: 3000000, kd: 0 } }]));
+    const changes = encodeURIComponent(
+      JSON.stringify([{ do: "set", of: "base_orientation", keys: { kp: 3000000, kd: 0 } }]),
+    );
     const { page } = await open(chrome, `${host.address}${B}&changes=${changes}&speed=10`);
     await page.click("#play");
-    await page.waitForFunction(() => /diverged/.test(document.querySelector("#say").textContent), null, { timeout: 60_000 });
+    await page.waitForFunction(() => /diverged/.test(document.querySelector("#say").textContent), null, {
+      timeout: 60_000,
+    });
     assert.equal(await page.locator("#level").textContent(), "stopped");
     await page.close();
   });
@@ -252,17 +280,26 @@ describe("the page", () => {
       return lines.findIndex((text) => text.startsWith("kp = 9.0")) + 1;
     });
     assert.ok(line > 0);
-    await page.locator(".cm-line").nth(line - 1).click();
+    await page
+      .locator(".cm-line")
+      .nth(line - 1)
+      .click();
     await page.keyboard.press("Home");
     await page.keyboard.type("x");
     await page.keyboard.press("Escape");
     await page.locator("#apply").click();
     await page.waitForSelector("#refusal:not([hidden])");
-    assert.match(await page.locator("#refusal").textContent(), new RegExp(`controller.toml:${line}:1: .*unknown key .xkp.*`));
+    assert.match(
+      await page.locator("#refusal").textContent(),
+      new RegExp(`controller.toml:${line}:1: .*unknown key .xkp.*`),
+    );
     await page.waitForSelector(".cm-lint-marker-error");
     await page.screenshot({ path: join(pictures, "broken.png") });
     // Completion comes from the schema.
-    await page.locator(".cm-line").nth(line - 1).click();
+    await page
+      .locator(".cm-line")
+      .nth(line - 1)
+      .click();
     await page.keyboard.press("Home");
     await page.keyboard.press("Delete");
     await page.keyboard.press("End");
@@ -323,7 +360,11 @@ describe("the page", () => {
     await page.click("#play");
     await until(page, 0.1);
     await page.close();
-    for (const hash of ["#scenario=nowhere", "#scenario=push_away&changes=%5B", `${B}&changes=${encodeURIComponent('[{"do":"entry","of":"x","on":true}]')}`]) {
+    for (const hash of [
+      "#scenario=nowhere",
+      "#scenario=push_away&changes=%5B",
+      `${B}&changes=${encodeURIComponent('[{"do":"entry","of":"x","on":true}]')}`,
+    ]) {
       const { page, errors } = await open(chrome, host.address + hash);
       assert.ok(await page.locator("#problem").isVisible(), hash);
       assert.deepEqual(errors, []);
@@ -358,8 +399,17 @@ describe("the page", () => {
     await page.screenshot({ path: join(pictures, "phone-all.png"), fullPage: true });
     // Everything that can be pressed has a name.
     const nameless = await page.$$eval("button, input, select, canvas", (list) =>
-      list.filter((e) => e.offsetParent !== null && !e.textContent.trim() && !e.getAttribute("aria-label") && !e.closest("label") && !e.title)
-        .map((e) => e.outerHTML.slice(0, 120)));
+      list
+        .filter(
+          (e) =>
+            e.offsetParent !== null &&
+            !e.textContent.trim() &&
+            !e.getAttribute("aria-label") &&
+            !e.closest("label") &&
+            !e.title,
+        )
+        .map((e) => e.outerHTML.slice(0, 120)),
+    );
     assert.deepEqual(nameless, []);
     assert.deepEqual(errors, []);
     await page.close();

@@ -13,10 +13,21 @@ let chrome, folder, program;
 
 /** The program with the page as it is built now. */
 function built() {
-  const arguments_ = ["build", "--quiet", "-p", "wbqp-cli", "--bin", "wbqp", "--message-format=json-render-diagnostics"];
+  const arguments_ = [
+    "build",
+    "--quiet",
+    "-p",
+    "wbqp-cli",
+    "--bin",
+    "wbqp",
+    "--message-format=json-render-diagnostics",
+  ];
   const stdio = ["ignore", "pipe", "inherit"];
   const said = execFileSync("cargo", arguments_, { cwd: here("../.."), stdio, maxBuffer: 1 << 28, encoding: "utf8" });
-  const lines = said.split("\n").filter(Boolean).map((line) => JSON.parse(line));
+  const lines = said
+    .split("\n")
+    .filter(Boolean)
+    .map((line) => JSON.parse(line));
   return lines.find((line) => line.executable && line.target.name === "wbqp").executable;
 }
 
@@ -34,7 +45,10 @@ async function view(log, ...options) {
 
 const replayed = (page) => page.waitForFunction(() => document.body.dataset.replay, null, { timeout: 60_000 });
 const says = (page, words) =>
-  page.waitForFunction((words) => new RegExp(words).test(document.querySelector("#problem:not([hidden])")?.textContent), words);
+  page.waitForFunction(
+    (words) => new RegExp(words).test(document.querySelector("#problem:not([hidden])")?.textContent),
+    words,
+  );
 
 before(async () => {
   program = built();
@@ -81,7 +95,9 @@ describe("wbqp view", () => {
       assert.ok(Math.abs((await field(page, "time"))[0] - 14) < 0.01);
       await writeFile(log, bytes);
       await page.click("#reload");
-      await page.waitForFunction(() => document.querySelector("#problem").hidden && !document.querySelector("#reload").disabled);
+      await page.waitForFunction(
+        () => document.querySelector("#problem").hidden && !document.querySelector("#reload").disabled,
+      );
       assert.ok(Math.abs((await field(page, "time"))[0] - 14) < 0.01);
       await page.click("#play");
       await until(page, 14.5);
@@ -140,7 +156,10 @@ describe("wbqp view", () => {
         await until(page, 0.1);
         await page.close();
       }
-      assert.deepEqual(asked.filter((url) => /^http/.test(url) && !url.startsWith(`${origin}/`)), []);
+      assert.deepEqual(
+        asked.filter((url) => /^http/.test(url) && !url.startsWith(`${origin}/`)),
+        [],
+      );
     } finally {
       await end();
     }
