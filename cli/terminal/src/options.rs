@@ -13,7 +13,7 @@ pub struct Common {
     /// Seed of the sensors' noise
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
-    /// Serve what runs to Foxglove on a port of this machine [8765], in real time, one case after the other
+    /// Serve what runs to Foxglove on a port of this machine (8765), in real time, one case after the other
     #[arg(long, value_name = "PORT", num_args = 0..=1, default_missing_value = "8765")]
     pub live: Option<u16>,
 }
