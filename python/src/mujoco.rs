@@ -19,7 +19,8 @@ use wbqp::{
 use wbqp_log::{LogSink, McapLog};
 use wbqp_mjcf::{Mjcf, Scene};
 use wbqp_sim::{
-    PlantCommand, RunOptions, Scenario, SceneWatcher, Variation, World, plant::has_diverged,
+    PlantCommand, RunOptions, Scenario, SceneWatcher, Variation, World, center_of_force,
+    plant::has_diverged,
 };
 
 use crate::{config, plugin, robot::Robot, simulate};
@@ -83,10 +84,9 @@ impl World for Truth {
     }
 
     fn contact_at(&self, frame: &str) -> Option<(Vector3<f64>, Vector3<f64>)> {
-        let at_frame = || self.points.iter().filter(|(of, ..)| of == frame);
-        let place = at_frame().map(|(.., place)| *place).next();
-        let place = place.filter(|_| self.has_walls)?;
-        Some((at_frame().map(|(_, force, _)| *force).sum(), place))
+        let at_frame = self.points.iter().filter(|(of, ..)| of == frame);
+        let at_frame = at_frame.map(|(_, force, place)| (*force, *place));
+        center_of_force(at_frame).filter(|_| self.has_walls)
     }
 
     fn is_diverged(&self) -> bool {

@@ -49,4 +49,4 @@ pub use watch::LiveWatcher;
 #[cfg(feature = "foxglove")]
 pub use watch::SceneWatcher;
 pub use watch::{RunOptions, Watcher};
-pub use world::World;
+pub use world::{World, center_of_force};

@@ -25,8 +25,8 @@ pub trait World {
     /// origin, N and N·m: what an ideal force-torque sensor there says.
     fn wrench_at(&self, frame: FrameId) -> Vector6<f64>;
 
-    /// Force of all walls on the robot at the contact points of a frame, N, and where the first of them is, m; world
-    /// axes. `None` where there is no such point, or no wall.
+    /// Force of all walls on the robot at the contact points of a frame, N, and where it acts, m: of several points the
+    /// mean by their forces; world axes. `None` where there is no such point, or no wall.
     fn contact_at(&self, frame: &str) -> Option<(Vector3<f64>, Vector3<f64>)>;
 
     /// Whether there is no use in going on.
@@ -55,11 +55,57 @@ impl World for Plant {
             let contacts = self.contacts();
             contacts.filter(|(point, _, _)| point.frame == frame)
         };
-        let p_WC = at_frame().map(|(_, _, truth)| truth.p_WC).next()?;
-        Some((at_frame().map(|(_, _, truth)| truth.force_W).sum(), p_WC))
+        let points = at_frame().map(|(_, _, truth)| (truth.force_W, truth.p_WC));
+        center_of_force(points)
     }
 
     fn is_diverged(&self) -> bool {
         self.is_diverged()
+    }
+}
+
+/// The sum of forces, and where it acts: the mean of the points by the size of their forces; of points without a force,
+/// their mean. `None` of no points.
+pub fn center_of_force(
+    points: impl Iterator<Item = (Vector3<f64>, Vector3<f64>)>,
+) -> Option<(Vector3<f64>, Vector3<f64>)> {
+    let points: Vec<_> = points.collect();
+    // One point is where it is, to the bit.
+    if let [only] = points.as_slice() {
+        return Some(*only);
+    }
+    let force = points.iter().map(|(force, _)| force).sum();
+    let total: f64 = points.iter().map(|(force, _)| force.norm()).sum();
+    let count = points.len() as f64;
+    let share = |force: &Vector3<f64>| {
+        if total > 0.0 {
+            force.norm() / total
+        } else {
+            1.0 / count
+        }
+    };
+    let place = points.iter().map(|(force, at)| at * share(force)).sum();
+    (!points.is_empty()).then_some((force, place))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_force_acts_in_the_middle_of_its_points() {
+        let at = |x| Vector3::new(x, 0.0, 0.0);
+        let up = |force| Vector3::new(0.0, 0.0, force);
+        let of = |points: &[(Vector3<f64>, Vector3<f64>)]| center_of_force(points.iter().copied());
+        assert_eq!(of(&[]), None);
+        assert_eq!(of(&[(up(2.0), at(0.1))]), Some((up(2.0), at(0.1))));
+        assert_eq!(
+            of(&[(up(3.0), at(0.0)), (up(1.0), at(4.0))]),
+            Some((up(4.0), at(1.0)))
+        );
+        assert_eq!(
+            of(&[(up(0.0), at(0.0)), (up(0.0), at(4.0))]),
+            Some((up(0.0), at(2.0)))
+        );
     }
 }

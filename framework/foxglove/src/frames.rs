@@ -60,9 +60,9 @@ impl Frames {
         frame.map_or(self.world(), |frame| &frame.name)
     }
 
-    /// Of a state that fits the model.
+    /// Of a state that fits the model; one that is not finite is not shown.
     pub(crate) fn update(&mut self, state: &State) {
-        if state.fits(&self.model) {
+        if state.fits(&self.model) && state.is_finite() {
             self.data.update_kinematics(&self.model, state);
         }
     }

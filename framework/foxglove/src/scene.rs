@@ -40,9 +40,10 @@ const SURFACE: [f64; 4] = [0.6, 0.6, 0.65, 0.5];
 pub(crate) struct Scene {
     rotors: Vec<DrawnRotor>,
     contacts: Vec<String>,
-    /// Tasks whose first reference is a point, then the one that is an orientation, if there is one only.
-    points: Vec<usize>,
-    orientation: Option<usize>,
+    /// References that are points: task, and which of its references.
+    points: Vec<(usize, usize)>,
+    /// Those that are orientations.
+    rotations: Vec<(usize, usize)>,
     has_observer: bool,
     /// m/N.
     thrust_scale: f64,
@@ -77,23 +78,30 @@ impl Scene {
         } else {
             frames.weight()
         };
-        let references = controller.snapshot().references;
-        let layouts = controller.task_layouts().enumerate().zip(&references);
-        let points = layouts.filter_map(|((task, layout), reference)| {
-            let is_point = layout.unit_of_error() == "m"
-                && layout.len() == 3
-                && matches!(reference, Some(Sample::Vector(at)) if at.value.len() == 3);
-            is_point.then_some(task)
-        });
-        let points = points.collect();
-        let is_rotation = |of: &Option<Sample>| matches!(of, Some(Sample::Rotation(_)));
-        let orientation = references.iter().position(is_rotation);
-        let several = references.iter().filter(|of| is_rotation(of)).count() > 1;
+        let snapshot = controller.snapshot();
+        let followed = controller.task_layouts().zip(&snapshot.references);
+        let followed = followed.enumerate();
+        let mut points = Vec::new();
+        let mut rotations = Vec::new();
+        for (task, (layout, references)) in followed {
+            // The unit of a row is that of its acceleration.
+            let is_length = layout.row_specs().first();
+            let is_length = is_length.is_some_and(|row| row.unit == "m/s²");
+            for (k, reference) in references.iter().enumerate() {
+                match reference {
+                    Sample::Vector(at) if is_length && at.value.len() == 3 => {
+                        points.push((task, k));
+                    }
+                    Sample::Vector(_) => {}
+                    Sample::Rotation(_) => rotations.push((task, k)),
+                }
+            }
+        }
         Self {
             rotors,
             contacts: controller.contact_names().map(str::to_owned).collect(),
             points,
-            orientation: orientation.filter(|_| !several),
+            rotations,
             has_observer: controller.settings().observer.is_some(),
             thrust_scale: THRUST_LENGTH / thrust,
             force_scale: WEIGHT_LENGTH / frames.weight(),
@@ -122,7 +130,11 @@ impl Scene {
             let surface = snapshot.surfaces.get(i)?;
             let contact = snapshot.report.contacts.get(i)?;
             let truth = truth.get(i).copied().flatten();
-            let mut entity = self.contact(time, name, (contact, surface), truth, frames);
+            let mut entity = entity(time, format!("contact/{name}"), frames.world());
+            // Without a solution, what the report has is of an earlier tick.
+            if snapshot.report.level.is_solved() {
+                self.draw_forces(&mut entity, (contact, surface), truth);
+            }
             // Feet on the same ground: once is enough.
             if !snapshot.surfaces[..i].contains(surface) {
                 entity.cubes.push(wall(surface));
@@ -161,15 +173,12 @@ impl Scene {
         entity
     }
 
-    fn contact(
+    fn draw_forces(
         &self,
-        time: f64,
-        name: &str,
+        entity: &mut SceneEntity,
         (contact, surface): (&ContactReport, &ContactSurface),
         truth: Option<TrueContact>,
-        frames: &Frames,
-    ) -> SceneEntity {
-        let mut entity = entity(time, format!("contact/{name}"), frames.world());
+    ) {
         let ContactSurface {
             R_WC,
             p_WS,
@@ -198,26 +207,31 @@ impl Scene {
                 color: Some(colour(CONE)),
             });
         }
-        entity
     }
 
-    /// Where tasks want points to be; with the orientation that is wanted if there is one only.
+    /// Where tasks want points to be; with the orientation that the same task wants, or that is wanted if there is one
+    /// only.
     pub(crate) fn references(
         &self,
         time: f64,
         snapshot: &Snapshot,
         frames: &Frames,
     ) -> PosesInFrame {
-        let sample = |task: &usize| snapshot.references.get(*task)?.as_ref();
-        let rotation = match self.orientation.as_ref().and_then(sample) {
-            Some(Sample::Rotation(wanted)) => wanted.rotation,
-            _ => UnitQuaternion::identity(),
+        let sample = |(task, k): (usize, usize)| snapshot.references.get(task)?.get(k);
+        let rotation = |task: usize| {
+            let own = self.rotations.iter().find(|(of, _)| *of == task);
+            let only = self.rotations.first().filter(|_| self.rotations.len() == 1);
+            match own.or(only).and_then(|at| sample(*at)) {
+                Some(Sample::Rotation(wanted)) => wanted.rotation,
+                _ => UnitQuaternion::identity(),
+            }
         };
-        let poses = self.points.iter().filter_map(|task| match sample(task)? {
+        let poses = self.points.iter().filter_map(|at| match sample(*at)? {
             Sample::Vector(wanted) => {
                 let [x, y, z] = wanted.value.first_chunk::<3>()?;
-                let at = Vector3::new(*x, *y, *z);
-                Some(pose(&Isometry3::from_parts(at.into(), rotation)))
+                let place = Vector3::new(*x, *y, *z);
+                let wanted = Isometry3::from_parts(place.into(), rotation(at.0));
+                Some(pose(&wanted))
             }
             Sample::Rotation(_) => None,
         });

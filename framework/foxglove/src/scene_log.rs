@@ -25,6 +25,8 @@ pub struct SceneLog {
     /// When the next update is due, s; nothing before the first.
     due: Option<f64>,
     message: Vec<u8>,
+    /// The message of the links' shapes, which may have megabytes.
+    shapes: Vec<u8>,
 }
 
 #[derive(Debug)]
@@ -42,7 +44,10 @@ impl SceneLog {
     /// Updates per second unless [`with_rate`](Self::with_rate) says otherwise: as many as a screen shows.
     pub const RATE: f64 = 30.0;
 
-    /// Opens the channels.
+    /// Topics of what does not change: who subscribes to them later has to be written to again.
+    pub const UNCHANGING: [&str; 3] = ["/tf_static", "/scene/robot", "/robot_description"];
+
+    /// Opens the channels. What cannot be drawn of the robot is numbered in the metadata `not_drawn`.
     ///
     /// # Errors
     /// [`LogError`] of the sink.
@@ -67,14 +72,24 @@ impl SceneLog {
             description: sink.channel("/robot_description", "std_msgs/String", &text)?,
             contacts,
         };
+        let scene = Scene::new(controller, &frames);
+        let (drawn, left_out) = shapes::scene(robot, &frames, scene.thrust_scale());
+        let mut shapes = Vec::new();
+        encode(&drawn, &mut shapes);
+        if !left_out.is_empty() {
+            let numbered = left_out.into_iter().zip(1..);
+            let table = numbered.map(|(what, i)| (i.to_string(), what));
+            sink.metadata("not_drawn", &table.collect())?;
+        }
         Ok(Self {
-            scene: Scene::new(controller, &frames),
+            scene,
             robot: robot.clone(),
             frames,
             channels,
             period: 1.0 / Self::RATE,
             due: None,
             message: Vec::new(),
+            shapes,
         })
     }
 
@@ -130,15 +145,14 @@ impl SceneLog {
         let Self {
             robot,
             frames,
-            scene,
             channels,
             message,
+            shapes,
             ..
         } = self;
         encode(&frames.fixed(time), message);
         sink.write(channels.fixed, time, message)?;
-        encode(&shapes::scene(robot, frames, scene.thrust_scale()), message);
-        sink.write(channels.shapes, time, message)?;
+        sink.write(channels.shapes, time, shapes)?;
         let mut sources = robot.sources.iter();
         if let Some(urdf) = sources.find(|source| source.media_type == "application/xml") {
             JsonWriter::write(message, |o| o.text("data", &urdf.contents));
@@ -168,6 +182,9 @@ impl SceneLog {
         sink.write(channels.scene, time, message)?;
         encode(&scene.references(time, snapshot, frames), message);
         sink.write(channels.reference, time, message)?;
+        if !snapshot.report.level.is_solved() {
+            return Ok(());
+        }
         for (i, channel) in channels.contacts.iter().enumerate() {
             let contact = snapshot
                 .report

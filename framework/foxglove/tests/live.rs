@@ -281,7 +281,18 @@ fn parameters_take_effect_between_ticks() {
     run.until("contact", |this| {
         this.controller.is_contact_on("tip").ok().filter(|on| *on)
     });
+    run.say(&json!({
+        "op": "subscribeParameterUpdates", "parameterNames": ["base_position.reference"],
+    }));
     run.set("base_position.reference", &json!([0.1, 0.0, 1.1]));
+    run.texts.clear();
+    // What all clients hear is what was asked for, not what was followed before.
+    let said = run.until("news", |this| {
+        let mut said = this.texts.iter();
+        let said = said.find(|text| text["op"] == "parameterValues")?;
+        Some(said["parameters"][0]["value"].clone())
+    });
+    assert_eq!(said, json!([0.1, 0.0, 1.1]));
     run.until("reference", |this| {
         match this.controller.followed("base_position") {
             Ok(wbqp::plugin::Sample::Vector(at)) => (at.value == [0.1, 0.0, 1.1]).then_some(()),
@@ -325,6 +336,52 @@ fn what_is_refused_is_told_and_set_back() {
     assert_eq!(run.kp(), Some(9.0));
     run.set("nobody.kp", &json!(1.0));
     assert!(run.status().contains("there is no parameter `nobody.kp`"));
+}
+
+#[test]
+fn a_client_that_does_not_read_does_not_keep_the_program() {
+    let mut run = Loop::new();
+    let view = run.channels.clone();
+    assert!(view.is_empty(), "nothing was read yet");
+    let all = (1..30).map(|id| json!({ "id": id, "channelId": id }));
+    run.say(&json!({ "op": "subscribe", "subscriptions": all.collect::<Vec<_>>() }));
+    for _ in 0..20_000 {
+        run.measurement.time += 0.004;
+        run.controller.tick(&run.measurement);
+        run.view.update(&mut run.controller, &run.measurement);
+    }
+    let Loop { view, client, .. } = run;
+    let start = Instant::now();
+    drop(view);
+    assert!(
+        start.elapsed() < Duration::from_secs(2),
+        "{:?}",
+        start.elapsed()
+    );
+    drop(client);
+}
+
+#[test]
+fn many_refusals_do_not_cost_the_connection() {
+    let mut run = Loop::new();
+    let nonsense = (0..5000).map(|i| json!({ "name": format!("nobody.{i}"), "value": 1.0 }));
+    let nonsense: Vec<Value> = nonsense.collect();
+    run.say(&json!({ "op": "setParameters", "id": "many", "parameters": nonsense }));
+    let more = run.until("a summary", |this| {
+        let texts = this
+            .texts
+            .iter()
+            .filter_map(|text| text["message"].as_str());
+        texts
+            .into_iter()
+            .find(|text| text.contains("more that could not"))
+            .map(str::to_owned)
+    });
+    assert_eq!(more, "and 4996 more that could not be changed");
+    assert_eq!(
+        run.set("base_position.kp", &json!(10.0))[0]["value"],
+        json!(10.0)
+    );
 }
 
 #[test]

@@ -81,9 +81,9 @@ impl ControllerLog {
         }
         let mut tasks = Vec::new();
         let layouts = controller.task_names().zip(controller.task_layouts());
-        for ((name, layout), reference) in layouts.zip(controller.snapshot().references) {
+        for ((name, layout), references) in layouts.zip(controller.snapshot().references) {
             let rows = unique_labels(layout);
-            let schema = task_schema(layout, &rows, reference.as_ref());
+            let schema = task_schema(layout, &rows, &references);
             let id = sink.channel(
                 &format!("/task/{name}"),
                 &format!("wbqp.Task.{name}"),
@@ -138,8 +138,8 @@ impl ControllerLog {
             sink.write(*channel, time, message)?;
         }
         let tasks = report.tasks.iter().zip(&snapshot.references);
-        for (channel, (task, reference)) in self.tasks.iter().zip(tasks) {
-            task_message(task, &channel.rows, reference.as_ref(), message);
+        for (channel, (task, references)) in self.tasks.iter().zip(tasks) {
+            task_message(task, &channel.rows, references, message);
             sink.write(channel.id, time, message)?;
         }
         Ok(())

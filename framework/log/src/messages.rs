@@ -7,7 +7,7 @@ use crate::{JsonWriter, TrueContact, schema, state::joint_unit};
 use wbqp::{
     actuator::ActuatorKind,
     controller::{Command, Names, Report, Side, TaskReport},
-    plugin::{Layout, Sample},
+    plugin::{Layout, RotationSample, Sample},
     robot::RobotModel,
 };
 
@@ -205,12 +205,13 @@ pub(super) fn contact_message(
     });
 }
 
-/// `reference` is one of those that the task's first reference gives.
-pub(super) fn task_schema(layout: &Layout, labels: &[String], reference: Option<&Sample>) -> Value {
+/// `references` are of those that the task follows.
+pub(super) fn task_schema(layout: &Layout, labels: &[String], references: &[Sample]) -> Value {
     let unit = layout.unit_of_error();
-    let has_reference = row_references(reference, labels).is_some();
-    let rows = layout.row_specs().iter().zip(labels).map(|(row, label)| {
-        let desired = has_reference.then(|| ("reference", schema::number(unit, "Desired")));
+    let followed = row_references(references, labels).len();
+    let rows = layout.row_specs().iter().zip(labels).zip(0..);
+    let rows = rows.map(|((row, label), k)| {
+        let desired = (k < followed).then(|| ("reference", schema::number(unit, "Desired")));
         let residual = schema::number(&row.unit, "A x − b of the solution");
         let fields = [
             ("error", schema::number(unit, "Actual minus desired")),
@@ -220,7 +221,7 @@ pub(super) fn task_schema(layout: &Layout, labels: &[String], reference: Option<
         let fields = desired.into_iter().chain(fields);
         (label.clone(), schema::object("Row", fields))
     });
-    let rotation = matches!(reference, Some(Sample::Rotation(_))).then(|| {
+    let rotation = rotation(references).map(|_| {
         let quaternion = ["w", "x", "y", "z"].map(|c| (c, schema::ratio(c)));
         let what = "Desired orientation, unit quaternion, to W";
         ("reference", schema::object(what, quaternion))
@@ -233,29 +234,43 @@ pub(super) fn task_schema(layout: &Layout, labels: &[String], reference: Option<
     titled("wbqp.Task", schema::object("What became of a task", fields))
 }
 
-/// What each row should become, of a reference that has a number for each.
-fn row_references<'a>(reference: Option<&'a Sample>, labels: &[String]) -> Option<&'a [f64]> {
-    match reference? {
-        Sample::Vector(sample) if sample.value.len() == labels.len() => Some(&sample.value),
-        _ => None,
+/// What the first rows should become: those of a vector that the task follows. Rows of a rotation come behind it.
+fn row_references<'a>(references: &'a [Sample], labels: &[String]) -> &'a [f64] {
+    let rotations = references.len().saturating_sub(1);
+    match references.first() {
+        Some(Sample::Vector(sample))
+            if rotation(references).map_or(0, |_| 3 * rotations) + sample.value.len()
+                == labels.len() =>
+        {
+            &sample.value
+        }
+        _ => &[],
     }
+}
+
+/// The first rotation that a task follows.
+fn rotation(references: &[Sample]) -> Option<&RotationSample> {
+    references.iter().find_map(|reference| match reference {
+        Sample::Rotation(sample) => Some(sample),
+        Sample::Vector(_) => None,
+    })
 }
 
 /// References are written with all digits: they stand still or are smooth, and cost little.
 pub(super) fn task_message(
     task: &TaskReport,
     labels: &[String],
-    reference: Option<&Sample>,
+    references: &[Sample],
     out: &mut Vec<u8>,
 ) {
-    let references = row_references(reference, labels);
+    let followed = row_references(references, labels);
     JsonWriter::write_rounded(out, DIGITS, |o| {
         o.number("alpha", task.alpha);
         o.object("rows", |o| {
             for (k, label) in labels.iter().enumerate() {
                 o.object(label, |o| {
-                    if let Some(values) = references {
-                        o.exact_number("reference", values[k]);
+                    if let Some(value) = followed.get(k) {
+                        o.exact_number("reference", *value);
                     }
                     o.number("error", task.error[k]);
                     o.rounded_number("residual", task.residual[k], RESIDUAL_DIGITS);
@@ -263,7 +278,7 @@ pub(super) fn task_message(
                 });
             }
         });
-        if let Some(Sample::Rotation(sample)) = reference {
+        if let Some(sample) = rotation(references) {
             let q = sample.rotation;
             o.object("reference", |o| {
                 for (name, value) in [("w", q.w), ("x", q.i), ("y", q.j), ("z", q.k)] {

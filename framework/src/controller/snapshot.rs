@@ -32,8 +32,8 @@ pub struct Snapshot {
     pub report: Report,
     /// Where each contact's surface is, in the configuration's order.
     pub surfaces: Vec<ContactSurface>,
-    /// What each task followed, of the first reference that it follows; nothing for one that follows none.
-    pub references: Vec<Option<Sample>>,
+    /// What each task followed, one sample for each of its references.
+    pub references: Vec<Vec<Sample>>,
 }
 
 /// A contact's surface as the controller has it.
@@ -61,9 +61,9 @@ impl Snapshot {
     /// Of the last tick, with room for all that a later one may say.
     pub(super) fn of(controller: &Controller) -> Self {
         let tasks = controller.plugins[..controller.task_count].iter();
-        let sample = |plugin: &super::RunningPlugin| {
-            let followed = plugin.references.first();
-            followed.map(|followed| followed.sample.clone())
+        let samples = |plugin: &super::RunningPlugin| {
+            let followed = plugin.references.iter();
+            followed.map(|followed| followed.sample.clone()).collect()
         };
         Self {
             measurement: controller.measurement(),
@@ -75,7 +75,7 @@ impl Snapshot {
                 .iter()
                 .map(ContactSurface::of)
                 .collect(),
-            references: tasks.map(sample).collect(),
+            references: tasks.map(samples).collect(),
         }
     }
 
@@ -89,7 +89,7 @@ impl Snapshot {
             *out = ContactSurface::of(contact);
         }
         for (out, plugin) in self.references.iter_mut().zip(&controller.plugins) {
-            if let (Some(out), Some(followed)) = (out, plugin.references.first()) {
+            for (out, followed) in out.iter_mut().zip(&plugin.references) {
                 copy(out, &followed.sample);
             }
         }

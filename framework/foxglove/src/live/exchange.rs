@@ -141,3 +141,34 @@ impl Exchange {
         self.stopped.load(Ordering::Relaxed)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use wbqp::ControllerConfig;
+
+    use super::*;
+    use {wbqp_robots as _, wbqp_tasks as _};
+
+    #[test]
+    fn the_newest_ticks_win() {
+        let text = "[controller]\nrate = 250.0\n\n[robot]\ntype = \"othex\"\n\n[[task]]\ntype = \"posture\"\nkp = 20.0\n";
+        let config = ControllerConfig::from_str(text, "live.toml", Path::new("."));
+        let mut controller = Controller::new(config.expect("is read")).expect("is made");
+        let exchange = Exchange::new(&controller);
+        let mut measurement = controller.measurement();
+        let count = DEPTH as u32 + 5;
+        for tick in 1..=count {
+            measurement.time = 0.004 * f64::from(tick);
+            controller.tick(&measurement);
+            exchange.show(&controller, &measurement, &[]);
+        }
+        let shown = std::iter::from_fn(|| exchange.next_shown());
+        let times: Vec<f64> = shown.map(|shown| shown.snapshot.measurement.time).collect();
+        let newest = (6..=count).map(|tick| 0.004 * f64::from(tick));
+        let newest: Vec<f64> = newest.collect();
+        assert_eq!(times, newest);
+        assert_eq!(exchange.dropped(), 5);
+    }
+}

@@ -5,7 +5,11 @@ mod parameters;
 mod topics;
 
 use std::{
-    sync::{Arc, Mutex, MutexGuard, PoisonError},
+    collections::BTreeSet,
+    sync::{
+        Arc, Mutex, MutexGuard, PoisonError,
+        atomic::{AtomicBool, Ordering},
+    },
     thread::{self, JoinHandle},
     time::{Duration, Instant},
 };
@@ -13,8 +17,8 @@ use std::{
 use foxglove::{
     Context, FoxgloveError, WebSocketServerHandle,
     websocket::{
-        AnyClient, GetParametersResponder, Parameter, ParameterHandler, SetParametersResponder,
-        Status,
+        AnyClient, ChannelView, Client, GetParametersResponder, Parameter, ParameterHandler,
+        ServerListener, SetParametersResponder, Status,
     },
 };
 use wbqp::{Controller, Measurement};
@@ -27,13 +31,18 @@ use topics::Topics;
 
 /// How long the view's thread sleeps when there is nothing to show.
 const REST: Duration = Duration::from_millis(4);
-/// How often what does not change is sent again, for clients that come later.
-const REPEAT: Duration = Duration::from_secs(2);
+/// How often clients hear of changed parameters, refusals and dropped ticks, at most: a server disconnects whoever has
+/// more than some hundreds of such messages to read.
+const NEWS: Duration = Duration::from_millis(50);
+/// How long the end waits for clients to say good-bye.
+const FAREWELL: Duration = Duration::from_millis(300);
+/// Characters of a text that a client has sent, where it is repeated to others.
+const QUOTED: usize = 80;
 /// Messages that the server keeps for a client that is slow; older ones are dropped.
 const BACKLOG: usize = 512;
 
 /// Texts for clients that wait to be sent.
-const NOTES: usize = 32;
+const NOTES: usize = 4;
 
 /// Why there is no live view.
 #[derive(Debug, thiserror::Error)]
@@ -127,7 +136,8 @@ impl LiveView {
         let desk = Arc::new(Desk {
             exchange: Arc::clone(&exchange),
             parameters: Mutex::new(Parameters::of(controller)),
-            notes: Mutex::new(Vec::new()),
+            notes: Mutex::new(Notes::default()),
+            newcomer: AtomicBool::new(false),
         });
         let server = context
             .websocket_server()
@@ -135,6 +145,7 @@ impl LiveView {
             .bind("127.0.0.1", port)
             .message_backlog_size(BACKLOG)
             .parameter_handler(Arc::clone(&desk) as Arc<dyn ParameterHandler>)
+            .listener(Arc::clone(&desk) as Arc<dyn ServerListener>)
             .start_blocking()
             .map_err(|source| LiveError::Server { port, source })?;
         let port = server.port();
@@ -146,7 +157,9 @@ impl LiveView {
             desk,
             server,
             time: 0.0,
-            repeated: Instant::now(),
+            changed: BTreeSet::new(),
+            told: Instant::now(),
+            counted: 0,
             message: Vec::new(),
         };
         let thread = thread::Builder::new().name("wbqp live view".to_owned());
@@ -206,7 +219,16 @@ struct Desk {
     exchange: Arc<Exchange>,
     parameters: Mutex<Parameters>,
     /// What clients are to be told.
-    notes: Mutex<Vec<String>>,
+    notes: Mutex<Notes>,
+    /// Whether somebody has subscribed to what does not change.
+    newcomer: AtomicBool,
+}
+
+/// The first few texts, and how many there were besides.
+#[derive(Debug, Default)]
+struct Notes {
+    texts: Vec<String>,
+    more: usize,
 }
 
 impl Desk {
@@ -216,15 +238,16 @@ impl Desk {
             .unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Keeps a few: whoever asks too often hears of the first ones.
     fn note(&self, text: String) {
         let mut notes = self.notes();
-        if notes.len() < NOTES {
-            notes.push(text);
+        if notes.texts.len() < NOTES {
+            notes.texts.push(text);
+        } else {
+            notes.more += 1;
         }
     }
 
-    fn notes(&self) -> MutexGuard<'_, Vec<String>> {
+    fn notes(&self) -> MutexGuard<'_, Notes> {
         self.notes.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -261,7 +284,17 @@ impl ParameterHandler for Desk {
             }
         }
         let names: Vec<String> = wanted.into_iter().map(|wanted| wanted.name).collect();
-        responder.respond(parameters.get(&names));
+        // Of no name would be of all.
+        let now = (!names.is_empty()).then(|| parameters.get(&names));
+        responder.respond(now.unwrap_or_default());
+    }
+}
+
+impl ServerListener for Desk {
+    fn on_subscribe(&self, _: Client, channel: ChannelView<'_>) {
+        if SceneLog::UNCHANGING.contains(&channel.topic()) {
+            self.newcomer.store(true, Ordering::Relaxed);
+        }
     }
 }
 
@@ -275,7 +308,12 @@ struct Show {
     server: WebSocketServerHandle,
     /// Of the last tick, s.
     time: f64,
-    repeated: Instant,
+    /// Parameters whose value clients have not heard of.
+    changed: BTreeSet<String>,
+    /// When they last heard of anything.
+    told: Instant,
+    /// How many dropped ticks they have heard of.
+    counted: u64,
     message: Vec<u8>,
 }
 
@@ -295,26 +333,27 @@ impl Show {
                     self.time = time;
                 }
                 let (snapshot, truth) = (&shown.snapshot, &shown.truth);
+                self.desk.parameters().follow(&snapshot.references);
                 let logged = self.log.record(snapshot, truth, &mut self.topics);
                 let drawn = self.scene.record(snapshot, truth, &mut self.topics);
-                self.desk.parameters().follow(&snapshot.references);
                 exchange.give_back(shown);
                 self.report(logged.and(drawn));
             }
             while let Some(outcome) = exchange.next_outcome() {
-                self.tell(outcome);
+                self.take(&outcome);
             }
-            for note in std::mem::take(&mut *self.desk.notes()) {
-                self.server.publish_status(Status::warning(note));
+            if self.desk.newcomer.swap(false, Ordering::Relaxed) {
+                let described = self.scene.record_description(self.time, &mut self.topics);
+                self.report(described);
             }
-            if self.repeated.elapsed() > REPEAT {
-                self.repeat();
+            if self.told.elapsed() > NEWS {
+                self.tell();
             }
             if idle {
                 thread::sleep(REST);
             }
         }
-        self.server.stop().wait_blocking();
+        say_goodbye(self.server);
     }
 
     fn report(&self, result: Result<(), LogError>) {
@@ -323,30 +362,55 @@ impl Show {
         }
     }
 
-    /// Lets all clients know what became of a request.
-    fn tell(&mut self, outcome: Outcome) {
+    /// What became of a request.
+    fn take(&mut self, outcome: &Outcome) {
         let Outcome { request, result } = outcome;
-        let name = request.name.clone();
         let mut parameters = self.desk.parameters();
         match result {
-            Ok(()) => parameters.confirm(&request),
+            Ok(()) => parameters.confirm(request),
             Err(error) => {
-                let text = format!("`{name}` is not changed: {error}");
-                self.server.publish_status(Status::warning(text));
-                parameters.undo(&request);
+                let name = &request.name;
+                self.desk.note(format!("`{name}` is not changed: {error}"));
+                parameters.undo(request);
             }
         }
-        self.server
-            .publish_parameter_values(parameters.get(&[name]));
+        self.changed.insert(request.name.clone());
     }
 
-    /// For clients that came late.
-    fn repeat(&mut self) {
-        self.repeated = Instant::now();
+    /// Lets clients know what has changed, what was refused, and how many ticks were not shown.
+    fn tell(&mut self) {
+        self.told = Instant::now();
+        let Notes { texts, more } = std::mem::take(&mut *self.desk.notes());
+        for text in texts {
+            self.server.publish_status(Status::warning(text));
+        }
+        if more > 0 {
+            let text = format!("and {more} more that could not be changed");
+            self.server.publish_status(Status::warning(text));
+        }
+        if !self.changed.is_empty() {
+            let names: Vec<String> = std::mem::take(&mut self.changed).into_iter().collect();
+            let values = self.desk.parameters().get(&names);
+            self.server.publish_parameter_values(values);
+        }
         let dropped = self.desk.exchange.dropped();
-        JsonWriter::write(&mut self.message, |o| o.integer("dropped", dropped));
-        let written = self.topics.write(self.view, self.time, &self.message);
-        let described = self.scene.record_description(self.time, &mut self.topics);
-        self.report(written.and(described));
+        if dropped != self.counted {
+            self.counted = dropped;
+            JsonWriter::write(&mut self.message, |o| o.integer("dropped", dropped));
+            let written = self.topics.write(self.view, self.time, &self.message);
+            self.report(written);
+        }
+    }
+}
+
+/// Stops a server. Who does not read does not keep the program waiting: the connection ends with it, or when they leave.
+fn say_goodbye(server: WebSocketServerHandle) {
+    let stopping = thread::Builder::new().name("wbqp live view ends".to_owned());
+    let Ok(stopping) = stopping.spawn(move || server.stop().wait_blocking()) else {
+        return;
+    };
+    let start = Instant::now();
+    while !stopping.is_finished() && start.elapsed() < FAREWELL {
+        thread::sleep(REST);
     }
 }

@@ -27,6 +27,8 @@ struct Known {
     value: Value,
     /// What the controller has.
     confirmed: Value,
+    /// Requests that the controller has not answered.
+    pending: u32,
 }
 
 /// What a parameter stands for; the text is the name of an entry or contact.
@@ -103,13 +105,19 @@ impl Parameters {
         parameters
     }
 
-    fn add(&mut self, name: String, what: What, value: Value) {
+    fn add(&mut self, mut name: String, what: What, value: Value) {
+        // A task may be called `contact.tip`.
+        while self.known.contains_key(&name) {
+            name.push('\'');
+        }
         let confirmed = value.clone();
-        self.known.entry(name).or_insert(Known {
+        let known = Known {
             what,
             value,
             confirmed,
-        });
+            pending: 0,
+        };
+        self.known.insert(name, known);
     }
 
     /// Numbers, switches and texts of an entry's table; other plug-ins in it are replaced as a whole, not by key.
@@ -134,11 +142,13 @@ impl Parameters {
     }
 
     /// Takes over what tasks follow, in the order of the tasks.
-    pub(super) fn follow(&mut self, references: &[Option<Sample>]) {
-        for (task, reference) in self.tasks.iter().zip(references) {
+    pub(super) fn follow(&mut self, references: &[Vec<Sample>]) {
+        for (task, references) in self.tasks.iter().zip(references) {
             let known = self.known.get_mut(&format!("{task}.reference"));
-            if let (Some(known), Some(sample)) = (known, reference)
+            // While a request waits, what is followed is what was followed before.
+            if let (Some(known), Some(sample)) = (known, references.first())
                 && known.what == What::Reference(task.clone())
+                && known.pending == 0
             {
                 known.value = Value::Numbers(standing(sample));
                 known.confirmed = known.value.clone();
@@ -162,12 +172,16 @@ impl Parameters {
     pub(super) fn request(&mut self, wanted: &Parameter) -> Result<Request, String> {
         let name = &wanted.name;
         let known = self.known.get_mut(name);
-        let known = known.ok_or_else(|| format!("there is no parameter `{name}`"))?;
+        let known = known.ok_or_else(|| {
+            let quoted: String = name.chars().take(super::QUOTED).collect();
+            format!("there is no parameter `{quoted}`")
+        })?;
         let given = wanted.value.as_ref();
         let value = given.and_then(|value| known.value.like(value));
         let value = value.ok_or_else(|| format!("`{name}` must be {}", known.value.kind()))?;
         let change = change(&known.what, &value, &mut self.tables)?;
         known.value = value.clone();
+        known.pending += 1;
         Ok(Request {
             name: name.clone(),
             change,
@@ -179,6 +193,7 @@ impl Parameters {
     pub(super) fn confirm(&mut self, request: &Request) {
         if let Some(known) = self.known.get_mut(&request.name) {
             known.confirmed = request.value.clone();
+            known.pending = known.pending.saturating_sub(1);
         }
     }
 
@@ -188,6 +203,7 @@ impl Parameters {
         let Some(known) = self.known.get_mut(&request.name) else {
             return;
         };
+        known.pending = known.pending.saturating_sub(1);
         if known.value == request.value {
             // The table of the entry's keys is set back by asking for the value that it had.
             let _ = change(&known.what, &known.confirmed, &mut self.tables);
@@ -344,7 +360,13 @@ mod tests {
     use super::*;
 
     fn parameters() -> Parameters {
-        let keys = toml::Table::from_iter([("kp".to_owned(), 9.0.into())]);
+        let inner = [("ki", 1.0), ("clamp", 2.0)].map(|(key, x)| (key.to_owned(), x.into()));
+        let inner = toml::Table::from_iter(inner).into();
+        let keys = [
+            ("kp".to_owned(), 9.0.into()),
+            ("integral".to_owned(), inner),
+        ];
+        let keys = toml::Table::from_iter(keys);
         let mut parameters = Parameters {
             known: BTreeMap::new(),
             tables: BTreeMap::from([("base".to_owned(), keys.clone())]),
@@ -360,7 +382,36 @@ mod tests {
     }
 
     fn kp(parameters: &Parameters) -> Option<ParameterValue> {
-        parameters.get(&[]).first()?.value.clone()
+        let kp = parameters.get(&["base.kp".to_owned()]);
+        kp.first()?.value.clone()
+    }
+
+    #[test]
+    fn a_key_inside_another_is_asked_for_with_its_neighbours() {
+        let mut parameters = parameters();
+        let wanted = Parameter::float64("base.integral.ki", -3.0);
+        let refused = parameters.request(&wanted).expect("is a number");
+        parameters.undo(&refused);
+        let wanted = Parameter::float64("base.integral.clamp", 5.0);
+        let request = parameters.request(&wanted).expect("is a number");
+        let Change::Set(entry, keys) = request.change else {
+            panic!("keys are set");
+        };
+        assert_eq!(entry, "base");
+        let integral = keys["integral"].as_table().expect("is a table");
+        // What was refused is not sent again.
+        assert_eq!(integral["ki"].as_float(), Some(1.0));
+        assert_eq!(integral["clamp"].as_float(), Some(5.0));
+    }
+
+    #[test]
+    fn of_two_that_are_refused_neither_stays() {
+        let mut parameters = parameters();
+        let both = [ask(&mut parameters, -1.0), ask(&mut parameters, -2.0)];
+        for request in &both {
+            parameters.undo(request);
+        }
+        assert_eq!(kp(&parameters), Some(ParameterValue::Float64(9.0)));
     }
 
     #[test]
