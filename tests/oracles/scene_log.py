@@ -149,6 +149,33 @@ def check_forces(protobuf, texts):
     return count
 
 
+def check_arrows(protobuf):
+    """Every planned and every true force is an arrow in the scene, at its point and along it."""
+    kinds = {"planned": (0.15, 0.4, 0.95), "truth": (0.1, 0.65, 0.2)}
+    scenes = dict(protobuf["/scene"])
+    count = 0
+    for topic in list(protobuf):
+        if not topic.endswith("/forces"):
+            continue
+        entity_id = topic.removesuffix("/forces").lstrip("/")
+        for time, message in protobuf[topic]:
+            entity = next(entity for entity in scenes[time].entities if entity.id == entity_id)
+            for kind, colour in kinds.items():
+                force = vector(getattr(message, kind))
+                arrows = [a for a in entity.arrows if np.allclose((a.color.r, a.color.g, a.color.b), colour)]
+                if not message.active or np.linalg.norm(force) < 1.0:
+                    continue
+                assert len(arrows) == 1, f"{topic} at {time} ns: {len(arrows)} arrows of {kind}"
+                pose = arrows[0].pose
+                direction = matrix(pose.orientation)[:, 0]
+                assert np.allclose(direction, force / np.linalg.norm(force), atol=1e-5), f"{topic} at {time} ns"
+                far = np.linalg.norm(vector(pose.position) - vector(message.position))
+                # The measured state's point and the real one.
+                assert far < (1e-5 if kind == "planned" else 0.05), f"{topic} at {time} ns: {far} m off"
+                count += 1
+    return count
+
+
 def check_layout(layout, schemas, texts):
     """Every topic and field that a layout shows is in the log."""
     fields = 0
@@ -186,6 +213,7 @@ def main():
         f"{check_base(protobuf, texts)} poses of the base",
         f"{check_thrusts(protobuf, texts)} thrusts",
         f"{check_forces(protobuf, texts)} forces",
+        f"{check_arrows(protobuf)} of their arrows",
     ]
     if arguments.layout:
         layout = json.loads(arguments.layout.read_text())

@@ -126,3 +126,58 @@ fn transform(time: f64, parent: &str, child: &str, X: &Isometry3<f64>) -> FrameT
         rotation: Some(quaternion(&X.rotation)),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{Matrix3, Vector3};
+    use wbqp::model::{Inertia, Joint, JointKind, JointLimits, ModelBuilder};
+
+    use super::*;
+
+    fn frames(base: Base, link: &str) -> Frames {
+        let inertia = Inertia::from_com(1.0, Vector3::zeros(), Matrix3::identity());
+        let mut builder = ModelBuilder::new("robot", base, link, inertia);
+        let limits = JointLimits {
+            lower: -1.0,
+            upper: 1.0,
+            velocity: 1.0,
+            effort: 1.0,
+        };
+        let (at, axis) = (Isometry3::identity(), Vector3::z_axis());
+        let joint = Joint::new("joint", JointKind::Revolute, axis, at, limits);
+        builder.body(builder.base(), joint, "arm", inertia);
+        let model = builder.build().expect("is a tree");
+        let home = State::neutral(&model);
+        let mut frames = Frames::new(&RobotModel::new(model, Vec::new(), home.clone()));
+        frames.update(&home);
+        frames
+    }
+
+    fn parents(frames: &Frames) -> Vec<(String, String)> {
+        let moving = frames.moving(0.0).transforms.into_iter();
+        let pairs = moving.map(|t| (t.parent_frame_id, t.child_frame_id));
+        pairs.collect()
+    }
+
+    #[test]
+    fn the_world_has_a_name_that_no_link_has() {
+        let pair = |(parent, child): (&str, &str)| (parent.to_owned(), child.to_owned());
+        let of = |base, link| parents(&frames(base, link));
+        let usual = [("world", "base_link"), ("base_link", "arm")].map(pair);
+        assert_eq!(of(Base::Fixed, "base_link"), usual);
+        let taken = [("the_world", "world"), ("world", "arm")].map(pair);
+        assert_eq!(of(Base::Floating, "world"), taken);
+        // Many arms have a link of that name, where the world is: it is the world.
+        assert_eq!(of(Base::Fixed, "world"), [("world", "arm")].map(pair));
+        assert_eq!(frames(Base::Fixed, "world").world(), "world");
+    }
+
+    #[test]
+    fn a_state_that_is_not_finite_is_not_shown() {
+        let mut frames = frames(Base::Floating, "base_link");
+        let mut state = State::neutral(&frames.model);
+        state.p_WR.x = f64::NAN;
+        frames.update(&state);
+        assert_eq!(frames.base_pose(), Isometry3::identity());
+    }
+}

@@ -78,6 +78,10 @@ impl Loop {
     fn new() -> Self {
         let controller = controller();
         let view = LiveView::on_port(&controller, 0).expect("a port is free");
+        Self::of(controller, view)
+    }
+
+    fn of(controller: Controller, view: LiveView) -> Self {
         let address = format!("ws://127.0.0.1:{}", view.port());
         let address: Uri = address.parse().expect("is an address");
         let request = ClientRequestBuilder::new(address).with_sub_protocol("foxglove.sdk.v1");
@@ -359,6 +363,27 @@ fn a_client_that_does_not_read_does_not_keep_the_program() {
         start.elapsed()
     );
     drop(client);
+}
+
+#[test]
+fn who_may_only_watch_changes_nothing() {
+    let controller = controller();
+    let view = LiveView::watch_only(&controller, 0).expect("a port is free");
+    let mut run = Loop::of(controller, view);
+    run.say(&json!({
+        "op": "setParameters", "id": "set",
+        "parameters": [{ "name": "base_position.kp", "value": 12.0 }],
+    }));
+    run.until("topics", |this| {
+        this.channels.contains_key("/view").then_some(())
+    });
+    for _ in 0..100 {
+        run.measurement.time += 0.004;
+        run.controller.tick(&run.measurement);
+        run.view.update(&mut run.controller, &run.measurement);
+        run.listen();
+    }
+    assert_eq!(run.kp(), Some(9.0));
 }
 
 #[test]

@@ -67,7 +67,9 @@ pub enum LiveError {
 }
 
 /// A server that a running controller is watched and tuned with, in [Foxglove](https://foxglove.dev) (*Open
-/// connection*, *Foxglove WebSocket*) or any program that speaks its protocol. It listens on the loopback address only.
+/// connection*, *Foxglove WebSocket*) or any program that speaks its protocol. It listens on the loopback address only;
+/// whatever runs on this machine may connect, a page in its browser too: [`watch_only`](Self::watch_only) is for
+/// robots whose gains nobody is to change.
 ///
 /// Topics are those of a log: [`ControllerLog`] and [`SceneLog`], and `/view` with the count of ticks that were not
 /// shown. Parameters are weights (`<entry>.weight`), keys of tasks and constraints as in their file (`<entry>.kp`),
@@ -76,7 +78,8 @@ pub enum LiveError {
 /// clients and set back. What the program changes by itself meanwhile, parameters do not show.
 ///
 /// The loop never waits for it: [`update`](Self::update) copies the tick into storage made once and takes changes out
-/// of a queue, both without locks. Whoever is slow misses the oldest ticks; the newest win. Only a change that a client
+/// of a queue, both without locks. If the view is slow, the oldest ticks are dropped and counted; if a client is, the
+/// server drops the oldest of 512 messages for it. Only a change that a client
 /// asked for allocates, between two ticks.
 ///
 /// ```no_run
@@ -123,6 +126,18 @@ impl LiveView {
     /// # Errors
     /// [`LiveError`].
     pub fn on_port(controller: &Controller, port: u16) -> Result<Self, LiveError> {
+        Self::start(controller, port, Access::Tune)
+    }
+
+    /// Like [`on_port`](Self::on_port), and takes no changes: clients see no parameters.
+    ///
+    /// # Errors
+    /// [`LiveError`].
+    pub fn watch_only(controller: &Controller, port: u16) -> Result<Self, LiveError> {
+        Self::start(controller, port, Access::Watch)
+    }
+
+    fn start(controller: &Controller, port: u16, access: Access) -> Result<Self, LiveError> {
         let context = Context::new();
         let mut topics = Topics::new(&context);
         let log = ControllerLog::new(controller, &mut topics)?;
@@ -144,8 +159,14 @@ impl LiveView {
             .name(format!("wbqp: {}", controller.robot().model.name()))
             .bind("127.0.0.1", port)
             .message_backlog_size(BACKLOG)
-            .parameter_handler(Arc::clone(&desk) as Arc<dyn ParameterHandler>)
-            .listener(Arc::clone(&desk) as Arc<dyn ServerListener>)
+            .listener(Arc::clone(&desk) as Arc<dyn ServerListener>);
+        let server = match access {
+            Access::Watch => server,
+            Access::Tune => {
+                server.parameter_handler(Arc::clone(&desk) as Arc<dyn ParameterHandler>)
+            }
+        };
+        let server = server
             .start_blocking()
             .map_err(|source| LiveError::Server { port, source })?;
         let port = server.port();
@@ -212,6 +233,13 @@ impl Drop for LiveView {
             let _ = thread.join();
         }
     }
+}
+
+/// What clients may do.
+#[derive(Clone, Copy, Debug)]
+enum Access {
+    Watch,
+    Tune,
 }
 
 /// Where clients' requests arrive.
