@@ -156,10 +156,20 @@ function frame(fields: Field[], about: About, said: Map<string, Json>, time: num
         const force = report?.[{ planned: "solution", measured: "measured", true: "truth" }[what] ?? ""];
         put(force ? turned(contact, xyz(force)) : [0, 0, 0]);
       }
+    } else if (kind === "reference") put(references(said.get(`/task/${whose}`)));
+    else if (kind === "task" && what === "alpha") {
+      // Older logs have no references: without a ramp their markers are not drawn.
+      const task = said.get(`/task/${whose}`);
+      put([references(task).length > 0 ? (task?.alpha ?? 0) : 0]);
     }
-    // References are not in the log: without a ramp their markers are not drawn.
   }
   return out;
+}
+
+/** What the rows of a task should become, in their order. */
+function references(task: Json | undefined): number[] {
+  const rows: Json[] = Object.values(task?.rows ?? {});
+  return rows.map((row) => row.reference).filter((value) => typeof value === "number");
 }
 
 function efforts(about: About, command: Json | undefined): number[] {
