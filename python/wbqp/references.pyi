@@ -102,9 +102,10 @@ class ThrustAttitude(Plugin):
 
     `F = m (a_R* − g) − Σ_c R_WC f_c^d − f̂`, `z_R = F/‖F‖`, with F low-passed and the tilt limited.
 
-    Nothing has to be named: `a_R*` is the virtual input of whatever task moves
-    the base, and `f_c^d` that of every contact with a force task, both of the
-    tick before. It begins with the attitude where it takes over, apart from the yaw.
+    Nothing has to be named: `a_R*` is the
+    virtual input of whatever task moves the base, and
+    `f_c^d` that of every contact with a force task, both of the tick before.
+    It begins with the attitude where it takes over, apart from the yaw.
 
     With a steady position error the base tilts for what its stiffness asks, too: a base that is pulled into a wall by
     its position reference pushes with more than the set point.
