@@ -137,7 +137,7 @@ impl Scene {
             }
             // Feet on the same ground: once is enough.
             if !snapshot.surfaces[..i].contains(surface) {
-                entity.cubes.push(wall(surface));
+                entity.cubes.push(wall(surface, &contact.position));
             }
             Some(entity)
         });
@@ -243,10 +243,14 @@ impl Scene {
     }
 }
 
-fn wall(surface: &ContactSurface) -> CubePrimitive {
+/// A piece of a surface, which has no end, where the contact point is: it moves on in steps, a robot may walk away.
+fn wall(surface: &ContactSurface, point: &Vector3<f64>) -> CubePrimitive {
     let ContactSurface { R_WC, p_WS, .. } = surface;
     let [edge, thickness] = WALL;
-    let behind = Vector3::new(0.0, 0.0, -0.5 * thickness);
+    let step = 0.25 * edge;
+    let [x, y] = [point.x, point.y].map(|at| if at.is_finite() { at } else { 0.0 });
+    let [x, y] = [x, y].map(|at| step * (at / step).round());
+    let behind = Vector3::new(x, y, -0.5 * thickness);
     CubePrimitive {
         pose: Some(pose(&place(&(p_WS + R_WC * behind), R_WC))),
         size: Some(vector(&Vector3::new(edge, edge, thickness))),
