@@ -6,7 +6,7 @@ import type { Editor, Tab } from "./editor";
 import { type Named, fetchLog, namedLog } from "./fetched";
 import { Panel } from "./panel";
 import { Plots } from "./plots";
-import type { About, Change, Fields, FromWorker, Schema, Shipped, ToWorker, Words } from "./protocol";
+import type { About, Change, Fields, FromWorker, Row, Schema, Shipped, ToWorker, Words } from "./protocol";
 import type { Replay, Source } from "./replay";
 import { Scene } from "./scene";
 import { WordBox } from "./words";
@@ -536,15 +536,7 @@ setInterval(() => {
 
 function results(
   title: string,
-  rows: {
-    id: string;
-    quantity: string;
-    unit: string;
-    paper: number | null;
-    measured: number | null;
-    tolerance: string;
-    pass: boolean | null;
-  }[],
+  rows: Omit<Row, "promised">[],
   pace: number,
 ): void {
   $("results-title").textContent = title;

@@ -105,14 +105,11 @@ fn run_case(
     let mut scene = SceneWatcher::default();
     let mut announce = |port| bars.say(&live_address(port));
     let mut live = args.live.map(|port| LiveWatcher::new(port, &mut announce));
-    let mut options = RunOptions {
+    let options = RunOptions {
         progress: Some(&mut update),
         dumps: Some(&mut dumps),
-        watchers: vec![&mut scene],
+        watchers: vec![&mut scene, &mut live],
     };
-    if let Some(live) = &mut live {
-        options.watchers.push(live);
-    }
     let summary = wbqp_sim::run_with(scenario, case, args.seed, &mut log, options)?;
     for file in dumps.written() {
         bars.say(&format!(

@@ -106,14 +106,11 @@ impl Arguments {
         let mut announce = |port| bars.say(&live_address(port));
         let live = self.common.live;
         let mut live = live.map(|port| LiveWatcher::new(port, &mut announce));
-        let mut options = RunOptions {
+        let options = RunOptions {
             progress: Some(&mut update),
             dumps: Some(&mut dumps),
-            watchers: vec![&mut scene],
+            watchers: vec![&mut scene, &mut live],
         };
-        if let Some(live) = &mut live {
-            options.watchers.push(live);
-        }
         let run = wbqp_sim::run_with(scenario, case, self.common.seed, &mut log, options)?;
         log.finish()?;
         progress.finish();

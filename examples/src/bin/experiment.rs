@@ -36,10 +36,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         let mut log = Recorder::default();
         let mut announce = |port| println!("{case}: live on ws://127.0.0.1:{port}");
         let mut live = live_port()?.map(|port| LiveWatcher::new(port, &mut announce));
-        let mut options = RunOptions::default();
-        if let Some(live) = &mut live {
-            options.watchers.push(live);
-        }
+        let options = RunOptions {
+            watchers: vec![&mut live],
+            ..RunOptions::default()
+        };
         let summary = wbqp_sim::run_with(&scenario, case, SEED, &mut log, options)?;
         println!("{case}: {} ticks", summary.ticks);
         logs.push((case, log.into_log()));

@@ -8,7 +8,7 @@ use foxglove::{
 use nalgebra::{self as na, Isometry3, UnitQuaternion};
 
 /// With the precision of single numbers: enough to look at, and half the size when it is compressed.
-fn shown(x: f64) -> f64 {
+pub(crate) fn shown(x: f64) -> f64 {
     f64::from(x as f32)
 }
 
@@ -42,10 +42,6 @@ pub(crate) fn pose(X: &Isometry3<f64>) -> Pose {
         position: Some(vector(&X.translation.vector)),
         orientation: Some(quaternion(&X.rotation)),
     }
-}
-
-pub(crate) fn length(x: f64) -> f64 {
-    shown(x)
 }
 
 pub(crate) fn colour([r, g, b, a]: [f64; 4]) -> Color {

@@ -13,7 +13,7 @@ use wbqp::{
 use wbqp_log::TrueContact;
 
 use crate::{
-    convert::{colour, length, pose, timestamp, vector},
+    convert::{colour, pose, shown, timestamp, vector},
     frames::Frames,
 };
 
@@ -286,9 +286,9 @@ fn arrow(from: &Vector3<f64>, along: &Vector3<f64>, paint: [f64; 4]) -> Option<A
     let head = 0.25 * size.min(0.2);
     Some(ArrowPrimitive {
         pose: Some(pose(&Isometry3::from_parts((*from).into(), turn))),
-        shaft_length: length(size - head),
+        shaft_length: shown(size - head),
         shaft_diameter: 0.012,
-        head_length: length(head),
+        head_length: shown(head),
         head_diameter: 0.03,
         color: Some(colour(paint)),
     })

@@ -12,7 +12,7 @@ use wbqp::{input, robot::RobotModel};
 use wbqp_robots::visuals::{Shape, visuals};
 
 use crate::{
-    convert::{colour, length, point, pose, vector},
+    convert::{colour, point, pose, shown, vector},
     frames::Frames,
     scene::{THRUST_LENGTH, entity},
     skeleton::skeleton,
@@ -94,7 +94,7 @@ fn add_shape(
     let at = Some(pose(X_LV));
     let color = Some(colour(paint));
     let round = |radius: f64, height: f64| {
-        let diameter = length(2.0 * radius);
+        let diameter = shown(2.0 * radius);
         Some(vector(&Vector3::new(diameter, diameter, height)))
     };
     match shape {

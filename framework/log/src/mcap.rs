@@ -32,7 +32,7 @@ pub struct McapLog<W: Write + Seek + Send = BufWriter<File>> {
 /// this, and what is in memory.
 const CHUNK: u64 = 500_000_000;
 
-/// Level of zstd: beyond it, 15 saves 1 % more in twice the time.
+/// Level of zstd: 15 makes a log of an experiment 0.3 % smaller in twice the time.
 const COMPRESSION: u32 = 12;
 
 struct Channel {

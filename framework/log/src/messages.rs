@@ -11,8 +11,8 @@ use wbqp::{
     robot::RobotModel,
 };
 
-/// Significant digits of a number: more than any sensor or model has, and half the size of the file that all would
-/// make. What is computed with again, the states, has more.
+/// Significant digits of a number: more than any sensor or model has; digits are most of a log's size. What is computed
+/// with again, positions, has more.
 const DIGITS: usize = 7;
 
 /// Of what is left over or estimated: residuals, the observer's wrench; of speeds that follow from thrusts.

@@ -153,7 +153,10 @@ mod tests {
 
     #[test]
     fn the_newest_ticks_win() {
-        let text = "[controller]\nrate = 250.0\n\n[robot]\ntype = \"othex\"\n\n[[task]]\ntype = \"posture\"\nkp = 20.0\n";
+        let text = concat!(
+            "[controller]\nrate = 250.0\n\n[robot]\ntype = \"othex\"\n\n",
+            "[[task]]\ntype = \"posture\"\nkp = 20.0\n",
+        );
         let config = ControllerConfig::from_str(text, "live.toml", Path::new("."));
         let mut controller = Controller::new(config.expect("is read")).expect("is made");
         let exchange = Exchange::new(&controller);

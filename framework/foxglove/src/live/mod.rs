@@ -15,7 +15,7 @@ use std::{
 };
 
 use foxglove::{
-    Context, FoxgloveError, WebSocketServerHandle,
+    Context, FoxgloveError, WebSocketServer, WebSocketServerHandle,
     websocket::{
         AnyClient, ChannelView, Client, GetParametersResponder, Parameter, ParameterHandler,
         ServerListener, SetParametersResponder, Status,
@@ -79,8 +79,7 @@ pub enum LiveError {
 ///
 /// The loop never waits for it: [`update`](Self::update) copies the tick into storage made once and takes changes out
 /// of a queue, both without locks. If the view is slow, the oldest ticks are dropped and counted; if a client is, the
-/// server drops the oldest of 512 messages for it. Only a change that a client
-/// asked for allocates, between two ticks.
+/// server drops the oldest of 512 messages for it. Only a change that a client asked for allocates, between two ticks.
 ///
 /// ```no_run
 /// # fn run(mut controller: wbqp::Controller) -> Result<(), wbqp_foxglove::LiveError> {
@@ -166,9 +165,7 @@ impl LiveView {
                 server.parameter_handler(Arc::clone(&desk) as Arc<dyn ParameterHandler>)
             }
         };
-        let server = server
-            .start_blocking()
-            .map_err(|source| LiveError::Server { port, source })?;
+        let server = start(server)?.map_err(|source| LiveError::Server { port, source })?;
         let port = server.port();
         let show = Show {
             topics,
@@ -386,7 +383,7 @@ impl Show {
 
     fn report(&self, result: Result<(), LogError>) {
         if let Err(error) = result {
-            self.server.publish_status(Status::error(error.to_string()));
+            self.desk.note(error.to_string());
         }
     }
 
@@ -413,7 +410,7 @@ impl Show {
             self.server.publish_status(Status::warning(text));
         }
         if more > 0 {
-            let text = format!("and {more} more that could not be changed");
+            let text = format!("and {more} more");
             self.server.publish_status(Status::warning(text));
         }
         if !self.changed.is_empty() {
@@ -431,7 +428,15 @@ impl Show {
     }
 }
 
-/// Stops a server. Who does not read does not keep the program waiting: the connection ends with it, or when they leave.
+/// Starts a server. From a thread of its own, since that of an asynchronous runtime must not block.
+fn start(server: WebSocketServer) -> std::io::Result<Result<WebSocketServerHandle, FoxgloveError>> {
+    let thread = thread::Builder::new().name("wbqp live view begins".to_owned());
+    let started = thread.spawn(move || server.start_blocking())?.join();
+    Ok(started.unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+}
+
+/// Stops a server. Who does not read does not keep the program waiting: the connection ends with it, or when they
+/// leave.
 fn say_goodbye(server: WebSocketServerHandle) {
     let stopping = thread::Builder::new().name("wbqp live view ends".to_owned());
     let Ok(stopping) = stopping.spawn(move || server.stop().wait_blocking()) else {
