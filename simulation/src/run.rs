@@ -17,8 +17,8 @@ use wbqp::{
     stopwatch::Stopwatch,
 };
 use wbqp_log::{
-    ChannelId, ControllerLog, LogSink, Timeline, TrueContact, state_message, state_schema,
-    write_diagnostics, write_rotors, write_run,
+    ChannelId, ControllerLog, LogSink, Timeline, TrueContact, state_schema, write_diagnostics,
+    write_rotors, write_run, write_state,
 };
 
 use crate::{
@@ -235,8 +235,8 @@ impl CaseRun {
         self.snapshot.take(controller, link.measurement());
         self.log.record(&self.snapshot, &self.truth, sink)?;
         let model = &controller.robot().model;
-        state_message(model, world.state(), &mut self.message);
-        sink.write(self.truth_channel, time, &self.message)?;
+        let message = (self.truth_channel, time);
+        write_state(sink, message, &mut self.message, model, world.state())?;
         for watcher in &mut options.watchers {
             watcher.after_tick(&mut self.controller, &self.snapshot, &self.truth, sink)?;
         }

@@ -9,10 +9,12 @@ use wbqp::{
 use crate::{
     ChannelId, LogError, LogSink,
     messages::{
-        command_message, command_schema, contact_message, contact_schema, observer_message,
-        observer_schema, qp_message, qp_schema, task_message, task_schema, unique_labels,
+        DIGITS, RESIDUAL_DIGITS, command_fields, command_schema, contact_fields, contact_schema,
+        observer_fields, observer_schema, qp_fields, qp_schema, task_fields, task_schema,
+        unique_labels,
     },
-    state::{state_message, state_schema},
+    state::{state_schema, write_state},
+    write_message,
 };
 
 /// Writes a controller's inputs, commands and reports. Channels are opened once, buffers are used again. Numbers have 7
@@ -20,7 +22,7 @@ use crate::{
 ///
 /// | topic | contents |
 /// |---|---|
-/// | `/state` | the measured state, see [`state_message`] |
+/// | `/state` | the measured state, see [`write_state`](crate::write_state) |
 /// | `/command` | `rotors` and `joints` by name |
 /// | `/contact/<name>` | switch, ramp, the four forces, and the contact point |
 /// | `/task/<name>` | ramp, reference, and per row error, residual and cost |
@@ -41,7 +43,8 @@ pub struct ControllerLog {
     tasks: Vec<TaskChannel>,
     /// Time of the last record: a tick whose own time is unusable is filed there.
     time: f64,
-    message: Vec<u8>,
+    /// Room for messages.
+    text: Vec<u8>,
 }
 
 /// What only a simulator knows of a contact.
@@ -101,7 +104,7 @@ impl ControllerLog {
             contacts,
             tasks,
             time: 0.0,
-            message: Vec::with_capacity(4096),
+            text: Vec::with_capacity(4096),
         })
     }
 
@@ -119,28 +122,39 @@ impl ControllerLog {
         if report.time.is_finite() && report.time >= 0.0 {
             self.time = report.time;
         }
-        let (time, message) = (self.time, &mut self.message);
-        state_message(&self.robot.model, &snapshot.measurement.state, message);
-        sink.write(self.state, time, message)?;
-        command_message(&self.robot, &snapshot.command, message);
-        sink.write(self.command, time, message)?;
-        qp_message(&self.names, report, message);
-        sink.write(self.qp, time, message)?;
+        let (time, text) = (self.time, &mut self.text);
+        write_state(
+            sink,
+            (self.state, time),
+            text,
+            &self.robot.model,
+            &snapshot.measurement.state,
+        )?;
+        write_message(sink, (self.command, time), (text, DIGITS), |o| {
+            command_fields(&self.robot, &snapshot.command, o);
+        })?;
+        write_message(sink, (self.qp, time), (text, DIGITS), |o| {
+            qp_fields(&self.names, report, o);
+        })?;
         if !report.level.is_solved() {
             return Ok(());
         }
         if let Some(channel) = self.observer {
-            observer_message(report, message);
-            sink.write(channel, time, message)?;
+            write_message(sink, (channel, time), (text, RESIDUAL_DIGITS), |o| {
+                observer_fields(report, o);
+            })?;
         }
         for (i, channel) in self.contacts.iter().enumerate() {
-            contact_message(report, i, truth.get(i).copied().flatten(), message);
-            sink.write(*channel, time, message)?;
+            let truth = truth.get(i).copied().flatten();
+            write_message(sink, (*channel, time), (text, DIGITS), |o| {
+                contact_fields(report, i, truth, o);
+            })?;
         }
         let tasks = report.tasks.iter().zip(&snapshot.references);
         for (channel, (task, references)) in self.tasks.iter().zip(tasks) {
-            task_message(task, &channel.rows, references, message);
-            sink.write(channel.id, time, message)?;
+            write_message(sink, (channel.id, time), (text, DIGITS), |o| {
+                task_fields(task, &channel.rows, references, o);
+            })?;
         }
         Ok(())
     }

@@ -1,13 +1,12 @@
 //! JSON text, written straight into a buffer that is used again.
 
-use std::io::Write;
+use std::{fmt::Display, io::Write};
 
-use nalgebra::Vector3;
 use serde::Serialize;
 
-/// A JSON object being written. Numbers that are not finite are left out.
-///
-/// Give every field once: names are not checked.
+use crate::Fields;
+
+/// Writes [`Fields`] as JSON text.
 #[derive(Debug)]
 pub struct JsonWriter<'a> {
     out: &'a mut Vec<u8>,
@@ -18,18 +17,18 @@ pub struct JsonWriter<'a> {
 
 impl JsonWriter<'_> {
     /// Replaces the buffer's contents by one object.
-    pub fn write(out: &mut Vec<u8>, fill: impl FnOnce(&mut JsonWriter<'_>)) {
+    pub fn write(out: &mut Vec<u8>, fill: impl FnOnce(&mut dyn Fields)) {
         out.clear();
         JsonWriter::append(out, None, fill);
     }
 
     /// Like [`write`](Self::write), numbers rounded to so many significant digits (1 to 17).
-    pub fn write_rounded(out: &mut Vec<u8>, digits: usize, fill: impl FnOnce(&mut JsonWriter<'_>)) {
+    pub fn write_rounded(out: &mut Vec<u8>, digits: usize, fill: impl FnOnce(&mut dyn Fields)) {
         out.clear();
         JsonWriter::append(out, Some(digits), fill);
     }
 
-    fn append(out: &mut Vec<u8>, digits: Option<usize>, fill: impl FnOnce(&mut JsonWriter<'_>)) {
+    fn append(out: &mut Vec<u8>, digits: Option<usize>, fill: impl FnOnce(&mut dyn Fields)) {
         out.push(b'{');
         fill(&mut JsonWriter {
             out: &mut *out,
@@ -39,83 +38,14 @@ impl JsonWriter<'_> {
         out.push(b'}');
     }
 
-    /// A number; left out if it is not finite.
-    pub fn number(&mut self, name: &str, value: f64) {
-        match self.digits {
-            Some(digits) => self.rounded_number(name, value, digits),
-            None => self.exact_number(name, value),
-        }
+    fn open(&mut self, bracket: u8) {
+        self.out.push(bracket);
+        self.empty = true;
     }
 
-    /// A number of so many significant digits (1 to 17); left out if it is not finite.
-    pub fn rounded_number(&mut self, name: &str, value: f64, digits: usize) {
-        self.exact_number(name, rounded(value, digits.clamp(1, 17)));
-    }
-
-    /// A number with all its digits; left out if it is not finite.
-    pub fn exact_number(&mut self, name: &str, value: f64) {
-        if value.is_finite() {
-            self.field(name, &value);
-        }
-    }
-
-    /// A count.
-    pub fn integer(&mut self, name: &str, value: u64) {
-        self.field(name, &value);
-    }
-
-    /// True or false.
-    pub fn boolean(&mut self, name: &str, value: bool) {
-        self.field(name, &value);
-    }
-
-    /// A text.
-    pub fn text(&mut self, name: &str, value: &str) {
-        self.field(name, value);
-    }
-
-    /// Anything as text, without a string in between.
-    pub fn display(&mut self, name: &str, value: &dyn std::fmt::Display) {
-        struct Text<'a>(&'a dyn std::fmt::Display);
-        impl Serialize for Text<'_> {
-            fn serialize<S: serde::Serializer>(&self, s: S) -> Result<S::Ok, S::Error> {
-                s.collect_str(self.0)
-            }
-        }
-        self.field(name, &Text(value));
-    }
-
-    /// An object with `x`, `y`, `z`.
-    pub fn xyz(&mut self, name: &str, v: &Vector3<f64>) {
-        self.object(name, |o| {
-            o.number("x", v.x);
-            o.number("y", v.y);
-            o.number("z", v.z);
-        });
-    }
-
-    /// A nested object.
-    pub fn object(&mut self, name: &str, fill: impl FnOnce(&mut JsonWriter<'_>)) {
-        self.name(name);
-        JsonWriter::append(self.out, self.digits, fill);
-    }
-
-    /// A list of objects.
-    pub fn list<T>(
-        &mut self,
-        name: &str,
-        items: impl IntoIterator<Item = T>,
-        mut fill: impl FnMut(&mut JsonWriter<'_>, T),
-    ) {
-        self.name(name);
-        self.out.push(b'[');
-        for (i, item) in items.into_iter().enumerate() {
-            if i > 0 {
-                self.out.push(b',');
-            }
-            JsonWriter::append(self.out, self.digits, |o| fill(o, item));
-        }
-        self.out.push(b']');
+    fn close(&mut self, bracket: u8) {
+        self.out.push(bracket);
+        self.empty = false;
     }
 
     fn field<T: Serialize + ?Sized>(&mut self, name: &str, value: &T) {
@@ -142,6 +72,70 @@ impl JsonWriter<'_> {
     }
 }
 
+impl Fields for JsonWriter<'_> {
+    fn number(&mut self, name: &str, value: f64) {
+        match self.digits {
+            Some(digits) => self.rounded_number(name, value, digits),
+            None => self.exact_number(name, value),
+        }
+    }
+
+    fn rounded_number(&mut self, name: &str, value: f64, digits: usize) {
+        self.exact_number(name, rounded(value, digits.clamp(1, 17)));
+    }
+
+    fn exact_number(&mut self, name: &str, value: f64) {
+        if value.is_finite() {
+            self.field(name, &value);
+        }
+    }
+
+    fn integer(&mut self, name: &str, value: u64) {
+        self.field(name, &value);
+    }
+
+    fn boolean(&mut self, name: &str, value: bool) {
+        self.field(name, &value);
+    }
+
+    /// Without a string in between.
+    fn display(&mut self, name: &str, value: &dyn Display) {
+        struct Text<'a>(&'a dyn Display);
+        impl Serialize for Text<'_> {
+            fn serialize<S: serde::Serializer>(&self, s: S) -> Result<S::Ok, S::Error> {
+                s.collect_str(self.0)
+            }
+        }
+        self.field(name, &Text(value));
+    }
+
+    fn begin(&mut self, name: &str) {
+        self.name(name);
+        self.open(b'{');
+    }
+
+    fn end(&mut self) {
+        self.close(b'}');
+    }
+
+    fn begin_list(&mut self, name: &str) -> bool {
+        self.name(name);
+        self.open(b'[');
+        true
+    }
+
+    fn begin_item(&mut self) {
+        if !self.empty {
+            self.out.push(b',');
+        }
+        self.open(b'{');
+    }
+
+    fn end_list(&mut self) {
+        self.close(b']');
+    }
+}
+
 /// The number that is nearest to so many significant digits of a finite one; its shortest text has no more.
 fn rounded(value: f64, digits: usize) -> f64 {
     // Sign, point, 17 digits, and an exponent of three digits with its sign.
@@ -159,6 +153,8 @@ fn rounded(value: f64, digits: usize) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::Vector3;
+
     use super::*;
 
     #[test]

@@ -25,6 +25,7 @@
 //! ```
 
 mod controller;
+mod fields;
 mod json;
 mod lock;
 #[cfg(feature = "mcap")]
@@ -38,6 +39,7 @@ pub mod schema;
 mod state;
 
 pub use controller::{ControllerLog, TrueContact};
+pub use fields::{Fields, write_message};
 pub use json::JsonWriter;
 pub use lock::RunLock;
 #[cfg(feature = "mcap")]
@@ -46,7 +48,7 @@ pub use memory::MemoryLog;
 #[cfg(feature = "mcap")]
 pub use repair::{Repaired, repair};
 pub use run::{Timeline, configuration_hash, write_diagnostics, write_rotors, write_run};
-pub use state::{state_message, state_schema};
+pub use state::{state_schema, write_state};
 
 use std::{collections::BTreeMap, path::PathBuf};
 
@@ -96,6 +98,19 @@ pub trait LogSink: Send {
     /// # Errors
     /// [`LogError`] if the time is negative or not finite, the channel is not the sink's, or it cannot write.
     fn write(&mut self, channel: ChannelId, time: f64, message: &[u8]) -> Result<(), LogError>;
+
+    /// Begins a message at `time` in s that takes values instead of text: for sinks that keep numbers. A message ends
+    /// where the next begins. `None`, as from most: [`write`](Self::write) text.
+    ///
+    /// # Errors
+    /// As [`write`](Self::write).
+    fn fields(
+        &mut self,
+        _channel: ChannelId,
+        _time: f64,
+    ) -> Result<Option<&mut dyn Fields>, LogError> {
+        Ok(None)
+    }
 
     /// Writes a table of texts about the log as a whole.
     ///

@@ -3,7 +3,7 @@
 use nalgebra::{Vector3, Vector6};
 use serde_json::{Value, json};
 
-use crate::{JsonWriter, TrueContact, schema, state::joint_unit};
+use crate::{Fields, TrueContact, schema, state::joint_unit};
 use wbqp::{
     actuator::ActuatorKind,
     controller::{Command, Names, Report, Side, TaskReport},
@@ -13,10 +13,10 @@ use wbqp::{
 
 /// Significant digits of a number: more than any sensor or model has; digits are most of a log's size. What is computed
 /// with again, positions, has more.
-const DIGITS: usize = 7;
+pub(super) const DIGITS: usize = 7;
 
 /// Of what is left over or estimated: residuals, the observer's wrench; of speeds that follow from thrusts.
-const RESIDUAL_DIGITS: usize = 5;
+pub(super) const RESIDUAL_DIGITS: usize = 5;
 
 /// Of what is only compared: costs, multipliers and times.
 const COST_DIGITS: usize = 4;
@@ -38,12 +38,10 @@ pub(super) fn observer_schema() -> Value {
     )
 }
 
-pub(super) fn observer_message(report: &Report, out: &mut Vec<u8>) {
+pub(super) fn observer_fields(report: &Report, o: &mut dyn Fields) {
     let w = &report.disturbance;
-    JsonWriter::write_rounded(out, RESIDUAL_DIGITS, |o| {
-        o.xyz("force", &Vector3::new(w[0], w[1], w[2]));
-        o.xyz("moment", &Vector3::new(w[3], w[4], w[5]));
-    });
+    o.xyz("force", &Vector3::new(w[0], w[1], w[2]));
+    o.xyz("moment", &Vector3::new(w[3], w[4], w[5]));
 }
 
 /// Labels with a number behind the second, third, … of the same name.
@@ -105,31 +103,30 @@ pub(super) fn command_schema(robot: &RobotModel) -> Value {
     )
 }
 
-pub(super) fn command_message(robot: &RobotModel, command: &Command, out: &mut Vec<u8>) {
-    JsonWriter::write_rounded(out, DIGITS, |o| {
-        o.object("rotors", |o| {
-            for (id, actuator, _) in robot.rotors() {
-                o.object(&actuator.name, |o| {
-                    o.number("thrust", command.effort[id.index()]);
-                    let speed = command.rotor_speed[id.index()];
-                    o.rounded_number("speed", speed, RESIDUAL_DIGITS);
-                });
-            }
-        });
-        o.object("joints", |o| {
-            for (i, joint) in robot.model.joints().iter().enumerate() {
-                let motor = robot.actuators.iter().position(
-                    |a| matches!(&a.kind, ActuatorKind::Joint(m) if m.joint.index() == i),
-                );
-                o.object(&joint.name, |o| {
-                    if let Some(motor) = motor {
-                        o.number("effort", command.effort[motor]);
-                    }
-                    o.number("acceleration", command.joint_acceleration[i]);
-                    o.number("velocity", command.joint_velocity[i]);
-                });
-            }
-        });
+pub(super) fn command_fields(robot: &RobotModel, command: &Command, o: &mut dyn Fields) {
+    o.object("rotors", |o| {
+        for (id, actuator, _) in robot.rotors() {
+            o.object(&actuator.name, |o| {
+                o.number("thrust", command.effort[id.index()]);
+                let speed = command.rotor_speed[id.index()];
+                o.rounded_number("speed", speed, RESIDUAL_DIGITS);
+            });
+        }
+    });
+    o.object("joints", |o| {
+        for (i, joint) in robot.model.joints().iter().enumerate() {
+            let motor = robot
+                .actuators
+                .iter()
+                .position(|a| matches!(&a.kind, ActuatorKind::Joint(m) if m.joint.index() == i));
+            o.object(&joint.name, |o| {
+                if let Some(motor) = motor {
+                    o.number("effort", command.effort[motor]);
+                }
+                o.number("acceleration", command.joint_acceleration[i]);
+                o.number("velocity", command.joint_velocity[i]);
+            });
+        }
     });
 }
 
@@ -179,30 +176,28 @@ pub(super) fn contact_schema() -> Value {
     )
 }
 
-pub(super) fn contact_message(
+pub(super) fn contact_fields(
     report: &Report,
     index: usize,
     truth: Option<TrueContact>,
-    out: &mut Vec<u8>,
+    o: &mut dyn Fields,
 ) {
     let contact = &report.contacts[index];
     let force = |w: &Vector6<f64>| Vector3::new(w[0], w[1], w[2]);
-    JsonWriter::write_rounded(out, DIGITS, |o| {
-        o.boolean("active", contact.on);
-        o.number("alpha", contact.alpha);
-        if let Some(task) = &contact.task {
-            o.boolean("clamped", task.clamped);
-            o.xyz("reference", &task.reference);
-            o.xyz("virtual_input", &task.virtual_input);
-        }
-        o.xyz("solution", &force(&contact.solution));
-        o.xyz("measured", &force(&contact.measured));
-        o.xyz("position", &contact.position);
-        if let Some(truth) = truth {
-            o.xyz("truth", &truth.force);
-            o.xyz("true_position", &truth.position);
-        }
-    });
+    o.boolean("active", contact.on);
+    o.number("alpha", contact.alpha);
+    if let Some(task) = &contact.task {
+        o.boolean("clamped", task.clamped);
+        o.xyz("reference", &task.reference);
+        o.xyz("virtual_input", &task.virtual_input);
+    }
+    o.xyz("solution", &force(&contact.solution));
+    o.xyz("measured", &force(&contact.measured));
+    o.xyz("position", &contact.position);
+    if let Some(truth) = truth {
+        o.xyz("truth", &truth.force);
+        o.xyz("true_position", &truth.position);
+    }
 }
 
 /// `references` are of those that the task follows.
@@ -257,36 +252,34 @@ fn rotation(references: &[Sample]) -> Option<&RotationSample> {
 }
 
 /// References are written with all digits: they stand still or are smooth, and cost little.
-pub(super) fn task_message(
+pub(super) fn task_fields(
     task: &TaskReport,
     labels: &[String],
     references: &[Sample],
-    out: &mut Vec<u8>,
+    o: &mut dyn Fields,
 ) {
     let followed = row_references(references, labels);
-    JsonWriter::write_rounded(out, DIGITS, |o| {
-        o.number("alpha", task.alpha);
-        o.object("rows", |o| {
-            for (k, label) in labels.iter().enumerate() {
-                o.object(label, |o| {
-                    if let Some(value) = followed.get(k) {
-                        o.exact_number("reference", *value);
-                    }
-                    o.number("error", task.error[k]);
-                    o.rounded_number("residual", task.residual[k], RESIDUAL_DIGITS);
-                    o.rounded_number("cost", task.cost[k], COST_DIGITS);
-                });
-            }
-        });
-        if let Some(sample) = rotation(references) {
-            let q = sample.rotation;
-            o.object("reference", |o| {
-                for (name, value) in [("w", q.w), ("x", q.i), ("y", q.j), ("z", q.k)] {
-                    o.exact_number(name, value);
+    o.number("alpha", task.alpha);
+    o.object("rows", |o| {
+        for (k, label) in labels.iter().enumerate() {
+            o.object(label, |o| {
+                if let Some(value) = followed.get(k) {
+                    o.exact_number("reference", *value);
                 }
+                o.number("error", task.error[k]);
+                o.rounded_number("residual", task.residual[k], RESIDUAL_DIGITS);
+                o.rounded_number("cost", task.cost[k], COST_DIGITS);
             });
         }
     });
+    if let Some(sample) = rotation(references) {
+        let q = sample.rotation;
+        o.object("reference", |o| {
+            for (name, value) in [("w", q.w), ("x", q.i), ("y", q.j), ("z", q.k)] {
+                o.exact_number(name, value);
+            }
+        });
+    }
 }
 
 pub(super) fn qp_schema() -> Value {
@@ -365,49 +358,47 @@ pub(super) fn qp_schema() -> Value {
     )
 }
 
-pub(super) fn qp_message(names: &Names, report: &Report, out: &mut Vec<u8>) {
-    JsonWriter::write_rounded(out, DIGITS, |o| {
-        o.text("status", report.status.as_str());
-        o.text("level", report.level.as_str());
-        o.number("level_since", report.on_level.since);
-        o.integer("level_ticks", report.on_level.ticks);
-        if let Some(why) = names.explain(report) {
-            o.text("fault", &why.fault);
+pub(super) fn qp_fields(names: &Names, report: &Report, o: &mut dyn Fields) {
+    o.text("status", report.status.as_str());
+    o.text("level", report.level.as_str());
+    o.number("level_since", report.on_level.since);
+    o.integer("level_ticks", report.on_level.ticks);
+    if let Some(why) = names.explain(report) {
+        o.text("fault", &why.fault);
+    }
+    let short = |o: &mut dyn Fields, row, side: Side, limit: f64, short: f64| {
+        if let Some(row) = names.row(row) {
+            o.display("row", row);
         }
-        let short = |o: &mut JsonWriter<'_>, row, side: Side, limit: f64, short: f64| {
-            if let Some(row) = names.row(row) {
-                o.display("row", row);
-            }
-            o.text("side", side.as_str());
-            o.number("limit", limit);
-            o.number("short", short);
-        };
-        o.list("conflict", &report.conflict, |o, c| {
-            short(o, c.row, c.side, c.limit, c.short);
-        });
-        o.list("relaxed", &report.relaxed, |o, r| {
-            short(o, r.row, r.side, r.limit, r.by);
-        });
-        o.integer("iterations", u64::from(report.iterations));
-        o.object("times", |o| {
-            let t = &report.times;
-            for (stage, seconds) in [
-                ("dynamics", t.dynamics),
-                ("rows", t.rows),
-                ("assembly", t.assembly),
-                ("solve", t.solve),
-                ("output", t.output),
-                ("total", t.total()),
-            ] {
-                o.rounded_number(stage, 1e6 * seconds, COST_DIGITS);
-            }
-        });
-        o.list("active", &report.active, |o, active| {
-            if let Some(row) = names.row(active.row) {
-                o.display("row", row);
-            }
-            o.text("side", active.side.as_str());
-            o.rounded_number("multiplier", active.multiplier, COST_DIGITS);
-        });
+        o.text("side", side.as_str());
+        o.number("limit", limit);
+        o.number("short", short);
+    };
+    o.list("conflict", &report.conflict, |o, c| {
+        short(o, c.row, c.side, c.limit, c.short);
+    });
+    o.list("relaxed", &report.relaxed, |o, r| {
+        short(o, r.row, r.side, r.limit, r.by);
+    });
+    o.integer("iterations", u64::from(report.iterations));
+    o.object("times", |o| {
+        let t = &report.times;
+        for (stage, seconds) in [
+            ("dynamics", t.dynamics),
+            ("rows", t.rows),
+            ("assembly", t.assembly),
+            ("solve", t.solve),
+            ("output", t.output),
+            ("total", t.total()),
+        ] {
+            o.rounded_number(stage, 1e6 * seconds, COST_DIGITS);
+        }
+    });
+    o.list("active", &report.active, |o, active| {
+        if let Some(row) = names.row(active.row) {
+            o.display("row", row);
+        }
+        o.text("side", active.side.as_str());
+        o.rounded_number("multiplier", active.multiplier, COST_DIGITS);
     });
 }

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 
-use crate::{JsonWriter, schema};
+use crate::{ChannelId, Fields, LogError, LogSink, schema, write_message};
 use wbqp::{
     model::{Joint, JointKind, Model},
     state::State,
@@ -22,7 +22,7 @@ pub(super) fn joint_unit(joint: &Joint) -> &'static str {
     }
 }
 
-/// Schema of [`state_message`] for a robot: `base` with pose and world-aligned velocity, `joints` by name.
+/// Schema of [`write_state`] for a robot: `base` with pose and world-aligned velocity, `joints` by name.
 pub fn state_schema(model: &Model) -> Value {
     let quaternion = ["w", "x", "y", "z"].map(|c| (c, schema::ratio(c)));
     let base = schema::object(
@@ -59,9 +59,25 @@ pub fn state_schema(model: &Model) -> Value {
     schema
 }
 
-/// Replaces the buffer's contents by the state's message, positions with 9
-/// significant digits, velocities with 7. Parts that the state lacks are left out.
-pub fn state_message(model: &Model, state: &State, out: &mut Vec<u8>) {
+/// Writes a state to a channel of [`state_schema`], positions with 9 significant digits, velocities with 7. Parts that
+/// the state lacks are left out. `text` is room for the message.
+///
+/// # Errors
+/// [`LogError`] of the sink.
+pub fn write_state(
+    sink: &mut dyn LogSink,
+    (channel, time): (ChannelId, f64),
+    text: &mut Vec<u8>,
+    model: &Model,
+    state: &State,
+) -> Result<(), LogError> {
+    let text = (text, VELOCITY_DIGITS);
+    write_message(sink, (channel, time), text, |o| {
+        state_fields(model, state, o)
+    })
+}
+
+fn state_fields(model: &Model, state: &State, o: &mut dyn Fields) {
     let offset = model.joint_offset();
     let v = |i: usize| state.v.get(i).copied().unwrap_or(f64::NAN);
     let triple = |first: usize| {
@@ -71,30 +87,28 @@ pub fn state_message(model: &Model, state: &State, out: &mut Vec<u8>) {
             Vector3::zeros()
         }
     };
-    JsonWriter::write_rounded(out, VELOCITY_DIGITS, |o| {
-        o.object("base", |o| {
-            let (p, q) = (&state.p_WR, &state.R_WR);
-            let mut object = |name: &str, parts: &[(&str, f64)]| {
-                o.object(name, |o| {
-                    for (name, value) in parts {
-                        o.rounded_number(name, *value, POSITION_DIGITS);
-                    }
-                });
-            };
-            object("position", &[("x", p.x), ("y", p.y), ("z", p.z)]);
-            let parts = [("w", q.w), ("x", q.i), ("y", q.j), ("z", q.k)];
-            object("orientation", &parts);
-            o.xyz("linear_velocity", &triple(0));
-            o.xyz("angular_velocity", &triple(3));
-        });
-        o.object("joints", |o| {
-            for (i, joint) in model.joints().iter().enumerate() {
-                o.object(&joint.name, |o| {
-                    let q = state.q.get(i).copied().unwrap_or(f64::NAN);
-                    o.rounded_number("position", q, POSITION_DIGITS);
-                    o.number("velocity", v(offset + i));
-                });
-            }
-        });
+    o.object("base", |o| {
+        let (p, q) = (&state.p_WR, &state.R_WR);
+        let mut object = |name: &str, parts: &[(&str, f64)]| {
+            o.object(name, |o| {
+                for (name, value) in parts {
+                    o.rounded_number(name, *value, POSITION_DIGITS);
+                }
+            });
+        };
+        object("position", &[("x", p.x), ("y", p.y), ("z", p.z)]);
+        let parts = [("w", q.w), ("x", q.i), ("y", q.j), ("z", q.k)];
+        object("orientation", &parts);
+        o.xyz("linear_velocity", &triple(0));
+        o.xyz("angular_velocity", &triple(3));
+    });
+    o.object("joints", |o| {
+        for (i, joint) in model.joints().iter().enumerate() {
+            o.object(&joint.name, |o| {
+                let q = state.q.get(i).copied().unwrap_or(f64::NAN);
+                o.rounded_number("position", q, POSITION_DIGITS);
+                o.number("velocity", v(offset + i));
+            });
+        }
     });
 }

@@ -2,7 +2,8 @@
 //!
 //! Two layers. What computes sees a [`Recording`]: time series by topic and field, named instants, the rotors' limits,
 //! the configuration. What makes one is a layer of its own: [`Signals`] holds series that are in memory already, and,
-//! with the feature `log`, [`log::Log`] reads the MCAP file of a run (or keeps what a run writes: [`log::Recorder`]).
+//! with the feature `log`, [`log::Log`] reads the MCAP file of a run (or keeps what a run writes: [`log::Recorder`]),
+//! and [`Columns`] takes a run's numbers while it goes on, without text.
 //!
 //! ```
 //! use wbqp_measures::{Recording, Series, Signals, experiments, push_away};
@@ -21,9 +22,13 @@
 //! ```
 
 pub mod base;
+#[cfg(feature = "log")]
+mod columns;
 mod error;
 mod experiment;
 pub mod experiments;
+#[cfg(feature = "log")]
+mod header;
 pub mod jumps;
 #[cfg(feature = "log")]
 pub mod log;
@@ -41,6 +46,8 @@ mod table_i;
 mod tick_time;
 pub mod under_actuated;
 
+#[cfg(feature = "log")]
+pub use columns::Columns;
 pub use error::MeasureError;
 pub use experiment::{Cases, Experiment};
 pub use recording::{Recording, RotorLimits, escaped};

@@ -13,7 +13,7 @@ use serde_json::Value;
 use wbqp::input;
 use wbqp_log::Timeline;
 
-use crate::{MeasureError, Recording, RotorLimits, Series, Signals, escaped};
+use crate::{MeasureError, Recording, RotorLimits, Series, Signals, escaped, header::Header};
 
 pub use recorder::Recorder;
 
@@ -26,8 +26,7 @@ type Messages = Vec<(f64, Vec<u8>)>;
 pub struct Log {
     topics: BTreeMap<String, Arc<Messages>>,
     schemas: BTreeMap<String, Value>,
-    metadata: BTreeMap<String, BTreeMap<String, String>>,
-    attachments: BTreeMap<String, Vec<u8>>,
+    header: Header,
 }
 
 /// Why a file could not be read as a log.
@@ -61,7 +60,10 @@ impl Log {
     /// # Errors
     /// [`ReadError::File`] or [`ReadError::Mcap`].
     pub fn open_header(path: &Path) -> Result<Self, ReadError> {
-        Self::header(&read(path)?)
+        Ok(Self {
+            header: header(&read(path)?)?,
+            ..Self::default()
+        })
     }
 
     /// Reads the contents of an MCAP file.
@@ -95,24 +97,8 @@ impl Log {
         Ok(Self {
             topics: topics.into_iter().map(|(t, m)| (t, Arc::new(m))).collect(),
             schemas,
-            ..Self::header(bytes)?
+            header: header(bytes)?,
         })
-    }
-
-    fn header(bytes: &[u8]) -> Result<Self, ReadError> {
-        let mut log = Self::default();
-        for record in LinearReader::new(bytes)? {
-            match record? {
-                Record::Metadata(m) => {
-                    log.metadata.insert(m.name, m.metadata);
-                }
-                Record::Attachment { header, data, .. } => {
-                    log.attachments.insert(header.name, data.into_owned());
-                }
-                _ => {}
-            }
-        }
-        Ok(log)
     }
 
     /// The topics that have messages.
@@ -165,26 +151,22 @@ impl Log {
 
     /// A table of texts.
     pub fn metadata(&self, name: &str) -> Option<&BTreeMap<String, String>> {
-        self.metadata.get(name)
+        self.header.metadata.get(name)
     }
 
     /// The log's named instants; empty if it has none.
     pub fn timeline(&self) -> Timeline {
-        self.metadata(Timeline::NAME)
-            .map(Timeline::from_metadata)
-            .unwrap_or_default()
+        self.header.timeline()
     }
 
     /// Names and contents of the attached TOML files.
     pub fn attached_texts(&self) -> impl Iterator<Item = (&str, &str)> {
-        let toml = self.attachments.iter();
-        let toml = toml.filter(|(name, _)| has_extension(name, "toml"));
-        toml.filter_map(|(name, data)| Some((name.as_str(), std::str::from_utf8(data).ok()?)))
+        self.header.attached_texts()
     }
 
     /// Contents of an attachment.
     pub fn attachment(&self, name: &str) -> Option<&[u8]> {
-        self.attachments.get(name).map(Vec::as_slice)
+        self.header.attachments.get(name).map(Vec::as_slice)
     }
 
     /// All its series, read at once: for who asks for many of them.
@@ -217,13 +199,8 @@ impl Log {
                 .into_iter()
                 .fold(signals, Signals::with_rotor);
         }
-        let files = self.attached_tables();
+        let files = self.header.attached_tables();
         Ok(files.fold(signals, Signals::with_configuration))
-    }
-
-    fn attached_tables(&self) -> impl Iterator<Item = toml::Table> {
-        self.attached_texts()
-            .filter_map(|(_, text)| text.parse::<toml::Table>().ok())
     }
 }
 
@@ -262,50 +239,37 @@ impl Recording for Log {
     }
 
     fn mark(&self, name: &str) -> Result<f64, MeasureError> {
-        self.timeline()
-            .get(name)
-            .ok_or_else(|| MeasureError::Metadata {
-                name: Timeline::NAME.to_owned(),
-                key: name.to_owned(),
-            })
+        self.header.mark(name)
     }
 
     fn rotors(&self) -> Result<Vec<RotorLimits>, MeasureError> {
-        let lacks = |key: &str| MeasureError::Metadata {
-            name: "rotors".to_owned(),
-            key: key.to_owned(),
-        };
-        let table = self.metadata("rotors").ok_or_else(|| lacks("*.min"))?;
-        let number = |key: String| {
-            let text = table.get(&key).ok_or_else(|| lacks(&key))?;
-            text.parse::<f64>().map_err(|_| lacks(&key))
-        };
-        let names = table.keys().filter_map(|k| k.strip_suffix(".min"));
-        names
-            .map(|name| {
-                Ok(RotorLimits {
-                    name: name.to_owned(),
-                    thrust: [
-                        number(format!("{name}.min"))?,
-                        number(format!("{name}.max"))?,
-                    ],
-                    speed: [
-                        number(format!("{name}.speed_min"))?,
-                        number(format!("{name}.speed_max"))?,
-                    ],
-                    lag: [
-                        number(format!("{name}.rise"))?,
-                        number(format!("{name}.fall"))?,
-                    ],
-                })
-            })
-            .collect()
+        self.header.rotors()
     }
 
     fn configuration(&self, key: &str) -> Result<toml::Table, MeasureError> {
-        let found = self.attached_tables().find(|table| table.contains_key(key));
-        found.ok_or_else(|| MeasureError::Attachment(key.to_owned()))
+        self.header.configuration(key)
     }
+}
+
+/// Metadata and attachments of the contents of an MCAP file.
+fn header(bytes: &[u8]) -> Result<Header, ReadError> {
+    let mut header = Header::default();
+    for record in LinearReader::new(bytes)? {
+        match record? {
+            Record::Metadata(m) => {
+                header.metadata.insert(m.name, m.metadata);
+            }
+            Record::Attachment {
+                header: entry,
+                data,
+                ..
+            } => {
+                header.attachments.insert(entry.name, data.into_owned());
+            }
+            _ => {}
+        }
+    }
+    Ok(header)
 }
 
 /// Paths of everything in a message that is no object.
@@ -335,10 +299,4 @@ fn to_number(value: &Value) -> f64 {
         Value::Bool(b) => f64::from(u8::from(*b)),
         other => other.as_f64().unwrap_or(f64::NAN),
     }
-}
-
-fn has_extension(name: &str, extension: &str) -> bool {
-    Path::new(name)
-        .extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case(extension))
 }

@@ -6,14 +6,14 @@ use serde_json::Value;
 use wbqp_log::{ChannelId, LogError, LogSink};
 
 use super::{Log, Messages};
+use crate::header::Header;
 
 /// Keeps what a run writes in JSON, to be read without a file. What is read is what an MCAP file would give.
 #[derive(Debug, Default)]
 pub struct Recorder {
     topics: Vec<(String, Messages)>,
     schemas: BTreeMap<String, Value>,
-    metadata: BTreeMap<String, BTreeMap<String, String>>,
-    attachments: BTreeMap<String, Vec<u8>>,
+    header: Header,
 }
 
 impl Recorder {
@@ -23,8 +23,7 @@ impl Recorder {
         Log {
             topics: written.map(|(t, m)| (t, Arc::new(m))).collect(),
             schemas: self.schemas,
-            metadata: self.metadata,
-            attachments: self.attachments,
+            header: self.header,
         }
     }
 }
@@ -61,12 +60,14 @@ impl LogSink for Recorder {
     }
 
     fn metadata(&mut self, name: &str, table: &BTreeMap<String, String>) -> Result<(), LogError> {
-        self.metadata.insert(name.to_owned(), table.clone());
+        self.header.metadata.insert(name.to_owned(), table.clone());
         Ok(())
     }
 
     fn attach(&mut self, name: &str, _: &str, data: &[u8]) -> Result<(), LogError> {
-        self.attachments.insert(name.to_owned(), data.to_owned());
+        self.header
+            .attachments
+            .insert(name.to_owned(), data.to_owned());
         Ok(())
     }
 
