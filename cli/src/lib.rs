@@ -2,6 +2,7 @@
 //! controller, look at plug-ins, schemas, recorded ticks and logs. The binaries parse the command line and call this.
 
 pub mod assignment;
+pub mod campaign;
 pub mod check;
 pub mod export_mjcf;
 pub mod log;

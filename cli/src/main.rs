@@ -6,7 +6,7 @@ use anyhow::Result;
 use clap::{Parser, Subcommand};
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 use wbqp_bench::command as tick_stats;
-use wbqp_cli::{check, export_mjcf, log, new, plugins, replay, run, schema, view};
+use wbqp_cli::{campaign, check, export_mjcf, log, new, plugins, replay, run, schema, view};
 use wbqp_replication::command as replicate;
 use wbqp_terminal::complain;
 
@@ -30,6 +30,7 @@ enum Command {
     Check(check::Arguments),
     New(new::Arguments),
     Run(run::Arguments),
+    Campaign(campaign::Arguments),
     ExportMjcf(export_mjcf::Arguments),
     Log(log::Arguments),
     View(view::Arguments),
@@ -47,6 +48,7 @@ impl Command {
             Self::Check(arguments) => arguments.run(),
             Self::New(arguments) => arguments.run(),
             Self::Run(arguments) => arguments.run(),
+            Self::Campaign(arguments) => arguments.run(),
             Self::ExportMjcf(arguments) => arguments.run().map(succeeded),
             Self::Log(arguments) => arguments.run(),
             Self::View(arguments) => arguments.run().map(succeeded),

@@ -20,6 +20,8 @@ enum File {
     Controller,
     /// A scenario's file.
     Scenario,
+    /// A campaign's plan.
+    Plan,
 }
 
 impl Arguments {
@@ -31,6 +33,7 @@ impl Arguments {
         let schema = match self.file {
             File::Controller => json_schema::controller(),
             File::Scenario => wbqp_sim::scenario::json_schema(),
+            File::Plan => wbqp_campaign::json_schema(),
         };
         let text = serde_json::to_string_pretty(&schema)?;
         writeln!(std::io::stdout(), "{text}")?;

@@ -67,14 +67,24 @@ pub struct Progress {
 impl Progress {
     /// The finished fraction, 0 to 1.
     pub fn update(&self, fraction: f64) {
+        self.update_saying(fraction, "");
+    }
+
+    /// The finished fraction, 0 to 1, and what there is to say of it.
+    pub fn update_saying(&self, fraction: f64, words: &str) {
         let fraction = fraction.clamp(0.0, 1.0);
         if let Some(bar) = &self.bar {
             bar.set_position((1000.0 * fraction) as u64);
+            if !words.is_empty() {
+                bar.set_message(format!("{}: {words}", self.name));
+            }
             return;
         }
         let reached = (f64::from(self.lines) * fraction + 1e-9) as u32;
         if reached > self.printed.fetch_max(reached, Ordering::Relaxed) {
-            complain!("{}: {} %", self.name, 100 * reached / self.lines);
+            let comma = if words.is_empty() { "" } else { ", " };
+            let percent = 100 * reached / self.lines;
+            complain!("{}: {percent} %{comma}{words}", self.name);
         }
     }
 

@@ -14,6 +14,14 @@ pub enum MeasureError {
         /// The topics there are.
         known: String,
     },
+    /// A topic has no such number.
+    #[error("the recording's topic `{topic}` has no number at `{field}`")]
+    Field {
+        /// The topic.
+        topic: String,
+        /// The field asked for.
+        field: String,
+    },
     /// A table, or an entry of it, is not there or is not a number: named instants, limits of rotors.
     #[error("the recording's table `{name}` lacks `{key}`")]
     Metadata {

@@ -141,6 +141,25 @@ impl Case {
         &self.set
     }
 
+    /// The values that a variation can scale, in the shape of the scenario's file: `duration`, `initial`, `plant`,
+    /// `sensors`, with all defaults.
+    pub fn values(&self) -> toml::Table {
+        let mut values = toml::Table::new();
+        values.insert("duration".into(), self.duration.into());
+        let tables = [
+            ("initial", toml::Value::try_from(&self.initial)),
+            ("plant", toml::Value::try_from(&self.plant)),
+            ("sensors", toml::Value::try_from(&self.sensors)),
+        ];
+        for (key, table) in tables {
+            // What no TOML file can say has no values.
+            if let Ok(table) = table {
+                values.insert(key.into(), table);
+            }
+        }
+        values
+    }
+
     /// The controller's configuration.
     ///
     /// # Errors

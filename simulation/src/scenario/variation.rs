@@ -92,6 +92,11 @@ impl Variation {
         self.change.is_empty() && self.set.is_empty()
     }
 
+    /// As a text that [`Variation::from_toml`] reads.
+    pub fn to_toml(&self) -> String {
+        toml::to_string(self).unwrap_or_default()
+    }
+
     pub(super) fn overrides(&self) -> &Overrides {
         &self.set
     }
@@ -108,7 +113,7 @@ impl Variation {
         (!self.is_empty()).then(|| SourceFile {
             name: NAME.to_owned(),
             media_type: "application/toml",
-            contents: toml::to_string(self).unwrap_or_default(),
+            contents: self.to_toml(),
         })
     }
 }

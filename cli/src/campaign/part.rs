@@ -1,0 +1,134 @@
+//! A part of a campaign on this machine's cores.
+
+use std::{
+    num::NonZeroUsize,
+    path::PathBuf,
+    sync::atomic::{AtomicU64, Ordering},
+    time::Instant,
+};
+
+use anyhow::{Context, Result};
+use clap::{Args, ValueEnum};
+use wbqp_campaign::{Campaign, Outcome, Part, Plan, Run, Shard};
+use wbqp_terminal::{ProgressBars, say};
+
+use super::single;
+
+/// What is run, and where it goes.
+#[derive(Args, Debug)]
+pub(super) struct Arguments {
+    /// The plan
+    #[arg(required = true, value_name = "PLAN")]
+    plan: Option<PathBuf>,
+    /// Only this part of so many, from 1
+    #[arg(long, value_name = "I/N", default_value = "1/1")]
+    shard: Part,
+    /// Only the first runs of the plan
+    #[arg(long, value_name = "N")]
+    limit: Option<u64>,
+    /// Only this run, with logs and dumps of its ticks
+    #[arg(long, value_name = "NUMBER", conflicts_with_all = ["shard", "limit"])]
+    run: Option<u64>,
+    /// Directory for tables and logs
+    #[arg(long, value_name = "DIR", default_value = "out/campaign")]
+    out: PathBuf,
+    /// Threads; default: all cores
+    #[arg(long, value_name = "N")]
+    jobs: Option<NonZeroUsize>,
+    /// Logs of single runs
+    #[arg(long, value_enum, default_value_t = Logs::None)]
+    log: Logs,
+    /// Of how many of the runs that do not hold ticks are dumped for `wbqp replay`, and logs written
+    #[arg(long, value_name = "N", default_value_t = 20)]
+    dumps: u64,
+}
+
+/// Which runs have logs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Logs {
+    /// None.
+    None,
+    /// Those that do not hold.
+    Failures,
+}
+
+/// Lines of progress where there is no terminal.
+const LINES: u32 = 20;
+
+impl Arguments {
+    pub(super) fn run(&self) -> Result<()> {
+        // The command line wants it.
+        let path = self.plan.clone().unwrap_or_default();
+        let plan = Plan::from_file(&path)?;
+        let campaign = Campaign::new(plan)?;
+        if let Some(number) = self.run {
+            return single::run(&campaign, number, &self.out);
+        }
+        let threads = self.jobs.map_or(0, NonZeroUsize::get);
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        pool.context("threads")?
+            .install(|| self.run_part(&campaign))
+    }
+
+    fn run_part(&self, campaign: &Campaign) -> Result<()> {
+        let runs = self.limit.unwrap_or(u64::MAX);
+        let shard = Shard::open(campaign, self.shard, runs, &self.out)?;
+        let total = shard.range().end - shard.range().start;
+        let before = shard.done();
+        let name = campaign.plan().name();
+        if before > 0 {
+            say!("{name}: {before} of {total} runs are done already");
+        }
+        let bars = ProgressBars::new(LINES);
+        let bar = bars.start(name);
+        let begin = Instant::now();
+        let count = Counts::default();
+        let finished = |run: &Run, outcome: &Outcome| {
+            let done = 1 + count.done.fetch_add(1, Ordering::Relaxed);
+            if !outcome.holds {
+                let failures = count.failures.fetch_add(1, Ordering::Relaxed);
+                if failures < self.dumps {
+                    let with_log = self.log == Logs::Failures;
+                    let kept = single::keep(campaign, run, with_log, &self.out);
+                    if let Err(error) = kept {
+                        bars.say(&format!("run {}: {error:#}", run.number));
+                    }
+                }
+            }
+            let rate = done as f64 / begin.elapsed().as_secs_f64();
+            let left = (total - before - done) as f64 / rate;
+            let words = format!("{rate:.1} runs/s, {} left", duration(left));
+            bar.update_saying((before + done) as f64 / total as f64, &words);
+        };
+        shard.run(&finished)?;
+        let table = shard.finish()?;
+        bar.finish();
+        let (done, failures) = (count.done.into_inner(), count.failures.into_inner());
+        let seconds = begin.elapsed().as_secs_f64();
+        if done > 0 {
+            say!(
+                "{name}: {done} runs in {}, {:.1} per second; {failures} do not hold",
+                duration(seconds),
+                done as f64 / seconds
+            );
+        }
+        say!("table: {}", table.display());
+        Ok(())
+    }
+}
+
+#[derive(Debug, Default)]
+struct Counts {
+    done: AtomicU64,
+    failures: AtomicU64,
+}
+
+/// A time in words: `4 min 10 s`.
+fn duration(seconds: f64) -> String {
+    let whole = seconds.round() as u64;
+    match whole {
+        0..60 => format!("{seconds:.0} s"),
+        60..3600 => format!("{} min {} s", whole / 60, whole % 60),
+        _ => format!("{} h {} min", whole / 3600, whole % 3600 / 60),
+    }
+}

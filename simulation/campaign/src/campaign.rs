@@ -1,0 +1,400 @@
+//! Runs the runs of a plan.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use serde::{Deserialize, Serialize};
+use wbqp::{robot::SourceFile, suggestion::suggestion};
+use wbqp_log::configuration_hash;
+use wbqp_measures::{Cases, Columns, MeasureError, Recording, Row, experiments};
+use wbqp_sim::{RunError, Scenario, ScenarioError, Summary, Variation};
+
+use crate::plan::{Nominal, Plan, Rows, Run};
+
+/// A plan with all that its runs need.
+#[derive(Debug)]
+pub struct Campaign {
+    plan: Plan,
+    /// By variant and case.
+    nominals: Vec<Vec<Nominal>>,
+    columns: Vec<Column>,
+    fingerprint: String,
+}
+
+/// A measure of a campaign: a column of its table.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Column {
+    /// Its name, unique in the campaign.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+    /// What is accepted, in words.
+    pub tolerance: String,
+    /// Whether it is judged at all.
+    pub is_judged: bool,
+    /// Whether a run fails in which it does not hold.
+    pub counts: bool,
+}
+
+/// What became of a run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Outcome {
+    /// Its number.
+    pub run: u64,
+    /// How it ended.
+    pub status: Status,
+    /// Why it did not reach its end.
+    pub reason: Option<String>,
+    /// Whether it reached its end and every measure that counts holds.
+    pub holds: bool,
+    /// Control periods of all its cases.
+    pub ticks: u64,
+    /// Ticks whose command was not that tick's optimum.
+    pub held_ticks: u64,
+    /// By column; nothing where the run has no such value.
+    pub measured: Vec<Option<f64>>,
+    /// By column; nothing for columns that are not judged, or not reached.
+    pub verdicts: Vec<Option<bool>>,
+}
+
+/// How a run ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Status {
+    /// All its cases reached their end.
+    Completed,
+    /// The plant diverged.
+    Diverged,
+    /// The scenario was refused with these values: a task asks for more than the plant can, for example.
+    Refused,
+    /// The run could not go on: an event, a measure, or a panic.
+    Failed,
+}
+
+impl Status {
+    /// In one word, as tables have it.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Completed => "completed",
+            Self::Diverged => "diverged",
+            Self::Refused => "refused",
+            Self::Failed => "failed",
+        }
+    }
+}
+
+/// Why a campaign cannot begin.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum CampaignError {
+    /// The scenario's values cannot be read.
+    #[error(transparent)]
+    Scenario(#[from] ScenarioError),
+    /// The scenario as it is does not reach its end, or cannot be measured.
+    #[error("{plan}: variant `{variant}` as it is, without any factor, {why}")]
+    Plain {
+        /// The plan.
+        plan: String,
+        /// The variant.
+        variant: String,
+        /// What happened.
+        why: String,
+    },
+    /// The variants have different measures.
+    #[error(
+        "{plan}: variants `{one}` and `{other}` have different measures; a table has the same of all"
+    )]
+    Columns {
+        /// The plan.
+        plan: String,
+        /// A variant.
+        one: String,
+        /// Another.
+        other: String,
+    },
+    /// A measure that counts as failure is none, or is not judged.
+    #[error("{plan}: `failure` names `{name}`, {why}")]
+    Failure {
+        /// The plan.
+        plan: String,
+        /// The measure.
+        name: String,
+        /// What is wrong with it.
+        why: String,
+    },
+    /// A factor does not fit the scenario.
+    #[error("{plan}: {what}")]
+    Factor {
+        /// The plan.
+        plan: String,
+        /// What is wrong.
+        what: String,
+    },
+}
+
+impl Campaign {
+    /// Prepares a plan: runs every variant of the scenario as it is once, which tells what can be measured.
+    ///
+    /// # Errors
+    /// [`CampaignError`] if one of them does not reach its end, if a measure or a factor does not fit.
+    pub fn new(plan: Plan) -> Result<Self, CampaignError> {
+        let name = plan.source().name.clone();
+        let mut nominals = Vec::new();
+        for variant in plan.variants() {
+            let cases = variant.cases().iter();
+            let cases = cases.map(|case| Nominal::of(variant.scenario().case(case)?));
+            nominals.push(cases.collect::<Result<Vec<_>, ScenarioError>>()?);
+        }
+        let fingerprint = fingerprint(&plan)?;
+        let mut campaign = Self {
+            plan,
+            nominals,
+            columns: Vec::new(),
+            fingerprint,
+        };
+        campaign.check_factors()?;
+        for (index, variant) in campaign.plan.variants().iter().enumerate() {
+            let plain = |why: String| CampaignError::Plain {
+                plan: name.clone(),
+                variant: variant.name().to_owned(),
+                why,
+            };
+            let rows = campaign.rows(&campaign.plan.plain(index));
+            let (rows, _) = rows.map_err(|(_, why)| plain(format!("does not do: {why}")))?;
+            let columns: Vec<Column> = rows.iter().map(column).collect();
+            if index == 0 {
+                campaign.columns = columns;
+            } else if columns != campaign.columns {
+                return Err(CampaignError::Columns {
+                    plan: name.clone(),
+                    one: campaign.plan.variants()[0].name().to_owned(),
+                    other: variant.name().to_owned(),
+                });
+            }
+        }
+        campaign.choose_what_counts()?;
+        Ok(campaign)
+    }
+
+    /// The first and the last point of every variant can be written into its cases.
+    fn check_factors(&self) -> Result<(), CampaignError> {
+        let last = self.plan.len().saturating_sub(1);
+        let ends = [self.plan.runs(0..1), self.plan.runs(last..last + 1)];
+        for run in ends.iter().flatten() {
+            for nominal in self.nominals.iter().flatten() {
+                nominal
+                    .changes(self.plan.factors(), &run.factors)
+                    .map_err(|what| {
+                        let plan = self.plan.source().name.clone();
+                        CampaignError::Factor { plan, what }
+                    })?;
+            }
+        }
+        Ok(())
+    }
+
+    fn choose_what_counts(&mut self) -> Result<(), CampaignError> {
+        let Some(names) = self.plan.failure() else {
+            return Ok(());
+        };
+        let names = names.to_vec();
+        let refuse = |name: &str, why: String| {
+            let plan = self.plan.source().name.clone();
+            let name = name.to_owned();
+            Err(CampaignError::Failure { plan, name, why })
+        };
+        for name in &names {
+            match self.columns.iter().find(|c| c.name == *name) {
+                Some(column) if column.is_judged => {}
+                Some(_) => return refuse(name, "which is not judged".to_owned()),
+                None => {
+                    let known: Vec<&str> = self.columns.iter().map(|c| c.name.as_str()).collect();
+                    let hint = suggestion(name, &known);
+                    let known = known.join("\n  ");
+                    return refuse(
+                        name,
+                        format!("which is not measured{hint}; there are\n  {known}"),
+                    );
+                }
+            }
+        }
+        for column in &mut self.columns {
+            column.counts = names.contains(&column.name);
+        }
+        Ok(())
+    }
+
+    /// The plan.
+    pub fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// What is measured, in the order of the table.
+    pub fn columns(&self) -> &[Column] {
+        &self.columns
+    }
+
+    /// What decides the results: a hash of the plan, the scenario, the controllers, the robots and this version.
+    pub fn fingerprint(&self) -> &str {
+        &self.fingerprint
+    }
+
+    /// Does a run. Whatever happens in it is told, and is the end of this run alone.
+    pub fn outcome(&self, run: &Run) -> Outcome {
+        // Nothing is shared with a run but what it does not change.
+        let rows = catch_unwind(AssertUnwindSafe(|| self.rows(run)));
+        let rows = rows.unwrap_or_else(|panic| Err((Status::Failed, words_of(&*panic))));
+        let mut outcome = Outcome {
+            run: run.number,
+            status: Status::Completed,
+            reason: None,
+            holds: false,
+            ticks: 0,
+            held_ticks: 0,
+            measured: vec![None; self.columns.len()],
+            verdicts: vec![None; self.columns.len()],
+        };
+        match rows {
+            Err((status, why)) => {
+                outcome.status = status;
+                outcome.reason = Some(why);
+            }
+            Ok((rows, summaries)) => {
+                outcome.ticks = summaries.iter().map(|s| s.ticks as u64).sum();
+                outcome.held_ticks = summaries.iter().map(|s| s.held as u64).sum();
+                for (index, column) in self.columns.iter().enumerate() {
+                    let row = rows.iter().find(|row| name_of(row) == column.name);
+                    outcome.measured[index] = row.and_then(|row| row.measured);
+                    outcome.verdicts[index] = row.and_then(|row| row.pass);
+                }
+                let judged = self.columns.iter().zip(&outcome.verdicts);
+                outcome.holds = judged
+                    .filter(|(c, _)| c.counts)
+                    .all(|(_, v)| *v == Some(true));
+            }
+        }
+        outcome
+    }
+
+    /// The scenario of a run with the values of its point, case by case.
+    ///
+    /// # Errors
+    /// A scenario that is refused with these values, in words.
+    pub fn scenarios<'a>(
+        &'a self,
+        run: &'a Run,
+    ) -> impl Iterator<Item = (&'a str, Result<Scenario, String>)> {
+        let variant = &self.plan.variants()[run.variant];
+        let cases = variant.cases().iter().zip(&self.nominals[run.variant]);
+        cases.map(move |(case, nominal)| {
+            let varied = nominal
+                .changes(self.plan.factors(), &run.factors)
+                .and_then(|text| {
+                    let variation = Variation::from_toml(&text).map_err(|e| e.to_string())?;
+                    variant
+                        .scenario()
+                        .varied(&variation)
+                        .map_err(|e| e.to_string())
+                });
+            (case.as_str(), varied)
+        })
+    }
+
+    /// The rows of a run.
+    fn rows(&self, run: &Run) -> Result<(Vec<Row>, Vec<Summary>), (Status, String)> {
+        let mut recorded: Vec<Columns> = Vec::new();
+        let mut summaries = Vec::new();
+        for (case, scenario) in self.scenarios(run) {
+            let scenario = scenario.map_err(|why| (Status::Refused, format!("{case}: {why}")))?;
+            let failed = |error: RunError| (Status::Failed, format!("{case}: {error}"));
+            let duration = scenario.case(case).map(wbqp_sim::scenario::Case::duration);
+            let mut columns = Columns::with_capacity(messages(duration.unwrap_or(0.0)));
+            let summary = wbqp_sim::run(&scenario, case, run.seed, &mut columns, &mut |_| ());
+            let summary = summary.map_err(failed)?;
+            if let Some(time) = summary.diverged {
+                let why = format!("{case}: the plant diverged at {time:.2} s");
+                return Err((Status::Diverged, why));
+            }
+            recorded.push(columns);
+            summaries.push(summary);
+        }
+        let measured = self.measured(run, &recorded);
+        let rows = measured.map_err(|error| (Status::Failed, error.to_string()))?;
+        Ok((rows, summaries))
+    }
+
+    fn measured(&self, run: &Run, recorded: &[Columns]) -> Result<Vec<Row>, MeasureError> {
+        let variant = &self.plan.variants()[run.variant];
+        let names: Vec<&str> = variant.cases().iter().map(String::as_str).collect();
+        let recordings = recorded.iter().map(|columns| columns as &dyn Recording);
+        let cases: Cases<'_> = names.iter().copied().zip(recordings).collect();
+        let experiment = experiments::of(variant.scenario().name());
+        let mut rows = match (self.plan.rows(), experiment) {
+            (Rows::All, Some(experiment)) => experiment.rows(&cases)?,
+            (Rows::Robust, Some(experiment)) => match experiment.robust {
+                Some(robust) => robust.rows(&names, &cases)?,
+                None => Vec::new(),
+            },
+            _ => Vec::new(),
+        };
+        rows.retain(|row| !row.is_wall_clock());
+        for measure in self.plan.measures() {
+            if let Some(columns) = recorded.get(measure.case) {
+                rows.push(measure.row(columns)?);
+            }
+        }
+        Ok(rows)
+    }
+}
+
+/// Messages of a topic for which there is room from the start: those of 1 kHz, and no more than a quarter of a million.
+fn messages(duration: f64) -> usize {
+    (1000.0 * duration).clamp(0.0, 250_000.0) as usize
+}
+
+fn column(row: &Row) -> Column {
+    Column {
+        name: name_of(row),
+        unit: row.unit.clone(),
+        tolerance: row.tolerance.clone(),
+        is_judged: row.pass.is_some(),
+        counts: row.pass.is_some(),
+    }
+}
+
+/// The name of a row's column.
+fn name_of(row: &Row) -> String {
+    if row.quantity.is_empty() {
+        row.id.clone()
+    } else {
+        format!("{} {}", row.id, row.quantity)
+    }
+}
+
+/// What a panic says of itself.
+fn words_of(panic: &(dyn std::any::Any + Send)) -> String {
+    let text = panic.downcast_ref::<&str>().copied();
+    let text = text.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
+    format!("panicked: {}", text.unwrap_or("without words"))
+}
+
+fn fingerprint(plan: &Plan) -> Result<String, ScenarioError> {
+    let mut sources: Vec<SourceFile> = vec![plan.source().clone()];
+    for variant in plan.variants() {
+        sources.push(variant.scenario().source().clone());
+        for case in variant.cases() {
+            let case = variant.scenario().case(case)?;
+            let config = case.controller_config()?;
+            sources.extend(config.source.clone());
+            let controller = case.make_controller(config)?;
+            sources.extend(controller.robot().sources.iter().cloned());
+        }
+    }
+    sources.push(SourceFile {
+        name: "version".to_owned(),
+        media_type: "text/plain",
+        contents: env!("CARGO_PKG_VERSION").to_owned(),
+    });
+    Ok(configuration_hash(&sources))
+}

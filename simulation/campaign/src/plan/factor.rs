@@ -1,0 +1,269 @@
+//! A quantity that is varied, and how its value gets into a case.
+
+use toml::{Table, Value};
+use wbqp_sim::{ScenarioError, scenario::Case};
+
+use super::{
+    distribution::Distribution,
+    file::{FactorKeys, Paths},
+};
+
+/// A quantity that is varied.
+#[derive(Clone, Debug)]
+pub struct Factor {
+    name: String,
+    paths: Vec<Path>,
+    relation: Relation,
+    distribution: Distribution,
+}
+
+/// What the factor's number is to the scenario's value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Relation {
+    Value,
+    Scale,
+    Shift,
+}
+
+/// Where the value is: a key as in a case's `change` or `set`, and an entry of a list there.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Path {
+    key: String,
+    entry: Option<usize>,
+}
+
+impl Factor {
+    pub(super) fn new(keys: &FactorKeys) -> Result<Self, String> {
+        let name = &keys.name;
+        let refuse = |what: String| Err(format!("factor `{name}`: {what}"));
+        let given = [
+            (Relation::Value, &keys.value),
+            (Relation::Scale, &keys.scale),
+            (Relation::Shift, &keys.shift),
+        ];
+        let mut given = given
+            .into_iter()
+            .filter_map(|(relation, d)| Some((relation, d.as_ref()?)));
+        let (Some((relation, distribution)), None) = (given.next(), given.next()) else {
+            return refuse("wants one of `value`, `scale` and `shift`".to_owned());
+        };
+        if let Some(problem) = distribution.problem() {
+            return refuse(problem);
+        }
+        let paths = match &keys.path {
+            Paths::One(path) => std::slice::from_ref(path),
+            Paths::Several(paths) => paths,
+        };
+        if paths.is_empty() {
+            return refuse("has no path".to_owned());
+        }
+        let paths = paths.iter().map(|path| Path::new(path));
+        Ok(Self {
+            name: name.clone(),
+            paths: paths
+                .collect::<Result<_, _>>()
+                .map_err(|what| format!("factor `{name}`: {what}"))?,
+            relation,
+            distribution: distribution.clone(),
+        })
+    }
+
+    /// Its name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// What its number is: `value`, `scale` or `shift` of the scenario's own.
+    pub fn relation(&self) -> &'static str {
+        match self.relation {
+            Relation::Value => "value",
+            Relation::Scale => "scale",
+            Relation::Shift => "shift",
+        }
+    }
+
+    pub(super) fn distribution(&self) -> &Distribution {
+        &self.distribution
+    }
+
+    fn is_written_over(&self, nominal: &Nominal, path: &Path) -> Result<Value, String> {
+        nominal.value(&path.key).ok_or_else(|| {
+            format!(
+                "factor `{}`: the scenario has no value at `{}` to {}; give the factor's `value`",
+                self.name,
+                path.key,
+                self.relation(),
+            )
+        })
+    }
+
+    /// Writes its number into a case's values.
+    fn write(&self, number: f64, nominal: &Nominal, changed: &mut Changed) -> Result<(), String> {
+        for path in &self.paths {
+            let known = changed.values.iter().position(|(key, _)| *key == path.key);
+            let current = match known {
+                Some(index) => Some(changed.values[index].1.clone()),
+                None => nominal.value(&path.key),
+            };
+            let value = match (current, path.entry) {
+                (Some(Value::Array(mut entries)), Some(entry)) => {
+                    let count = entries.len();
+                    let Some(own) = entries.get_mut(entry) else {
+                        return Err(format!(
+                            "factor `{}`: `{}` has {count} entries, none with number {entry}",
+                            self.name, path.key
+                        ));
+                    };
+                    *own = self.of(number, own)?;
+                    Value::Array(entries)
+                }
+                (_, Some(entry)) => {
+                    return Err(format!(
+                        "factor `{}`: the scenario has no list at `{}` to take entry {entry} of",
+                        self.name, path.key
+                    ));
+                }
+                (None, None) if self.relation == Relation::Value => self.number(number, None),
+                (None, None) => self.is_written_over(nominal, path)?,
+                (Some(own), None) => self.of(number, &own)?,
+            };
+            match known {
+                Some(index) => changed.values[index].1 = value,
+                None => changed.values.push((path.key.clone(), value)),
+            }
+        }
+        Ok(())
+    }
+
+    /// What becomes of the scenario's own value.
+    fn of(&self, number: f64, own: &Value) -> Result<Value, String> {
+        let combine = |own: f64| match self.relation {
+            Relation::Value => number,
+            Relation::Scale => number * own,
+            Relation::Shift => number + own,
+        };
+        match own {
+            // One number for a list: where a list may be, a number may be.
+            Value::Array(_) if self.relation == Relation::Value => Ok(self.number(number, None)),
+            Value::Array(entries) => {
+                let entries = entries.iter().map(|entry| self.of(number, entry));
+                Ok(Value::Array(entries.collect::<Result<_, _>>()?))
+            }
+            Value::Float(x) => Ok(Value::Float(combine(*x))),
+            Value::Integer(i) => Ok(self.number(combine(*i as f64), Some(*i))),
+            other if self.relation != Relation::Value => Err(format!(
+                "factor `{}`: cannot {} a {}",
+                self.name,
+                self.relation(),
+                other.type_str()
+            )),
+            _ => Ok(self.number(number, None)),
+        }
+    }
+
+    /// As a whole number where the scenario has one and the result is one, or where there are no others.
+    fn number(&self, number: f64, own: Option<i64>) -> Value {
+        let is_whole = number.fract() == 0.0 && number.abs() < 9e15;
+        if is_whole && (own.is_some() || self.distribution.is_whole()) {
+            Value::Integer(number as i64)
+        } else {
+            Value::Float(number)
+        }
+    }
+}
+
+impl Path {
+    fn new(text: &str) -> Result<Self, String> {
+        let refuse = |what: &str| Err(format!("path `{text}` {what}"));
+        let (key, entry) = match text.strip_suffix(']').and_then(|t| t.rsplit_once('[')) {
+            None => (text, None),
+            Some((key, entry)) => match entry.parse::<usize>() {
+                Ok(entry) => (key, Some(entry)),
+                Err(_) => return refuse("ends in `[…]` that is not the number of an entry"),
+            },
+        };
+        let first = key.split('.').next().unwrap_or_default();
+        if !["change", "set"].contains(&first) || key.split('.').any(str::is_empty) {
+            return refuse(
+                "must begin with `change.` (the scenario's values) or `set.` (the controller's), as in \
+                 `change.plant.mismatch.mass_scale`",
+            );
+        }
+        if format!("{key} = 0").parse::<Table>().is_err() {
+            return refuse("is not a key of a TOML file");
+        }
+        Ok(Self {
+            key: key.to_owned(),
+            entry,
+        })
+    }
+}
+
+/// A case's own values, where factors look for them.
+#[derive(Clone, Debug)]
+pub(crate) struct Nominal {
+    scenario: Table,
+    controller: Table,
+}
+
+/// Values of a case that differ from its own, in the order in which they were changed.
+#[derive(Clone, Debug, Default)]
+struct Changed {
+    values: Vec<(String, Value)>,
+}
+
+impl Nominal {
+    /// Those of a case.
+    pub(crate) fn of(case: &Case) -> Result<Self, ScenarioError> {
+        let config = case.controller_config()?;
+        // What cannot be written has no values to be scaled.
+        let controller = config.to_toml().ok().and_then(|text| text.parse().ok());
+        Ok(Self {
+            scenario: case.values(),
+            controller: controller.unwrap_or_default(),
+        })
+    }
+
+    /// The value at a key such as `change.plant.wall.NAME.friction`.
+    fn value(&self, key: &str) -> Option<Value> {
+        let (side, path) = key.split_once('.')?;
+        let table = match side {
+            "change" => &self.scenario,
+            _ => &self.controller,
+        };
+        let mut value = table.get(path.split('.').next()?)?;
+        for name in path.split('.').skip(1) {
+            value = match value {
+                Value::Table(table) => table.get(name)?,
+                Value::Array(entries) => entries.iter().find(|entry| is_called(entry, name))?,
+                _ => return None,
+            };
+        }
+        Some(value.clone())
+    }
+
+    /// What a point changes in the case: lines of TOML, as in a case of the scenario's file.
+    pub(crate) fn changes(
+        &self,
+        factors: &[Factor],
+        point: &[Option<f64>],
+    ) -> Result<String, String> {
+        let mut changed = Changed::default();
+        for (factor, number) in factors.iter().zip(point) {
+            if let Some(number) = number {
+                factor.write(*number, self, &mut changed)?;
+            }
+        }
+        let lines = changed.values.iter();
+        Ok(lines
+            .map(|(key, value)| format!("{key} = {value}\n"))
+            .collect())
+    }
+}
+
+/// Whether an entry of a list has a name: the keys by which lists of scenarios and controllers name their entries.
+fn is_called(entry: &Value, name: &str) -> bool {
+    let keys = ["name", "mark", "frame", "contact"];
+    let given = keys.iter().find_map(|key| entry.get(*key)?.as_str());
+    given == Some(name)
+}

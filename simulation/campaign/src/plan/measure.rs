@@ -1,0 +1,231 @@
+//! Measures of a plan's own: expressions over the channels of a run.
+
+use exmex::{Express, FlatEx};
+use wbqp_measures::{MeasureError, Recording, Row, Series};
+
+use super::file::{MeasureKeys, Reduction, Time};
+
+/// A number from the channels of a run.
+#[derive(Clone, Debug)]
+pub struct Measure {
+    name: String,
+    /// Index among the variant's cases.
+    pub(crate) case: usize,
+    /// Name, topic and field of each signal, in the order of their names.
+    signals: Vec<Signal>,
+    expression: Compiled,
+    reduce: Reduction,
+    from: Option<Compiled>,
+    until: Option<Compiled>,
+    unit: String,
+    at_most: Option<f64>,
+    at_least: Option<f64>,
+}
+
+#[derive(Clone, Debug)]
+struct Signal {
+    name: String,
+    topic: String,
+    /// A JSON pointer.
+    field: String,
+}
+
+/// The longest expression, bytes.
+const LONGEST: usize = 1000;
+
+/// An expression with the names in it, in the order in which it takes their values.
+#[derive(Clone, Debug)]
+struct Compiled {
+    expression: FlatEx<f64>,
+    names: Vec<String>,
+}
+
+impl Compiled {
+    fn new(text: &str) -> Result<Self, String> {
+        if text.len() > LONGEST {
+            return Err(format!("is longer than {LONGEST} bytes"));
+        }
+        let parsed = exmex::parse::<f64>(text);
+        let expression = parsed.map_err(|error| format!("`{text}`: {error}"))?;
+        let names = expression.var_names().to_vec();
+        Ok(Self { expression, names })
+    }
+
+    fn at_time(time: &Time) -> Result<Self, String> {
+        match time {
+            Time::Number(t) if t.is_finite() => Self::new(&t.to_string()),
+            Time::Number(t) => Err(format!("{t} is no time")),
+            Time::Expression(text) => Self::new(text),
+        }
+    }
+
+    /// Its value with the marks of a run.
+    fn time(&self, run: &dyn Recording) -> Result<f64, MeasureError> {
+        let values = self.names.iter().map(|name| run.mark(name));
+        let values = values.collect::<Result<Vec<f64>, _>>()?;
+        Ok(self.expression.eval(&values).unwrap_or(f64::NAN))
+    }
+}
+
+impl Measure {
+    pub(super) fn new(keys: &MeasureKeys) -> Result<Self, String> {
+        let refuse = |what: String| format!("measure `{}`: {what}", keys.name);
+        if keys.case == 0 {
+            return Err(refuse("cases are counted from 1".to_owned()));
+        }
+        let mut signals = Vec::new();
+        for (name, channel) in &keys.signals {
+            let (topic, field) = channel
+                .strip_prefix('/')
+                .and_then(|_| channel.split_once('.'))
+                .ok_or_else(|| {
+                    refuse(format!(
+                        "signal `{name}`: `{channel}` must be a topic and a field, as `/contact/tip.measured.z`"
+                    ))
+                })?;
+            signals.push(Signal {
+                name: name.clone(),
+                topic: topic.to_owned(),
+                field: format!("/{}", field.replace('.', "/")),
+            });
+        }
+        let text = match (&keys.expression, signals.as_slice()) {
+            (Some(text), [_, ..]) => text.clone(),
+            (None, [only]) => only.name.clone(),
+            (_, []) => return Err(refuse("has no signal".to_owned())),
+            (None, _) => {
+                return Err(refuse("wants an `expression` of its signals".to_owned()));
+            }
+        };
+        let expression = Compiled::new(&text).map_err(&refuse)?;
+        let known: Vec<&str> = signals.iter().map(|s| s.name.as_str()).collect();
+        if let Some(name) = expression
+            .names
+            .iter()
+            .find(|n| !known.contains(&n.as_str()))
+        {
+            let hint = wbqp::suggestion::suggestion(name, &known);
+            return Err(refuse(format!("there is no signal `{name}`{hint}")));
+        }
+        if let Reduction::Quantile(p) = keys.reduce
+            && !(0.0..=1.0).contains(&p)
+        {
+            return Err(refuse(format!("a quantile is between 0 and 1, not at {p}")));
+        }
+        for bound in [keys.at_most, keys.at_least].into_iter().flatten() {
+            if bound.is_nan() {
+                return Err(refuse("a bound is not a number".to_owned()));
+            }
+        }
+        let time = |time: &Option<Time>| {
+            let compiled = time.as_ref().map(Compiled::at_time);
+            compiled.transpose().map_err(&refuse)
+        };
+        Ok(Self {
+            name: keys.name.clone(),
+            case: keys.case - 1,
+            signals,
+            expression,
+            reduce: keys.reduce,
+            from: time(&keys.from)?,
+            until: time(&keys.until)?,
+            unit: keys.unit.clone(),
+            at_most: keys.at_most,
+            at_least: keys.at_least,
+        })
+    }
+
+    /// Its name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Measures a run.
+    ///
+    /// # Errors
+    /// [`MeasureError`] if the run lacks a topic or a mark.
+    pub(crate) fn row(&self, run: &dyn Recording) -> Result<Row, MeasureError> {
+        let tolerance = match (self.at_least, self.at_most) {
+            (Some(low), Some(high)) => format!("{low} … {high} {}", self.unit),
+            (Some(low), None) => format!("≥ {low} {}", self.unit),
+            (None, Some(high)) => format!("≤ {high} {}", self.unit),
+            (None, None) => "informative".to_owned(),
+        };
+        let value = self.value(run)?;
+        let what = ("", self.unit.as_str());
+        let tolerance = tolerance.trim_end();
+        if self.at_least.is_none() && self.at_most.is_none() {
+            return Ok(Row::informative(&self.name, what, None, value, tolerance));
+        }
+        let low = self.at_least.unwrap_or(f64::NEG_INFINITY);
+        let high = self.at_most.unwrap_or(f64::INFINITY);
+        let holds = |x: f64| (low..=high).contains(&x);
+        Ok(Row::judged(&self.name, what, None, value, tolerance, holds))
+    }
+
+    fn value(&self, run: &dyn Recording) -> Result<Option<f64>, MeasureError> {
+        let mut columns = Vec::new();
+        for name in &self.expression.names {
+            // Every name is a signal's: that was checked.
+            let Some(signal) = self.signals.iter().find(|s| s.name == *name) else {
+                continue;
+            };
+            let series = run.series(&signal.topic, &signal.field)?;
+            if series.y.iter().all(|y| y.is_nan()) {
+                return Err(MeasureError::Field {
+                    topic: signal.topic.clone(),
+                    field: signal.field.clone(),
+                });
+            }
+            columns.push(series);
+        }
+        let from = self.from.as_ref().map(|t| t.time(run)).transpose()?;
+        let until = self.until.as_ref().map(|t| t.time(run)).transpose()?;
+        let series = self.computed(&columns);
+        let (from, until) = (
+            from.unwrap_or(f64::NEG_INFINITY),
+            until.unwrap_or(f64::INFINITY),
+        );
+        Ok(reduced(self.reduce, &series.window(from, until)))
+    }
+
+    /// The expression at every time that all signals have.
+    fn computed(&self, columns: &[Series]) -> Series {
+        let Some((first, others)) = columns.split_first() else {
+            return Series::default();
+        };
+        let mut next = vec![0; others.len()];
+        let mut values = Vec::with_capacity(columns.len());
+        let mut out = Series::default();
+        for (t, y) in first.samples() {
+            values.clear();
+            values.push(y);
+            for (other, next) in others.iter().zip(&mut next) {
+                while other.t.get(*next).is_some_and(|u| *u < t - 1e-9) {
+                    *next += 1;
+                }
+                let at = other.t.get(*next).filter(|u| (**u - t).abs() < 1e-9);
+                values.extend(at.and(other.y.get(*next)));
+            }
+            if values.len() == columns.len() {
+                out.t.push(t);
+                out.y
+                    .push(self.expression.expression.eval(&values).unwrap_or(f64::NAN));
+            }
+        }
+        out
+    }
+}
+
+fn reduced(reduction: Reduction, series: &Series) -> Option<f64> {
+    match reduction {
+        Reduction::Mean => series.mean(),
+        Reduction::Rms => series.rmse(0.0),
+        Reduction::Max => series.max(),
+        Reduction::Min => series.min(),
+        Reduction::MaxAbs => series.map(f64::abs).max(),
+        Reduction::Last => series.samples().last().map(|(_, y)| y),
+        Reduction::Share => series.fraction(|y| y > 0.0),
+        Reduction::Quantile(p) => series.quantile(p),
+    }
+}

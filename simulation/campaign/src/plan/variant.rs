@@ -1,0 +1,78 @@
+//! One of the things that a plan compares.
+
+use wbqp_sim::Scenario;
+
+use super::{PlanError, Refuse, file::Keys};
+
+/// Cases of the scenario, and what is changed in them.
+#[derive(Clone, Debug)]
+pub struct Variant {
+    name: String,
+    cases: Vec<String>,
+    scenario: Scenario,
+}
+
+impl Variant {
+    /// Those of a plan; each case of the scenario, if the plan names none.
+    pub(super) fn all(
+        keys: &Keys,
+        base: &Scenario,
+        plan: &str,
+        refuse: &Refuse<'_>,
+    ) -> Result<Vec<Self>, PlanError> {
+        if keys.variants.is_empty() {
+            let alone = |case: &str| Self {
+                name: case.to_owned(),
+                cases: vec![case.to_owned()],
+                scenario: base.clone(),
+            };
+            return Ok(base.cases().map(alone).collect());
+        }
+        let mut variants: Vec<Self> = Vec::new();
+        for entry in &keys.variants {
+            let keys = entry.get_ref();
+            let refuse =
+                |what: String| refuse(entry.span(), format!("variant `{}`: {what}", keys.name));
+            if variants.iter().any(|other| other.name == keys.name) {
+                return Err(refuse("the name is used twice".to_owned()));
+            }
+            if keys.cases.is_empty() {
+                return Err(refuse("has no case".to_owned()));
+            }
+            let of = |source| PlanError::Scenario {
+                of: format!("variant `{}` of {plan}", keys.name),
+                source: Box::new(source),
+            };
+            for case in &keys.cases {
+                base.case(case).map_err(|error| refuse(error.to_string()))?;
+            }
+            let variation = keys.variation().map_err(&refuse)?;
+            let scenario = if variation.is_empty() {
+                base.clone()
+            } else {
+                base.varied(&variation).map_err(of)?
+            };
+            variants.push(Self {
+                name: keys.name.clone(),
+                cases: keys.cases.clone(),
+                scenario,
+            });
+        }
+        Ok(variants)
+    }
+
+    /// Its name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Its cases, in the order in which they are run.
+    pub fn cases(&self) -> &[String] {
+        &self.cases
+    }
+
+    /// The scenario with what it changes.
+    pub fn scenario(&self) -> &Scenario {
+        &self.scenario
+    }
+}

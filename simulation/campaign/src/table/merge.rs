@@ -1,0 +1,110 @@
+//! One table of all shards.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+
+use super::{
+    Data, Description, TableError,
+    file::{GROUP, Table, Writer},
+};
+use crate::Part;
+
+/// Makes one table of all shards' tables in a folder, the same for any number of shards. Returns what it says of itself.
+///
+/// # Errors
+/// [`TableError::Nothing`], [`TableError::Missing`], [`TableError::Mixed`], or a file that cannot be read or written.
+pub fn merge(directory: &Path, to: &Path) -> Result<Description, TableError> {
+    let parts = parts(directory)?;
+    let mut description: Option<(PathBuf, Description)> = None;
+    let mut tables = Vec::new();
+    for part in parts {
+        let path = part.table(directory);
+        let table = Table::open(&path)?;
+        match &description {
+            Some((one, known)) if known != table.description() => {
+                return Err(TableError::Mixed {
+                    one: one.clone(),
+                    other: path,
+                });
+            }
+            Some(_) => {}
+            None => description = Some((path, table.description().clone())),
+        }
+        tables.push(table);
+    }
+    let Some((_, description)) = description else {
+        let directory = directory.to_owned();
+        return Err(TableError::Nothing { directory });
+    };
+    let mut writer = Writer::create(to, &description)?;
+    let mut waiting: Vec<(String, Data)> = Vec::new();
+    for table in &tables {
+        for group in 0..table.groups() {
+            let columns = table.group(group)?;
+            if waiting.is_empty() {
+                waiting = columns;
+            } else {
+                for ((_, waiting), (_, more)) in waiting.iter_mut().zip(columns) {
+                    waiting.append(more);
+                }
+            }
+            while lines(&waiting) >= GROUP {
+                let group = waiting
+                    .iter_mut()
+                    .map(|(name, data)| (name.clone(), data.take(GROUP)));
+                writer.group(&group.collect::<Vec<_>>())?;
+            }
+        }
+    }
+    if lines(&waiting) > 0 {
+        writer.group(&waiting)?;
+    }
+    writer.finish()?;
+    Ok(description)
+}
+
+fn lines(columns: &[(String, Data)]) -> usize {
+    columns.first().map_or(0, |(_, data)| data.len())
+}
+
+/// The shards whose tables a folder has: all of one division.
+fn parts(directory: &Path) -> Result<Vec<Part>, TableError> {
+    let refused = |source| TableError::File {
+        path: directory.to_owned(),
+        source,
+    };
+    let mut parts: Vec<Part> = Vec::new();
+    for entry in fs::read_dir(directory).map_err(refused)? {
+        let name = entry.map_err(refused)?.file_name();
+        let name = name.to_string_lossy();
+        let numbers = name
+            .strip_prefix("shard-")
+            .and_then(|n| n.strip_suffix(".parquet"));
+        let part = numbers.and_then(|n| n.replace("-of-", "/").parse::<Part>().ok());
+        parts.extend(part);
+    }
+    parts.sort_unstable_by_key(|part| (part.of, part.index));
+    let Some(first) = parts.first().copied() else {
+        return Err(TableError::Nothing {
+            directory: directory.to_owned(),
+        });
+    };
+    if let Some(other) = parts.iter().find(|part| part.of != first.of) {
+        return Err(TableError::Mixed {
+            one: first.table(directory),
+            other: other.table(directory),
+        });
+    }
+    let is_there = |index: &u32| parts.iter().any(|part| part.index == *index);
+    let missing: Vec<u32> = (1..=first.of).filter(|index| !is_there(index)).collect();
+    if !missing.is_empty() {
+        return Err(TableError::Missing {
+            directory: directory.to_owned(),
+            of: first.of,
+            missing,
+        });
+    }
+    Ok(parts)
+}
