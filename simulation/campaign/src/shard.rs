@@ -7,7 +7,7 @@
 use std::{
     collections::HashSet,
     fs::{self, File, OpenOptions},
-    io::{self, BufRead, BufReader, Seek, SeekFrom, Write},
+    io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write},
     ops::Range,
     path::{Path, PathBuf},
     str::FromStr,
@@ -144,6 +144,9 @@ struct Progress {
     done: HashSet<u64>,
 }
 
+/// The longest line that is read, bytes: what is longer is none of a shard's.
+const LONGEST: u64 = 1 << 20;
+
 /// Runs that are prepared at once.
 const BATCH: u64 = 4096;
 
@@ -275,7 +278,7 @@ impl Progress {
         let mut line = Vec::new();
         let mut length = 0;
         let mut done = HashSet::new();
-        while let Ok(read @ 1..) = lines.read_until(b'\n', &mut line) {
+        while let Ok(read @ 1..) = (&mut lines).take(LONGEST).read_until(b'\n', &mut line) {
             let is_whole = line.ends_with(b"\n");
             if length == 0 {
                 match serde_json::from_slice::<Header>(&line) {

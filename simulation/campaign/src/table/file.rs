@@ -33,20 +33,25 @@ pub(super) struct Writer {
     path: PathBuf,
     beside: PathBuf,
     file: File,
-    properties: Arc<WriterProperties>,
-    /// Made with the first group, which has the columns' names and kinds.
-    writer: Option<SerializedFileWriter<File>>,
+    writer: SerializedFileWriter<File>,
 }
 
 impl Writer {
-    pub(super) fn create(path: &Path, description: &Description) -> Result<Self, TableError> {
+    /// With columns of these names and kinds; their lines are of no matter.
+    pub(super) fn create(
+        path: &Path,
+        description: &Description,
+        columns: &[(String, Data)],
+    ) -> Result<Self, TableError> {
         let mut beside = path.as_os_str().to_owned();
         beside.push(".part");
         let beside = PathBuf::from(beside);
-        let file = File::create(&beside).map_err(|source| TableError::File {
+        let at = |source| TableError::File {
             path: beside.clone(),
             source,
-        })?;
+        };
+        let file = File::create(&beside).map_err(at)?;
+        let handle = file.try_clone().map_err(at)?;
         let text = serde_json::to_string(description).unwrap_or_default();
         let metadata = KeyValue::new(DESCRIPTION.to_owned(), text);
         let properties = WriterProperties::builder()
@@ -55,32 +60,25 @@ impl Writer {
             .set_max_row_group_row_count(Some(GROUP))
             .set_key_value_metadata(Some(vec![metadata]))
             .build();
+        let writer = schema(columns)
+            .and_then(|schema| SerializedFileWriter::new(handle, schema, Arc::new(properties)));
+        let writer = writer.map_err(|source| refused(path, &beside, source))?;
         Ok(Self {
             path: path.to_owned(),
             beside,
             file,
-            properties: Arc::new(properties),
-            writer: None,
+            writer,
         })
     }
 
     /// Writes a group of lines; all groups but the last have [`GROUP`] lines.
     pub(super) fn group(&mut self, columns: &[(String, Data)]) -> Result<(), TableError> {
         let written = self.try_group(columns);
-        written.map_err(|source| self.refused(source))
+        written.map_err(|source| refused(&self.path, &self.beside, source))
     }
 
     fn try_group(&mut self, columns: &[(String, Data)]) -> Result<(), ParquetError> {
-        let writer = match &mut self.writer {
-            Some(writer) => writer,
-            None => {
-                let file = self.file.try_clone()?;
-                let properties = self.properties.clone();
-                let writer = SerializedFileWriter::new(file, schema(columns)?, properties)?;
-                self.writer.insert(writer)
-            }
-        };
-        let mut group = writer.next_row_group()?;
+        let mut group = self.writer.next_row_group()?;
         for (_, data) in columns {
             let Some(mut column) = group.next_column()? else {
                 break;
@@ -93,10 +91,9 @@ impl Writer {
     }
 
     /// Puts it where it belongs.
-    pub(super) fn finish(mut self) -> Result<(), TableError> {
-        if let Some(writer) = self.writer.take() {
-            writer.close().map_err(|source| self.refused(source))?;
-        }
+    pub(super) fn finish(self) -> Result<(), TableError> {
+        let closed = self.writer.close();
+        closed.map_err(|source| refused(&self.path, &self.beside, source))?;
         let at = |source| TableError::File {
             path: self.path.clone(),
             source,
@@ -104,13 +101,14 @@ impl Writer {
         self.file.sync_all().map_err(at)?;
         fs::rename(&self.beside, &self.path).map_err(at)
     }
+}
 
-    fn refused(&self, source: ParquetError) -> TableError {
-        let _ = fs::remove_file(&self.beside);
-        TableError::Parquet {
-            path: self.path.clone(),
-            source: Box::new(source),
-        }
+/// What could not be written is taken away; what it was to replace stays.
+fn refused(path: &Path, beside: &Path, source: ParquetError) -> TableError {
+    let _ = fs::remove_file(beside);
+    TableError::Parquet {
+        path: path.to_owned(),
+        source: Box::new(source),
     }
 }
 
@@ -225,6 +223,21 @@ impl Table {
             .iter()
             .map(|column| column.name().to_owned())
             .collect()
+    }
+
+    /// Columns of its names and kinds, without lines.
+    pub(super) fn empty(&self) -> Vec<(String, Data)> {
+        let schema = self.reader.metadata().file_metadata().schema_descr();
+        let columns = schema.columns().iter().map(|column| {
+            let data = match column.physical_type() {
+                Physical::INT64 => Data::Whole(Vec::new()),
+                Physical::DOUBLE => Data::Number(Vec::new()),
+                Physical::BOOLEAN => Data::Truth(Vec::new()),
+                _ => Data::Text(Vec::new()),
+            };
+            (column.name().to_owned(), data)
+        });
+        columns.collect()
     }
 
     /// Number of groups of lines.

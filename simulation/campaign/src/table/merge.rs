@@ -34,21 +34,16 @@ pub fn merge(directory: &Path, to: &Path) -> Result<Description, TableError> {
         }
         tables.push(table);
     }
-    let Some((_, description)) = description else {
+    let (Some((_, description)), Some(first)) = (description, tables.first()) else {
         let directory = directory.to_owned();
         return Err(TableError::Nothing { directory });
     };
-    let mut writer = Writer::create(to, &description)?;
-    let mut waiting: Vec<(String, Data)> = Vec::new();
+    let mut waiting = first.empty();
+    let mut writer = Writer::create(to, &description, &waiting)?;
     for table in &tables {
         for group in 0..table.groups() {
-            let columns = table.group(group)?;
-            if waiting.is_empty() {
-                waiting = columns;
-            } else {
-                for ((_, waiting), (_, more)) in waiting.iter_mut().zip(columns) {
-                    waiting.append(more);
-                }
+            for ((_, waiting), (_, more)) in waiting.iter_mut().zip(table.group(group)?) {
+                waiting.append(more);
             }
             while lines(&waiting) >= GROUP {
                 let group = waiting

@@ -39,7 +39,7 @@ pub(crate) fn write(
     path: &Path,
 ) -> Result<(), TableError> {
     let description = Description::of(campaign, runs);
-    let mut writer = file::Writer::create(path, &description)?;
+    let mut writer = file::Writer::create(path, &description, &column::of_outcomes(campaign, &[]))?;
     for group in outcomes.chunks(file::GROUP) {
         writer.group(&column::of_outcomes(campaign, group))?;
     }

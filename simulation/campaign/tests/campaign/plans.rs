@@ -1,0 +1,137 @@
+//! What is refused, with its place.
+
+use wbqp_campaign::{Campaign, Plan};
+
+use crate::common::{BODY, Folder, HEAD};
+
+const DESIGN: &str = "design = { type = \"random\", points = 4 }\n";
+
+fn refused(text: &str) -> String {
+    let folder = Folder::new();
+    match folder.try_plan(text) {
+        Err(error) => error.to_string(),
+        Ok(plan) => Campaign::new(plan).unwrap_err().to_string(),
+    }
+}
+
+fn with(more: &str) -> String {
+    format!("{HEAD}{DESIGN}{BODY}{more}")
+}
+
+#[test]
+fn what_is_unknown_empty_or_not_there_is_named_with_its_place() {
+    let cases = [
+        (with("[[factr]]\n"), "unknown field `factr`"),
+        (
+            with("").replace("seed = 5", "seed = 5\nrepetitions = 0"),
+            "plan.toml:5:15: `repetitions`",
+        ),
+        (
+            with("").replace("[0.8, 1.2]", "[1.2, 0.8]"),
+            "the range from 1.2 to 0.8 is empty",
+        ),
+        (
+            with("").replace("uniform = [0.8, 1.2]", "values = []"),
+            "the list of values is empty",
+        ),
+        (
+            with("").replace("mass_scale", "mass_scal"),
+            "the scenario has no value at",
+        ),
+        (
+            with("").replace("change.plant", "plant"),
+            "must begin with `change.`",
+        ),
+        (
+            with("").replace("mass_scale\"", "com_shift[3]\""),
+            "has 3 entries, none with number 3",
+        ),
+        (with("").replace("- z", "- y"), "there is no signal `y`"),
+        (with("").replace("1.258 - z", "1.258 - "), "`1.258 - `"),
+        (
+            with("").replace("/plant.base", "/plat.base"),
+            "has no topic `/plat`",
+        ),
+        (
+            with("").replace("position.z", "position.w"),
+            "no number at `/base/position/w`",
+        ),
+        (with("").replace(DESIGN, ""), "missing field `design`"),
+        (
+            with("").replace("seed = 5", "failure = [\"dorp\"]"),
+            "did you mean `drop`",
+        ),
+        (
+            with("").replace("seed = 5", "rows = \"all\""),
+            "`rows` are of the experiments",
+        ),
+        (
+            with("").replace("hover.toml", "nowhere.toml"),
+            "nowhere.toml: cannot be read",
+        ),
+        (
+            with("[[variant]]\nname = \"a\"\ncases = [\"plian\"]"),
+            "did you mean `plain`",
+        ),
+        (with("[[variant]]\nname = \"a\"\ncases = []"), "has no case"),
+        (
+            with("[[variant]]\nname = \"a\"\ncases = [\"plain\"]\nset.task.nothing.kp = 1"),
+            "nothing",
+        ),
+        (
+            with("").replace("\"random\", points = 4", "\"grid\""),
+            "values are counted",
+        ),
+        (with("").replace("points = 4", "points = 0"), "no point"),
+        (
+            with("").replace("reduce = \"max_abs\"", "reduce = { quantile = 3 }"),
+            "between 0 and 1",
+        ),
+        (
+            with("").replace("unit = \"m\"", "from = \"nowhere + 1\""),
+            "lacks `nowhere`",
+        ),
+    ];
+    for (text, expected) in cases {
+        let error = refused(&text);
+        assert!(error.contains(expected), "{expected}: {error}");
+        assert!(error.contains("plan.toml"), "{error}");
+    }
+}
+
+#[test]
+fn nonsense_in_expressions_neither_panics_nor_hangs() {
+    let folder = Folder::new();
+    let long = "(".repeat(900);
+    for nonsense in [
+        "", "((", "z z", "z+*", "√", "1e999999", "sin", "{z", &long, "z^^z", "-", "\u{0}",
+    ] {
+        let quoted = toml::Value::from(nonsense).to_string();
+        let text = with("").replace("\"1.258 - z\"", &quoted);
+        let _ = folder.try_plan(&text).map(|plan| plan.len());
+    }
+}
+
+#[test]
+fn the_schema_knows_every_key() {
+    let schema = wbqp_campaign::json_schema();
+    let keys = schema["properties"].as_object().unwrap();
+    for key in [
+        "name", "scenario", "design", "variant", "factor", "measure", "failure", "rows",
+    ] {
+        assert!(keys.contains_key(key), "{key}");
+    }
+}
+
+#[test]
+fn plans_that_ship_are_good() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/campaigns");
+    let mut count = 0;
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let plan = Plan::from_file(&path).unwrap_or_else(|error| panic!("{error}"));
+        assert!(!plan.is_empty());
+        count += 1;
+    }
+    assert!(count > 0);
+}

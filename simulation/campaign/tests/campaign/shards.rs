@@ -1,0 +1,140 @@
+//! Shards give one table, however many they are and whatever happens to them.
+
+use std::{fs, path::Path};
+
+use wbqp_campaign::{
+    Campaign, Part, Shard, ShardError,
+    table::{Data, Table, TableError, merge},
+};
+
+use crate::common::Folder;
+
+const DESIGN: &str = "{ type = \"sobol\", points = 5 }";
+
+fn run(campaign: &Campaign, part: &str, folder: &Path) {
+    let part: Part = part.parse().unwrap();
+    let shard = Shard::open(campaign, part, u64::MAX, folder).unwrap();
+    shard.run(&|_, _| ()).unwrap();
+    shard.finish().unwrap();
+}
+
+fn merged(campaign: &Campaign, folder: &Folder, of: u32) -> Vec<u8> {
+    let directory = folder.path().join(format!("of-{of}"));
+    for index in 1..=of {
+        run(campaign, &format!("{index}/{of}"), &directory);
+    }
+    let file = directory.join("all.parquet");
+    let description = merge(&directory, &file).unwrap();
+    assert_eq!(description.runs, 10);
+    fs::read(file).unwrap()
+}
+
+#[test]
+fn any_number_of_shards_gives_the_same_bytes() {
+    let folder = Folder::new();
+    let campaign = folder.campaign(DESIGN);
+    let one = merged(&campaign, &folder, 1);
+    assert_eq!(one, merged(&campaign, &folder, 3));
+    // More shards than runs: some are empty.
+    assert_eq!(one, merged(&campaign, &folder, 13));
+    let table = Table::open(&folder.path().join("of-3/all.parquet")).unwrap();
+    let Data::Whole(runs) = table.column("run").unwrap() else {
+        panic!("numbers of runs are whole");
+    };
+    assert_eq!(runs, (0..10).collect::<Vec<_>>());
+    let Data::Number(drop) = table.column("measure.drop").unwrap() else {
+        panic!("measures are numbers");
+    };
+    let outcome = campaign.outcome(&campaign.plan().runs(7..8)[0]);
+    assert_eq!(drop[7], outcome.measured[0]);
+}
+
+/// A process that is killed leaves whole lines and at most one that is torn.
+#[test]
+fn a_shard_that_was_cut_anywhere_goes_on_to_the_same_table() {
+    let folder = Folder::new();
+    let campaign = folder.campaign(DESIGN);
+    let whole = folder.path().join("whole");
+    run(&campaign, "1/1", &whole);
+    let expected = fs::read(Part::WHOLE.table(&whole)).unwrap();
+
+    // All lines, before they become a table.
+    let lines = folder.path().join("lines");
+    let shard = Shard::open(&campaign, Part::WHOLE, u64::MAX, &lines).unwrap();
+    shard.run(&|_, _| ()).unwrap();
+    drop(shard);
+    let name = "shard-1-of-1.jsonl";
+    let text = fs::read(lines.join(name)).unwrap();
+    for cut in [
+        0,
+        10,
+        text.len() / 3,
+        text.len() / 2,
+        text.len() - 1,
+        text.len(),
+    ] {
+        let directory = folder.path().join(format!("cut-{cut}"));
+        fs::create_dir_all(&directory).unwrap();
+        fs::write(directory.join(name), &text[..cut]).unwrap();
+        let shard = Shard::open(&campaign, Part::WHOLE, u64::MAX, &directory).unwrap();
+        let before = shard.done();
+        let ran = std::sync::atomic::AtomicU64::new(0);
+        shard
+            .run(&|_, _| _ = ran.fetch_add(1, std::sync::atomic::Ordering::Relaxed))
+            .unwrap();
+        assert_eq!(before + ran.into_inner(), 10);
+        shard.finish().unwrap();
+        assert_eq!(
+            fs::read(Part::WHOLE.table(&directory)).unwrap(),
+            expected,
+            "{cut}"
+        );
+        assert!(!directory.join(name).exists());
+    }
+    // What is finished is not run again.
+    let shard = Shard::open(&campaign, Part::WHOLE, u64::MAX, &whole).unwrap();
+    assert_eq!(shard.done(), 10);
+    shard.run(&|_, _| panic!("it is done")).unwrap();
+}
+
+#[test]
+fn two_at_once_another_plan_and_missing_parts_are_refused() {
+    let folder = Folder::new();
+    let campaign = folder.campaign(DESIGN);
+    let directory = folder.path().join("out");
+    let part: Part = "1/2".parse().unwrap();
+    let open = |campaign| Shard::open(campaign, part, u64::MAX, &directory);
+    let first = open(&campaign).unwrap();
+    assert!(matches!(open(&campaign), Err(ShardError::Lock(_))));
+    first.run(&|_, _| ()).unwrap();
+    drop(first);
+    let other = folder.campaign("{ type = \"sobol\", points = 6 }");
+    assert!(matches!(open(&other), Err(ShardError::Other { .. })));
+    open(&campaign).unwrap().finish().unwrap();
+    assert!(matches!(open(&other), Err(ShardError::Other { .. })));
+    let to = directory.join("all.parquet");
+    let missing = merge(&directory, &to).unwrap_err();
+    assert!(
+        missing
+            .to_string()
+            .contains("of 2 shards 2 is not finished"),
+        "{missing}"
+    );
+    run(&campaign, "2/3", &directory);
+    assert!(matches!(
+        merge(&directory, &to),
+        Err(TableError::Mixed { .. })
+    ));
+    assert!(!to.exists());
+    let empty = folder.path().join("empty");
+    fs::create_dir_all(&empty).unwrap();
+    assert!(matches!(
+        merge(&empty, &to),
+        Err(TableError::Nothing { .. })
+    ));
+    fs::write(empty.join("shard-1-of-1.parquet"), b"PAR1 no").unwrap();
+    assert!(matches!(
+        merge(&empty, &to),
+        Err(TableError::Parquet { .. })
+    ));
+}
