@@ -2,6 +2,7 @@
 
 mod arrays;
 mod batch;
+mod campaign;
 mod command;
 mod config;
 mod controller;
@@ -56,6 +57,10 @@ fn _wbqp(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(timing::_time_ticks, module)?)?;
     module.add_function(wrap_pyfunction!(simulate::_cases, module)?)?;
     module.add_function(wrap_pyfunction!(simulate::_simulate, module)?)?;
+    module.add_function(wrap_pyfunction!(campaign::_campaign_plan, module)?)?;
+    module.add_function(wrap_pyfunction!(campaign::_campaign_shard, module)?)?;
+    module.add_function(wrap_pyfunction!(campaign::_campaign_merge, module)?)?;
+    module.add_function(wrap_pyfunction!(campaign::_campaign_outcomes, module)?)?;
     module.add_class::<mujoco::CaseRun>()?;
     module.add_function(wrap_pyfunction!(mujoco::export_robot, module)?)?;
     Ok(())

@@ -90,6 +90,23 @@ fn scenario_error(py: Python<'_>, error: &ScenarioError) -> PyErr {
     }
 }
 
+/// Values of a controller and of a scenario, as a case has them.
+pub(crate) fn variation(
+    py: Python<'_>,
+    set: Option<&Bound<'_, PyDict>>,
+    change: Option<&Bound<'_, PyDict>>,
+) -> PyResult<Variation> {
+    let table = PyDict::new(py);
+    if let Some(set) = set {
+        table.set_item("set", set)?;
+    }
+    if let Some(change) = change {
+        table.set_item("change", change)?;
+    }
+    let variation = config::value(&table, "", 0)?.try_into();
+    variation.map_err(|error: toml::de::Error| config::refused_text(py, error.message()))
+}
+
 /// A scenario's file with some of its values replaced.
 pub(crate) fn scenario(
     py: Python<'_>,
@@ -99,16 +116,7 @@ pub(crate) fn scenario(
 ) -> PyResult<Scenario> {
     // What nobody asked for until now is of something else.
     let _ = plugin::cause();
-    let table = PyDict::new(py);
-    if let Some(set) = set {
-        table.set_item("set", set)?;
-    }
-    if let Some(change) = change {
-        table.set_item("change", change)?;
-    }
-    let variation: Variation = config::value(&table, "", 0)?
-        .try_into()
-        .map_err(|error: toml::de::Error| config::refused_text(py, error.message()))?;
+    let variation = variation(py, set, change)?;
     py.detach(|| Scenario::from_file_with(path, &variation))
         .map_err(|error| scenario_error(py, &error))
 }

@@ -2,6 +2,7 @@
 
 use std::{
     num::NonZeroUsize,
+    ops::ControlFlow,
     path::PathBuf,
     sync::atomic::{AtomicU64, Ordering},
     time::Instant,
@@ -99,6 +100,7 @@ impl Arguments {
             let left = (total - before - done) as f64 / rate;
             let words = format!("{rate:.1} runs/s, {} left", duration(left));
             bar.update_saying((before + done) as f64 / total as f64, &words);
+            ControlFlow::Continue(())
         };
         shard.run(&finished)?;
         let table = shard.finish()?;

@@ -49,45 +49,22 @@ impl Arguments {
         let plan = Plan::from_file(&self.plan)?;
         let out = absolute(&self.out)?;
         fs::create_dir_all(&out).with_context(|| out.display().to_string())?;
-        let array = self.write(&out, "shards.sbatch", &self.shards_script(&plan, &out)?)?;
-        let merge = self.write(&out, "merge.sbatch", &self.merge_script(&plan, &out)?)?;
+        let array = write(&out, "shards.sbatch", &self.shards_script(&plan, &out)?)?;
+        let merge = write(&out, "merge.sbatch", &self.merge_script(&plan, &out)?)?;
         if self.dry_run {
             say!("scripts: {} and {}", array.display(), merge.display());
             return Ok(());
         }
-        let job = self.submit(&array, &[])?;
+        let job = submit(&array, &[])?;
         let after = format!("--dependency=afterok:{job}");
-        let merge = self.submit(&merge, &[&after])?;
+        let merge = submit(&merge, &[&after])?;
         let shards = self.shards;
         say!("submitted job {job} with {shards} shards, and job {merge} that merges their tables");
         Ok(())
     }
 
-    fn write(&self, out: &Path, name: &str, text: &str) -> Result<PathBuf> {
-        let path = out.join(name);
-        fs::write(&path, text).with_context(|| path.display().to_string())?;
-        Ok(path)
-    }
-
-    fn head(&self, name: &str, out: &Path, log: &str) -> Result<String> {
-        let mut head = "#!/bin/sh\n".to_owned();
-        writeln!(head, "#SBATCH --job-name={}", one_word(name))?;
-        let log = out.join(log);
-        let log = log
-            .to_str()
-            .context("the directory's name is not Unicode")?;
-        if log.contains(char::is_whitespace) {
-            bail!(
-                "--out {}: Slurm takes no file with a space in its name",
-                out.display()
-            );
-        }
-        writeln!(head, "#SBATCH --output={log}")?;
-        Ok(head)
-    }
-
     fn shards_script(&self, plan: &Plan, out: &Path) -> Result<String> {
-        let mut script = self.head(plan.name(), out, "shard-%a.log")?;
+        let mut script = head(plan.name(), out, "shard-%a.log")?;
         let (shards, cpus) = (self.shards, self.cpus);
         writeln!(script, "#SBATCH --array=1-{shards}")?;
         writeln!(
@@ -113,7 +90,7 @@ impl Arguments {
     }
 
     fn merge_script(&self, plan: &Plan, out: &Path) -> Result<String> {
-        let mut script = self.head(&format!("{}-merge", plan.name()), out, "merge.log")?;
+        let mut script = head(&format!("{}-merge", plan.name()), out, "merge.log")?;
         for option in &self.sbatch {
             writeln!(script, "#SBATCH {option}")?;
         }
@@ -126,21 +103,44 @@ impl Arguments {
         )?;
         Ok(script)
     }
+}
 
-    /// The job's number.
-    fn submit(&self, script: &Path, options: &[&str]) -> Result<String> {
-        let mut command = Command::new("sbatch");
-        command.arg("--parsable").args(options).arg(script);
-        let output = command
-            .output()
-            .context("sbatch: is Slurm installed here? --dry-run writes the scripts alone")?;
-        if !output.status.success() {
-            bail!("sbatch: {}", String::from_utf8_lossy(&output.stderr).trim());
-        }
-        let job = String::from_utf8_lossy(&output.stdout);
-        // On a federation the cluster's name is behind it.
-        Ok(job.trim().split(';').next().unwrap_or_default().to_owned())
+fn write(out: &Path, name: &str, text: &str) -> Result<PathBuf> {
+    let path = out.join(name);
+    fs::write(&path, text).with_context(|| path.display().to_string())?;
+    Ok(path)
+}
+
+fn head(name: &str, out: &Path, log: &str) -> Result<String> {
+    let mut head = "#!/bin/sh\n".to_owned();
+    writeln!(head, "#SBATCH --job-name={}", one_word(name))?;
+    let log = out.join(log);
+    let log = log
+        .to_str()
+        .context("the directory's name is not Unicode")?;
+    if log.contains(char::is_whitespace) {
+        bail!(
+            "--out {}: Slurm takes no file with a space in its name",
+            out.display()
+        );
     }
+    writeln!(head, "#SBATCH --output={log}")?;
+    Ok(head)
+}
+
+/// The job's number.
+fn submit(script: &Path, options: &[&str]) -> Result<String> {
+    let mut command = Command::new("sbatch");
+    command.arg("--parsable").args(options).arg(script);
+    let output = command
+        .output()
+        .context("sbatch: is Slurm installed here? --dry-run writes the scripts alone")?;
+    if !output.status.success() {
+        bail!("sbatch: {}", String::from_utf8_lossy(&output.stderr).trim());
+    }
+    let job = String::from_utf8_lossy(&output.stdout);
+    // On a federation the cluster's name is behind it.
+    Ok(job.trim().split(';').next().unwrap_or_default().to_owned())
 }
 
 /// For a shell.

@@ -73,7 +73,7 @@ pub fn write_state(
 ) -> Result<(), LogError> {
     let text = (text, VELOCITY_DIGITS);
     write_message(sink, (channel, time), text, |o| {
-        state_fields(model, state, o)
+        state_fields(model, state, o);
     })
 }
 

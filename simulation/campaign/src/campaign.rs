@@ -383,6 +383,11 @@ fn fingerprint(plan: &Plan) -> Result<String, ScenarioError> {
     let mut sources: Vec<SourceFile> = vec![plan.source().clone()];
     for variant in plan.variants() {
         sources.push(variant.scenario().source().clone());
+        sources.push(SourceFile {
+            name: variant.name().to_owned(),
+            media_type: "application/toml",
+            contents: variant.scenario().variation().to_toml(),
+        });
         for case in variant.cases() {
             let case = variant.scenario().case(case)?;
             let config = case.controller_config()?;

@@ -8,10 +8,10 @@ use std::{
     collections::HashSet,
     fs::{self, File, OpenOptions},
     io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write},
-    ops::Range,
+    ops::{ControlFlow, Range},
     path::{Path, PathBuf},
     str::FromStr,
-    sync::Mutex,
+    sync::{Mutex, PoisonError},
 };
 
 use rayon::prelude::*;
@@ -105,6 +105,14 @@ pub enum ShardError {
     Other {
         /// The file.
         path: PathBuf,
+    },
+    /// It was stopped.
+    #[error("{done} of {of} runs are done; run the same command again to go on")]
+    Unfinished {
+        /// Runs that are done.
+        done: u64,
+        /// All of its runs.
+        of: u64,
     },
     /// Its table cannot be written.
     #[error(transparent)]
@@ -208,11 +216,15 @@ impl<'a> Shard<'a> {
         }
     }
 
-    /// Does what is absent, on the threads of the present pool. `finished` hears of every run, from any of them.
+    /// Does what is absent, on the threads of the present pool. `finished` hears of every run, from any of them; when it
+    /// breaks, no run is begun any more.
     ///
     /// # Errors
     /// [`ShardError::File`] if what was finished cannot be kept: a disk that is full.
-    pub fn run(&self, finished: &(dyn Fn(&Run, &Outcome) + Sync)) -> Result<(), ShardError> {
+    pub fn run(
+        &self,
+        finished: &(dyn Fn(&Run, &Outcome) -> ControlFlow<()> + Sync),
+    ) -> Result<(), ShardError> {
         let Some(progress) = &self.progress else {
             return Ok(());
         };
@@ -225,27 +237,39 @@ impl<'a> Shard<'a> {
                 let progress = lock(progress);
                 runs.retain(|run| !progress.done.contains(&run.number));
             }
-            runs.par_iter().try_for_each(|run| {
+            let stopped = runs.par_iter().try_for_each(|run| {
                 let outcome = self.campaign.outcome(run);
-                lock(progress).keep(&outcome)?;
-                finished(run, &outcome);
-                Ok::<(), ShardError>(())
-            })?;
-            start = end;
+                match lock(progress).keep(&outcome) {
+                    Ok(()) => finished(run, &outcome).map_break(|()| None),
+                    Err(error) => ControlFlow::Break(Some(error)),
+                }
+            });
+            match stopped {
+                ControlFlow::Continue(()) => start = end,
+                ControlFlow::Break(None) => return Ok(()),
+                ControlFlow::Break(Some(error)) => return Err(error),
+            }
         }
         Ok(())
     }
 
-    /// Writes its table, and takes away what was kept of it before. All runs must be done.
+    /// Writes its table, and takes away what was kept of it before.
     ///
     /// # Errors
-    /// [`ShardError::File`], [`ShardError::Table`].
+    /// [`ShardError::Unfinished`] if a run is not done, [`ShardError::File`], [`ShardError::Table`].
     pub fn finish(self) -> Result<PathBuf, ShardError> {
+        let (done, range) = (self.done(), self.range());
+        if done < range.end - range.start {
+            let of = range.end - range.start;
+            return Err(ShardError::Unfinished { done, of });
+        }
         let table = with_extension(&self.path, "parquet");
         let Some(progress) = self.progress else {
             return Ok(table);
         };
-        let progress = progress.into_inner().unwrap_or_else(|e| e.into_inner());
+        let progress = progress
+            .into_inner()
+            .unwrap_or_else(PoisonError::into_inner);
         let mut outcomes = progress.read()?;
         outcomes.sort_unstable_by_key(|outcome| outcome.run);
         table::write(self.campaign, self.runs, &outcomes, &table)?;
@@ -260,9 +284,7 @@ impl<'a> Shard<'a> {
 
 fn lock(progress: &Mutex<Progress>) -> std::sync::MutexGuard<'_, Progress> {
     // A run that panics does so elsewhere.
-    progress
-        .lock()
-        .unwrap_or_else(|poisoned| poisoned.into_inner())
+    progress.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl Progress {

@@ -115,7 +115,7 @@ impl Points {
     /// The points with these numbers, in this order.
     pub(crate) fn range(&self, numbers: std::ops::Range<u64>) -> Vec<Vec<Option<f64>>> {
         if let Design::Sobol { .. } | Design::Saltelli { .. } = self.design {
-            return self.from_sequence(numbers);
+            return self.sequence_points(numbers);
         }
         numbers.map(|number| self.point(number)).collect()
     }
@@ -188,7 +188,7 @@ impl Points {
     }
 
     /// Points of a sequence that is made one after the other.
-    fn from_sequence(&self, numbers: std::ops::Range<u64>) -> Vec<Vec<Option<f64>>> {
+    fn sequence_points(&self, numbers: std::ops::Range<u64>) -> Vec<Vec<Option<f64>>> {
         let k = self.factors.len();
         let saltelli = matches!(self.design, Design::Saltelli { .. });
         let (dimensions, group) = if saltelli {

@@ -1,5 +1,7 @@
 //! A quantity that is varied, and how its value gets into a case.
 
+use std::fmt::Write as _;
+
 use toml::{Table, Value};
 use wbqp_sim::{ScenarioError, scenario::Case};
 
@@ -255,9 +257,11 @@ impl Nominal {
             }
         }
         let lines = changed.values.iter();
-        Ok(lines
-            .map(|(key, value)| format!("{key} = {value}\n"))
-            .collect())
+        Ok(lines.fold(String::new(), |mut text, (key, value)| {
+            // A text takes everything.
+            let _ = writeln!(text, "{key} = {value}");
+            text
+        }))
     }
 }
 

@@ -8,15 +8,12 @@ mod file;
 mod measure;
 mod variant;
 
-use std::{
-    ops::Range,
-    path::{Path, PathBuf},
-};
+use std::{ops::Range, path::Path};
 
 use toml::Spanned;
 use wbqp::{config::json_schema::schema_of, input, robot::SourceFile, suggestion::suggestion};
 use wbqp_measures::experiments;
-use wbqp_sim::Scenario;
+use wbqp_sim::{Scenario, Variation};
 
 pub use design::Design;
 pub use distribution::Distribution;
@@ -144,6 +141,22 @@ impl Plan {
         })
     }
 
+    /// The same with other values in all variants, for who looks for better ones.
+    ///
+    /// # Errors
+    /// [`PlanError::Scenario`] if a variant is refused with them.
+    pub fn varied(mut self, variation: &Variation) -> Result<Self, PlanError> {
+        for variant in &mut self.variants {
+            variant
+                .vary(variation)
+                .map_err(|source| PlanError::Scenario {
+                    of: format!("variant `{}` of {}", variant.name(), self.source.name),
+                    source: Box::new(source),
+                })?;
+        }
+        Ok(self)
+    }
+
     /// Its name.
     pub fn name(&self) -> &str {
         &self.name
@@ -234,7 +247,7 @@ impl Plan {
     }
 }
 
-fn scenario(path: &PathBuf, plan: &str) -> Result<Scenario, PlanError> {
+fn scenario(path: &Path, plan: &str) -> Result<Scenario, PlanError> {
     Scenario::from_file(path).map_err(|source| PlanError::Scenario {
         of: plan.to_owned(),
         source: Box::new(source),

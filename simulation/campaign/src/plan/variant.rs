@@ -1,6 +1,6 @@
 //! One of the things that a plan compares.
 
-use wbqp_sim::Scenario;
+use wbqp_sim::{Scenario, ScenarioError, Variation};
 
 use super::{PlanError, Refuse, file::Keys};
 
@@ -59,6 +59,11 @@ impl Variant {
             });
         }
         Ok(variants)
+    }
+
+    pub(super) fn vary(&mut self, variation: &Variation) -> Result<(), ScenarioError> {
+        self.scenario = self.scenario.varied(variation)?;
+        Ok(())
     }
 
     /// Its name.

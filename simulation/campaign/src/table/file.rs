@@ -33,7 +33,7 @@ pub(super) struct Writer {
     path: PathBuf,
     beside: PathBuf,
     file: File,
-    writer: SerializedFileWriter<File>,
+    parquet: SerializedFileWriter<File>,
 }
 
 impl Writer {
@@ -67,7 +67,7 @@ impl Writer {
             path: path.to_owned(),
             beside,
             file,
-            writer,
+            parquet: writer,
         })
     }
 
@@ -78,7 +78,7 @@ impl Writer {
     }
 
     fn try_group(&mut self, columns: &[(String, Data)]) -> Result<(), ParquetError> {
-        let mut group = self.writer.next_row_group()?;
+        let mut group = self.parquet.next_row_group()?;
         for (_, data) in columns {
             let Some(mut column) = group.next_column()? else {
                 break;
@@ -92,7 +92,7 @@ impl Writer {
 
     /// Puts it where it belongs.
     pub(super) fn finish(self) -> Result<(), TableError> {
-        let closed = self.writer.close();
+        let closed = self.parquet.close();
         closed.map_err(|source| refused(&self.path, &self.beside, source))?;
         let at = |source| TableError::File {
             path: self.path.clone(),

@@ -1,6 +1,11 @@
 //! Shards give one table, however many they are and whatever happens to them.
 
-use std::{fs, path::Path};
+use std::{
+    fs,
+    ops::ControlFlow::{Break, Continue},
+    path::Path,
+    sync::atomic::{AtomicU64, Ordering},
+};
 
 use wbqp_campaign::{
     Campaign, Part, Shard, ShardError,
@@ -14,7 +19,7 @@ const DESIGN: &str = "{ type = \"sobol\", points = 5 }";
 fn run(campaign: &Campaign, part: &str, folder: &Path) {
     let part: Part = part.parse().unwrap();
     let shard = Shard::open(campaign, part, u64::MAX, folder).unwrap();
-    shard.run(&|_, _| ()).unwrap();
+    shard.run(&|_, _| Continue(())).unwrap();
     shard.finish().unwrap();
 }
 
@@ -61,7 +66,7 @@ fn a_shard_that_was_cut_anywhere_goes_on_to_the_same_table() {
     // All lines, before they become a table.
     let lines = folder.path().join("lines");
     let shard = Shard::open(&campaign, Part::WHOLE, u64::MAX, &lines).unwrap();
-    shard.run(&|_, _| ()).unwrap();
+    shard.run(&|_, _| Continue(())).unwrap();
     drop(shard);
     let name = "shard-1-of-1.jsonl";
     let text = fs::read(lines.join(name)).unwrap();
@@ -78,9 +83,12 @@ fn a_shard_that_was_cut_anywhere_goes_on_to_the_same_table() {
         fs::write(directory.join(name), &text[..cut]).unwrap();
         let shard = Shard::open(&campaign, Part::WHOLE, u64::MAX, &directory).unwrap();
         let before = shard.done();
-        let ran = std::sync::atomic::AtomicU64::new(0);
+        let ran = AtomicU64::new(0);
         shard
-            .run(&|_, _| _ = ran.fetch_add(1, std::sync::atomic::Ordering::Relaxed))
+            .run(&|_, _| {
+                ran.fetch_add(1, Ordering::Relaxed);
+                Continue(())
+            })
             .unwrap();
         assert_eq!(before + ran.into_inner(), 10);
         shard.finish().unwrap();
@@ -106,7 +114,12 @@ fn two_at_once_another_plan_and_missing_parts_are_refused() {
     let open = |campaign| Shard::open(campaign, part, u64::MAX, &directory);
     let first = open(&campaign).unwrap();
     assert!(matches!(open(&campaign), Err(ShardError::Lock(_))));
-    first.run(&|_, _| ()).unwrap();
+    // Stopped after a run, it is not finished, and goes on.
+    first.run(&|_, _| Break(())).unwrap();
+    assert!(matches!(first.finish(), Err(ShardError::Unfinished { .. })));
+    let first = open(&campaign).unwrap();
+    assert!(first.done() > 0);
+    first.run(&|_, _| Continue(())).unwrap();
     drop(first);
     let other = folder.campaign("{ type = \"sobol\", points = 6 }");
     assert!(matches!(open(&other), Err(ShardError::Other { .. })));
