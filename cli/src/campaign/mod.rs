@@ -2,6 +2,7 @@
 
 mod merge;
 mod part;
+mod report;
 mod single;
 mod slurm;
 
@@ -27,6 +28,7 @@ pub struct Arguments {
 enum Command {
     Merge(merge::Arguments),
     Slurm(slurm::Arguments),
+    Report(report::Arguments),
 }
 
 impl Arguments {
@@ -39,6 +41,7 @@ impl Arguments {
             None => self.part.run(),
             Some(Command::Merge(arguments)) => arguments.run(),
             Some(Command::Slurm(arguments)) => arguments.run(),
+            Some(Command::Report(arguments)) => arguments.run(),
         }?;
         Ok(ExitCode::SUCCESS)
     }
