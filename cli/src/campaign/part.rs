@@ -16,7 +16,9 @@ use wbqp_terminal::{ProgressBars, say};
 use super::single;
 
 /// What is run, and where it goes.
+// Two groups of arguments cannot have one name.
 #[derive(Args, Debug)]
+#[group(id = "part")]
 pub(super) struct Arguments {
     /// The plan
     #[arg(required = true, value_name = "PLAN")]

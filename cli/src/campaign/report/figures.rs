@@ -64,7 +64,7 @@ const CELLS: usize = 6;
 /// The share that holds over two factors.
 pub(super) fn map(lines: &Lines, all: &[usize], across: &Effect<'_>, up: &Effect<'_>) -> Markup {
     let columns = groups(all, |l| lines.factors[across.index][l], CELLS);
-    let side = 58.0;
+    let side = 74.0;
     let left = 96.0;
     let rows: Vec<_> = groups(all, |l| lines.factors[up.index][l], CELLS);
     let (width, height) = (side * columns.len() as f64, 30.0 * rows.len() as f64);
@@ -105,6 +105,9 @@ fn short(value: f64) -> String {
         return "0".to_owned();
     }
     let magnitude = value.abs().log10().floor();
+    if (4.0..6.0).contains(&magnitude) {
+        return format!("{:.0}k", value / 1e3);
+    }
     if !(-4.0..6.0).contains(&magnitude) {
         return format!("{value:.1e}");
     }

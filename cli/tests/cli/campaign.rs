@@ -1,0 +1,229 @@
+//! Campaigns: parts that are killed, disks that are full, tables that are the same.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    process::{Command, Stdio},
+    thread::sleep,
+    time::Duration,
+};
+
+use crate::common::{Temporary, root, wbqp};
+
+const SCENARIO: &str = r#"
+name = "hover"
+controller = "CONTROLLER"
+duration = 0.5
+
+[initial]
+position = [-0.5, 0.0, 1.258]
+
+[sensors.base]
+position_sd = 0.0005
+
+[[plant.disturbance]]
+name = "push"
+frame = "base_link"
+
+[[case]]
+name = "plain"
+"#;
+
+/// Runs of some milliseconds each; of those with the largest force the plant diverges.
+const PLAN: &str = r#"
+name = "hover"
+scenario = "hover.toml"
+design = { type = "grid" }
+
+[[factor]]
+name = "push"
+path = "change.plant.disturbance.push.force[2]"
+value = { values = [0.0, 2.0, 1e9] } # N
+
+[[factor]]
+name = "mass"
+path = "change.plant.mismatch.mass_scale"
+scale = { range = { from = 0.9, to = 1.1, count = 40 } }
+
+[[measure]]
+name = "drop"
+signals = { z = "/plant.base.position.z" }
+expression = "z - 1.258"
+reduce = "max_abs"
+unit = "m"
+at_most = 0.02
+"#;
+
+fn plan(folder: &Path) -> PathBuf {
+    let controller = root().join("examples/scenarios/push_with_disturbance.controller.toml");
+    let controller = controller.canonicalize().unwrap();
+    let scenario = SCENARIO.replace("CONTROLLER", controller.to_str().unwrap());
+    fs::write(folder.join("hover.toml"), scenario).unwrap();
+    let path = folder.join("plan.toml");
+    fs::write(&path, PLAN).unwrap();
+    path
+}
+
+/// A campaign that has to succeed; what it says.
+fn campaign(arguments: &[&str]) -> String {
+    let done = wbqp(&[&["campaign"], arguments].concat());
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    done.stdout
+}
+
+#[test]
+fn a_part_that_is_killed_goes_on_to_the_same_table_and_the_page_says_what_broke() {
+    let folder = Temporary::new("campaign");
+    let plan = plan(&folder.0);
+    let plan = plan.to_str().unwrap();
+    let out = |name: &str| folder.file(name);
+
+    let whole = out("whole");
+    let said = campaign(&[plan, "--dumps", "1", "--out", &whole]);
+    assert!(said.contains("120 runs in"), "{said}");
+
+    let killed = out("killed");
+    let lines = folder.0.join("killed/shard-1-of-2.jsonl");
+    let mut child = Command::new(env!("CARGO_BIN_EXE_wbqp"))
+        .args([
+            "campaign", plan, "--dumps", "0", "--shard", "1/2", "--out", &killed,
+        ])
+        .stderr(Stdio::null())
+        .stdout(Stdio::null())
+        .spawn()
+        .unwrap();
+    // Somewhere in the middle, on a fast machine and on a slow one.
+    while fs::metadata(&lines).map_or(0, |m| m.len()) < 2000 && child.try_wait().unwrap().is_none()
+    {
+        sleep(Duration::from_millis(2));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let before = fs::read_to_string(&lines).unwrap().lines().count();
+    assert!((2..60).contains(&before), "{before}");
+    for part in ["1/2", "2/2"] {
+        campaign(&[plan, "--dumps", "0", "--shard", part, "--out", &killed]);
+    }
+    let tables = [out("whole.parquet"), out("killed.parquet")];
+    for (directory, table) in [&whole, &killed].into_iter().zip(&tables) {
+        campaign(&["merge", directory, "--out", table]);
+    }
+    assert!(fs::read(&tables[0]).unwrap() == fs::read(&tables[1]).unwrap());
+
+    // Of the first run that does not hold there is what does it again.
+    let kept = fs::read_dir(&whole).unwrap().flatten();
+    let kept: Vec<_> = kept
+        .filter(|e| e.file_name().to_string_lossy().starts_with("run-"))
+        .collect();
+    assert_eq!(kept.len(), 1);
+    assert!(kept[0].path().join("plain/variation.toml").is_file());
+
+    let page = out("page.html");
+    campaign(&["report", &tables[0], "--plan", plan, "--out", &page]);
+    let page = fs::read_to_string(page).unwrap();
+    for words in [
+        "the plant diverged at # s",
+        "Which factor breaks it",
+        "Plan",
+        "--run NUMBER",
+    ] {
+        assert!(page.contains(words), "{words}");
+    }
+    let said = campaign(&[plan, "--run", "119", "--out", &whole]);
+    assert!(
+        said.contains("diverged plain: the plant diverged at"),
+        "{said}"
+    );
+    assert!(folder.0.join("whole/run-119/plain.mcap").is_file());
+}
+
+/// A limit of the shell on the size of files stands for a disk without room.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_is_an_error_with_a_remedy_and_loses_nothing() {
+    let folder = Temporary::new("campaign-disk");
+    let plan = plan(&folder.0);
+    let out = folder.0.join("out");
+    let program = env!("CARGO_BIN_EXE_wbqp");
+    let limited = format!(
+        "trap '' XFSZ; ulimit -f 4; exec '{program}' campaign '{}' --dumps 0 --out '{}'",
+        plan.display(),
+        out.display()
+    );
+    let full = Command::new("bash")
+        .args(["-c", &limited])
+        .output()
+        .unwrap();
+    assert!(!full.status.success());
+    let error = String::from_utf8(full.stderr).unwrap();
+    assert!(
+        error.contains("finished runs are kept, run the same command again"),
+        "{error}"
+    );
+    let lines = fs::read_to_string(out.join("shard-1-of-1.jsonl")).unwrap();
+    assert!(lines.lines().count() > 3 && lines.ends_with('\n'));
+    let said = campaign(&[
+        plan.to_str().unwrap(),
+        "--dumps",
+        "0",
+        "--out",
+        out.to_str().unwrap(),
+    ]);
+    assert!(said.contains("of 120 runs are done already"), "{said}");
+}
+
+#[test]
+fn scripts_for_slurm_have_an_array_and_a_merge() {
+    let folder = Temporary::new("campaign-slurm");
+    let plan = plan(&folder.0);
+    let out = folder.0.join("out");
+    let (plan, out) = (plan.to_str().unwrap(), out.to_str().unwrap());
+    campaign(&[
+        "slurm",
+        plan,
+        "--shards",
+        "7",
+        "--cpus",
+        "2",
+        "--out",
+        out,
+        "--dry-run",
+        "--",
+        "--time=10",
+    ]);
+    let script = fs::read_to_string(format!("{out}/shards.sbatch")).unwrap();
+    for line in [
+        "#SBATCH --array=1-7",
+        "#SBATCH --cpus-per-task=2",
+        "#SBATCH --time=10",
+        "--shard \"$SLURM_ARRAY_TASK_ID/7\"",
+    ] {
+        assert!(script.contains(line), "{line}:\n{script}");
+    }
+    assert!(
+        fs::read_to_string(format!("{out}/merge.sbatch"))
+            .unwrap()
+            .contains("campaign merge")
+    );
+}
+
+#[test]
+fn a_plan_that_is_refused_says_where_and_nothing_is_made() {
+    let folder = Temporary::new("campaign-refused");
+    let plan = plan(&folder.0);
+    fs::write(&plan, PLAN.replace("at_most", "at_mots")).unwrap();
+    let out = folder.0.join("out");
+    let refused = wbqp(&[
+        "campaign",
+        plan.to_str().unwrap(),
+        "--out",
+        out.to_str().unwrap(),
+    ]);
+    let error = refused.stderr;
+    assert_eq!(refused.code, 1);
+    assert!(
+        error.contains("plan.toml:22:1") && error.contains("at_mots"),
+        "{error}"
+    );
+    assert!(!out.exists());
+}
