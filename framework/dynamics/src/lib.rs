@@ -66,6 +66,6 @@ pub use actuation::Actuation;
 pub use data::Data;
 pub use energy::{Energy, energy};
 pub use forward::{JointDrive, forward_dynamics};
-pub use frame::{FrameKinematics, FrameMotion, frame_motion};
+pub use frame::{FrameKinematics, FrameMotion, PointMotion, frame_motion, point_motion};
 pub use inverse::inverse_dynamics;
 pub use wrenches::Wrenches;

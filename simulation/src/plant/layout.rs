@@ -86,10 +86,18 @@ impl Layout {
             .copy_from_slice(&x[self.velocity()..self.thrusts]);
     }
 
-    /// Scales the quaternion to unit length.
-    pub(super) fn normalise(x: &mut [f64]) {
+    /// Scales the quaternion to unit length; says how long it was.
+    pub(super) fn normalise(x: &mut [f64]) -> f64 {
         let norm = quaternion(x).norm();
         for part in &mut x[QUATERNION..JOINTS] {
+            *part /= norm;
+        }
+        norm
+    }
+
+    /// Scales the quaternion's derivative like a quaternion of that length when it is normalised.
+    pub(super) fn scale_turn(dx: &mut [f64], norm: f64) {
+        for part in &mut dx[QUATERNION..JOINTS] {
             *part /= norm;
         }
     }

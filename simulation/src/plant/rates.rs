@@ -47,13 +47,18 @@ impl Plant {
             self.settle_contacts(&mut x);
         }
         self.evaluate_rates(&x, &mut rates);
-        self.diverged |= !(within(&x) && within(&rates[..3])) || has_diverged(&self.state);
         self.x = x;
         self.rates = rates;
+        self.note_divergence();
+    }
+
+    pub(super) fn note_divergence(&mut self) {
+        let finite = within(&self.x) && within(&self.rates[..3]);
+        self.diverged |= !finite || has_diverged(&self.state);
     }
 
     /// Kinematics at `x`.
-    fn place(&mut self, x: &[f64]) {
+    pub(super) fn place(&mut self, x: &[f64]) {
         self.layout.decode(x, &mut self.state);
         self.data.update_kinematics(&self.robot.model, &self.state);
     }
@@ -86,6 +91,31 @@ impl Plant {
         for (rotor, &thrust) in self.rotors.iter().zip(thrusts) {
             rotor.push(model, &self.data, thrust, &mut self.wrenches);
         }
+        self.push_environment();
+        self.fill_rates(x, dx);
+        for (i, contact) in self.contacts.iter().enumerate() {
+            self.layout.set_anchor(dx, i, &contact.anchor_rate());
+        }
+    }
+
+    /// The same with the wrenches of all rotors of a body in one sum, and anchors that stay where contacts are open:
+    /// what [`Contact::evaluate_held`](super::contact::Contact::evaluate_held) goes with.
+    pub(super) fn evaluate_rates_quickly(&mut self, x: &[f64], dx: &mut [f64]) {
+        self.wrenches.clear();
+        let thrusts = self.layout.thrusts(x);
+        for group in &self.groups {
+            group.push(&self.data, thrusts, &mut self.wrenches);
+        }
+        self.push_environment();
+        self.fill_rates(x, dx);
+        for (i, contact) in self.contacts.iter().enumerate() {
+            self.layout.set_anchor(dx, i, &contact.anchor_rate_held());
+        }
+    }
+
+    /// Adds the wrenches of contacts, disturbances and hands.
+    fn push_environment(&mut self) {
+        let model = &self.robot.model;
         for contact in &self.contacts {
             let truth = &contact.truth;
             if truth.in_contact {
@@ -112,6 +142,10 @@ impl Plant {
             self.wrenches
                 .add_force(&self.data, pull.body, &p_WP, &pull.force);
         }
+    }
+
+    /// `ẋ` under all wrenches but for the anchors.
+    fn fill_rates(&mut self, x: &[f64], dx: &mut [f64]) {
         self.solve();
         self.layout.rigid_rates(x, self.vdot.as_slice(), dx);
         for ((rate, rotor), &thrust) in self
@@ -122,9 +156,6 @@ impl Plant {
             .zip(self.layout.thrusts(x))
         {
             *rate = rotor.rate(thrust, self.command.values()[rotor.actuator]);
-        }
-        for (i, contact) in self.contacts.iter().enumerate() {
-            self.layout.set_anchor(dx, i, &contact.anchor_rate());
         }
     }
 
