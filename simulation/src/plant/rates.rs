@@ -1,6 +1,8 @@
 //! The right-hand side `ẋ` and one step of the integrator.
 
-use wbqp::dynamics::forward_dynamics;
+use wbqp::dynamics::{Data, JointDrive, Wrenches, forward_dynamics, forward_dynamics_of_servos};
+use wbqp::model::Model;
+use wbqp::nalgebra::DVector;
 
 use super::{CLOCK, Plant, has_diverged, layout::Layout};
 
@@ -8,6 +10,10 @@ use super::{CLOCK, Plant, has_diverged, layout::Layout};
 const STAGES: [f64; 3] = [0.5, 0.5, 1.0];
 /// Weights of the first to the third stage, times 6; the fourth is 1.
 const WEIGHTS: [f64; 3] = [1.0, 2.0, 2.0];
+
+/// A way to solve the equations of motion: [`forward_dynamics`] or one like it.
+type Dynamics =
+    fn(&Model, &mut Data, &[JointDrive], &Wrenches, &mut DVector<f64>, &mut DVector<f64>);
 
 impl Plant {
     /// One step of `h` s that ends at `end`. Needs `rates` at `x`, and leaves them so.
@@ -92,7 +98,7 @@ impl Plant {
             rotor.push(model, &self.data, thrust, &mut self.wrenches);
         }
         self.push_environment();
-        self.fill_rates(x, dx);
+        self.fill_rates(x, dx, forward_dynamics);
         for (i, contact) in self.contacts.iter().enumerate() {
             self.layout.set_anchor(dx, i, &contact.anchor_rate());
         }
@@ -107,7 +113,7 @@ impl Plant {
             group.push(&self.data, thrusts, &mut self.wrenches);
         }
         self.push_environment();
-        self.fill_rates(x, dx);
+        self.fill_rates(x, dx, forward_dynamics_of_servos);
         for (i, contact) in self.contacts.iter().enumerate() {
             self.layout.set_anchor(dx, i, &contact.anchor_rate_held());
         }
@@ -145,8 +151,8 @@ impl Plant {
     }
 
     /// `ẋ` under all wrenches but for the anchors.
-    fn fill_rates(&mut self, x: &[f64], dx: &mut [f64]) {
-        self.solve();
+    fn fill_rates(&mut self, x: &[f64], dx: &mut [f64], dynamics: Dynamics) {
+        self.solve(dynamics);
         self.layout.rigid_rates(x, self.vdot.as_slice(), dx);
         for ((rate, rotor), &thrust) in self
             .layout
@@ -161,7 +167,7 @@ impl Plant {
 
     /// Accelerations and efforts. A servo that would need more than its stall effort is driven by that effort
     /// instead and everything is solved again, at most once per joint.
-    fn solve(&mut self) {
+    fn solve(&mut self, dynamics: Dynamics) {
         let offset = self.robot.model.joint_offset();
         let command = self.command.values();
         for (i, joint) in self.joints.iter().enumerate() {
@@ -171,7 +177,7 @@ impl Plant {
             self.stalled[i] = false;
         }
         for _ in 0..=self.joints.len() {
-            forward_dynamics(
+            dynamics(
                 &self.robot.model,
                 &mut self.data,
                 &self.drives,
