@@ -29,6 +29,8 @@ use super::{
 const SURFACE: f64 = 1e-9;
 /// Steps that are tried for one of the configured length, before equal ones take over.
 const PATIENCE: f64 = 4.0;
+/// What an error of thrust counts, m/s per N: a newton for a period of 10 ms moves a robot of a kilogram so fast.
+const THRUST: f64 = 0.01;
 /// How far an anchor may be outside the friction cone after a step, by the tolerance.
 const SLIDE: f64 = 10.0;
 /// Longest step that is kept in mind, s.
@@ -50,7 +52,7 @@ impl Pace {
 
     /// After a step of `h` s that was taken.
     fn take(&mut self, h: f64, error: f64) {
-        let error = error.max(1e-10);
+        let error = error.clamp(1e-10, 1e10);
         let factor = 0.9 * error.powf(-0.14) * self.error.powf(0.08);
         self.step = (h * factor.clamp(0.2, 5.0)).min(LONGEST);
         self.error = error;
@@ -140,27 +142,9 @@ impl Plant {
 
     fn judge(&mut self, h: f64, tolerance: f64) -> Verdict {
         let shortest = self.config.step;
-        let size = self.x.len();
-        let mut error = 0.0_f64;
-        for i in 0..size {
-            let mut sum = 0.0;
-            for (weight, k) in ERROR.iter().zip(self.work.stages.chunks_exact(size)) {
-                sum += weight * k[i];
-            }
-            // A NaN is an error too.
-            let own = (h * sum).abs() / tolerance;
-            error = if own <= error { error } else { own };
-        }
-        for (i, contact) in self.contacts.iter().enumerate() {
-            let anchor = self.layout.anchor(&self.work.x, i);
-            error = error.max(contact.excess(&anchor) / (SLIDE * tolerance));
-        }
-        if h > shortest && !(error <= 1.0) {
-            let factor = if error.is_finite() {
-                (0.9 * error.powf(-0.2)).clamp(0.2, 0.9)
-            } else {
-                0.2
-            };
+        let error = self.error(h) / tolerance;
+        if h > shortest && error > 1.0 {
+            let factor = (0.9 * error.powf(-0.2)).clamp(0.2, 0.9);
             return Verdict::Again((h * factor).max(shortest));
         }
         let mut first = h;
@@ -178,6 +162,30 @@ impl Plant {
             return Verdict::Again(first.max(CLOCK));
         }
         Verdict::Take { error, switches }
+    }
+
+    /// Error of the step that was tried, as the tolerance counts it; infinite where a number is not finite.
+    fn error(&self, h: f64) -> f64 {
+        let size = self.x.len();
+        let mut most = 0.0_f64;
+        for i in 0..size {
+            let stages = self.work.stages.chunks_exact(size);
+            let sum: f64 = ERROR.iter().zip(stages).map(|(e, k)| e * k[i]).sum();
+            if !sum.is_finite() {
+                return f64::INFINITY;
+            }
+            let unit = if self.layout.is_thrust(i) {
+                THRUST
+            } else {
+                1.0
+            };
+            most = most.max((unit * h * sum).abs());
+        }
+        for (i, contact) in self.contacts.iter().enumerate() {
+            let anchor = self.layout.anchor(&self.work.x, i);
+            most = most.max(contact.excess(&anchor) / SLIDE);
+        }
+        most
     }
 
     /// Goes on to the end of the step that was tried.

@@ -51,6 +51,11 @@ impl Layout {
         &x[self.thrusts..self.anchors]
     }
 
+    /// Whether this entry is the thrust of a rotor.
+    pub(super) fn is_thrust(&self, entry: usize) -> bool {
+        (self.thrusts..self.anchors).contains(&entry)
+    }
+
     pub(super) fn thrusts_mut<'a>(&self, x: &'a mut [f64]) -> &'a mut [f64] {
         &mut x[self.thrusts..self.anchors]
     }
