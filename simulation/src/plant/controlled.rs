@@ -53,8 +53,10 @@ impl Pace {
     /// After a step of `h` s that was taken.
     fn take(&mut self, h: f64, error: f64) {
         let error = error.clamp(1e-10, 1e10);
-        let factor = 0.9 * error.powf(-0.14) * self.error.powf(0.08);
-        self.step = (h * factor.clamp(0.2, 5.0)).min(LONGEST);
+        let factor = (0.9 * error.powf(-0.14) * self.error.powf(0.08)).clamp(0.2, 5.0);
+        // A step that was good may have been cut short by a touch or by the period's end.
+        let least = if factor > 1.0 { self.step } else { 0.0 };
+        self.step = (h * factor).max(least).min(LONGEST);
         self.error = error;
     }
 }

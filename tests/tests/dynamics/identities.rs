@@ -13,7 +13,7 @@ use wbqp::{
         forward_dynamics_of_servos, frame_motion, inverse_dynamics, point_motion,
     },
     model::{Base, FrameId, Model},
-    nalgebra::{DVector, Quaternion, UnitQuaternion, Vector3, Vector6},
+    nalgebra::{DVector, Point3, Quaternion, UnitQuaternion, Vector3, Vector6},
     spatial,
     state::State,
 };
@@ -21,6 +21,9 @@ use wbqp_tests::{
     properties::cases,
     random_model::{Scatter, coupled_model, random_model, random_state},
 };
+
+/// Forward dynamics, of either kind.
+type Solve = fn(&Model, &mut Data, &[JointDrive], &Wrenches, &mut DVector<f64>, &mut DVector<f64>);
 
 /// A random tree and a random state of it.
 struct Case {
@@ -313,7 +316,7 @@ proptest! {
             let at = point_motion(&data, body, &(pose.inverse() * Point3::from(point)).coords);
             prop_assert!((at.p_WQ - point).norm() < 1e-12 * (1.0 + pose.translation.vector.norm()));
         }
-        let solve = |data: &mut Data, wrenches, dynamics: Solve| {
+        let solve = |data: &mut Data, wrenches: &Wrenches, dynamics: Solve| {
             let (mut vdot, mut effort) = (DVector::zeros(nv), DVector::zeros(joints));
             dynamics(&model, data, &drives, wrenches, &mut vdot, &mut effort);
             (vdot, effort)
@@ -328,8 +331,9 @@ proptest! {
     fn a_point_of_a_body_moves_like_a_frame_there(Case { model, state, .. } in robots()) {
         let mut data = Data::new(&model);
         data.update_kinematics(&model, &state);
-        for (i, frame) in model.frames().iter().enumerate() {
-            let at = frame_motion(&model, &data, model.frame_id(i).expect("within the model"));
+        for frame in model.frames() {
+            let id = model.frame(&frame.name).expect("has it");
+            let at = frame_motion(&model, &data, id);
             let own = point_motion(&data, frame.body, &frame.X_BF.translation.vector);
             prop_assert!((own.p_WQ - at.p_WF).norm() < 1e-12 * (1.0 + at.p_WF.norm()));
             prop_assert!((own.v_WQ - at.v_WF).norm() < 1e-12 * (1.0 + at.v_WF.norm()));
