@@ -153,7 +153,7 @@ impl CaseRun {
             sink,
             seed,
             std::iter::once(scenario.source())
-                .chain(&scenario.variation().source())
+                .chain(&case.variation().source())
                 .chain(&source)
                 .chain(&robot.sources),
         )?;

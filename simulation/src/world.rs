@@ -29,6 +29,12 @@ pub trait World {
     /// mean by their forces; world axes. `None` where there is no such point, or no wall.
     fn contact_at(&self, frame: &str) -> Option<(Vector3<f64>, Vector3<f64>)>;
 
+    /// Whether this is the middle of an integration step, of which the end is shown next: filters that are told so
+    /// follow a parabola through start, middle and end, and not straight lines.
+    fn is_within_step(&self) -> bool {
+        false
+    }
+
     /// Whether there is no use in going on.
     fn is_diverged(&self) -> bool;
 }
@@ -57,6 +63,10 @@ impl World for Plant {
         };
         let points = at_frame().map(|(_, _, truth)| (truth.force_W, truth.p_WC));
         center_of_force(points)
+    }
+
+    fn is_within_step(&self) -> bool {
+        self.is_within_step()
     }
 
     fn is_diverged(&self) -> bool {

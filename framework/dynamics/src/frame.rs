@@ -47,6 +47,26 @@ pub fn frame_motion(model: &Model, data: &Data, frame: FrameId) -> FrameMotion {
     motion_at(&data.links[frame.body.index()], &frame.X_BF)
 }
 
+/// Position and velocity of a point of a body: lighter still, for points that need no orientation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PointMotion {
+    /// The point, m, world.
+    pub p_WQ: Vector3<f64>,
+    /// Its velocity, m/s, world axes.
+    pub v_WQ: Vector3<f64>,
+}
+
+/// Position and velocity of the point at `p_BQ` (m, body axes, from the body's origin) of a body. `data` must have its
+/// kinematics.
+pub fn point_motion(data: &Data, body: BodyId, p_BQ: &Vector3<f64>) -> PointMotion {
+    let link = &data.links[body.index()];
+    let arm = link.R_WB * p_BQ;
+    PointMotion {
+        p_WQ: link.p_WB + arm,
+        v_WQ: link.V.at_child(&arm).linear,
+    }
+}
+
 fn motion_at(link: &Link, X_BF: &Isometry3<f64>) -> FrameMotion {
     let o = link.R_WB * X_BF.translation.vector;
     let V_WF = link.V.at_child(&o);

@@ -59,6 +59,23 @@ impl Wrenches {
         };
     }
 
+    /// Adds a force (N) and a moment about the body's origin (N·m), both in **body** axes. `data` says how the body is
+    /// turned: it must have its kinematics.
+    pub fn add_body_wrench(
+        &mut self,
+        data: &Data,
+        body: BodyId,
+        force_B: &Vector3<f64>,
+        moment_B: &Vector3<f64>,
+    ) {
+        let i = body.index();
+        let R_WB = &data.links[i].R_WB;
+        self.of_body[i] += Force {
+            linear: R_WB * force_B,
+            angular: R_WB * moment_B,
+        };
+    }
+
     /// Force on a body, N, world axes.
     pub fn force(&self, body: BodyId) -> Vector3<f64> {
         self.of_body[body.index()].linear

@@ -18,7 +18,12 @@ use wbqp::{
 
 use super::{
     ActiveDisturbance, Disturbance, Plant, PlantCommand, PlantConfig, PlantError, Work,
-    contact::Contact, joint::JointPlant, layout::Layout, rotor::RotorPlant,
+    contact::Contact,
+    controlled::{Middle, Pace},
+    joint::JointPlant,
+    layout::Layout,
+    rotor::{RotorGroup, RotorPlant},
+    tableau::STAGES,
 };
 use crate::check::{Problems, unknown_frame};
 
@@ -31,6 +36,7 @@ impl Work {
             x: vec![0.0; size],
             k: vec![0.0; size],
             sum: vec![0.0; size],
+            stages: vec![0.0; STAGES * size],
         }
     }
 
@@ -96,6 +102,12 @@ impl Plant {
             effort: DVector::zeros(joint_count),
             motor_effort: DVector::zeros(joint_count),
             stalled: vec![false; joint_count],
+            groups: RotorGroup::all(&rotors, &robot.model),
+            middle: config
+                .tolerance
+                .map(|_| Box::new(Middle::new(&x, &state, &data, &contacts))),
+            pace: Pace::new(config.step),
+            within_step: false,
             config: config.clone(),
             time: 0.0,
             diverged: false,

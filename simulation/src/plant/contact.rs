@@ -16,9 +16,9 @@
 //! point.
 #![allow(non_snake_case)]
 
-use nalgebra::{Unit, Vector3};
+use nalgebra::{Point3, Unit, Vector3};
 use wbqp::{
-    dynamics::{Data, FrameMotion, frame_motion},
+    dynamics::{Data, FrameMotion, PointMotion, frame_motion, point_motion},
     model::{BodyId, FrameId, Model},
 };
 
@@ -56,6 +56,8 @@ pub(super) struct Contact {
     frame: FrameId,
     /// The point in its frame, m.
     p_FC: Vector3<f64>,
+    /// The point in its body, m.
+    p_BC: Vector3<f64>,
     plane: Vector3<f64>,
     normal: Unit<Vector3<f64>>,
     k: f64,
@@ -66,6 +68,10 @@ pub(super) struct Contact {
     c_t: f64,
     /// Whether there was contact at the start of the step: only then the anchor means something.
     pub(super) closed: bool,
+    /// Depth (m) and its rate (m/s) at the start of the step.
+    start: [f64; 2],
+    /// Whether the point was, in a step in which the contact is held open or closed, where it is not.
+    pub(super) grazed: bool,
     pub(super) truth: ContactTruth,
 }
 
@@ -75,12 +81,14 @@ impl Contact {
         (wall, config): (usize, &WallConfig),
         model: &Model,
     ) -> Self {
+        let carrier = &model.frames()[frame.index()];
         Self {
             point,
             wall,
-            body: model.frames()[frame.index()].body,
+            body: carrier.body,
             frame,
             p_FC,
+            p_BC: (carrier.X_BF * Point3::from(p_FC)).coords,
             plane: Vector3::from(config.point),
             normal: Unit::new_normalize(Vector3::from(config.normal)),
             k: config.stiffness,
@@ -90,6 +98,8 @@ impl Contact {
             k_t: config.tangential_stiffness(),
             c_t: config.tangential_damping(),
             closed: false,
+            start: [0.0; 2],
+            grazed: false,
             truth: ContactTruth {
                 in_contact: false,
                 penetration: 0.0,
@@ -136,16 +146,35 @@ impl Contact {
             w_WF,
         } = frame_motion(model, data, self.frame);
         let arm = R_WF * self.p_FC;
-        let x = p_WF + arm;
-        let v = v_WF + w_WF.cross(&arm);
-        let depth = -self.normal.dot(&(x - self.plane));
-        let truth = &mut self.truth;
-        truth.p_WC = x;
-        truth.v_WC = v;
-        truth.penetration = depth;
+        let depth = self.place(p_WF + arm, v_WF + w_WF.cross(&arm));
         // A NaN goes on into the forces: it must not look like free space.
-        truth.in_contact = depth > 0.0 || depth.is_nan();
-        if !truth.in_contact {
+        self.press(depth > 0.0 || depth.is_nan(), anchor);
+    }
+
+    /// Like [`Contact::evaluate`] with the contact open or closed as at the start of the step, wherever the point is
+    /// now: within a step nothing jumps. A closed one goes on a little before the surface, with a force that is zero
+    /// there or gets so.
+    pub(super) fn evaluate_held(&mut self, data: &Data, anchor: &Vector3<f64>) {
+        let PointMotion { p_WQ, v_WQ } = point_motion(data, self.body, &self.p_BC);
+        self.grazed |= (self.place(p_WQ, v_WQ) > 0.0) != self.closed;
+        self.press(self.closed, anchor);
+    }
+
+    /// Notes where the point is, and says how deep behind the surface.
+    fn place(&mut self, x: Vector3<f64>, v: Vector3<f64>) -> f64 {
+        let depth = -self.normal.dot(&(x - self.plane));
+        self.truth.p_WC = x;
+        self.truth.v_WC = v;
+        self.truth.penetration = depth;
+        depth
+    }
+
+    /// The forces where the point is.
+    fn press(&mut self, in_contact: bool, anchor: &Vector3<f64>) {
+        let truth = &mut self.truth;
+        let (x, v, depth) = (truth.p_WC, truth.v_WC, truth.penetration);
+        truth.in_contact = in_contact;
+        if !in_contact {
             truth.force_W = Vector3::zeros();
             truth.normal_force = 0.0;
             truth.slipping = false;
@@ -198,6 +227,80 @@ impl Contact {
             *anchor = x;
             return false;
         }
+        self.put_back(anchor)
+    }
+
+    /// `ȧ`, m/s, after [`Contact::evaluate_held`]: the anchor of an open contact waits for the next touch.
+    pub(super) fn anchor_rate_held(&self) -> Vector3<f64> {
+        self.truth.slip_velocity_W
+    }
+
+    /// Remembers where a step starts.
+    pub(super) fn start_step(&mut self) {
+        self.start = self.depth();
+    }
+
+    /// Depth, m, and its rate, m/s.
+    fn depth(&self) -> [f64; 2] {
+        let truth = &self.truth;
+        [truth.penetration, -self.normal.dot(&truth.v_WC)]
+    }
+
+    /// When, in a step of `h` s whose end was evaluated, the point goes through the surface, as far as its depths and
+    /// their rates at both ends say; `h` if it is within `margin` (m) of the surface at the end, none if it stays where
+    /// it was.
+    pub(super) fn crossing(&self, h: f64, margin: f64) -> Option<f64> {
+        let sign = if self.closed { -1.0 } else { 1.0 };
+        let [start, start_rate] = self.start.map(|x| sign * x);
+        let [end, end_rate] = self.depth().map(|x| sign * x);
+        let is_through = if self.closed { end >= 0.0 } else { end > 0.0 };
+        if !is_through {
+            return None;
+        }
+        if end <= margin {
+            return Some(h);
+        }
+        // A cubic from end to end; it ends behind the surface.
+        let through = |s: f64| {
+            let (rise, bend) = (s * s * (3.0 - 2.0 * s), s * (1.0 - s));
+            let rates = bend * h * ((1.0 - s) * start_rate - s * end_rate);
+            start + rise * (end - start) + rates > 0.5 * margin
+        };
+        let (mut before, mut after) = (0.0, 1.0);
+        for _ in 0..50 {
+            let middle = 0.5 * (before + after);
+            if through(middle) {
+                after = middle;
+            } else {
+                before = middle;
+            }
+        }
+        Some(after * h)
+    }
+
+    /// How far the anchor is outside the friction cone, m.
+    pub(super) fn excess(&self, anchor: &Vector3<f64>) -> f64 {
+        if !self.truth.slipping {
+            return 0.0;
+        }
+        let s = self.tangential(&(self.truth.p_WC - anchor));
+        s.norm() - self.mu * self.truth.normal_force / self.k_t
+    }
+
+    /// Like [`Contact::settle`] after [`Contact::evaluate_held`]: an anchor starts at the point that touches.
+    pub(super) fn settle_held(&mut self, anchor: &mut Vector3<f64>) -> bool {
+        let (depth, was_closed) = (self.truth.penetration, self.closed);
+        self.closed = depth > 0.0 || depth.is_nan();
+        if self.closed != was_closed {
+            *anchor = self.truth.p_WC;
+            return true;
+        }
+        self.closed && self.put_back(anchor)
+    }
+
+    /// Puts the anchor on the friction cone; says whether it was outside.
+    fn put_back(&self, anchor: &mut Vector3<f64>) -> bool {
+        let x = self.truth.p_WC;
         let s = self.tangential(&(x - *anchor));
         let (spring, most) = (self.k_t * s.norm(), self.mu * self.truth.normal_force);
         let outside = spring > most;

@@ -51,6 +51,11 @@ impl Layout {
         &x[self.thrusts..self.anchors]
     }
 
+    /// Whether this entry is the thrust of a rotor.
+    pub(super) fn is_thrust(&self, entry: usize) -> bool {
+        (self.thrusts..self.anchors).contains(&entry)
+    }
+
     pub(super) fn thrusts_mut<'a>(&self, x: &'a mut [f64]) -> &'a mut [f64] {
         &mut x[self.thrusts..self.anchors]
     }
@@ -86,10 +91,18 @@ impl Layout {
             .copy_from_slice(&x[self.velocity()..self.thrusts]);
     }
 
-    /// Scales the quaternion to unit length.
-    pub(super) fn normalise(x: &mut [f64]) {
+    /// Scales the quaternion to unit length; says how long it was.
+    pub(super) fn normalise(x: &mut [f64]) -> f64 {
         let norm = quaternion(x).norm();
         for part in &mut x[QUATERNION..JOINTS] {
+            *part /= norm;
+        }
+        norm
+    }
+
+    /// Scales the quaternion's derivative like a quaternion of that length when it is normalised.
+    pub(super) fn scale_turn(dx: &mut [f64], norm: f64) {
+        for part in &mut dx[QUATERNION..JOINTS] {
             *part /= norm;
         }
     }

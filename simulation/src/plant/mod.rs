@@ -10,6 +10,9 @@
 //! anchors. After each step contacts are opened and closed and anchors put back on the friction cone; a
 //! disturbance is on or off for whole steps. Between two such events the order is four.
 //!
+//! With a [`tolerance`](PlantConfig::tolerance) steps are as long as that allows, up to a whole period, and events are
+//! where they are and not at the end of a fixed step.
+//!
 //! Nothing allocates after [`Plant::new`].
 #![allow(non_snake_case)]
 
@@ -17,12 +20,14 @@ mod build;
 mod command;
 mod config;
 mod contact;
+mod controlled;
 mod error;
 mod joint;
 mod layout;
 mod mismatch;
 mod rates;
 mod rotor;
+mod tableau;
 
 use nalgebra::{DVector, Point3, Vector3, Vector6};
 use wbqp::{
@@ -41,9 +46,10 @@ pub use contact::ContactTruth;
 pub use error::PlantError;
 
 use contact::Contact;
+use controlled::{Middle, Pace};
 use joint::JointPlant;
 use layout::Layout;
-use rotor::RotorPlant;
+use rotor::{RotorGroup, RotorPlant};
 
 /// Farther from the world's origin than this (m) a plant has diverged.
 const FARTHEST: f64 = 100.0;
@@ -87,6 +93,8 @@ pub struct Plant {
     robot: RobotModel,
     config: PlantConfig,
     rotors: Vec<RotorPlant>,
+    /// The same by body.
+    groups: Vec<RotorGroup>,
     joints: Vec<JointPlant>,
     contacts: Vec<Contact>,
     disturbances: Vec<ActiveDisturbance>,
@@ -103,6 +111,10 @@ pub struct Plant {
     /// `ẋ` at `x` under `command` and the disturbances of now.
     rates: Vec<f64>,
     work: Work,
+    /// Of error-controlled steps; taken while it is in use.
+    middle: Option<Box<Middle>>,
+    pace: Pace,
+    within_step: bool,
     data: Data,
     wrenches: Wrenches,
     drives: Vec<JointDrive>,
@@ -118,10 +130,13 @@ struct Work {
     x: Vec<f64>,
     k: Vec<f64>,
     sum: Vec<f64>,
+    /// Derivatives, one after the other, of an error-controlled step.
+    stages: Vec<f64>,
 }
 
 impl Plant {
-    /// Advances by `duration` s with the command held, in equal steps no longer than the configured one.
+    /// Advances by `duration` s with the command held, in equal steps no longer than the configured one, or in
+    /// error-controlled ones if a tolerance is configured.
     ///
     /// A plant that has diverged only counts the time.
     ///
@@ -132,7 +147,9 @@ impl Plant {
     }
 
     /// Like [`Plant::advance`], calling `observe` after every integration step: what sensors with filters
-    /// ([`Sensors::observe`](crate::Sensors::observe)) and recorders need.
+    /// ([`Sensors::observe`](crate::Sensors::observe)) and recorders need. Of an error-controlled step with a contact
+    /// the middle is shown as well ([`Plant::is_within_step`]; accelerations and efforts are those of the end then), and
+    /// where a contact opens or closes the end twice, before and after.
     ///
     /// # Errors
     /// A command of another size, or a duration that is negative or not finite.
@@ -147,6 +164,12 @@ impl Plant {
             return Err(PlantError::Duration(duration));
         }
         self.command.copy_from(command);
+        if let Some(tolerance) = self.config.tolerance {
+            let end = self.time + duration;
+            self.advance_controlled(duration, tolerance, &mut observe);
+            self.time = end;
+            return Ok(());
+        }
         let steps = (duration / self.config.step - CLOCK).ceil().max(0.0);
         let (start, step) = (self.time, duration / steps.max(1.0));
         // The rates kept from the last step belong to the last command.
@@ -231,6 +254,11 @@ impl Plant {
     /// The configuration it was made with.
     pub fn config(&self) -> &PlantConfig {
         &self.config
+    }
+
+    /// Whether this is inside an error-controlled step, of which the end is shown next.
+    pub fn is_within_step(&self) -> bool {
+        self.within_step
     }
 
     /// Configuration and velocity.

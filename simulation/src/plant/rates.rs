@@ -1,6 +1,8 @@
 //! The right-hand side `ẋ` and one step of the integrator.
 
-use wbqp::dynamics::forward_dynamics;
+use wbqp::dynamics::{Data, JointDrive, Wrenches, forward_dynamics, forward_dynamics_of_servos};
+use wbqp::model::Model;
+use wbqp::nalgebra::DVector;
 
 use super::{CLOCK, Plant, has_diverged, layout::Layout};
 
@@ -8,6 +10,10 @@ use super::{CLOCK, Plant, has_diverged, layout::Layout};
 const STAGES: [f64; 3] = [0.5, 0.5, 1.0];
 /// Weights of the first to the third stage, times 6; the fourth is 1.
 const WEIGHTS: [f64; 3] = [1.0, 2.0, 2.0];
+
+/// A way to solve the equations of motion: [`forward_dynamics`] or one like it.
+type Dynamics =
+    fn(&Model, &mut Data, &[JointDrive], &Wrenches, &mut DVector<f64>, &mut DVector<f64>);
 
 impl Plant {
     /// One step of `h` s that ends at `end`. Needs `rates` at `x`, and leaves them so.
@@ -47,13 +53,18 @@ impl Plant {
             self.settle_contacts(&mut x);
         }
         self.evaluate_rates(&x, &mut rates);
-        self.diverged |= !(within(&x) && within(&rates[..3])) || has_diverged(&self.state);
         self.x = x;
         self.rates = rates;
+        self.note_divergence();
+    }
+
+    pub(super) fn note_divergence(&mut self) {
+        let finite = within(&self.x) && within(&self.rates[..3]);
+        self.diverged |= !finite || has_diverged(&self.state);
     }
 
     /// Kinematics at `x`.
-    fn place(&mut self, x: &[f64]) {
+    pub(super) fn place(&mut self, x: &[f64]) {
         self.layout.decode(x, &mut self.state);
         self.data.update_kinematics(&self.robot.model, &self.state);
     }
@@ -86,6 +97,31 @@ impl Plant {
         for (rotor, &thrust) in self.rotors.iter().zip(thrusts) {
             rotor.push(model, &self.data, thrust, &mut self.wrenches);
         }
+        self.push_environment();
+        self.fill_rates(x, dx, forward_dynamics);
+        for (i, contact) in self.contacts.iter().enumerate() {
+            self.layout.set_anchor(dx, i, &contact.anchor_rate());
+        }
+    }
+
+    /// The same with the wrenches of all rotors of a body in one sum, and anchors that stay where contacts are open:
+    /// what [`Contact::evaluate_held`](super::contact::Contact::evaluate_held) goes with.
+    pub(super) fn evaluate_rates_quickly(&mut self, x: &[f64], dx: &mut [f64]) {
+        self.wrenches.clear();
+        let thrusts = self.layout.thrusts(x);
+        for group in &self.groups {
+            group.push(&self.data, thrusts, &mut self.wrenches);
+        }
+        self.push_environment();
+        self.fill_rates(x, dx, forward_dynamics_of_servos);
+        for (i, contact) in self.contacts.iter().enumerate() {
+            self.layout.set_anchor(dx, i, &contact.anchor_rate_held());
+        }
+    }
+
+    /// Adds the wrenches of contacts, disturbances and hands.
+    fn push_environment(&mut self) {
+        let model = &self.robot.model;
         for contact in &self.contacts {
             let truth = &contact.truth;
             if truth.in_contact {
@@ -112,7 +148,11 @@ impl Plant {
             self.wrenches
                 .add_force(&self.data, pull.body, &p_WP, &pull.force);
         }
-        self.solve();
+    }
+
+    /// `ẋ` under all wrenches but for the anchors.
+    fn fill_rates(&mut self, x: &[f64], dx: &mut [f64], dynamics: Dynamics) {
+        self.solve(dynamics);
         self.layout.rigid_rates(x, self.vdot.as_slice(), dx);
         for ((rate, rotor), &thrust) in self
             .layout
@@ -123,14 +163,11 @@ impl Plant {
         {
             *rate = rotor.rate(thrust, self.command.values()[rotor.actuator]);
         }
-        for (i, contact) in self.contacts.iter().enumerate() {
-            self.layout.set_anchor(dx, i, &contact.anchor_rate());
-        }
     }
 
     /// Accelerations and efforts. A servo that would need more than its stall effort is driven by that effort
     /// instead and everything is solved again, at most once per joint.
-    fn solve(&mut self) {
+    fn solve(&mut self, dynamics: Dynamics) {
         let offset = self.robot.model.joint_offset();
         let command = self.command.values();
         for (i, joint) in self.joints.iter().enumerate() {
@@ -140,7 +177,7 @@ impl Plant {
             self.stalled[i] = false;
         }
         for _ in 0..=self.joints.len() {
-            forward_dynamics(
+            dynamics(
                 &self.robot.model,
                 &mut self.data,
                 &self.drives,

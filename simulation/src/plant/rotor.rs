@@ -97,4 +97,58 @@ impl RotorPlant {
         let moment = force * self.moment;
         wrenches.add_wrench(data, self.body, &at.p_WF, &force, &moment);
     }
+
+    /// Wrench per N of thrust on the body about its origin, body axes.
+    fn unit_wrench(&self, model: &Model) -> UnitWrench {
+        let X_BF = &model.frames()[self.frame.index()].X_BF;
+        let z = X_BF.rotation * Vector3::z();
+        UnitWrench {
+            force: z,
+            moment: X_BF.translation.vector.cross(&z) + z * self.moment,
+        }
+    }
+}
+
+/// What a rotor does to its body per N of thrust.
+#[derive(Clone, Copy, Debug)]
+struct UnitWrench {
+    force: Vector3<f64>,
+    /// m
+    moment: Vector3<f64>,
+}
+
+/// All rotors of one body.
+#[derive(Clone, Debug)]
+pub(super) struct RotorGroup {
+    body: BodyId,
+    /// With their places among all rotors.
+    rotors: Vec<(usize, UnitWrench)>,
+}
+
+impl RotorGroup {
+    /// Rotors by the bodies that they are on.
+    pub(super) fn all(rotors: &[RotorPlant], model: &Model) -> Vec<Self> {
+        let mut groups: Vec<Self> = Vec::new();
+        for (i, rotor) in rotors.iter().enumerate() {
+            let wrench = (i, rotor.unit_wrench(model));
+            match groups.iter_mut().find(|group| group.body == rotor.body) {
+                Some(group) => group.rotors.push(wrench),
+                None => groups.push(Self {
+                    body: rotor.body,
+                    rotors: vec![wrench],
+                }),
+            }
+        }
+        groups
+    }
+
+    /// Adds the wrench of its propellers.
+    pub(super) fn push(&self, data: &Data, thrusts: &[f64], wrenches: &mut Wrenches) {
+        let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
+        for (i, unit) in &self.rotors {
+            force += unit.force * thrusts[*i];
+            moment += unit.moment * thrusts[*i];
+        }
+        wrenches.add_body_wrench(data, self.body, &force, &moment);
+    }
 }

@@ -21,8 +21,8 @@ use wbqp::{
 };
 
 use super::{
-    Event, ScenarioError,
-    check::{Common, Groups, Known},
+    Event, ScenarioError, Variation,
+    check::{Common, Groups, Known, Robots},
     file::{CaseFile, Keys, Text},
     push::Asked,
 };
@@ -42,6 +42,9 @@ pub struct Case {
     sensors: SensorsConfig,
     detectors: Vec<Detector>,
     events: Vec<Event>,
+    variation: Arc<Variation>,
+    /// Robots that are there already, if they are to be used.
+    robots: Option<Arc<Robots>>,
     /// Where the detectors and the events are in the text.
     places: [Vec<Range<usize>>; 2],
 }
@@ -61,7 +64,12 @@ pub struct Initial {
 }
 
 impl Case {
-    pub(super) fn new(case: CaseFile, file: &str, directory: &Path) -> Self {
+    pub(super) fn new(
+        case: CaseFile,
+        file: &str,
+        directory: &Path,
+        variation: &Arc<Variation>,
+    ) -> Self {
         let Keys {
             controller,
             duration,
@@ -87,13 +95,26 @@ impl Case {
             sensors,
             detectors: detectors.into_iter().map(Spanned::into_inner).collect(),
             events: events.into_iter().map(Spanned::into_inner).collect(),
+            variation: variation.clone(),
+            robots: None,
             places,
         }
+    }
+
+    /// The same whose controllers take their robots from there.
+    pub(super) fn with_robots(mut self, robots: &Arc<Robots>) -> Self {
+        self.robots = Some(robots.clone());
+        self
     }
 
     /// Its name.
     pub fn name(&self) -> &str {
         &self.name
+    }
+
+    /// What differs from the scenario's file, beside the case's own changes.
+    pub fn variation(&self) -> &Variation {
+        &self.variation
     }
 
     /// The scenario's file, as errors call it.
@@ -179,7 +200,13 @@ impl Case {
     /// # Errors
     /// [`ScenarioError::Controller`] if it does not fit the robot.
     pub fn make_controller(&self, config: ControllerConfig) -> Result<Controller, ScenarioError> {
-        Controller::new(config).map_err(|source| self.controller_error(source))
+        let made = match &self.robots {
+            Some(robots) => robots
+                .load(&config)
+                .and_then(|robot| Controller::with_robot(config, robot)),
+            None => Controller::new(config),
+        };
+        made.map_err(|source| self.controller_error(source))
     }
 
     /// The plant, in its initial state, with the rotors at rest.

@@ -71,7 +71,7 @@ fn locked<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
 
 /// The cases of a scenario by what they ask of the controller's file: those that ask the same have one controller.
 pub(super) struct Groups<'a> {
-    robots: Robots,
+    robots: Arc<Robots>,
     /// By case.
     group_of: Vec<usize>,
     /// What each has, while there are cases that want it.
@@ -107,7 +107,7 @@ pub(super) struct Known {
 }
 
 impl<'a> Groups<'a> {
-    pub(super) fn new(cases: &[Case], note: Note<'a>) -> Self {
+    pub(super) fn new(cases: &[Case], robots: &Arc<Robots>, note: Note<'a>) -> Self {
         let mut groups: Vec<Mutex<Group>> = Vec::new();
         let mut known = HashMap::new();
         let mut group_of = Vec::new();
@@ -125,7 +125,7 @@ impl<'a> Groups<'a> {
             group_of.push(group);
         }
         Self {
-            robots: Robots::default(),
+            robots: robots.clone(),
             group_of,
             list: groups,
             note,
@@ -204,11 +204,11 @@ impl Common {
 
 /// The robots that the controllers of the cases name, the last of them.
 #[derive(Debug, Default)]
-struct Robots(Mutex<Vec<(String, RobotModel)>>);
+pub(super) struct Robots(Mutex<Vec<(String, RobotModel)>>);
 
 impl Robots {
     /// The robot of a configuration.
-    fn load(&self, config: &ControllerConfig) -> Result<RobotModel, ControllerError> {
+    pub(super) fn load(&self, config: &ControllerConfig) -> Result<RobotModel, ControllerError> {
         let key = serde_json::to_string(&(&config.robot, &config.directory)).ok();
         let known = |key: &String| {
             let robots = locked(&self.0);

@@ -261,6 +261,26 @@ impl<'a> Text<'a> {
 
     /// Reads every case.
     pub(super) fn cases(&self, variation: &Variation) -> Result<Vec<CaseFile>, ScenarioError> {
+        let cases = self.cases_that(variation, |_| true)?;
+        Ok(cases.into_iter().map(|(_, case)| case).collect())
+    }
+
+    /// Reads the case of a name, with its place among all.
+    pub(super) fn case(
+        &self,
+        variation: &Variation,
+        name: &str,
+    ) -> Result<Option<(usize, CaseFile)>, ScenarioError> {
+        let cases = self.cases_that(variation, |case| case == name)?;
+        Ok(cases.into_iter().next())
+    }
+
+    /// Reads those with certain names.
+    fn cases_that(
+        &self,
+        variation: &Variation,
+        is_wanted: impl Fn(&str) -> bool,
+    ) -> Result<Vec<(usize, CaseFile)>, ScenarioError> {
         let varied = DeTable::parse(&self.changes).map_err(|e| self.error(&e))?;
         let Cases {
             span,
@@ -279,7 +299,10 @@ impl<'a> Text<'a> {
             self.keys(span, root)?;
             return Ok(read);
         }
-        for (case, own) in cases.iter().zip(changes) {
+        for (index, (case, own)) in cases.iter().zip(changes).enumerate() {
+            if !is_wanted(&case.name) {
+                continue;
+            }
             let own = own.and_then(|own| match own {
                 Change::Read(own) => Some(own),
                 Change::Part(part) => self.part(part)?.remove("change"),
@@ -301,12 +324,13 @@ impl<'a> Text<'a> {
             for each in variation.overrides() {
                 set.push(each.target.clone(), &each.key, each.value.clone());
             }
-            read.push(CaseFile {
+            let file = CaseFile {
                 name: case.name.clone(),
                 is_changed: own.is_some(),
                 set,
                 keys: self.keys(span.clone(), root)?,
-            });
+            };
+            read.push((index, file));
         }
         Ok(read)
     }

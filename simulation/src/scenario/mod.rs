@@ -65,11 +65,12 @@ pub use variation::Variation;
 use std::{
     collections::HashMap,
     path::{Path, PathBuf},
+    sync::Arc,
 };
 
 use wbqp::{config::ControllerConfig, input, robot::SourceFile, suggestion::suggestion};
 
-use check::Groups;
+use check::{Groups, Robots};
 use file::{CaseFile, Text};
 
 /// A loaded and checked scenario.
@@ -78,8 +79,12 @@ pub struct Scenario {
     name: String,
     directory: PathBuf,
     source: SourceFile,
-    variation: Variation,
+    variation: Arc<Variation>,
     cases: Vec<Case>,
+    /// Those of the cases, as they were when it was loaded.
+    robots: Arc<Robots>,
+    /// Whether what is wrong with the first case is wrong with the file.
+    first_is_plain: bool,
 }
 
 impl Scenario {
@@ -157,8 +162,36 @@ impl Scenario {
     /// # Errors
     /// [`ScenarioError`] naming the place, or the value of the variation, and what is wrong.
     pub fn varied(&self, variation: &Variation) -> Result<Self, ScenarioError> {
-        let variation = self.variation.clone().then(variation);
+        let variation = self.variation_then(variation);
         Self::new(self.source.clone(), &self.directory, variation, &|_, _| {})
+    }
+
+    /// One case with other values, what a campaign of many runs asks for: what [`Scenario::varied`] would have under
+    /// that name, checked in the same way, with nothing done for the other cases. The files of robots that the scenario
+    /// named when it was loaded are not read again, neither here nor for the case's controllers
+    /// ([`Case::make_controller`]).
+    ///
+    /// # Errors
+    /// Those of [`Scenario::varied`] for this case, and [`ScenarioError::Value`] if there is none of that name.
+    pub fn varied_case(&self, name: &str, variation: &Variation) -> Result<Case, ScenarioError> {
+        self.case(name)?;
+        let variation = Arc::new(self.variation_then(variation));
+        let text = Text::new(&self.source.name, &self.source.contents, &variation);
+        let Some((index, file)) = text.case(&variation, name)? else {
+            // Its name was found above.
+            return self.case(name).cloned();
+        };
+        let case = Case::new(file, &self.source.name, &self.directory, &variation)
+            .with_robots(&self.robots);
+        let note: Note<'_> = &|_, _| {};
+        let groups = Groups::new(std::slice::from_ref(&case), &self.robots, note);
+        case.check(0, &text, &groups)
+            .map_err(|error| of_case(error, &case, index == 0 && self.first_is_plain))?;
+        Ok(case)
+    }
+
+    fn variation_then(&self, variation: &Variation) -> Variation {
+        Variation::clone(&self.variation).then(variation)
     }
 
     fn new(
@@ -180,34 +213,28 @@ impl Scenario {
             .unwrap_or_default();
         let first_is_plain = cases.first().is_some_and(|case| !case.is_changed);
         let cases = cases.into_iter();
+        let variation = Arc::new(variation);
         let checked: Vec<Case> = cases
-            .map(|case| Case::new(case, &source.name, directory))
+            .map(|case| Case::new(case, &source.name, directory, &variation))
             .collect();
-        let groups = Groups::new(&checked, note);
+        let robots = Arc::default();
+        let groups = Groups::new(&checked, &robots, note);
         check::all(&groups.order(), |index| {
             let Some(case) = checked.get(index) else {
                 return Ok(());
             };
             case.check(index, &text, &groups)
-                .map_err(|error| match error {
-                    error if index == 0 && first_is_plain => error,
-                    // These say so themselves.
-                    error @ (ScenarioError::Config { .. } | ScenarioError::Controller { .. }) => {
-                        error
-                    }
-                    error => ScenarioError::Case {
-                        file: source.name.clone(),
-                        case: case.name().to_owned(),
-                        source: Box::new(error),
-                    },
-                })
+                .map_err(|error| of_case(error, case, index == 0 && first_is_plain))
         })?;
+        drop(groups);
         Ok(Self {
             name,
             directory: directory.to_owned(),
             variation,
             cases: checked,
             source,
+            robots,
+            first_is_plain,
         })
     }
 
@@ -252,6 +279,20 @@ impl Scenario {
     /// [`ScenarioError`] if there is no such case or the configuration is refused.
     pub fn controller_config(&self, case: &str) -> Result<ControllerConfig, ScenarioError> {
         self.case(case)?.controller_config()
+    }
+}
+
+/// What is wrong with a case, which it says unless the file itself is as wrong.
+fn of_case(error: ScenarioError, case: &Case, is_the_file: bool) -> ScenarioError {
+    match error {
+        error if is_the_file => error,
+        // These say so themselves.
+        error @ (ScenarioError::Config { .. } | ScenarioError::Controller { .. }) => error,
+        error => ScenarioError::Case {
+            file: case.file().to_owned(),
+            case: case.name().to_owned(),
+            source: Box::new(error),
+        },
     }
 }
 

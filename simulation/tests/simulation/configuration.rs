@@ -72,6 +72,14 @@ fn every_number_that_cannot_be_is_refused_by_its_key() {
             "servo.acceleration_limit: is NaN, must be positive",
         ),
         (
+            refused(|c| c.tolerance = Some(0.0)),
+            "tolerance: is 0, must be from 1e-12 to 1e-3",
+        ),
+        (
+            refused(|c| c.tolerance = Some(nan)),
+            "tolerance: is NaN, must be from 1e-12 to 1e-3",
+        ),
+        (
             refused(|c| c.friction_speed = 0.0),
             "friction_speed: is 0, must be positive and finite",
         ),

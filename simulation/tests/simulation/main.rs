@@ -3,6 +3,7 @@
 mod actuators;
 mod common;
 mod configuration;
+mod controlled;
 mod hands;
 mod integration;
 mod sensors;

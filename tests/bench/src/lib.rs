@@ -11,6 +11,7 @@
 //! over it begins anew with other noise.
 
 pub mod command;
+pub mod plant;
 pub mod problems;
 mod quantiles;
 pub mod workload;

@@ -14,3 +14,4 @@ mod scenario_refusals;
 mod scenario_sharing;
 mod scenario_variants;
 mod short_configurations;
+mod varied_case;

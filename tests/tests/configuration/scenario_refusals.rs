@@ -108,7 +108,7 @@ fn unknown_keys() {
                `detector`, `event`, `case`";
     unknown("duration", "druation", "3:1", top);
     unknown("rpy", "rpx", "7:1", "one of `position`, `rpy`, `joints`");
-    let plant = "one of `step`, `command_delay`, `friction_speed`, `mismatch`, `servo`, `wall`, \
+    let plant = "one of `step`, `tolerance`, `command_delay`, `friction_speed`, `mismatch`, `servo`, `wall`, \
                  `contact_point`, `disturbance`";
     unknown("step =", "stop =", "13:1", plant);
     let base = "one of `position_sd`, `rotation_sd`, `linear_sd`, `angular_sd`, `velocity_cutoff`";

@@ -154,7 +154,7 @@ fn changes_of_what_is_not_there() {
     wrong(
         "change.plant.mismach.mass_scale = 2.0",
         14,
-        "unknown field `mismach`, expected one of `step`, `command_delay`, `friction_speed`, `mismatch`, \
+        "unknown field `mismach`, expected one of `step`, `tolerance`, `command_delay`, `friction_speed`, `mismatch`, \
          `servo`, `wall`, `contact_point`, `disturbance`",
     );
     wrong(

@@ -9,11 +9,11 @@ use std::fmt;
 use proptest::prelude::*;
 use wbqp::{
     dynamics::{
-        Data, FrameKinematics, JointDrive, Wrenches, energy, forward_dynamics, frame_motion,
-        inverse_dynamics,
+        Data, FrameKinematics, JointDrive, Wrenches, energy, forward_dynamics,
+        forward_dynamics_of_servos, frame_motion, inverse_dynamics, point_motion,
     },
     model::{Base, FrameId, Model},
-    nalgebra::{DVector, Quaternion, UnitQuaternion, Vector3, Vector6},
+    nalgebra::{DVector, Point3, Quaternion, UnitQuaternion, Vector3, Vector6},
     spatial,
     state::State,
 };
@@ -21,6 +21,9 @@ use wbqp_tests::{
     properties::cases,
     random_model::{Scatter, coupled_model, random_model, random_state},
 };
+
+/// Forward dynamics, of either kind.
+type Solve = fn(&Model, &mut Data, &[JointDrive], &Wrenches, &mut DVector<f64>, &mut DVector<f64>);
 
 /// A random tree and a random state of it.
 struct Case {
@@ -286,6 +289,55 @@ proptest! {
         let mut expected = DVector::zeros(nv);
         expected.rows_mut(offset, joints).copy_from(&effort);
         close(&tau, &expected, 1e-9)?;
+    }
+
+    /// With servos at all joints, or some, or none.
+    #[test]
+    fn servoed_robots_move_as_the_general_ones(Case { seed, model, state } in robots(), servos in 0.0..4.0) {
+        let mut data = Data::new(&model);
+        data.update_kinematics(&model, &state);
+        let mut s = Scatter::new(seed);
+        let (nv, joints) = (model.nv(), model.joints().len());
+        let drives: Vec<_> = (0..joints).map(|_| if s.chance(f64::min(servos, 1.0)) {
+            JointDrive::Acceleration(s.number(-20.0, 20.0))
+        } else {
+            JointDrive::Effort(s.number(-5.0, 5.0))
+        }).collect();
+        let [mut wrenches, mut of_bodies] = [(); 2].map(|()| Wrenches::new(&model));
+        for i in 0..=joints {
+            let body = model.body_id(i).expect("within the model");
+            let (point, force, moment) = (s.vector3(1.0), s.vector3(10.0), s.vector3(2.0));
+            wrenches.add_wrench(&data, body, &point, &force, &moment);
+            // The same in the body's own axes, about its origin.
+            let pose = data.body_pose(body);
+            let moment = moment + (point - pose.translation.vector).cross(&force);
+            let [force, moment] = [force, moment].map(|x| pose.rotation.inverse() * x);
+            of_bodies.add_body_wrench(&data, body, &force, &moment);
+            let at = point_motion(&data, body, &(pose.inverse() * Point3::from(point)).coords);
+            prop_assert!((at.p_WQ - point).norm() < 1e-12 * (1.0 + pose.translation.vector.norm()));
+        }
+        let solve = |data: &mut Data, wrenches: &Wrenches, dynamics: Solve| {
+            let (mut vdot, mut effort) = (DVector::zeros(nv), DVector::zeros(joints));
+            dynamics(&model, data, &drives, wrenches, &mut vdot, &mut effort);
+            (vdot, effort)
+        };
+        let (vdot, effort) = solve(&mut data, &wrenches, forward_dynamics);
+        let (own, own_effort) = solve(&mut data, &of_bodies, forward_dynamics_of_servos);
+        close(&own, &vdot, 1e-9)?;
+        close(&own_effort, &effort, 1e-9)?;
+    }
+
+    #[test]
+    fn a_point_of_a_body_moves_like_a_frame_there(Case { model, state, .. } in robots()) {
+        let mut data = Data::new(&model);
+        data.update_kinematics(&model, &state);
+        for frame in model.frames() {
+            let id = model.frame(&frame.name).expect("has it");
+            let at = frame_motion(&model, &data, id);
+            let own = point_motion(&data, frame.body, &frame.X_BF.translation.vector);
+            prop_assert!((own.p_WQ - at.p_WF).norm() < 1e-12 * (1.0 + at.p_WF.norm()));
+            prop_assert!((own.v_WQ - at.v_WF).norm() < 1e-12 * (1.0 + at.v_WF.norm()));
+        }
     }
 
     #[test]

@@ -2,6 +2,7 @@
 //! in their logs.
 
 mod active_limits;
+mod controlled_steps;
 mod levels;
 mod no_ft_error;
 mod push_and_slide;
