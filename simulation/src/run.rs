@@ -72,9 +72,23 @@ pub fn run_with(
     case: &str,
     seed: u64,
     sink: &mut dyn LogSink,
+    options: RunOptions<'_>,
+) -> Result<Summary, RunError> {
+    run_case(scenario, scenario.case(case)?, seed, sink, options)
+}
+
+/// Like [`run_with`], for a case of the scenario that is not as the scenario has it: of
+/// [`Scenario::varied_case`](crate::Scenario::varied_case).
+///
+/// # Errors
+/// Those of [`run_with`].
+pub fn run_case(
+    scenario: &Scenario,
+    case: &Case,
+    seed: u64,
+    sink: &mut dyn LogSink,
     mut options: RunOptions<'_>,
 ) -> Result<Summary, RunError> {
-    let case = scenario.case(case)?;
     let (mut controller, source) = CaseRun::controller(case)?;
     if options.dumps.is_some() {
         controller = controller

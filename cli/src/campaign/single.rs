@@ -6,7 +6,7 @@ use anyhow::{Context, Result, bail};
 use wbqp::replay::DumpFolder;
 use wbqp_campaign::{Campaign, Run};
 use wbqp_log::{LogSink, McapLog};
-use wbqp_sim::{RunOptions, SceneWatcher, run_with};
+use wbqp_sim::{RunOptions, SceneWatcher, run_case};
 use wbqp_terminal::say;
 
 /// The most dumps of ticks that a case writes.
@@ -63,11 +63,12 @@ fn folder(run: &Run) -> String {
 /// beside them, what the run changes in the scenario.
 pub(super) fn keep(campaign: &Campaign, run: &Run, with_log: bool, out: &Path) -> Result<()> {
     let folder = out.join(folder(run));
-    for (case, scenario) in campaign.scenarios(run) {
-        let path = folder.join(case);
+    let scenario = campaign.scenario(run);
+    for (name, case) in campaign.cases(run) {
+        let path = folder.join(name);
         fs::create_dir_all(&path).with_context(|| path.display().to_string())?;
-        let scenario = match scenario {
-            Ok(scenario) => scenario,
+        let case = match case {
+            Ok(case) => case,
             Err(why) => {
                 fs::write(path.join("refused.txt"), why + "\n")?;
                 continue;
@@ -86,11 +87,11 @@ pub(super) fn keep(campaign: &Campaign, run: &Run, with_log: bool, out: &Path) -
             watchers: vec![&mut scene],
             ..RunOptions::default()
         };
-        run_with(&scenario, case, run.seed, &mut *log, options)?;
+        run_case(scenario, &case, run.seed, &mut *log, options)?;
         log.finish()?;
-        let variation = scenario.variation().to_toml();
+        let variation = case.variation().to_toml();
         let text = format!(
-            "# wbqp run {} --case {case} --seed {}\n{variation}",
+            "# wbqp run {} --case {name} --seed {}\n{variation}",
             scenario.source().name,
             run.seed
         );

@@ -6,7 +6,9 @@ use serde::{Deserialize, Serialize};
 use wbqp::{robot::SourceFile, suggestion::suggestion};
 use wbqp_log::configuration_hash;
 use wbqp_measures::{Cases, Columns, MeasureError, Recording, Row, experiments};
-use wbqp_sim::{RunError, Scenario, ScenarioError, Summary, Variation};
+use wbqp_sim::{
+    RunError, RunOptions, Scenario, ScenarioError, Summary, Variation, run_case, scenario::Case,
+};
 
 use crate::plan::{Nominal, Plan, Rows, Run};
 
@@ -277,43 +279,45 @@ impl Campaign {
         outcome
     }
 
-    /// The scenario of a run with the values of its point, case by case.
+    /// The cases of a run with the values of its point.
     ///
     /// # Errors
-    /// A scenario that is refused with these values, in words.
-    pub fn scenarios<'a>(
+    /// A case that is refused with these values, in words.
+    pub fn cases<'a>(
         &'a self,
         run: &'a Run,
-    ) -> impl Iterator<Item = (&'a str, Result<Scenario, String>)> {
+    ) -> impl Iterator<Item = (&'a str, Result<Case, String>)> {
         let variant = &self.plan.variants()[run.variant];
         let cases = variant.cases().iter().zip(&self.nominals[run.variant]);
         cases.map(move |(case, nominal)| {
-            let varied = nominal
-                .changes(self.plan.factors(), &run.factors)
-                .and_then(|text| {
-                    let variation = Variation::from_toml(&text).map_err(|e| e.to_string())?;
-                    variant
-                        .scenario()
-                        .varied(&variation)
-                        .map_err(|e| e.to_string())
-                });
+            let changes = nominal.changes(self.plan.factors(), &run.factors);
+            let varied = changes.and_then(|text| {
+                let variation = Variation::from_toml(&text).map_err(|e| e.to_string())?;
+                let varied = variant.scenario().varied_case(case, &variation);
+                varied.map_err(|e| e.to_string())
+            });
             (case.as_str(), varied)
         })
+    }
+
+    /// The scenario of a run's variant.
+    pub fn scenario(&self, run: &Run) -> &Scenario {
+        self.plan.variants()[run.variant].scenario()
     }
 
     /// The rows of a run.
     fn rows(&self, run: &Run) -> Result<(Vec<Row>, Vec<Summary>), (Status, String)> {
         let mut recorded: Vec<Columns> = Vec::new();
         let mut summaries = Vec::new();
-        for (case, scenario) in self.scenarios(run) {
-            let scenario = scenario.map_err(|why| (Status::Refused, format!("{case}: {why}")))?;
-            let failed = |error: RunError| (Status::Failed, format!("{case}: {error}"));
-            let duration = scenario.case(case).map(wbqp_sim::scenario::Case::duration);
-            let mut columns = Columns::with_capacity(messages(duration.unwrap_or(0.0)));
-            let summary = wbqp_sim::run(&scenario, case, run.seed, &mut columns, &mut |_| ());
+        for (name, case) in self.cases(run) {
+            let case = case.map_err(|why| (Status::Refused, format!("{name}: {why}")))?;
+            let failed = |error: RunError| (Status::Failed, format!("{name}: {error}"));
+            let mut columns = Columns::with_capacity(messages(case.duration()));
+            let options = RunOptions::default();
+            let summary = run_case(self.scenario(run), &case, run.seed, &mut columns, options);
             let summary = summary.map_err(failed)?;
             if let Some(time) = summary.diverged {
-                let why = format!("{case}: the plant diverged at {time:.2} s");
+                let why = format!("{name}: the plant diverged at {time:.2} s");
                 return Err((Status::Diverged, why));
             }
             recorded.push(columns);

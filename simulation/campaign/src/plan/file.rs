@@ -35,6 +35,14 @@ pub(super) struct Keys {
     #[serde(default)]
     #[schemars(with = "Option<Vec<String>>")]
     pub(super) failure: Option<Spanned<Vec<String>>>,
+    /// Values put into the scenario's file in all variants, as in its cases.
+    #[serde(default)]
+    #[schemars(with = "BTreeMap<String, serde_json::Value>")]
+    pub(super) change: toml::Table,
+    /// Values put into the controller's file in all variants.
+    #[serde(default)]
+    #[schemars(with = "BTreeMap<String, serde_json::Value>")]
+    pub(super) set: toml::Table,
     /// What is compared: each point is run in every variant, with the same noise. Default: each case of the scenario.
     #[serde(default, rename = "variant")]
     #[schemars(with = "Vec<VariantKeys>")]
@@ -80,14 +88,12 @@ pub(super) struct VariantKeys {
     pub(super) set: toml::Table,
 }
 
-impl VariantKeys {
-    /// What it changes.
-    pub(super) fn variation(&self) -> Result<Variation, String> {
-        let mut table = toml::Table::new();
-        table.insert("change".into(), self.change.clone().into());
-        table.insert("set".into(), self.set.clone().into());
-        Variation::from_toml(&table.to_string()).map_err(|error| error.to_string())
-    }
+/// The values of two tables as a case has them.
+pub(super) fn variation(change: &toml::Table, set: &toml::Table) -> Result<Variation, String> {
+    let mut table = toml::Table::new();
+    table.insert("change".into(), change.clone().into());
+    table.insert("set".into(), set.clone().into());
+    Variation::from_toml(&table.to_string()).map_err(|error| error.to_string())
 }
 
 /// A quantity that is varied.

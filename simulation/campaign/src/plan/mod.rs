@@ -23,7 +23,7 @@ pub use file::{Reduction, Rows};
 pub use measure::Measure;
 pub use variant::Variant;
 
-use file::Keys;
+use file::{Keys, variation};
 pub(crate) use {design::Points, factor::Nominal};
 
 /// A checked plan.
@@ -100,7 +100,15 @@ impl Plan {
         };
         let at = |span: Range<usize>| move |what: String| refuse(span.clone(), what);
 
-        let base = scenario(&directory.join(&keys.scenario), name)?;
+        let common = variation(&keys.change, &keys.set).map_err(|message| PlanError::Value {
+            place: name.to_owned(),
+            what: message,
+        })?;
+        let base = Scenario::from_file_with(&directory.join(&keys.scenario), &common);
+        let base = base.map_err(|source| PlanError::Scenario {
+            of: name.to_owned(),
+            source: Box::new(source),
+        })?;
         let variants = Variant::all(&keys, &base, name, &refuse)?;
         let mut factors: Vec<Factor> = Vec::new();
         for entry in &keys.factors {
@@ -245,13 +253,6 @@ impl Plan {
             factors: vec![None; self.factors.len()],
         }
     }
-}
-
-fn scenario(path: &Path, plan: &str) -> Result<Scenario, PlanError> {
-    Scenario::from_file(path).map_err(|source| PlanError::Scenario {
-        of: plan.to_owned(),
-        source: Box::new(source),
-    })
 }
 
 /// Refuses a value at a place of the file.

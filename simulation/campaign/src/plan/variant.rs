@@ -2,7 +2,10 @@
 
 use wbqp_sim::{Scenario, ScenarioError, Variation};
 
-use super::{PlanError, Refuse, file::Keys};
+use super::{
+    PlanError, Refuse,
+    file::{Keys, variation},
+};
 
 /// Cases of the scenario, and what is changed in them.
 #[derive(Clone, Debug)]
@@ -46,7 +49,7 @@ impl Variant {
             for case in &keys.cases {
                 base.case(case).map_err(|error| refuse(error.to_string()))?;
             }
-            let variation = keys.variation().map_err(&refuse)?;
+            let variation = variation(&keys.change, &keys.set).map_err(&refuse)?;
             let scenario = if variation.is_empty() {
                 base.clone()
             } else {

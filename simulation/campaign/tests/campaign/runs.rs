@@ -58,8 +58,8 @@ scale = {{ values = [0.5] }}
     let runs = campaign.plan().runs(0..12);
     assert_eq!(runs.len(), 12);
     let case = |point: usize| {
-        let (case, scenario) = campaign.scenarios(&runs[2 * point]).next().unwrap();
-        scenario.unwrap().case(case).unwrap().clone()
+        let (_, case) = campaign.cases(&runs[2 * point]).next().unwrap();
+        case.unwrap()
     };
     let kp = |point: usize| {
         let text = case(point).controller_config().unwrap().to_toml().unwrap();
@@ -114,11 +114,11 @@ fn columns_have_what_the_log_has() {
     let folder = Folder::new();
     let campaign = folder.campaign("{ type = \"plain\" }");
     let runs = campaign.plan().runs(1..2);
-    let (case, scenario) = campaign.scenarios(&runs[0]).next().unwrap();
-    let scenario = scenario.unwrap();
+    let scenario = campaign.scenario(&runs[0]);
+    let (case, _) = campaign.cases(&runs[0]).next().unwrap();
     let (mut log, mut columns) = (Recorder::default(), Columns::default());
-    wbqp_sim::run(&scenario, case, 3, &mut log, &mut |_| ()).unwrap();
-    wbqp_sim::run(&scenario, case, 3, &mut columns, &mut |_| ()).unwrap();
+    wbqp_sim::run(scenario, case, 3, &mut log, &mut |_| ()).unwrap();
+    wbqp_sim::run(scenario, case, 3, &mut columns, &mut |_| ()).unwrap();
     let log = log.into_log();
     let mut compared = 0;
     for topic in log.topics() {
