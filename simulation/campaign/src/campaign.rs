@@ -1,6 +1,9 @@
 //! Runs the runs of a plan.
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::{
+    collections::BTreeSet,
+    panic::{AssertUnwindSafe, catch_unwind},
+};
 
 use serde::{Deserialize, Serialize};
 use wbqp::{robot::SourceFile, suggestion::suggestion};
@@ -19,6 +22,8 @@ pub struct Campaign {
     /// By variant and case.
     nominals: Vec<Vec<Nominal>>,
     columns: Vec<Column>,
+    /// The topics that the measures ask for; all, until that is known.
+    topics: Option<BTreeSet<String>>,
     fingerprint: String,
 }
 
@@ -58,6 +63,14 @@ pub struct Outcome {
     pub measured: Vec<Option<f64>>,
     /// By column; nothing for columns that are not judged, or not reached.
     pub verdicts: Vec<Option<bool>>,
+}
+
+/// A run that reached its end.
+struct Done {
+    rows: Vec<Row>,
+    /// By case.
+    summaries: Vec<Summary>,
+    recorded: Vec<Columns>,
 }
 
 /// How a run ended.
@@ -153,18 +166,21 @@ impl Campaign {
             plan,
             nominals,
             columns: Vec::new(),
+            topics: None,
             fingerprint,
         };
         campaign.check_factors()?;
+        let mut topics = BTreeSet::new();
         for (index, variant) in campaign.plan.variants().iter().enumerate() {
             let plain = |why: String| CampaignError::Plain {
                 plan: name.clone(),
                 variant: variant.name().to_owned(),
                 why,
             };
-            let rows = campaign.rows(&campaign.plan.plain(index));
-            let (rows, _) = rows.map_err(|(_, why)| plain(format!("does not do: {why}")))?;
-            let columns: Vec<Column> = rows.iter().map(column).collect();
+            let done = campaign.measured(&campaign.plan.plain(index), None);
+            let done = done.map_err(|(_, why)| plain(format!("does not do: {why}")))?;
+            topics.extend(done.recorded.iter().flat_map(Columns::asked));
+            let columns: Vec<Column> = done.rows.iter().map(column).collect();
             if index == 0 {
                 campaign.columns = columns;
             } else if columns != campaign.columns {
@@ -175,6 +191,7 @@ impl Campaign {
                 });
             }
         }
+        campaign.topics = Some(topics);
         campaign.choose_what_counts()?;
         Ok(campaign)
     }
@@ -245,8 +262,10 @@ impl Campaign {
     /// Does a run. Whatever happens in it is told, and is the end of this run alone.
     pub fn outcome(&self, run: &Run) -> Outcome {
         // Nothing is shared with a run but what it does not change.
-        let rows = catch_unwind(AssertUnwindSafe(|| self.rows(run)));
-        let rows = rows.unwrap_or_else(|panic| Err((Status::Failed, words_of(&*panic))));
+        let done = catch_unwind(AssertUnwindSafe(|| {
+            self.measured(run, self.topics.as_ref())
+        }));
+        let done = done.unwrap_or_else(|panic| Err((Status::Failed, words_of(&*panic))));
         let mut outcome = Outcome {
             run: run.number,
             status: Status::Completed,
@@ -257,12 +276,14 @@ impl Campaign {
             measured: vec![None; self.columns.len()],
             verdicts: vec![None; self.columns.len()],
         };
-        match rows {
+        match done {
             Err((status, why)) => {
                 outcome.status = status;
                 outcome.reason = Some(why);
             }
-            Ok((rows, summaries)) => {
+            Ok(Done {
+                rows, summaries, ..
+            }) => {
                 outcome.ticks = summaries.iter().map(|s| s.ticks as u64).sum();
                 outcome.held_ticks = summaries.iter().map(|s| s.held as u64).sum();
                 for (index, column) in self.columns.iter().enumerate() {
@@ -305,14 +326,21 @@ impl Campaign {
         self.plan.variants()[run.variant].scenario()
     }
 
-    /// The rows of a run.
-    fn rows(&self, run: &Run) -> Result<(Vec<Row>, Vec<Summary>), (Status, String)> {
+    /// Does a run and measures it, from these topics or from all.
+    fn measured(
+        &self,
+        run: &Run,
+        topics: Option<&BTreeSet<String>>,
+    ) -> Result<Done, (Status, String)> {
         let mut recorded: Vec<Columns> = Vec::new();
         let mut summaries = Vec::new();
-        for (name, case) in self.cases(run) {
+        for ((name, case), nominal) in self.cases(run).zip(&self.nominals[run.variant]) {
             let case = case.map_err(|why| (Status::Refused, format!("{name}: {why}")))?;
             let failed = |error: RunError| (Status::Failed, format!("{name}: {error}"));
-            let mut columns = Columns::with_capacity(messages(case.duration()));
+            let mut columns = Columns::with_capacity(nominal.ticks(&case));
+            if let Some(topics) = topics {
+                columns = columns.of_topics(topics.clone());
+            }
             let options = RunOptions::default();
             let summary = run_case(self.scenario(run), &case, run.seed, &mut columns, options);
             let summary = summary.map_err(failed)?;
@@ -323,12 +351,19 @@ impl Campaign {
             recorded.push(columns);
             summaries.push(summary);
         }
-        let measured = self.measured(run, &recorded);
-        let rows = measured.map_err(|error| (Status::Failed, error.to_string()))?;
-        Ok((rows, summaries))
+        match self.rows(run, &recorded) {
+            // What the plain runs did not ask for.
+            Err(MeasureError::Topic { .. }) if topics.is_some() => self.measured(run, None),
+            Err(error) => Err((Status::Failed, error.to_string())),
+            Ok(rows) => Ok(Done {
+                rows,
+                summaries,
+                recorded,
+            }),
+        }
     }
 
-    fn measured(&self, run: &Run, recorded: &[Columns]) -> Result<Vec<Row>, MeasureError> {
+    fn rows(&self, run: &Run, recorded: &[Columns]) -> Result<Vec<Row>, MeasureError> {
         let variant = &self.plan.variants()[run.variant];
         let names: Vec<&str> = variant.cases().iter().map(String::as_str).collect();
         let recordings = recorded.iter().map(|columns| columns as &dyn Recording);
@@ -350,11 +385,6 @@ impl Campaign {
         }
         Ok(rows)
     }
-}
-
-/// Messages of a topic for which there is room from the start: those of 1 kHz, and no more than a quarter of a million.
-fn messages(duration: f64) -> usize {
-    (1000.0 * duration).clamp(0.0, 250_000.0) as usize
 }
 
 fn column(row: &Row) -> Column {

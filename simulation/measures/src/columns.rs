@@ -1,6 +1,10 @@
 //! A run's numbers, taken while it goes on.
 
-use std::{collections::BTreeMap, fmt::Display};
+use std::{
+    cell::Cell,
+    collections::{BTreeMap, BTreeSet},
+    fmt::Display,
+};
 
 use serde_json::Value;
 use wbqp_log::{ChannelId, Fields, LogError, LogSink};
@@ -16,6 +20,8 @@ pub struct Columns {
     header: Header,
     /// Messages of a topic for which there is room from the start.
     capacity: usize,
+    /// The topics that are kept; all if nothing is said.
+    kept: Option<BTreeSet<String>>,
     /// Takes messages of no use.
     nowhere: Nowhere,
 }
@@ -25,6 +31,8 @@ pub struct Columns {
 struct Topic {
     name: String,
     is_kept: bool,
+    /// Whether somebody has asked for it.
+    is_asked: Cell<bool>,
     times: Vec<f64>,
     /// Objects and numbers in the order in which the first message had them: what is inside an object follows it.
     nodes: Vec<Node>,
@@ -54,9 +62,22 @@ impl Columns {
         }
     }
 
+    /// Keeps these topics alone.
+    pub fn of_topics(mut self, topics: BTreeSet<String>) -> Self {
+        self.kept = Some(topics);
+        self
+    }
+
+    /// The topics that somebody has asked for so far.
+    pub fn asked(&self) -> BTreeSet<String> {
+        let asked = self.topics.iter().filter(|topic| topic.is_asked.get());
+        asked.map(|topic| topic.name.clone()).collect()
+    }
+
     fn topic(&self, topic: &str) -> Result<&Topic, MeasureError> {
         let written = || self.topics.iter().filter(|t| !t.times.is_empty());
         let found = written().find(|t| t.name == topic);
+        let found = found.inspect(|topic| topic.is_asked.set(true));
         found.ok_or_else(|| MeasureError::Topic {
             topic: topic.to_owned(),
             known: written()
@@ -70,6 +91,7 @@ impl Columns {
         if self.topics.iter().any(|t| t.name == topic) {
             return Err(LogError::Topic(topic.to_owned()));
         }
+        let is_kept = is_kept && self.kept.as_ref().is_none_or(|kept| kept.contains(topic));
         self.topics.push(Topic {
             name: topic.to_owned(),
             is_kept,

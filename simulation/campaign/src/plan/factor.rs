@@ -206,6 +206,8 @@ impl Path {
 pub(crate) struct Nominal {
     scenario: Table,
     controller: Table,
+    /// The controller's, Hz.
+    rate: f64,
 }
 
 /// Values of a case that differ from its own, in the order in which they were changed.
@@ -223,7 +225,13 @@ impl Nominal {
         Ok(Self {
             scenario: case.values(),
             controller: controller.unwrap_or_default(),
+            rate: config.settings.rate,
         })
+    }
+
+    /// Control periods of a case like this one, and no more than a million.
+    pub(crate) fn ticks(&self, case: &Case) -> usize {
+        case.ticks(self.rate).min(1_000_000)
     }
 
     /// The value at a key such as `change.plant.wall.NAME.friction`.
