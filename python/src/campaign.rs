@@ -15,7 +15,9 @@ use pyo3::{
     types::{PyDict, PyList},
 };
 use rayon::prelude::*;
-use wbqp_campaign::{Campaign, Outcome, Part, Plan, PlanError, Run, Shard, ShardError, table};
+use wbqp_campaign::{
+    Campaign, Factor, Outcome, Part, Plan, PlanError, Run, Shard, ShardError, Variant, table,
+};
 
 use crate::{config::refused_text, simulate::variation};
 
@@ -65,7 +67,7 @@ fn listening<T: Send>(
             while !worker.is_finished() {
                 thread::sleep(PATIENCE);
                 if raised.is_none() {
-                    raised = Python::attach(|py| py.check_signals()).err();
+                    raised = Python::attach(pyo3::Python::check_signals).err();
                     stop.store(raised.is_some(), Ordering::Relaxed);
                 }
             }
@@ -81,16 +83,16 @@ fn listening<T: Send>(
 
 /// What a plan has: `name`, `runs`, `points`, `variants`, `factors`, `measures`.
 #[pyfunction]
-pub(crate) fn _campaign_plan<'py>(py: Python<'py>, path: PathBuf) -> PyResult<Bound<'py, PyDict>> {
+pub(crate) fn _campaign_plan(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyDict>> {
     let campaign = campaign(py, &path, None, None)?;
     let plan = campaign.plan();
     let dict = PyDict::new(py);
     dict.set_item("name", plan.name())?;
     dict.set_item("runs", plan.len())?;
     dict.set_item("points", plan.points())?;
-    let names: Vec<&str> = plan.variants().iter().map(|v| v.name()).collect();
+    let names: Vec<&str> = plan.variants().iter().map(Variant::name).collect();
     dict.set_item("variants", names)?;
-    let names: Vec<&str> = plan.factors().iter().map(|f| f.name()).collect();
+    let names: Vec<&str> = plan.factors().iter().map(Factor::name).collect();
     dict.set_item("factors", names)?;
     let measures = PyList::empty(py);
     for column in campaign.columns() {

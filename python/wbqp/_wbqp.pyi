@@ -447,6 +447,19 @@ def _simulate(
     progress: Callable[[float], None] | None = None,
 ) -> tuple[_Log, dict[str, Any]]: ...
 
+def _campaign_plan(path: _Path) -> dict[str, Any]: ...
+def _campaign_shard(
+    path: _Path, index: int, of: int, directory: _Path, limit: int | None = None, jobs: int = 1
+) -> _Path: ...
+def _campaign_merge(directory: _Path, to: _Path) -> None: ...
+def _campaign_outcomes(
+    path: _Path,
+    set: dict[str, Any] | None = None,
+    change: dict[str, Any] | None = None,
+    limit: int | None = None,
+    jobs: int = 0,
+) -> dict[str, Any]: ...
+
 @final
 class CaseRun:
     def __new__(

@@ -1,0 +1,91 @@
+"""Campaigns give the same results however they are run."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import wbqp
+from wbqp import campaign
+
+PLAN = """
+name = "push"
+scenario = "SCENARIO"
+design = { type = "DESIGN", base = 4 }
+change.plant.tolerance = 1e-6
+
+[[variant]]
+name = "away"
+cases = ["free"]
+
+[[factor]]
+name = "mass"
+path = "change.plant.mismatch.mass_scale"
+scale = { uniform = [0.95, 1.05] }
+
+[[factor]]
+name = "servo"
+path = "change.plant.servo.time_constant"
+scale = { uniform = [0.5, 1.5] }
+
+[[measure]]
+name = "farthest"
+signals = { x = "/plant.base.position.x" }
+reduce = "max_abs"
+unit = "m"
+at_most = 10.0
+"""
+
+
+@pytest.fixture
+def plan(tmp_path: Path) -> Path:
+    scenario = wbqp.scenarios()["push_away"]
+    text = PLAN.replace("SCENARIO", scenario.as_posix()).replace("DESIGN", "saltelli")
+    file = tmp_path / "plan.toml"
+    file.write_text(text, encoding="utf-8")
+    return file
+
+
+def test_a_plan_says_what_it_has(plan: Path) -> None:
+    about = campaign.describe(plan)
+    assert (about["name"], about["runs"], about["variants"]) == ("push", 16, ["away"])
+    assert about["measures"] == [{"name": "farthest", "unit": "m", "tolerance": "≤ 10 m", "counts": True}]
+
+
+def test_outcomes_are_arrays_and_other_values_change_them(plan: Path) -> None:
+    found = campaign.outcomes(plan, limit=4)
+    assert found["status"] == ["completed"] * 4 and found["holds"].all()
+    assert found["factors"]["mass"].shape == (4,)
+    assert np.isfinite(found["measures"]["farthest"]).all()
+    same = campaign.outcomes(plan, limit=4, jobs=1)
+    assert (same["measures"]["farthest"] == found["measures"]["farthest"]).all()
+    other = campaign.outcomes(plan, change={"plant": {"mismatch": {"thrust_scale": 0.95}}}, limit=4)
+    assert (other["measures"]["farthest"] != found["measures"]["farthest"]).any()
+
+
+def test_what_is_wrong_with_a_plan_is_said(plan: Path) -> None:
+    plan.write_text(plan.read_text(encoding="utf-8").replace("at_most", "at_mots"), encoding="utf-8")
+    with pytest.raises(wbqp.ConfigError, match="plan.toml:.*at_mots"):
+        campaign.describe(plan)
+    with pytest.raises(OSError, match="nowhere.toml"):
+        campaign.describe(plan.with_name("nowhere.toml"))
+
+
+def test_tables_do_not_depend_on_shards_and_have_indices(plan: Path, tmp_path: Path) -> None:
+    pytest.importorskip("pyarrow")
+    one = campaign.run(plan, out=tmp_path / "one")
+    three = campaign.run(plan, out=tmp_path / "three", shards=3)
+    assert one.equals(three)
+    files = [tmp_path / name / "campaign.parquet" for name in ("one", "three")]
+    assert files[0].read_bytes() == files[1].read_bytes()
+    assert one["run"].to_pylist() == list(range(16))
+    about = json.loads(one.schema.metadata[b"wbqp.campaign"])
+    assert [factor["name"] for factor in about["factors"]] == ["mass", "servo"]
+    pytest.importorskip("SALib")
+    indices = campaign.first_order_indices(one, "farthest")
+    assert set(indices) == {"mass", "servo"}
+    with pytest.raises(ValueError, match="whole groups"):
+        campaign.first_order_indices(one.slice(0, 5), "farthest")
