@@ -116,7 +116,7 @@ fn the_robots_files_are_not_read_again() {
         .collect();
     let urdf = names.iter().find(|n| n.ends_with(".urdf")).expect("ships");
     let rotors = names.iter().find(|n| n.ends_with(".toml")).expect("ships");
-    let own = format!("[robot]\ntype = \"urdf\"\nurdf = \"{urdf}\"\nrotors = \"{rotors}\"\n");
+    let own = format!("[robot]\ntype = \"urdf\"\nfile = \"{urdf}\"\nrotors = \"{rotors}\"\n");
     let start = controller.find("[robot]").expect("has a robot");
     let end = start + 7 + controller[start + 7..].find("\n[").expect("goes on") + 1;
     let controller = format!("{}{own}{}", &controller[..start], &controller[end..]);

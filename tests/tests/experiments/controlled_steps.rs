@@ -2,6 +2,7 @@
 //! with the steps that ship, and every row of the experiments as it is with these.
 
 use wbqp_bench::plant::{Differences, Noise, Steps, scenario, trajectory};
+use wbqp_measures::Row;
 use wbqp_replication::{
     attempt::{Attempt, attempt},
     experiment::Experiment,
@@ -73,6 +74,9 @@ fn has_the_same_rows(experiment: &Experiment, relative: f64) {
     let shipped = rows(Variation::new());
     let own = rows(Variation::new().change("plant.tolerance", TOLERANCE));
     assert_eq!(own.len(), shipped.len());
+    // The tolerance has come to the plant.
+    let measured = |rows: &[Row]| -> Vec<_> { rows.iter().map(|row| row.measured).collect() };
+    assert_ne!(measured(&own), measured(&shipped));
     let mut far = Vec::new();
     for (own, shipped) in own.iter().zip(&shipped) {
         if own.is_wall_clock() {

@@ -80,9 +80,10 @@ fn main() -> Result<()> {
     let args = CommandLine::parse();
     set_up(&args.scenario, &args.case)?;
     let (name, case) = (args.scenario.as_str(), args.case.as_str());
-    let noise = match args.noisy {
-        true => Noise::With,
-        false => Noise::Without,
+    let noise = if args.noisy {
+        Noise::With
+    } else {
+        Noise::Without
     };
     let path =
         |steps| -> Result<Vec<Sample>> { trajectory(scenario(name, steps, noise)?.case(case)?) };
