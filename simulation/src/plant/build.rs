@@ -271,7 +271,7 @@ fn rotors(robot: &RobotModel, config: &PlantConfig) -> Result<Vec<RotorPlant>, P
             RotorPlant::new(
                 index.index(),
                 actuator,
-                rotor,
+                &mismatch.rotor(rotor),
                 (mismatch.rotor_scale(i), mismatch.thrust_max),
                 config.step,
                 &robot.model,

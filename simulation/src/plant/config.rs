@@ -65,6 +65,8 @@ pub struct Mismatch {
     /// Further factors on it, one per rotor in the robot's order; none: all 1.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub rotor_scales: Vec<f64>,
+    /// Factor on the time constants of all rotors.
+    pub rotor_lag_scale: f64,
     /// Largest thrust that a rotor produces, N, whatever the controller's limit; `inf` for no other limit.
     pub thrust_max: f64,
 }
@@ -184,6 +186,7 @@ impl Default for Mismatch {
             inertia_scale: 1.0,
             thrust_scale: 1.0,
             rotor_scales: Vec::new(),
+            rotor_lag_scale: 1.0,
             thrust_max: f64::INFINITY,
         }
     }
@@ -292,11 +295,13 @@ impl PlantConfig {
             inertia_scale,
             thrust_scale,
             ref rotor_scales,
+            rotor_lag_scale,
             thrust_max,
         } = self.mismatch;
         problems.positive("mismatch.mass_scale", mass_scale, false);
         problems.finite("mismatch.com_shift", &com_shift);
         problems.positive("mismatch.inertia_scale", inertia_scale, false);
+        problems.positive("mismatch.rotor_lag_scale", rotor_lag_scale, false);
         problems.positive("mismatch.thrust_scale", thrust_scale, false);
         for (i, &scale) in rotor_scales.iter().enumerate() {
             problems.positive(&format!("mismatch.rotor_scales[{i}]"), scale, false);

@@ -16,7 +16,10 @@
 //! Errors are not looked at in steps that are as short as the configured one, and a duration that needs too many steps
 //! goes on with equal ones: so there is always an end, and nothing is worse than it is with these.
 
-use wbqp::{dynamics::Data, state::State};
+use wbqp::{
+    dynamics::{Data, elementary::pow},
+    state::State,
+};
 
 use super::{
     CLOCK, ContactTruth, Plant,
@@ -53,7 +56,7 @@ impl Pace {
     /// After a step of `h` s that was taken.
     fn take(&mut self, h: f64, error: f64) {
         let error = error.clamp(1e-10, 1e10);
-        let factor = (0.9 * error.powf(-0.14) * self.error.powf(0.08)).clamp(0.2, 5.0);
+        let factor = (0.9 * pow(error, -0.14) * pow(self.error, 0.08)).clamp(0.2, 5.0);
         // A step that was good may have been cut short by a touch or by the period's end.
         let least = if factor > 1.0 { self.step } else { 0.0 };
         self.step = (h * factor).max(least).min(LONGEST);
@@ -146,7 +149,7 @@ impl Plant {
         let shortest = self.config.step;
         let error = self.error(h) / tolerance;
         if h > shortest && error > 1.0 {
-            let factor = (0.9 * error.powf(-0.2)).clamp(0.2, 0.9);
+            let factor = (0.9 * pow(error, -0.2)).clamp(0.2, 0.9);
             return Verdict::Again((h * factor).max(shortest));
         }
         let mut first = h;

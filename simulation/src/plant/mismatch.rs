@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 use wbqp::{
-    actuator::{Actuator, ActuatorKind},
+    actuator::{Actuator, ActuatorKind, Rotor},
     model::{Body, Inertia, Model, ModelError},
     robot::RobotModel,
 };
@@ -21,11 +21,23 @@ impl Mismatch {
         };
         let is_rotor = |actuator: &&mut Actuator| matches!(actuator.kind, ActuatorKind::Rotor(_));
         for (i, actuator) in own.actuators.iter_mut().filter(is_rotor).enumerate() {
+            if let ActuatorKind::Rotor(rotor) = &mut actuator.kind {
+                *rotor = self.rotor(rotor);
+            }
             let scale = self.rotor_scale(i);
             actuator.lower = (scale * actuator.lower).min(self.thrust_max);
             actuator.upper = (scale * actuator.upper).min(self.thrust_max);
         }
         Ok(own)
+    }
+
+    /// A rotor with this mismatch's time constants.
+    pub(super) fn rotor(&self, rotor: &Rotor) -> Rotor {
+        Rotor {
+            rise: rotor.rise * self.rotor_lag_scale,
+            fall: rotor.fall * self.rotor_lag_scale,
+            ..rotor.clone()
+        }
     }
 
     /// Thrust that rotor `i` produces relative to the thrust that was commanded.

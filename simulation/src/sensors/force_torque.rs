@@ -16,7 +16,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::Vector6;
 use rand_chacha::ChaCha8Rng;
-use wbqp::model::FrameId;
+use wbqp::{dynamics::elementary, model::FrameId};
 
 use super::{ForceTorqueConfig, noise};
 use crate::World;
@@ -126,7 +126,7 @@ impl ForceTorque {
     /// What is left of the filter's memory after `elapsed` s.
     fn decay(&self, elapsed: f64) -> f64 {
         if self.time_constant > 0.0 {
-            (-elapsed / self.time_constant).exp()
+            elementary::exp(-elapsed / self.time_constant)
         } else {
             0.0
         }

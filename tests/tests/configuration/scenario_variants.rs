@@ -307,7 +307,7 @@ fn variations_that_are_refused() {
     wrong(
         Variation::new().change("plant.mismatch.mass", 1.1),
         "s.toml: variation `plant.mismatch.mass = 1.1`: unknown field `mass`, expected one of `mass_scale`, \
-         `com_shift`, `inertia_scale`, `thrust_scale`, `rotor_scales`, `thrust_max`",
+         `com_shift`, `inertia_scale`, `thrust_scale`, `rotor_scales`, `rotor_lag_scale`, `thrust_max`",
     );
     wrong(
         Variation::new().change("plant.wall.door.friction", 0.4),
