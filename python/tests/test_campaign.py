@@ -89,3 +89,57 @@ def test_tables_do_not_depend_on_shards_and_have_indices(plan: Path, tmp_path: P
     assert set(indices) == {"mass", "servo"}
     with pytest.raises(ValueError, match="whole groups"):
         campaign.first_order_indices(one.slice(0, 5), "farthest")
+
+
+TUNED = """
+name = "tuned"
+scenario = "SCENARIO"
+design = { type = "random", points = 2 }
+change.plant.tolerance = 1e-6
+
+[[variant]]
+name = "away"
+cases = ["free"]
+
+[[factor]]
+name = "mass"
+path = "change.plant.mismatch.mass_scale"
+scale = { uniform = [0.95, 1.05] }
+
+[[measure]]
+name = "error"
+signals = { e = "/task/base_position.rows.x.error" }
+reduce = "rms"
+unit = "m"
+"""
+
+
+def test_a_gain_that_was_spoilt_is_found_again(tmp_path: Path) -> None:
+    pytest.importorskip("optuna")
+    from wbqp.tuning import FAILED, Objective, Parameter, tune
+
+    file = tmp_path / "plan.toml"
+    scenario = wbqp.scenarios()["push_away"]
+    file.write_text(TUNED.replace("SCENARIO", scenario.as_posix()), encoding="utf-8")
+    path = "set.task.base_position.kp"
+    objective = Objective("error", over="worst")
+    tuned = tune(file, [Parameter(path, 0.1, 40.0, log=True, start=0.2)], objective, trials=8, seed=3)
+    assert tuned.best[path] > 0.2 and len(tuned.history) == 8
+    assert objective.value(tuned.after) == min(tuned.history) < tuned.history[0] < FAILED
+    assert tuned.patch == f"{path} = {tuned.best[path]!r}\n"
+    page = tuned.write(tmp_path / "out").read_text(encoding="utf-8")
+    assert "before and after" in page and "<svg" in page
+    # What misses its share is worse than anything that has it.
+    half = {**tuned.after, "holds": np.array([True, False])}
+    assert objective.value(half) > FAILED
+    with pytest.raises(KeyError, match="'error'"):
+        Objective("eror").value(tuned.after)
+    with pytest.raises(ValueError, match="empty"):
+        Parameter(path, 2.0, 1.0)
+
+
+def test_any_parameter_names_where_it_is() -> None:
+    from wbqp.tuning import Parameter
+
+    with pytest.raises(ValueError, match="`set.` or `change.`"):
+        Parameter("task.com.kp", 1.0, 2.0)

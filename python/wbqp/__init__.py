@@ -4,7 +4,7 @@ SI units and radians, world z up. Velocities are world-aligned, ``v = [v_WR; w_W
 the environment does to the robot. Weights are linear: a row costs ``w r²``.
 """
 
-from . import constraints, fallbacks, references, robots, solvers, tasks, testing
+from . import campaign, constraints, fallbacks, references, robots, solvers, tasks, testing
 from ._arrays import NamedArray
 from ._authoring import Layout, Rows, Tick, constraint, entry, reference, task
 from ._contact import Contact
@@ -51,6 +51,7 @@ __all__ = [
     "Tick",
     "Topic",
     "__version__",
+    "campaign",
     "cases",
     "constraint",
     "constraints",

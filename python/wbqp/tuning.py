@@ -1,0 +1,309 @@
+"""Gains that find themselves: :func:`tune` looks for values of a controller with which the runs of a plan go best.
+
+Wants Optuna (``pip install wbqp[tune]``); with ``address``, trials run on a Ray cluster (``pip install wbqp[ray]``).
+"""
+
+from __future__ import annotations
+
+import html
+import math
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from . import campaign
+
+if TYPE_CHECKING:
+    import optuna
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A value of the controller (``set.…``) or of the scenario (``change.…``) that is looked for.
+
+    ``log``: by orders of magnitude. ``start`` is tried first, with the others' starts.
+    """
+
+    path: str
+    low: float
+    high: float
+    log: bool = False
+    start: float | None = None
+
+    def __post_init__(self) -> None:
+        if not self.low < self.high:
+            raise ValueError(f"{self.path}: the range from {self.low} to {self.high} is empty")
+        if self.log and self.low <= 0.0:
+            raise ValueError(f"{self.path}: a logarithmic range begins above 0")
+        if self.path.split(".")[0] not in ("set", "change"):
+            raise ValueError(f"{self.path}: must begin with `set.` or `change.`, as in a case of a scenario")
+
+
+@dataclass(frozen=True)
+class Objective:
+    """What is to be small: a measure of the plan, over all its runs.
+
+    Parameters
+    ----------
+    measure
+        Name of the measure.
+    over
+        ``"mean"``, ``"worst"``, or a quantile between 0 and 1. Runs without a value count as infinite, for a mean as a
+        failure of its own: see ``share``.
+    share
+        Share of the runs that must hold (all measures that count are within what is accepted). What has less is worse
+        than anything that has it, the more the more is missing.
+    """
+
+    measure: str
+    over: Literal["mean", "worst"] | float = "mean"
+    share: float = 1.0
+
+    def value(self, found: Mapping[str, Any]) -> float:
+        """Of the outcomes of some runs."""
+        values = found["measures"].get(self.measure)
+        if values is None:
+            raise KeyError(f"the plan has no measure {self.measure!r}; it has {', '.join(map(repr, found['measures']))}")
+        missing = self.share - float(np.mean(found["holds"]))
+        if missing > 1e-12:
+            return FAILED * (1.0 + missing)
+        there = np.where(np.isnan(values), np.inf, values)
+        if self.over == "mean":
+            return float(np.mean(there[np.isfinite(there)])) if np.isfinite(there).any() else 2 * FAILED
+        value = float(np.max(there) if self.over == "worst" else np.quantile(there, float(self.over)))
+        return value if math.isfinite(value) else 2 * FAILED
+
+
+#: What misses its share is above this, what has it below.
+FAILED = 1e9
+
+
+@dataclass
+class Tuned:
+    """What was found."""
+
+    plan: Path
+    objective: Objective
+    #: Values by path.
+    best: dict[str, float]
+    #: Outcomes as the plan is, and with the best values.
+    before: dict[str, Any]
+    after: dict[str, Any]
+    #: Objective of every trial, in their order.
+    history: list[float] = field(default_factory=list)
+
+    @property
+    def patch(self) -> str:
+        """The values as TOML: lines for a case of a scenario, or for a variant of a plan."""
+        return "".join(f"{path} = {value!r}\n" for path, value in self.best.items())
+
+    def write(self, folder: str | os.PathLike[str]) -> Path:
+        """Writes ``patch.toml`` and a page, ``tuned.html``, that compares before and after; the page's path."""
+        folder = Path(folder)
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / "patch.toml").write_text(self.patch, encoding="utf-8")
+        page = folder / "tuned.html"
+        page.write_text(_page(self), encoding="utf-8")
+        return page
+
+
+def _nested(values: Mapping[str, float], root: str) -> dict[str, Any] | None:
+    """The values below ``root`` as nested tables."""
+    table: dict[str, Any] = {}
+    for path, value in values.items():
+        first, *keys, last = path.split(".")
+        if first != root:
+            continue
+        inner = table
+        for key in keys:
+            inner = inner.setdefault(key, {})
+        inner[last] = value
+    return table or None
+
+
+def _outcomes(plan: Path, values: Mapping[str, float], limit: int | None, jobs: int) -> dict[str, Any]:
+    return campaign.outcomes(
+        plan, set=_nested(values, "set"), change=_nested(values, "change"), limit=limit, jobs=jobs
+    )
+
+
+def _value(plan: Path, values: Mapping[str, float], objective: Objective, limit: int | None, jobs: int) -> float:
+    from ._errors import ConfigError
+
+    try:
+        return objective.value(_outcomes(plan, values, limit, jobs))
+    except ConfigError:
+        # Values that the controller refuses, or with which the scenario as it is does not reach its end.
+        return 3 * FAILED
+
+
+def _sampler(name: str, seed: int) -> optuna.samplers.BaseSampler:
+    import optuna
+
+    if name == "tpe":
+        return optuna.samplers.TPESampler(seed=seed, multivariate=True, warn_independent_sampling=False)
+    if name == "cmaes":
+        return optuna.samplers.CmaEsSampler(seed=seed)
+    raise ValueError(f"there is no sampler {name!r}; there are 'tpe' and 'cmaes', or give one of Optuna's")
+
+
+def tune(
+    plan: str | os.PathLike[str],
+    parameters: list[Parameter],
+    objective: Objective,
+    *,
+    trials: int = 50,
+    sampler: str | optuna.samplers.BaseSampler = "tpe",
+    seed: int = 0,
+    limit: int | None = None,
+    jobs: int = 0,
+    address: str | None = None,
+) -> Tuned:
+    """Looks for the values with which the objective is smallest over the runs of a plan.
+
+    Parameters
+    ----------
+    plan
+        The plan's file. Its points are the plants over which the objective is taken; the values are those of all its
+        variants.
+    parameters
+        What is looked for, and where.
+    trials
+        How many sets of values are tried.
+    sampler
+        ``"tpe"``, ``"cmaes"``, or one of Optuna's.
+    limit
+        Only the first runs of the plan, in the trials; what is compared in the end is the whole plan.
+    jobs
+        Threads of a trial; 0: all cores, on Ray one.
+    address
+        Of a Ray cluster, on which trials run side by side, as many as there are cores.
+    """
+    import optuna
+
+    if not parameters:
+        raise ValueError("there is nothing to look for: no parameter")
+    file = Path(plan).absolute()
+    optuna.logging.set_verbosity(optuna.logging.WARNING)
+    chosen = _sampler(sampler, seed) if isinstance(sampler, str) else sampler
+    study = optuna.create_study(sampler=chosen, direction="minimize")
+    starts = {p.path: p.start for p in parameters if p.start is not None}
+    if starts:
+        study.enqueue_trial(starts)
+
+    def ask() -> tuple[optuna.trial.Trial, dict[str, float]]:
+        trial = study.ask()
+        return trial, {p.path: trial.suggest_float(p.path, p.low, p.high, log=p.log) for p in parameters}
+
+    if address is None:
+        for _ in range(trials):
+            trial, values = ask()
+            study.tell(trial, _value(file, values, objective, limit, jobs))
+    else:
+        _on_ray(study, ask, (file, objective, limit, max(jobs, 1)), trials, address)
+    best = {path: float(value) for path, value in study.best_params.items()}
+    return Tuned(
+        plan=file,
+        objective=objective,
+        best=best,
+        before=_outcomes(file, {}, None, jobs),
+        after=_outcomes(file, best, None, jobs),
+        history=[trial.value for trial in study.trials if trial.value is not None],
+    )
+
+
+def _on_ray(study: Any, ask: Any, what: tuple[Path, Objective, int | None, int], trials: int, address: str) -> None:
+    import ray
+
+    if not ray.is_initialized():
+        ray.init(address=None if address == "local" else address, log_to_driver=False)
+    file, objective, limit, jobs = what
+    value = ray.remote(max_retries=3, num_cpus=jobs)(_value)
+    cores = max(1, int(ray.cluster_resources().get("CPU", 1)) // jobs)
+    running: dict[Any, Any] = {}
+    asked = 0
+    while running or asked < trials:
+        while asked < trials and len(running) < cores:
+            trial, values = ask()
+            running[value.remote(file, values, objective, limit, jobs)] = trial
+            asked += 1
+        for done in ray.wait(list(running))[0]:
+            study.tell(running.pop(done), ray.get(done))
+
+
+STYLE = """
+body { margin: 0 auto; max-width: 60rem; padding: 1.5rem 1.1rem; font: 16px/1.5 system-ui, sans-serif; color: #1d2329; }
+table { border-collapse: collapse; font-size: .88rem; font-variant-numeric: tabular-nums; }
+th, td { text-align: left; padding: .25rem .7rem; border-bottom: 1px solid #d5dae0; }
+td.n { text-align: right; } pre { background: #f5f7f9; padding: .8rem; overflow-x: auto; }
+svg { width: 100%; height: auto; } .better { color: #17734a; } .worse { color: #b3261e; }
+"""
+
+
+def _page(tuned: Tuned) -> str:
+    def share(found: Mapping[str, Any]) -> str:
+        return f"{100 * float(np.mean(found['holds'])):.1f} %"
+
+    def number(value: float) -> str:
+        return "–" if not math.isfinite(value) or value >= FAILED else f"{value:.4g}"
+
+    rows = []
+    for name, before in tuned.before["measures"].items():
+        after = tuned.after["measures"][name]
+        cells = [f"<td>{html.escape(name)}</td>"]
+        for values in (before, after):
+            there = values[np.isfinite(values)]
+            quantiles = np.quantile(there, [0.5, 0.95]) if len(there) else [math.nan, math.nan]
+            cells += [f'<td class="n">{number(float(q))}</td>' for q in quantiles]
+        for found in (tuned.before, tuned.after):
+            verdicts = found["verdicts"][name]
+            judged = not np.isnan(verdicts).all()
+            held = f"{100 * float(np.nansum(verdicts)) / len(verdicts):.1f} %" if judged else "–"
+            cells.append(f'<td class="n">{held}</td>')
+        rows.append(f"<tr>{''.join(cells)}</tr>")
+    goal = tuned.objective
+    return f"""<!DOCTYPE html>
+<html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
+<title>Tuned: {html.escape(tuned.plan.stem)}</title><style>{STYLE}</style></head><body>
+<h1>{html.escape(tuned.plan.stem)}: before and after</h1>
+<p>Smallest {html.escape(goal.measure)} ({html.escape(str(goal.over))}) with {100 * goal.share:g} % of the runs holding, in
+{len(tuned.history)} trials. Before: {number(goal.value(tuned.before))}, {share(tuned.before)} hold. After:
+{number(goal.value(tuned.after))}, {share(tuned.after)} hold.</p>
+<h2>Values</h2><pre>{html.escape(tuned.patch)}</pre>
+<h2>Measures</h2>
+<table><thead><tr><th></th><th colspan="2">before</th><th colspan="2">after</th><th colspan="2">holds</th></tr>
+<tr><th>measure</th><th>median</th><th>95 %</th><th>median</th><th>95 %</th><th>before</th><th>after</th></tr></thead>
+<tbody>{"".join(rows)}</tbody></table>
+<h2>Trials</h2>{_progress(tuned.history)}</body></html>
+"""
+
+
+def _progress(history: list[float]) -> str:
+    """The best so far, trial by trial, of those that have their share."""
+    good = [value for value in history if value < FAILED]
+    if not good:
+        return "<p>No trial had its share of runs that hold.</p>"
+    width, height = 600.0, 160.0
+    low, high = min(good), max(good)
+    span = (high - low) or 1.0
+
+    def place(i: int, value: float) -> tuple[float, float]:
+        return 50 + (width - 60) * i / max(len(history) - 1, 1), 10 + (height - 30) * (high - value) / span
+
+    dots = [
+        '<circle cx="{:.1f}" cy="{:.1f}" r="2.5" fill="#7fb0cf"/>'.format(*place(i, value))
+        for i, value in enumerate(history)
+        if value < FAILED
+    ]
+    best = np.minimum.accumulate(history)
+    line = " ".join("{:.1f},{:.1f}".format(*place(i, float(v))) for i, v in enumerate(best) if v < FAILED)
+    return (
+        f'<svg viewBox="0 0 {width} {height}" role="img" aria-label="objective of each trial">'
+        f'<text x="45" y="14" text-anchor="end" font-size="10">{high:.3g}</text>'
+        f'<text x="45" y="{height - 20}" text-anchor="end" font-size="10">{low:.3g}</text>'
+        f'<polyline points="{line}" fill="none" stroke="#0a5a8c" stroke-width="1.5"/>{"".join(dots)}</svg>'
+    )
