@@ -41,8 +41,8 @@ pub use crate::{
     error::BindError,
     plugin::{
         AnyReference, Constraint, ConstraintLayout, ConstraintRows, FallbackLaw, FrameHandle,
-        Layout, MotionRow, PerRow, Reference, RotationReference, Rows, Sample, Setup, Space, Start,
-        Task, Tick, VectorReference,
+        Layout, MotionRow, PerRow, Reference, Remembered, RotationReference, Rows, Sample, Setup,
+        Space, Start, Task, Tick, VectorReference,
     },
 };
 pub use wbqp_dynamics::{

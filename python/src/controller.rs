@@ -13,7 +13,7 @@ use pyo3::{
 };
 use wbqp::{
     contact::SurfaceMotion,
-    controller::{Measurement as Inputs, RequestError},
+    controller::{self as core, Measurement as Inputs, RequestError},
     nalgebra::{Matrix3, Rotation3, Vector3},
 };
 
@@ -26,6 +26,7 @@ use crate::{
     plugin,
     report::Report,
     robot::Robot,
+    sensitivity::Sensitivity,
 };
 
 /// A whole-body controller bound to a robot.
@@ -49,6 +50,8 @@ use crate::{
 #[pyclass(frozen, module = "wbqp")]
 pub(crate) struct Controller {
     inner: Mutex<Inner>,
+    /// Room for derivatives, made when they are asked for first.
+    sensitivity: Mutex<Option<core::Sensitivity>>,
     names: Arc<Names>,
     command: Py<Command>,
     report: Py<Report>,
@@ -62,7 +65,8 @@ pub(crate) struct Inner {
 }
 
 impl Controller {
-    pub(crate) fn over(py: Python<'_>, controller: wbqp::Controller) -> PyResult<Self> {
+    pub(crate) fn over(py: Python<'_>, mut controller: wbqp::Controller) -> PyResult<Self> {
+        controller.keep_beginnings();
         let names = Arc::new(Names::new(py, &controller)?);
         let robot = Robot::new(Arc::new(controller.robot().clone()));
         Ok(Self {
@@ -72,6 +76,7 @@ impl Controller {
                 Report::new(py, controller.report(), Arc::clone(&names))?,
             )?,
             robot: Py::new(py, robot)?,
+            sensitivity: Mutex::new(None),
             inner: Mutex::new(Inner {
                 inputs: controller.measurement(),
                 controller,
@@ -269,6 +274,29 @@ impl Controller {
     /// Why the last tick did not end with the optimum of its problem, in words; `None` if it did.
     fn explain(&self) -> PyResult<Option<String>> {
         Ok(self.lock()?.controller.explain().map(|why| why.to_string()))
+    }
+
+    /// Derivatives of the last tick's optimum, accelerations, efforts and contact forces, with respect to weights,
+    /// gains, references, and the measured state and wrenches. Nothing of the controller changes. It takes as long as
+    /// a hundred to a thousand ticks. Plug-ins in Python are not asked again: their rows count as constant, and `notes` says so.
+    ///
+    /// Returns
+    /// -------
+    /// sensitivity : Sensitivity
+    ///     A copy, which later ticks do not change.
+    ///
+    /// Raises
+    /// ------
+    /// RuntimeError
+    ///     If the last tick did not end with an optimum, or there was none.
+    fn sensitivity(&self, py: Python<'_>) -> PyResult<Sensitivity> {
+        let controller = &mut self.lock()?.controller;
+        let mut room = self.sensitivity.try_lock().map_err(|e| locked(&e))?;
+        let filled = room.get_or_insert_with(|| core::Sensitivity::new(controller));
+        let outcome = controller.sensitivity(filled);
+        outcome.map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
+        let entries: Vec<String> = controller.entries().map(|e| e.name.to_owned()).collect();
+        Sensitivity::of(py, filled, &entries)
     }
 
     /// Switches a task or constraint on, with its ramp, from the next tick on.

@@ -18,6 +18,7 @@ mod record;
 mod report;
 mod robot;
 mod schema;
+mod sensitivity;
 mod simulate;
 mod timing;
 mod views;
@@ -36,6 +37,7 @@ fn _wbqp(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<report::TaskReport>()?;
     module.add_class::<report::ContactReport>()?;
     module.add_class::<robot::Robot>()?;
+    module.add_class::<sensitivity::Sensitivity>()?;
     module.add_class::<batch::Batch>()?;
     module.add_class::<plugin::PluginSetup>()?;
     module.add_class::<dynamics::Dynamics>()?;

@@ -172,3 +172,47 @@ def test_values_of_a_file_are_replaced_by_set() -> None:
         controller.tick(m)
     m.time, m.position[2] = 0.004, -0.05
     assert stiff.tick(m)[1].vdot["base z"] > soft.tick(m)[1].vdot["base z"]
+
+
+def test_derivatives_of_a_tick_have_names_and_units(hover: wbqp.Controller) -> None:
+    def ticked(z: float, kp: float = 10.0) -> wbqp.Controller:
+        controller = wbqp.Controller(HOVER)
+        m = controller.measurement()
+        controller.tick(m)
+        controller.set("base_position", kp=kp)
+        m.time = 0.004
+        m.position[2] += z
+        controller.tick(m)
+        return controller
+
+    s = ticked(0.02).sensitivity()
+    assert s.derivatives.shape == (len(s.outputs), len(s.parameters))
+    assert len(s.kinds) == len(s.units) == len(s.values) == len(s.parameters)
+    assert s.vdot.shape[0] + s.effort.shape[0] + s.force.shape[0] == len(s.outputs)
+    for name, unit, h, at in [
+        ("base_position.kp", "1/s²", 1e-3, lambda h: ticked(0.02, 10.0 + h)),
+        ("state.position z", "m", 1e-5, lambda h: ticked(0.02 + h)),
+    ]:
+        numbers = [np.concatenate([c.report.vdot, c.command.effort]) for c in (at(-h), at(h))]
+        slope = (numbers[1] - numbers[0]) / (2 * h)
+        assert np.abs(s[name] - slope).max() < 1e-6 * np.abs(slope).max() + 1e-9
+        assert s.units[s.parameters.index(name)] == unit
+        assert f" {name} " in s.table()
+    assert [entry for entry, _ in s.ranking[:1]][0] in hover.tasks
+    assert s.ranking[0][0] in repr(s)
+    assert s.mismatch < 1e-8 and s.notes is not None
+    with pytest.raises(KeyError, match="did you mean `base_position.k"):
+        s["base_position.kq"]
+
+
+def test_there_are_no_derivatives_before_the_first_tick_and_without_an_optimum(hover: wbqp.Controller) -> None:
+    with pytest.raises(RuntimeError, match="no tick"):
+        hover.sensitivity()
+    m = hover.measurement()
+    hover.tick(m)
+    hover.sensitivity()
+    m.time = 0.004
+    m.position[0] = math.nan
+    hover.tick(m)
+    with pytest.raises(RuntimeError, match="`extrapolated`"):
+        hover.sensitivity()

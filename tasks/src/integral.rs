@@ -13,7 +13,10 @@
 //! `k_aw = K_I/K_P`, the default, that is zero: a conflict of tasks is settled by the weights and by `K_P` as if there
 //! were no integral.
 
-use wbqp::{error::BindError, plugin::PerRow};
+use wbqp::{
+    error::BindError,
+    plugin::{PerRow, Remembered},
+};
 
 use crate::check;
 
@@ -94,6 +97,14 @@ impl Integral {
 
     pub(crate) fn reset(&mut self) {
         self.0.fill(Axis::default());
+    }
+
+    /// Shows what is remembered from tick to tick.
+    pub(crate) fn remembered(&mut self, numbers: &mut Remembered<'_>) {
+        for Axis { term, asked } in &mut self.0 {
+            numbers.number(term);
+            numbers.maybe(asked);
+        }
     }
 
     /// One tick of one axis: its error and the acceleration `a_QP` that the last solution gave, in the sense of the

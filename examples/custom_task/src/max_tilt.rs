@@ -51,4 +51,6 @@ impl Constraint for MaxTilt {
             f64::INFINITY,
         );
     }
+
+    fn remembered(&self, _: &mut Self::Running, _: &mut Remembered<'_>) {}
 }

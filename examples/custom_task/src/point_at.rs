@@ -77,4 +77,6 @@ impl Task for PointAt {
             rows.motion(k, motion);
         }
     }
+
+    fn remembered(&self, _: &mut Self::Running, _: &mut Remembered<'_>) {}
 }

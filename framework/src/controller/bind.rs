@@ -425,6 +425,8 @@ impl Bound {
             hover_residual: nalgebra::DVector::zeros(sizes.nv),
             stopwatch: Box::new(NoStopwatch),
             stamp,
+            before: None,
+            revision: 0,
             robot,
         };
         let is_solved = hover(&mut controller);

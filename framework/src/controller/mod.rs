@@ -33,6 +33,7 @@ mod record;
 mod report;
 mod requests;
 mod running;
+mod sensitivity;
 mod snapshot;
 mod world;
 
@@ -53,6 +54,7 @@ pub use report::{
     ActiveRow, ConflictRow, ContactReport, FallbackLevel, OnLevel, RelaxedRow, Report, Side,
     TaskReport,
 };
+pub use sensitivity::{Influence, Note, Parameter, ParameterKind, Sensitivity, SensitivityError};
 pub use snapshot::{ContactSurface, Snapshot};
 
 pub(crate) use bind::{Bound, Parts};
@@ -78,6 +80,7 @@ use gate::Gate;
 use plausible::Plausible;
 use record::{Recorder, recall_rows, record_inputs, record_outcome, record_rows};
 use running::RunningPlugin;
+use sensitivity::Before;
 use wbqp_dynamics::Actuation;
 use world::World;
 
@@ -114,6 +117,10 @@ pub struct Controller {
     first: FirstTick,
     /// What ids of tasks must have.
     stamp: Stamp,
+    /// What the last tick began with, if that is kept.
+    before: Option<Box<Before>>,
+    /// Counts changes of plug-ins' keys.
+    revision: u64,
 }
 
 impl Controller {
@@ -130,6 +137,9 @@ impl Controller {
     /// A tick, with the plug-ins' rows or recorded ones.
     fn run(&mut self, measurement: &Measurement, recorded: Option<&Record>) {
         record_inputs(self, measurement);
+        if let Some(before) = &mut self.before {
+            before.forget();
+        }
         self.report.time = measurement.time;
         self.report.active.clear();
         self.report.conflict.clear();
@@ -219,6 +229,9 @@ impl Controller {
         recorded: Option<&Record>,
     ) -> Result<Option<Fault>, Fault> {
         let start = self.stopwatch.now();
+        if let Some(before) = &mut self.before {
+            before.keep_world(&self.world, measurement, self.fallback.level);
+        }
         self.world.measure(measurement, self.fallback.level);
         self.report.disturbance = self.world.disturbance();
         self.fallback.without_state.renew(measurement.time);
@@ -429,10 +442,16 @@ impl Controller {
                 alpha: entry.alpha,
                 since: entry.switch.since(),
             };
+            if let Some(before) = &mut self.before {
+                before.keep_plugin(index, plugin);
+            }
             plugin.update(&self.world, state, &entry.layout, &mut entry.store);
             if entry.store.undeclared && self.report.undeclared.is_none() {
                 self.report.undeclared = Some(index);
             }
+        }
+        if let Some(before) = &mut self.before {
+            before.complete();
         }
     }
 

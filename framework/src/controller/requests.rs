@@ -259,6 +259,7 @@ impl Controller {
         change: impl FnOnce(&mut T),
     ) -> Result<(), RequestError> {
         let index = self.find(entry.into())?;
+        self.revision += 1;
         let contacts: Vec<ContactSpec> =
             self.world.bindings.iter().map(|b| b.spec.clone()).collect();
         let mut frames = self.world.frame_ids.clone();
@@ -305,6 +306,7 @@ impl Controller {
         keys: toml::Table,
     ) -> Result<(), RequestError> {
         let index = self.find(entry.into())?;
+        self.revision += 1;
         let is_task = index < self.task_count;
         let contacts: Vec<ContactSpec> =
             self.world.bindings.iter().map(|b| b.spec.clone()).collect();
@@ -350,6 +352,7 @@ impl Controller {
         entry: impl Into<EntryRef<'a>>,
     ) -> Result<&mut T, RequestError> {
         let index = self.find(entry.into())?;
+        self.revision += 1;
         let (name, tag) = (&self.entries[index].name, self.plugins[index].tag);
         let parameters = self.plugins[index].plugin.parameters_mut();
         parameters

@@ -34,14 +34,26 @@ impl RunningPlugin {
         layout: &Layout,
         store: &mut RowStore,
     ) {
-        store.begin();
-        let mut tick = world.tick(entry);
         if !self.references.is_empty() {
+            let tick = world.tick(entry);
             for reference in &mut self.references {
                 reference.update(&tick);
             }
-            tick.references = &self.references;
         }
+        self.write(world, entry, layout, store);
+    }
+
+    /// Lets the plug-in write its rows for the samples that there are.
+    pub(super) fn write(
+        &mut self,
+        world: &World,
+        entry: EntryState,
+        layout: &Layout,
+        store: &mut RowStore,
+    ) {
+        store.begin();
+        let mut tick = world.tick(entry);
+        tick.references = &self.references;
         self.plugin.update(&tick, layout, store);
     }
 }

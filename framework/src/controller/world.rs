@@ -27,7 +27,7 @@ use wbqp_dynamics::{
 };
 
 /// State, dynamics, requested frames and contacts.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct World {
     pub(crate) model: Arc<Model>,
     pub(crate) period: f64,

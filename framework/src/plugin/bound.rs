@@ -8,8 +8,8 @@ use std::{
 use crate::{
     error::BindError,
     plugin::{
-        AnyConstraint, AnyTask, Constraint, ConstraintRows, Layout, Rows, Setup, Task, Tick,
-        rows::RowStore,
+        AnyConstraint, AnyTask, Constraint, ConstraintRows, Layout, Remembered, Rows, Setup, Task,
+        Tick, rows::RowStore,
     },
 };
 
@@ -108,6 +108,10 @@ mod any {
 pub(crate) trait Running: Debug + Send {
     fn update(&mut self, tick: &Tick<'_>, layout: &Layout, store: &mut RowStore);
     fn activate(&mut self);
+    /// Shows what is remembered from one update to the next.
+    fn remembered(&mut self, numbers: &mut Remembered<'_>);
+    /// Swaps the parameters for others of the same type, unchecked; nothing happens if they are of another.
+    fn exchange(&mut self, parameters: &mut dyn Any);
     fn parameters_mut(&mut self) -> &mut dyn Any;
     /// Changes a copy of the parameters, and takes it over if it can still be bound to these rows.
     fn change(
@@ -150,6 +154,16 @@ macro_rules! running {
 
             fn activate(&mut self) {
                 self.parameters.activate(&mut self.running);
+            }
+
+            fn remembered(&mut self, numbers: &mut Remembered<'_>) {
+                self.parameters.remembered(&mut self.running, numbers);
+            }
+
+            fn exchange(&mut self, parameters: &mut dyn Any) {
+                if let Some(other) = parameters.downcast_mut::<P>() {
+                    std::mem::swap(&mut self.parameters, other);
+                }
             }
 
             fn parameters_mut(&mut self) -> &mut dyn Any {

@@ -4,7 +4,7 @@ use std::{any::Any, fmt::Debug};
 
 use crate::{
     error::BindError,
-    plugin::{BoundPlugin, ConstraintLayout, ConstraintRows, Setup, Tick},
+    plugin::{BoundPlugin, ConstraintLayout, ConstraintRows, Remembered, Setup, Tick},
 };
 
 /// A constraint demands `lower ≤ A_v v̇ + A_u u + Σ A_c f_c ≤ upper`, or `A x = b` if its layout says
@@ -32,6 +32,18 @@ pub trait Constraint: Clone + Debug + Send + 'static {
     /// allocation, no panic.
     fn activate(&self, running: &mut Self::Running) {
         let _ = running;
+    }
+
+    /// Shows what `running` remembers from one update to the next, number by number: integrals, filters, where
+    /// something began. Not what was resolved in `bind`. [`Controller::sensitivity`](crate::Controller::sensitivity)
+    /// lets a tick's update run again from there. Unless a constraint says so it is not known what it remembers, but for one
+    /// without a running object, and its rows count as constant there; one that remembers nothing shows nothing. No
+    /// allocation, no panic.
+    fn remembered(&self, running: &mut Self::Running, numbers: &mut Remembered<'_>) {
+        let _ = running;
+        if size_of::<Self::Running>() > 0 {
+            numbers.unknown();
+        }
     }
 }
 

@@ -91,6 +91,28 @@ impl RowStore {
         self.bias.fill(f64::NAN);
     }
 
+    /// Takes over what another one of the same layout has. Does not allocate.
+    pub(crate) fn copy_from(&mut self, other: &Self) {
+        let copy = |to: &mut Vec<f64>, from: &Vec<f64>| {
+            for (to, from) in to.iter_mut().zip(from) {
+                *to = *from;
+            }
+        };
+        copy(&mut self.vdot, &other.vdot);
+        copy(&mut self.effort, &other.effort);
+        for (to, from) in self.forces.iter_mut().zip(&other.forces) {
+            copy(to, from);
+        }
+        copy(&mut self.lower, &other.lower);
+        copy(&mut self.upper, &other.upper);
+        copy(&mut self.bound_lower, &other.bound_lower);
+        copy(&mut self.bound_upper, &other.bound_upper);
+        copy(&mut self.error, &other.error);
+        copy(&mut self.bias, &other.bias);
+        self.force_report = other.force_report;
+        self.undeclared = other.undeclared;
+    }
+
     /// Lets rows that are not written limit nothing.
     pub(crate) fn without_limits(mut self) -> Self {
         self.lower.fill(f64::NEG_INFINITY);

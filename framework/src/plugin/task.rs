@@ -4,7 +4,7 @@ use std::{any::Any, fmt::Debug};
 
 use crate::{
     error::BindError,
-    plugin::{BoundPlugin, Layout, Rows, Setup, Tick},
+    plugin::{BoundPlugin, Layout, Remembered, Rows, Setup, Tick},
 };
 
 /// A task adds `Σ_k w_k (A x − b)_k²` to the cost, with `A x = A_v v̇ + A_u u + Σ A_c f_c`.
@@ -34,6 +34,18 @@ pub trait Task: Clone + Debug + Send + 'static {
     /// integrators. No allocation, no panic.
     fn activate(&self, running: &mut Self::Running) {
         let _ = running;
+    }
+
+    /// Shows what `running` remembers from one update to the next, number by number: integrals, filters, where
+    /// something began. Not what was resolved in `bind`. [`Controller::sensitivity`](crate::Controller::sensitivity)
+    /// lets a tick's update run again from there. Unless a task says so it is not known what it remembers, but for one
+    /// without a running object, and its rows count as constant there; one that remembers nothing shows nothing. No
+    /// allocation, no panic.
+    fn remembered(&self, running: &mut Self::Running, numbers: &mut Remembered<'_>) {
+        let _ = running;
+        if size_of::<Self::Running>() > 0 {
+            numbers.unknown();
+        }
     }
 }
 

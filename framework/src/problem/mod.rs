@@ -317,6 +317,16 @@ impl Problem {
         self.asked.collect(tasks, out);
     }
 
+    /// Identity of the bound on a contact's normal force.
+    pub(crate) fn normal_row(&self, contact: usize) -> Option<RowId> {
+        self.normal_rows.get(contact).copied()
+    }
+
+    /// Weight of `‖(u, f)‖²` relative to the largest one that is on.
+    pub(crate) fn relative_regularisation(&self) -> f64 {
+        self.regularisation
+    }
+
     /// Whether contacts' rows hold by substitution in the problem built last.
     pub(crate) fn has_determined(&self) -> bool {
         self.elimination.any()

@@ -58,4 +58,6 @@ impl Constraint for ActuatorLimits {
             rows.bound(index, lower.max(sent - change), upper.min(sent + change));
         }
     }
+
+    fn remembered(&self, _: &mut Self::Running, _: &mut Remembered<'_>) {}
 }

@@ -74,4 +74,6 @@ impl Constraint for ContactMotion {
             rows.equal(k, acceleration - contact.Jdot_v[row]);
         }
     }
+
+    fn remembered(&self, _: &mut Self::Running, _: &mut Remembered<'_>) {}
 }

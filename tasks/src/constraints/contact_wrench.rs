@@ -159,4 +159,6 @@ impl Constraint for ContactWrench {
             rows.limit(row, f64::NEG_INFINITY, 0.0);
         }
     }
+
+    fn remembered(&self, _: &mut Self::Running, _: &mut Remembered<'_>) {}
 }

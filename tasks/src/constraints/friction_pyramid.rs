@@ -164,6 +164,8 @@ impl Constraint for FrictionPyramid {
             rows.limit(k, f64::NEG_INFINITY, 0.0);
         }
     }
+
+    fn remembered(&self, _: &mut Self::Running, _: &mut Remembered<'_>) {}
 }
 
 #[cfg(test)]

@@ -198,6 +198,8 @@ impl Constraint for JointLimits {
             rows.limit(k, lower, upper);
         }
     }
+
+    fn remembered(&self, _: &mut Self::Running, _: &mut Remembered<'_>) {}
 }
 
 #[cfg(test)]

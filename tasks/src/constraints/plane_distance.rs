@@ -115,4 +115,6 @@ impl Constraint for PlaneDistance {
         let bias = along([j[0], j[1], j[2], j[3], j[4], j[5]]) + n.dot(&w.cross(&w.cross(&o)));
         rows.limit(0, least([self.a1, self.a2], h, hdot) - bias, f64::INFINITY);
     }
+
+    fn remembered(&self, _: &mut Self::Running, _: &mut Remembered<'_>) {}
 }

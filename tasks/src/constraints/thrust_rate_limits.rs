@@ -79,4 +79,6 @@ impl Constraint for ThrustRateLimits {
             rows.bound(k, sent - fall, sent + rise);
         }
     }
+
+    fn remembered(&self, _: &mut Self::Running, _: &mut Remembered<'_>) {}
 }

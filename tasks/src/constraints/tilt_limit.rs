@@ -112,4 +112,6 @@ impl Constraint for TiltLimit {
             rows.limit(k, least([self.a1, self.a2], h, hdot) - bias, f64::INFINITY);
         }
     }
+
+    fn remembered(&self, _: &mut Self::Running, _: &mut Remembered<'_>) {}
 }

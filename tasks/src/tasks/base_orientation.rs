@@ -154,6 +154,8 @@ impl Task for BaseOrientation {
         }
         rows.error().copy_from(&error);
     }
+
+    fn remembered(&self, _: &mut Self::Running, _: &mut Remembered<'_>) {}
 }
 
 #[cfg(test)]

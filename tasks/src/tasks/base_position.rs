@@ -132,4 +132,8 @@ impl Task for BasePosition {
     fn activate(&self, running: &mut RunningBasePosition) {
         running.integral.reset();
     }
+
+    fn remembered(&self, running: &mut Self::Running, numbers: &mut Remembered<'_>) {
+        running.integral.remembered(numbers);
+    }
 }

@@ -86,4 +86,6 @@ impl Task for CentroidalAngularMomentum {
         }
         rows.error().copy_from(&error);
     }
+
+    fn remembered(&self, _: &mut Self::Running, _: &mut Remembered<'_>) {}
 }

@@ -101,4 +101,6 @@ impl Task for Com {
             );
         }
     }
+
+    fn remembered(&self, _: &mut Self::Running, _: &mut Remembered<'_>) {}
 }

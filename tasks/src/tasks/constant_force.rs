@@ -99,4 +99,6 @@ impl Task for ConstantForce {
             clamped: false,
         });
     }
+
+    fn remembered(&self, _: &mut Self::Running, _: &mut Remembered<'_>) {}
 }

@@ -236,4 +236,9 @@ impl Task for ContactForce {
         running.feedback_loop = Loop::default();
         running.ramp = Ramp::default();
     }
+
+    fn remembered(&self, running: &mut Self::Running, numbers: &mut Remembered<'_>) {
+        running.feedback_loop.remembered(numbers);
+        running.ramp.remembered(numbers);
+    }
 }

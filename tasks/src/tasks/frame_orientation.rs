@@ -89,4 +89,6 @@ impl Task for FrameOrientation {
         }
         rows.error().copy_from(&error);
     }
+
+    fn remembered(&self, _: &mut Self::Running, _: &mut Remembered<'_>) {}
 }

@@ -137,4 +137,6 @@ impl Task for FramePose {
             );
         }
     }
+
+    fn remembered(&self, _: &mut Self::Running, _: &mut Remembered<'_>) {}
 }

@@ -116,4 +116,6 @@ impl Task for FramePosition {
             );
         }
     }
+
+    fn remembered(&self, _: &mut Self::Running, _: &mut Remembered<'_>) {}
 }

@@ -259,4 +259,11 @@ impl Task for FreeMotion {
         running.integral.reset();
         running.base = None;
     }
+
+    fn remembered(&self, running: &mut Self::Running, numbers: &mut Remembered<'_>) {
+        running.integral.remembered(numbers);
+        numbers.option(&mut running.base, Vector3::zeros(), |numbers, base| {
+            numbers.numbers(base.iter_mut());
+        });
+    }
 }

@@ -106,4 +106,6 @@ impl Task for JointTorqueRegularisation {
     fn update(&self, efforts: &mut Efforts, tick: &Tick<'_>, rows: &mut Rows<'_>) {
         efforts.update(tick, rows);
     }
+
+    fn remembered(&self, _: &mut Self::Running, _: &mut Remembered<'_>) {}
 }

@@ -128,4 +128,6 @@ impl Task for Posture {
             );
         }
     }
+
+    fn remembered(&self, _: &mut Self::Running, _: &mut Remembered<'_>) {}
 }

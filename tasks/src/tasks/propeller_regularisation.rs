@@ -60,4 +60,6 @@ impl Task for PropellerRegularisation {
             rows.error()[k] = thrust(pair[0]) - thrust(pair[1]);
         }
     }
+
+    fn remembered(&self, _: &mut Self::Running, _: &mut Remembered<'_>) {}
 }

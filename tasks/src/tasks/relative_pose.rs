@@ -183,4 +183,6 @@ impl Task for RelativePose {
             );
         }
     }
+
+    fn remembered(&self, _: &mut Self::Running, _: &mut Remembered<'_>) {}
 }

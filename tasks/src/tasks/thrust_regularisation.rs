@@ -95,4 +95,6 @@ impl Task for ThrustRegularisation {
     fn update(&self, efforts: &mut Efforts, tick: &Tick<'_>, rows: &mut Rows<'_>) {
         efforts.update(tick, rows);
     }
+
+    fn remembered(&self, _: &mut Self::Running, _: &mut Remembered<'_>) {}
 }

@@ -7,6 +7,7 @@
 mod dynamics;
 mod memory;
 mod plugin_kit;
+mod sensitivity;
 mod ticks;
 
 use std::{alloc::System, panic::catch_unwind, process::ExitCode};
@@ -36,6 +37,7 @@ fn main() -> ExitCode {
         plugin_kit::tasks_pass_the_kit,
         plugin_kit::constraints_pass_the_kit,
         plugin_kit::no_plug_in_is_missing,
+        sensitivity::derivatives_allocate_nothing,
         ticks::a_tick_allocates_nothing,
         ticks::a_tick_allocates_nothing_outside_clarabel,
         ticks::the_first_tick_allocates_nothing,

@@ -7,4 +7,5 @@ mod first_tick;
 mod golden_hash;
 mod observer;
 mod replay;
+mod sensitivity;
 mod time_of_ticks;

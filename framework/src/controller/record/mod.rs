@@ -11,6 +11,10 @@ pub use tick_record::Record;
 pub(crate) use dump::FORMAT;
 pub(super) use recorder::Recorder;
 pub(crate) use recording::{MadeFrom, misfit, rerun};
-pub(super) use recording::{blank_record, recall_rows, record_inputs, record_outcome, record_rows};
+pub(super) use recording::{
+    blank_memory, blank_record, recall_filters, recall_rows, recall_world, record_inputs,
+    record_outcome, record_rows, remember_world,
+};
+pub(super) use tick_record::Memory as TickMemory;
 pub(crate) use tick_record::{CommandRecord, ContactMemory};
 use tick_record::{EntryRecord, Memory, Outcome, StateRecord};

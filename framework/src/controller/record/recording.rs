@@ -9,6 +9,7 @@ use super::{
         Command, Controller, Measurement,
         fallback::{Age, Clock, Fallback},
         plausible::Seen,
+        world::World,
     },
     CommandRecord, ContactMemory, EntryRecord, Memory, Outcome, Record, Recorder, StateRecord,
 };
@@ -41,25 +42,20 @@ pub(in super::super) fn blank_record(controller: &Controller) -> Record {
     });
     let capacity = controller.qp.capacity();
     let relaxed = controller.fallback.relaxation.qp.capacity().vars;
-    let state = blank_state(&controller.world.state);
+    let before = blank_memory(&controller.world);
+    let state = before.state.clone();
     let command = blank_command(&controller.command);
-    let nv = controller.world.last.vdot.len();
     Record {
-        measured: state.clone(),
+        measured: state,
         wrenches: vec![[0.0; 6]; controller.world.contacts.len()],
         before: Memory {
-            state,
-            contacts: vec![ContactMemory::default(); controller.world.contacts.len()],
-            asked: vec![0.0; nv],
-            vdot: vec![0.0; nv],
-            sent: vec![0.0; controller.command.effort.len()],
             command: command.clone(),
             held: vec![0.0; controller.fallback.law.memory.len()],
             warm: WarmStart::with_capacity(capacity.vars),
             relaxed_warm: WarmStart::with_capacity(relaxed),
             proof: WarmStart::with_capacity(relaxed + 1),
             needed: controller.fallback.relaxation.needed.clone(),
-            ..Memory::default()
+            ..before
         },
         entries: entries.collect(),
         outcome: Outcome {
@@ -69,6 +65,72 @@ pub(in super::super) fn blank_record(controller: &Controller) -> Record {
         },
         ..Record::default()
     }
+}
+
+/// Room for what the measured world remembers.
+pub(in super::super) fn blank_memory(world: &World) -> Memory {
+    let nv = world.last.vdot.len();
+    Memory {
+        state: blank_state(&world.state),
+        contacts: vec![ContactMemory::default(); world.contacts.len()],
+        asked: vec![0.0; nv],
+        vdot: vec![0.0; nv],
+        sent: vec![0.0; world.last.effort.len()],
+        ..Memory::default()
+    }
+}
+
+/// What the measured world remembers from tick to tick.
+pub(in super::super) fn remember_world(world: &World, before: &mut Memory) {
+    before.time = world.time;
+    before.origin = world.origin;
+    write_state(&world.state, &mut before.state);
+    let contacts = world.contacts.iter().zip(&world.bindings);
+    for (out, (contact, binding)) in before.contacts.iter_mut().zip(contacts) {
+        binding.remember(out);
+        out.measured = contact.measured.into();
+        out.measured_at_switch = contact.measured_at_switch.into();
+        out.set_point = contact.set_point.into();
+        out.solution = contact.solution.into();
+    }
+    let observer = world.observer.as_ref();
+    before.disturbance = observer.map_or([0.0; 6], |observer| observer.disturbance.into());
+    let last = &world.last;
+    copy(&mut before.asked, last.virtual_input.as_slice());
+    copy(&mut before.vdot, last.vdot.as_slice());
+    copy(&mut before.sent, last.effort.as_slice());
+}
+
+/// Remembers it again, with everything computed that depends on the state then.
+pub(in super::super) fn recall_world(world: &mut World, before: &Memory) {
+    read_state(&before.state, &mut world.state);
+    world.time = before.time;
+    world.refresh();
+    recall_filters(world, before);
+    let contacts = world.contacts.iter_mut().zip(&mut world.bindings);
+    for (contact, binding) in contacts {
+        binding.place_again(world.time, &world.model, &world.data, contact);
+    }
+}
+
+/// Remembers what a measurement does not replace; the state and what depends on it stays.
+pub(in super::super) fn recall_filters(world: &mut World, before: &Memory) {
+    world.time = before.time;
+    world.origin = before.origin;
+    let contacts = world.contacts.iter_mut().zip(&mut world.bindings);
+    for (memory, (contact, binding)) in before.contacts.iter().zip(contacts) {
+        binding.recall(memory);
+        contact.measured = memory.measured.into();
+        contact.measured_at_switch = memory.measured_at_switch.into();
+        contact.set_point = memory.set_point.into();
+        contact.solution = memory.solution.into();
+    }
+    if let Some(observer) = &mut world.observer {
+        observer.disturbance = before.disturbance.into();
+    }
+    copy(world.last.virtual_input.as_mut_slice(), &before.asked);
+    copy(world.last.vdot.as_mut_slice(), &before.vdot);
+    copy(world.last.effort.as_mut_slice(), &before.sent);
 }
 
 /// Before anything is computed.
@@ -85,27 +147,7 @@ pub(in super::super) fn record_inputs(controller: &mut Controller, measurement: 
         *out = (*wrench).into();
     }
     let before = &mut record.before;
-    before.time = controller.world.time;
-    before.origin = controller.world.origin;
-    write_state(&controller.world.state, &mut before.state);
-    let contacts = controller
-        .world
-        .contacts
-        .iter()
-        .zip(&controller.world.bindings);
-    for (out, (contact, binding)) in before.contacts.iter_mut().zip(contacts) {
-        binding.remember(out);
-        out.measured = contact.measured.into();
-        out.measured_at_switch = contact.measured_at_switch.into();
-        out.set_point = contact.set_point.into();
-        out.solution = contact.solution.into();
-    }
-    let observer = controller.world.observer.as_ref();
-    before.disturbance = observer.map_or([0.0; 6], |observer| observer.disturbance.into());
-    let last = &controller.world.last;
-    copy(&mut before.asked, last.virtual_input.as_slice());
-    copy(&mut before.vdot, last.vdot.as_slice());
-    copy(&mut before.sent, last.effort.as_slice());
+    remember_world(&controller.world, before);
     write_command(&controller.command, &mut before.command);
     before.has_begun = controller.first.is_over;
     before.level = controller.fallback.level;
@@ -179,26 +221,7 @@ pub(crate) fn rerun(controller: &mut Controller, record: &Record) {
 /// Remembers what was remembered before the recorded tick.
 fn restore(controller: &mut Controller, record: &Record) {
     let before = &record.before;
-    let world = &mut controller.world;
-    world.time = before.time;
-    world.origin = before.origin;
-    read_state(&before.state, &mut world.state);
-    world.refresh();
-    let contacts = world.contacts.iter_mut().zip(&mut world.bindings);
-    for (memory, (contact, binding)) in before.contacts.iter().zip(contacts) {
-        binding.recall(memory);
-        binding.place_again(world.time, &world.model, &world.data, contact);
-        contact.measured = memory.measured.into();
-        contact.measured_at_switch = memory.measured_at_switch.into();
-        contact.set_point = memory.set_point.into();
-        contact.solution = memory.solution.into();
-    }
-    if let Some(observer) = &mut world.observer {
-        observer.disturbance = before.disturbance.into();
-    }
-    copy(world.last.virtual_input.as_mut_slice(), &before.asked);
-    copy(world.last.vdot.as_mut_slice(), &before.vdot);
-    copy(world.last.effort.as_mut_slice(), &before.sent);
+    recall_world(&mut controller.world, before);
     read_command(&before.command, &mut controller.command);
     controller.first.is_over = before.has_begun;
     controller.fallback.level = before.level;

@@ -1,5 +1,7 @@
 //! The feedback loop of the normal force.
 
+use wbqp::plugin::Remembered;
+
 /// Gains of the loop.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Settings {
@@ -43,6 +45,13 @@ impl Loop {
         let input = set_point - settings.kp * error - self.xi;
         self.asked = Some(input);
         input
+    }
+
+    /// Shows what is remembered from tick to tick.
+    pub(super) fn remembered(&mut self, numbers: &mut Remembered<'_>) {
+        numbers.number(&mut self.xi);
+        numbers.maybe(&mut self.asked);
+        numbers.flag(&mut self.clamped);
     }
 
     /// Whether ξ stands at its clamp.

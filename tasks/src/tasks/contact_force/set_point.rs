@@ -1,5 +1,7 @@
 //! The set point of the normal force while the task or its contact is switched on or off.
 
+use wbqp::plugin::Remembered;
+
 /// Turns activations into a set point.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Ramp {
@@ -52,6 +54,31 @@ pub(super) enum SetPoint {
 }
 
 impl Ramp {
+    /// Shows what is remembered from tick to tick.
+    pub(super) fn remembered(&mut self, numbers: &mut Remembered<'_>) {
+        let Self {
+            entry,
+            last,
+            release,
+        } = self;
+        let none = Entry {
+            alpha: 0.0,
+            force: 0.0,
+            done: 0.0,
+        };
+        numbers.option(entry, none, |numbers, entry| {
+            numbers.numbers([&mut entry.alpha, &mut entry.force, &mut entry.done]);
+        });
+        numbers.number(last);
+        let none = Release {
+            alpha: 0.0,
+            force: 0.0,
+        };
+        numbers.option(release, none, |numbers, release| {
+            numbers.numbers([&mut release.alpha, &mut release.force]);
+        });
+    }
+
     /// One tick.
     ///
     /// In: `f = f₀ + x (f^d − f₀)`, where `f₀` is the force measured in the first tick and x goes from 0 to 1 as

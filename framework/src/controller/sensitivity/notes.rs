@@ -1,0 +1,56 @@
+//! Where a tick's optimum is not differentiable, and why there are no derivatives.
+
+use thiserror::Error;
+
+use super::super::{FallbackLevel, Side};
+use crate::qp::RowId;
+
+/// Where the optimum of a tick is not differentiable, or not all of it is known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Note {
+    /// A limit is touched and does not push: one way it stays behind, the other way it becomes active. The derivatives
+    /// are those without it.
+    Touching {
+        /// Whose; [`Controller::row`](crate::Controller::row) gives the name.
+        row: RowId,
+        /// Which side.
+        side: Side,
+    },
+    /// What a row is made of has other slopes on the two sides of this parameter's value: a clamp, a smallest of
+    /// several. The column is the mean of both.
+    Kink {
+        /// Position in [`Sensitivity::parameters`](super::Sensitivity::parameters).
+        parameter: usize,
+    },
+    /// The regularisation follows the largest weight, which several tasks or softened constraints have: the columns of
+    /// their weights are right if all of them change by the same factor.
+    LargestWeight {
+        /// One of them: position among all entries, tasks, then constraints.
+        entry: usize,
+    },
+    /// A task or constraint does not say what it remembers from tick to tick, and is not asked again: its rows count as
+    /// constant, and it has no columns but those of its weights.
+    Unknown {
+        /// Position among all entries: tasks, then constraints.
+        entry: usize,
+    },
+}
+
+/// Why there are no derivatives.
+#[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum SensitivityError {
+    /// Made for another controller.
+    #[error("the storage was made for another controller")]
+    OtherController,
+    /// There was no tick since [`Sensitivity::new`](super::Sensitivity::new).
+    #[error("there was no tick since what it begins with is kept")]
+    NotKept,
+    /// The last tick has no optimum, or the command is not it.
+    #[error("the last tick did not end with an optimum: its level is `{}`", .0.as_str())]
+    NoOptimum(FallbackLevel),
+    /// The lines that are active do not determine the optimum: several limits come together in one place.
+    #[error("the active limits do not determine the optimum")]
+    Degenerate,
+}
