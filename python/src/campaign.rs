@@ -67,7 +67,10 @@ fn listening<T: Send>(
             while !worker.is_finished() {
                 thread::sleep(PATIENCE);
                 if raised.is_none() {
-                    raised = Python::attach(pyo3::Python::check_signals).err();
+                    // The method itself is of one lifetime, and this is of any.
+                    #[expect(clippy::redundant_closure_for_method_calls)]
+                    let signal = Python::attach(|py| py.check_signals());
+                    raised = signal.err();
                     stop.store(raised.is_some(), Ordering::Relaxed);
                 }
             }

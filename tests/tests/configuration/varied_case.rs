@@ -1,6 +1,6 @@
 //! One case with another variation is what the varied scenario has, or is refused as that is.
 
-use std::fs;
+use std::{fs, path::Path};
 
 use wbqp::settings::Target;
 use wbqp_robots as _;
@@ -114,8 +114,12 @@ fn the_robots_files_are_not_read_again() {
         .iter()
         .filter_map(|source| source.name.rsplit('/').next())
         .collect();
-    let urdf = names.iter().find(|n| n.ends_with(".urdf")).expect("ships");
-    let rotors = names.iter().find(|n| n.ends_with(".toml")).expect("ships");
+    let with = |extension: &str| {
+        let mut names = names.iter().map(Path::new);
+        let found = names.find(|name| name.extension().is_some_and(|e| e == extension));
+        found.expect("ships").display().to_string()
+    };
+    let (urdf, rotors) = (with("urdf"), with("toml"));
     let own = format!("[robot]\ntype = \"urdf\"\nfile = \"{urdf}\"\nrotors = \"{rotors}\"\n");
     let start = controller.find("[robot]").expect("has a robot");
     let end = start + 7 + controller[start + 7..].find("\n[").expect("goes on") + 1;
