@@ -132,7 +132,7 @@ fn the_robots_files_are_not_read_again() {
 
     let path = folder.file("push_with_disturbance.toml");
     let scenario = Scenario::from_file(&path).expect("is good");
-    fs::remove_file(folder.file(urdf)).expect("is there");
+    fs::remove_file(folder.file(&urdf)).expect("is there");
     let heavier = Variation::new().change("plant.mismatch.mass_scale", 1.03);
     let one = scenario.varied_case("with_ft", &heavier).expect("is good");
     let config = one.controller_config().expect("is good");
