@@ -269,7 +269,7 @@ fn by_measure(lines: &Lines, all: &[usize], effects: &[figures::Effect<'_>]) -> 
                 tbody {
                     @for (index, column) in failing {
                         tr {
-                            td { (column.name) }
+                            td.words { (column.name) }
                             @for effect in effects {
                                 @let parts = groups(all, |l| lines.factors[effect.index][l], GROUPS);
                                 @let shares = sorted(parts.iter().map(|(_, _, inside)| {
@@ -312,7 +312,7 @@ fn worst(lines: &Lines, all: &[usize], plan: &Path, beside: &Path) -> Markup {
                                     a href={ (folder) "/" } { (lines.run[line]) }
                                 } @else { (lines.run[line]) }
                             }
-                            td {
+                            td.words {
                                 @match &lines.reason[line] {
                                     Some(reason) => (reason),
                                     None => (lines.missed(line).iter().map(|c| c.name.as_str()).collect::<Vec<_>>().join("; ")),
