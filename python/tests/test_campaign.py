@@ -108,7 +108,7 @@ scale = { uniform = [0.95, 1.05] }
 
 [[measure]]
 name = "error"
-signals = { e = "/task/base_position.rows.x.error" }
+signals = { dx = "/task/base_position.rows.x.error" }
 reduce = "rms"
 unit = "m"
 """

@@ -145,7 +145,7 @@ def _sampler(name: str, seed: int) -> optuna.samplers.BaseSampler:
     import optuna
 
     if name == "tpe":
-        return optuna.samplers.TPESampler(seed=seed, multivariate=True, warn_independent_sampling=False)
+        return optuna.samplers.TPESampler(seed=seed, multivariate=True)
     if name == "cmaes":
         return optuna.samplers.CmaEsSampler(seed=seed)
     raise ValueError(f"there is no sampler {name!r}; there are 'tpe' and 'cmaes', or give one of Optuna's")

@@ -107,6 +107,15 @@ impl Measure {
             let hint = wbqp::suggestion::suggestion(name, &known);
             return Err(refuse(format!("there is no signal `{name}`{hint}")));
         }
+        if let Some(unused) = known
+            .iter()
+            .find(|n| !expression.names.iter().any(|m| m == *n))
+        {
+            return Err(refuse(format!(
+                "signal `{unused}` is not in the expression `{text}`; a name of a constant or a function cannot be a \
+                 signal's"
+            )));
+        }
         if let Reduction::Quantile(p) = keys.reduce
             && !(0.0..=1.0).contains(&p)
         {

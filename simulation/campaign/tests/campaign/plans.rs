@@ -47,6 +47,12 @@ fn what_is_unknown_empty_or_not_there_is_named_with_its_place() {
             "has 3 entries, none with number 3",
         ),
         (with("").replace("- z", "- y"), "there is no signal `y`"),
+        (
+            with("")
+                .replace("{ z =", "{ e =")
+                .replace("1.258 - z", "1.258 - e"),
+            "signal `e` is not in the expression",
+        ),
         (with("").replace("1.258 - z", "1.258 - "), "`1.258 - `"),
         (
             with("").replace("/plant.base", "/plat.base"),
