@@ -77,25 +77,26 @@ impl World for Plant {
 /// The sum of forces, and where it acts: the mean of the points by the size of their forces; of points without a force,
 /// their mean. `None` of no points.
 pub fn center_of_force(
-    points: impl Iterator<Item = (Vector3<f64>, Vector3<f64>)>,
+    points: impl Iterator<Item = (Vector3<f64>, Vector3<f64>)> + Clone,
 ) -> Option<(Vector3<f64>, Vector3<f64>)> {
-    let points: Vec<_> = points.collect();
+    let mut others = points.clone();
+    let first = others.next()?;
     // One point is where it is, to the bit.
-    if let [only] = points.as_slice() {
-        return Some(*only);
+    if others.next().is_none() {
+        return Some(first);
     }
-    let force = points.iter().map(|(force, _)| force).sum();
-    let total: f64 = points.iter().map(|(force, _)| force.norm()).sum();
-    let count = points.len() as f64;
-    let share = |force: &Vector3<f64>| {
+    let force = points.clone().map(|(force, _)| force).sum();
+    let total: f64 = points.clone().map(|(force, _)| force.norm()).sum();
+    let count = points.clone().count() as f64;
+    let share = |force: Vector3<f64>| {
         if total > 0.0 {
             force.norm() / total
         } else {
             1.0 / count
         }
     };
-    let place = points.iter().map(|(force, at)| at * share(force)).sum();
-    (!points.is_empty()).then_some((force, place))
+    let place = points.map(|(force, at)| at * share(force)).sum();
+    Some((force, place))
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 use std::{
     collections::BTreeSet,
     panic::{AssertUnwindSafe, catch_unwind},
+    path::Path,
 };
 
 use serde::{Deserialize, Serialize};
@@ -279,7 +280,7 @@ impl Campaign {
         match done {
             Err((status, why)) => {
                 outcome.status = status;
-                outcome.reason = Some(why);
+                outcome.reason = Some(self.without_folder(run, &why));
             }
             Ok(Done {
                 rows, summaries, ..
@@ -319,6 +320,15 @@ impl Campaign {
             });
             (case.as_str(), varied)
         })
+    }
+
+    /// A reason as it is on every machine: where the scenario's files lie says nothing of the run.
+    fn without_folder(&self, run: &Run, why: &str) -> String {
+        let file = Path::new(&self.scenario(run).source().name);
+        match file.parent().and_then(Path::to_str) {
+            Some(folder) if !folder.is_empty() => why.replace(&format!("{folder}/"), ""),
+            _ => why.to_owned(),
+        }
     }
 
     /// The scenario of a run's variant.

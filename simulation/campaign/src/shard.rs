@@ -41,10 +41,10 @@ impl Part {
     /// Its runs, of so many.
     pub fn range(self, runs: u64) -> Range<u64> {
         let end = |index: u32| {
-            let product = u128::from(runs) * u128::from(index) / u128::from(self.of);
+            let product = u128::from(runs) * u128::from(index) / u128::from(self.of.max(1));
             u64::try_from(product).unwrap_or(runs)
         };
-        end(self.index - 1)..end(self.index)
+        end(self.index.saturating_sub(1))..end(self.index)
     }
 
     /// Its files in a folder, without extension.

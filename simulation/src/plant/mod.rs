@@ -302,7 +302,7 @@ impl Plant {
     /// All contacts with the contact point and the wall they belong to.
     pub fn contacts(
         &self,
-    ) -> impl Iterator<Item = (&ContactPointConfig, &WallConfig, &ContactTruth)> {
+    ) -> impl Iterator<Item = (&ContactPointConfig, &WallConfig, &ContactTruth)> + Clone {
         self.contacts.iter().map(|c| {
             (
                 &self.config.contact_points[c.point],

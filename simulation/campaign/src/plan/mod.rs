@@ -47,6 +47,7 @@ pub struct Plan {
 
 /// A run of a plan.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Run {
     /// Its number, from 0.
     pub number: u64,

@@ -12,7 +12,7 @@ use wbqp_campaign::{
     table::{Data, Table, TableError, merge},
 };
 
-use crate::common::Folder;
+use crate::common::{BODY, Folder, HEAD};
 
 const DESIGN: &str = "{ type = \"sobol\", points = 5 }";
 
@@ -150,4 +150,27 @@ fn two_at_once_another_plan_and_missing_parts_are_refused() {
         merge(&empty, &to),
         Err(TableError::Parquet { .. })
     ));
+}
+
+/// A refused run names its scenario: without the folder, which is another one on another machine.
+#[test]
+fn a_table_does_not_say_where_it_was_made() {
+    let tables = [(); 2].map(|()| {
+        let folder = Folder::new();
+        let text = format!("{HEAD}\ndesign = {{ type = \"grid\" }}\n{BODY}");
+        let text = text.replace("uniform = [0.8, 1.2]", "values = [1.0, -1.0]");
+        let campaign = Campaign::new(folder.try_plan(&text).unwrap()).unwrap();
+        run(&campaign, "1/1", folder.path());
+        let path = Part::WHOLE.table(folder.path());
+        let Data::Text(reasons) = Table::open(&path).unwrap().column("reason").unwrap() else {
+            panic!("reasons are texts");
+        };
+        let refused = reasons.into_iter().flatten().next().unwrap();
+        assert!(
+            refused.contains("hover.toml: plant.mismatch.mass_scale"),
+            "{refused}"
+        );
+        fs::read(path).unwrap()
+    });
+    assert!(tables[0] == tables[1]);
 }
