@@ -534,11 +534,7 @@ setInterval(() => {
 
 // Results.
 
-function results(
-  title: string,
-  rows: Omit<Row, "promised">[],
-  pace: number,
-): void {
+function results(title: string, rows: Omit<Row, "promised">[], pace: number): void {
   $("results-title").textContent = title;
   const number = (x: number | null) => (x === null ? "–" : String(Number(x.toPrecision(4))));
   const table = document.createElement("table");
