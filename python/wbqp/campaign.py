@@ -76,14 +76,19 @@ def run(
         return pq.read_table(merged)
 
 
-def _run_on_ray(
-    plan: Path, address: str, shards: int | None, limit: int | None, folder: Path, jobs: int, retries: int
-) -> None:
+def connected(address: str) -> tuple[Any, int]:
+    """Ray, with a cluster, and the cores of that."""
     import ray
 
     if not ray.is_initialized():
         ray.init(address=None if address == "local" else address, log_to_driver=False)
-    cores = int(ray.cluster_resources().get("CPU", 1))
+    return ray, int(ray.cluster_resources().get("CPU", 1))
+
+
+def _run_on_ray(
+    plan: Path, address: str, shards: int | None, limit: int | None, folder: Path, jobs: int, retries: int
+) -> None:
+    ray, cores = connected(address)
     count = shards or 4 * cores
 
     # A lost worker or node is no fault of the part: Ray runs it again, and where the folder is shared it goes on.

@@ -217,13 +217,10 @@ def tune(
 
 
 def _on_ray(study: Any, ask: Any, what: tuple[Path, Objective, int | None, int], trials: int, address: str) -> None:
-    import ray
-
-    if not ray.is_initialized():
-        ray.init(address=None if address == "local" else address, log_to_driver=False)
+    ray, all_cores = campaign.connected(address)
     file, objective, limit, jobs = what
     value = ray.remote(max_retries=3, num_cpus=jobs)(_value)
-    cores = max(1, int(ray.cluster_resources().get("CPU", 1)) // jobs)
+    cores = max(1, all_cores // jobs)
     running: dict[Any, Any] = {}
     asked = 0
     while running or asked < trials:

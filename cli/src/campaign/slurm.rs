@@ -16,8 +16,8 @@ use wbqp_terminal::say;
 
 /// Writes and submits an array of Slurm jobs, one per shard, and a job that merges their tables
 ///
-/// Every node must see this program, the plan and the directory at the same paths. A job that was killed or preempted is
-/// queued again, and goes on where it was.
+/// Every node must see this program, the plan and the directory at the same paths. A job that was killed or preempted
+/// is queued again, and goes on where it was.
 #[derive(Args, Debug)]
 pub(super) struct Arguments {
     /// The plan

@@ -3,8 +3,9 @@
 //! # Notation
 //! World axes, about each body's origin. With its joints prescribed a subtree is one rigid body of inertia `(m, h, I)`
 //! (RBDA section 2.13) that its own joints shake: it takes the force `f = I_C a + p` to give its root body the
-//! acceleration `a`, where `p` is what velocities, joints and external wrenches ask for at `a = 0`. So the base alone is
-//! unknown: six equations, of which the three of the angular acceleration are left once the linear one is eliminated,
+//! acceleration `a`, where `p` is what velocities, joints and external wrenches ask for at `a = 0`. So the base alone
+//! is unknown: six equations, of which the three of the angular acceleration are left once the linear one is
+//! eliminated,
 //! ```text
 //! (I − (h·h 1 − h hᵀ)/m) α = n − h × f/m,   a = (f − α × h)/m
 //! ```

@@ -36,9 +36,9 @@ pub trait Constraint: Clone + Debug + Send + 'static {
 
     /// Shows what `running` remembers from one update to the next, number by number: integrals, filters, where
     /// something began. Not what was resolved in `bind`. [`Controller::sensitivity`](crate::Controller::sensitivity)
-    /// lets a tick's update run again from there. Unless a constraint says so it is not known what it remembers, but for one
-    /// without a running object, and its rows count as constant there; one that remembers nothing shows nothing. No
-    /// allocation, no panic.
+    /// lets a tick's update run again from there. Unless a constraint says so it is not known what it remembers, but
+    /// for one without a running object, and its rows count as constant there; one that remembers nothing shows
+    /// nothing. No allocation, no panic.
     fn remembered(&self, running: &mut Self::Running, numbers: &mut Remembered<'_>) {
         let _ = running;
         if size_of::<Self::Running>() > 0 {

@@ -1,8 +1,8 @@
 //! A part of a campaign, run into a folder.
 //!
-//! While it runs, a shard keeps a line of JSON per finished run: a run is either whole in it or absent. Who goes on after
-//! it was killed drops a torn last line, and runs what is absent. At its end it leaves a [table](crate::table), sorted by
-//! run, and nothing else.
+//! While it runs, a shard keeps a line of JSON per finished run: a run is either whole in it or absent. Who goes on
+//! after it was killed drops a torn last line, and runs what is absent. At its end it leaves a [table](crate::table),
+//! sorted by run, and nothing else.
 
 use std::{
     collections::HashSet,
@@ -98,8 +98,8 @@ pub enum ShardError {
     },
     /// The folder has a shard of something else.
     #[error(
-        "{}: is of another campaign: plan, scenario, controller, robot, version or --limit are not the same; give another \
-         folder, or delete this file",
+        "{}: is of another campaign: plan, scenario, controller, robot, version or --limit are not the same; \
+         give another folder, or delete this file",
         path.display()
     )]
     Other {
@@ -216,8 +216,8 @@ impl<'a> Shard<'a> {
         }
     }
 
-    /// Does what is absent, on the threads of the present pool. `finished` hears of every run, from any of them; when it
-    /// breaks, no run is begun any more.
+    /// Does what is absent, on the threads of the present pool. `finished` hears of every run, from any of them; when
+    /// it breaks, no run is begun any more.
     ///
     /// # Errors
     /// [`ShardError::File`] if what was finished cannot be kept: a disk that is full.

@@ -148,8 +148,8 @@ impl Plant {
 
     /// Like [`Plant::advance`], calling `observe` after every integration step: what sensors with filters
     /// ([`Sensors::observe`](crate::Sensors::observe)) and recorders need. Of an error-controlled step with a contact
-    /// the middle is shown as well ([`Plant::is_within_step`]; accelerations and efforts are those of the end then), and
-    /// where a contact opens or closes the end twice, before and after.
+    /// the middle is shown as well ([`Plant::is_within_step`]; accelerations and efforts are those of the end then),
+    /// and where a contact opens or closes the end twice, before and after.
     ///
     /// # Errors
     /// A command of another size, or a duration that is negative or not finite.

@@ -279,7 +279,8 @@ fn two_runs_are_equal_to_the_bit() {
     assert_eq!(end(), end());
 }
 
-/// Readings of a force-torque sensor while the carriage bounces, and their largest distance from those with small steps.
+/// Readings of a force-torque sensor while the carriage bounces, and their largest distance from those with small
+/// steps.
 #[test]
 fn filters_follow_the_force_within_long_steps() {
     let pushes = [

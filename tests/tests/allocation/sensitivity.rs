@@ -1,4 +1,5 @@
-//! Derivatives of a tick's optimum allocate once, when their storage is made, and again only for keys that were changed.
+//! Derivatives of a tick's optimum allocate once, when their storage is made, and again only for keys that were
+//! changed.
 
 use wbqp::{
     Controller,

@@ -1,5 +1,7 @@
 //! Small figures of shares, as SVG.
 
+use std::collections::HashSet;
+
 use maud::{Markup, html};
 use wbqp_measures::number;
 
@@ -40,7 +42,8 @@ pub(super) fn effect(effect: &Effect<'_>) -> Markup {
     html! {
         figure {
             figcaption { b { (effect.name) } " (" (effect.relation) ")" }
-            svg viewBox={ "0 0 " (WIDTH + 6.0) " " (TOP + HEIGHT + 20.0) } role="img" aria-label={ "share that holds over " (effect.name) } {
+            svg viewBox={ "0 0 " (WIDTH + 6.0) " " (TOP + HEIGHT + 20.0) }
+                role="img" aria-label={ "share that holds over " (effect.name) } {
                 @for tick in [0.0, 0.5, 1.0] {
                     line.axis x1=(LEFT) x2=(WIDTH) y1=(y(tick)) y2=(y(tick)) {}
                     text x=(LEFT - 4.0) y=(y(tick) + 4.0) text-anchor="end" { (format!("{:.0} %", 100.0 * tick)) }
@@ -49,7 +52,8 @@ pub(super) fn effect(effect: &Effect<'_>) -> Markup {
                     rect.bar x=(x(i) + 2.0) width=(width - 4.0) y=(y(share.value())) height=(HEIGHT * share.value()) {
                         title { (number(*low)) " to " (number(*high)) ": " (share.words()) }
                     }
-                    line.interval x1=(x(i) + width / 2.0) x2=(x(i) + width / 2.0) y1=(y(share.low)) y2=(y(share.high)) {}
+                    line.interval x1=(x(i) + width / 2.0) x2=(x(i) + width / 2.0)
+                        y1=(y(share.low)) y2=(y(share.high)) {}
                 }
                 text x=(LEFT) y=(TOP + HEIGHT + 15.0) { (number(first)) }
                 text x=(WIDTH) y=(TOP + HEIGHT + 15.0) text-anchor="end" { (number(last)) }
@@ -64,30 +68,42 @@ const CELLS: usize = 6;
 /// The share that holds over two factors.
 pub(super) fn map(lines: &Lines, all: &[usize], across: &Effect<'_>, up: &Effect<'_>) -> Markup {
     let columns = groups(all, |l| lines.factors[across.index][l], CELLS);
+    let columns: Vec<(f64, f64, HashSet<usize>)> = columns
+        .into_iter()
+        .map(|(low, high, inside)| (low, high, inside.into_iter().collect()))
+        .collect();
     let side = 74.0;
     let left = 96.0;
     let rows: Vec<_> = groups(all, |l| lines.factors[up.index][l], CELLS);
     let (width, height) = (side * columns.len() as f64, 30.0 * rows.len() as f64);
     html! {
-        svg.map viewBox={ "0 0 " (left + width + 10.0) " " (height + 46.0) } style={ "max-width:" (left + width + 10.0) "px" } role="img" {
+        svg.map viewBox={ "0 0 " (left + width + 10.0) " " (height + 46.0) }
+            style={ "max-width:" (left + width + 10.0) "px" } role="img" {
             @for (j, (low, high, inside)) in rows.iter().enumerate() {
                 @let top = height - 30.0 * (j as f64 + 1.0);
                 text x=(left - 6.0) y=(top + 19.0) text-anchor="end" { (range(*low, *high)) }
                 @for (i, (_, _, column)) in columns.iter().enumerate() {
-                    @let both: Vec<usize> = inside.iter().copied().filter(|l| column.binary_search(l).is_ok() || column.contains(l)).collect();
+                    @let both: Vec<usize> = inside.iter().copied().filter(|line| column.contains(line)).collect();
                     @let share = Share::of_lines(&both, |l| lines.holds[l]);
-                    rect x=(left + side * i as f64) y=(top) width=(side - 1.0) height="29" fill=(if both.is_empty() { "#eee".to_owned() } else { color(share.value()) }) {
+                    rect x=(left + side * i as f64) y=(top) width=(side - 1.0) height="29"
+                        fill=(if both.is_empty() { "#eee".to_owned() } else { color(share.value()) }) {
                         title { (share.words()) ", " (both.len()) " runs" }
                     }
                     @if !both.is_empty() {
-                        text.cell x=(left + side * (i as f64 + 0.5)) y=(top + 19.0) text-anchor="middle" { (format!("{:.0}", 100.0 * share.value())) }
+                        text.cell x=(left + side * (i as f64 + 0.5)) y=(top + 19.0) text-anchor="middle" {
+                            (format!("{:.0}", 100.0 * share.value()))
+                        }
                     }
                 }
             }
             @for (i, (low, high, _)) in columns.iter().enumerate() {
-                text x=(left + side * (i as f64 + 0.5)) y=(height + 14.0) text-anchor="middle" font-size="9" { (range(*low, *high)) }
+                text x=(left + side * (i as f64 + 0.5)) y=(height + 14.0) text-anchor="middle" font-size="9" {
+                    (range(*low, *high))
+                }
             }
-            text x=(left + width / 2.0) y=(height + 34.0) text-anchor="middle" { (across.name) " →, up: " (up.name) "; percent that hold" }
+            text x=(left + width / 2.0) y=(height + 34.0) text-anchor="middle" {
+                (across.name) " →, up: " (up.name) "; percent that hold"
+            }
         }
     }
 }

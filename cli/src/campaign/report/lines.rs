@@ -1,6 +1,6 @@
 //! The lines of a table, as the report looks at them.
 
-use anyhow::{Context, Result};
+use anyhow::{Result, anyhow};
 use wbqp_campaign::{
     Column,
     table::{Data, Description, Table},
@@ -25,23 +25,24 @@ pub(super) struct Lines {
 impl Lines {
     pub(super) fn read(table: &Table) -> Result<Self> {
         let description = table.description().clone();
-        let numbers = |name: String| match table.column(&name) {
-            Ok(Data::Number(values)) => Ok(values),
-            other => other.map(|_| Vec::new()),
+        let foreign =
+            |name: &str| anyhow!("the column `{name}` is not of the kind that it should be");
+        let numbers = |name: String| match table.column(&name)? {
+            Data::Number(values) => Ok(values),
+            _ => Err(foreign(&name)),
         };
-        let truths = |name: String| match table.column(&name) {
-            Ok(Data::Truth(values)) => Ok(values),
-            other => other.map(|_| Vec::new()),
+        let truths = |name: String| match table.column(&name)? {
+            Data::Truth(values) => Ok(values),
+            _ => Err(foreign(&name)),
         };
-        let texts = |name: &str| match table.column(name) {
-            Ok(Data::Text(values)) => Ok(values),
-            other => other.map(|_| Vec::new()),
+        let texts = |name: &str| match table.column(name)? {
+            Data::Text(values) => Ok(values),
+            _ => Err(foreign(name)),
         };
         let present =
             |values: Vec<Option<String>>| values.into_iter().map(Option::unwrap_or_default);
-        let run = match table.column("run")? {
-            Data::Whole(values) => Some(values),
-            _ => None,
+        let Data::Whole(run) = table.column("run")? else {
+            return Err(foreign("run"));
         };
         let factors = description.factors.iter();
         let factors = factors.map(|f| numbers(format!("factor.{}", f.name)));
@@ -56,7 +57,7 @@ impl Lines {
         });
         let holds = truths("holds".to_owned())?;
         Ok(Self {
-            run: run.context("the column `run` has no whole numbers")?,
+            run,
             variant: present(texts("variant")?).collect(),
             status: present(texts("status")?).collect(),
             reason: texts("reason")?,

@@ -13,7 +13,7 @@ use std::{
 use anyhow::{Context, Result};
 use clap::Args;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
-use wbqp_campaign::table::Table;
+use wbqp_campaign::{Column, table::Table};
 use wbqp_measures::number;
 use wbqp_terminal::say;
 
@@ -96,7 +96,8 @@ fn page(lines: &Lines, plan: &Path, beside: &Path, indices: Option<&Indices>) ->
                 h2 { "Plan" }
                 pre { (about.plan) }
                 footer {
-                    "wbqp " (env!("CARGO_PKG_VERSION")) ", fingerprint " code { (&about.fingerprint[..about.fingerprint.len().min(16)]) }
+                    "wbqp " (env!("CARGO_PKG_VERSION")) ", fingerprint "
+                    code { (about.fingerprint.chars().take(16).collect::<String>()) }
                     ". The same plan gives the same table on every machine and in any number of shards."
                 }
             }
@@ -109,7 +110,8 @@ fn overview(lines: &Lines) -> Markup {
     html! {
         h2 { "What holds" }
         div.scroll { table {
-            thead { tr { th { "variant" } th { "runs" } th { "holds" } th { "completed" } th { "diverged" } th { "refused" } th { "failed" } } }
+            thead { tr { th { "variant" } th { "runs" } th { "holds" } th { "completed" }
+                th { "diverged" } th { "refused" } th { "failed" } } }
             tbody {
                 @for variant in &lines.description.variants {
                     @let all = lines.of(variant);
@@ -143,7 +145,8 @@ fn section(lines: &Lines, variant: &str, plan: &Path, beside: &Path) -> Markup {
 fn measures(lines: &Lines, all: &[usize]) -> Markup {
     html! {
         div.scroll { table {
-            thead { tr { th { "measure" } th { "accepted" } th { "holds" } th { "5 %" } th { "median" } th { "95 %" } th { "unit" } } }
+            thead { tr { th { "measure" } th { "accepted" } th { "holds" } th { "5 %" }
+                th { "median" } th { "95 %" } th { "unit" } } }
             tbody {
                 @for (index, column) in lines.measures() {
                     @let values = sorted(all.iter().filter_map(|l| lines.measured[index][*l]));
@@ -242,8 +245,8 @@ fn effects(lines: &Lines, all: &[usize]) -> Markup {
     html! {
         @if !effects.is_empty() && !failing.is_empty() {
             h3 { "Which factor breaks it" }
-            p { "The share of runs that hold, over groups of each factor's values; what the other factors are is averaged \
-                 out. The strongest factor first." }
+            p { "The share of runs that hold, over groups of each factor's values; what the other factors are is \
+                 averaged out. The strongest factor first." }
             div.grid { @for effect in &effects { (figures::effect(effect)) } }
             (by_measure(lines, all, &effects))
             @if let [first, second, ..] = effects.as_slice() {
@@ -276,7 +279,9 @@ fn by_measure(lines: &Lines, all: &[usize], effects: &[figures::Effect<'_>]) -> 
                                     Share::of_lines(inside, |l| lines.verdicts[index][l] == Some(true)).value()
                                 }));
                                 @let spread = shares.last().unwrap_or(&0.0) - shares.first().unwrap_or(&0.0);
-                                td.number style={ "background:" (figures::shade(spread)) } { (format!("{:.0}", 100.0 * spread)) }
+                                td.number style={ "background:" (figures::shade(spread)) } {
+                                    (format!("{:.0}", 100.0 * spread))
+                                }
                             }
                         }
                     }
@@ -299,10 +304,11 @@ fn worst(lines: &Lines, all: &[usize], plan: &Path, beside: &Path) -> Markup {
     html! {
         @if !failing.is_empty() {
             h3 { "The worst runs" }
-            p { code { "wbqp campaign " (plan.display()) " --run NUMBER" } " does a run again, with logs for Foxglove and \
-                 dumps of the ticks in which the controller left its optimum, for " code { "wbqp replay" } "." }
+            p { code { "wbqp campaign " (plan.display()) " --run NUMBER" } " does a run again, with logs for Foxglove \
+                 and dumps of the ticks in which the controller left its optimum, for " code { "wbqp replay" } "." }
             div.scroll { table {
-                thead { tr { th { "run" } th { "missed" } @for factor in &lines.description.factors { th { (factor.name) } } } }
+                thead { tr { th { "run" } th { "missed" }
+                    @for factor in &lines.description.factors { th { (factor.name) } } } }
                 tbody {
                     @for &line in failing.iter().take(WORST) {
                         @let folder = format!("run-{}", lines.run[line]);
@@ -315,7 +321,7 @@ fn worst(lines: &Lines, all: &[usize], plan: &Path, beside: &Path) -> Markup {
                             td.words {
                                 @match &lines.reason[line] {
                                     Some(reason) => (reason),
-                                    None => (lines.missed(line).iter().map(|c| c.name.as_str()).collect::<Vec<_>>().join("; ")),
+                                    None => (names(&lines.missed(line))),
                                 }
                             }
                             @for factor in &lines.factors {
@@ -327,6 +333,12 @@ fn worst(lines: &Lines, all: &[usize], plan: &Path, beside: &Path) -> Markup {
             } }
         }
     }
+}
+
+/// Names in a row.
+fn names(columns: &[&Column]) -> String {
+    let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
+    names.join("; ")
 }
 
 fn indices_section(indices: &Indices) -> Markup {

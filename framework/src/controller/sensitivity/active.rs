@@ -10,8 +10,8 @@ use crate::{
     qp::RowId,
 };
 
-/// How near a limit a value with a multiplier is at it, and one without, as in the report: in the unit of the limit, and
-/// as a share of the limit where that is larger than one.
+/// How near a limit a value with a multiplier is at it, and one without, as in the report: in the unit of the limit,
+/// and as a share of the limit where that is larger than one.
 const AT_LIMIT: [f64; 2] = [1e-6, 1e-9];
 /// Multipliers below this share of the largest gradient count as none.
 const NEGLIGIBLE: f64 = 1e-9;

@@ -1,8 +1,8 @@
 //! The problem of a tick in all of its variables, `X = (v̇, u, f, s)`: the lines that determine its optimum.
 //!
 //! # Mathematics
-//! A line is `a X = d`: a row of the cost, with its weight; an equation of motion; a row that must hold; a limit that is
-//! active. In these variables nothing is substituted, and the lines are the same in every formulation.
+//! A line is `a X = d`: a row of the cost, with its weight; an equation of motion; a row that must hold; a limit that
+//! is active. In these variables nothing is substituted, and the lines are the same in every formulation.
 #![allow(non_snake_case)]
 
 use super::super::{Side, world::World};

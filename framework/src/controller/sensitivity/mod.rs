@@ -5,10 +5,10 @@
 //! ```text
 //! D X + g + Aᵀ λ = 0,      A X − d − C λ = 0.
 //! ```
-//! The rows of A are the equations of motion, rows that must hold, the limits that are active, and the rows of the cost.
-//! A row of the cost has the compliance `C = 1/(2 w)`, so that `λ = 2 w (a X − b)`; the others have none, and λ is their
-//! multiplier. D is diagonal: `2 w_ε` for efforts and forces, `2 w` for slacks. What X depends on, p, moves A, d and the
-//! weights, and as long as the same limits are active
+//! The rows of A are the equations of motion, rows that must hold, the limits that are active, and the rows of the
+//! cost. A row of the cost has the compliance `C = 1/(2 w)`, so that `λ = 2 w (a X − b)`; the others have none, and λ
+//! is their multiplier. D is diagonal: `2 w_ε` for efforts and forces, `2 w` for slacks. What X depends on, p, moves A,
+//! d and the weights, and as long as the same limits are active
 //! ```text
 //! [ D   Aᵀ ] [ dX/dp ]     [ dAᵀ λ + 2 dw (aX − b) aᵀ + dD X ]
 //! [ A  −C  ] [ dλ/dp ] = − [ dA X − dd                       ]
@@ -70,11 +70,11 @@ impl Controller {
     /// * Where what a plug-in writes has a kink, a clamp or a smallest of several: [`Note::Kink`].
     /// * Where limits become active or cease to be: the derivatives hold up to there, and the next ones are others.
     /// * Where a tick has no optimum, or its command is not the optimum: that is an error.
-    /// * In the largest weight, which the regularisation follows, where several entries have it: [`Note::LargestWeight`].
-    ///   The same holds for the rows of one entry, if their largest weight is that of several: each has its share, and
-    ///   the sum of their columns is right.
-    /// * In time: ramps, switches of tasks and contacts, and hard rows that become hard at the end of their ramp. At the
-    ///   moment of a tick their state is given, and the derivatives are those with this state.
+    /// * In the largest weight, which the regularisation follows, where several entries have it:
+    ///   [`Note::LargestWeight`]. The same holds for the rows of one entry, if their largest weight is that of several:
+    ///   each has its share, and the sum of their columns is right.
+    /// * In time: ramps, switches of tasks and contacts, and hard rows that become hard at the end of their ramp. At
+    ///   the moment of a tick their state is given, and the derivatives are those with this state.
     ///
     /// Does not allocate, unless keys of an entry were changed since the last call. Nothing of the controller
     /// changes: the next tick is the same to the bit. Not for inside a real-time loop: it takes as long as a

@@ -42,8 +42,8 @@ pub struct Sensitivity {
 pub struct Influence {
     /// Position among all entries: tasks, then constraints.
     pub entry: usize,
-    /// `‖∂u/∂ ln w‖`, all its rows' weights growing by the same factor: a weight that is 1 % larger moves the efforts by
-    /// a hundredth of that, N and N·m.
+    /// `‖∂u/∂ ln w‖`, all its rows' weights growing by the same factor: a weight that is 1 % larger moves the efforts
+    /// by a hundredth of that, N and N·m.
     pub effort: f64,
     /// The actuator that moves most.
     pub strongest: usize,
@@ -150,8 +150,8 @@ impl Sensitivity {
         self.time
     }
 
-    /// What is differentiated, a row each: accelerations, then efforts, then the constrained components of all contacts'
-    /// forces, those of contacts that are off included.
+    /// What is differentiated, a row each: accelerations, then efforts, then the constrained components of all
+    /// contacts' forces, those of contacts that are off included.
     pub fn outputs(&self) -> &[VarInfo] {
         &self.outputs
     }

@@ -11,7 +11,8 @@ use super::{
 };
 use crate::Part;
 
-/// Makes one table of all shards' tables in a folder, the same for any number of shards. Returns what it says of itself.
+/// Makes one table of all shards' tables in a folder, the same for any number of shards. Returns what it says of
+/// itself.
 ///
 /// # Errors
 /// [`TableError::Nothing`], [`TableError::Missing`], [`TableError::Mixed`], or a file that cannot be read or written.

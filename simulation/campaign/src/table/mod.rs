@@ -7,7 +7,7 @@
 //! | `status`, `reason` | how it ended, and why not otherwise |
 //! | `holds` | whether it reached its end and every measure that counts holds |
 //! | `ticks`, `held_ticks` | control periods, and those whose command was not their optimum |
-//! | `measure.<name>`, `holds.<name>` | the measures and, of those that are judged, the verdicts; null where there is none |
+//! | `measure.<name>`, `holds.<name>` | the measures, and verdicts of those that are judged; null where there is none |
 //!
 //! Groups of lines have a fixed size, and nothing in a file says when, where or in how many parts it was made: the same
 //! campaign gives the same bytes. The metadata `wbqp.campaign` is a [`Description`] as JSON.
