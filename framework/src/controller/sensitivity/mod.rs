@@ -146,6 +146,7 @@ impl Sensitivity {
         let size = work.columns.n + work.lines.len();
         for (index, change) in changes.iter_mut().enumerate() {
             work.direction[..size].fill(0.0);
+            work.errors.fill(0.0);
             let (value, is_kink) = work.direct(change, controller, before, &shares);
             if let Some(value) = value {
                 self.parameters[index].value = value;
@@ -156,6 +157,7 @@ impl Sensitivity {
             work.factor.solve(&mut work.direction[..size]);
             let column = &work.direction[..work.columns.physical];
             self.derivatives.column_mut(index).copy_from_slice(column);
+            self.errors.column_mut(index).copy_from_slice(&work.errors);
         }
         work.changes = changes;
         for (after, plugin) in work.after.iter().zip(&mut controller.plugins) {

@@ -35,13 +35,13 @@ const LONGEST: usize = 1000;
 
 /// An expression with the names in it, in the order in which it takes their values.
 #[derive(Clone, Debug)]
-struct Compiled {
+pub(crate) struct Compiled {
     expression: FlatEx<f64>,
     names: Vec<String>,
 }
 
 impl Compiled {
-    fn new(text: &str) -> Result<Self, String> {
+    pub(crate) fn new(text: &str) -> Result<Self, String> {
         if text.len() > LONGEST {
             return Err(format!("is longer than {LONGEST} bytes"));
         }
@@ -60,7 +60,7 @@ impl Compiled {
     }
 
     /// Its value with the marks of a run.
-    fn time(&self, run: &dyn Recording) -> Result<f64, MeasureError> {
+    pub(crate) fn time(&self, run: &dyn Recording) -> Result<f64, MeasureError> {
         let values = self.names.iter().map(|name| run.mark(name));
         let values = values.collect::<Result<Vec<f64>, _>>()?;
         Ok(self.expression.eval(&values).unwrap_or(f64::NAN))

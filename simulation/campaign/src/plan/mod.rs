@@ -24,7 +24,7 @@ pub use measure::Measure;
 pub use variant::Variant;
 
 use file::{Keys, variation};
-pub(crate) use {design::Points, factor::Nominal};
+pub(crate) use {design::Points, factor::Nominal, measure::Compiled};
 
 /// A checked plan.
 ///
