@@ -25,7 +25,9 @@ pub(crate) fn tell(controller: &mut Controller, sensitivity: &mut Sensitivity) -
         Err(error) => Some(error.to_string()),
     };
     let mut effects = sensitivity.effects();
-    effects.retain(|effect| effect.effort > 0.0);
+    // Where limits hold everything, the others move it by rounding.
+    let least = effects.first().map_or(0.0, |most| 1e-10 * most.effort);
+    effects.retain(|effect| effect.effort > least);
     effects.truncate(MOST);
     let notes = sensitivity.notes_on(controller, &effects).into_iter();
     let notes: Vec<String> = notes.map(|note| sensitivity.say(note)).collect();

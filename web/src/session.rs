@@ -237,8 +237,9 @@ impl Session {
         })
     }
 
-    /// Which weights and gains move the last tick's command, and which limits hold it: `matters` says in which form. The
-    /// first call begins to keep what ticks begin with, and has nothing to tell; [`Session::forget_matters`] ends it.
+    /// Which weights and gains move the last tick's command, and which limits hold it: `matters` says in which form.
+    /// The first call begins to keep what ticks begin with, and has nothing to tell; [`Session::forget_matters`] ends
+    /// it.
     pub fn matters(&mut self) -> Value {
         let Self {
             sensitivity,

@@ -17,7 +17,8 @@ pub struct Effect {
     /// `‖∂u/∂ ln p‖`: a parameter that is 1 % larger moves the efforts by a hundredth of that, N and N·m.
     pub effort: f64,
     /// The output that moves most among accelerations, efforts and forces: its position among
-    /// [`Sensitivity::outputs`], and its derivative by ln p in its own unit. Nothing where none of them moves by more than rounding.
+    /// [`Sensitivity::outputs`], and its derivative by ln p in its own unit. Nothing where none of them moves by more
+    /// than rounding.
     pub strongest: [Option<(usize, f64)>; 3],
 }
 
