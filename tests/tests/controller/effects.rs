@@ -3,7 +3,7 @@
 use wbqp::{
     Controller, ControllerConfig, Measurement,
     controller::{Effect, ParameterKind, Sensitivity, SensitivityError},
-    nalgebra::{DVector, Vector3},
+    nalgebra::{DVector, UnitQuaternion, Vector3},
     plugin::PerRow,
     toml,
 };
@@ -16,6 +16,7 @@ fn pushing() -> (Controller, Measurement) {
     controller.activate_contact("tip").unwrap();
     let mut measurement = controller.measurement();
     measurement.state.p_WR = Vector3::new(-0.45, 0.03, 1.25);
+    measurement.state.R_WR = UnitQuaternion::from_scaled_axis(Vector3::new(0.02, -0.03, 0.01));
     measurement.state.q.copy_from_slice(&[0.02, 0.3, 0.93]);
     measurement.wrenches[0][0] = -4.0;
     (controller, measurement)

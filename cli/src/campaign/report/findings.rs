@@ -39,6 +39,8 @@ pub(super) struct Findings {
     pub(super) by_measure: Vec<(String, Vec<f64>)>,
     pub(super) map: Option<Map>,
     pub(super) worst: Vec<WorstRun>,
+    /// Number of the worst run that reached its end.
+    pub(super) worst_completed: Option<i64>,
 }
 
 /// A measure's values.
@@ -97,7 +99,6 @@ pub(super) struct WorstRun {
     pub(super) missed: Vec<String>,
     /// By factor; what is not a number was the scenario's own.
     pub(super) factors: Vec<f64>,
-    pub(super) is_completed: bool,
     position: usize,
 }
 
@@ -134,6 +135,7 @@ impl Findings {
             });
         }
         let mut worst = worst(&holds, &ends, &missed);
+        let worst_completed = worst_completed(part, &holds, &ends, &missed)?;
         drop(missed);
         let reasons = reasons(part, &ends, &mut worst)?;
 
@@ -198,6 +200,7 @@ impl Findings {
             by_measure,
             map,
             worst,
+            worst_completed,
         })
     }
 }
@@ -259,10 +262,30 @@ fn worst(holds: &[bool], ends: &[u8], missed: &[u16]) -> Vec<WorstRun> {
         reason: None,
         missed: Vec::new(),
         factors: Vec::new(),
-        is_completed: ends[position] == 0,
         position,
     };
     worst.into_iter().map(run).collect()
+}
+
+/// Number of the run that misses most of those that reached their end.
+fn worst_completed(
+    part: &Part<'_>,
+    holds: &[bool],
+    ends: &[u8],
+    missed: &[u16],
+) -> Result<Option<i64>> {
+    let completed = (0..holds.len()).filter(|position| !holds[*position] && ends[*position] == 0);
+    let Some(worst) = completed.max_by_key(|position| (missed[*position], Reverse(*position)))
+    else {
+        return Ok(None);
+    };
+    let mut number = None;
+    part.wholes("run", |position, run| {
+        if position == worst {
+            number = Some(run);
+        }
+    })?;
+    Ok(number)
 }
 
 /// Why runs ended early, alike reasons together, and the worst runs' own; these get their numbers as well.
@@ -345,6 +368,5 @@ mod tests {
         let worst = worst(&holds, &ends, &missed);
         let positions: Vec<usize> = worst.iter().map(|run| run.position).collect();
         assert_eq!(positions, [30, 7, 27, 1, 2, 3, 4, 5, 6, 8]);
-        assert!(!worst[0].is_completed && worst[1].is_completed);
     }
 }

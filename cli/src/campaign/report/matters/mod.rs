@@ -65,15 +65,15 @@ pub(super) fn of(plan: Plan, fingerprint: &str, findings: &[Findings]) -> Result
     let mut all = Vec::new();
     for (variant, found) in findings.iter().enumerate() {
         all.extend(of_run(&campaign, &campaign.plan().plain(variant), None)?);
-        let Some(worst) = found.worst.iter().find(|run| run.is_completed) else {
+        let Some(worst) = found.worst_completed else {
             continue;
         };
-        let number = u64::try_from(worst.run).unwrap_or(u64::MAX);
+        let number = u64::try_from(worst).unwrap_or(u64::MAX);
         let runs = campaign.plan().runs(number..number.saturating_add(1));
         let run = runs
             .first()
             .context("the plan does not have the worst run")?;
-        all.extend(of_run(&campaign, run, Some(worst.run))?);
+        all.extend(of_run(&campaign, run, Some(worst))?);
     }
     Ok(all)
 }
