@@ -301,7 +301,7 @@ def _descended(
         for share in (1.0, 0.5, 0.25, 0.125):
             step = math.log1p(descent.reach) * share / steepest
             moved = {p.path: values[p.path] * math.exp(-step * slopes[p.path]) for p in parameters}
-            moved = {p.path: min(max(moved[p.path], p.low), p.high) for p in parameters}
+            moved = {p.path: float(min(max(moved[p.path], p.low), p.high)) for p in parameters}
             value = judged(moved)
             if value < least:
                 values, least = moved, value
