@@ -41,7 +41,8 @@ def of_the_web(link):
 def main():
     built = Path(sys.argv[1]).resolve()
     # One long page of all others, whose links are theirs; and the page for what is not found.
-    pages = {path: Page(path.read_text()) for path in built.rglob("*.html") if path.name not in ("print.html", "404.html")}
+    files = [path for path in built.rglob("*.html") if path.name not in ("print.html", "404.html")]
+    pages = {path: Page(path.read_text()) for path in files}
     wrong, web, followed = [], 0, 0
     for path, page in pages.items():
         for link in page.links:

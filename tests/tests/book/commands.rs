@@ -9,7 +9,16 @@ use wbqp_tests::files::workspace;
 use crate::pages::{Block, blocks};
 
 /// Folders of the repository that commands name files of.
-const FOLDERS: [&str; 8] = ["examples/", "python/", "tests/", "web/", "docs/", ".ci/", "cli/", "simulation/"];
+const FOLDERS: [&str; 8] = [
+    "examples/",
+    "python/",
+    "tests/",
+    "web/",
+    "docs/",
+    ".ci/",
+    "cli/",
+    "simulation/",
+];
 
 #[test]
 fn commands_are_understood() {
@@ -29,7 +38,10 @@ fn check(block: &Block, words: &[String], programs: &BTreeSet<String>) -> bool {
     files_are_there(place, words);
     let mut arguments: Vec<&str> = words.iter().map(String::as_str).collect();
     // Variables of one command.
-    while arguments.first().is_some_and(|word| word.contains('=') && !word.starts_with('-')) {
+    while arguments
+        .first()
+        .is_some_and(|word| word.contains('=') && !word.starts_with('-'))
+    {
         arguments.remove(0);
     }
     match arguments.first() {
@@ -53,11 +65,22 @@ fn understand(place: &str, arguments: &[&str]) {
 
 fn cargo(place: &str, arguments: &[&str], programs: &BTreeSet<String>) {
     let mut words = arguments.iter();
-    let bin = words.by_ref().find(|word| **word == "--bin").and_then(|_| words.next());
+    let bin = words
+        .by_ref()
+        .find(|word| **word == "--bin")
+        .and_then(|_| words.next());
     let Some(bin) = bin else { return };
-    assert!(programs.contains(*bin), "{place}: there is no program `{bin}`");
+    assert!(
+        programs.contains(*bin),
+        "{place}: there is no program `{bin}`"
+    );
     if *bin == "wbqp" && arguments.contains(&"--") {
-        let after: Vec<&str> = arguments.iter().skip_while(|word| **word != "--").skip(1).copied().collect();
+        let after: Vec<&str> = arguments
+            .iter()
+            .skip_while(|word| **word != "--")
+            .skip(1)
+            .copied()
+            .collect();
         understand(place, &after);
     }
 }
@@ -67,7 +90,8 @@ fn files_are_there(place: &str, words: &[String]) {
         let path = word.trim_start_matches("../").trim_start_matches("./");
         let is_plain = !path.contains(['*', '$', '[', '<', '…', '(']);
         // What builds make.
-        let is_made = path.contains("/dist") || path.contains("node_modules") || path.contains("/pkg");
+        let is_made =
+            path.contains("/dist") || path.contains("node_modules") || path.contains("/pkg");
         if is_plain && !is_made && FOLDERS.iter().any(|folder| path.starts_with(folder)) {
             assert!(workspace(path).exists(), "{place}: there is no {path}");
         }
@@ -78,8 +102,13 @@ fn files_are_there(place: &str, words: &[String]) {
 fn programs() -> BTreeSet<String> {
     let mut names = BTreeSet::from(["wbqp".to_owned(), "wbqp_peer".into(), "wbqp_qp".into()]);
     let listed = workspace("Cargo.toml");
-    let manifest: toml::Table = fs::read_to_string(listed).expect("is there").parse().expect("is TOML");
-    let members = manifest["workspace"]["members"].as_array().expect("is a list");
+    let manifest: toml::Table = fs::read_to_string(listed)
+        .expect("is there")
+        .parse()
+        .expect("is TOML");
+    let members = manifest["workspace"]["members"]
+        .as_array()
+        .expect("is a list");
     for member in members {
         let folder = workspace(member.as_str().expect("is a text")).join("src/bin");
         names.extend(stems(&folder));
@@ -89,7 +118,8 @@ fn programs() -> BTreeSet<String> {
 
 fn stems(folder: &Path) -> Vec<String> {
     let files = fs::read_dir(folder).into_iter().flatten().flatten();
-    let stems = files.filter_map(|file| Some(file.path().file_stem()?.to_string_lossy().into_owned()));
+    let stems =
+        files.filter_map(|file| Some(file.path().file_stem()?.to_string_lossy().into_owned()));
     stems.collect()
 }
 

@@ -52,13 +52,22 @@ fn collect(folder: &Path, pages: &mut Vec<PathBuf>) {
 /// What a page is called in messages.
 pub(crate) fn name(page: &Path) -> String {
     let root = workspace("");
-    page.strip_prefix(&root).unwrap_or(page).display().to_string()
+    page.strip_prefix(&root)
+        .unwrap_or(page)
+        .display()
+        .to_string()
 }
 
 /// All blocks of a language.
 pub(crate) fn blocks(language: &str) -> Vec<Block> {
-    let all = pages().iter().flat_map(|page| blocks_of(page)).collect::<Vec<_>>();
-    let found: Vec<Block> = all.into_iter().filter(|block| block.language == language).collect();
+    let all = pages()
+        .iter()
+        .flat_map(|page| blocks_of(page))
+        .collect::<Vec<_>>();
+    let found: Vec<Block> = all
+        .into_iter()
+        .filter(|block| block.language == language)
+        .collect();
     assert!(!found.is_empty(), "no block in {language}");
     found
 }
@@ -100,7 +109,9 @@ fn blocks_of(page: &Path) -> Vec<Block> {
 fn every_block_says_its_language() {
     for page in pages() {
         for block in blocks_of(&page) {
-            let known = ["toml", "sh", "rust", "python", "text", "yaml", "json", "bash"];
+            let known = [
+                "toml", "sh", "rust", "python", "text", "yaml", "json", "bash",
+            ];
             assert!(
                 known.contains(&block.language.as_str()),
                 "{}: a block in `{}`",

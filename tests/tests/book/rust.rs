@@ -7,7 +7,11 @@ use wbqp_tests::files::workspace;
 use crate::pages::{blocks, name, pages};
 
 /// Crates whose documentation tests have pages.
-const CRATES: [&str; 3] = ["tests/src/book.rs", "examples/src/lib.rs", "examples/custom_task/src/lib.rs"];
+const CRATES: [&str; 3] = [
+    "tests/src/book.rs",
+    "examples/src/lib.rs",
+    "examples/custom_task/src/lib.rs",
+];
 
 #[test]
 fn every_page_with_rust_is_compiled() {
@@ -19,12 +23,25 @@ fn every_page_with_rust_is_compiled() {
         .filter_map(|block| Some(block.place.rsplit_once(':')?.0.to_owned()))
         .collect();
     for page in &with_rust {
-        assert!(compiled.contains(&format!("/{page}\"")), "{page} is in no documentation test");
+        assert!(
+            compiled.contains(&format!("/{page}\"")),
+            "{page} is in no documentation test"
+        );
     }
     let known = pages();
-    for line in compiled.lines().filter_map(|line| line.split("include_str!(\"").nth(1)) {
-        let page = line.trim_start_matches("../").split('"').next().unwrap_or_default();
-        assert!(known.iter().any(|known| name(known) == page), "{page} is no page");
+    for line in compiled
+        .lines()
+        .filter_map(|line| line.split("include_str!(\"").nth(1))
+    {
+        let page = line
+            .trim_start_matches("../")
+            .split('"')
+            .next()
+            .unwrap_or_default();
+        assert!(
+            known.iter().any(|known| name(known) == page),
+            "{page} is no page"
+        );
     }
 }
 

@@ -15,15 +15,34 @@ use crate::pages::{Block, blocks};
 /// Tables that files of some kind have.
 const TABLES: [&str; 24] = [
     // Controllers.
-    "controller", "robot", "solver", "measurement", "fallback", "contact", "task", "constraint",
+    "controller",
+    "robot",
+    "solver",
+    "measurement",
+    "fallback",
+    "contact",
+    "task",
+    "constraint",
     // Scenarios.
-    "initial", "plant", "sensors", "detector", "event", "case",
+    "initial",
+    "plant",
+    "sensors",
+    "detector",
+    "event",
+    "case",
     // Rotor parameter files.
-    "defaults", "rotor",
+    "defaults",
+    "rotor",
     // Plans.
-    "factor", "measure", "variant", "change", "set",
+    "factor",
+    "measure",
+    "variant",
+    "change",
+    "set",
     // Taplo's, Cargo's, and patches.
-    "rule", "profile", "dependencies",
+    "rule",
+    "profile",
+    "dependencies",
 ];
 
 /// Pages that others write, whose parts of files are not marked.
@@ -60,7 +79,10 @@ fn settings_are_loaded() {
     for block in blocks("toml") {
         let place = &block.place;
         // A first line for an editor is a comment.
-        let table: Table = block.text.parse().unwrap_or_else(|e| panic!("{place}: {e}"));
+        let table: Table = block
+            .text
+            .parse()
+            .unwrap_or_else(|e| panic!("{place}: {e}"));
         let kind = kind(&block, &table);
         match kind {
             Kind::Controller => controller(&block, table),
@@ -82,7 +104,10 @@ fn part(block: &Block, table: &Table, kind: Kind) {
         block.place
     );
     for (key, value) in table {
-        let is_table = value.is_table() || value.as_array().is_some_and(|a| a.iter().all(Value::is_table));
+        let is_table = value.is_table()
+            || value
+                .as_array()
+                .is_some_and(|a| a.iter().all(Value::is_table));
         assert!(
             !is_table || TABLES.contains(&key.as_str()),
             "{}: no file has a table `{key}`",
@@ -95,10 +120,15 @@ fn part(block: &Block, table: &Table, kind: Kind) {
 fn controller(block: &Block, mut table: Table) {
     let place = &block.place;
     let refusal = block.is("refused");
-    let robot = table.get_mut("robot").and_then(Value::as_table_mut).expect("has a robot");
+    let robot = table
+        .get_mut("robot")
+        .and_then(Value::as_table_mut)
+        .expect("has a robot");
     let file = robot.get("file").and_then(Value::as_str).map(str::to_owned);
     if let Some(file) = file {
-        let Some(path) = robot_file(&file) else { return };
+        let Some(path) = robot_file(&file) else {
+            return;
+        };
         robot.insert("file".into(), path.into());
         if let Some(rotors) = robot.get("rotors").and_then(Value::as_str) {
             let name = rotors.rsplit('/').next().unwrap_or(rotors);
@@ -118,7 +148,9 @@ fn controller(block: &Block, mut table: Table) {
 
 /// The file of a robot of the collection, if it is on this machine.
 fn robot_file(file: &str) -> Option<String> {
-    let found = collection()?.into_iter().find(|robot| robot.file.ends_with(&format!("/{file}")));
+    let found = collection()?
+        .into_iter()
+        .find(|robot| robot.file.ends_with(&format!("/{file}")));
     let robot = found.unwrap_or_else(|| panic!("no robot has a file `{file}`"));
     Some(robot.path.display().to_string())
 }
@@ -138,7 +170,9 @@ fn scenario(block: &Block, mut table: Table) {
 /// With the robot whose rotors they are.
 fn rotors(block: &Block) {
     let place = &block.place;
-    let Some(urdf) = robot_file("hextilt_flying_arm_5.urdf") else { return };
+    let Some(urdf) = robot_file("hextilt_flying_arm_5.urdf") else {
+        return;
+    };
     let folder = Temporary::new("book");
     let path = folder.file("a.rotors.toml");
     fs::write(&path, &block.text).expect("can be written");
