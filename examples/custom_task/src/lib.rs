@@ -20,3 +20,8 @@ struct Guide;
 #[cfg(doctest)]
 #[doc = include_str!("../../../docs/how-to/test-plugins.md")]
 struct TestPlugins;
+
+/// Likewise.
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/tutorials/first-task.md")]
+struct FirstTask;

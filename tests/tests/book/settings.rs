@@ -4,6 +4,7 @@ use std::fs;
 
 use toml::{Table, Value};
 use wbqp::ControllerConfig;
+use wbqp_campaign::Plan;
 use wbqp_sim::Scenario;
 use wbqp_tests::{
     collection::collection,
@@ -13,7 +14,7 @@ use wbqp_tests::{
 use crate::pages::{Block, blocks};
 
 /// Tables that files of some kind have.
-const TABLES: [&str; 24] = [
+const TABLES: [&str; 19] = [
     // Controllers.
     "controller",
     "robot",
@@ -33,12 +34,6 @@ const TABLES: [&str; 24] = [
     // Rotor parameter files.
     "defaults",
     "rotor",
-    // Plans.
-    "factor",
-    "measure",
-    "variant",
-    "change",
-    "set",
     // Taplo's, Cargo's, and patches.
     "rule",
     "profile",
@@ -88,7 +83,8 @@ fn settings_are_loaded() {
             Kind::Controller => controller(&block, table),
             Kind::Scenario => scenario(&block, table),
             Kind::Rotors => rotors(&block),
-            Kind::Plan | Kind::Part => part(&block, &table, kind),
+            Kind::Plan => plan(&block),
+            Kind::Part => part(&block, &table),
         }
         loaded += usize::from(kind != Kind::Part);
     }
@@ -96,10 +92,10 @@ fn settings_are_loaded() {
 }
 
 /// A part of a file is marked, so that a whole one with a misspelt table is not taken for it.
-fn part(block: &Block, table: &Table, kind: Kind) {
+fn part(block: &Block, table: &Table) {
     let is_excepted = UNMARKED.iter().any(|page| block.place.starts_with(page));
     assert!(
-        kind == Kind::Plan || block.is("fragment") || is_excepted || table.is_empty(),
+        block.is("fragment") || is_excepted || table.is_empty(),
         "{}: neither a whole file nor marked: ```toml,fragment",
         block.place
     );
@@ -153,6 +149,12 @@ fn robot_file(file: &str) -> Option<String> {
         .find(|robot| robot.file.ends_with(&format!("/{file}")));
     let robot = found.unwrap_or_else(|| panic!("no robot has a file `{file}`"));
     Some(robot.path.display().to_string())
+}
+
+/// As if it stood among the plans that ship.
+fn plan(block: &Block) {
+    let plan = Plan::from_text(&block.text, &block.place, &workspace("examples/campaigns"));
+    plan.unwrap_or_else(|e| panic!("{}: {e}", block.place));
 }
 
 fn scenario(block: &Block, mut table: Table) {
