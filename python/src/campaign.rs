@@ -16,7 +16,8 @@ use pyo3::{
 };
 use rayon::prelude::*;
 use wbqp_campaign::{
-    Campaign, Factor, Outcome, Part, Plan, PlanError, Run, Shard, ShardError, Variant, table,
+    Campaign, ErrorOf, Factor, Outcome, Part, Plan, PlanError, Run, Shard, ShardError, Variant,
+    table,
 };
 
 use crate::{config::refused_text, simulate::variation};
@@ -215,5 +216,45 @@ pub(crate) fn _campaign_outcomes<'py>(
     dict.set_item("factors", factors)?;
     dict.set_item("measures", measures)?;
     dict.set_item("verdicts", verdicts)?;
+    Ok(dict)
+}
+
+/// How the mean square of a task's error changes with weights and gains in the plan's scenario as it is: a dict of the
+/// mean square, how many ticks had no derivatives, and the slopes by name.
+#[pyfunction]
+#[pyo3(signature = (path, task, rows, variant, case, start, end, set = None, change = None))]
+pub(crate) fn _campaign_gradient<'py>(
+    py: Python<'py>,
+    path: PathBuf,
+    task: String,
+    rows: Vec<usize>,
+    variant: usize,
+    case: usize,
+    start: String,
+    end: String,
+    set: Option<&Bound<'py, PyDict>>,
+    change: Option<&Bound<'py, PyDict>>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let campaign = campaign(py, &path, set, change)?;
+    let of = ErrorOf {
+        variant,
+        case,
+        task,
+        rows,
+        from: start,
+        until: end,
+    };
+    let found = py.detach(|| campaign.error_gradient(&of));
+    let found = found.map_err(|error| refused_text(py, &error.to_string()))?;
+    let (dict, values, slopes) = (PyDict::new(py), PyDict::new(py), PyDict::new(py));
+    for entry in &found.entries {
+        let name = format!("{}.{}", entry.owner, entry.label);
+        values.set_item(&name, entry.value)?;
+        slopes.set_item(&name, entry.slope)?;
+    }
+    dict.set_item("mean_square", found.mean_square)?;
+    dict.set_item("skipped", found.skipped)?;
+    dict.set_item("values", values)?;
+    dict.set_item("slopes", slopes)?;
     Ok(dict)
 }

@@ -63,6 +63,7 @@ fn _wbqp(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(campaign::_campaign_shard, module)?)?;
     module.add_function(wrap_pyfunction!(campaign::_campaign_merge, module)?)?;
     module.add_function(wrap_pyfunction!(campaign::_campaign_outcomes, module)?)?;
+    module.add_function(wrap_pyfunction!(campaign::_campaign_gradient, module)?)?;
     module.add_class::<mujoco::CaseRun>()?;
     module.add_function(wrap_pyfunction!(mujoco::export_robot, module)?)?;
     Ok(())

@@ -75,7 +75,7 @@ def test_what_is_wrong_with_a_plan_is_said(plan: Path) -> None:
 
 
 def test_tables_do_not_depend_on_shards_and_have_indices(plan: Path, tmp_path: Path) -> None:
-    pytest.importorskip("pyarrow")
+    pa = pytest.importorskip("pyarrow")
     one = campaign.run(plan, out=tmp_path / "one")
     three = campaign.run(plan, out=tmp_path / "three", shards=3)
     assert one.equals(three)
@@ -87,6 +87,13 @@ def test_tables_do_not_depend_on_shards_and_have_indices(plan: Path, tmp_path: P
     pytest.importorskip("SALib")
     indices = campaign.first_order_indices(one, "farthest")
     assert set(indices) == {"mass", "servo"}
+    file = campaign.write_indices(one, tmp_path / "indices.json")
+    assert json.loads(file.read_text(encoding="utf-8")) == {"farthest": {k: list(v) for k, v in indices.items()}}
+    # Without variance there are no indices, and JSON has no word for what is none.
+    still = one.set_column(
+        one.schema.get_field_index("measure.farthest"), "measure.farthest", pa.array([1.0] * one.num_rows)
+    )
+    assert json.loads(campaign.write_indices(still, file).read_text(encoding="utf-8")) == {}
     with pytest.raises(ValueError, match="whole groups"):
         campaign.first_order_indices(one.slice(0, 5), "farthest")
 

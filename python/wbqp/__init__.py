@@ -4,7 +4,7 @@ SI units and radians, world z up. Velocities are world-aligned, ``v = [v_WR; w_W
 the environment does to the robot. Weights are linear: a row costs ``w r²``.
 """
 
-from . import campaign, constraints, fallbacks, references, robots, solvers, tasks, testing
+from . import campaign, constraints, fallbacks, references, robots, solvers, tasks, testing, tuning
 from ._arrays import NamedArray
 from ._authoring import Layout, Rows, Tick, constraint, entry, reference, task
 from ._contact import Contact
@@ -28,6 +28,7 @@ from ._wbqp import (
     __version__,
     solve_qp,
 )
+from .tuning import tune
 
 __all__ = [
     "Batch",
@@ -72,4 +73,6 @@ __all__ = [
     "task",
     "tasks",
     "testing",
+    "tune",
+    "tuning",
 ]

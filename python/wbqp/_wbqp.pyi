@@ -39,6 +39,7 @@ __all__ = [
     "_check",
     "_time_ticks",
     "_campaign_merge",
+    "_campaign_gradient",
     "_campaign_outcomes",
     "_campaign_plan",
     "_campaign_shard",
@@ -491,6 +492,17 @@ def _campaign_shard(
     path: _Path, index: int, of: int, directory: _Path, limit: int | None = None, jobs: int = 1
 ) -> _Path: ...
 def _campaign_merge(directory: _Path, to: _Path) -> None: ...
+def _campaign_gradient(
+    path: _Path,
+    task: str,
+    rows: Sequence[int],
+    variant: int,
+    case: int,
+    start: str,
+    end: str,
+    set: dict[str, Any] | None = None,
+    change: dict[str, Any] | None = None,
+) -> dict[str, Any]: ...
 def _campaign_outcomes(
     path: _Path,
     set: dict[str, Any] | None = None,

@@ -6,9 +6,10 @@ Tables are Arrow tables (``pip install wbqp[campaign]``); Ray is the user's choi
 
 from __future__ import annotations
 
+import json
 import os
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -143,8 +144,6 @@ def first_order_indices(table: pa.Table, measure: str, variant: str | None = Non
 
     A run without a value has the mean of the others. The default variant is the first.
     """
-    import json
-
     import numpy as np
     from SALib.analyze import sobol
 
@@ -168,3 +167,32 @@ def first_order_indices(table: pa.Table, measure: str, variant: str | None = Non
     problem = {"num_vars": len(factors), "names": factors, "bounds": [[0, 1]] * len(factors)}
     found = sobol.analyze(problem, values, calc_second_order=False, print_to_console=False, seed=0)
     return {name: (float(found["S1"][i]), float(found["ST"][i])) for i, name in enumerate(factors)}
+
+
+def write_indices(
+    table: pa.Table,
+    file: str | os.PathLike[str],
+    measures: Iterable[str] | None = None,
+    variant: str | None = None,
+) -> Path:
+    """Writes the indices of :func:`first_order_indices` into a JSON file, for ``wbqp campaign report --indices``.
+
+    Without ``measures``, those of all measures. A measure that is the same in all runs, or has no value, has no indices
+    and is left out.
+
+    Returns
+    -------
+    Path
+        The file.
+    """
+    import pyarrow.compute as pc
+
+    description = json.loads(table.schema.metadata[b"wbqp.campaign"])
+    chosen = variant or description["variants"][0]
+    runs = table.filter(pc.equal(table["variant"], chosen))
+    names = [measure["name"] for measure in description["measures"]] if measures is None else list(measures)
+    varied = [name for name in names if pc.count_distinct(runs[f"measure.{name}"]).as_py() > 1]
+    indices = {name: first_order_indices(runs, name, chosen) for name in varied}
+    path = Path(file)
+    path.write_text(json.dumps(indices, indent=1, allow_nan=False), encoding="utf-8")
+    return path

@@ -1,5 +1,7 @@
 """Gains that find themselves: :func:`tune` looks for values of a controller with which the runs of a plan go best.
 
+By samplers, which ask nothing of the objective, and by steps against a gradient from sensitivities (:class:`Descent`).
+
 Wants Optuna (``pip install wbqp[tune]``); with ``address``, trials run on a Ray cluster (``pip install wbqp[ray]``).
 """
 
@@ -8,7 +10,7 @@ from __future__ import annotations
 import html
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -76,6 +78,61 @@ class Objective:
             return float(np.mean(there[np.isfinite(there)])) if np.isfinite(there).any() else 2 * FAILED
         value = float(np.max(there) if self.over == "worst" else np.quantile(there, float(self.over)))
         return value if math.isfinite(value) else 2 * FAILED
+
+
+@dataclass(frozen=True)
+class Descent:
+    """Steps against the gradient, from the best trial on: for a measure that grows with a task's error.
+
+    The gradient is that of the mean square of the error in the plan's scenario as it is, from one run and the
+    sensitivities of its ticks: a linearisation without actuators' lags, a wall that gives way, and what integrals
+    remember, and only for controllers without an observer. So it is a direction, and a step is taken only if the
+    objective itself is smaller there.
+
+    ``rows``: of the error; all if there are none. ``start`` and ``end``: expressions of the scenario's marks, as in a
+    measure of a plan. ``variant`` and ``case``: by position. ``reach``: by how much a value changes at most in a step,
+    as a share of itself.
+    """
+
+    task: str
+    steps: int = 5
+    rows: tuple[int, ...] = ()
+    start: str = ""
+    end: str = ""
+    variant: int = 0
+    case: int = 0
+    reach: float = 0.3
+
+    def slopes(self, plan: str | os.PathLike[str], values: Mapping[str, float]) -> dict[str, float]:
+        """Derivatives of the logarithm of the mean square by the logarithms of values; 0 for what has none.
+
+        ``values`` are by path, as those of :class:`Parameter`.
+        """
+        from . import _wbqp
+
+        found = _wbqp._campaign_gradient(
+            Path(plan),
+            self.task,
+            list(self.rows),
+            self.variant,
+            self.case,
+            self.start,
+            self.end,
+            _nested(values, "set"),
+            _nested(values, "change"),
+        )
+        scale = found["mean_square"] or 1.0
+
+        def slope(path: str, value: float) -> float:
+            root, *owner = path.split(".")
+            if root != "set" or len(owner) < 3 or owner[0] not in ("task", "constraint"):
+                return 0.0
+            name = ".".join(owner[1:])
+            # One number for all rows is as many weights, or gains, as there are rows.
+            own = (s for key, s in found["slopes"].items() if key == name or key.startswith(f"{name}["))
+            return sum(own) * value / scale
+
+        return {path: slope(path, value) for path, value in values.items()}
 
 
 #: What misses its share is above this, what has it below.
@@ -162,6 +219,7 @@ def tune(
     limit: int | None = None,
     jobs: int = 0,
     address: str | None = None,
+    descent: Descent | None = None,
 ) -> Tuned:
     """Looks for the values with which the objective is smallest over the runs of a plan.
 
@@ -182,6 +240,8 @@ def tune(
         Threads of a trial; 0: all cores, on Ray one.
     address
         Of a Ray cluster, on which trials run side by side, as many as there are cores.
+    descent
+        Steps against the gradient after the trials, where the objective is smooth.
     """
     import optuna
 
@@ -206,14 +266,49 @@ def tune(
     else:
         _on_ray(study, ask, (file, objective, limit, max(jobs, 1)), trials, address)
     best = {path: float(value) for path, value in study.best_params.items()}
+    history = [trial.value for trial in study.trials if trial.value is not None]
+    if descent is not None:
+
+        def judged(values: Mapping[str, float]) -> float:
+            history.append(_value(file, values, objective, limit, jobs))
+            return history[-1]
+
+        best = _descended(file, parameters, descent, best, float(study.best_value), judged)
     return Tuned(
         plan=file,
         objective=objective,
         best=best,
         before=_outcomes(file, {}, None, jobs),
         after=_outcomes(file, best, None, jobs),
-        history=[trial.value for trial in study.trials if trial.value is not None],
+        history=history,
     )
+
+
+def _descended(
+    plan: Path,
+    parameters: list[Parameter],
+    descent: Descent,
+    values: dict[str, float],
+    least: float,
+    judged: Callable[[Mapping[str, float]], float],
+) -> dict[str, float]:
+    """The values after some steps against the gradient, each as far as the objective falls."""
+    for _ in range(descent.steps):
+        slopes = descent.slopes(plan, values)
+        steepest = max(abs(slope) for slope in slopes.values())
+        if not 0.0 < steepest < math.inf:
+            break
+        for share in (1.0, 0.5, 0.25, 0.125):
+            step = math.log1p(descent.reach) * share / steepest
+            moved = {p.path: values[p.path] * math.exp(-step * slopes[p.path]) for p in parameters}
+            moved = {p.path: min(max(moved[p.path], p.low), p.high) for p in parameters}
+            value = judged(moved)
+            if value < least:
+                values, least = moved, value
+                break
+        else:
+            break
+    return values
 
 
 def _on_ray(study: Any, ask: Any, what: tuple[Path, Objective, int | None, int], trials: int, address: str) -> None:

@@ -31,6 +31,7 @@
 
 mod check;
 mod closed_loop;
+mod error_gradient;
 pub mod plant;
 mod run;
 pub mod scenario;
@@ -40,6 +41,7 @@ mod watch;
 mod world;
 
 pub use closed_loop::{ClosedLoop, Link, Requests};
+pub use error_gradient::{ErrorGradient, Gradient, GradientEntry};
 pub use plant::{CommandDelay, Plant, PlantCommand, PlantConfig, PlantError};
 pub use run::{CaseRun, Summary, run, run_case, run_with};
 pub use scenario::{Perturbation, RunError, Scenario, ScenarioError, Variation};

@@ -4,9 +4,10 @@ import "./style.css";
 import { type State, fresh, joined, read as readAddress, variation, write as writeAddress } from "./address";
 import type { Editor, Tab } from "./editor";
 import { type Named, fetchLog, namedLog } from "./fetched";
+import { MattersPanel } from "./matters";
 import { Panel } from "./panel";
 import { Plots } from "./plots";
-import type { About, Change, Fields, FromWorker, Row, Schema, Shipped, ToWorker, Words } from "./protocol";
+import type { About, Change, Fields, FromWorker, Matters, Row, Schema, Shipped, ToWorker, Words } from "./protocol";
 import type { Replay, Source } from "./replay";
 import { Scene } from "./scene";
 import { WordBox } from "./words";
@@ -53,6 +54,8 @@ const said = new WordBox($("say"));
 const wrong = new WordBox($("problem"));
 let scene: Scene | null = null;
 const plots = new Plots($("plots"));
+const matters = new MattersPanel($<HTMLDetailsElement>("matters"), (on) => tell({ type: "matters", on }));
+let lastMatters: Matters | null = null;
 try {
   scene = new Scene(
     $("stage"),
@@ -248,6 +251,10 @@ async function hear(message: FromWorker): Promise<void> {
       break;
     case "measured":
       results(message.title, message.rows, message.simulated / message.seconds);
+      break;
+    case "matters":
+      lastMatters = message.matters;
+      if (!replay) matters.show(message.matters);
       break;
     case "unmeasured":
       problem("There is nothing to measure", message.text);
@@ -686,6 +693,7 @@ Object.assign(window, {
     },
     about: () => about,
     words: () => words,
+    matters: () => lastMatters,
     change,
     whereIs: (name: string) => scene?.whereIs(name) ?? null,
   },

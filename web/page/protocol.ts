@@ -94,6 +94,27 @@ export interface Words {
   over: boolean;
 }
 
+/** What a weight or a gain does to a tick's optimum; slopes are by its logarithm. */
+export interface Effect {
+  kind: "weight" | "gain";
+  owner: string;
+  key: string;
+  /** Of all efforts together. */
+  effort: number;
+  /** The outputs that move most: an effort, a force, an acceleration. */
+  most: { name: string; slope: number; unit: string }[];
+}
+
+export interface Matters {
+  /** Of the tick; nothing before there was one. */
+  time: number | null;
+  /** Why there are no derivatives. */
+  refused: string | null;
+  effects: Effect[];
+  limits: { name: string; side: string }[];
+  notes: string[];
+}
+
 export type Change =
   | { do: "set"; of: string; keys: Record<string, unknown> }
   | { do: "weight"; of: string; value: number | number[] }
@@ -159,6 +180,7 @@ export type ToWorker =
   | { type: "pull"; frame: string; point: number[]; force: number[] }
   | { type: "wall"; name: string; point: number[] }
   | { type: "measure" }
+  | { type: "matters"; on: boolean }
   | { type: "describe"; path: string; case: string; variation: string };
 
 export type FromWorker =
@@ -170,4 +192,5 @@ export type FromWorker =
   | { type: "changed"; change: Change; problem: string | null }
   | { type: "measured"; title: string; rows: Row[]; seconds: number; simulated: number }
   | { type: "unmeasured"; text: string }
+  | { type: "matters"; matters: Matters }
   | { type: "broken"; text: string };

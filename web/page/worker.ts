@@ -1,7 +1,7 @@
 // Controller and plant in a worker: the module runs at the scenario's rates, the page only draws.
 
 import start, { Run, keep, measured, scenarios, schemas } from "./pkg/wbqp.js";
-import type { Change, FromWorker, Load, ToWorker, Words } from "./protocol";
+import type { Change, FromWorker, Load, Matters, ToWorker, Words } from "./protocol";
 
 /** Pause between two turns of the loop, ms: the page gets about sixty frames per second. */
 const TURN = 14;
@@ -9,6 +9,9 @@ const TURN = 14;
 const MOST = 24;
 /** A turn that comes late makes up for no more than this, s. */
 const LATE = 0.1;
+/** Between two derivatives of ticks, ms, and of the time at least so many times what they take. */
+const PAUSE = 300;
+const REST = 9;
 
 let memory: WebAssembly.Memory;
 let run: Run | null = null;
@@ -23,6 +26,10 @@ let simulated = 0;
 let passed = 0;
 let pace = 0;
 let lastWords = "";
+/** Whether the page wants to know what matters; when it is told next, and of which time it was told. */
+let watching = false;
+let tellAt = 0;
+let toldOf = -1;
 
 function say(message: FromWorker, transfer: Transferable[] = []): void {
   (self as unknown as Worker).postMessage(message, transfer);
@@ -55,6 +62,16 @@ function send(run: Run): void {
   say({ type: "frame", frame, rows, pace, playing, words: changed ? parsed : null }, [frame.buffer, rows.buffer]);
 }
 
+/** Says what matters in the last tick, if somebody looks, now and then. */
+function sayMatters(run: Run): void {
+  const begin = performance.now();
+  if (!watching || begin < tellAt || run.time() === toldOf) return;
+  say({ type: "matters", matters: JSON.parse(run.matters()) as Matters });
+  toldOf = run.time();
+  const end = performance.now();
+  tellAt = end + Math.max(PAUSE, REST * (end - begin));
+}
+
 function turn(): void {
   const now = performance.now();
   const real = Math.min((now - last) / 1000, LATE);
@@ -75,6 +92,9 @@ function turn(): void {
       }
       if (run.is_stopped() || (run.is_over() && !wasOver)) playing = false;
       send(run);
+      // The last one is of where it stands.
+      if (!playing) tellAt = 0;
+      sayMatters(run);
     }
   } catch (error) {
     playing = false;
@@ -112,6 +132,9 @@ function show(next: Run, problems: string[]): void {
   const fields = JSON.parse(run.fields());
   const frame = frameOf(run);
   say({ type: "loaded", about, fields, frame, words, problems }, [frame.buffer]);
+  tellAt = 0;
+  toldOf = -1;
+  sayMatters(run);
 }
 
 /** Runs every case of the scenario as fast as it goes, and measures the paper's rows. */
@@ -165,13 +188,19 @@ function hear(message: ToWorker): void {
       playing = message.on;
       last = performance.now();
       owed = 0;
-      if (run) send(run);
+      if (run) {
+        send(run);
+        tellAt = 0;
+        sayMatters(run);
+      }
       break;
     case "step":
       playing = false;
       if (run) {
         run.advance(1);
         send(run);
+        tellAt = 0;
+        sayMatters(run);
       }
       break;
     case "speed":
@@ -200,6 +229,14 @@ function hear(message: ToWorker): void {
       if (run && !playing) send(run);
       break;
     }
+    case "matters":
+      watching = message.on;
+      tellAt = 0;
+      toldOf = -1;
+      if (!run) break;
+      if (watching) sayMatters(run);
+      else run.forget_matters();
+      break;
     case "measure":
       if (run && loaded) measure(loaded, JSON.parse(run.about()).cases);
       break;

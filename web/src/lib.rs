@@ -8,6 +8,7 @@ mod board;
 pub mod change;
 mod describe;
 mod library;
+mod matters;
 mod measure;
 #[cfg(target_arch = "wasm32")]
 pub mod module;

@@ -154,6 +154,16 @@ impl Run {
         self.session.words().to_string()
     }
 
+    /// What matters in the last tick, as JSON.
+    pub fn matters(&mut self) -> String {
+        self.session.matters().to_string()
+    }
+
+    /// From now on nobody wants to know it.
+    pub fn forget_matters(&mut self) {
+        self.session.forget_matters();
+    }
+
     /// A change, as JSON; throws why it is refused.
     pub fn change(&mut self, change: &str) -> Result<(), JsError> {
         let change = change::from_json(change)?;

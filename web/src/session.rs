@@ -7,7 +7,7 @@
 use std::path::Path;
 
 use wbqp::{
-    controller::{Change, Controller, FallbackLevel, Measurement},
+    controller::{Change, Controller, FallbackLevel, Measurement, Sensitivity},
     model::FrameId,
     nalgebra::{Point3, UnitQuaternion, Vector3, Vector6},
     plugin::Sample,
@@ -18,7 +18,7 @@ use wbqp_sim::{
     plant::has_diverged,
 };
 
-use crate::{board::Board, change::ChangeError, describe, measure::Track};
+use crate::{board::Board, change::ChangeError, describe, matters, measure::Track};
 
 /// Why a scenario cannot be run. The text has one line per mistake, `file:line:column: what`.
 #[derive(Debug, thiserror::Error)]
@@ -54,6 +54,8 @@ pub struct Session {
     rows: Vec<f64>,
     followed: Vec<String>,
     track: Track,
+    /// While somebody wants to know what matters.
+    sensitivity: Option<Sensitivity>,
 }
 
 impl Session {
@@ -97,6 +99,7 @@ impl Session {
             requests: Requests::new(case, rate),
             duration: case.duration(),
             track: Track::new(&scenario, case, &controller),
+            sensitivity: None,
             ticks: 0,
             stopped: None,
             level: FallbackLevel::Optimal,
@@ -232,6 +235,25 @@ impl Session {
             "stopped": self.stopped,
             "over": self.is_over(),
         })
+    }
+
+    /// Which weights and gains move the last tick's command, and which limits hold it: `matters` says in which form.
+    /// The first call begins to keep what ticks begin with, and has nothing to tell; [`Session::forget_matters`] ends
+    /// it.
+    pub fn matters(&mut self) -> Value {
+        let Self {
+            sensitivity,
+            controller,
+            ..
+        } = self;
+        let sensitivity = sensitivity.get_or_insert_with(|| Sensitivity::new(controller));
+        matters::tell(controller, sensitivity)
+    }
+
+    /// Ticks keep nothing any more for [`Session::matters`].
+    pub fn forget_matters(&mut self) {
+        self.sensitivity = None;
+        self.controller.forget_beginnings();
     }
 
     /// The rows of the scenario's experiment, if it is one of the paper's, as far as the runs that are given have them.

@@ -61,6 +61,27 @@ test("controller and plant run B at twenty times real time", () => {
   assert.ok(best >= 20, `${best}`);
 });
 
+test("what matters in a tick is told within a tenth of a second", () => {
+  for (const { path, name, case: first } of JSON.parse(scenarios())) {
+    const run = new Run(path, first, 1, "");
+    assert.equal(JSON.parse(run.matters()).time, null);
+    run.advance(200);
+    let best = Infinity;
+    for (let i = 0; i < 10; i++) {
+      const begin = performance.now();
+      const matters = JSON.parse(run.matters());
+      best = Math.min(best, performance.now() - begin);
+      assert.ok(matters.time > 0 && matters.effects.length === 6, name);
+    }
+    console.log(`${name}: what matters in ${best.toFixed(1)} ms`);
+    assert.ok(best < 100, `${name}: ${best}`);
+    run.forget_matters();
+    run.advance(1);
+    assert.equal(JSON.parse(run.matters()).time, null);
+    run.free();
+  }
+});
+
 test("what is wrong is thrown in words, and the module goes on", () => {
   assert.throws(() => new Run("nothing.toml", "", 1, ""), /nothing.toml: cannot be read/);
   assert.throws(() => new Run(B, "withft", 1, ""), /there is no case `withft`.*did you mean/);

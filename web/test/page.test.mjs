@@ -392,6 +392,80 @@ describe("the page", () => {
     await page.close();
   });
 
+  test("what matters in this tick is told while it is open, and only then", async () => {
+    const { page, errors } = await open(chrome, `${host.address}${B}&speed=10`);
+    const told = () => page.evaluate(() => window.wbqp.matters());
+    await page.click("#play");
+    await until(page, 1);
+    assert.equal(await told(), null);
+    await page.click("#matters summary");
+    await until(page, 8);
+    // However slow the pictures are, it stops while the robot is pulled.
+    await page.selectOption("#speed", "1");
+    await until(page, 12.5);
+    await page.click("#play");
+    await page.waitForFunction(() => window.wbqp.matters()?.time > 12);
+    await page.waitForTimeout(400);
+    // It is of the last tick, which began a period before.
+    const [time] = await field(page, "time");
+    const matters = await told();
+    assert.ok(Math.abs(matters.time - time) < 0.0041, `${matters.time} ${time}`);
+    const rows = page.locator("#matters ol li");
+    assert.equal(await rows.count(), 6);
+    const widths = await page.$$eval("#matters .bar", (bars) => bars.map((bar) => bar.getBoundingClientRect().width));
+    assert.ok(
+      widths.every((w, i) => w > 0 && (i === 0 || w <= widths[i - 1])),
+      `${widths}`,
+    );
+    const [first] = matters.effects;
+    const text = await rows.first().textContent();
+    assert.ok(text.startsWith(`${first.owner} ${first.key.replace(/_/g, " ")}`), text);
+    assert.match(text, /rotor \d effort [+−][\d.]+ N$/);
+    assert.match(await rows.first().getAttribute("title"), /10 % more of it .* N, .*\/s²; all efforts/);
+    // Its rotors are at their limits then.
+    assert.match(await page.locator("#matters .body").textContent(), /Limits that hold it/);
+    await page.screenshot({ path: join(pictures, "matters.png") });
+    // A tick is told at once, and a new run begins anew.
+    await page.click("#step");
+    await page.waitForFunction((before) => window.wbqp.matters().time > before, matters.time);
+    await page.click("#reset");
+    await page.waitForFunction(() => window.wbqp.matters().time === null);
+    assert.match(await page.locator("#matters .body").textContent(), /From the next tick on/);
+    // Closed, nobody asks.
+    await page.click("#matters summary");
+    await page.selectOption("#speed", "10");
+    await page.click("#play");
+    await until(page, 2);
+    assert.equal((await told()).time, null);
+    assert.deepEqual(errors, []);
+    await page.close();
+  });
+
+  test("what matters fits on a phone, and says why there are no derivatives", async () => {
+    const size = { width: 390, height: 844 };
+    const { page, errors } = await open(chrome, `${host.address}${B}`, size);
+    await page.click("#play");
+    await until(page, 0.5);
+    await page.click("#matters summary");
+    await page.waitForSelector("#matters ol li");
+    await page.locator("#matters").scrollIntoViewIfNeeded();
+    const outside = await page.$$eval("#matters *", (all) => {
+      const most = document.documentElement.clientWidth;
+      return all.map((e) => e.getBoundingClientRect()).filter((box) => box.left < 0 || box.right > most + 0.5).length;
+    });
+    assert.equal(outside, 0);
+    await page.screenshot({ path: join(pictures, "matters-phone.png") });
+    assert.deepEqual(errors, []);
+    await page.close();
+    const stiff = encodeURIComponent(JSON.stringify([["set.contact.fl.force_min", 29]]));
+    const other = await open(chrome, `${host.address}#scenario=quadruped_stand&with=${stiff}`, size);
+    await other.page.click("#matters summary");
+    await other.page.click("#play");
+    await other.page.waitForFunction(() => window.wbqp.matters()?.refused, null, { timeout: 60_000 });
+    assert.match(await other.page.locator("#matters .body").textContent(), /No derivatives here: .* optimum/);
+    await other.page.close();
+  });
+
   test("works on a phone, and with a keyboard alone", async () => {
     const { page, errors } = await open(chrome, host.address + B, { width: 390, height: 844 });
     await page.keyboard.press("Space");

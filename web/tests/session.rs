@@ -169,3 +169,54 @@ fn a_text_with_a_mistake_is_refused_with_its_line() {
         "{error}"
     );
 }
+
+/// Whoever looks at what matters changes nothing, and hears of the tick.
+#[test]
+fn what_matters_is_told_and_changes_nothing() {
+    let mut watched = session("push_with_disturbance", "");
+    let mut left_alone = session("push_with_disturbance", "");
+    assert!(watched.matters()["time"].is_null(), "there was no tick");
+    for _ in 0..2000 {
+        watched.tick(&mut || 0.0);
+        left_alone.tick(&mut || 0.0);
+        if watched.time() > 7.0 {
+            watched.matters();
+        }
+        assert_eq!(watched.command(), left_alone.command());
+    }
+    let matters = watched.matters();
+    assert!(
+        matters["refused"].is_null() && matters["time"].as_f64() > Some(7.9),
+        "{matters}"
+    );
+    let effects = matters["effects"].as_array().cloned().unwrap_or_default();
+    assert_eq!(effects.len(), 6, "{matters}");
+    let sizes: Vec<f64> = effects
+        .iter()
+        .filter_map(|e| e["effort"].as_f64())
+        .collect();
+    assert!(sizes.is_sorted_by(|a, b| a >= b) && sizes[5] > 0.0);
+    let first = &effects[0]["most"][0];
+    assert_eq!(first["unit"], "N", "{matters}");
+    assert!(
+        first["slope"]
+            .as_f64()
+            .is_some_and(|slope| slope.abs() <= sizes[0])
+    );
+    watched.forget_matters();
+    run(&mut watched, 8.1);
+    assert!(watched.matters()["time"].is_null());
+}
+
+#[test]
+fn a_tick_without_an_optimum_says_why_nothing_matters() {
+    let mut session = session("quadruped_stand", "set.contact.fl.force_min = 29");
+    session.matters();
+    while session.words()["level"] == "optimal" || session.time() == 0.0 {
+        assert!(session.tick(&mut || 0.0) && session.time() < 2.0);
+    }
+    let matters = session.matters();
+    let why = matters["refused"].as_str().unwrap_or_default();
+    assert!(why.contains("did not end with an optimum"), "{matters}");
+    assert_eq!(matters["effects"].as_array().map(Vec::len), Some(0));
+}

@@ -54,7 +54,9 @@ pub use report::{
     ActiveRow, ConflictRow, ContactReport, FallbackLevel, OnLevel, RelaxedRow, Report, Side,
     TaskReport,
 };
-pub use sensitivity::{Influence, Note, Parameter, ParameterKind, Sensitivity, SensitivityError};
+pub use sensitivity::{
+    Effect, Influence, Note, Parameter, ParameterKind, Sensitivity, SensitivityError,
+};
 pub use snapshot::{ContactSurface, Snapshot};
 
 pub(crate) use bind::{Bound, Parts};

@@ -2,7 +2,10 @@
 
 use crate::{
     error::BindError,
-    plugin::{EntryState, Layout, bound::Running, followed::Followed, rows::RowStore},
+    plugin::{
+        Displacement, EntryState, Layout, Slopes, bound::Running, followed::Followed,
+        rows::RowStore,
+    },
 };
 
 use super::world::World;
@@ -55,5 +58,19 @@ impl RunningPlugin {
         let mut tick = world.tick(entry);
         tick.references = &self.references;
         self.plugin.update(&tick, layout, store);
+    }
+
+    /// Lets the plug-in add to its rows what a displacement of the state does to them; false if it does not say.
+    pub(super) fn differentiate(
+        &mut self,
+        world: &World,
+        entry: EntryState,
+        moved: &Displacement,
+        (layout, store): (&Layout, &mut RowStore),
+    ) -> bool {
+        let mut tick = world.tick(entry);
+        tick.references = &self.references;
+        let mut slopes = Slopes::new(layout, store);
+        self.plugin.differentiate(&tick, moved, &mut slopes)
     }
 }

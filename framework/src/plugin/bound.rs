@@ -8,8 +8,8 @@ use std::{
 use crate::{
     error::BindError,
     plugin::{
-        AnyConstraint, AnyTask, Constraint, ConstraintRows, Layout, Remembered, Rows, Setup, Task,
-        Tick, rows::RowStore,
+        AnyConstraint, AnyTask, Constraint, ConstraintRows, Displacement, Layout, Remembered, Rows,
+        Setup, Slopes, Task, Tick, rows::RowStore,
     },
 };
 
@@ -110,6 +110,13 @@ pub(crate) trait Running: Debug + Send {
     fn activate(&mut self);
     /// Shows what is remembered from one update to the next.
     fn remembered(&mut self, numbers: &mut Remembered<'_>);
+    /// Adds by how much rows change along a displacement of the state; false if the plug-in does not say.
+    fn differentiate(
+        &mut self,
+        tick: &Tick<'_>,
+        moved: &Displacement,
+        slopes: &mut Slopes<'_>,
+    ) -> bool;
     /// Swaps the parameters for others of the same type, unchecked; nothing happens if they are of another.
     fn exchange(&mut self, parameters: &mut dyn Any);
     fn parameters_mut(&mut self) -> &mut dyn Any;
@@ -158,6 +165,16 @@ macro_rules! running {
 
             fn remembered(&mut self, numbers: &mut Remembered<'_>) {
                 self.parameters.remembered(&mut self.running, numbers);
+            }
+
+            fn differentiate(
+                &mut self,
+                tick: &Tick<'_>,
+                moved: &Displacement,
+                slopes: &mut Slopes<'_>,
+            ) -> bool {
+                self.parameters
+                    .differentiate(&mut self.running, tick, moved, slopes)
             }
 
             fn exchange(&mut self, parameters: &mut dyn Any) {

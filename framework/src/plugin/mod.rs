@@ -17,6 +17,7 @@ pub(crate) mod reference;
 pub(crate) mod remembered;
 pub(crate) mod rows;
 pub(crate) mod setup;
+pub(crate) mod slopes;
 pub(crate) mod task;
 pub(crate) mod tick;
 
@@ -33,5 +34,6 @@ pub use reference::{AnyReference, Reference, RotationSample, Sample, Space, Star
 pub use remembered::Remembered;
 pub use rows::{ConstraintRows, ForceReport, MotionRow, RowMajorMut, Rows};
 pub use setup::Setup;
+pub use slopes::{Displacement, Slopes};
 pub use task::{AnyTask, Task};
 pub use tick::{EntryState, PreviousSolution, Tick};

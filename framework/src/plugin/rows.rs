@@ -113,6 +113,19 @@ impl RowStore {
         self.undeclared = other.undeclared;
     }
 
+    pub(super) fn nv(&self) -> usize {
+        self.nv
+    }
+
+    pub(super) fn nu(&self) -> usize {
+        self.nu
+    }
+
+    /// Components of a contact's force; none of a contact that there is not.
+    pub(super) fn nf(&self, contact: ContactId) -> usize {
+        self.nf.get(contact.index()).copied().unwrap_or(0)
+    }
+
     /// Lets rows that are not written limit nothing.
     pub(crate) fn without_limits(mut self) -> Self {
         self.lower.fill(f64::NEG_INFINITY);
@@ -301,7 +314,7 @@ impl Blocks<'_> {
 
     fn force(&mut self, contact: ContactId) -> RowMajorMut<'_> {
         let m = self.layout.len();
-        let n = self.store.nf.get(contact.index()).copied().unwrap_or(0);
+        let n = self.store.nf(contact);
         let slot = self
             .layout
             .forces

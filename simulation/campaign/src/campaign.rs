@@ -147,6 +147,16 @@ pub enum CampaignError {
         /// What is wrong.
         what: String,
     },
+    /// There is no gradient of a task's error.
+    #[error("{plan}: gradient of the error of `{task}`: {why}")]
+    Gradient {
+        /// The plan.
+        plan: String,
+        /// The task.
+        task: String,
+        /// What is missing.
+        why: String,
+    },
 }
 
 impl Campaign {

@@ -5,6 +5,7 @@
 //! into a folder, survives being killed, and leaves a table; `table::merge` makes one table of all.
 
 mod campaign;
+mod gradient;
 mod plan;
 #[cfg(feature = "parquet")]
 mod shard;
@@ -12,6 +13,7 @@ mod shard;
 pub mod table;
 
 pub use campaign::{Campaign, CampaignError, Column, Outcome, Status};
+pub use gradient::ErrorOf;
 pub use plan::{
     Design, Distribution, Factor, Measure, Plan, PlanError, Reduction, Rows, Run, Variant,
     json_schema,

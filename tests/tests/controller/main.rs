@@ -2,6 +2,7 @@
 //! and that the same measurements give the same bits.
 
 mod contact_switching;
+mod effects;
 mod entry_switching;
 mod first_tick;
 mod golden_hash;

@@ -179,6 +179,7 @@ fn outcome(controller: &Controller) -> (Vec<f64>, Vec<String>) {
         let components = contact.kind.constrained();
         all.extend(components.iter().map(|&i| contact.solution[i]));
     }
+    all.extend(report.tasks.iter().flat_map(|task| &task.error));
     let pushes = report.active.iter().filter(|row| row.multiplier != 0.0);
     let mut active: Vec<_> = pushes
         .map(|row| format!("{:?} {:?}", row.row, row.side))
@@ -369,14 +370,18 @@ fn compare(case: &Case) -> (BTreeMap<String, f64>, [usize; 2]) {
         compared += group.len();
         for i in 0..a.len() {
             let slope = (a[i] - d[i] + 8.0 * (c[i] - b[i])) / (12.0 * step);
-            let each = group
-                .iter()
-                .map(|&j| unit(&parameters[j]) * sensitivity.derivatives()[(i, j)]);
+            let outputs = sensitivity.outputs().len();
+            let derivative = |j: usize| match i.checked_sub(outputs) {
+                Some(error) => sensitivity.errors()[(error, j)],
+                None => sensitivity.derivatives()[(i, j)],
+            };
+            let each = group.iter().map(|&j| unit(&parameters[j]) * derivative(j));
             let found: f64 = each.sum();
             let output = match i {
                 i if i < nv => "v̇",
                 i if i < nv + nu => "u",
-                _ => "f",
+                i if i < outputs => "f",
+                _ => "e",
             };
             let block = blocks
                 .entry(format!("{} {output}", first.kind.as_str()))
@@ -602,6 +607,79 @@ fn what_is_remembered_counts() {
         },
     );
     check(&case, 70);
+}
+
+/// A curved row on the first joint, whose derivatives it gives itself, times `share`.
+#[wbqp::task("test.curved")]
+struct Curved {
+    share: f64,
+}
+
+impl Task for Curved {
+    type Running = VelocityId;
+
+    fn bind(&self, setup: &mut Setup<'_>) -> Result<(Layout, VelocityId), BindError> {
+        let joint = setup.joint(&setup.model().joints()[0].name.clone())?;
+        let rows = Layout::rows([("curved", "rad/s²")]).error_unit("rad");
+        Ok((rows.vdot_dense(), setup.velocity(joint)))
+    }
+
+    fn update(&self, first: &mut VelocityId, tick: &Tick<'_>, rows: &mut Rows<'_>) {
+        let (q, v) = (tick.state.q[0], tick.state.v[*first]);
+        rows.vdot()[(0, first.index())] = 1.0 + 0.5 * q.sin();
+        rows.bias(0, 0.5 * q.cos() * v * v);
+        rows.acceleration(0, -3.0 * v * v - 20.0 * q.sin());
+        rows.error()[0] = q.sin();
+    }
+
+    fn remembered(&self, _: &mut VelocityId, _: &mut Remembered<'_>) {}
+
+    fn differentiate(
+        &self,
+        first: &mut VelocityId,
+        tick: &Tick<'_>,
+        moved: &Displacement,
+        slopes: &mut Slopes<'_>,
+    ) -> bool {
+        let (q, v) = (tick.state.q[0], tick.state.v[*first]);
+        let (dq, dv) = (self.share * moved.q[0], self.share * moved.v[*first]);
+        slopes.vdot(0, first.index(), 0.5 * q.cos() * dq);
+        let bias = -0.5 * q.sin() * v * v * dq + q.cos() * v * dv;
+        slopes.target(0, -6.0 * v * dv - 20.0 * q.cos() * dq - bias);
+        slopes.error(0, q.cos() * dq);
+        true
+    }
+}
+
+#[test]
+fn derivatives_that_a_plugin_gives_are_taken() {
+    let with = |share: f64| {
+        let start = Scene::new(Kind::Othex, 11, u32::MAX, 0).measurement();
+        let make = move |formulation| {
+            let scene = Scene::new(Kind::Othex, 11, u32::MAX, 0);
+            let mut config = scene.config();
+            config.settings.formulation = formulation;
+            let entry = Entry::task("curved", 0.7, Curved { share });
+            Controller::new(config.with_task(entry)).expect("is valid")
+        };
+        let prepare = move |m: &mut Measurement, _| {
+            m.state.copy_from(&start.state);
+            m.wrenches.copy_from_slice(&start.wrenches);
+        };
+        Case::new(
+            format!("curved, {share}"),
+            make,
+            Formulation::Explicit,
+            4,
+            prepare,
+        )
+    };
+    check(&with(1.0), 30);
+    let (shares, _) = compare(&with(0.5));
+    assert!(
+        shares["state v̇"] > 1e-3 && shares["state e"] > 1e-3,
+        "{shares:?}"
+    );
 }
 
 /// A limit on the first actuator, N or N·m.

@@ -1,31 +1,9 @@
 //! Small figures of shares, as SVG.
 
-use std::collections::HashSet;
-
 use maud::{Markup, html};
 use wbqp_measures::number;
 
-use super::{
-    lines::Lines,
-    statistics::{Share, groups},
-};
-
-/// The share that holds over groups of a factor's values.
-pub(super) struct Effect<'a> {
-    pub(super) index: usize,
-    pub(super) name: &'a str,
-    pub(super) relation: &'a str,
-    /// Lowest and highest value, and the share.
-    pub(super) groups: Vec<(f64, f64, Share)>,
-}
-
-impl Effect<'_> {
-    /// Difference between the best and the worst group.
-    pub(super) fn size(&self) -> f64 {
-        let shares = || self.groups.iter().map(|(_, _, share)| share.value());
-        shares().fold(0.0, f64::max) - shares().fold(1.0, f64::min)
-    }
-}
+use super::findings::{Effect, Map};
 
 const WIDTH: f64 = 250.0;
 const HEIGHT: f64 = 130.0;
@@ -33,7 +11,7 @@ const LEFT: f64 = 34.0;
 const TOP: f64 = 8.0;
 
 /// Bars from 0 to 100 % with their intervals.
-pub(super) fn effect(effect: &Effect<'_>) -> Markup {
+pub(super) fn effect(effect: &Effect, name: &str, relation: &str) -> Markup {
     let width = (WIDTH - LEFT) / effect.groups.len() as f64;
     let y = |share: f64| TOP + (1.0 - share) * HEIGHT;
     let x = |i: usize| LEFT + width * i as f64;
@@ -41,9 +19,9 @@ pub(super) fn effect(effect: &Effect<'_>) -> Markup {
     let last = effect.groups.last().map_or(0.0, |g| g.1);
     html! {
         figure {
-            figcaption { b { (effect.name) } " (" (effect.relation) ")" }
+            figcaption { b { (name) } " (" (relation) ")" }
             svg viewBox={ "0 0 " (WIDTH + 6.0) " " (TOP + HEIGHT + 20.0) }
-                role="img" aria-label={ "share that holds over " (effect.name) } {
+                role="img" aria-label={ "share that holds over " (name) } {
                 @for tick in [0.0, 0.5, 1.0] {
                     line.axis x1=(LEFT) x2=(WIDTH) y1=(y(tick)) y2=(y(tick)) {}
                     text x=(LEFT - 4.0) y=(y(tick) + 4.0) text-anchor="end" { (format!("{:.0} %", 100.0 * tick)) }
@@ -62,47 +40,39 @@ pub(super) fn effect(effect: &Effect<'_>) -> Markup {
     }
 }
 
-/// Groups of each of the two factors of a map.
-const CELLS: usize = 6;
-
-/// The share that holds over two factors.
-pub(super) fn map(lines: &Lines, all: &[usize], across: &Effect<'_>, up: &Effect<'_>) -> Markup {
-    let columns = groups(all, |l| lines.factors[across.index][l], CELLS);
-    let columns: Vec<(f64, f64, HashSet<usize>)> = columns
-        .into_iter()
-        .map(|(low, high, inside)| (low, high, inside.into_iter().collect()))
-        .collect();
+/// The share that holds over two factors of these names.
+pub(super) fn map(map: &Map, across: &str, up: &str) -> Markup {
     let side = 74.0;
     let left = 96.0;
-    let rows: Vec<_> = groups(all, |l| lines.factors[up.index][l], CELLS);
-    let (width, height) = (side * columns.len() as f64, 30.0 * rows.len() as f64);
+    let (width, height) = (
+        side * map.columns.len() as f64,
+        30.0 * map.rows.len() as f64,
+    );
     html! {
         svg.map viewBox={ "0 0 " (left + width + 10.0) " " (height + 46.0) }
             style={ "max-width:" (left + width + 10.0) "px" } role="img" {
-            @for (j, (low, high, inside)) in rows.iter().enumerate() {
+            @for (j, ((low, high), cells)) in map.rows.iter().zip(&map.cells).enumerate() {
                 @let top = height - 30.0 * (j as f64 + 1.0);
                 text x=(left - 6.0) y=(top + 19.0) text-anchor="end" { (range(*low, *high)) }
-                @for (i, (_, _, column)) in columns.iter().enumerate() {
-                    @let both: Vec<usize> = inside.iter().copied().filter(|line| column.contains(line)).collect();
-                    @let share = Share::of_lines(&both, |l| lines.holds[l]);
+                @for (i, share) in cells.iter().enumerate() {
                     rect x=(left + side * i as f64) y=(top) width=(side - 1.0) height="29"
-                        fill=(if both.is_empty() { "#eee".to_owned() } else { color(share.value()) }) {
-                        title { (share.words()) ", " (both.len()) " runs" }
+                        fill=(if share.of == 0 { "#eee".to_owned() } else { color(share.value()) }) {
+                        title { (share.words()) ", " (share.of) " runs" }
                     }
-                    @if !both.is_empty() {
+                    @if share.of > 0 {
                         text.cell x=(left + side * (i as f64 + 0.5)) y=(top + 19.0) text-anchor="middle" {
                             (format!("{:.0}", 100.0 * share.value()))
                         }
                     }
                 }
             }
-            @for (i, (low, high, _)) in columns.iter().enumerate() {
+            @for (i, (low, high)) in map.columns.iter().enumerate() {
                 text x=(left + side * (i as f64 + 0.5)) y=(height + 14.0) text-anchor="middle" font-size="9" {
                     (range(*low, *high))
                 }
             }
             text x=(left + width / 2.0) y=(height + 34.0) text-anchor="middle" {
-                (across.name) " →, up: " (up.name) "; percent that hold"
+                (across) " →, up: " (up) "; percent that hold"
             }
         }
     }

@@ -26,11 +26,9 @@ impl Share {
         }
     }
 
-    pub(super) fn of_lines(lines: &[usize], holds: impl Fn(usize) -> bool) -> Self {
-        Self::new(
-            lines.iter().filter(|line| holds(**line)).count(),
-            lines.len(),
-        )
+    pub(super) fn of_all(holds: impl Iterator<Item = bool>) -> Self {
+        let (count, of) = holds.fold((0, 0), |(count, of), h| (count + usize::from(h), of + 1));
+        Self::new(count, of)
     }
 
     pub(super) fn value(self) -> f64 {
@@ -52,43 +50,74 @@ impl Share {
     }
 }
 
-/// Some lines in so many groups of the same size, by a number; lines without it are in none. Fewer groups where there
-/// are fewer values.
-pub(super) fn groups(
-    lines: &[usize],
-    number: impl Fn(usize) -> Option<f64>,
-    most: usize,
-) -> Vec<(f64, f64, Vec<usize>)> {
-    let mut sorted: Vec<(f64, usize)> = lines
-        .iter()
-        .filter_map(|line| Some((number(*line)?, *line)))
-        .collect();
-    sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut values: Vec<f64> = sorted.iter().map(|(value, _)| *value).collect();
-    values.dedup();
-    let mut groups: Vec<(f64, f64, Vec<usize>)> = Vec::new();
-    let count = sorted.len();
-    for (rank, (value, line)) in sorted.into_iter().enumerate() {
-        let index = if values.len() <= most {
-            values.partition_point(|v| *v < value)
-        } else {
-            rank * most / count
-        };
-        if index == groups.len() {
-            groups.push((value, value, Vec::new()));
-        }
-        if let Some((_, last, lines)) = groups.last_mut() {
-            *last = value;
-            lines.push(line);
-        }
-    }
-    groups
+/// Lines in groups of the same size, by a number of theirs.
+#[derive(Debug, Default)]
+pub(super) struct Groups {
+    /// Lowest and highest number of each.
+    pub(super) ranges: Vec<(f64, f64)>,
+    /// By line: its group, or [`Groups::NONE`].
+    pub(super) of: Vec<u8>,
 }
 
-/// The value below which a share of the numbers lies.
-pub(super) fn quantile(sorted: &[f64], p: f64) -> Option<f64> {
-    let last = sorted.len().checked_sub(1)?;
-    sorted.get((p * last as f64).round() as usize).copied()
+impl Groups {
+    /// Of a line without a number.
+    pub(super) const NONE: u8 = u8::MAX;
+
+    /// At most so many groups, fewer where there are fewer numbers; what is not a number is in none.
+    pub(super) fn new(numbers: &[f64], most: u8) -> Self {
+        let lines = numbers.iter().copied().zip(0_u32..);
+        let mut sorted: Vec<(f64, u32)> = lines.filter(|(number, _)| !number.is_nan()).collect();
+        sorted.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let changes = sorted.windows(2).filter(|pair| pair[0].0 != pair[1].0);
+        let has_few = changes.take(usize::from(most)).count() < usize::from(most);
+        let mut groups = Self {
+            ranges: Vec::new(),
+            of: vec![Self::NONE; numbers.len()],
+        };
+        let count = sorted.len();
+        for (rank, (number, line)) in sorted.into_iter().enumerate() {
+            let begins = match groups.ranges.last() {
+                None => true,
+                Some((_, last)) if has_few => *last != number,
+                Some(_) => rank * usize::from(most) / count >= groups.ranges.len(),
+            };
+            if begins {
+                groups.ranges.push((number, number));
+            }
+            if let Some((_, last)) = groups.ranges.last_mut() {
+                *last = number;
+            }
+            groups.of[line as usize] = (groups.ranges.len() - 1) as u8;
+        }
+        groups
+    }
+
+    /// The share of the lines that hold, group by group.
+    pub(super) fn shares(&self, holds: impl Iterator<Item = bool>) -> Vec<Share> {
+        let mut counts = vec![(0, 0); self.ranges.len()];
+        for (group, holds) in self.of.iter().zip(holds) {
+            if let Some((count, of)) = counts.get_mut(usize::from(*group)) {
+                *count += usize::from(holds);
+                *of += 1;
+            }
+        }
+        counts
+            .into_iter()
+            .map(|(c, of)| Share::new(c, of))
+            .collect()
+    }
+}
+
+/// The values below which these shares of the numbers lie; what is not a number does not count.
+pub(super) fn quantiles<const N: usize>(numbers: Vec<f64>, p: [f64; N]) -> [Option<f64>; N] {
+    let mut numbers = numbers;
+    numbers.retain(|number| !number.is_nan());
+    p.map(|p| {
+        let last = numbers.len().checked_sub(1)?;
+        let rank = (p * last as f64).round() as usize;
+        let (_, value, _) = numbers.select_nth_unstable_by(rank, f64::total_cmp);
+        Some(*value)
+    })
 }
 
 #[cfg(test)]
@@ -107,13 +136,34 @@ mod tests {
 
     #[test]
     fn groups_have_the_same_size_or_one_value_each() {
-        let lines: Vec<usize> = (0..100).collect();
-        let parts = groups(&lines, |line| Some(line as f64), 5);
-        assert_eq!(parts.iter().map(|g| g.2.len()).collect::<Vec<_>>(), [20; 5]);
-        assert_eq!((parts[1].0, parts[1].1), (20.0, 39.0));
-        let levels = groups(&lines, |line| Some((line % 3) as f64), 5);
-        assert_eq!(levels.len(), 3);
-        assert_eq!((levels[2].0, levels[2].1), (2.0, 2.0));
-        assert!(groups(&lines, |_| None, 5).is_empty());
+        let numbers: Vec<f64> = (0..100).map(|i| f64::from(99 - i)).collect();
+        let parts = Groups::new(&numbers, 5);
+        let sizes = parts.shares(numbers.iter().map(|x| *x < 30.0));
+        assert_eq!(sizes.iter().map(|s| s.of).collect::<Vec<_>>(), [20; 5]);
+        assert_eq!(
+            sizes.iter().map(|s| s.count).collect::<Vec<_>>(),
+            [20, 10, 0, 0, 0]
+        );
+        assert_eq!(parts.ranges[1], (20.0, 39.0));
+        assert_eq!((parts.of[0], parts.of[99]), (4, 0));
+        for levels in [3, 5] {
+            let numbers: Vec<f64> = (0..100).map(|i| f64::from(i % levels)).collect();
+            let parts = Groups::new(&numbers, 5);
+            assert_eq!(parts.ranges.len(), levels as usize);
+            assert_eq!(parts.ranges[2], (2.0, 2.0));
+        }
+        let without = Groups::new(&[1.0, f64::NAN, 2.0], 5);
+        assert_eq!(without.of, [0, Groups::NONE, 1]);
+        assert!(Groups::new(&[f64::NAN], 5).ranges.is_empty());
+    }
+
+    #[test]
+    fn quantiles_are_numbers_of_the_list() {
+        let numbers = vec![3.0, f64::NAN, 1.0, 2.0, 5.0, 4.0];
+        assert_eq!(
+            quantiles(numbers, [0.0, 0.5, 0.95]),
+            [Some(1.0), Some(3.0), Some(5.0)]
+        );
+        assert_eq!(quantiles(vec![f64::NAN], [0.5]), [None]);
     }
 }

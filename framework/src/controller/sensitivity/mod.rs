@@ -20,6 +20,7 @@
 
 mod active;
 mod before;
+mod effect;
 mod factor;
 mod lines;
 mod notes;
@@ -28,6 +29,7 @@ mod shares;
 mod table;
 mod workspace;
 
+pub use effect::Effect;
 pub use notes::{Note, SensitivityError};
 pub use parameters::{Parameter, ParameterKind};
 pub use table::{Influence, Sensitivity};
@@ -46,6 +48,12 @@ impl Controller {
         if self.before.is_none() {
             self.before = Some(Box::new(Before::new(self)));
         }
+    }
+
+    /// Keeps nothing any more: ticks are as they were before [`Controller::keep_beginnings`], and there are no
+    /// derivatives until that is called again.
+    pub fn forget_beginnings(&mut self) {
+        self.before = None;
     }
 
     /// Derivatives of the last tick's optimum, accelerations, efforts and contact forces, with respect to weights,
@@ -146,6 +154,7 @@ impl Sensitivity {
         let size = work.columns.n + work.lines.len();
         for (index, change) in changes.iter_mut().enumerate() {
             work.direction[..size].fill(0.0);
+            work.errors.fill(0.0);
             let (value, is_kink) = work.direct(change, controller, before, &shares);
             if let Some(value) = value {
                 self.parameters[index].value = value;
@@ -156,6 +165,7 @@ impl Sensitivity {
             work.factor.solve(&mut work.direction[..size]);
             let column = &work.direction[..work.columns.physical];
             self.derivatives.column_mut(index).copy_from_slice(column);
+            self.errors.column_mut(index).copy_from_slice(&work.errors);
         }
         work.changes = changes;
         for (after, plugin) in work.after.iter().zip(&mut controller.plugins) {

@@ -24,6 +24,8 @@ pub struct Sensitivity {
     pub(super) outputs: Vec<VarInfo>,
     pub(super) parameters: Vec<Parameter>,
     pub(super) derivatives: DMatrix<f64>,
+    pub(super) error_rows: Vec<VarInfo>,
+    pub(super) errors: DMatrix<f64>,
     pub(super) notes: Vec<Note>,
     pub(super) mismatch: f64,
     /// Names of all entries.
@@ -62,6 +64,16 @@ impl Sensitivity {
         let counts = [work.columns.nv, work.columns.nu];
         let entries = controller.entries.len();
         let rows = controller.table.rows.iter().map(ToString::to_string);
+        let tasks = controller.entries.iter().filter(|entry| entry.is_task);
+        let error_rows: Vec<VarInfo> = tasks
+            .flat_map(|task| {
+                task.layout.rows.iter().map(|row| VarInfo {
+                    owner: task.name.clone(),
+                    label: row.label.clone(),
+                    unit: task.layout.error_unit.clone(),
+                })
+            })
+            .collect();
         let mut made = Self {
             stamp: controller.stamp,
             revision: controller.revision,
@@ -70,6 +82,8 @@ impl Sensitivity {
             // Identities ascend: accelerations, efforts, forces.
             outputs: controller.table.vars[..physical].to_vec(),
             derivatives: DMatrix::zeros(physical, parameters.len()),
+            errors: DMatrix::zeros(error_rows.len(), parameters.len()),
+            error_rows,
             parameters,
             notes: Vec::new(),
             mismatch: 0.0,
@@ -88,6 +102,7 @@ impl Sensitivity {
         (self.parameters, self.work.changes) = list(controller, before);
         let outputs = self.outputs.len();
         self.derivatives = DMatrix::zeros(outputs, self.parameters.len());
+        self.errors = DMatrix::zeros(self.error_rows.len(), self.parameters.len());
         self.revision = controller.revision;
         self.reserve();
     }
@@ -104,6 +119,7 @@ impl Sensitivity {
         self.notes.clear();
         self.ranking.clear();
         self.derivatives.fill(0.0);
+        self.errors.fill(0.0);
     }
 
     /// Sorts entries by what their weights do.
@@ -181,6 +197,17 @@ impl Sensitivity {
     pub fn force(&self) -> DMatrixView<'_, f64> {
         let first = self.counts[0] + self.counts[1];
         self.derivatives.rows(first, self.outputs.len() - first)
+    }
+
+    /// The errors of all tasks, a row each, in their order.
+    pub fn error_rows(&self) -> &[VarInfo] {
+        &self.error_rows
+    }
+
+    /// Derivatives of the tasks' errors at this tick, error rows × parameters: of a task on motion those with respect to
+    /// the state are its Jacobian. Zero for tasks that are off, or do not say what they remember.
+    pub fn errors(&self) -> &DMatrix<f64> {
+        &self.errors
     }
 
     /// The column of a parameter, by owner and label.

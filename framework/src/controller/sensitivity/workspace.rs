@@ -11,7 +11,7 @@ use super::{
 };
 use crate::{
     controller::{Controller, Measurement, world::World},
-    plugin::{EntryState, Sample, remembered::Memo, rows::RowStore},
+    plugin::{Displacement, EntryState, Sample, remembered::Memo, rows::RowStore},
     problem::{BoundEntry, Treatment},
 };
 
@@ -31,6 +31,8 @@ pub(super) struct Workspace {
     pub(super) changes: Vec<Change>,
     pub(super) world: World,
     pub(super) measurement: Measurement,
+    /// From the tick's state to that of `world`.
+    moved: Displacement,
     pub(super) stores: Vec<RowStore>,
     /// What plug-ins remember after the tick.
     pub(super) after: Vec<Memo>,
@@ -45,6 +47,10 @@ pub(super) struct Workspace {
     pub(super) optimum: Vec<f64>,
     /// Of one parameter.
     pub(super) direction: Vec<f64>,
+    /// What it does to the errors of all tasks.
+    pub(super) errors: Vec<f64>,
+    /// First error of each task.
+    first_error: Vec<Option<usize>>,
 }
 
 impl Workspace {
@@ -52,11 +58,20 @@ impl Workspace {
         let columns = Columns::new(&controller.world, &controller.entries);
         let lines = active::most_lines(&columns, &controller.entries);
         let (n, most) = (columns.n, columns.n + lines);
+        let mut errors = 0;
+        let first_error = controller.entries.iter().map(|entry| {
+            let first = errors;
+            errors += if entry.is_task { entry.layout.len() } else { 0 };
+            entry.is_task.then_some(first)
+        });
         Self {
+            first_error: first_error.collect(),
+            errors: vec![0.0; errors],
             owners: active::owners(controller),
             changes,
             world: controller.world.clone(),
             measurement: controller.measurement(),
+            moved: Displacement::none(&controller.world.state),
             stores: controller.entries.iter().map(|e| e.store.clone()).collect(),
             after: before.plugins.clone(),
             lines: Vec::with_capacity(lines),
@@ -88,11 +103,23 @@ impl Workspace {
         }
         let plugin = &mut controller.plugins[entry];
         before.plugins[entry].restore(|numbers| plugin.plugin.remembered(numbers));
-        let state = EntryState {
-            alpha: bound.alpha,
-            since: bound.switch.since(),
-        };
+        let state = entry_state(bound);
         plugin.write(&self.world, state, &bound.layout, &mut self.stores[entry]);
+    }
+
+    /// Makes an entry's rows those of the moved state: by the derivatives that its plug-in gives, or written again.
+    fn rewrite_moved(&mut self, controller: &mut Controller, before: &Before, entry: usize) {
+        let bound = &controller.entries[entry];
+        if !bound.live || !before.plugins[entry].is_known() {
+            return;
+        }
+        let (plugin, store) = (&mut controller.plugins[entry], &mut self.stores[entry]);
+        store.copy_from(&bound.store);
+        let rows = (&bound.layout, &mut *store);
+        if !plugin.differentiate(&controller.world, entry_state(bound), &self.moved, rows) {
+            store.copy_from(&bound.store);
+            self.rewrite(controller, before, entry);
+        }
     }
 
     /// Factorises the lines of the optimum, and finds it.
@@ -172,6 +199,17 @@ impl Workspace {
         worst
     }
 
+    /// Takes down what a task's error is on one side of a parameter's value; `share` is one over twice the step there.
+    fn note_errors(&mut self, controller: &Controller, before: &Before, entry: usize, share: f64) {
+        let is_there = controller.entries[entry].live && before.plugins[entry].is_known();
+        if let (Some(first), true) = (self.first_error[entry], is_there) {
+            let out = self.errors[first..].iter_mut();
+            for (out, error) in out.zip(&self.stores[entry].error) {
+                *out += share * error;
+            }
+        }
+    }
+
     /// Compares the lines below and above a parameter's value, a step away from it, and adds to the direction; true if
     /// there is a kink. `concerns` says which lines were written again.
     fn differ(&mut self, step: f64, concerns: impl Fn(Source) -> bool) -> bool {
@@ -239,6 +277,13 @@ impl Workspace {
             let more = bound.slack_weight() / bound.largest_weight();
             first[slack] -= 2.0 * more * Shares::within(bound, row) * x[slack];
         }
+    }
+}
+
+fn entry_state(bound: &BoundEntry) -> EntryState {
+    EntryState {
+        alpha: bound.alpha,
+        since: bound.switch.since(),
     }
 }
 
@@ -322,6 +367,7 @@ impl Workspace {
                     let keys = moved.keys(sign > 0.0);
                     controller.plugins[e].plugin.exchange(keys);
                     self.rewrite(controller, before, e);
+                    self.note_errors(controller, before, e, 0.5 * sign / moved.step());
                     self.write(place, &controller.entries, before, Some(e));
                     let keys = moved.keys(sign > 0.0);
                     controller.plugins[e].plugin.exchange(keys);
@@ -349,6 +395,7 @@ impl Workspace {
                     {
                         parameters::put_back(sample, part, component, kept);
                     }
+                    self.note_errors(controller, before, e, 0.5 * sign / step);
                     self.write(place, &controller.entries, before, Some(e));
                 }
                 (Some(value), self.differ_of(e, step, controller))
@@ -360,8 +407,11 @@ impl Workspace {
                     self.measurement.copy_from(&before.measurement);
                     parameters::measure(&mut self.measurement, *what, sign * step);
                     self.measure(controller, before);
+                    self.moved
+                        .between(&controller.world.state, &self.world.state);
                     for e in 0..controller.entries.len() {
-                        self.rewrite(controller, before, e);
+                        self.rewrite_moved(controller, before, e);
+                        self.note_errors(controller, before, e, 0.5 * sign / step);
                     }
                     self.write(place, &controller.entries, before, None);
                 }

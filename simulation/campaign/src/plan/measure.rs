@@ -35,13 +35,13 @@ const LONGEST: usize = 1000;
 
 /// An expression with the names in it, in the order in which it takes their values.
 #[derive(Clone, Debug)]
-struct Compiled {
+pub(crate) struct Compiled {
     expression: FlatEx<f64>,
     names: Vec<String>,
 }
 
 impl Compiled {
-    fn new(text: &str) -> Result<Self, String> {
+    pub(crate) fn new(text: &str) -> Result<Self, String> {
         if text.len() > LONGEST {
             return Err(format!("is longer than {LONGEST} bytes"));
         }
@@ -60,7 +60,7 @@ impl Compiled {
     }
 
     /// Its value with the marks of a run.
-    fn time(&self, run: &dyn Recording) -> Result<f64, MeasureError> {
+    pub(crate) fn time(&self, run: &dyn Recording) -> Result<f64, MeasureError> {
         let values = self.names.iter().map(|name| run.mark(name));
         let values = values.collect::<Result<Vec<f64>, _>>()?;
         Ok(self.expression.eval(&values).unwrap_or(f64::NAN))
@@ -172,7 +172,35 @@ impl Measure {
         Ok(Row::judged(&self.name, what, None, value, tolerance, holds))
     }
 
+    /// Which case of a variant it is of, by position.
+    pub fn case(&self) -> usize {
+        self.case
+    }
+
+    /// The time in a run at which what is measured is most of what is looked for, s: the largest value for `max`, the
+    /// smallest for `min`, the last for `last`, and else the one that is farthest from zero.
+    ///
+    /// # Errors
+    /// [`MeasureError`] if the run lacks a topic or a mark.
+    pub fn moment(&self, run: &dyn Recording) -> Result<Option<f64>, MeasureError> {
+        let series = self.series(run)?;
+        let samples = series.samples().filter(|(_, y)| y.is_finite());
+        let size = |y: f64| match self.reduce {
+            Reduction::Max => y,
+            Reduction::Min => -y,
+            Reduction::Last => 0.0,
+            _ => y.abs(),
+        };
+        let most = samples.max_by(|a, b| size(a.1).total_cmp(&size(b.1)));
+        Ok(most.map(|(t, _)| t))
+    }
+
     fn value(&self, run: &dyn Recording) -> Result<Option<f64>, MeasureError> {
+        Ok(reduced(self.reduce, &self.series(run)?))
+    }
+
+    /// What is measured, at every time of its window.
+    fn series(&self, run: &dyn Recording) -> Result<Series, MeasureError> {
         let mut columns = Vec::new();
         for name in &self.expression.names {
             // Every name is a signal's: that was checked.
@@ -195,7 +223,7 @@ impl Measure {
             from.unwrap_or(f64::NEG_INFINITY),
             until.unwrap_or(f64::INFINITY),
         );
-        Ok(reduced(self.reduce, &series.window(from, until)))
+        Ok(series.window(from, until))
     }
 
     /// The expression at every time that all signals have.

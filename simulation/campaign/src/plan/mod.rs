@@ -24,7 +24,7 @@ pub use measure::Measure;
 pub use variant::Variant;
 
 use file::{Keys, variation};
-pub(crate) use {design::Points, factor::Nominal};
+pub(crate) use {design::Points, factor::Nominal, measure::Compiled};
 
 /// A checked plan.
 ///
@@ -244,8 +244,8 @@ impl Plan {
         numbers.filter_map(run).collect()
     }
 
-    /// The run of the scenario as it is, in a variant.
-    pub(crate) fn plain(&self, variant: usize) -> Run {
+    /// The run of the scenario as it is, without any factor, in a variant: index among [`Plan::variants`].
+    pub fn plain(&self, variant: usize) -> Run {
         Run {
             number: 0,
             point: 0,

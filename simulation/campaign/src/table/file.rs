@@ -270,28 +270,44 @@ impl Table {
     /// # Errors
     /// As [`Table::group`]; [`TableError::Foreign`] if there is none of that name.
     pub fn column(&self, name: &str) -> Result<Data, TableError> {
-        let foreign = |what: String| TableError::Foreign {
-            path: self.path.clone(),
-            what,
-        };
-        let position = self.columns().iter().position(|column| column == name);
-        let index = position.ok_or_else(|| foreign(format!("it has no column `{name}`")))?;
-        let damaged = |source| TableError::Parquet {
-            path: self.path.clone(),
-            source: Box::new(source),
-        };
         let mut all: Option<Data> = None;
-        for group in 0..self.groups() {
-            let group = self.reader.get_row_group(group).map_err(damaged)?;
-            let lines = usize::try_from(group.metadata().num_rows()).unwrap_or(0);
-            let column = group.get_column_reader(index).map_err(damaged)?;
-            let data = read(column, lines).map_err(damaged)?;
+        for data in self.column_groups(name)? {
             match &mut all {
-                Some(all) => all.append(data),
-                None => all = Some(data),
+                Some(all) => all.append(data?),
+                None => all = Some(data?),
             }
         }
-        all.ok_or_else(|| foreign("it has no line".to_owned()))
+        all.ok_or_else(|| self.foreign("it has no line".to_owned()))
+    }
+
+    /// A column group by group, of which one is in memory at a time.
+    ///
+    /// # Errors
+    /// [`TableError::Foreign`] if there is none of that name; of each group as [`Table::group`].
+    pub fn column_groups(
+        &self,
+        name: &str,
+    ) -> Result<impl Iterator<Item = Result<Data, TableError>> + '_, TableError> {
+        let position = self.columns().iter().position(|column| column == name);
+        let index = position.ok_or_else(|| self.foreign(format!("it has no column `{name}`")))?;
+        Ok((0..self.groups()).map(move |group| {
+            let data = self.reader.get_row_group(group).and_then(|group| {
+                let lines = usize::try_from(group.metadata().num_rows()).unwrap_or(0);
+                read(group.get_column_reader(index)?, lines)
+            });
+            data.map_err(|source| TableError::Parquet {
+                path: self.path.clone(),
+                source: Box::new(source),
+            })
+        }))
+    }
+
+    /// It is not what it should be.
+    fn foreign(&self, what: String) -> TableError {
+        TableError::Foreign {
+            path: self.path.clone(),
+            what,
+        }
     }
 }
 

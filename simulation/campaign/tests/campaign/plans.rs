@@ -141,3 +141,36 @@ fn plans_that_ship_are_good() {
     }
     assert!(count > 0);
 }
+
+/// The time at which a measure is found.
+#[test]
+fn a_measure_has_its_moment() {
+    use wbqp_log::LogSink as _;
+
+    let folder = Folder::new();
+    let moment = |reduce: &str, window: &str| {
+        let text = with("").replace(
+            "reduce = \"max_abs\"",
+            &format!("reduce = \"{reduce}\"\n{window}"),
+        );
+        let plan = folder.try_plan(&text).unwrap();
+        let mut recorded = wbqp_measures::Columns::default();
+        let channel = recorded
+            .channel("/plant", "", &serde_json::json!({}))
+            .unwrap();
+        for (tick, z) in [1.258, 1.3, 1.2, 1.26, 1.25].into_iter().enumerate() {
+            let message = serde_json::json!({ "base": { "position": { "z": z } } }).to_string();
+            let time = tick as f64;
+            recorded.write(channel, time, message.as_bytes()).unwrap();
+        }
+        let measure = &plan.measures()[0];
+        assert_eq!(measure.case(), 0);
+        measure.moment(&recorded).unwrap()
+    };
+    assert_eq!(moment("max", ""), Some(2.0));
+    assert_eq!(moment("min", ""), Some(1.0));
+    assert_eq!(moment("rms", ""), Some(2.0));
+    assert_eq!(moment("rms", "until = 1.5"), Some(1.0));
+    assert_eq!(moment("last", ""), Some(4.0));
+    assert_eq!(moment("max", "from = 9"), None);
+}

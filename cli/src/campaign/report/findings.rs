@@ -1,0 +1,372 @@
+//! What the lines of a variant say: shares, quantiles, reasons, effects, and the worst runs.
+//!
+//! A column is read when it is wanted and forgotten again; what stays is a few bytes per line and factor.
+
+use std::{cmp::Reverse, collections::BTreeMap};
+
+use anyhow::Result;
+use wbqp_campaign::Column;
+
+use super::{
+    lines::Part,
+    statistics::{Groups, Share, quantiles},
+};
+
+/// How runs end.
+pub(super) const ENDS: [&str; 4] = ["completed", "diverged", "refused", "failed"];
+/// Runs that are listed as the worst.
+const WORST: usize = 10;
+/// Groups of a factor's values.
+const GROUPS: u8 = 5;
+/// Groups of each of the two factors of a map.
+const CELLS: u8 = 6;
+
+/// What a variant's lines say.
+#[derive(Debug)]
+pub(super) struct Findings {
+    pub(super) variant: String,
+    pub(super) holds: Share,
+    /// How many ended how, in the order of [`ENDS`].
+    pub(super) ended: [usize; 4],
+    /// By measure.
+    pub(super) measures: Vec<Measured>,
+    /// The most frequent first.
+    pub(super) reasons: Vec<Reason>,
+    /// The strongest first; empty if all runs hold.
+    pub(super) effects: Vec<Effect>,
+    /// How far apart the best and the worst group of each effect are in the share with which a measure holds, measure
+    /// by measure.
+    pub(super) by_measure: Vec<(String, Vec<f64>)>,
+    pub(super) map: Option<Map>,
+    pub(super) worst: Vec<WorstRun>,
+    /// Number of the worst run that reached its end.
+    pub(super) worst_completed: Option<i64>,
+}
+
+/// A measure's values.
+#[derive(Debug)]
+pub(super) struct Measured {
+    /// Nothing if it is not judged.
+    pub(super) holds: Option<Share>,
+    /// 5 %, median, 95 %.
+    pub(super) quantiles: [Option<f64>; 3],
+}
+
+/// Why runs ended early, without its numbers.
+#[derive(Debug)]
+pub(super) struct Reason {
+    pub(super) ended: String,
+    pub(super) why: String,
+    pub(super) count: usize,
+    /// Number of the first run.
+    pub(super) first: i64,
+}
+
+/// The share that holds over groups of a factor's values.
+#[derive(Debug)]
+pub(super) struct Effect {
+    /// Which factor.
+    pub(super) factor: usize,
+    /// Lowest and highest value, and the share.
+    pub(super) groups: Vec<(f64, f64, Share)>,
+}
+
+impl Effect {
+    /// Difference between the best and the worst group.
+    pub(super) fn size(&self) -> f64 {
+        let shares: Vec<Share> = self.groups.iter().map(|(_, _, share)| *share).collect();
+        spread(&shares)
+    }
+}
+
+/// The share that holds over two factors.
+#[derive(Debug)]
+pub(super) struct Map {
+    /// Groups of the factor across.
+    pub(super) columns: Vec<(f64, f64)>,
+    /// Groups of the factor upwards.
+    pub(super) rows: Vec<(f64, f64)>,
+    /// Row by row.
+    pub(super) cells: Vec<Vec<Share>>,
+}
+
+/// One of the runs that miss most.
+#[derive(Debug)]
+pub(super) struct WorstRun {
+    pub(super) run: i64,
+    pub(super) reason: Option<String>,
+    /// Measures that count and do not hold.
+    pub(super) missed: Vec<String>,
+    /// By factor; what is not a number was the scenario's own.
+    pub(super) factors: Vec<f64>,
+    position: usize,
+}
+
+impl Findings {
+    pub(super) fn of(part: &Part<'_>, factors: &[String], columns: &[Column]) -> Result<Self> {
+        let holds: Vec<bool> = truths(part, "holds")?.collect();
+        let mut ended = [0; 4];
+        let mut ends = Vec::with_capacity(part.count);
+        part.texts("status", |_, status| {
+            let end = ENDS.iter().position(|end| Some(*end) == status);
+            if let Some(end) = end {
+                ended[end] += 1;
+            }
+            ends.push(end.map_or(u8::MAX, |end| end as u8));
+        })?;
+        let mut missed: Vec<u16> = vec![0; part.count];
+        let mut measures = Vec::new();
+        for column in columns {
+            let numbers = part.numbers(&format!("measure.{}", column.name))?;
+            let quantiles = quantiles(numbers, [0.05, 0.5, 0.95]);
+            let mut share = None;
+            if column.is_judged {
+                let verdicts: Vec<bool> = verdicts(part, column)?.collect();
+                share = Some(Share::of_all(verdicts.iter().copied()));
+                if column.counts {
+                    for (missed, holds) in missed.iter_mut().zip(&verdicts) {
+                        *missed = missed.saturating_add(u16::from(!holds));
+                    }
+                }
+            }
+            measures.push(Measured {
+                holds: share,
+                quantiles,
+            });
+        }
+        let mut worst = worst(&holds, &ends, &missed);
+        let worst_completed = worst_completed(part, &holds, &ends, &missed)?;
+        drop(missed);
+        let reasons = reasons(part, &ends, &mut worst)?;
+
+        let is_perfect = holds.iter().all(|holds| *holds);
+        let mut effects: Vec<(Effect, Groups)> = Vec::new();
+        for (factor, name) in factors.iter().enumerate() {
+            let numbers = part.numbers(&format!("factor.{name}"))?;
+            for run in &mut worst {
+                run.factors.extend(numbers.get(run.position));
+            }
+            if is_perfect {
+                continue;
+            }
+            let groups = Groups::new(&numbers, GROUPS);
+            if groups.ranges.len() > 1 {
+                let shares = groups.shares(holds.iter().copied());
+                let both = groups.ranges.iter().zip(shares);
+                let both = both.map(|((low, high), share)| (*low, *high, share));
+                let effect = Effect {
+                    factor,
+                    groups: both.collect(),
+                };
+                effects.push((effect, groups));
+            }
+        }
+        effects.sort_by(|(a, _), (b, _)| b.size().total_cmp(&a.size()));
+        let mut by_measure = Vec::new();
+        for (column, measured) in columns.iter().zip(&measures) {
+            let is_missed = measured.holds.is_some_and(|share| share.count < share.of);
+            if !column.counts || !is_missed {
+                continue;
+            }
+            let verdicts: Vec<bool> = verdicts(part, column)?.collect();
+            for run in &mut worst {
+                if verdicts.get(run.position) == Some(&false) {
+                    run.missed.push(column.name.clone());
+                }
+            }
+            let spreads = effects
+                .iter()
+                .map(|(_, groups)| spread(&groups.shares(verdicts.iter().copied())));
+            by_measure.push((column.name.clone(), spreads.collect()));
+        }
+        let effects: Vec<Effect> = effects.into_iter().map(|(effect, _)| effect).collect();
+        let map = match effects.as_slice() {
+            [across, up, ..] => {
+                let groups = |effect: &Effect| {
+                    let numbers = part.numbers(&format!("factor.{}", factors[effect.factor]))?;
+                    anyhow::Ok(Groups::new(&numbers, CELLS))
+                };
+                Some(Map::of(&groups(across)?, &groups(up)?, &holds))
+            }
+            _ => None,
+        };
+        Ok(Self {
+            variant: part.name().to_owned(),
+            holds: Share::of_all(holds.into_iter()),
+            ended,
+            measures,
+            reasons,
+            effects,
+            by_measure,
+            map,
+            worst,
+            worst_completed,
+        })
+    }
+}
+
+impl Map {
+    fn of(across: &Groups, up: &Groups, holds: &[bool]) -> Self {
+        let mut counts = vec![vec![(0, 0); across.ranges.len()]; up.ranges.len()];
+        for ((i, j), holds) in across.of.iter().zip(&up.of).zip(holds) {
+            let row = counts.get_mut(usize::from(*j));
+            if let Some((count, of)) = row.and_then(|row| row.get_mut(usize::from(*i))) {
+                *count += usize::from(*holds);
+                *of += 1;
+            }
+        }
+        let shares = |row: Vec<(usize, usize)>| {
+            let shares = row.into_iter().map(|(count, of)| Share::new(count, of));
+            shares.collect()
+        };
+        Self {
+            columns: across.ranges.clone(),
+            rows: up.ranges.clone(),
+            cells: counts.into_iter().map(shares).collect(),
+        }
+    }
+}
+
+/// Nothing is as good as false.
+fn truths(part: &Part<'_>, name: &str) -> Result<impl Iterator<Item = bool> + use<>> {
+    Ok(part
+        .truths(name)?
+        .into_iter()
+        .map(|truth| truth == Some(true)))
+}
+
+fn verdicts(part: &Part<'_>, column: &Column) -> Result<impl Iterator<Item = bool> + use<>> {
+    truths(part, &format!("holds.{}", column.name))
+}
+
+/// Difference between the best and the worst.
+fn spread(shares: &[Share]) -> f64 {
+    let values = || shares.iter().map(|share| share.value());
+    values().fold(0.0, f64::max) - values().fold(1.0, f64::min)
+}
+
+/// Those that do not hold, the ones that miss most first. Without a single measure a run has missed more than with all
+/// of them missed.
+fn worst(holds: &[bool], ends: &[u8], missed: &[u16]) -> Vec<WorstRun> {
+    let key = |position: usize| (ends[position] == 0, Reverse(missed[position]), position);
+    let mut worst: Vec<usize> = Vec::new();
+    for position in (0..holds.len()).filter(|position| !holds[*position]) {
+        let rank = worst.partition_point(|other| key(*other) < key(position));
+        if rank < WORST {
+            worst.insert(rank, position);
+            worst.truncate(WORST);
+        }
+    }
+    let run = |position: usize| WorstRun {
+        run: 0,
+        reason: None,
+        missed: Vec::new(),
+        factors: Vec::new(),
+        position,
+    };
+    worst.into_iter().map(run).collect()
+}
+
+/// Number of the run that misses most of those that reached their end.
+fn worst_completed(
+    part: &Part<'_>,
+    holds: &[bool],
+    ends: &[u8],
+    missed: &[u16],
+) -> Result<Option<i64>> {
+    let completed = (0..holds.len()).filter(|position| !holds[*position] && ends[*position] == 0);
+    let Some(worst) = completed.max_by_key(|position| (missed[*position], Reverse(*position)))
+    else {
+        return Ok(None);
+    };
+    let mut number = None;
+    part.wholes("run", |position, run| {
+        if position == worst {
+            number = Some(run);
+        }
+    })?;
+    Ok(number)
+}
+
+/// Why runs ended early, alike reasons together, and the worst runs' own; these get their numbers as well.
+fn reasons(part: &Part<'_>, ends: &[u8], worst: &mut [WorstRun]) -> Result<Vec<Reason>> {
+    let mut classes: BTreeMap<(u8, String), (usize, usize)> = BTreeMap::new();
+    part.texts("reason", |position, reason| {
+        let Some(reason) = reason else {
+            return;
+        };
+        let class = (ends[position], without_numbers(reason));
+        classes.entry(class).or_insert((0, position)).0 += 1;
+        if let Some(run) = worst.iter_mut().find(|run| run.position == position) {
+            run.reason = Some(reason.to_owned());
+        }
+    })?;
+    let mut reasons = Vec::new();
+    for ((end, why), (count, position)) in classes {
+        let ended = ENDS.get(usize::from(end)).copied().unwrap_or_default();
+        let reason = Reason {
+            ended: ended.to_owned(),
+            why,
+            count,
+            first: 0,
+        };
+        reasons.push((position, reason));
+    }
+    reasons.sort_by_key(|(_, reason)| Reverse(reason.count));
+    reasons.truncate(20);
+    part.wholes("run", |position, number| {
+        let first = reasons.iter_mut().filter(|(at, _)| *at == position);
+        first.for_each(|(_, reason)| reason.first = number);
+        let worst = worst.iter_mut().filter(|run| run.position == position);
+        worst.for_each(|run| run.run = number);
+    })?;
+    Ok(reasons.into_iter().map(|(_, reason)| reason).collect())
+}
+
+/// A text with `#` for every number.
+fn without_numbers(text: &str) -> String {
+    let mut class = String::new();
+    let mut in_number = false;
+    let mut last = ' ';
+    for c in text.chars() {
+        let begins = c.is_ascii_digit() && !last.is_alphanumeric() && last != '_';
+        let goes_on = in_number && (c.is_ascii_digit() || "._eE".contains(c));
+        if begins && !in_number {
+            class.push('#');
+        }
+        if !begins && !goes_on {
+            class.push(c);
+        }
+        in_number = begins || goes_on;
+        last = c;
+    }
+    class
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reasons_that_differ_in_numbers_alone_are_one_class() {
+        let one = without_numbers("robust: the plant diverged at 12.25 s");
+        assert_eq!(one, without_numbers("robust: the plant diverged at 3.5 s"));
+        assert_eq!(one, "robust: the plant diverged at # s");
+        assert_eq!(
+            without_numbers("task_2 asks 1e-3 N of x1"),
+            "task_2 asks #-# N of x1"
+        );
+    }
+
+    #[test]
+    fn the_worst_come_first_and_among_equals_the_first() {
+        let lines = 40;
+        let ends: Vec<u8> = (0..lines).map(|i| u8::from(i == 30)).collect();
+        let missed: Vec<u16> = (0..lines).map(|i| u16::from(i % 20 == 7)).collect();
+        let mut holds = vec![false; lines];
+        holds[0] = true;
+        let worst = worst(&holds, &ends, &missed);
+        let positions: Vec<usize> = worst.iter().map(|run| run.position).collect();
+        assert_eq!(positions, [30, 7, 27, 1, 2, 3, 4, 5, 6, 8]);
+    }
+}

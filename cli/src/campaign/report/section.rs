@@ -1,0 +1,176 @@
+//! What the page says of a variant.
+
+use std::path::Path;
+
+use maud::{Markup, html};
+use wbqp_campaign::table::Description;
+use wbqp_measures::number;
+
+use super::{
+    figures,
+    findings::{ENDS, Findings},
+    statistics::Share,
+};
+
+/// How many runs of each variant hold, and how the others ended.
+pub(super) fn overview(all: &[Findings]) -> Markup {
+    html! {
+        h2 { "What holds" }
+        div.scroll { table {
+            thead { tr { th { "variant" } th { "runs" } th { "holds" } @for end in ENDS { th { (end) } } } }
+            tbody {
+                @for found in all {
+                    tr {
+                        td { (found.variant) }
+                        td.number { (found.holds.of) }
+                        td.number { (found.holds.words()) }
+                        @for count in found.ended { td.number { (count) } }
+                    }
+                }
+            }
+        } }
+    }
+}
+
+/// A variant's part of the page; `plan` is the plan's file, `beside` the page's folder.
+pub(super) fn section(found: &Findings, about: &Description, plan: &Path, beside: &Path) -> Markup {
+    html! {
+        h2 { "Variant " (found.variant) }
+        (measures(found, about))
+        (reasons(found))
+        (effects(found, about))
+        (worst(found, about, plan, beside))
+    }
+}
+
+/// Each measure: share that holds, and its values.
+fn measures(found: &Findings, about: &Description) -> Markup {
+    html! {
+        div.scroll { table {
+            thead { tr { th { "measure" } th { "accepted" } th { "holds" } th { "5 %" }
+                th { "median" } th { "95 %" } th { "unit" } } }
+            tbody {
+                @for (column, measured) in about.measures.iter().zip(&found.measures) {
+                    tr.aside[!column.counts] {
+                        td { (column.name) }
+                        td { (column.tolerance) }
+                        td.number { (measured.holds.map_or("–".to_owned(), Share::words)) }
+                        @for value in measured.quantiles {
+                            td.number { (value.map_or("–".to_owned(), number)) }
+                        }
+                        td { (column.unit) }
+                    }
+                }
+            }
+        } }
+    }
+}
+
+/// Why runs ended early, alike reasons together: without their numbers.
+fn reasons(found: &Findings) -> Markup {
+    html! {
+        @if !found.reasons.is_empty() {
+            h3 { "Why runs ended early" }
+            div.scroll { table {
+                thead { tr { th { "runs" } th { "ended" } th { "why" } th { "first" } } }
+                tbody {
+                    @for reason in &found.reasons {
+                        tr {
+                            td.number { (reason.count) }
+                            td { (reason.ended) }
+                            td { (reason.why) }
+                            td.number { "run " (reason.first) }
+                        }
+                    }
+                }
+            } }
+        }
+    }
+}
+
+/// Which factor breaks what: the share that holds over each factor's values, the strongest first, and maps over the
+/// strongest two.
+fn effects(found: &Findings, about: &Description) -> Markup {
+    let name = |factor: usize| about.factors.get(factor).map_or("", |f| f.name.as_str());
+    let relation = |factor: usize| {
+        let factor = about.factors.get(factor);
+        factor.map_or("", |f| f.relation.as_str())
+    };
+    html! {
+        @if !found.effects.is_empty() {
+            h3 { "Which factor breaks it" }
+            p { "The share of runs that hold, over groups of each factor's values; what the other factors are is \
+                 averaged out. The strongest factor first." }
+            div.grid { @for effect in &found.effects {
+                (figures::effect(effect, name(effect.factor), relation(effect.factor)))
+            } }
+            (by_measure(found, &name))
+            @if let (Some(map), [first, second, ..]) = (&found.map, found.effects.as_slice()) {
+                @let [first, second] = [first, second].map(|effect| name(effect.factor));
+                h3 { "Share that holds over " (first) " and " (second) }
+                (figures::map(map, first, second))
+            }
+        }
+    }
+}
+
+/// How much each factor moves the share with which each measure holds: a table of the largest differences.
+fn by_measure<'a>(found: &Findings, name: &impl Fn(usize) -> &'a str) -> Markup {
+    html! {
+        @if !found.by_measure.is_empty() {
+            h3 { "Main effects by measure" }
+            p { "Difference between the best and the worst group of a factor's values, in percent of the runs." }
+            div.scroll { table {
+                thead { tr { th { "measure" } @for effect in &found.effects { th { (name(effect.factor)) } } } }
+                tbody {
+                    @for (measure, spreads) in &found.by_measure {
+                        tr {
+                            td.words { (measure) }
+                            @for spread in spreads {
+                                td.number style={ "background:" (figures::shade(*spread)) } {
+                                    (format!("{:.0}", 100.0 * spread))
+                                }
+                            }
+                        }
+                    }
+                }
+            } }
+        }
+    }
+}
+
+/// The runs that miss most, with what does them again.
+fn worst(found: &Findings, about: &Description, plan: &Path, beside: &Path) -> Markup {
+    html! {
+        @if !found.worst.is_empty() {
+            h3 { "The worst runs" }
+            p { code { "wbqp campaign " (plan.display()) " --run NUMBER" } " does a run again, with logs for Foxglove \
+                 and dumps of the ticks in which the controller left its optimum, for " code { "wbqp replay" } "." }
+            div.scroll { table {
+                thead { tr { th { "run" } th { "missed" }
+                    @for factor in &about.factors { th { (factor.name) } } } }
+                tbody {
+                    @for run in &found.worst {
+                        @let folder = format!("run-{}", run.run);
+                        tr {
+                            td.number {
+                                @if beside.join(&folder).is_dir() {
+                                    a href={ (folder) "/" } { (run.run) }
+                                } @else { (run.run) }
+                            }
+                            td.words {
+                                @match &run.reason {
+                                    Some(reason) => (reason),
+                                    None => (run.missed.join("; ")),
+                                }
+                            }
+                            @for value in &run.factors {
+                                td.number { (if value.is_nan() { "–".to_owned() } else { number(*value) }) }
+                            }
+                        }
+                    }
+                }
+            } }
+        }
+    }
+}
