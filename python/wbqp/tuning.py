@@ -41,6 +41,8 @@ class Parameter:
             raise ValueError(f"{self.path}: the range from {self.low} to {self.high} is empty")
         if self.log and self.low <= 0.0:
             raise ValueError(f"{self.path}: a logarithmic range begins above 0")
+        if self.start is not None and not self.low <= self.start <= self.high:
+            raise ValueError(f"{self.path}: the start, {self.start}, is not between {self.low} and {self.high}")
         if self.path.split(".")[0] not in ("set", "change"):
             raise ValueError(f"{self.path}: must begin with `set.` or `change.`, as in a case of a scenario")
 
@@ -64,6 +66,12 @@ class Objective:
     measure: str
     over: Literal["mean", "worst"] | float = "mean"
     share: float = 1.0
+
+    def __post_init__(self) -> None:
+        if not (self.over in ("mean", "worst") or (isinstance(self.over, float | int) and 0.0 <= self.over <= 1.0)):
+            raise ValueError(f"over is 'mean', 'worst', or a quantile between 0 and 1, not {self.over!r}")
+        if not 0.0 <= self.share <= 1.0:
+            raise ValueError(f"the share of the runs that must hold is between 0 and 1, not {self.share}")
 
     def value(self, found: Mapping[str, Any]) -> float:
         """Of the outcomes of some runs."""
@@ -247,7 +255,15 @@ def tune(
 
     if not parameters:
         raise ValueError("there is nothing to look for: no parameter")
+    if trials < 1:
+        raise ValueError(f"at least one trial is wanted, not {trials}")
+    paths = [parameter.path for parameter in parameters]
+    if len(set(paths)) < len(paths):
+        raise ValueError("a parameter is there twice")
     file = Path(plan).absolute()
+    if descent is not None:
+        # What it cannot be asked for is said before anything is tried.
+        descent.slopes(file, {p.path: p.start for p in parameters if p.start is not None})
     optuna.logging.set_verbosity(optuna.logging.WARNING)
     chosen = _sampler(sampler, seed) if isinstance(sampler, str) else sampler
     study = optuna.create_study(sampler=chosen, direction="minimize")

@@ -106,6 +106,11 @@ impl ErrorGradient {
         }
     }
 
+    /// How many rows of the task's error are followed, after a run.
+    pub fn rows(&self) -> usize {
+        self.along.as_ref().map_or(0, |along| along.errors.len())
+    }
+
     /// Over the ticks from one time to another, s; nothing if there is no such tick, or no such task.
     pub fn between(&self, from: f64, until: f64) -> Option<Gradient> {
         let along = self.along.as_ref()?;

@@ -207,18 +207,41 @@ impl Campaign {
         Ok(campaign)
     }
 
-    /// The first and the last point of every variant can be written into its cases.
+    /// The points of every variant can be written into its cases, and each factor alone is taken at one of them at
+    /// least: a key that there is not is refused at all. What a push asks of a plant is another matter.
     fn check_factors(&self) -> Result<(), CampaignError> {
         let last = self.plan.len().saturating_sub(1);
-        let ends = [self.plan.runs(0..1), self.plan.runs(last..last + 1)];
-        for run in ends.iter().flatten() {
-            for nominal in self.nominals.iter().flatten() {
-                nominal
-                    .changes(self.plan.factors(), &run.factors)
-                    .map_err(|what| {
-                        let plan = self.plan.source().name.clone();
-                        CampaignError::Factor { plan, what }
-                    })?;
+        let probes = [0, last / 2, last].map(|run| self.plan.runs(run..run + 1));
+        let refuse = |what: String| {
+            let plan = self.plan.source().name.clone();
+            Err(CampaignError::Factor { plan, what })
+        };
+        for (variant, nominals) in self.plan.variants().iter().zip(&self.nominals) {
+            for (case, nominal) in variant.cases().iter().zip(nominals) {
+                for run in probes.iter().flatten() {
+                    let changes = nominal.changes(self.plan.factors(), &run.factors);
+                    changes.map(|_| ()).or_else(refuse)?;
+                }
+                for (index, factor) in self.plan.factors().iter().enumerate() {
+                    let alone = std::slice::from_ref(factor);
+                    let mut why = None;
+                    let is_taken = probes.iter().flatten().any(|run| {
+                        let value = &run.factors[index..=index];
+                        let varied = nominal.changes(alone, value).and_then(|text| {
+                            let variation =
+                                Variation::from_toml(&text).map_err(|e| e.to_string())?;
+                            match variant.scenario().varied_case(case, &variation) {
+                                Ok(_) | Err(ScenarioError::Push { .. }) => Ok(()),
+                                Err(error) => Err(error.to_string()),
+                            }
+                        });
+                        why = varied.err();
+                        why.is_none()
+                    });
+                    if let (false, Some(why)) = (is_taken, why) {
+                        return refuse(format!("factor `{}`: {why}", factor.name()));
+                    }
+                }
             }
         }
         Ok(())

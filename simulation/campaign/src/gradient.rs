@@ -29,7 +29,7 @@ impl Campaign {
     /// factor: [`ErrorGradient`] of one run, which takes some hundred times as long as a run without.
     ///
     /// # Errors
-    /// [`CampaignError::Gradient`] if there is no such case or task, if the controller has an observer, whose memory
+    /// [`CampaignError::Gradient`] if there is no such case, task or row, if the controller has an observer, whose memory
     /// [`ErrorGradient`] does not know, or if the run does not reach its end.
     pub fn error_gradient(&self, of: &ErrorOf) -> Result<Gradient, CampaignError> {
         let refuse = |why: String| CampaignError::Gradient {
@@ -69,6 +69,10 @@ impl Campaign {
         let summary = summary.map_err(|error| refuse(error.to_string()))?;
         if let Some(time) = summary.diverged {
             return Err(refuse(format!("the plant diverged at {time:.2} s")));
+        }
+        if gradient.rows() < of.rows.len().max(1) {
+            let why = format!("it has no such rows as {:?}, counted from 0", of.rows);
+            return Err(refuse(why));
         }
         let at = |moment: Option<&Compiled>, otherwise: f64| {
             let time = moment.map(|m| m.time(&columns as &dyn Recording));

@@ -92,7 +92,7 @@ fn a_sweep_depends_on_plan_and_seed_alone_and_the_report_shows_it() {
             .install(|| sweep::run(EXPERIMENT, &points, 1).unwrap())
     };
     let [one, two] = [1, 2].map(run);
-    assert_eq!(one.runs, 16);
+    assert_eq!(one.runs, 24);
     let [one_text, two_text] = [&one, &two].map(|s| serde_json::to_string(s).unwrap());
     assert_eq!(one_text, two_text);
     assert_eq!(one.experiments[0].stopped, [const { None }; 4]);

@@ -52,7 +52,8 @@ pub enum TableError {
     },
     /// Parts of different campaigns, or of different divisions.
     #[error(
-        "{} and {} are of different campaigns; keep the shards of one campaign in a folder",
+        "{} and {} are of different campaigns, or divided into different numbers of shards; keep those of one \
+         campaign in a folder",
         one.display(),
         other.display()
     )]

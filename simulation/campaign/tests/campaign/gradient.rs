@@ -108,6 +108,7 @@ fn what_cannot_be_asked_is_said() {
     assert!(refused(&|of| of.from = "touchdown".into()).contains("touchdown"));
     assert!(refused(&|of| of.from = "1 +".into()).contains("1 +"));
     assert!(refused(&|of| of.from = "7".into()).contains("no tick"));
+    assert!(refused(&|of| of.rows = vec![1, 7]).contains("no such rows as [1, 7]"));
     let set = "set.controller.observer = { velocity = 3.0, wrench = 0.25, max_force = 8.0, max_moment = 1.5 }";
     let observed = campaign(&folder, set).error_gradient(&error());
     assert!(observed.unwrap_err().to_string().contains("observer"));
