@@ -120,7 +120,7 @@ def main() -> None:
 
     without_address = [name for name in order if not packages[name]["repository"]]
     if without_address:
-        fault = "no `repository`: the address is one line of [workspace.package] and one of each crate that is published"
+        fault = "no `repository`: the address is a line of [workspace.package], and one of each crate above"
         print(f"MISSING before anything is published: {fault}")
         faults += [fault] if is_verifying else []
     if faults:

@@ -103,14 +103,16 @@ def faults_of_rust(answer: dict) -> list[str]:
     wanted = [(number(package["rust_version"]), package["name"]) for package in answer["packages"]
               if package["rust_version"] and package["name"] not in members(answer)]
     newest, name = max(wanted)
-    here = subprocess.run(["rustc", "--version"], cwd=ROOT, check=True, capture_output=True, text=True).stdout.split()[1]
+    asked = subprocess.run(["rustc", "--version"], cwd=ROOT, check=True, capture_output=True, text=True)
+    here = asked.stdout.split()[1]
     print(f"Rust: declared {declared}; of {len(wanted)} dependencies that declare one, `{name}` wants the newest,",
           ".".join(map(str, newest)))
     if number(here)[:2] == number(declared)[:2]:
         print(f"Rust: {here} is used here, so what is tested is tested with what is declared")
     else:
         print(f"NOT CHECKED with the declared Rust {declared}: {here} is used here")
-    return [f"{name} wants Rust {'.'.join(map(str, version))}" for version, name in wanted if version > number(declared)]
+    newer = [(version, name) for version, name in wanted if version > number(declared)]
+    return [f"{name} wants Rust {'.'.join(map(str, version))}" for version, name in newer]
 
 
 def main() -> None:
