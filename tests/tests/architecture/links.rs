@@ -72,7 +72,13 @@ fn links_of_the_documents_lead_somewhere() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"))
         .parent()
         .expect("the workspace");
-    let mut documents: Vec<PathBuf> = vec![root.join("README.md"), root.join("CHANGELOG.md")];
+    let at_the_root = [
+        "README.md",
+        "CHANGELOG.md",
+        "CONTRIBUTING.md",
+        "SECURITY.md",
+    ];
+    let mut documents: Vec<PathBuf> = at_the_root.iter().map(|name| root.join(name)).collect();
     for file in fs::read_dir(root.join("docs")).expect("a folder") {
         let path = file.expect("readable").path();
         if path.extension().is_some_and(|e| e == "md") {
