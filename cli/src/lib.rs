@@ -4,6 +4,7 @@
 pub mod assignment;
 pub mod campaign;
 pub mod check;
+pub mod command_line;
 pub mod export_mjcf;
 pub mod log;
 pub mod new;

@@ -66,3 +66,8 @@ impl Live {
         }
     }
 }
+
+/// The code of the book's page on live views is compiled with the tests.
+#[cfg(doctest)]
+#[doc = include_str!("../../docs/foxglove.md")]
+struct Foxglove;

@@ -145,6 +145,26 @@ def test_a_gain_that_was_spoilt_is_found_again(tmp_path: Path) -> None:
         Parameter(path, 2.0, 1.0)
 
 
+def test_steps_against_the_gradient_go_on_from_the_best_trial(tmp_path: Path) -> None:
+    pytest.importorskip("optuna")
+    from wbqp.tuning import Descent, Objective, Parameter
+
+    file = tmp_path / "plan.toml"
+    scenario = wbqp.scenarios()["push_away"]
+    file.write_text(TUNED.replace("SCENARIO", scenario.as_posix()), encoding="utf-8")
+    kp, weight = "set.task.base_position.kp", "set.task.posture.weight"
+    parameters = [Parameter(kp, 0.1, 40.0, log=True, start=2.0), Parameter(weight, 1e-3, 1.0, log=True, start=0.05)]
+    objective = Objective("error", over="worst")
+    descent = Descent("base_position", steps=3, rows=(0,))
+    slopes = descent.slopes(file, {kp: 2.0, weight: 0.05, "change.plant.tolerance": 1e-6})
+    assert slopes[kp] < -0.1 and abs(slopes[weight]) < abs(slopes[kp]) and slopes["change.plant.tolerance"] == 0.0
+    tuned = wbqp.tune(file, parameters, objective, trials=1, descent=descent)
+    assert tuned.history[0] > tuned.history[1] > tuned.history[2], "a step of the gradient is a step down"
+    assert tuned.best[kp] > 3.0 and objective.value(tuned.after) == min(tuned.history)
+    with pytest.raises(wbqp.ConfigError, match="no such task"):
+        Descent("base").slopes(file, {kp: 2.0})
+
+
 def test_any_parameter_names_where_it_is() -> None:
     from wbqp.tuning import Parameter
 

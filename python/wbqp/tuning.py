@@ -301,7 +301,7 @@ def _descended(
         for share in (1.0, 0.5, 0.25, 0.125):
             step = math.log1p(descent.reach) * share / steepest
             moved = {p.path: values[p.path] * math.exp(-step * slopes[p.path]) for p in parameters}
-            moved = {p.path: min(max(moved[p.path], p.low), p.high) for p in parameters}
+            moved = {p.path: float(min(max(moved[p.path], p.low), p.high)) for p in parameters}
             value = judged(moved)
             if value < least:
                 values, least = moved, value
@@ -344,9 +344,11 @@ def _page(tuned: Tuned) -> str:
         return "–" if not math.isfinite(value) or value >= FAILED else f"{value:.4g}"
 
     rows = []
+    units = {measure["name"]: measure["unit"] for measure in campaign.describe(tuned.plan)["measures"]}
     for name, before in tuned.before["measures"].items():
         after = tuned.after["measures"][name]
-        cells = [f"<td>{html.escape(name)}</td>"]
+        unit = units.get(name, "")
+        cells = [f"<td>{html.escape(f'{name}, {unit}' if unit else name)}</td>"]
         for values in (before, after):
             there = values[np.isfinite(values)]
             quantiles = np.quantile(there, [0.5, 0.95]) if len(there) else [math.nan, math.nan]
@@ -384,7 +386,7 @@ def _progress(history: list[float]) -> str:
     span = (high - low) or 1.0
 
     def place(i: int, value: float) -> tuple[float, float]:
-        return 50 + (width - 60) * i / max(len(history) - 1, 1), 10 + (height - 30) * (high - value) / span
+        return 75 + (width - 85) * i / max(len(history) - 1, 1), 10 + (height - 30) * (high - value) / span
 
     dots = [
         '<circle cx="{:.1f}" cy="{:.1f}" r="2.5" fill="#7fb0cf"/>'.format(*place(i, value))
@@ -395,7 +397,7 @@ def _progress(history: list[float]) -> str:
     line = " ".join("{:.1f},{:.1f}".format(*place(i, float(v))) for i, v in enumerate(best) if v < FAILED)
     return (
         f'<svg viewBox="0 0 {width} {height}" role="img" aria-label="objective of each trial">'
-        f'<text x="45" y="14" text-anchor="end" font-size="10">{high:.3g}</text>'
-        f'<text x="45" y="{height - 20}" text-anchor="end" font-size="10">{low:.3g}</text>'
+        f'<text x="68" y="14" text-anchor="end" font-size="10">{high:.3g}</text>'
+        f'<text x="68" y="{height - 20}" text-anchor="end" font-size="10">{low:.3g}</text>'
         f'<polyline points="{line}" fill="none" stroke="#0a5a8c" stroke-width="1.5"/>{"".join(dots)}</svg>'
     )

@@ -4,6 +4,7 @@ pub mod acceptance;
 pub mod adversary;
 pub mod alone;
 pub mod approach;
+mod book;
 pub mod closed_loop;
 pub mod collection;
 pub mod files;
@@ -21,8 +22,3 @@ pub mod robots_page;
 pub mod runs;
 pub mod said;
 pub mod scenes;
-
-/// The page's code is compiled and run with the tests.
-#[cfg(doctest)]
-#[doc = include_str!("../../docs/in-code.md")]
-struct InCode;

@@ -15,3 +15,13 @@ pub use point_at::PointAt;
 #[cfg(doctest)]
 #[doc = include_str!("../../../docs/write-your-own-task.md")]
 struct Guide;
+
+/// Likewise.
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/how-to/test-plugins.md")]
+struct TestPlugins;
+
+/// Likewise.
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/tutorials/first-task.md")]
+struct FirstTask;

@@ -1,11 +1,11 @@
 //! How rows change with the state, where a plug-in says so itself.
 
 use nalgebra::{DVector, Vector3};
+use wbqp_dynamics::state::State;
 
 use crate::{
     contact::ContactId,
     plugin::{Layout, layout::Block, layout::VdotBlock, rows::RowStore},
-    state::State,
 };
 
 /// A small displacement of the state, to first order.
