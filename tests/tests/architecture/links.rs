@@ -85,7 +85,13 @@ fn links_of_the_documents_lead_somewhere() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"))
         .parent()
         .expect("the workspace");
-    let mut documents: Vec<PathBuf> = vec![root.join("README.md"), root.join("CHANGELOG.md")];
+    let at_the_root = [
+        "README.md",
+        "CHANGELOG.md",
+        "CONTRIBUTING.md",
+        "SECURITY.md",
+    ];
+    let mut documents: Vec<PathBuf> = at_the_root.iter().map(|name| root.join(name)).collect();
     add_pages(&root.join("docs"), &mut documents);
     let dead: Vec<String> = documents.iter().flat_map(|d| dead_links(d)).collect();
     assert!(dead.is_empty(), "{}", dead.join("\n"));

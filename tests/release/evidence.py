@@ -1,0 +1,114 @@
+#!/usr/bin/env python3
+"""Whether every number of docs/evidence.md stands where the page says that it stands.
+
+    python3 tests/release/evidence.py
+
+A section of the page ends with a comment, `<!-- stands in`, whose lines are `FILE: words of the file`. Of every table
+row, list item and paragraph of the section each number has to be in such words of a file that the row itself names, as
+a link or in backticks; the words have to be in the file; and none may be there for nothing. Files that the page names
+have to exist. Line ends, and spaces within long numbers, do not matter.
+"""
+
+import re
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+PAGE = ROOT / "docs/evidence.md"
+COMMENT = re.compile(r"<!-- stands in\n(.*?)\n-->", re.S)
+NUMBER = re.compile(r"(?<![\w./^-])\d+(?:\.\d+)*(?:e-?\d+)?(?!\w)")
+
+
+def numbers(text: str) -> set[str]:
+    """The numbers in a text; those in names, as `B4`, are none."""
+    joined = re.sub(r"(?<=\d)[_ \u00a0](?=\d{3}(?!\d))", "", text)
+    return set(NUMBER.findall(joined))
+
+
+def on_one_line(text: str) -> str:
+    return re.sub(r"\s*\n\s*(?://[/!] ?|> ?)?", " ", text)
+
+
+def named_files(unit: str) -> set[str]:
+    """Files of the repository that a piece of the page names, as paths from its root."""
+    found = set()
+    for target in re.findall(r"\]\(([^)#]*)[^)]*\)", unit):
+        if target and "://" not in target:
+            found.add(str((PAGE.parent / target).resolve().relative_to(ROOT)))
+    for code in re.findall(r"`([^`]+)`", unit):
+        for word in code.split():
+            if "/" in word and re.fullmatch(r"[\w./-]+", word) and re.search(r"\.\w+$|^\.ci/", word):
+                found.add(word)
+    return found
+
+
+def visible_numbers(unit: str) -> set[str]:
+    words = re.sub(r"\]\([^)]*\)", "]", unit)
+    return numbers(re.sub(r"`[^`]*`", "", words))
+
+
+def units(text: str) -> list[str]:
+    """Table rows, list items and paragraphs."""
+    parts = []
+    for block in re.split(r"\n\s*\n", text):
+        block = block.strip("\n")
+        if block.startswith("|"):
+            parts += block.split("\n")[2:]
+        elif block.startswith("* "):
+            parts += re.split(r"\n(?=\* )", block)
+        elif not block.startswith("#"):
+            parts.append(block)
+    return [part for part in parts if part.strip()]
+
+
+def faults_of_section(section: str, texts: dict[str, str]) -> list[str]:
+    faults, quotes = [], []
+    for comment in COMMENT.findall(section):
+        for line in comment.splitlines():
+            file, _, words = line.partition(": ")
+            quotes.append((file, words))
+            if file not in texts:
+                path = ROOT / file
+                texts[file] = on_one_line(path.read_text(encoding="utf-8")) if path.is_file() else ""
+            if words not in texts[file]:
+                faults.append(f"{file} does not say: {words}")
+    used = set()
+    for unit in units(COMMENT.sub("", section)):
+        files = named_files(unit)
+        faults += [f"there is no {file}" for file in sorted(files) if not (ROOT / file).exists()]
+        for number in sorted(visible_numbers(unit)):
+            places = [quote for quote in quotes if quote[0] in files and number in numbers(quote[1])]
+            used.update(places)
+            if not places:
+                faults.append(f"{number} stands in none of the quoted words of the files named in: {unit[:100]}")
+    faults += [f"nothing on the page needs: {file}: {words}" for file, words in quotes if (file, words) not in used]
+    return faults
+
+
+def check_the_checker() -> None:
+    """On a page with mistakes it has to find them."""
+    row = "| a | b |\n|---|---|\n| %s | `tests/release/evidence.py` |\n"
+    place = "tests/release/evidence.py"
+    assert faults_of_section(row % "12", {})
+    quoted = f"{row}\n<!-- stands in\n{place}: at 12.5 of 20 000\n-->"
+    texts = {place: "it is at 12.5 of 20 000 today"}
+    assert not faults_of_section(quoted % "12.5, 20000", texts)
+    assert len(faults_of_section(quoted % "12.5, 13", texts)) == 1
+    assert len(faults_of_section(quoted % "12.5", {place: "it is at 12.6 of 20 000"})) == 1
+    assert len(faults_of_section(quoted % "B4", texts)) == 1
+
+
+def main() -> None:
+    check_the_checker()
+    page = PAGE.read_text(encoding="utf-8")
+    texts: dict[str, str] = {}
+    sections = re.split(r"\n(?=## )", page)
+    faults = [fault for section in sections for fault in faults_of_section(section, texts)]
+    if faults:
+        sys.exit("docs/evidence.md:\n" + "\n".join(faults))
+    count = sum(len(visible_numbers(unit)) for section in sections for unit in units(COMMENT.sub("", section)))
+    print(f"docs/evidence.md: {count} numbers in {len(texts)} files, each where the page says")
+
+
+if __name__ == "__main__":
+    main()
