@@ -8,6 +8,7 @@ Wants Optuna (``pip install wbqp[tune]``); with ``address``, trials run on a Ray
 from __future__ import annotations
 
 import html
+import logging
 import math
 import os
 from collections.abc import Callable, Mapping
@@ -21,6 +22,9 @@ from . import campaign
 
 if TYPE_CHECKING:
     import optuna
+
+
+logger = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -77,7 +81,8 @@ class Objective:
         """Of the outcomes of some runs."""
         values = found["measures"].get(self.measure)
         if values is None:
-            raise KeyError(f"the plan has no measure {self.measure!r}; it has {', '.join(map(repr, found['measures']))}")
+            known = ", ".join(map(repr, found["measures"]))
+            raise KeyError(f"the plan has no measure {self.measure!r}; it has {known}")
         missing = self.share - float(np.mean(found["holds"]))
         if missing > 1e-12:
             return FAILED * (1.0 + missing)
@@ -158,8 +163,10 @@ class Tuned:
     #: Outcomes as the plan is, and with the best values.
     before: dict[str, Any]
     after: dict[str, Any]
-    #: Objective of every trial, in their order.
+    #: Objective of every trial, in their order, steps of a descent last; above :data:`FAILED` where too few runs hold.
     history: list[float] = field(default_factory=list)
+    #: What was looked for.
+    parameters: list[Parameter] = field(default_factory=list)
 
     @property
     def patch(self) -> str:
@@ -250,6 +257,8 @@ def tune(
         Of a Ray cluster, on which trials run side by side, as many as there are cores.
     descent
         Steps against the gradient after the trials, where the objective is smooth.
+
+    Each trial is told to the logger ``wbqp.tuning``, at level INFO.
     """
     import optuna
 
@@ -276,9 +285,10 @@ def tune(
         return trial, {p.path: trial.suggest_float(p.path, p.low, p.high, log=p.log) for p in parameters}
 
     if address is None:
-        for _ in range(trials):
+        for number in range(trials):
             trial, values = ask()
             study.tell(trial, _value(file, values, objective, limit, jobs))
+            logger.info("trial %d of %d: %.5g, best %.5g", number + 1, trials, study.trials[-1].value, study.best_value)
     else:
         _on_ray(study, ask, (file, objective, limit, max(jobs, 1)), trials, address)
     best = {path: float(value) for path, value in study.best_params.items()}
@@ -297,6 +307,7 @@ def tune(
         before=_outcomes(file, {}, None, jobs),
         after=_outcomes(file, best, None, jobs),
         history=history,
+        parameters=list(parameters),
     )
 
 
@@ -360,7 +371,8 @@ def _page(tuned: Tuned) -> str:
         return "–" if not math.isfinite(value) or value >= FAILED else f"{value:.4g}"
 
     rows = []
-    units = {measure["name"]: measure["unit"] for measure in campaign.describe(tuned.plan)["measures"]}
+    plan = campaign.describe(tuned.plan)
+    units = {measure["name"]: measure["unit"] for measure in plan["measures"]}
     for name, before in tuned.before["measures"].items():
         after = tuned.after["measures"][name]
         unit = units.get(name, "")
@@ -376,14 +388,31 @@ def _page(tuned: Tuned) -> str:
             cells.append(f'<td class="n">{held}</td>')
         rows.append(f"<tr>{''.join(cells)}</tr>")
     goal = tuned.objective
+    title = html.escape(f"{plan['name']}: before and after")
+    over = {"mean": "mean of", "worst": "worst"}.get(str(goal.over)) or f"{100 * float(goal.over):g} % quantile of"
+    unit = units.get(goal.measure, "")
+    values = []
+    for parameter in tuned.parameters:
+        found = tuned.best[parameter.path]
+        near = 1e-6 * (parameter.high - parameter.low)
+        at_bound = found - parameter.low <= near or parameter.high - found <= near
+        start = math.nan if parameter.start is None else parameter.start
+        cells = [number(x) for x in (parameter.low, parameter.high, start, found)]
+        numbers = "".join(f'<td class="n">{cell}</td>' for cell in cells)
+        note = "at its bound: a wider range may be better" if at_bound else ""
+        values.append(f"<tr><td>{html.escape(parameter.path)}</td>{numbers}<td>{note}</td></tr>")
     return f"""<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
-<title>Tuned: {html.escape(tuned.plan.stem)}</title><style>{STYLE}</style></head><body>
-<h1>{html.escape(tuned.plan.stem)}: before and after</h1>
-<p>Smallest {html.escape(goal.measure)} ({html.escape(str(goal.over))}) with {100 * goal.share:g} % of the runs holding, in
-{len(tuned.history)} trials. Before: {number(goal.value(tuned.before))}, {share(tuned.before)} hold. After:
-{number(goal.value(tuned.after))}, {share(tuned.after)} hold.</p>
-<h2>Values</h2><pre>{html.escape(tuned.patch)}</pre>
+<title>{title}</title><style>{STYLE}</style></head><body>
+<h1>{title}</h1>
+<p>What was to be small: the {over} <em>{html.escape(goal.measure)}</em>, with {100 * goal.share:g} % of the runs
+holding. {len(tuned.history)} trials. Over all {len(tuned.before["holds"])} runs of the plan, before:
+{number(goal.value(tuned.before))} {html.escape(unit)}, {share(tuned.before)} hold; after:
+{number(goal.value(tuned.after))} {html.escape(unit)}, {share(tuned.after)} hold. A dash: too few hold.</p>
+<h2>Values</h2>
+<table><thead><tr><th>value</th><th>from</th><th>to</th><th>start</th><th>found</th><th></th></tr></thead>
+<tbody>{"".join(values)}</tbody></table>
+<p>As lines of a variant or a case:</p><pre>{html.escape(tuned.patch)}</pre>
 <h2>Measures</h2>
 <table><thead><tr><th></th><th colspan="2">before</th><th colspan="2">after</th><th colspan="2">holds</th></tr>
 <tr><th>measure</th><th>median</th><th>95 %</th><th>median</th><th>95 %</th><th>before</th><th>after</th></tr></thead>
@@ -411,7 +440,10 @@ def _progress(history: list[float]) -> str:
     ]
     best = np.minimum.accumulate(history)
     line = " ".join("{:.1f},{:.1f}".format(*place(i, float(v))) for i, v in enumerate(best) if v < FAILED)
+    left_out = len(history) - len(good)
+    words = f" {left_out} trials with too few runs that hold are not shown." if left_out else ""
     return (
+        f"<p>The objective over the runs of a trial, trial by trial, and the best so far.{words}</p>"
         f'<svg viewBox="0 0 {width} {height}" role="img" aria-label="objective of each trial">'
         f'<text x="68" y="14" text-anchor="end" font-size="10">{high:.3g}</text>'
         f'<text x="68" y="{height - 20}" text-anchor="end" font-size="10">{low:.3g}</text>'
