@@ -95,6 +95,7 @@ impl Arguments {
                     let kept = single::keep(campaign, run, with_log, &self.out);
                     if let Err(error) = kept {
                         bars.say(&format!("run {}: {error:#}", run.number));
+                        count.unkept.fetch_add(1, Ordering::Relaxed);
                     }
                 }
             }
@@ -117,7 +118,13 @@ impl Arguments {
             );
         }
         say!("table: {}", table.display());
-        Ok(())
+        match count.unkept.into_inner() {
+            0 => Ok(()),
+            lost => anyhow::bail!(
+                "the table is whole, but the logs or dumps of {lost} runs could not be written: `--run NUMBER` does one \
+                 of them again"
+            ),
+        }
     }
 }
 
@@ -125,6 +132,8 @@ impl Arguments {
 struct Counts {
     done: AtomicU64,
     failures: AtomicU64,
+    /// Runs whose logs or dumps could not be written.
+    unkept: AtomicU64,
 }
 
 /// A time in words: `4 min 10 s`.

@@ -2,7 +2,10 @@
 //!
 //! A column is read when it is wanted and forgotten again; what stays is a few bytes per line and factor.
 
-use std::{cmp::Reverse, collections::BTreeMap};
+use std::{
+    cmp::{Ordering, Reverse},
+    collections::BTreeMap,
+};
 
 use anyhow::Result;
 use wbqp_campaign::Column;
@@ -95,8 +98,8 @@ pub(super) struct Map {
 pub(super) struct WorstRun {
     pub(super) run: i64,
     pub(super) reason: Option<String>,
-    /// Measures that count and do not hold.
-    pub(super) missed: Vec<String>,
+    /// Measures that count and do not hold, with their values; not a number where there is none.
+    pub(super) missed: Vec<(String, f64)>,
     /// By factor; what is not a number was the scenario's own.
     pub(super) factors: Vec<f64>,
     position: usize,
@@ -115,6 +118,7 @@ impl Findings {
             ends.push(end.map_or(u8::MAX, |end| end as u8));
         })?;
         let mut missed: Vec<u16> = vec![0; part.count];
+        let mut excess: Vec<f32> = vec![0.0; part.count];
         let mut measures = Vec::new();
         for column in columns {
             let numbers = part.numbers(&format!("measure.{}", column.name))?;
@@ -127,6 +131,10 @@ impl Findings {
                     for (missed, holds) in missed.iter_mut().zip(&verdicts) {
                         *missed = missed.saturating_add(u16::from(!holds));
                     }
+                    if verdicts.contains(&false) {
+                        let numbers = part.numbers(&format!("measure.{}", column.name))?;
+                        add_excess(&mut excess, &numbers, &verdicts, quantiles);
+                    }
                 }
             }
             measures.push(Measured {
@@ -134,9 +142,15 @@ impl Findings {
                 quantiles,
             });
         }
-        let mut worst = worst(&holds, &ends, &missed);
-        let worst_completed = worst_completed(part, &holds, &ends, &missed)?;
-        drop(missed);
+        let worse = |position: usize| Badness {
+            completed: ends[position] == 0,
+            missed: missed[position],
+            excess: excess[position],
+            position,
+        };
+        let mut worst = worst(&holds, worse);
+        let worst_completed = worst_completed(part, &holds, &ends, worse)?;
+        drop((missed, excess));
         let reasons = reasons(part, &ends, &mut worst)?;
 
         let is_perfect = holds.iter().all(|holds| *holds);
@@ -169,11 +183,14 @@ impl Findings {
                 continue;
             }
             let verdicts: Vec<bool> = verdicts(part, column)?.collect();
+            let numbers = part.numbers(&format!("measure.{}", column.name))?;
             for run in &mut worst {
                 if verdicts.get(run.position) == Some(&false) {
-                    run.missed.push(column.name.clone());
+                    let value = numbers.get(run.position).copied().unwrap_or(f64::NAN);
+                    run.missed.push((column.name.clone(), value));
                 }
             }
+            drop(numbers);
             let spreads = effects
                 .iter()
                 .map(|(_, groups)| spread(&groups.shares(verdicts.iter().copied())));
@@ -245,13 +262,52 @@ fn spread(shares: &[Share]) -> f64 {
     values().fold(0.0, f64::max) - values().fold(1.0, f64::min)
 }
 
-/// Those that do not hold, the ones that miss most first. Without a single measure a run has missed more than with all
-/// of them missed.
-fn worst(holds: &[bool], ends: &[u8], missed: &[u16]) -> Vec<WorstRun> {
-    let key = |position: usize| (ends[position] == 0, Reverse(missed[position]), position);
+/// How bad a run is that does not hold.
+#[derive(Clone, Copy, Debug)]
+struct Badness {
+    completed: bool,
+    /// Measures that do not hold.
+    missed: u16,
+    /// How far these are from the usual, in spreads.
+    excess: f32,
+    position: usize,
+}
+
+impl Badness {
+    /// The worst first: those that did not reach their end, those that miss most, by most; among equals the first.
+    fn order(&self, other: &Self) -> Ordering {
+        let ended = self.completed.cmp(&other.completed);
+        let missed = ended.then(other.missed.cmp(&self.missed));
+        let excess = missed.then(other.excess.total_cmp(&self.excess));
+        excess.then(self.position.cmp(&other.position))
+    }
+}
+
+/// Adds how far values that do not hold are from the median, in distances between the 5 % and the 95 % quantile. What
+/// has no value is farther than any.
+fn add_excess(excess: &mut [f32], numbers: &[f64], verdicts: &[bool], quantiles: [Option<f64>; 3]) {
+    let [Some(low), Some(middle), Some(high)] = quantiles else {
+        return;
+    };
+    let spread = (high - low).max(f64::MIN_POSITIVE);
+    for ((excess, number), holds) in excess.iter_mut().zip(numbers).zip(verdicts) {
+        if !holds {
+            let far = ((number - middle) / spread).abs();
+            *excess += if far.is_nan() {
+                1e6
+            } else {
+                far.min(1e6) as f32
+            };
+        }
+    }
+}
+
+/// Those that do not hold, the worst first.
+fn worst(holds: &[bool], worse: impl Fn(usize) -> Badness) -> Vec<WorstRun> {
     let mut worst: Vec<usize> = Vec::new();
     for position in (0..holds.len()).filter(|position| !holds[*position]) {
-        let rank = worst.partition_point(|other| key(*other) < key(position));
+        let this = worse(position);
+        let rank = worst.partition_point(|other| worse(*other).order(&this) == Ordering::Less);
         if rank < WORST {
             worst.insert(rank, position);
             worst.truncate(WORST);
@@ -267,16 +323,15 @@ fn worst(holds: &[bool], ends: &[u8], missed: &[u16]) -> Vec<WorstRun> {
     worst.into_iter().map(run).collect()
 }
 
-/// Number of the run that misses most of those that reached their end.
+/// Number of the worst of those that reached their end.
 fn worst_completed(
     part: &Part<'_>,
     holds: &[bool],
     ends: &[u8],
-    missed: &[u16],
+    worse: impl Fn(usize) -> Badness,
 ) -> Result<Option<i64>> {
     let completed = (0..holds.len()).filter(|position| !holds[*position] && ends[*position] == 0);
-    let Some(worst) = completed.max_by_key(|position| (missed[*position], Reverse(*position)))
-    else {
+    let Some(worst) = completed.min_by(|a, b| worse(*a).order(&worse(*b))) else {
         return Ok(None);
     };
     let mut number = None;
@@ -360,13 +415,29 @@ mod tests {
 
     #[test]
     fn the_worst_come_first_and_among_equals_the_first() {
-        let lines = 40;
-        let ends: Vec<u8> = (0..lines).map(|i| u8::from(i == 30)).collect();
-        let missed: Vec<u16> = (0..lines).map(|i| u16::from(i % 20 == 7)).collect();
-        let mut holds = vec![false; lines];
+        let mut holds = vec![false; 40];
         holds[0] = true;
-        let worst = worst(&holds, &ends, &missed);
+        let worse = |position: usize| Badness {
+            completed: position != 30,
+            missed: u16::from(position % 20 == 7),
+            excess: if position == 5 { 2.0 } else { 0.5 },
+            position,
+        };
+        let worst = worst(&holds, worse);
         let positions: Vec<usize> = worst.iter().map(|run| run.position).collect();
-        assert_eq!(positions, [30, 7, 27, 1, 2, 3, 4, 5, 6, 8]);
+        assert_eq!(positions, [30, 7, 27, 5, 1, 2, 3, 4, 6, 8]);
+    }
+
+    #[test]
+    fn what_is_far_from_the_usual_is_worse_and_what_has_no_value_most() {
+        let mut excess = [0.0; 4];
+        let quantiles = [Some(1.0), Some(2.0), Some(3.0)];
+        add_excess(
+            &mut excess,
+            &[2.0, 6.0, -4.0, f64::NAN],
+            &[true, false, false, false],
+            quantiles,
+        );
+        assert_eq!(excess, [0.0, 2.0, 3.0, 1e6]);
     }
 }

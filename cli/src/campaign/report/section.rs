@@ -144,6 +144,8 @@ fn worst(found: &Findings, about: &Description, plan: &Path, beside: &Path) -> M
     html! {
         @if !found.worst.is_empty() {
             h3 { "The worst runs" }
+            p { (found.worst.len()) " of " (found.holds.of - found.holds.count) " that do not hold: first those that did \
+                 not reach their end, then those with the most measures missed, by most." }
             p { code { "wbqp campaign " (plan.display()) " --run NUMBER" } " does a run again, with logs for Foxglove \
                  and dumps of the ticks in which the controller left its optimum, for " code { "wbqp replay" } "." }
             div.scroll { table {
@@ -161,7 +163,7 @@ fn worst(found: &Findings, about: &Description, plan: &Path, beside: &Path) -> M
                             td.words {
                                 @match &run.reason {
                                     Some(reason) => (reason),
-                                    None => (run.missed.join("; ")),
+                                    None => (missed(&run.missed, about)),
                                 }
                             }
                             @for value in &run.factors {
@@ -173,4 +175,20 @@ fn worst(found: &Findings, about: &Description, plan: &Path, beside: &Path) -> M
             } }
         }
     }
+}
+
+/// Measures that do not hold, with their values.
+fn missed(missed: &[(String, f64)], about: &Description) -> String {
+    let one = |(name, value): &(String, f64)| {
+        let unit = about.measures.iter().find(|measure| measure.name == *name);
+        let unit = unit.map_or("", |measure| measure.unit.as_str());
+        if value.is_nan() {
+            format!("{name}: no value")
+        } else {
+            format!("{name}: {} {unit}", number(*value))
+                .trim_end()
+                .to_owned()
+        }
+    };
+    missed.iter().map(one).collect::<Vec<_>>().join("; ")
 }
