@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Whether every number of docs/evidence.md stands where the page says that it stands.
 
-    python3 tests/release/evidence.py
+    python3 tests/release/evidence.py            looks every number up
+    python3 tests/release/evidence.py --dates    writes the page's last table again: when each was measured
 
 A section of the page ends with a comment, `<!-- stands in`, whose lines are `FILE: words of the file`. Of every table
 row, list item and paragraph of the section each number has to be in such words of a file that the row itself names, as
@@ -10,12 +11,20 @@ have to exist. Line ends, and spaces within long numbers, do not matter.
 """
 
 import re
+import subprocess
 import sys
+from datetime import datetime, timezone
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 PAGE = ROOT / "docs/evidence.md"
 COMMENT = re.compile(r"<!-- stands in\n(.*?)\n-->", re.S)
+# Pages whose numbers come from runs that CI does not repeat, so they have a date.
+MEASURED = {
+    f"docs/{name}.md"
+    for name in ("campaigns", "degradation", "mujoco", "performance", "replication", "robustness", "web-page")
+}
+DATES = ("<!-- dates -->", "<!-- end of dates -->")
 NUMBER = re.compile(r"(?<![\w./^-])\d+(?:\.\d+)*(?:e-?\d+)?(?!\w)")
 
 
@@ -85,6 +94,58 @@ def faults_of_section(section: str, texts: dict[str, str]) -> list[str]:
     return faults
 
 
+def heading_above(lines: list[str], index: int) -> str:
+    above = [line for line in lines[: index + 1] if re.match(r"#+ ", line)]
+    return above[-1].lstrip("# ") if above else ""
+
+
+def last_written(file: str, words: str) -> tuple[str, str, str] | None:
+    """Section, date and commit of the line of a measured page in which the words begin."""
+    lines = (ROOT / file).read_text(encoding="utf-8").splitlines()
+    # The words may go on for some lines.
+    starts = [
+        i
+        for i, line in enumerate(lines)
+        if words[:25] in line and words[:80] in on_one_line("\n".join(lines[i : i + 4]))
+    ]
+    if not starts:
+        return None
+    blame = ["git", "blame", "--porcelain", f"-L{starts[0] + 1},{starts[0] + 1}", "--", file]
+    told = subprocess.run(blame, cwd=ROOT, check=True, capture_output=True, text=True).stdout
+    commit = told.split()[0]
+    seconds = re.search(r"^committer-time (\d+)", told, re.M)
+    if seconds is None or set(commit) == {"0"}:
+        sys.exit(f"{file}: commit it first, line {starts[0] + 1} has no date yet")
+    date = datetime.fromtimestamp(int(seconds[1]), timezone.utc).date().isoformat()
+    return heading_above(lines, starts[0]), date, commit[:10]
+
+
+def table_of_dates(page: str) -> str:
+    """One row for each section of a measured page that the page of evidence quotes, newest line first."""
+    rows: dict[tuple[str, str], set[tuple[str, str]]] = {}
+    for comment in COMMENT.findall(page):
+        for line in comment.splitlines():
+            file, _, words = line.partition(": ")
+            found = last_written(file, words) if file in MEASURED else None
+            if found:
+                rows.setdefault((file, found[0]), set()).add(found[1:])
+    told = ["| page | section | its quoted lines are of | revision |", "|---|---|---|---|"]
+    for (file, section), seen in sorted(rows.items()):
+        date, commit = max(seen)
+        name = Path(file).name
+        told.append(f"| [{name}]({name}) | {section} | {date} | `{commit}` |")
+    return "\n".join(told)
+
+
+def write_dates() -> None:
+    page = PAGE.read_text(encoding="utf-8")
+    before, start, rest = page.partition(DATES[0])
+    _, end, after = rest.partition(DATES[1])
+    if not end:
+        sys.exit(f"{PAGE}: there is no {DATES[0]} … {DATES[1]}")
+    PAGE.write_text(f"{before}{start}\n{table_of_dates(page)}\n{end}{after}", encoding="utf-8")
+
+
 def check_the_checker() -> None:
     """On a page with mistakes it has to find them."""
     row = "| a | b |\n|---|---|\n| %s | `tests/release/evidence.py` |\n"
@@ -99,9 +160,14 @@ def check_the_checker() -> None:
 
 
 def main() -> None:
+    if sys.argv[1:] == ["--dates"]:
+        write_dates()
+        return
     check_the_checker()
     page = PAGE.read_text(encoding="utf-8")
     texts: dict[str, str] = {}
+    # Dates and revisions are git's, not measured.
+    page = re.sub(f"{DATES[0]}.*?{DATES[1]}", "", page, flags=re.S)
     sections = re.split(r"\n(?=## )", page)
     faults = [fault for section in sections for fault in faults_of_section(section, texts)]
     if faults:
