@@ -4,7 +4,7 @@
     python3 tests/release/licences.py
 
 Crates by `cargo metadata`, npm packages by the lock file of the page. Prints how many there are of each licence, and
-ends with 1 for a licence that is not in the list below, and for a crate that wants a newer Rust than this workspace
+ends with 1 for a licence that is not in `.ci/about.toml`, and for a crate that wants a newer Rust than this workspace
 declares.
 """
 
@@ -12,26 +12,12 @@ import json
 import re
 import subprocess
 import sys
+import tomllib
 from collections import Counter
 
 from workspace import ROOT, members, metadata
 
-# Licences that let programs under MIT or Apache-2.0 contain what is under them, if their notices are kept.
-ALLOWED = {
-    "0BSD",
-    "Apache-2.0",
-    "Apache-2.0 WITH LLVM-exception",
-    "BSD-1-Clause",
-    "BSD-2-Clause",
-    "BSD-3-Clause",
-    "CC0-1.0",
-    "ISC",
-    "MIT",
-    "MIT-0",
-    "Unicode-3.0",
-    "Unlicense",
-    "Zlib",
-}
+ALLOWED = set(tomllib.loads((ROOT / ".ci/about.toml").read_text())["accepted"])
 
 
 def is_allowed(expression: str) -> bool:
@@ -85,8 +71,10 @@ def crates(answer: dict) -> dict[str, str | None]:
 
 
 def npm_packages() -> dict[str, str | None]:
+    """What is on the page: not what builds and tests it."""
     lock = json.loads((ROOT / "web/package-lock.json").read_text())["packages"]
-    found = {path.rpartition("node_modules/")[2]: package for path, package in lock.items() if path}
+    found = {path.rpartition("node_modules/")[2]: package for path, package in lock.items()
+             if path and not package.get("dev")}
     return {f"{name} {package['version']} (npm)": package.get("license") for name, package in found.items()}
 
 

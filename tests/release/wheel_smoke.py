@@ -10,6 +10,9 @@ import wbqp
 
 version = sys.argv[1]
 assert wbqp.__version__ == importlib.metadata.version("wbqp") == version, wbqp.__version__
+names = [file.name for file in importlib.metadata.files("wbqp")]
+if "third_party.txt" not in names:
+    print("MISSING before it is published: third_party.txt, the notices of the crates in it")
 notices = [file.name for file in importlib.metadata.files("wbqp") if "LICENSE" in file.name]
 assert sorted(notices) == ["LICENSE-APACHE", "LICENSE-MIT"], f"licences in the wheel: {notices}"
 

@@ -56,6 +56,31 @@ impl Part {
     pub fn table(self, directory: &Path) -> PathBuf {
         with_extension(&self.path(directory), "parquet")
     }
+
+    /// The part whose file of a folder has this name, and the file's extension.
+    pub(crate) fn of_file(name: &str) -> Option<(Self, &str)> {
+        let (numbers, extension) = name.strip_prefix("shard-")?.split_once('.')?;
+        let part = numbers.replace("-of-", "/").parse().ok()?;
+        Some((part, extension))
+    }
+
+    /// A file of a folder that belongs to another division of a campaign than this part.
+    fn divided_otherwise(self, directory: &Path) -> io::Result<Option<PathBuf>> {
+        let entries = match fs::read_dir(directory) {
+            Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(None),
+            entries => entries?,
+        };
+        for entry in entries {
+            let entry = entry?;
+            let name = entry.file_name();
+            let other = Self::of_file(&name.to_string_lossy())
+                .is_some_and(|(part, extension)| part.of != self.of && extension != "lock");
+            if other {
+                return Ok(Some(entry.path()));
+            }
+        }
+        Ok(None)
+    }
 }
 
 fn with_extension(path: &Path, extension: &str) -> PathBuf {
@@ -105,6 +130,17 @@ pub enum ShardError {
     Other {
         /// The file.
         path: PathBuf,
+    },
+    /// The folder has a shard of another number of shards.
+    #[error(
+        "{} is there already, of another number of shards than {of}; give another folder, or keep to its number",
+        path.display()
+    )]
+    Divided {
+        /// The file.
+        path: PathBuf,
+        /// The number that was asked for.
+        of: u32,
     },
     /// It was stopped.
     #[error("{done} of {of} runs are done; run the same command again to go on")]
@@ -164,7 +200,7 @@ impl<'a> Shard<'a> {
     ///
     /// # Errors
     /// [`ShardError::Lock`] if another process runs it, [`ShardError::Other`] if the folder has that shard of something
-    /// else, [`ShardError::File`].
+    /// else, [`ShardError::Divided`] if it has shards of another number of them, [`ShardError::File`].
     pub fn open(
         campaign: &'a Campaign,
         part: Part,
@@ -173,6 +209,14 @@ impl<'a> Shard<'a> {
     ) -> Result<Self, ShardError> {
         let path = part.path(directory);
         let lock = RunLock::take(&path)?;
+        let divided = part.divided_otherwise(directory);
+        let divided = divided.map_err(|source| ShardError::File {
+            path: directory.to_owned(),
+            source,
+        })?;
+        if let Some(path) = divided {
+            return Err(ShardError::Divided { path, of: part.of });
+        }
         let runs = runs.min(campaign.plan().len());
         let header = Header {
             fingerprint: campaign.fingerprint().to_owned(),

@@ -74,11 +74,8 @@ fn parts(directory: &Path) -> Result<Vec<Part>, TableError> {
     let mut parts: Vec<Part> = Vec::new();
     for entry in fs::read_dir(directory).map_err(refused)? {
         let name = entry.map_err(refused)?.file_name();
-        let name = name.to_string_lossy();
-        let numbers = name
-            .strip_prefix("shard-")
-            .and_then(|n| n.strip_suffix(".parquet"));
-        let part = numbers.and_then(|n| n.replace("-of-", "/").parse::<Part>().ok());
+        let part = Part::of_file(&name.to_string_lossy())
+            .and_then(|(part, extension)| (extension == "parquet").then_some(part));
         parts.extend(part);
     }
     parts.sort_unstable_by_key(|part| (part.of, part.index));

@@ -133,7 +133,13 @@ fn two_at_once_another_plan_and_missing_parts_are_refused() {
             .contains("of 2 shards 2 is not finished"),
         "{missing}"
     );
-    run(&campaign, "2/3", &directory);
+    // Another number of shards in the same folder, at the start and from elsewhere.
+    let divided = Shard::open(&campaign, "2/3".parse().unwrap(), u64::MAX, &directory);
+    assert!(matches!(divided, Err(ShardError::Divided { of: 3, .. })));
+    let elsewhere = folder.path().join("elsewhere");
+    run(&campaign, "2/3", &elsewhere);
+    let name = "shard-2-of-3.parquet";
+    fs::copy(elsewhere.join(name), directory.join(name)).unwrap();
     assert!(matches!(
         merge(&directory, &to),
         Err(TableError::Mixed { .. })
