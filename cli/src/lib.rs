@@ -6,6 +6,7 @@ pub mod campaign;
 pub mod check;
 pub mod command_line;
 pub mod export_mjcf;
+mod leaning;
 pub mod log;
 pub mod new;
 pub mod plugin_table;

@@ -11,6 +11,7 @@ use wbqp::{
 };
 
 use super::examination::effort_unit;
+use crate::leaning;
 
 /// What is held up, and by what.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -38,6 +39,9 @@ pub struct Holding {
     pub efforts: Vec<Effort>,
     /// Generalised forces that remain unbalanced, those that are not nothing.
     pub missing: Vec<Missing>,
+    /// What to know of a robot whose rotors all push along one direction.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub leaning: Option<String>,
     /// The controller's first tick at home; absent for a robot alone.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub first_tick: Option<FirstTick>,
@@ -113,8 +117,12 @@ impl Holding {
             weight,
             efforts: Vec::new(),
             missing: Vec::new(),
+            leaning: None,
             first_tick: None,
         };
+        if leaning::leans(robot) {
+            holding.leaning = Some(leaning::WORDS.to_owned());
+        }
         if means != Means::Nothing {
             holding.efforts = efforts(robot, &controller.command().effort);
             holding.missing = missing(controller, weight);
@@ -123,8 +131,9 @@ impl Holding {
     }
 
     /// Of a controller: its first tick if contacts carry the robot at the start, else the command before it.
-    pub fn of_controller(controller: &mut Controller) -> Self {
+    pub fn of_controller(controller: &mut Controller, held_level: Option<String>) -> Self {
         let mut holding = Self::of_robot(controller);
+        holding.leaning = held_level.or(holding.leaning);
         let home = controller.measurement();
         let (command, report) = controller.tick(&home);
         let (effort, level) = (command.effort.clone(), report.level);

@@ -15,7 +15,7 @@ use super::{
     examination::{ControllerFacts, Examination, Robot},
     holding::Holding,
 };
-use crate::{assignment::Assignment, subject::Subject};
+use crate::{assignment::Assignment, leaning, subject::Subject};
 
 /// What is to be looked at, and how.
 #[derive(Clone, Debug, Default)]
@@ -114,6 +114,7 @@ fn with_config(
         }
     };
     examination.robot = Some(Robot::new(&robot));
+    let held_level = leaning::held_level(&config, &robot);
     if kind != Subject::Urdf {
         examination.controller = Some(ControllerFacts {
             rate: config.settings.rate,
@@ -139,7 +140,9 @@ fn with_config(
             }
             examination.holding = Some(match kind {
                 Subject::Urdf => Holding::of_robot(&controller),
-                Subject::Controller | Subject::Scenario => Holding::of_controller(&mut controller),
+                Subject::Controller | Subject::Scenario => {
+                    Holding::of_controller(&mut controller, held_level)
+                }
             });
         }
         // The robot is sound, there is only nothing that a controller could do.

@@ -304,6 +304,9 @@ fn holding_text(holding: &Holding, out: &mut String) {
             per_cent(largest.share)
         );
     }
+    if let Some(leaning) = &holding.leaning {
+        let _ = writeln!(out, "  {leaning}");
+    }
     for missing in &holding.missing {
         let _ = writeln!(
             out,

@@ -21,10 +21,10 @@ use wbqp::replay::DumpFolder;
 use wbqp_log::{LogSink, McapLog};
 use wbqp_measures::log::Log;
 use wbqp_sim::{LiveWatcher, RunOptions, Scenario, SceneWatcher};
-use wbqp_terminal::{Common, ProgressBars, live_address, say};
+use wbqp_terminal::{Common, ProgressBars, complain, live_address, say};
 
 use self::soles::Soles;
-use crate::{assignment::Assignment, check::RobotOptions, subject::Subject};
+use crate::{assignment::Assignment, check::RobotOptions, leaning, subject::Subject};
 
 /// Runs a scenario in simulation: a log, figures and a summary of every case
 ///
@@ -68,6 +68,12 @@ impl Arguments {
         }
         let is_asked = |case: &&str| self.cases.is_empty() || self.cases.iter().any(|c| c == case);
         let cases: Vec<&str> = scenario.cases().filter(is_asked).collect();
+        for case in &cases {
+            let config = scenario.controller_config(case)?;
+            if let Some(words) = leaning::held_level(&config, &config.load_robot()?) {
+                complain!("warning: {case}: {words}");
+            }
+        }
         let bars = ProgressBars::new(2);
         let summaries = self.common.in_order(|| {
             cases

@@ -112,6 +112,16 @@ pub struct TaskSummary {
     pub peak: Option<f64>,
 }
 
+/// Nobody asks a robot to end so far from where it should be, m.
+const LOST: f64 = 1.0;
+
+impl TaskSummary {
+    /// Whether what it leads is nowhere near its reference at the end.
+    fn is_lost(&self) -> bool {
+        self.unit == "m" && self.end.is_some_and(|end| end > LOST)
+    }
+}
+
 /// How much an actuator was asked for.
 #[derive(Clone, Debug, Serialize)]
 pub struct EffortSummary {
@@ -187,6 +197,13 @@ impl CaseSummary {
         };
         for line in self.why.iter().flat_map(|why| why.lines()) {
             out.push_str(&format!("  at the end: {line}\n"));
+        }
+        for task in self.tasks.iter().filter(|task| task.is_lost()) {
+            out.push_str(&format!(
+                "  ATTENTION: `{}` ended {} from its reference\n",
+                task.name,
+                quantity(task.end, &task.unit)
+            ));
         }
         out.push_str(&format!(
             "  {} ticks, {} not optimal (worst: {}); a tick took {:.0} µs (median), {:.0} µs (99 %)\n",

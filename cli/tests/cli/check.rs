@@ -287,3 +287,52 @@ fn strict_mode_and_options_reach_the_loader() {
         done.stdout
     );
 }
+
+/// Held level, a robot whose rotors all push upwards has no force sideways: it drifts, with an optimum in every tick.
+#[test]
+fn parallel_rotors_below_a_level_base_are_a_warning() {
+    let folder = Temporary::new("leaning");
+    let (urdf, output) = (fixture("quadrotor.urdf"), folder.file("new.toml"));
+    let new = [
+        "new",
+        "--urdf",
+        &urdf,
+        "--kind",
+        "multirotor",
+        "--output",
+        &output,
+    ];
+    assert_eq!(wbqp(&new).code, 0);
+    let controller = |name: &str, reference: &str| {
+        let file = folder.file(name);
+        let text = format!(
+            "[controller]\nrate = 500.0\n[robot]\nfile = {urdf:?}\nrotors = \"new.rotors.toml\"\n\
+             [[task]]\ntype = \"base_position\"\nkp = 6.0\n\
+             [[task]]\ntype = \"base_orientation\"\nkp = 60.0\n{reference}"
+        );
+        fs::write(&file, text).unwrap();
+        file
+    };
+    let level = controller("level.toml", "");
+    let leaning = controller(
+        "leaning.toml",
+        "reference = { type = \"thrust_attitude\" }\n",
+    );
+    let told = "holds its attitude: level, the base drifts away";
+    for (file, is_told) in [(&level, true), (&leaning, false)] {
+        let done = wbqp(&["check", file]);
+        assert_eq!(done.code, 0, "{}", done.stderr);
+        assert_eq!(done.stdout.contains(told), is_told, "{}", done.stdout);
+        assert!(done.stdout.contains("all rotors push along one direction"));
+        let out = folder.file("out");
+        let done = wbqp(&["run", file, "--duration", "0.1", "--out", &out]);
+        assert_eq!(done.stderr.contains(told), is_told, "{}", done.stderr);
+    }
+    // Tilted ones push in every direction.
+    let tilted = wbqp(&["check", OTHEX, "--rotors", ROTORS]);
+    assert!(
+        !tilted.stdout.contains("one direction"),
+        "{}",
+        tilted.stdout
+    );
+}

@@ -106,6 +106,43 @@ fn a_run_that_diverges_fails() {
     );
 }
 
+/// Falling freely, every tick has an optimum or a fallback, and the run goes on to its end.
+#[test]
+fn a_robot_that_ends_nowhere_near_its_reference_is_told() {
+    let out = Temporary::new("falls");
+    let folder = out.0.display().to_string();
+    let mut arguments = vec!["run", QUADRUPED, "--out", &folder];
+    for change in ["duration=1.5", "plant.contact_point=[]", "event=[]"] {
+        arguments.extend(["--set", change]);
+    }
+    let arguments: Vec<String> = arguments
+        .into_iter()
+        .map(|a| {
+            if a.contains('=') {
+                format!("change.{a}")
+            } else {
+                a.to_owned()
+            }
+        })
+        .collect();
+    let done = wbqp(&arguments);
+    assert!(
+        done.stdout.contains("ATTENTION: `") && done.stdout.contains("from its reference"),
+        "{}{}",
+        done.stdout,
+        done.stderr
+    );
+    let stands = wbqp(&[
+        "run",
+        QUADRUPED,
+        "--set",
+        "change.duration=0.2",
+        "--out",
+        &folder,
+    ]);
+    assert!(!stands.stdout.contains("ATTENTION"), "{}", stands.stdout);
+}
+
 #[test]
 fn what_is_not_there_is_refused_with_a_hint() {
     let refused = |arguments: &[&str], expected: &str| {

@@ -32,7 +32,7 @@ pub(super) struct Document<'t> {
     pub(super) contacts: Vec<Section<'t>>,
     pub(super) tasks: Vec<Section<'t>>,
     pub(super) constraints: Vec<Section<'t>>,
-    /// Whether something in it was said in short, so that the limits of the actuators go without saying.
+    /// Whether something in it was said in short: then the type of what goes without saying has to be linked.
     pub(super) is_short: bool,
 }
 

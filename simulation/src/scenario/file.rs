@@ -178,6 +178,15 @@ impl<'a> Text<'a> {
     fn as_a_whole(&self) -> Result<Cases<'_>, ScenarioError> {
         let root = DeTable::parse(self.file).map_err(|e| self.error(&e))?;
         let (span, mut root) = (root.span(), root.into_inner());
+        if let Some(controller) = root.get("controller")
+            && controller.get_ref().is_table()
+        {
+            let span = controller.span();
+            let message =
+                "this is a controller's file; a scenario names one: `controller = \"FILE\"`"
+                    .to_owned();
+            return Err(self.refusal(Refusal { span, message }));
+        }
         let mut tables = Vec::new();
         // Taken out: each case has a copy of the rest.
         if let Some(cases) = root.remove("case") {

@@ -198,7 +198,7 @@ fn what_the_file_lists_itself_is_not_brought() {
 }
 
 #[test]
-fn without_motion_a_contact_brings_nothing_and_is_off() {
+fn without_motion_a_contact_brings_nothing_and_is_off_but_limits_go_without_saying() {
     let config = load(
         "[[contact]]\nframe = \"fl_foot\"\nkind = \"point\"\n\
          surface = { normal = [0, 0, 1], x_axis = [1, 0, 0] }\n",
@@ -209,7 +209,20 @@ fn without_motion_a_contact_brings_nothing_and_is_off() {
     assert_eq!(contact.name, "fl_foot");
     assert!(!contact.active);
     assert_eq!(contact.force_max, 1e3);
-    assert!(config.constraints.is_empty());
+    let names: Vec<&str> = config.constraints.iter().map(|c| c.name.as_str()).collect();
+    assert_eq!(names, ["actuator_limits"]);
+}
+
+/// Whoever forgot them would get the optimum of a robot with other motors, cut.
+#[test]
+fn every_way_to_say_a_robot_has_the_limits_of_its_actuators() {
+    let typed = "[controller]\nrate = 250.0\n[robot]\ntype = \"othex\"\n";
+    let listed = format!("{typed}[[constraint]]\nname = \"mine\"\ntype = \"actuator_limits\"\n");
+    for (text, name) in [(typed, "actuator_limits"), (&listed, "mine")] {
+        let config = ControllerConfig::from_str(text, "test", "").unwrap_or_else(|e| panic!("{e}"));
+        let names: Vec<&str> = config.constraints.iter().map(|c| c.name.as_str()).collect();
+        assert_eq!(names, [name]);
+    }
 }
 
 #[test]

@@ -85,7 +85,7 @@ struct Brought {
     motion: Motion,
 }
 
-/// Writes out all contacts with `motion`, and the limits of the actuators if something in the file is short.
+/// Writes out all contacts with `motion`, and the limits of the actuators, which go without saying.
 pub(in crate::config) fn write_out<'t>(
     document: &mut Document<'t>,
     listed: &Listed,
@@ -99,7 +99,8 @@ pub(in crate::config) fn write_out<'t>(
             document.is_short = true;
         }
     }
-    if document.is_short {
+    // A file in long form may be for a program that links no constraints.
+    if document.is_short || registry::find::<dyn AnyConstraint>(LIMITS).is_some() {
         let robot = document.robot.as_ref().map(|robot| robot.span.clone());
         let contact = || {
             document
