@@ -4,7 +4,7 @@ use super::{
     ConfigErrors, ControllerConfig,
     document::Document,
     entry::Names,
-    expand::{self, Listed, Notes, Texts},
+    expand::{self, Listed, Notes, Reading, Texts},
     load,
     report::Report,
 };
@@ -65,7 +65,14 @@ impl ControllerConfig {
         let mut document = Document::contacts(&text, &mut report);
         expand::fill_names(&mut document, &mut notes);
         let listed = self.listed();
-        expand::write_out_contacts(&mut document, &listed, &texts, &mut notes, &mut report);
+        expand::write_out_contacts(
+            &mut document,
+            Reading::Record,
+            &listed,
+            &texts,
+            &mut notes,
+            &mut report,
+        );
         expand::fill_defaults(&mut document, &texts, &mut notes);
         let contacts = load::contacts(document.contacts, &mut report);
         let mut names = Names::default();

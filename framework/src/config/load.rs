@@ -14,7 +14,7 @@ use super::{
     MeasurementLimits, Overrides, Settings,
     document::Document,
     entry,
-    expand::{self, Texts},
+    expand::{self, Reading, Texts},
     meaning, origin,
     overrides::OverrideText,
     report::{At, Report},
@@ -85,6 +85,42 @@ impl ControllerConfig {
         directory: impl Into<PathBuf>,
         overrides: &Overrides,
     ) -> Result<Self, ConfigErrors> {
+        Self::read(
+            source,
+            Reading::File,
+            file_name,
+            directory.into(),
+            overrides,
+        )
+    }
+
+    /// Reads what [`ControllerConfig::to_toml`] wrote of a controller, which may have been made in code without what a
+    /// file has without saying it.
+    ///
+    /// # Errors
+    /// All mistakes of the text.
+    pub(crate) fn from_record(
+        source: &str,
+        file_name: &str,
+        directory: impl Into<PathBuf>,
+    ) -> Result<Self, ConfigErrors> {
+        let overrides = Overrides::default();
+        Self::read(
+            source,
+            Reading::Record,
+            file_name,
+            directory.into(),
+            &overrides,
+        )
+    }
+
+    fn read(
+        source: &str,
+        reading: Reading,
+        file_name: &str,
+        directory: PathBuf,
+        overrides: &Overrides,
+    ) -> Result<Self, ConfigErrors> {
         if let Err(what) = input::check_toml(source) {
             return Err(ConfigErrors::new(vec![ConfigError {
                 kind: Kind::Read,
@@ -100,7 +136,8 @@ impl ControllerConfig {
             report.add(Kind::Internal, None, &at, message);
         }
         let texts = Texts::default();
-        let (document, _) = expand::read(source, overrides, &appendix, &texts, &mut report);
+        let (document, _) =
+            expand::read(source, reading, overrides, &appendix, &texts, &mut report);
         let warnings = meaning::check(&document, &mut report);
         let parts = Parts::read(document, &mut report);
         report.finish()?;
@@ -114,7 +151,7 @@ impl ControllerConfig {
                 contacts: parts.contacts,
                 tasks: parts.tasks,
                 constraints: parts.constraints,
-                directory: directory.into(),
+                directory,
                 overrides: overrides.clone(),
                 warnings,
                 keeping: Keeping::default(),

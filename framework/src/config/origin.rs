@@ -11,7 +11,7 @@ use toml::{
 use super::{
     ConfigError, ConfigErrorKind as Kind, ConfigErrors, Overrides,
     document::{Directory, Document},
-    expand::{self, Texts},
+    expand::{self, Reading, Texts},
     overrides::OverrideText,
     report::{At, Path, Report, Span, Step},
     table::Section,
@@ -90,8 +90,14 @@ impl Origin {
         // The text was accepted before.
         let mut ignored = Report::new(&source.name, text, applied());
         let texts = Texts::default();
-        let (mut document, _) =
-            expand::read(text, &self.overrides, &appendix, &texts, &mut ignored);
+        let (mut document, _) = expand::read(
+            text,
+            Reading::File,
+            &self.overrides,
+            &appendix,
+            &texts,
+            &mut ignored,
+        );
         let mut report = Report::new(&source.name, text, applied());
         add(&mut document, &mut report);
         report

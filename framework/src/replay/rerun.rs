@@ -51,7 +51,8 @@ impl Dump {
             what: format!("there are {} records, it", self.records.len()),
         })?;
         let directory = directory.unwrap_or(Path::new(&self.directory));
-        let config = ControllerConfig::from_str(&self.configuration, "configuration", directory)?;
+        let config =
+            ControllerConfig::from_record(&self.configuration, "configuration", directory)?;
         let mut controller = Controller::new(config)?.with_recorder(1)?;
         for (is, was) in controller.robot().sources.iter().zip(&self.robot) {
             if is.contents != was.contents {

@@ -5,12 +5,15 @@ use std::{collections::BTreeSet, fs, path::Path};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use wbqp::{
-    Controller, Measurement,
+    Controller, ControllerConfig, Measurement,
     controller::{Dump, FallbackLevel},
     plugin::Entry,
     prelude::*,
     replay::{DumpError, DumpFolder, Matrices, ProblemTable},
+    settings::Settings,
 };
+use wbqp_robots::Othex;
+use wbqp_tasks::{ActuatorLimits, Posture};
 use wbqp_tests::{
     files::Temporary,
     scenes::{Kind, Scene, observer},
@@ -112,6 +115,34 @@ fn every_tick_is_the_same_to_the_bit() {
 }
 
 /// A dump with one value of its text replaced.
+/// A file has the limits of actuators without saying so, what was made in code has what it was given.
+#[test]
+fn a_controller_without_limits_is_recorded_without_them() {
+    let config = || {
+        ControllerConfig::new(Settings::at_rate(250.0), Box::new(Othex::default()))
+            .with_task(Entry::task("arm", 1e4, Posture::new(400.0, 40.0)))
+    };
+    let limited = config().with_constraint(Entry::constraint("limits", ActuatorLimits::new()));
+    let mut asked = Vec::new();
+    for config in [config(), limited] {
+        let controller = config.build().expect("is valid");
+        let mut controller = controller.with_recorder(1).expect("can be saved");
+        let mut measurement = controller.measurement();
+        // Farther than the motors bring it.
+        measurement.state.q.iter_mut().for_each(|q| *q += 1.0);
+        controller.tick(&measurement);
+        asked.push(controller.report().vdot.clone());
+        let dump = controller.dump().expect("a tick was recorded");
+        let replayed = dump.replay(0, None).expect("fits");
+        assert!(
+            replayed.differences.is_empty(),
+            "{:?}",
+            replayed.differences
+        );
+    }
+    assert_ne!(asked[0], asked[1], "the limits are reached");
+}
+
 fn changed(dump: &Dump, change: impl FnOnce(&mut toml::Table)) -> Result<Dump, DumpError> {
     let folder = Temporary::new("changed");
     let path = folder.file("x.tick.toml");

@@ -13,7 +13,7 @@ use std::collections::HashSet;
 
 use toml::{Spanned, de::DeValue};
 
-use super::{List, Notes, Span, Texts, names, value};
+use super::{List, Notes, Reading, Span, Texts, names, value};
 use crate::{
     config::{
         ConfigErrorKind as Kind,
@@ -88,6 +88,7 @@ struct Brought {
 /// Writes out all contacts with `motion`, and the limits of the actuators, which go without saying.
 pub(in crate::config) fn write_out<'t>(
     document: &mut Document<'t>,
+    reading: Reading,
     listed: &Listed,
     texts: &'t Texts,
     notes: &mut Notes,
@@ -100,7 +101,8 @@ pub(in crate::config) fn write_out<'t>(
         }
     }
     // A file in long form may be for a program that links no constraints.
-    if document.is_short || registry::find::<dyn AnyConstraint>(LIMITS).is_some() {
+    let is_linked = registry::find::<dyn AnyConstraint>(LIMITS).is_some();
+    if document.is_short || reading == Reading::File && is_linked {
         let robot = document.robot.as_ref().map(|robot| robot.span.clone());
         let contact = || {
             document

@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde_json::Value as Json;
 
-use super::{List, Notes, Texts, read, value};
+use super::{List, Notes, Reading, Texts, read, value};
 use crate::{
     config::{
         ControllerConfig,
@@ -102,7 +102,14 @@ impl ControllerConfig {
         // The text was accepted before.
         let mut report = Report::new(&source.name, text, appendix.applied(&self.overrides));
         let texts = Texts::default();
-        let (document, notes) = read(text, &self.overrides, &appendix, &texts, &mut report);
+        let (document, notes) = read(
+            text,
+            Reading::File,
+            &self.overrides,
+            &appendix,
+            &texts,
+            &mut report,
+        );
         let mut lister = Lister {
             notes: &notes,
             is_said: &is_said,

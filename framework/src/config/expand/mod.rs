@@ -35,6 +35,15 @@ pub(super) struct Texts {
     defaults: OnceCell<Vec<String>>,
 }
 
+/// What kind of text is read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Reading {
+    /// Somebody wrote it, and need not say what goes without saying.
+    File,
+    /// A controller was written out as it was: nothing else belongs to it.
+    Record,
+}
+
 /// What was put into a document, and why.
 #[derive(Debug, Default)]
 pub(super) struct Notes(Vec<Note>);
@@ -91,6 +100,7 @@ impl Note {
 /// contacts are written out, so that they count for what a contact brings, those that name what it brings after that.
 pub(super) fn read<'t>(
     source: &'t str,
+    reading: Reading,
     overrides: &Overrides,
     appendix: &'t OverrideText,
     texts: &'t Texts,
@@ -103,7 +113,7 @@ pub(super) fn read<'t>(
     names::fill(&mut document, &mut notes);
     let rest = appendix.apply(overrides, &mut document, report);
     let listed = Listed::of(&document);
-    contact::write_out(&mut document, &listed, texts, &mut notes, report);
+    contact::write_out(&mut document, reading, &listed, texts, &mut notes, report);
     OverrideText::apply_rest(rest, overrides, &mut document, report);
     defaults::fill(&mut document, texts, &mut notes);
     notes.sort();
