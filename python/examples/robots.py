@@ -5,7 +5,7 @@ from pathlib import Path
 
 
 def urdf(name: str) -> Path:
-    """The file of that name; ``pip install ./python[examples]`` brings them."""
+    """The file of that name; ``pip install './python[examples]'`` brings them."""
     package = distribution("example-robot-data")
     found = [file for file in package.files or [] if file.name == name]
     if not found:

@@ -1,7 +1,8 @@
 """Campaigns: many closed loops from a plan, on this machine or on a Ray cluster, with the same results.
 
 A plan says what is varied, which points of that space are run, and what is measured of each run: see docs/campaigns.md.
-Tables are Arrow tables (``pip install wbqp[campaign]``); Ray is the user's choice (``pip install wbqp[ray]``).
+Tables are Arrow tables (``pip install './python[campaign]'``); Ray is the user's choice
+(``pip install './python[ray]'``).
 """
 
 from __future__ import annotations

@@ -108,7 +108,7 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         import mujoco  # type: ignore[import-untyped, import-not-found, unused-ignore]
     except ImportError:
-        print("error: MuJoCo is not installed: pip install 'wbqp[mujoco]'", file=sys.stderr)
+        print("error: MuJoCo is not installed: pip install mujoco", file=sys.stderr)
         return 1
     folder = scenarios(given.scenarios)
     results = run(given.out, names=given.only, folder=folder, seed=given.seed, step=given.step, jobs=given.jobs)

@@ -2,7 +2,8 @@
 
 By samplers, which ask nothing of the objective, and by steps against a gradient from sensitivities (:class:`Descent`).
 
-Wants Optuna (``pip install wbqp[tune]``); with ``address``, trials run on a Ray cluster (``pip install wbqp[ray]``).
+Wants Optuna (``pip install './python[tune]'``); with ``address``, trials run on a Ray cluster
+(``pip install './python[ray]'``).
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-//! Why no command satisfies all limits: the smallest set of limits that contradict one another, and by how much.
+//! Why no command satisfies all limits: an irreducible set of limits that contradict one another, and by how much.
 //!
 //! # Mathematics
 //! Multipliers `y, z` (positive on an upper side, negative on a lower one) with `Aᵀ y + z = 0` prove that no point
@@ -168,7 +168,7 @@ pub struct Explanation {
     pub level: FallbackLevel,
     /// What happened.
     pub fault: String,
-    /// The smallest set of limits that contradict one another, if that is why.
+    /// An irreducible set of limits that contradict one another, if that is why.
     pub conflict: Vec<Limit>,
     /// The limits that the command does not keep, and by how much.
     pub relaxed: Vec<Limit>,

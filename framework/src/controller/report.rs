@@ -98,7 +98,7 @@ pub struct Report {
     pub on_level: OnLevel,
     /// Why the command is not this tick's optimum; [`Controller::explain`](super::Controller::explain) says it by name.
     pub fault: Option<Fault>,
-    /// The smallest set of limits that contradict one another, if that is why.
+    /// An irreducible set of limits that contradict one another, if that is why.
     pub conflict: Vec<ConflictRow>,
     /// The limits that were given up and that the command is beyond.
     pub relaxed: Vec<RelaxedRow>,
