@@ -4,7 +4,7 @@ use std::fs;
 
 use wbqp::serde_json::Value;
 
-use crate::common::{Temporary, root, wbqp};
+use crate::common::{Temporary, fixture, root, wbqp};
 
 const HUMANOID: &str = "robots/files/humanoid/humanoid.urdf";
 const OTHEX: &str = "robots/files/othex/othex.urdf";
@@ -303,21 +303,12 @@ fn parallel_rotors_below_a_level_base_are_a_warning() {
         &output,
     ];
     assert_eq!(wbqp(&new).code, 0);
-    let controller = |name: &str, reference: &str| {
-        let file = folder.file(name);
-        let text = format!(
-            "[controller]\nrate = 500.0\n[robot]\nfile = {urdf:?}\nrotors = \"new.rotors.toml\"\n\
-             [[task]]\ntype = \"base_position\"\nkp = 6.0\n\
-             [[task]]\ntype = \"base_orientation\"\nkp = 60.0\n{reference}"
-        );
-        fs::write(&file, text).unwrap();
-        file
-    };
-    let level = controller("level.toml", "");
-    let leaning = controller(
-        "leaning.toml",
-        "reference = { type = \"thrust_attitude\" }\n",
-    );
+    let leaning = folder.file("new.toml");
+    let text = fs::read_to_string(&leaning).unwrap();
+    let follows = "reference = { type = \"thrust_attitude\" }\n";
+    assert!(text.contains(follows), "{text}");
+    let level = folder.file("level.toml");
+    fs::write(&level, text.replace(follows, "")).unwrap();
     let told = "holds its attitude: level, the base drifts away";
     for (file, is_told) in [(&level, true), (&leaning, false)] {
         let done = wbqp(&["check", file]);
