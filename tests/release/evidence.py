@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Whether every number of docs/evidence.md stands where the page says that it stands.
+"""Whether every number of docs/evidence.md stands where the page says, and every one of README's tables is measured.
 
     python3 tests/release/evidence.py            looks every number up
     python3 tests/release/evidence.py --dates    writes the page's last table again: when each was measured
@@ -94,6 +94,19 @@ def faults_of_section(section: str, texts: dict[str, str]) -> list[str]:
     return faults
 
 
+def faults_of_readme(readme: str, measured: str) -> list[str]:
+    """Numbers of README's tables that stand in no table of the page with the measurements."""
+    rows = [line for line in measured.splitlines() if line.startswith("|")]
+    known = set().union(*map(numbers, rows))
+    told = [line for line in readme.splitlines() if line.startswith("|")]
+    return [
+        f"README.md: {number} stands in no table of docs/performance.md: {line[:100]}"
+        for line in told
+        # How many rounds there were is said in words there.
+        for number in sorted(visible_numbers(re.sub(r"best of \d+ rounds", "", line)) - known)
+    ]
+
+
 def heading_above(lines: list[str], index: int) -> str:
     above = [line for line in lines[: index + 1] if re.match(r"#+ ", line)]
     return above[-1].lstrip("# ") if above else ""
@@ -157,6 +170,8 @@ def check_the_checker() -> None:
     assert len(faults_of_section(quoted % "12.5, 13", texts)) == 1
     assert len(faults_of_section(quoted % "12.5", {place: "it is at 12.6 of 20 000"})) == 1
     assert len(faults_of_section(quoted % "B4", texts)) == 1
+    assert not faults_of_readme("| tick | 9.5 µs |", "| wbqp | 9.5 | 12 |")
+    assert faults_of_readme("| tick | 9.5 µs |", "9.5\n| wbqp | 9.6 |")
 
 
 def main() -> None:
@@ -170,6 +185,7 @@ def main() -> None:
     page = re.sub(f"{DATES[0]}.*?{DATES[1]}", "", page, flags=re.S)
     sections = re.split(r"\n(?=## )", page)
     faults = [fault for section in sections for fault in faults_of_section(section, texts)]
+    faults += faults_of_readme((ROOT / "README.md").read_text(), (ROOT / "docs/performance.md").read_text())
     if faults:
         sys.exit("docs/evidence.md:\n" + "\n".join(faults))
     count = sum(len(visible_numbers(unit)) for section in sections for unit in units(COMMENT.sub("", section)))
