@@ -196,8 +196,8 @@ class JointLimits(Plugin):
 
     `a_l(q, q̇) ≤ q̈ ≤ a_u(q, q̇)`, one row per joint, rad/s² or m/s².
 
-    A joint is let go as fast towards its limit as it can still stop before it with the acceleration `A` (viability), so
-    the limits never contradict one another, however violent the tasks are. With T the period, `q_l`, `q_u` the range
+    A joint may move towards its limit only as fast as it can still stop before it with the acceleration `A` (viability),
+    so the limits never contradict one another, however violent the tasks are. With T the period, `q_l`, `q_u` the range
     and `v_u` the speed, `a_u` is the smallest of
 
     * `A`,
