@@ -16,6 +16,8 @@ const REST = 9;
 let memory: WebAssembly.Memory;
 let run: Run | null = null;
 let loaded: Load | null = null;
+/** Of the scenario, s. */
+let duration = 0;
 let playing = false;
 let speed = 1;
 let last = 0;
@@ -81,7 +83,9 @@ function turn(): void {
       const before = run.time();
       const wasOver = run.is_over();
       const most = Number.isFinite(speed) ? (owed += (speed * real) / run.period()) : 1e6;
-      const done = run.advance_within(Math.floor(most), MOST);
+      // However fast it goes, it stops at the scenario's end; from there it may go on.
+      const left = wasOver ? Infinity : Math.max(1, Math.round((duration - before) / run.period()));
+      const done = run.advance_within(Math.min(Math.floor(most), left), MOST);
       // What cannot be had in time is not owed: the pace says so.
       owed = Number.isFinite(speed) ? Math.min(owed - done, LATE / run.period()) : 0;
       simulated += run.time() - before;
@@ -129,6 +133,7 @@ function show(next: Run, problems: string[]): void {
   lastWords = "";
   const words = JSON.parse(run.words()) as Words;
   const about = JSON.parse(run.about());
+  duration = about.duration;
   const fields = JSON.parse(run.fields());
   const frame = frameOf(run);
   say({ type: "loaded", about, fields, frame, words, problems }, [frame.buffer]);
