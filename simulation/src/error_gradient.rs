@@ -14,8 +14,8 @@
 //! ```
 //! and the mean of e² by the mean of `2 e ∂e/∂z z`: a linearisation of the closed loop along a run in which the model
 //! is right. What actuators lag, what a wall gives way, and what integrals and filters remember is not in it: it is a
-//! direction of descent, which a run confirms. (DiffTune, Cheng et al., arXiv 2209.10021, does the same with derivatives
-//! of controllers that are written by hand.)
+//! direction of descent, which a run confirms. (DiffTune, Cheng et al., arXiv 2209.10021, does the same with
+//! derivatives of controllers that are written by hand.)
 #![allow(non_snake_case)]
 
 use nalgebra::{DMatrix, DVector, Vector3};

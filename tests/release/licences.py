@@ -9,51 +9,30 @@ declares.
 """
 
 import json
-import re
 import subprocess
 import sys
 import tomllib
 from collections import Counter
 
+from license_expression import Licensing
+
 from workspace import ROOT, members, metadata
 
+LICENSING = Licensing()
 ALLOWED = set(tomllib.loads((ROOT / ".ci/about.toml").read_text())["accepted"])
 
 
 def is_allowed(expression: str) -> bool:
     """Whether an SPDX expression leaves a choice that is allowed; `/` is an old way to write OR."""
-    words = re.findall(r"\(|\)|\bOR\b|\bAND\b|[^()\s]+(?:\s+WITH\s+[^()\s]+)?", expression.replace("/", " OR "))
-    allowed, rest = any_of(words)
-    if rest:
-        raise ValueError(f"not an SPDX expression: {expression}")
-    return allowed
 
+    def holds(part) -> bool:
+        if isinstance(part, LICENSING.OR):
+            return any(map(holds, part.args))
+        if isinstance(part, LICENSING.AND):
+            return all(map(holds, part.args))
+        return str(part) in ALLOWED
 
-def any_of(words: list[str]) -> tuple[bool, list[str]]:
-    allowed, rest = all_of(words)
-    while rest[:1] == ["OR"]:
-        other, rest = all_of(rest[1:])
-        allowed = allowed or other
-    return allowed, rest
-
-
-def all_of(words: list[str]) -> tuple[bool, list[str]]:
-    allowed, rest = one(words)
-    while rest[:1] == ["AND"]:
-        other, rest = one(rest[1:])
-        allowed = allowed and other
-    return allowed, rest
-
-
-def one(words: list[str]) -> tuple[bool, list[str]]:
-    if not words:
-        raise ValueError("an SPDX expression that ends too early")
-    if words[0] == "(":
-        allowed, rest = any_of(words[1:])
-        if rest[:1] != [")"]:
-            raise ValueError("an SPDX expression without its closing parenthesis")
-        return allowed, rest[1:]
-    return re.sub(r"\s+", " ", words[0]) in ALLOWED, words[1:]
+    return holds(LICENSING.parse(expression.replace("/", " OR ")))
 
 
 def check_the_reader() -> None:

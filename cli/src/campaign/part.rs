@@ -121,8 +121,8 @@ impl Arguments {
         match count.unkept.into_inner() {
             0 => Ok(()),
             lost => anyhow::bail!(
-                "the table is whole, but the logs or dumps of {lost} runs could not be written: `--run NUMBER` does one \
-                 of them again"
+                "the table is whole, but the logs or dumps of {lost} runs could not be written: `--run NUMBER` does \
+                 one of them again"
             ),
         }
     }

@@ -29,8 +29,8 @@ impl Campaign {
     /// factor: [`ErrorGradient`] of one run, which takes some hundred times as long as a run without.
     ///
     /// # Errors
-    /// [`CampaignError::Gradient`] if there is no such case, task or row, if the controller has an observer, whose memory
-    /// [`ErrorGradient`] does not know, or if the run does not reach its end.
+    /// [`CampaignError::Gradient`] if there is no such case, task or row, if the controller has an observer, whose
+    /// memory [`ErrorGradient`] does not know, or if the run does not reach its end.
     pub fn error_gradient(&self, of: &ErrorOf) -> Result<Gradient, CampaignError> {
         let refuse = |why: String| CampaignError::Gradient {
             plan: self.plan().source().name.clone(),

@@ -15,9 +15,9 @@ use crate::{check, effort::chosen};
 ///
 /// `a_l(q, q̇) ≤ q̈ ≤ a_u(q, q̇)`, one row per joint, rad/s² or m/s².
 ///
-/// A joint may move towards its limit only as fast as it can still stop before it with the acceleration `A` (viability),
-/// so the limits never contradict one another, however violent the tasks are. With T the period, `q_l`, `q_u` the range
-/// and `v_u` the speed, `a_u` is the smallest of
+/// A joint may move towards its limit only as fast as it can still stop before it with the acceleration `A`
+/// (viability), so the limits never contradict one another, however violent the tasks are. With T the period, `q_l`,
+/// `q_u` the range and `v_u` the speed, `a_u` is the smallest of
 ///
 /// * `A`,
 /// * `(v_u − q̇)/T`: the speed after the period,

@@ -33,7 +33,8 @@ fn efforts(change: impl FnOnce(&mut Controller)) -> DVector<f64> {
 }
 
 /// By ln of what is multiplied.
-fn difference(step: f64, change: impl Fn(&mut Controller, f64)) -> DVector<f64> {
+fn difference(change: impl Fn(&mut Controller, f64)) -> DVector<f64> {
+    let step: f64 = 1e-4;
     let [more, less] = [step, -step].map(|s| efforts(|c| change(c, s.exp())));
     (more - less) / (2.0 * step)
 }
@@ -56,12 +57,12 @@ fn effects_are_derivatives_by_the_logarithm() {
     assert!(effects.is_sorted_by(|a, b| a.effort >= b.effort));
     let nv = sensitivity.vdot().nrows();
     let check = |effect: &Effect, by: &DVector<f64>| {
-        assert!(by.norm() > 1e-4, "{effect:?}");
+        assert!(by.norm() > 1e-3, "{effect:?}");
         let share = (effect.effort - by.norm()).abs() / by.norm();
-        assert!(share < 1e-3, "{effect:?} {}", by.norm());
+        assert!(share < 1e-4, "{effect:?} {}", by.norm());
         let (output, slope) = effect.strongest[1].unwrap();
         assert_eq!(output - nv, by.icamax());
-        assert!((slope - by[by.icamax()]).abs() < 1e-3 * by.norm());
+        assert!((slope - by[by.icamax()]).abs() < 1e-4 * by.norm());
     };
     for owner in ["base_position", "base_orientation", "posture"] {
         for key in ["kp", "kd"] {
@@ -73,7 +74,7 @@ fn effects_are_derivatives_by_the_logarithm() {
             }
             check(
                 effect,
-                &difference(1e-4, |c, factor| {
+                &difference(|c, factor| {
                     let mut keys = toml::Table::new();
                     let before = c.parameters(owner).unwrap();
                     let value = before[key].as_float().unwrap();
@@ -84,11 +85,10 @@ fn effects_are_derivatives_by_the_logarithm() {
         }
     }
     // Three rows with weights of their own are one effect.
-    for owner in ["base_position", "base_orientation"] {
+    for owner in ["no_slip", "base_position"] {
         let effect = found(&effects, owner, "weight");
         assert_eq!(effect.kind, ParameterKind::Weight);
-        // Their effect is small here: a step that rounding does not drown.
-        let by = difference(1e-2, |c, factor| {
+        let by = difference(|c, factor| {
             let weights = c.entries().find(|e| e.name == owner).unwrap().weight;
             let weights = weights.iter().map(|w| factor * w).collect();
             c.reweight(owner, PerRow::Each(weights)).unwrap();

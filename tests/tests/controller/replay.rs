@@ -114,7 +114,6 @@ fn every_tick_is_the_same_to_the_bit() {
     assert_eq!(levels.into_iter().collect::<Vec<_>>(), FallbackLevel::ALL);
 }
 
-/// A dump with one value of its text replaced.
 /// A file has the limits of actuators without saying so, what was made in code has what it was given.
 #[test]
 fn a_controller_without_limits_is_recorded_without_them() {
@@ -143,6 +142,7 @@ fn a_controller_without_limits_is_recorded_without_them() {
     assert_ne!(asked[0], asked[1], "the limits are reached");
 }
 
+/// A dump with one value of its text replaced.
 fn changed(dump: &Dump, change: impl FnOnce(&mut toml::Table)) -> Result<Dump, DumpError> {
     let folder = Temporary::new("changed");
     let path = folder.file("x.tick.toml");

@@ -144,8 +144,8 @@ fn worst(found: &Findings, about: &Description, plan: &Path, beside: &Path) -> M
     html! {
         @if !found.worst.is_empty() {
             h3 { "The worst runs" }
-            p { (found.worst.len()) " of " (found.holds.of - found.holds.count) " that do not hold: first those that did \
-                 not reach their end, then those with the most measures missed, by most." }
+            p { (found.worst.len()) " of " (found.holds.of - found.holds.count) " that do not hold: first those that \
+                 did not reach their end, then those with the most measures missed, by most." }
             p { code { "wbqp campaign " (plan.display()) " --run NUMBER" } " does a run again, with logs for Foxglove \
                  and dumps of the ticks in which the controller left its optimum, for " code { "wbqp replay" } "." }
             div.scroll { table {

@@ -8,6 +8,8 @@
 //!
 //! Its cone is a `friction_pyramid` if it is of kind `point`, and a `contact_wrench` if it has a sole. What the file
 //! lists itself, an entry of the same type for the same contact, is not brought a second time.
+//!
+//! The limits of the actuators go without saying, whether there are contacts or not: they are written out here too.
 
 use std::collections::HashSet;
 

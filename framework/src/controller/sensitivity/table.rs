@@ -204,8 +204,8 @@ impl Sensitivity {
         &self.error_rows
     }
 
-    /// Derivatives of the tasks' errors at this tick, error rows × parameters: of a task on motion those with respect to
-    /// the state are its Jacobian. Zero for tasks that are off, or do not say what they remember.
+    /// Derivatives of the tasks' errors at this tick, error rows × parameters: of a task on motion those with respect
+    /// to the state are its Jacobian. Zero for tasks that are off, or do not say what they remember.
     pub fn errors(&self) -> &DMatrix<f64> {
         &self.errors
     }
