@@ -17,6 +17,16 @@ impl Qp {
 
     fn hessian_defect(&self) -> Option<Defect> {
         let (n, h) = (self.n(), self.h());
+        let is_sound = match n {
+            // Loops of a length that the compiler knows.
+            8 => is_nearly_symmetric(h, 8),
+            12 => is_nearly_symmetric(h, 12),
+            16 => is_nearly_symmetric(h, 16),
+            n => is_nearly_symmetric(h, n),
+        };
+        if is_sound {
+            return None;
+        }
         if let Some(at) = first_not_finite(h) {
             return Some(Defect::Hessian {
                 row: at / n,
@@ -31,16 +41,6 @@ impl Qp {
 
     fn asymmetry(&self) -> Option<Defect> {
         let (n, h) = (self.n(), self.h());
-        let is_nearly_symmetric = match n {
-            // Loops of a length that the compiler knows.
-            8 => is_nearly_symmetric(h, 8),
-            12 => is_nearly_symmetric(h, 12),
-            16 => is_nearly_symmetric(h, 16),
-            n => is_nearly_symmetric(h, n),
-        };
-        if is_nearly_symmetric {
-            return None;
-        }
         let root = |j: usize| h[j * n + j].sqrt();
         let differs = |row: usize, column: usize| {
             let difference = (h[row * n + column] - h[column * n + row]).abs();
@@ -73,8 +73,8 @@ impl Qp {
     }
 }
 
-/// Whether no two entries differ by more than is allowed beside the smallest diagonal entry, for which no root is
-/// needed, and nothing to decide on the way.
+/// Whether all entries are finite, none on the diagonal is negative, and no two differ by more than is allowed beside the
+/// smallest on the diagonal, for which no root is needed, and nothing to decide on the way. False may be a mistake.
 #[expect(
     clippy::inline_always,
     reason = "the number of variables is to be known"
@@ -83,9 +83,10 @@ impl Qp {
 fn is_nearly_symmetric(h: &[f64], n: usize) -> bool {
     let h = &h[..n * n];
     let mut differences = [0.0; 4];
-    let mut smallest = f64::INFINITY;
+    let (mut smallest, mut trace) = (f64::INFINITY, 0.0);
     for row in 0..n {
         let diagonal = h[row * n + row];
+        trace += diagonal;
         smallest = if diagonal < smallest {
             diagonal
         } else {
@@ -104,7 +105,9 @@ fn is_nearly_symmetric(h: &[f64], n: usize) -> bool {
             differences[l] += (left - h[(first + l) * n + row]).abs();
         }
     }
-    differences.into_iter().sum::<f64>() <= ASYMMETRY * smallest
+    // A number that is not finite leaves neither sum.
+    let differences = differences.into_iter().sum::<f64>();
+    smallest >= 0.0 && differences <= ASYMMETRY * smallest && trace < f64::INFINITY
 }
 
 fn first_not_finite(a: &[f64]) -> Option<usize> {

@@ -81,13 +81,19 @@ pub(super) fn dot_magnitudes(a: &[f64], b: &[f64]) -> f64 {
 #[inline]
 pub(super) fn dots(rows: &[f64], stride: usize, x: &[f64]) -> [f64; 4] {
     let n = x.len();
-    let (a, a_rest) = rows[..n].as_chunks::<LANES>();
-    let (b, b_rest) = rows[stride..stride + n].as_chunks::<LANES>();
-    let (c, c_rest) = rows[2 * stride..2 * stride + n].as_chunks::<LANES>();
-    let (d, d_rest) = rows[3 * stride..3 * stride + n].as_chunks::<LANES>();
+    let row = |i: usize| &rows[i * stride..i * stride + n];
+    dots_of([row(0), row(1), row(2), row(3)], x)
+}
+
+/// `rᵀ x` of four rows, each as long as `x`.
+#[expect(clippy::inline_always, reason = "the length is to be known")]
+#[inline(always)]
+pub(super) fn dots_of(rows: [&[f64]; 4], x: &[f64]) -> [f64; 4] {
+    let n = x.len();
+    let [a, b, c, d] = rows.map(|row| row[..n].as_chunks::<LANES>());
     let (x, x_rest) = x.as_chunks::<LANES>();
     let (mut s0, mut s1, mut s2, mut s3) = ([0.0; 4], [0.0; 4], [0.0; 4], [0.0; 4]);
-    for ((((x, a), b), c), d) in x.iter().zip(a).zip(b).zip(c).zip(d) {
+    for ((((x, a), b), c), d) in x.iter().zip(a.0).zip(b.0).zip(c.0).zip(d.0) {
         for l in 0..LANES {
             s0[l] += a[l] * x[l];
             s1[l] += b[l] * x[l];
@@ -97,10 +103,10 @@ pub(super) fn dots(rows: &[f64], stride: usize, x: &[f64]) -> [f64; 4] {
     }
     let mut out = sums(&s0, &s1, &s2, &s3);
     for (i, x) in x_rest.iter().enumerate() {
-        out[0] += a_rest[i] * x;
-        out[1] += b_rest[i] * x;
-        out[2] += c_rest[i] * x;
-        out[3] += d_rest[i] * x;
+        out[0] += a.1[i] * x;
+        out[1] += b.1[i] * x;
+        out[2] += c.1[i] * x;
+        out[3] += d.1[i] * x;
     }
     out
 }
@@ -151,11 +157,16 @@ fn scale_and_add<const L: usize>(y: &mut [f64; L], alpha: f64, x: &[f64; L]) {
 #[inline(always)]
 pub(super) fn add_rows(y: &mut [f64], alpha: [f64; 4], rows: &[f64], stride: usize) {
     let n = y.len();
-    let (a, b) = (&rows[..n], &rows[stride..stride + n]);
-    let (c, d) = (
-        &rows[2 * stride..2 * stride + n],
-        &rows[3 * stride..3 * stride + n],
-    );
+    let row = |i: usize| &rows[i * stride..i * stride + n];
+    add_four(y, alpha, [row(0), row(1), row(2), row(3)]);
+}
+
+/// `y += Σ α_i r_i` over four rows, each as long as `y`, a whole number of lanes.
+#[expect(clippy::inline_always, reason = "as for `add_rows`")]
+#[inline(always)]
+pub(super) fn add_four(y: &mut [f64], alpha: [f64; 4], rows: [&[f64]; 4]) {
+    let n = y.len();
+    let [a, b, c, d] = rows.map(|row| &row[..n]);
     // Sixteen at a time, a stride so long that the compiler vectorises along the rows and not across them.
     let (y16, y) = y.as_chunks_mut::<16>();
     let ((a16, a), (b16, b)) = (a.as_chunks(), b.as_chunks());

@@ -12,7 +12,10 @@
 
 use std::ops::Range;
 
-use super::kernels::{LANES, SMALL, add_rows, axpy, dot, dots, padded};
+use super::{
+    kernels::{LANES, SMALL, add_rows, axpy, dot, dots, padded},
+    triangle::rotation,
+};
 
 /// Which part of the components a reflection touches, in whole lanes, and where its vectors begin in the store.
 #[derive(Clone, Copy, Debug)]
@@ -207,8 +210,7 @@ impl Orthogonal {
     /// Appends a rotation to the run: the one that makes the second of the neighbours `(a, b)` zero; returns
     /// `(c, s, r)` with `c a + s b = r`.
     pub(super) fn rotate(&mut self, a: f64, b: f64) -> (f64, f64, f64) {
-        let r = (a * a + b * b).sqrt();
-        let (c, s) = if r > 0.0 { (a / r, b / r) } else { (1.0, 0.0) };
+        let (c, s, r) = rotation(a, b);
         if let Some(Factor::Rotate { count, .. }) = self.factors.last_mut() {
             *count += 1;
             self.rotations.push((c, s));

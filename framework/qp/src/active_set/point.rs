@@ -1,6 +1,6 @@
 //! The point that is looked at: its variables, and what the constraints' values there are made of.
 
-use super::kernels::{LANES, dot, dot_magnitudes, dots, largest_product, padded};
+use super::kernels::{LANES, dot, dot_magnitudes, dots_of, largest_product, padded};
 use crate::{Capacity, Qp};
 
 /// Largest variable, in its unit, from which on the pull of the cost is not looked at, to save the time.
@@ -143,7 +143,8 @@ impl Point {
         let blocks = qp.a().chunks(LANES * n);
         for (rows, values) in blocks.zip(self.values[..self.m].chunks_mut(LANES)) {
             if values.len() == LANES {
-                values.copy_from_slice(&dots(rows, n, x));
+                let row = |i: usize| &rows[i * n..(i + 1) * n];
+                values.copy_from_slice(&dots_of([row(0), row(1), row(2), row(3)], x));
             } else {
                 for (row, value) in rows.chunks_exact(n).zip(values) {
                     *value = dot(row, x);

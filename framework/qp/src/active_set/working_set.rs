@@ -2,26 +2,44 @@
 //!
 //! # Mathematics
 //! With `z = U x` and `v = U⁻ᵀ g` the problem on the held constraints is `min ½‖z + v‖²` subject to `Wᵀ z = b`, the
-//! columns of W being `w = U⁻ᵀ a`. The factorisation `W = Q [R; 0]` gives
+//! columns of W being `w = U⁻ᵀ a`. With `Wᵀ W = Rᵀ R` its solution is
 //! ```text
-//! z = Q [z₁; −(Qᵀv)₂],   Rᵀ z₁ = b,   R λ = −(z₁ + (Qᵀv)₁)
+//! Rᵀ z₁ = b,   Rᵀ v₁ = Wᵀ v,   R λ = −(z₁ + v₁),   z = −(v + W λ)
 //! ```
-//! A constraint appends a column: its components beyond the k-th are reflected on to one. One that leaves makes R
-//! Hessenberg, and rotations make it triangular again (Goldfarb and Idnani 1983 update the same factorisation).
-//! `Wᵀ W` is never formed: it would square the condition number, and a weakly weighted direction makes all
-//! constraints look alike then.
-
-use std::ops::Range;
+//! R comes from the products of the normals, as long as no normal is at a small angle to those held before it: products
+//! square the condition number, and a weakly weighted direction makes all constraints look alike. From the first small
+//! angle on it comes from reflections, `W = Q [R; 0]` with a Q that is a product of them ([`Orthogonal`]), and
+//! ```text
+//! v₁ = (Qᵀv)₁,   z = Q [z₁; −(Qᵀv)₂]
+//! ```
+//! A constraint appends a column to R. One that leaves makes R Hessenberg, and rotations make it triangular again
+//! (Goldfarb and Idnani 1983 update the same factorisation). Solving with R alone, the *seminormal equations*, and
+//! correcting what comes out by its residuals is about as accurate as solving with Q (Å. Björck, *Stability analysis of
+//! the method of seminormal equations*, Linear Algebra and its Applications 88/89 (1987)).
 
 use super::{
     constraint::Active,
     hessian::Hessian,
-    kernels::{LANES, add_rows, axpy, dot, dots, padded, squares_after},
+    kernels::{dot, padded, squares_after},
+    normals::Normals,
     orthogonal::Orthogonal,
+    triangle::{Triangle, rotation},
 };
+use crate::{Capacity, Qp};
 
 /// Sine of the angle to the held constraints below which a constraint depends on them.
 pub(super) const DEPENDENT: f64 = 1e-10;
+/// Sine below which R is no longer to come from products: half of their digits are lost at 1e-4.
+const SMALL_ANGLE: f64 = 1e-4;
+
+/// Where R comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Factorisation {
+    /// Products of normals, until an angle is small.
+    Products,
+    /// Reflections from the beginning: of a problem whose H has directions next to flat.
+    Reflections,
+}
 
 #[derive(Clone, Debug, Default)]
 pub(super) struct WorkingSet {
@@ -29,15 +47,15 @@ pub(super) struct WorkingSet {
     /// n with padding.
     stride: usize,
     active: Vec<Active>,
-    /// Per held constraint `‖w‖²`.
-    squares: Vec<f64>,
+    normals: Normals,
+    r: Triangle,
+    /// Whether R comes from reflections.
+    is_orthogonal: bool,
     q: Orthogonal,
-    /// Row k holds column k of R: k + 1 entries.
-    r: Vec<f64>,
-    /// `1/R_kk`.
-    reciprocal: Vec<f64>,
-    /// `Qᵀ v`.
+    /// `v`; with reflections `Qᵀ v`.
     v: Vec<f64>,
+    /// `v₁`; with reflections it is in `v`.
+    v1: Vec<f64>,
     /// The first `known` entries are valid.
     z1: Vec<f64>,
     known: usize,
@@ -45,34 +63,46 @@ pub(super) struct WorkingSet {
     pub(super) multipliers: Vec<f64>,
     /// Multipliers of the solution on the held constraints, or how a dependent one combines from them.
     targets: Vec<f64>,
+    /// The constraint that was to be pushed last.
+    candidate: usize,
+    /// `R⁻ᵀ Wᵀ w` of it; with reflections `Qᵀ w`.
+    column: Vec<f64>,
+    /// What is left of its w beside a combination.
+    rest: Vec<f64>,
+    /// What was let go because it depends on others, when the factorisation was made anew.
+    dropped: Vec<Active>,
 }
 
 impl WorkingSet {
-    pub(super) fn new(n: usize) -> Self {
+    pub(super) fn new(capacity: Capacity) -> Self {
+        let n = capacity.vars;
         Self {
-            n: 0,
-            stride: 0,
             active: Vec::with_capacity(n + 1),
-            squares: Vec::with_capacity(n + 1),
+            normals: Normals::new(capacity),
+            r: Triangle::new(n),
             q: Orthogonal::new(n, n + n / 2 + 4, 8 * n * n + 16),
-            r: vec![0.0; padded(n) * n],
-            reciprocal: vec![0.0; n],
             v: vec![0.0; padded(n)],
+            v1: vec![0.0; padded(n)],
             z1: vec![0.0; n],
-            known: 0,
             multipliers: Vec::with_capacity(n + 1),
             targets: vec![0.0; n],
+            column: vec![0.0; padded(n)],
+            rest: vec![0.0; padded(n)],
+            dropped: Vec::with_capacity(n + 1),
+            ..Self::default()
         }
     }
 
-    /// Nothing held; `v = U⁻ᵀ g`, padded, of n components.
-    pub(super) fn reset(&mut self, n: usize, v: &[f64]) {
-        self.n = n;
+    /// Nothing held, of a problem with a new factor; `v = U⁻ᵀ g`, padded.
+    pub(super) fn reset(&mut self, qp: &Qp, v: &[f64], start: Factorisation) {
+        self.n = qp.n();
         self.stride = v.len();
         self.active.clear();
-        self.squares.clear();
         self.multipliers.clear();
+        self.normals.forget(qp);
+        self.r.reset(self.n);
         self.q.reset(self.n);
+        self.is_orthogonal = start == Factorisation::Reflections;
         self.v[..v.len()].copy_from_slice(v);
         self.known = 0;
     }
@@ -90,68 +120,138 @@ impl WorkingSet {
         self.active.len()
     }
 
-    /// Whether a constraint can be held, and any number of them dropped, before the factorisation has to be made anew.
-    pub(super) fn has_room(&self) -> bool {
-        self.q.has_room(self.n * (self.n + 1) / 2)
+    /// `1/‖w‖` of a constraint.
+    pub(super) fn reciprocal_length(&mut self, qp: &Qp, hessian: &Hessian, index: usize) -> f64 {
+        1.0 / self.normals.know(qp, hessian, index).sqrt()
     }
 
-    /// Holds a constraint whose `w` is given, zero outside of a range, with the multiplier it has so far. False if the
-    /// sine of its angle to those held is at most `sine`: then `w` is left as `Qᵀ w`, whose first entries give the
-    /// combination.
+    /// Holds a constraint, with the multiplier it has so far. False if the sine of its angle to those held is at most
+    /// `sine`: then [`WorkingSet::combine`] says how it combines from them.
     pub(super) fn push(
         &mut self,
+        qp: &Qp,
+        hessian: &Hessian,
         constraint: Active,
         multiplier: f64,
         sine: f64,
-        (range, w): (Range<usize>, &mut [f64]),
     ) -> bool {
-        let k = self.len();
-        self.q.transposed(range, w);
-        if k == self.n {
-            return false;
+        self.normals.know(qp, hessian, constraint.index);
+        self.candidate = constraint.index;
+        if !self.is_orthogonal {
+            self.multiply_candidate();
+            if self.len() == self.n {
+                return false;
+            }
+            if !self.append_product(sine.max(SMALL_ANGLE)) {
+                self.factorise_by_reflections();
+            }
         }
-        let rest = squares_after(k, w);
-        let beyond = w[k] * w[k] + rest;
-        let size = dot(w, w);
-        // `!(beyond > …)`: a NaN depends, too.
-        let independent = beyond > sine * sine * size;
-        if !independent {
-            return false;
+        if self.is_orthogonal {
+            if !self.q.has_room(self.n * (self.n + 1) / 2) {
+                self.factorise_by_reflections();
+            }
+            if !self.append_by_reflection(constraint.index, sine) {
+                return false;
+            }
         }
-        self.q.reflect(k, rest, w, &mut self.v[..self.stride]);
-        let at = k * self.stride;
-        self.r[at..=at + k].copy_from_slice(&w[..=k]);
-        self.reciprocal[k] = 1.0 / w[k];
         self.active.push(constraint);
-        self.squares.push(size);
         self.multipliers.push(multiplier);
         true
     }
 
+    /// `R⁻ᵀ Wᵀ w` of the candidate.
+    fn multiply_candidate(&mut self) {
+        let column = &mut self.column[..self.active.len()];
+        self.normals
+            .products(&self.active, self.normals.get(self.candidate), column);
+        self.r.solve_transposed(0, column);
+    }
+
+    /// Appends the candidate's column to R, after [`WorkingSet::multiply_candidate`]; false if the sine of its angle is
+    /// at most `sine`.
+    fn append_product(&mut self, sine: f64) -> bool {
+        let k = self.len();
+        let column = &mut self.column[..=k];
+        let size = self.normals.square(self.candidate);
+        let beyond = size - dot(&column[..k], &column[..k]);
+        // `!(beyond > …)`: a NaN is small, too.
+        let is_far = beyond > sine * sine * size;
+        if !is_far {
+            return false;
+        }
+        column[k] = beyond.sqrt();
+        let (_, w) = self.normals.get(self.candidate);
+        let known = dot(&column[..k], &self.v1[..k]);
+        self.v1[k] = (dot(w, &self.v[..self.stride]) - known) / column[k];
+        self.r.append(column);
+        true
+    }
+
+    /// Appends a constraint's column to R and a reflection to Q; false if it depends on those held.
+    fn append_by_reflection(&mut self, index: usize, sine: f64) -> bool {
+        let k = self.r.len();
+        let column = &mut self.column[..self.stride];
+        let (range, w) = self.normals.get(index);
+        column.copy_from_slice(w);
+        self.q.transposed(range, column);
+        if k == self.n {
+            return false;
+        }
+        let rest = squares_after(k, column);
+        let beyond = column[k] * column[k] + rest;
+        let size = dot(column, column);
+        // `!(beyond > …)`: a NaN depends, too.
+        let is_independent = beyond > sine * sine * size;
+        if !is_independent {
+            return false;
+        }
+        let v = &mut self.v[..self.stride];
+        self.q.reflect(k, rest, column, v);
+        self.r.append(column);
+        true
+    }
+
+    /// Factorises anew, by reflections: after a small angle, or when the product of reflections and rotations has
+    /// become too long.
+    fn factorise_by_reflections(&mut self) {
+        if self.is_orthogonal {
+            self.q.apply(&mut self.v[..self.stride]);
+        }
+        self.is_orthogonal = true;
+        self.q.reset(self.n);
+        self.r.reset(self.n);
+        self.known = 0;
+        let mut kept = 0;
+        for i in 0..self.len() {
+            let constraint = self.active[i];
+            if self.append_by_reflection(constraint.index, DEPENDENT) {
+                self.active[kept] = constraint;
+                self.multipliers[kept] = self.multipliers[i];
+                kept += 1;
+            } else {
+                self.dropped.push(constraint);
+            }
+        }
+        self.active.truncate(kept);
+        self.multipliers.truncate(kept);
+    }
+
+    /// One of the constraints that a factorisation made anew has let go.
+    pub(super) fn next_dropped(&mut self) -> Option<Active> {
+        self.dropped.pop()
+    }
+
     /// Lets the j-th constraint go.
     pub(super) fn remove(&mut self, j: usize) -> Active {
-        let n = self.stride;
         let removed = self.active.remove(j);
-        self.squares.remove(j);
         self.multipliers.remove(j);
-        let k = self.len();
-        for i in j..k {
-            let from = (i + 1) * n;
-            self.r.copy_within(from..from + i + 2, i * n);
-        }
-        if j < k {
-            self.q.begin_rotations(j);
-        }
-        for i in j..k {
-            let at = i * n + i;
-            let (c, s, r) = self.q.rotate(self.r[at], self.r[at + 1]);
-            self.r[at] = r;
-            self.reciprocal[i] = 1.0 / r;
-            for row in self.r[(i + 1) * n..k * n].chunks_exact_mut(n) {
-                (row[i], row[i + 1]) = (c * row[i] + s * row[i + 1], c * row[i + 1] - s * row[i]);
+        if self.is_orthogonal {
+            if j < self.len() {
+                self.q.begin_rotations(j);
             }
-            let v = &mut self.v;
-            (v[i], v[i + 1]) = (c * v[i] + s * v[i + 1], c * v[i + 1] - s * v[i]);
+            self.r.remove(j, &mut self.v, |a, b| self.q.rotate(a, b));
+        } else {
+            self.r.remove(j, &mut self.v1, rotation);
         }
         self.known = self.known.min(j);
         removed
@@ -160,25 +260,22 @@ impl WorkingSet {
     /// Computes the multipliers of the least-distance solution on the held constraints: [`WorkingSet::computed`].
     pub(super) fn find_targets(&mut self) {
         let k = self.len();
-        for (z, held) in self.z1[self.known..]
-            .iter_mut()
-            .zip(&self.active[self.known..])
-        {
+        let new = self.z1[self.known..].iter_mut();
+        for (z, held) in new.zip(&self.active[self.known..]) {
             *z = held.limit;
         }
-        solve_rows(
-            self.known,
-            &self.r,
-            self.stride,
-            &self.reciprocal[..k],
-            &mut self.z1,
-        );
+        self.r.solve_transposed(self.known, &mut self.z1);
         self.known = k;
         let (targets, z1) = (&mut self.targets[..k], &self.z1[..k]);
-        for (t, (z, v)) in targets.iter_mut().zip(z1.iter().zip(&self.v)) {
+        let v1 = if self.is_orthogonal {
+            &self.v
+        } else {
+            &self.v1
+        };
+        for (t, (z, v)) in targets.iter_mut().zip(z1.iter().zip(v1)) {
             *t = -(z + v);
         }
-        self.solve_r(k);
+        self.r.solve(targets);
     }
 
     /// What [`WorkingSet::find_targets`] or [`WorkingSet::combine`] computed last, per held constraint.
@@ -186,48 +283,48 @@ impl WorkingSet {
         &self.targets[..self.len()]
     }
 
-    /// `targets ← R⁻¹ targets`.
-    fn solve_r(&mut self, k: usize) {
-        let (r, stride) = (&self.r, self.stride);
-        let whole = k - k % LANES;
-        for i in (whole..k).rev() {
-            let (head, tail) = self.targets.split_at_mut(i);
-            tail[0] *= self.reciprocal[i];
-            axpy(head, -tail[0], &r[i * stride..i * stride + i]);
-        }
-        for first in (0..whole).step_by(LANES).rev() {
-            let (head, t) = self.targets.split_at_mut(first);
-            let at = first * stride;
-            let [_, r1, r2, r3] = [0, 1, 2, 3].map(|i| &r[at + i * stride + first..][..LANES]);
-            let by = &self.reciprocal[first..first + LANES];
-            let t = &mut t[..LANES];
-            t[3] *= by[3];
-            t[2] = (t[2] - r3[2] * t[3]) * by[2];
-            t[1] = ((t[1] - r3[1] * t[3]) - r2[1] * t[2]) * by[1];
-            t[0] = (((t[0] - r3[0] * t[3]) - r2[0] * t[2]) - r1[0] * t[1]) * by[0];
-            let alpha = [-t[0], -t[1], -t[2], -t[3]];
-            add_rows(head, alpha, &r[at..], stride);
-        }
-    }
-
-    /// Computes `R⁻¹` of the first entries of `Qᵀ w`: how a dependent constraint combines from those held.
-    pub(super) fn combine(&mut self, transformed: &[f64]) {
+    /// How the constraint that was not pushed combines from those held: `R⁻¹` of the first entries of `Qᵀ w`.
+    pub(super) fn combine(&mut self) {
         let k = self.len();
-        self.targets[..k].copy_from_slice(&transformed[..k]);
-        self.solve_r(k);
+        self.targets[..k].copy_from_slice(&self.column[..k]);
+        self.r.solve(&mut self.targets[..k]);
+        if self.is_orthogonal {
+            return;
+        }
+        // As exact as with Q: once more, for what is left.
+        let rest = &mut self.rest[..self.stride];
+        rest.copy_from_slice(self.normals.get(self.candidate).1);
+        self.normals.subtract(&self.active, &self.targets, rest);
+        let correction = &mut self.column[..k];
+        self.normals
+            .products(&self.active, (0..self.stride, rest), correction);
+        self.r.solve_transposed(0, correction);
+        self.r.solve(correction);
+        for (t, c) in self.targets.iter_mut().zip(correction) {
+            *t += *c;
+        }
     }
 
-    /// Replaces `a` by `Qᵀ U⁻ᵀ a` and computes how the part of it along the held constraints combines from them.
+    /// How the part of `a` along the held constraints combines from them; `a` is used up.
     pub(super) fn project(&mut self, hessian: &Hessian, a: &mut [f64]) {
+        let k = self.len();
         let range = hessian.solve_transposed(a);
-        self.q.transposed(range, a);
-        self.combine(a);
+        let targets = &mut self.targets[..k];
+        if self.is_orthogonal {
+            self.q.transposed(range, a);
+            targets.copy_from_slice(&a[..k]);
+        } else {
+            self.normals.products(&self.active, (range, a), targets);
+            self.r.solve_transposed(0, targets);
+        }
+        self.r.solve(targets);
     }
 
     /// Lengths of the held constraints' normals in the metric of H: a combination's parts, times these, can be
     /// compared.
     pub(super) fn lengths(&self) -> impl Iterator<Item = f64> {
-        self.squares.iter().map(|square| square.sqrt())
+        let squares = self.active.iter().map(|h| self.normals.square(h.index));
+        squares.map(f64::sqrt)
     }
 
     /// Takes a combination that was corrected.
@@ -258,24 +355,26 @@ impl WorkingSet {
     /// The `x` that belongs to the targets.
     pub(super) fn primal(&self, hessian: &Hessian, x: &mut [f64]) {
         let k = self.len();
-        x[..k].copy_from_slice(&self.z1[..k]);
-        for (x, v) in x[k..].iter_mut().zip(&self.v[k..]) {
-            *x = -v;
+        if self.is_orthogonal {
+            x[..k].copy_from_slice(&self.z1[..k]);
+            negate(&mut x[k..], &self.v[k..]);
+            self.q.apply(x);
+        } else {
+            negate(x, &self.v);
+            self.normals.subtract(&self.active, &self.targets, x);
         }
-        self.q.apply(x);
         hessian.solve(x);
     }
 
     /// The `x` that minimises the cost with the multipliers at hand as prices.
     pub(super) fn primal_of_multipliers(&self, hessian: &Hessian, x: &mut [f64]) {
-        for (x, v) in x.iter_mut().zip(&self.v) {
-            *x = -v;
+        negate(x, &self.v);
+        if self.is_orthogonal {
+            self.r.add_columns(self.multipliers.iter().map(|m| -m), x);
+            self.q.apply(x);
+        } else {
+            self.normals.subtract(&self.active, &self.multipliers, x);
         }
-        for (i, &m) in self.multipliers.iter().enumerate() {
-            let at = i * self.stride;
-            axpy(&mut x[..=i], -m, &self.r[at..=at + i]);
-        }
-        self.q.apply(x);
         hessian.solve(x);
     }
 
@@ -283,22 +382,35 @@ impl WorkingSet {
     /// `dλ`.
     pub(super) fn correct(&mut self, hessian: &Hessian, d: &mut [f64], p: &mut [f64]) {
         let k = self.len();
-        if d.iter().any(|d| *d != 0.0) {
-            let range = hessian.solve_transposed(d);
+        let targets = &mut self.targets[..k];
+        let range = if d.iter().any(|d| *d != 0.0) {
+            hessian.solve_transposed(d)
+        } else {
+            0..0
+        };
+        self.r.solve_transposed(0, p);
+        if self.is_orthogonal {
             self.q.transposed(range, d);
+            targets.copy_from_slice(&d[..k]);
+        } else {
+            self.normals.products(&self.active, (range, d), targets);
+            self.r.solve_transposed(0, targets);
         }
-        solve_rows(0, &self.r, self.stride, &self.reciprocal[..k], p);
-        for (t, (p, d)) in self.targets.iter_mut().zip(p.iter().zip(&*d)) {
-            *t = -(p + d);
+        for (t, p) in targets.iter_mut().zip(&*p) {
+            *t = -(p + *t);
         }
-        self.solve_r(k);
-        d[..k].copy_from_slice(&p[..k]);
-        for d in &mut d[k..] {
+        self.r.solve(targets);
+        for d in &mut *d {
             *d = -*d;
         }
-        self.q.apply(d);
+        if self.is_orthogonal {
+            d[..k].copy_from_slice(&p[..k]);
+            self.q.apply(d);
+        } else {
+            self.normals.subtract(&self.active, targets, d);
+        }
         hessian.solve(d);
-        p[..k].copy_from_slice(&self.targets[..k]);
+        p[..k].copy_from_slice(targets);
     }
 
     /// Moves the linear term so that `x` with the present multipliers is the solution on the held constraints:
@@ -306,42 +418,182 @@ impl WorkingSet {
     pub(super) fn centre(&mut self, hessian: &Hessian, x: &[f64], scratch: &mut [f64]) {
         let (stride, k) = (self.stride, self.len());
         hessian.multiply(x, scratch);
-        self.q.transposed(0..stride, scratch);
-        for (v, z) in self.v[..stride].iter_mut().zip(scratch) {
-            *v = -*z;
-        }
-        for (i, &m) in self.multipliers.iter().enumerate().take(k) {
-            axpy(&mut self.v[..=i], -m, &self.r[i * stride..=i * stride + i]);
+        let v = &mut self.v[..stride];
+        if self.is_orthogonal {
+            self.q.transposed(0..stride, scratch);
+            negate(v, scratch);
+            self.r.add_columns(self.multipliers.iter().map(|m| -m), v);
+        } else {
+            negate(v, scratch);
+            self.normals.subtract(&self.active, &self.multipliers, v);
+            let v1 = &mut self.v1[..k];
+            self.normals.products(&self.active, (0..stride, v), v1);
+            self.r.solve_transposed(0, v1);
         }
         self.known = 0;
     }
+}
 
-    /// `v` in its original axes, to begin anew with [`WorkingSet::reset`].
-    pub(super) fn linear_term(&self, v: &mut [f64]) {
-        v.copy_from_slice(&self.v[..self.stride]);
-        self.q.apply(v);
+/// `y = −x` over the length of y.
+fn negate(y: &mut [f64], x: &[f64]) {
+    for (y, x) in y.iter_mut().zip(x) {
+        *y = -x;
     }
 }
 
-/// Solves `L z = b` for a lower triangle given by its rows, which are `stride` apart: replaces `z`, which holds b from
-/// `known` on and the solution before that.
-fn solve_rows(known: usize, rows: &[f64], stride: usize, reciprocal: &[f64], z: &mut [f64]) {
-    let k = reciprocal.len();
-    let mut i = known;
-    while i < k {
-        let at = i * stride;
-        let (head, tail) = z.split_at_mut(i);
-        if i.is_multiple_of(LANES) && i + LANES <= k {
-            let sums = dots(&rows[at..], stride, head);
-            for p in 0..LANES {
-                let row = &rows[at + p * stride + i..];
-                let sum = sums[p] + row.iter().zip(&tail[..p]).map(|(r, z)| r * z).sum::<f64>();
-                tail[p] = (tail[p] - sum) * reciprocal[i + p];
+#[cfg(test)]
+mod tests {
+    use super::{Factorisation, WorkingSet};
+    use crate::{
+        Capacity, Qp,
+        active_set::{constraint::Active, hessian::Hessian, kernels::padded},
+    };
+
+    const ROWS: usize = 8;
+
+    /// A definite problem with rows, the last of which is `lean` away from the first.
+    fn problem(n: usize, lean: f64) -> Qp {
+        // As good as random: the digits after the point.
+        let wave = |i: usize| ((i as f64 + 1.0) * 97.135).sin() * 4e3 % 1.0;
+        let root: Vec<f64> = (0..n * n).map(wave).collect();
+        let mut h = vec![0.0; n * n];
+        for i in 0..n {
+            for j in 0..n {
+                let product = (0..n).map(|k| root[i * n + k] * root[j * n + k]);
+                h[i * n + j] = product.sum::<f64>() + if i == j { 1.0 } else { 0.0 };
             }
-            i += LANES;
-        } else {
-            tail[0] = (tail[0] - dot(&rows[at..at + i], head)) * reciprocal[i];
-            i += 1;
+        }
+        let mut a: Vec<f64> = (0..ROWS * n).map(|i| wave(3 * i + 1)).collect();
+        for j in 0..n {
+            a[(ROWS - 1) * n + j] = a[j] + lean * wave(5 * j + 2);
+        }
+        let g: Vec<f64> = (0..n).map(|i| wave(11 * i)).collect();
+        let (low, high) = (vec![-1.0; ROWS], vec![1.0; ROWS]);
+        let (lower, upper) = (vec![-2.0; n], vec![2.0; n]);
+        Qp::dense(&h, &g, &a, (&low, &high), (&lower, &upper)).expect("the shapes fit")
+    }
+
+    struct Solver {
+        qp: Qp,
+        hessian: Hessian,
+        set: WorkingSet,
+    }
+
+    impl Solver {
+        fn new(qp: Qp, start: Factorisation) -> Self {
+            let n = qp.n();
+            let capacity = Capacity {
+                vars: n,
+                rows: ROWS,
+            };
+            let (mut hessian, mut set) = (Hessian::new(n), WorkingSet::new(capacity));
+            assert!(hessian.factorise(&qp), "H is definite");
+            let mut v = vec![0.0; padded(n)];
+            v[..n].copy_from_slice(qp.g());
+            hessian.solve_transposed(&mut v);
+            set.reset(&qp, &v, start);
+            Self { qp, hessian, set }
+        }
+
+        fn push(&mut self, index: usize) -> bool {
+            let constraint = Active {
+                index,
+                side: 1.0,
+                limit: 0.3 * index as f64 - 1.0,
+            };
+            let Self { qp, hessian, set } = self;
+            set.push(qp, hessian, constraint, 0.0, super::DEPENDENT)
+        }
+
+        /// Multipliers, `x`, and the correction of some residuals.
+        fn answer(&mut self) -> Vec<f64> {
+            let (n, k) = (self.qp.n(), self.set.len());
+            let mut x = vec![0.0; padded(n)];
+            self.set.find_targets();
+            self.set.primal(&self.hessian, &mut x);
+            let mut out = self.set.computed().to_vec();
+            out.extend_from_slice(&x[..n]);
+            let mut d: Vec<f64> = (0..padded(n))
+                .map(|j| if j < n { 0.1 * j as f64 } else { 0.0 })
+                .collect();
+            let mut p: Vec<f64> = (0..k).map(|j| 1.0 - 0.2 * j as f64).collect();
+            self.set.correct(&self.hessian, &mut d, &mut p);
+            out.extend_from_slice(&d[..n]);
+            out.extend_from_slice(&p);
+            out
+        }
+    }
+
+    fn distance(a: &[f64], b: &[f64]) -> f64 {
+        assert_eq!(a.len(), b.len());
+        let size = a.iter().fold(1.0_f64, |size, a| size.max(a.abs()));
+        let away = a.iter().zip(b).map(|(a, b)| (a - b).abs());
+        away.fold(0.0, f64::max) / size
+    }
+
+    #[test]
+    fn products_and_reflections_agree() {
+        // Strides that the code knows, and others.
+        for n in [3, 8, 12, 15, 22] {
+            let qp = problem(n, 1.0);
+            let mut one = Solver::new(qp.clone(), Factorisation::Products);
+            let mut other = Solver::new(qp, Factorisation::Reflections);
+            let mut held = 0;
+            for step in 0..3 * n {
+                // Rows and bounds come and go.
+                let index = (7 * step + 2) % (ROWS + n);
+                let is_held = one.set.active().iter().position(|h| h.index == index);
+                if let Some(j) = is_held {
+                    one.set.remove(j);
+                    other.set.remove(j);
+                } else {
+                    assert_eq!(one.push(index), other.push(index), "{n} {step}");
+                }
+                held = held.max(one.set.len());
+                assert!(
+                    distance(&one.answer(), &other.answer()) < 1e-10,
+                    "{n} {step}"
+                );
+            }
+            assert!(
+                held >= n.min(ROWS),
+                "as many as there are variables, or most rows"
+            );
+            assert!(!one.set.is_orthogonal && other.set.is_orthogonal);
+        }
+    }
+
+    #[test]
+    fn a_full_set_combines_to_any_normal() {
+        let n = 8;
+        let mut solver = Solver::new(problem(n, 1.0), Factorisation::Products);
+        for index in 0..n {
+            assert!(solver.push(index), "rows are independent");
+        }
+        assert!(!solver.push(ROWS + 3), "there is no room for another");
+        solver.set.combine();
+        let combination = solver.set.computed();
+        for j in 0..n {
+            let terms = combination.iter().enumerate();
+            let sum: f64 = terms.map(|(i, r)| r * solver.qp.row(i)[j]).sum();
+            let expected = if j == 3 { 1.0 } else { 0.0 };
+            assert!((sum - expected).abs() < 1e-12, "{j}: {sum}");
+        }
+        assert!(!solver.set.is_orthogonal);
+    }
+
+    #[test]
+    fn a_small_angle_turns_to_reflections() {
+        for (lean, is_small) in [(1e-1, false), (1e-6, true)] {
+            let qp = problem(12, lean);
+            let mut one = Solver::new(qp.clone(), Factorisation::Products);
+            let mut other = Solver::new(qp, Factorisation::Reflections);
+            for index in [3, 0, 12, ROWS - 1] {
+                assert!(one.push(index) && other.push(index));
+            }
+            assert_eq!(one.set.is_orthogonal, is_small);
+            let apart = distance(&one.answer(), &other.answer());
+            assert!(apart < 1e-9, "{lean}: {apart:e}");
         }
     }
 }

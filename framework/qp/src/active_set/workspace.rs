@@ -4,6 +4,7 @@ use super::{
     dual::{Dual, clear},
     limits::Limits,
     proximal::Proximal,
+    working_set::Factorisation,
 };
 use crate::{Capacity, Qp, Solution, Status, WarmStart};
 
@@ -31,8 +32,8 @@ impl Workspace {
     /// Bytes of the storage for problems up to a capacity, about.
     pub(super) fn bytes(capacity: Capacity) -> usize {
         let Capacity { vars, rows } = capacity;
-        // The dual method: factor, R, reflections (1.5 n²), rotations (two words each, 8 n² of them), normals; the
-        // other: H twice, A, directions, M and its factor.
+        // The dual method: factor, R, reflections (1.5 n²), rotations (two words each, 8 n² of them), normals;
+        // the other: H twice, A, directions, M and its factor.
         let words = vars
             .saturating_mul(vars)
             .saturating_mul(26)
@@ -62,7 +63,9 @@ impl Workspace {
     fn run(&mut self, qp: &Qp, limits: &mut Limits<'_>, out: &mut Solution) -> Status {
         let size = u32::try_from(qp.n() + qp.m()).unwrap_or(u32::MAX);
         limits.attempt_until(size.saturating_mul(2).saturating_add(PATIENCE));
-        let status = self.dual.solve(qp, limits, 0, out);
+        let status = self
+            .dual
+            .solve(qp, limits, (0, Factorisation::Products), out);
         limits.attempt_until(u32::MAX);
         let is_answer = match status {
             Status::Optimal => !self.dual.is_doubtful(),

@@ -1,8 +1,11 @@
 //! The dual iteration: from the constraints held so far to those of the optimum.
 
+use std::array::from_fn;
+
 use super::{
     super::{
         constraint::{Active, is_empty, limits},
+        kernels::LANES,
         limits::Limits,
         working_set::WorkingSet,
     },
@@ -188,10 +191,14 @@ impl Dual {
     /// whether it passes; returns the largest relative violation.
     pub(super) fn find_violated(&mut self, qp: &Qp, tolerance: f64) -> f64 {
         self.violated.clear();
-        let outside = self.find_outside(qp);
-        self.passed = if outside == 0 { 0.0 } else { tolerance };
+        self.find_outside(qp);
+        self.passed = if self.outside.is_empty() {
+            0.0
+        } else {
+            tolerance
+        };
         let mut worst = 0.0_f64;
-        for &index in &self.outside[..outside] {
+        for &index in &self.outside {
             let (value, (lower, upper)) = (self.point.value(index), limits(qp, index));
             let (excess, side, limit) = if value > upper {
                 (value - upper, 1.0, upper)
@@ -210,28 +217,35 @@ impl Dual {
         worst
     }
 
-    /// Collects the constraints that are to be checked and whose value is outside of the limits; returns how many.
-    #[expect(
-        clippy::needless_bitwise_bool,
-        reason = "lazy operators are branches, which cannot be foreseen here"
-    )]
-    fn find_outside(&mut self, qp: &Qp) -> usize {
+    /// Collects the constraints that are to be checked and whose value is outside of the limits.
+    fn find_outside(&mut self, qp: &Qp) {
+        self.outside.clear();
         let rows = (0, self.point.row_values(), qp.row_lower(), qp.row_upper());
         let bounds = (qp.m(), self.point.x(), qp.lower(), qp.upper());
-        let mut count = 0;
-        // One after the other: a chain of the two is slow to walk. Each is written down and counted only if it is
-        // outside: which ones are cannot be foreseen.
         for (first, values, lower, upper) in [rows, bounds] {
-            let limits = lower.iter().zip(upper);
-            let constraints = values.iter().zip(limits).zip(&self.settled[first..]);
-            for (i, ((value, (lower, upper)), settled)) in constraints.enumerate() {
-                self.outside[count] = first + i;
-                // A NaN is outside.
-                let is_within = (lower <= value) & (value <= upper);
-                count += usize::from(!(is_within | settled));
+            let mut look = |index: usize, is_within: bool| {
+                if !is_within && !self.settled[index] {
+                    self.outside.push(index);
+                }
+            };
+            let (values, values_rest) = values[..lower.len()].as_chunks::<LANES>();
+            let ((lower, lower_rest), (upper, upper_rest)) =
+                (lower.as_chunks::<LANES>(), upper.as_chunks::<LANES>());
+            // Most are within, and are passed four at a time.
+            for (c, ((v, l), u)) in values.iter().zip(lower).zip(upper).enumerate() {
+                let are_within: [bool; LANES] = from_fn(|i| is_within(v[i], l[i], u[i]));
+                if are_within != [true; LANES] {
+                    for (i, is_within) in are_within.into_iter().enumerate() {
+                        look(first + c * LANES + i, is_within);
+                    }
+                }
+            }
+            let first = first + values.len() * LANES;
+            let rest = values_rest.iter().zip(lower_rest).zip(upper_rest);
+            for (i, ((v, l), u)) in rest.enumerate() {
+                look(first + i, is_within(*v, *l, *u));
             }
         }
-        count
     }
 
     /// Turns the excesses of what is violated into distances in the metric of H; returns the largest.
@@ -242,7 +256,7 @@ impl Dual {
         let mut farthest = 0.0_f64;
         for (excess, constraint) in &mut self.violated {
             *excess *= self
-                .normals
+                .set
                 .reciprocal_length(qp, &self.hessian, constraint.index);
             farthest = farthest.max(*excess);
         }
@@ -256,10 +270,6 @@ impl Dual {
             let (distance, constraint) = self.violated[i];
             if distance < far {
                 continue;
-            }
-            if !self.set.has_room() {
-                // `violated` is needed to make room.
-                break;
             }
             if self.push(qp, constraint, 0.0) {
                 self.settled[constraint.index] = true;
@@ -287,7 +297,7 @@ impl Dual {
         }
         let mut multiplier = 0.0;
         while !self.push(qp, constraint, multiplier) {
-            self.set.combine(&self.w);
+            self.set.combine();
             let parts = || self.set.computed().iter().zip(self.set.lengths());
             let largest = parts().fold(0.0, |a: f64, (r, length)| a.max((r * length).abs()));
             let held = self.set.active().iter().zip(&self.set.multipliers);
@@ -321,6 +331,15 @@ impl Dual {
         self.settled[constraint.index] = true;
         true
     }
+}
+
+/// Whether a value is within its limits; a NaN is not.
+#[expect(
+    clippy::needless_bitwise_bool,
+    reason = "lazy operators are branches, which cannot be foreseen here"
+)]
+fn is_within(value: f64, lower: f64, upper: f64) -> bool {
+    (lower <= value) & (value <= upper)
 }
 
 /// The first multiplier that changes its sign on the way to the targets, and after which part of the way.

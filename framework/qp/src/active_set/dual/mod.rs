@@ -11,9 +11,8 @@ use super::{
     hessian::Hessian,
     kernels::{largest_product, padded},
     limits::Limits,
-    normals::Normals,
     point::Point,
-    working_set::{DEPENDENT, WorkingSet},
+    working_set::{DEPENDENT, Factorisation, WorkingSet},
 };
 use crate::{Capacity, ConstraintId, Held, Qp, Solution, Status, WarmStart};
 
@@ -63,7 +62,7 @@ pub(super) struct Dual {
     settled: Vec<bool>,
     /// Those of them that are not held, because those held imply them, or did when it was looked at.
     implied: Vec<Active>,
-    /// Indices of constraints to be looked at, with one place to spare.
+    /// Indices of constraints to be looked at.
     outside: Vec<usize>,
     violated: Vec<(f64, Active)>,
     w: Vec<f64>,
@@ -72,7 +71,6 @@ pub(super) struct Dual {
     previous: Vec<Held>,
     /// Multipliers before a step.
     before: Vec<f64>,
-    normals: Normals,
     /// By constraint.
     path: Vec<homotopy::Place>,
     /// Size of the terms of the gradient at the last residuals, in units of the variables.
@@ -96,19 +94,18 @@ impl Dual {
         let Capacity { vars: n, rows: m } = capacity;
         Self {
             hessian: Hessian::new(n),
-            set: WorkingSet::new(n),
+            set: WorkingSet::new(capacity),
             v: vec![0.0; padded(n)],
             point: Point::new(capacity),
             settled: vec![false; m + n],
             implied: Vec::with_capacity(m + n),
-            outside: vec![0; m + n + 1],
+            outside: Vec::with_capacity(m + n),
             violated: Vec::with_capacity(m + n),
             w: vec![0.0; padded(n)],
             gradient: vec![0.0; padded(n)],
             p: vec![0.0; n],
             previous: Vec::with_capacity(n),
             before: Vec::with_capacity(n + 1),
-            normals: Normals::new(capacity),
             path: vec![homotopy::Place::default(); m + n],
             ..Self::default()
         }
@@ -139,7 +136,7 @@ impl Dual {
         &mut self,
         qp: &Qp,
         limits: &mut Limits<'_>,
-        iterations: u32,
+        (iterations, start): (u32, Factorisation),
         out: &mut Solution,
     ) -> Status {
         clear(qp, out);
@@ -151,7 +148,7 @@ impl Dual {
         } else if qp.n() == 0 {
             Status::Optimal
         } else if self.hessian.factorise(qp) {
-            self.run(qp, limits, out)
+            self.run(qp, limits, start, out)
         } else {
             Status::Stalled
         };
@@ -182,7 +179,13 @@ impl Dual {
         self.cancels()
     }
 
-    fn run(&mut self, qp: &Qp, limits: &mut Limits<'_>, out: &mut Solution) -> Status {
+    fn run(
+        &mut self,
+        qp: &Qp,
+        limits: &mut Limits<'_>,
+        start: Factorisation,
+        out: &mut Solution,
+    ) -> Status {
         let n = qp.n();
         self.stride = padded(n);
         self.point.reset(qp);
@@ -192,10 +195,9 @@ impl Dual {
         v[n..].fill(0.0);
         self.hessian.shift(v);
         self.hessian.solve_transposed(v);
-        self.set.reset(n, v);
+        self.set.reset(qp, v, start);
         self.settled[..count(qp)].fill(false);
         self.implied.clear();
-        self.normals.forget(qp);
         if !self.hold_equalities(qp, out) {
             return Status::Infeasible;
         }
@@ -254,22 +256,21 @@ impl Dual {
 
     /// Holds all equality rows and fixed variables; false if they contradict one another.
     fn hold_equalities(&mut self, qp: &Qp, out: &mut Solution) -> bool {
-        let mut deferred = 0;
+        self.outside.clear();
         for constraint in equalities(qp) {
             self.settled[constraint.index] = true;
             if !self.push_beyond(qp, constraint, 0.0, DISTINCT) {
-                self.outside[deferred] = constraint.index;
-                deferred += 1;
+                self.outside.push(constraint.index);
             }
         }
-        for i in 0..deferred {
+        for i in 0..self.outside.len() {
             let index = self.outside[i];
             let constraint = equality(qp, index);
             if self.push(qp, constraint, 0.0) || is_empty(qp, index) {
                 continue;
             }
             // Depends on those held: either implied by them, or in contradiction.
-            self.set.combine(&self.w);
+            self.set.combine();
             for side in [1.0, -1.0] {
                 if self.contradicts(qp, Active { side, ..constraint }) {
                     self.certify(qp, index, side, out);
@@ -309,39 +310,20 @@ impl Dual {
         }
     }
 
-    /// Holds a constraint, with `w` in `self.w`; false if it depends on those held.
+    /// Holds a constraint; false if it depends on those held.
     fn push(&mut self, qp: &Qp, constraint: Active, multiplier: f64) -> bool {
         self.push_beyond(qp, constraint, multiplier, DEPENDENT)
     }
 
     /// Holds a constraint whose angle to those held has more than this sine.
     fn push_beyond(&mut self, qp: &Qp, constraint: Active, multiplier: f64, sine: f64) -> bool {
-        if !self.set.has_room() {
-            self.rebuild(qp);
+        let is_held = self
+            .set
+            .push(qp, &self.hessian, constraint, multiplier, sine);
+        while let Some(dropped) = self.set.next_dropped() {
+            self.settled[dropped.index] = dropped.side == 0.0;
         }
-        let w = &mut self.w[..self.stride];
-        let range = self.normals.copy(qp, &self.hessian, constraint.index, w);
-        self.set.push(constraint, multiplier, sine, (range, w))
-    }
-
-    /// Factorises the held constraints anew, when the product of reflections and rotations has become too long.
-    fn rebuild(&mut self, qp: &Qp) {
-        let n = qp.n();
-        let count = self.set.len();
-        self.violated.clear();
-        for (&held, &multiplier) in self.set.active().iter().zip(&self.set.multipliers) {
-            self.violated.push((multiplier, held));
-        }
-        self.set.linear_term(&mut self.v[..self.stride]);
-        self.set.reset(n, &self.v[..self.stride]);
-        for i in 0..count {
-            let (multiplier, held) = self.violated[i];
-            let w = &mut self.w[..self.stride];
-            let range = self.normals.copy(qp, &self.hessian, held.index, w);
-            if !self.set.push(held, multiplier, DEPENDENT, (range, w)) {
-                self.settled[held.index] = held.side == 0.0;
-            }
-        }
+        is_held
     }
 
     /// Lets the j-th constraint held go.

@@ -17,6 +17,7 @@ use super::{
     dual::{Dual, clear},
     kernels::{axpy, dot, largest},
     limits::Limits,
+    working_set::Factorisation,
 };
 use crate::{Capacity, Defect, Qp, Solution, Status};
 use face::Face;
@@ -194,7 +195,8 @@ impl Proximal {
             for ((out, g), centre) in terms.zip(&self.centre) {
                 *out = g - weight * centre;
             }
-            let status = dual.solve(&self.scaled, limits, out.iterations, out);
+            let start = (out.iterations, Factorisation::Reflections);
+            let status = dual.solve(&self.scaled, limits, start, out);
             if status != Status::Optimal {
                 return status;
             }
