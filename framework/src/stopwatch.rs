@@ -3,16 +3,6 @@
 #[doc(no_inline)]
 pub use wbqp_qp::Stopwatch;
 
-/// No clock: all stage times are zero.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct NoStopwatch;
-
-impl Stopwatch for NoStopwatch {
-    fn now(&mut self) -> f64 {
-        0.0
-    }
-}
-
 /// Duration of each stage of a tick, s.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StageTimes {

@@ -8,26 +8,14 @@
 //! those six, `S_f` the rest.
 #![allow(non_snake_case)]
 
+mod bind;
 mod detector;
-mod motion;
-pub(crate) mod sensor_zero;
 mod short;
 mod spec;
 mod state;
 
 pub use detector::{ContactEvent, Detector};
-pub use motion::SurfaceMotion;
 pub use short::{Motion, ShortContact};
-pub use spec::{ContactKind, ContactSpec, FreeForce, Surface};
-pub use state::ContactState;
-
-/// Index of a contact, in the order of the configuration.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct ContactId(pub(crate) u32);
-
-impl ContactId {
-    /// Position in the configuration's list.
-    pub fn index(self) -> usize {
-        self.0 as usize
-    }
-}
+pub use spec::{ContactSpec, FreeForce, Surface};
+pub(crate) use state::{ContactBinding, SensorZero, low_pass};
+pub use state::{ContactId, ContactKind, ContactState, SurfaceMotion};

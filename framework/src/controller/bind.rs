@@ -1,28 +1,26 @@
 //! Makes a controller from its configuration: resolves names, declares rows, fixes sizes.
 
 use super::{
-    Controller,
-    command::Command,
-    contact_binding::ContactBinding,
+    Command, Controller,
     entry_id::Stamp,
     fallback::{Age, Clock, Fallback},
-    first::FirstTick,
     fit::{Sizes, make_entry, unlimited_moments},
-    gate::Gate,
     home,
     hover::{hover, missing_wrench, must_hover},
+    measurement::Plausible,
     memory::{Memory, Need, Stored},
     misfits::{Misfit, Misfits},
     names::owners,
     observer::Observer,
-    plausible::Plausible,
+    output::Gate,
     record::MadeFrom,
     report::{FallbackLevel, OnLevel, Report},
-    running::RunningPlugin,
+    running::{FirstTick, RunningPlugin},
+    tick::NoStopwatch,
     world::World,
 };
 use crate::{
-    contact::ContactSpec,
+    contact::{ContactBinding, ContactSpec},
     error::BindError,
     plugin::{
         AnyConstraint, AnyFallbackLaw, AnyPlugin, AnyTask, BoundFallbackLaw, BoundPlugin, Entry,
@@ -32,7 +30,6 @@ use crate::{
     qp::{ActiveSet, Capacity, Qp, QpSolver as _, Solution, Solver, WarmStart},
     robot::RobotModel,
     settings::{MeasurementLimits, Settings},
-    stopwatch::NoStopwatch,
 };
 use wbqp_dynamics::{Actuation, model::FrameId};
 

@@ -1,56 +1,12 @@
-//! The first tick: references begin at what was measured, and nothing moves if a task is implausibly far from what it
-//! wants.
-//!
-//! A tick is the first until one was plausible: after a refused one time counts anew, and references begin at what the
-//! next one measures.
+//! How the errors of a first tick count, known once, and in words.
 
-use super::{report::TaskReport, running::RunningPlugin, world::World};
+use super::running::{Counts, Distance, FirstTick, Quantity};
 use crate::{
-    fault::Fault,
-    plugin::{EntryState, Layout, layout::VdotBlock},
+    plugin::{Layout, layout::VdotBlock},
     problem::BoundEntry,
-    settings::{FirstError, StartFrom},
+    settings::FirstError,
 };
 use wbqp_dynamics::model::{Base, Model};
-
-/// What is remembered of the first tick, and how large its errors may be.
-#[derive(Clone, Debug)]
-pub(super) struct FirstTick {
-    /// Whether a tick was plausible.
-    pub(super) is_over: bool,
-    /// Whether one was refused.
-    was_refused: bool,
-    limits: FirstError,
-    /// How the errors of each task count, row by row.
-    errors: Vec<Vec<Counts>>,
-}
-
-/// How the error of a row counts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Counts {
-    /// Not at all: it is neither a length nor an angle.
-    No,
-    /// A joint's, by itself.
-    Alone(Quantity),
-    /// A component of the task's position or orientation.
-    Together(Quantity),
-}
-
-/// What an error is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Quantity {
-    /// m.
-    Position,
-    /// rad.
-    Rotation,
-}
-
-/// The largest distance and angle among a task's errors, m and rad.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Distance {
-    pub(super) position: f64,
-    pub(super) rotation: f64,
-}
 
 impl FirstTick {
     pub(super) fn new(limits: FirstError, tasks: &[BoundEntry], model: &Model) -> Self {
@@ -63,24 +19,19 @@ impl FirstTick {
         }
     }
 
-    /// How far a task is from what it wants.
-    pub(super) fn distance(&self, task: usize, errors: &[f64]) -> Distance {
-        let rows = self.errors.get(task).map(Vec::as_slice).unwrap_or_default();
-        let of = |quantity: Quantity| {
-            let (mut alone, mut squares) = (0.0_f64, 0.0);
-            for (counts, error) in rows.iter().zip(errors) {
-                match counts {
-                    Counts::Alone(q) if *q == quantity => alone = alone.max(error.abs()),
-                    Counts::Together(q) if *q == quantity => squares += error * error,
-                    _ => {}
-                }
-            }
-            alone.max(f64::sqrt(squares))
+    /// [`Fault::FirstError`](crate::fault::Fault::FirstError) in words, of a task with these errors.
+    pub(super) fn error_text(&self, task: usize, name: &str, errors: &[f64]) -> String {
+        let Distance { position, rotation } = self.distance(task, errors);
+        let limits = &self.limits;
+        let (key, unit, error, limit) = if position > limits.position {
+            ("position", "m", position, limits.position)
+        } else {
+            ("rotation", "rad", rotation, limits.rotation)
         };
-        Distance {
-            position: of(Quantity::Position),
-            rotation: of(Quantity::Rotation),
-        }
+        format!(
+            "task `{name}` is {error:.3} {unit} from its reference in the first tick, more than \
+             `max_first_error.{key}` = {limit} {unit} in [controller] allows: nothing moves until it is nearer"
+        )
     }
 }
 
@@ -115,70 +66,6 @@ fn counts(layout: &Layout, model: &Model) -> Vec<Counts> {
         }
     };
     layout.rows.iter().enumerate().map(count).collect()
-}
-
-impl FirstTick {
-    /// Lets references begin at what is measured. Before the plug-ins write the rows of a first tick.
-    pub(super) fn begin(&self, start: StartFrom, world: &World, plugins: &mut [RunningPlugin]) {
-        if self.was_refused {
-            // What the refused tick left in integrators and at points of touch.
-            for plugin in plugins.iter_mut() {
-                plugin.plugin.activate();
-            }
-        }
-        if start == StartFrom::Home {
-            return;
-        }
-        let tick = world.tick(EntryState::ON);
-        for plugin in plugins {
-            for reference in &mut plugin.references {
-                reference.start_here(&tick);
-            }
-        }
-    }
-
-    /// Whether the rows of a first tick are plausible; the errors of all tasks are in their reports if they are not.
-    ///
-    /// # Errors
-    /// [`Fault::FirstError`] with the first task whose error is too large.
-    pub(super) fn check(
-        &mut self,
-        tasks: &[BoundEntry],
-        reports: &mut [TaskReport],
-    ) -> Result<(), Fault> {
-        let limits = &self.limits;
-        let is_far = |(task, entry): (usize, &BoundEntry)| {
-            let Distance { position, rotation } = self.distance(task, &entry.store.error);
-            entry.live && (position > limits.position || rotation > limits.rotation)
-        };
-        let Some(task) = tasks.iter().enumerate().position(is_far) else {
-            self.is_over = true;
-            return Ok(());
-        };
-        self.was_refused = true;
-        for (entry, report) in tasks.iter().zip(reports) {
-            report.alpha = if entry.live { entry.alpha } else { 0.0 };
-            for (out, error) in report.error.iter_mut().zip(&entry.store.error) {
-                *out = if entry.live { *error } else { 0.0 };
-            }
-        }
-        Err(Fault::FirstError(task))
-    }
-
-    /// [`Fault::FirstError`] in words, of a task with these errors.
-    pub(super) fn error_text(&self, task: usize, name: &str, errors: &[f64]) -> String {
-        let Distance { position, rotation } = self.distance(task, errors);
-        let limits = &self.limits;
-        let (key, unit, error, limit) = if position > limits.position {
-            ("position", "m", position, limits.position)
-        } else {
-            ("rotation", "rad", rotation, limits.rotation)
-        };
-        format!(
-            "task `{name}` is {error:.3} {unit} from its reference in the first tick, more than \
-             `max_first_error.{key}` = {limit} {unit} in [controller] allows: nothing moves until it is nearer"
-        )
-    }
 }
 
 #[cfg(test)]

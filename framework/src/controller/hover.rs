@@ -4,13 +4,13 @@
 //! `min ‖S u − g(q_home)‖²` subject to the limits of the efforts `u`. What is left, `g − S u`, is the generalised force
 //! that is missing; its first six components are the force and the moment on the base, in world axes.
 
-use super::{Controller, report::FallbackLevel};
+use super::{Command, Controller, report::FallbackLevel};
 use crate::{
     qp::{Budget, Status, VarId},
     robot::RobotModel,
     settings::Hover,
 };
-use wbqp_dynamics::model::Base;
+use wbqp_dynamics::{actuator::ActuatorKind, model::Base};
 
 /// Forces below this share of the weight, and moments below this share of the weight at 1 m, count as none.
 const NEGLIGIBLE: f64 = 1e-4;
@@ -173,5 +173,19 @@ fn saturation(robot: &RobotModel, effort: &[f64]) -> String {
         (0, n) => format!("{n} of {all} rotors at their largest thrust"),
         (n, 0) => format!("{n} of {all} rotors at their least thrust"),
         (n, m) => format!("{m} of {all} rotors at their largest thrust, {n} at their least"),
+    }
+}
+
+impl Command {
+    /// Takes efforts over, clipped to the actuators' limits, and converts thrusts to rotor speeds: for the command
+    /// before the first tick. Those of ticks go through the [`Gate`](super::output::Gate).
+    pub(crate) fn hover(&mut self, robot: &RobotModel, effort: &[f64]) {
+        for (i, actuator) in robot.actuators.iter().enumerate() {
+            let u = effort[i].max(actuator.lower).min(actuator.upper);
+            self.effort[i] = u;
+            if let ActuatorKind::Rotor(rotor) = &actuator.kind {
+                self.rotor_speed[i] = rotor.speed(u);
+            }
+        }
     }
 }

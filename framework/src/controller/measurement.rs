@@ -1,13 +1,25 @@
-//! What the sensors say at the beginning of a tick.
+//! What the sensors say at the beginning of a tick, and whether it can be true of the robot.
+//!
+//! # What is compared
+//! Speeds and forces with a bound each ([`bounds`](super::bounds)). Positions and velocities, besides, with those of
+//! the last usable measurement. Positions may have changed by a bound per period, for as many periods as the robot was
+//! not seen, and while it was seen by twice what its speed explains. Velocities may have changed by a bound for all the
+//! time in between.
+//!
+//! A robot is seen by every measurement whose speeds and forces are plausible, also by one that has jumped. So after an
+//! outage the robot may be as far away as it could have come in that time, and a blow too hard to be believed is over
+//! when it is over; but where measurements go on regularly, and lie elsewhere than their own speeds could have brought
+//! the robot, waiting does not make the jump plausible: it has to be said that it is meant
+//! ([`Controller::reset`](super::Controller::reset)), or to end.
 
-use nalgebra::Vector6;
+use nalgebra::{UnitQuaternion, Vector6};
 
 use crate::{
     contact::ContactId,
-    fault::{Fault, Quantity},
+    fault::{Fault, Implausible, Measured, Quantity},
     robot::RobotModel,
 };
-use wbqp_dynamics::state::State;
+use wbqp_dynamics::{model::JointId, state::State};
 
 /// The inputs of a tick.
 #[derive(Clone, Debug)]
@@ -31,18 +43,6 @@ impl Measurement {
             time: 0.0,
             state: robot.home.clone(),
             wrenches: vec![Vector6::zeros(); contacts],
-        }
-    }
-
-    /// Copies another measurement without allocating; of one of other sizes the time only.
-    pub(super) fn copy_from(&mut self, other: &Self) {
-        self.time = other.time;
-        let (state, others) = (&mut self.state, &other.state);
-        if (state.q.len(), state.v.len()) == (others.q.len(), others.v.len()) {
-            state.copy_from(others);
-        }
-        if self.wrenches.len() == other.wrenches.len() {
-            self.wrenches.copy_from_slice(&other.wrenches);
         }
     }
 
@@ -94,4 +94,204 @@ impl Measurement {
             .position(bad)
             .map(|i| Fault::NotFinite(Quantity::Wrench(ContactId(i as u32))))
     }
+}
+
+/// Bounds for a robot, and when it was seen. In storage made once.
+#[derive(Clone, Debug)]
+pub(super) struct Plausible {
+    pub(super) linear_velocity: f64,
+    pub(super) angular_velocity: f64,
+    pub(super) linear_acceleration: f64,
+    pub(super) angular_acceleration: f64,
+    /// Per period.
+    pub(super) position_jump: f64,
+    pub(super) rotation_jump: f64,
+    pub(super) joints: Vec<JointBounds>,
+    /// Force and moment of each contact.
+    pub(super) wrenches: Vec<[f64; 2]>,
+    pub(super) period: f64,
+    pub(super) seen: Seen,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(super) struct JointBounds {
+    pub(super) velocity: f64,
+    pub(super) acceleration: f64,
+    pub(super) jump: f64,
+}
+
+/// When the robot was seen.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Seen {
+    /// Stamp of the last measurement whose speeds and forces were plausible; nothing if there is none to compare with.
+    pub(super) last: Option<f64>,
+    /// The longest time between two of them since the last usable one, s.
+    pub(super) gap: f64,
+}
+
+impl Plausible {
+    /// What of a measurement is not plausible, if anything; all its numbers are finite. `last` is the last usable
+    /// state, and `stamp` its time.
+    pub(super) fn fault(
+        &mut self,
+        measurement: &Measurement,
+        last: &State,
+        stamp: Option<f64>,
+    ) -> Option<Fault> {
+        let now = measurement.time;
+        let fault = self.speeds(measurement).or_else(|| {
+            let unseen = self.see(now)?;
+            let passed = stamp.map_or(unseen, |stamp| unseen.max(now - stamp));
+            self.since(&measurement.state, last, [unseen, passed])
+        });
+        if fault.is_none() {
+            self.seen.gap = 0.0;
+        }
+        fault
+            .or_else(|| self.forces(measurement))
+            .map(Fault::Implausible)
+    }
+
+    /// The next measurement is compared with a state that was seen at this time.
+    pub(super) fn restart(&mut self, stamp: f64) {
+        self.seen = Seen {
+            last: Some(stamp),
+            gap: 0.0,
+        };
+    }
+
+    /// Takes down that the robot is seen now; for how long it was not since the last usable measurement, if there was
+    /// one.
+    fn see(&mut self, stamp: f64) -> Option<f64> {
+        let last = self.seen.last.replace(stamp)?;
+        self.seen.gap = self.seen.gap.max(stamp - last);
+        Some(self.seen.gap.max(self.period))
+    }
+
+    pub(super) fn speeds(&self, measurement: &Measurement) -> Option<Implausible> {
+        let v = measurement.state.v.as_slice();
+        let (base, joints) = split(v, measurement.state.q.len());
+        if let Some([linear, angular]) = base {
+            let fault = beyond(Measured::LinearVelocity, norm(linear), self.linear_velocity)
+                .or_else(|| {
+                    let speed = norm(angular);
+                    beyond(Measured::AngularVelocity, speed, self.angular_velocity)
+                });
+            if fault.is_some() {
+                return fault;
+            }
+        }
+        let joints = joints.iter().zip(&self.joints).enumerate();
+        let mut joints = joints.filter_map(|(i, (v, bounds))| {
+            let joint = Measured::JointVelocity(JointId::new(i));
+            beyond(joint, v.abs(), bounds.velocity)
+        });
+        joints.next()
+    }
+
+    pub(super) fn forces(&self, measurement: &Measurement) -> Option<Implausible> {
+        let wrenches = measurement.wrenches.iter().zip(&self.wrenches).enumerate();
+        let mut wrenches = wrenches.filter_map(|(i, (wrench, [most_force, most_moment]))| {
+            let contact = ContactId(i as u32);
+            let [fx, fy, fz, mx, my, mz] = <[f64; 6]>::from(*wrench);
+            let force = norm([fx, fy, fz]);
+            beyond(Measured::Force(contact), force, *most_force).or_else(|| {
+                let moment = norm([mx, my, mz]);
+                beyond(Measured::Moment(contact), moment, *most_moment)
+            })
+        });
+        wrenches.next()
+    }
+
+    /// What has changed too much since a state that is `passed` seconds old, of which the robot was not seen for so
+    /// many.
+    fn since(&self, now: &State, last: &State, [unseen, passed]: [f64; 2]) -> Option<Implausible> {
+        let periods = unseen / self.period;
+        // Nothing in an ordinary tick.
+        let seen = 2.0 * (passed - unseen);
+        let (base, joint_speeds) = split(now.v.as_slice(), now.q.len());
+        let (base_before, speeds_before) = split(last.v.as_slice(), last.q.len());
+        let speed = |i: usize| {
+            let [now, before] = [base, base_before].map(|v| v.map_or(0.0, |v| norm(v[i])));
+            now.max(before)
+        };
+        let jump = norm((now.p_WR - last.p_WR).into());
+        let most = self.position_jump * periods + seen * speed(0);
+        let fault = beyond(Measured::PositionJump, jump, most);
+        let fault = fault.or_else(|| {
+            let angle = last
+                .R_WR
+                .angle_to(&UnitQuaternion::new_normalize(*now.R_WR));
+            let most = self.rotation_jump * periods + seen * speed(1);
+            beyond(Measured::RotationJump, angle, most)
+        });
+        if fault.is_some() {
+            return fault;
+        }
+        let speeds = joint_speeds.iter().zip(speeds_before);
+        let joints = now.q.iter().zip(last.q.iter()).zip(speeds);
+        let mut joints = joints.zip(&self.joints).enumerate();
+        let fault = joints.find_map(|(i, (((q, q_before), (v, v_before)), bounds))| {
+            let joint = JointId::new(i);
+            let most = bounds.jump * periods + seen * v.abs().max(v_before.abs());
+            beyond(Measured::JointJump(joint), (q - q_before).abs(), most).or_else(|| {
+                let rate = (v - v_before).abs() / passed;
+                beyond(
+                    Measured::JointAcceleration(joint),
+                    rate,
+                    bounds.acceleration,
+                )
+            })
+        });
+        let (Some(base), Some(base_before)) = (base, base_before) else {
+            return fault;
+        };
+        let rate = |i: usize| {
+            let (now, before): ([f64; 3], [f64; 3]) = (base[i], base_before[i]);
+            norm(std::array::from_fn(|k| now[k] - before[k])) / passed
+        };
+        let linear = || {
+            beyond(
+                Measured::LinearAcceleration,
+                rate(0),
+                self.linear_acceleration,
+            )
+        };
+        let angular = || {
+            beyond(
+                Measured::AngularAcceleration,
+                rate(1),
+                self.angular_acceleration,
+            )
+        };
+        fault.or_else(linear).or_else(angular)
+    }
+}
+
+fn beyond(quantity: Measured, value: f64, limit: f64) -> Option<Implausible> {
+    (value > limit).then_some(Implausible {
+        quantity,
+        value,
+        limit,
+    })
+}
+
+/// Linear and angular velocity of a floating base, and the joints'.
+fn split(v: &[f64], joints: usize) -> (Option<[[f64; 3]; 2]>, &[f64]) {
+    let (base, joints) = v.split_at(v.len().saturating_sub(joints));
+    let base = match *base {
+        [vx, vy, vz, wx, wy, wz] => Some([[vx, vy, vz], [wx, wy, wz]]),
+        _ => None,
+    };
+    (base, joints)
+}
+
+/// Length of a vector, also where its square overflows.
+fn norm(vector: [f64; 3]) -> f64 {
+    let largest = vector.into_iter().fold(0.0, |a: f64, x| a.max(x.abs()));
+    if largest == 0.0 || largest.is_infinite() {
+        return largest;
+    }
+    let squares = vector.map(|x| (x / largest) * (x / largest));
+    largest * squares.into_iter().sum::<f64>().sqrt()
 }

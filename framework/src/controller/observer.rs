@@ -20,9 +20,9 @@
 
 use nalgebra::{DVector, Matrix6, Vector3, Vector6};
 
-use super::{low_pass::low_pass, report::FallbackLevel};
+use super::report::FallbackLevel;
 use crate::{
-    contact::ContactState,
+    contact::{ContactState, low_pass},
     plugin::PreviousSolution,
     settings::{ContactForces, Observer as Settings},
 };

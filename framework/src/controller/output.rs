@@ -1,10 +1,285 @@
-//! What a solved tick says of forces, tasks and limits.
+//! What a tick gives: the command, through the last gate, and the report.
+//!
+//! # Velocity references
+//! A servoed joint receives a velocity reference that integrates the commanded acceleration and leaks to the
+//! measured velocity with time constant `τ_ℓ`:
+//! `v_ref⁺ = sat(v_ref + T v̇_A* − (T/τ_ℓ)(v_ref − v_meas))`, where T is the time that the tick stands for
+//! ([`Tick::elapsed`](crate::plugin::Tick::elapsed)). The leak is the anti-windup; drift of the position is
+//! removed by the posture task.
+//!
+//! # The last gate
+//! Through it every command of every level leaves the controller. An effort may be anything within
+//! ```text
+//! [max(u_l, u⁻ − r T), min(u_u, u⁻ + r T)]
+//! ```
+//! with the actuator's limits `u_l, u_u`, the effort `u⁻` that was sent last, the actuator's `slew` r and the time T
+//! since then, at most a period. The ends are rounded inwards, so that `|u − u⁻| ≤ r T` holds for the numbers that are
+//! sent, compared exactly. What was sent last is always inside: the interval is never empty.
+//!
+//! An effort outside is moved to the nearer end; one that is not a number, or whose rotor speed is none, is replaced by
+//! the one sent last. A velocity reference stays within the joint's limit, and is replaced by the last one if it is no
+//! number.
+//!
+//! What is cut off by more than [`NEGLIGIBLE`] of the actuator's range (of the effort's own size where there is no
+//! limit) was not rounding: that command is not the optimum, whatever the solver said, and the tick says so.
 
 use super::{ActiveRow, ContactReport, Report, Side, world::World};
 use crate::{
+    fault::Fault,
     problem::{BoundEntry, Problem, dot},
     qp::{Qp, Solution},
+    robot::RobotModel,
 };
+use wbqp_dynamics::{
+    actuator::{Actuator, ActuatorId, ActuatorKind},
+    model::{JointId, Model},
+    state::State,
+};
+
+/// The command of a tick, in storage made once.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Command {
+    /// Effort of every actuator in the order of `u`: thrust N, torque N·m or force N.
+    pub effort: Vec<f64>,
+    /// Speed of every actuator that is a rotor, rad/s; 0 for joints. Same order as `effort`.
+    pub rotor_speed: Vec<f64>,
+    /// Acceleration of every joint, rad/s² or m/s², in the model's order.
+    pub joint_acceleration: Vec<f64>,
+    /// Velocity reference of every joint, rad/s or m/s, in the model's order.
+    pub joint_velocity: Vec<f64>,
+}
+
+impl Command {
+    pub(crate) fn new(robot: &RobotModel) -> Self {
+        let joints = robot.model.joints().len();
+        Self {
+            effort: vec![0.0; robot.nu()],
+            rotor_speed: vec![0.0; robot.nu()],
+            joint_acceleration: vec![0.0; joints],
+            joint_velocity: vec![0.0; joints],
+        }
+    }
+
+    /// Takes over another command of the same robot.
+    pub(crate) fn copy_from(&mut self, other: &Self) {
+        self.effort.copy_from_slice(&other.effort);
+        self.rotor_speed.copy_from_slice(&other.rotor_speed);
+        self.joint_acceleration
+            .copy_from_slice(&other.joint_acceleration);
+        self.joint_velocity.copy_from_slice(&other.joint_velocity);
+    }
+
+    /// Takes accelerations over and integrates the velocity references over the time that the tick stands for.
+    pub(crate) fn integrate(
+        &mut self,
+        model: &Model,
+        state: &State,
+        vdot: &[f64],
+        seconds: f64,
+        leak: f64,
+    ) {
+        let offset = model.joint_offset();
+        let share = leaked(seconds, leak);
+        for (i, joint) in model.joints().iter().enumerate() {
+            let acceleration = vdot[offset + i];
+            let measured = state.v[offset + i];
+            let reference = self.joint_velocity[i];
+            let limit = joint.limits.velocity;
+            let next = reference + seconds * acceleration - share * (reference - measured);
+            self.joint_acceleration[i] = acceleration;
+            self.joint_velocity[i] = next.clamp(-limit, limit);
+        }
+    }
+
+    /// Starts the velocity references at the measured velocities.
+    pub(crate) fn engage(&mut self, model: &Model, state: &State) {
+        let offset = model.joint_offset();
+        for (i, joint) in model.joints().iter().enumerate() {
+            let limit = joint.limits.velocity;
+            self.joint_velocity[i] = state.v[offset + i].clamp(-limit, limit);
+        }
+    }
+}
+
+/// Share of the distance from the measured velocity that leaks away in a time; never more than all of it.
+pub(super) fn leaked(seconds: f64, leak: f64) -> f64 {
+    (seconds / leak).min(1.0)
+}
+
+/// Share of an actuator's range that counts as rounding.
+pub(super) const NEGLIGIBLE: f64 = 1e-9;
+
+/// What the last gate did to an effort.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CutEffort {
+    /// Whose.
+    pub actuator: ActuatorId,
+    /// What would have been sent, N or N·m.
+    pub asked: f64,
+    /// What was sent, N or N·m.
+    pub sent: f64,
+}
+
+/// What the gate changed by more than rounding, the first of each kind.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cut {
+    pub(super) effort: Option<CutEffort>,
+    velocity: Option<JointId>,
+}
+
+impl Cut {
+    pub(super) fn fault(&self) -> Option<Fault> {
+        let effort = self.effort.map(|cut| Fault::CutEffort(cut.actuator));
+        effort.or(self.velocity.map(Fault::CutVelocity))
+    }
+}
+
+/// What was sent last, and where efforts may go in this tick. In storage made once.
+#[derive(Clone, Debug)]
+pub(super) struct Gate {
+    last: Command,
+    window: Vec<[f64; 2]>,
+}
+
+impl Gate {
+    pub(super) fn new(robot: &RobotModel) -> Self {
+        Self {
+            last: Command::new(robot),
+            window: robot.actuators.iter().map(|a| [a.lower, a.upper]).collect(),
+        }
+    }
+
+    /// Takes down what was sent last, `seconds` ago.
+    pub(super) fn open(&mut self, robot: &RobotModel, last: &Command, seconds: f64) {
+        self.last.copy_from(last);
+        let efforts = robot.actuators.iter().zip(&last.effort);
+        for (window, (actuator, sent)) in self.window.iter_mut().zip(efforts) {
+            *window = reachable(actuator, *sent, seconds);
+        }
+    }
+
+    /// Where each effort may go.
+    pub(super) fn window(&self) -> &[[f64; 2]] {
+        &self.window
+    }
+
+    /// The first effort of which more than rounding would be cut off.
+    pub(super) fn first_cut(&self, robot: &RobotModel, efforts: &[f64]) -> Option<CutEffort> {
+        let each = robot.actuators.iter().zip(efforts).enumerate();
+        let mut cuts = each.map(|(i, (actuator, &asked))| {
+            let sent = self.effort(i, &actuator.kind, asked);
+            is_cut(actuator, asked, sent).then_some(CutEffort {
+                actuator: ActuatorId::new(i),
+                asked,
+                sent,
+            })
+        });
+        cuts.find_map(|cut| cut)
+    }
+
+    /// Lets a command pass: finite, and within all limits. Says what had to be changed by more than rounding.
+    pub(super) fn pass(&self, robot: &RobotModel, command: &mut Command) -> Cut {
+        let effort = self.first_cut(robot, &command.effort);
+        for (i, actuator) in robot.actuators.iter().enumerate() {
+            let effort = self.effort(i, &actuator.kind, command.effort[i]);
+            command.effort[i] = effort;
+            if let ActuatorKind::Rotor(rotor) = &actuator.kind {
+                command.rotor_speed[i] = rotor.speed(effort);
+            }
+        }
+        Cut {
+            effort,
+            velocity: self.pass_velocities(&robot.model, command),
+        }
+    }
+
+    fn effort(&self, index: usize, kind: &ActuatorKind, asked: f64) -> f64 {
+        let [least, most] = self.window[index];
+        let effort = asked.max(least).min(most);
+        let speed = match kind {
+            ActuatorKind::Rotor(rotor) => rotor.speed(effort),
+            ActuatorKind::Joint(_) => 0.0,
+        };
+        if asked.is_nan() || !effort.is_finite() || !speed.is_finite() {
+            self.last.effort[index]
+        } else {
+            effort
+        }
+    }
+
+    fn pass_velocities(&self, model: &Model, command: &mut Command) -> Option<JointId> {
+        let mut first = None;
+        for (i, joint) in model.joints().iter().enumerate() {
+            let limit = joint.limits.velocity;
+            let asked = command.joint_velocity[i];
+            let reference = if asked.is_finite() {
+                asked
+            } else {
+                self.last.joint_velocity[i]
+            };
+            let reference = reference.max(-limit).min(limit);
+            let size = if limit.is_finite() {
+                2.0 * limit
+            } else {
+                asked.abs()
+            };
+            let changed = !asked.is_finite() || (reference - asked).abs() > NEGLIGIBLE * size;
+            if changed && first.is_none() {
+                first = Some(JointId::new(i));
+            }
+            command.joint_velocity[i] = reference;
+            if !command.joint_acceleration[i].is_finite() {
+                command.joint_acceleration[i] = 0.0;
+            }
+        }
+        first
+    }
+}
+
+/// Whether what was asked is further from what is sent than rounding.
+fn is_cut(actuator: &Actuator, asked: f64, sent: f64) -> bool {
+    let range = actuator.upper - actuator.lower;
+    let size = if range > 0.0 && range.is_finite() {
+        range
+    } else {
+        asked.abs()
+    };
+    let is_rounding = (asked - sent).abs() <= NEGLIGIBLE * size;
+    !is_rounding || !asked.is_finite()
+}
+
+/// The efforts that an actuator may have `seconds` after one that was sent.
+fn reachable(actuator: &Actuator, sent: f64, seconds: f64) -> [f64; 2] {
+    let most = actuator.slew * seconds;
+    if most.is_nan() {
+        // An infinite rate for no time.
+        return [sent; 2];
+    }
+    [
+        actuator.lower.max(inwards(sent - most, sent, most)),
+        actuator.upper.min(inwards(sent + most, sent, most)),
+    ]
+}
+
+/// The end of an interval around `sent` whose computed distance from there is at most `most`: two roundings at the
+/// most.
+fn inwards(mut end: f64, sent: f64, most: f64) -> f64 {
+    for _ in 0..2 {
+        if (end - sent).abs() <= most {
+            return end;
+        }
+        end = if end < sent {
+            end.next_up()
+        } else {
+            end.next_down()
+        };
+    }
+    if (end - sent).abs() <= most {
+        end
+    } else {
+        sent
+    }
+}
 
 /// How near a limit a value is at it, in the unit of the limit, and as a share of the limit where that is larger than
 /// one.
@@ -114,5 +389,75 @@ fn near(value: f64, lower: f64, upper: f64) -> (Side, f64) {
         (Side::Lower, lower)
     } else {
         (Side::Upper, upper)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use wbqp_dynamics::actuator::{Drive, JointMotor};
+
+    fn motor(lower: f64, upper: f64, slew: f64) -> Actuator {
+        Actuator {
+            name: "motor".to_owned(),
+            kind: ActuatorKind::Joint(JointMotor {
+                joint: JointId::new(0),
+                drive: Drive::Torque,
+            }),
+            lower,
+            upper,
+            slew,
+        }
+    }
+
+    #[test]
+    fn ends_are_within_the_slew_to_the_bit_and_hold_what_was_sent() {
+        // Numbers of all sizes, from a fixed sequence.
+        let mut state = 1_u64;
+        let mut number = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            let unit = (state >> 11) as f64 / (1_u64 << 53) as f64;
+            let size = ((state >> 3) % 61) as i32 - 30;
+            (2.0 * unit - 1.0) * 10_f64.powi(size)
+        };
+        for _ in 0..100_000 {
+            let (sent, slew, seconds) = (number(), number().abs(), number().abs());
+            let free = motor(f64::NEG_INFINITY, f64::INFINITY, slew);
+            let [least, most] = reachable(&free, sent, seconds);
+            assert!(least <= sent && sent <= most);
+            for end in [least, most] {
+                assert!(
+                    (end - sent).abs() <= slew * seconds,
+                    "{sent} {slew} {seconds}"
+                );
+            }
+            // Nothing more than rounding is given away.
+            let step = slew * seconds;
+            let lost = (most - sent - step).abs().max((sent - least - step).abs());
+            assert!(lost <= 4.0 * f64::EPSILON * (sent.abs() + step));
+        }
+    }
+
+    #[test]
+    fn no_slew_and_no_time() {
+        let free = motor(-1.0, 2.0, f64::INFINITY);
+        assert_eq!(reachable(&free, 0.5, 0.004), [-1.0, 2.0]);
+        assert_eq!(reachable(&free, 0.5, 0.0), [0.5, 0.5]);
+        let slow = motor(-1.0, 2.0, 100.0);
+        assert_eq!(reachable(&slow, 2.0, 0.01), [1.0, 2.0]);
+    }
+
+    #[test]
+    fn rounding_is_no_cut() {
+        let limited = motor(-10.0, 10.0, f64::INFINITY);
+        assert!(!is_cut(&limited, 10.0 + 1e-8, 10.0));
+        assert!(is_cut(&limited, 10.0 + 3e-8, 10.0));
+        let free = motor(f64::NEG_INFINITY, f64::INFINITY, 1.0);
+        assert!(!is_cut(&free, 1e3, 1e3 - 1e-7));
+        assert!(is_cut(&free, 1e3, 1e3 - 1e-5));
+        assert!(is_cut(&free, f64::NAN, 0.0) && is_cut(&free, f64::INFINITY, 0.0));
+        assert!(!is_cut(&free, 0.0, 0.0));
     }
 }

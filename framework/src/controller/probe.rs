@@ -4,14 +4,13 @@ use nalgebra::{DMatrix, DVector, Vector6};
 
 use super::{
     Measurement,
-    contact_binding::ContactBinding,
     fit::{Sizes, check_layout},
     report::FallbackLevel,
     running::RunningPlugin,
     world::World,
 };
 use crate::{
-    contact::{ContactId, ContactSpec},
+    contact::{ContactBinding, ContactId, ContactSpec},
     error::BindError,
     plugin::{
         AnyPlugin, BoundPlugin, EntryState, Layout, Setup,

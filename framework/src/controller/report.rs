@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     entry_id::{EntryRef, Stamp},
-    gate::CutEffort,
+    output::CutEffort,
     world::World,
 };
 use crate::{

@@ -4,8 +4,10 @@
 
 use std::any::{Any, type_name};
 
+use nalgebra::DVector;
+
 use super::{
-    Controller, Measurement,
+    Command, Controller, Measurement, Report,
     entry_id::{EntryId, EntryRef},
     entry_view::EntryView,
     error::RequestError,
@@ -21,7 +23,11 @@ use crate::{
     error::BindError,
     fault::Fault,
     plugin::{AnyConstraint, AnyReference, AnyTask, EntryState, Layout, PerRow, Sample, Setup},
-    problem::{BoundEntry, Treatment},
+    problem::{BoundEntry, RowInfo, Treatment, VarInfo},
+    qp::{Qp, RowId, Solution, VarId},
+    robot::RobotModel,
+    settings::{MeasurementLimits, Settings},
+    stopwatch::Stopwatch,
 };
 
 impl Controller {
@@ -480,6 +486,76 @@ impl Controller {
         (!records.is_empty()).then(|| Dump::new(directory, configuration, &self.robot, records))
     }
 
+    /// The robot.
+    pub fn robot(&self) -> &RobotModel {
+        &self.robot
+    }
+
+    /// Rate, formulation and the other settings.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// The last command; before the first tick, the one that comes nearest to holding the home posture.
+    pub fn command(&self) -> &Command {
+        &self.command
+    }
+
+    /// The last report.
+    pub fn report(&self) -> &Report {
+        &self.report
+    }
+
+    /// What the command before the first tick leaves unbalanced, `g − S u` at home, N and N·m. Not zero where
+    /// the actuators' limits, or a missing direction of thrust, forbid to hold still.
+    pub fn hover_residual(&self) -> &DVector<f64> {
+        &self.hover_residual
+    }
+
+    /// The problem of the last tick, in physical units.
+    pub fn problem(&self) -> &Qp {
+        &self.qp
+    }
+
+    /// Its solution, in physical units; on the level [`Relaxed`](super::FallbackLevel::Relaxed) that of the relaxed
+    /// problem, as far as it is about the same variables and rows.
+    pub fn solution(&self) -> &Solution {
+        &self.solution
+    }
+
+    /// What the substitution of variables took from row `i` of [`Controller::problem`]: its value, and its limits, as
+    /// its owner wrote them are larger by that, in the row's unit.
+    pub fn row_constant(&self, i: usize) -> f64 {
+        self.problem.constant(i)
+    }
+
+    /// A measurement of the right sizes: the home posture at rest at time 0, no force. For drivers to write into.
+    pub fn measurement(&self) -> Measurement {
+        Measurement::home(&self.robot, self.world.contacts.len())
+    }
+
+    /// What a measurement may be: the bounds of the configuration, and those derived from the robot where it says
+    /// nothing; of joints and contacts the largest.
+    pub fn measurement_limits(&self) -> MeasurementLimits {
+        self.plausible.limits()
+    }
+
+    /// Name and unit of a row.
+    pub fn row(&self, row: RowId) -> Option<&RowInfo> {
+        self.table.rows.get(row.index())
+    }
+
+    /// Name and unit of a variable.
+    pub fn variable(&self, var: VarId) -> Option<&VarInfo> {
+        self.table.vars.get(var.index())
+    }
+
+    /// Lets stage times be measured.
+    pub fn with_stopwatch(mut self, stopwatch: Box<dyn Stopwatch>) -> Self {
+        self.stopwatch = stopwatch;
+        self
+    }
+
     /// The position of an entry.
     fn find(&self, entry: EntryRef<'_>) -> Result<usize, RequestError> {
         match entry {
@@ -527,7 +603,7 @@ fn reweight(entry: &mut BoundEntry, weight: &PerRow) -> Result<(), RequestError>
         let problem = "is zero: a soft inequality without price limits nothing";
         return Err(refused(problem.to_owned()));
     }
-    entry.weight.turn(weight);
+    entry.weight.turn(|row| weight.row(row));
     Ok(())
 }
 

@@ -1,14 +1,20 @@
-//! What runs of an entry in each tick: the plug-in, and the references that it follows.
+//! What runs of the entries in a tick: each plug-in and the references that it follows, and what a first tick adds.
+//!
+//! # The first tick
+//! References begin at what was measured, and nothing moves if a task is implausibly far from what it wants. A tick is
+//! the first until one was plausible: after a refused one time counts anew, and references begin at what the next one
+//! measures.
 
+use super::{report::TaskReport, world::World};
 use crate::{
     error::BindError,
+    fault::Fault,
     plugin::{
-        Displacement, EntryState, Layout, Slopes, bound::Running, followed::Followed,
-        rows::RowStore,
+        Displacement, EntryState, Layout, Slopes, rows::RowStore, rows::Running, tick::Followed,
     },
+    problem::BoundEntry,
+    settings::{FirstError, StartFrom},
 };
-
-use super::world::World;
 
 /// A plug-in and its references.
 #[derive(Debug)]
@@ -72,5 +78,115 @@ impl RunningPlugin {
         tick.references = &self.references;
         let mut slopes = Slopes::new(layout, store);
         self.plugin.differentiate(&tick, moved, &mut slopes)
+    }
+}
+
+/// What is remembered of the first tick, and how large its errors may be.
+#[derive(Clone, Debug)]
+pub(super) struct FirstTick {
+    /// Whether a tick was plausible.
+    pub(super) is_over: bool,
+    /// Whether one was refused.
+    pub(super) was_refused: bool,
+    pub(super) limits: FirstError,
+    /// How the errors of each task count, row by row.
+    pub(super) errors: Vec<Vec<Counts>>,
+}
+
+/// How the error of a row counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Counts {
+    /// Not at all: it is neither a length nor an angle.
+    No,
+    /// A joint's, by itself.
+    Alone(Quantity),
+    /// A component of the task's position or orientation.
+    Together(Quantity),
+}
+
+/// What an error is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Quantity {
+    /// m.
+    Position,
+    /// rad.
+    Rotation,
+}
+
+/// The largest distance and angle among a task's errors, m and rad.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Distance {
+    pub(super) position: f64,
+    pub(super) rotation: f64,
+}
+
+impl FirstTick {
+    /// How far a task is from what it wants.
+    pub(super) fn distance(&self, task: usize, errors: &[f64]) -> Distance {
+        let rows = self.errors.get(task).map(Vec::as_slice).unwrap_or_default();
+        let of = |quantity: Quantity| {
+            let (mut alone, mut squares) = (0.0_f64, 0.0);
+            for (counts, error) in rows.iter().zip(errors) {
+                match counts {
+                    Counts::Alone(q) if *q == quantity => alone = alone.max(error.abs()),
+                    Counts::Together(q) if *q == quantity => squares += error * error,
+                    _ => {}
+                }
+            }
+            alone.max(f64::sqrt(squares))
+        };
+        Distance {
+            position: of(Quantity::Position),
+            rotation: of(Quantity::Rotation),
+        }
+    }
+}
+
+impl FirstTick {
+    /// Lets references begin at what is measured. Before the plug-ins write the rows of a first tick.
+    pub(super) fn begin(&self, start: StartFrom, world: &World, plugins: &mut [RunningPlugin]) {
+        if self.was_refused {
+            // What the refused tick left in integrators and at points of touch.
+            for plugin in plugins.iter_mut() {
+                plugin.plugin.activate();
+            }
+        }
+        if start == StartFrom::Home {
+            return;
+        }
+        let tick = world.tick(EntryState::ON);
+        for plugin in plugins {
+            for reference in &mut plugin.references {
+                reference.start_here(&tick);
+            }
+        }
+    }
+
+    /// Whether the rows of a first tick are plausible; the errors of all tasks are in their reports if they are not.
+    ///
+    /// # Errors
+    /// [`Fault::FirstError`] with the first task whose error is too large.
+    pub(super) fn check(
+        &mut self,
+        tasks: &[BoundEntry],
+        reports: &mut [TaskReport],
+    ) -> Result<(), Fault> {
+        let limits = &self.limits;
+        let is_far = |(task, entry): (usize, &BoundEntry)| {
+            let Distance { position, rotation } = self.distance(task, &entry.store.error);
+            entry.live && (position > limits.position || rotation > limits.rotation)
+        };
+        let Some(task) = tasks.iter().enumerate().position(is_far) else {
+            self.is_over = true;
+            return Ok(());
+        };
+        self.was_refused = true;
+        for (entry, report) in tasks.iter().zip(reports) {
+            report.alpha = if entry.live { entry.alpha } else { 0.0 };
+            for (out, error) in report.error.iter_mut().zip(&entry.store.error) {
+                *out = if entry.live { *error } else { 0.0 };
+            }
+        }
+        Err(Fault::FirstError(task))
     }
 }

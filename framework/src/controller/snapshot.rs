@@ -3,7 +3,7 @@
 
 use nalgebra::{Rotation3, Vector3};
 
-use super::{Command, Controller, Measurement, Report};
+use super::{Command, Controller, Measurement, Report, running::RunningPlugin};
 use crate::{contact::ContactState, plugin::Sample};
 
 /// What a tick took and gave, copied without allocation: for a log or a view that another thread writes.
@@ -61,7 +61,7 @@ impl Snapshot {
     /// Of the last tick, with room for all that a later one may say.
     pub(super) fn of(controller: &Controller) -> Self {
         let tasks = controller.plugins[..controller.task_count].iter();
-        let samples = |plugin: &super::RunningPlugin| {
+        let samples = |plugin: &RunningPlugin| {
             let followed = plugin.references.iter();
             followed.map(|followed| followed.sample.clone()).collect()
         };
@@ -106,5 +106,19 @@ fn copy(out: &mut Sample, sample: &Sample) {
         (Sample::Rotation(out), Sample::Rotation(sample)) => *out = *sample,
         // A reference is replaced by one of the same space only.
         _ => {}
+    }
+}
+
+impl Measurement {
+    /// Copies another measurement without allocating; of one of other sizes the time only.
+    pub(super) fn copy_from(&mut self, other: &Self) {
+        self.time = other.time;
+        let (state, others) = (&mut self.state, &other.state);
+        if (state.q.len(), state.v.len()) == (others.q.len(), others.v.len()) {
+            state.copy_from(others);
+        }
+        if self.wrenches.len() == other.wrenches.len() {
+            self.wrenches.copy_from_slice(&other.wrenches);
+        }
     }
 }

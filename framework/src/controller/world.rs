@@ -6,19 +6,17 @@
 
 use std::sync::Arc;
 
-use nalgebra::{DVector, UnitQuaternion, Vector6};
+use nalgebra::{UnitQuaternion, Vector6};
 
 use super::{
-    contact_binding::ContactBinding,
     measurement::Measurement,
     observer::{LastTick, Observer},
     report::FallbackLevel,
 };
 use crate::{
-    contact::ContactState,
+    contact::{ContactBinding, ContactState},
     plugin::{EntryState, PreviousSolution, Tick},
     problem::{BoundEntry, DynamicsTerms, Problem},
-    robot::RobotModel,
 };
 use wbqp_dynamics::{
     Data, FrameKinematics,
@@ -31,7 +29,7 @@ use wbqp_dynamics::{
 pub(crate) struct World {
     pub(crate) model: Arc<Model>,
     pub(crate) period: f64,
-    /// Time that this tick stands for, s, see [`elapsed`](super::elapsed).
+    /// Time that this tick stands for, s, see [`elapsed`](super::fallback::elapsed).
     pub(crate) elapsed: f64,
     /// Time for which `slew` counts in this tick, s.
     pub(crate) slew_time: f64,
@@ -50,79 +48,7 @@ pub(crate) struct World {
 }
 
 impl World {
-    /// The robot at home and at rest, before the first tick; nothing is computed yet.
-    pub(crate) fn new(
-        robot: &RobotModel,
-        period: f64,
-        bindings: Vec<ContactBinding>,
-        frame_ids: Vec<FrameId>,
-    ) -> Self {
-        let model = robot.model.clone();
-        let contacts = bindings.iter().map(|b| b.initial_state(&model));
-        Self {
-            period,
-            elapsed: period,
-            slew_time: period,
-            time: 0.0,
-            origin: None,
-            state: robot.home.clone(),
-            data: Data::new(&model),
-            frames: frame_ids
-                .iter()
-                .map(|_| FrameKinematics::new(&model))
-                .collect(),
-            frame_ids,
-            contacts: contacts.collect(),
-            last: PreviousSolution {
-                virtual_input: DVector::zeros(model.nv()),
-                vdot: DVector::zeros(model.nv()),
-                effort: DVector::zeros(robot.nu()),
-            },
-            bindings,
-            observer: None,
-            model,
-        }
-    }
-
-    /// The same with everything computed that depends on the home posture, for what is asked while plug-ins are bound.
-    pub(crate) fn at_home(robot: &RobotModel, period: f64, bindings: &[ContactBinding]) -> Self {
-        let mut world = Self::new(robot, period, bindings.to_vec(), Vec::new());
-        world.update_bodies();
-        let contacts = world.contacts.iter_mut().zip(&mut world.bindings);
-        for (contact, binding) in contacts {
-            binding.place(&world.model, &world.data, contact);
-        }
-        world
-    }
-
-    /// Computes what it has not computed yet of these frames, of which it knows the first ones.
-    pub(crate) fn look_at(&mut self, frame_ids: &[FrameId]) {
-        for &id in frame_ids.iter().skip(self.frame_ids.len()) {
-            let mut frame = FrameKinematics::new(&self.model);
-            frame.update(&self.model, &self.data, id);
-            self.frames.push(frame);
-            self.frame_ids.push(id);
-        }
-    }
-
-    /// Computes everything that depends on the state alone, for a state that was recorded; what contacts remember is
-    /// void afterwards.
-    pub(crate) fn refresh(&mut self) {
-        self.update_bodies();
-        let contacts = self.contacts.iter_mut().zip(&mut self.bindings);
-        for (contact, binding) in contacts {
-            binding.update(
-                self.time,
-                self.period,
-                &self.model,
-                &self.data,
-                &Vector6::zeros(),
-                contact,
-            );
-        }
-    }
-
-    fn update_bodies(&mut self) {
+    pub(super) fn update_bodies(&mut self) {
         self.data.update(&self.model, &self.state);
         for (frame, id) in self.frames.iter_mut().zip(&self.frame_ids) {
             frame.update(&self.model, &self.data, *id);
@@ -201,19 +127,6 @@ impl World {
             {
                 contact.set_point = force.reference;
             }
-        }
-    }
-
-    /// The robot is elsewhere: everything that depends on its state, and filters without a past.
-    pub(crate) fn restart(&mut self, m: &Measurement) {
-        self.state.copy_from(&m.state);
-        self.state.R_WR = UnitQuaternion::new_normalize(*m.state.R_WR.quaternion());
-        self.update_bodies();
-        let contacts = self.contacts.iter_mut().zip(&mut self.bindings);
-        for ((contact, binding), wrench) in contacts.zip(&m.wrenches) {
-            binding.place(&self.model, &self.data, contact);
-            binding.zero.mean = Some(*wrench);
-            binding.filtered = binding.sense(wrench, contact);
         }
     }
 

@@ -8,8 +8,9 @@ use std::{
 use crate::{
     error::BindError,
     plugin::{
-        AnyConstraint, AnyTask, Constraint, ConstraintRows, Displacement, Layout, Remembered, Rows,
-        Setup, Slopes, Task, Tick, rows::RowStore,
+        AnyConstraint, AnyTask, Constraint, Displacement, Layout, Remembered, Setup, Slopes, Task,
+        Tick,
+        rows::{Running, RunningConstraint, RunningTask},
     },
 };
 
@@ -104,10 +105,8 @@ mod any {
     }
 }
 
-/// What runs of an entry, whether task or constraint.
-pub(crate) trait Running: Debug + Send {
-    fn update(&mut self, tick: &Tick<'_>, layout: &Layout, store: &mut RowStore);
-    fn activate(&mut self);
+/// What is asked of a running task or constraint outside of its update.
+pub(crate) trait Parametrised: Debug + Send {
     /// Shows what is remembered from one update to the next.
     fn remembered(&mut self, numbers: &mut Remembered<'_>);
     /// Adds by how much rows change along a displacement of the state; false if the plug-in does not say.
@@ -141,28 +140,9 @@ pub(crate) trait Running: Debug + Send {
     ) -> Result<(), BindError>;
 }
 
-struct RunningTask<T: Task> {
-    parameters: T,
-    running: T::Running,
-}
-
-struct RunningConstraint<C: Constraint> {
-    parameters: C,
-    running: C::Running,
-}
-
-macro_rules! running {
-    ($running:ident, $plugin:ident, $any:ident, $rows:ident) => {
-        impl<P: $plugin + $any> Running for $running<P> {
-            fn update(&mut self, tick: &Tick<'_>, layout: &Layout, store: &mut RowStore) {
-                let mut rows = $rows::new(tick, layout, store);
-                self.parameters.update(&mut self.running, tick, &mut rows);
-            }
-
-            fn activate(&mut self) {
-                self.parameters.activate(&mut self.running);
-            }
-
+macro_rules! parametrised {
+    ($running:ident, $plugin:ident, $any:ident) => {
+        impl<P: $plugin + $any> Parametrised for $running<P> {
             fn remembered(&mut self, numbers: &mut Remembered<'_>) {
                 self.parameters.remembered(&mut self.running, numbers);
             }
@@ -244,5 +224,5 @@ macro_rules! running {
     };
 }
 
-running!(RunningTask, Task, AnyTask, Rows);
-running!(RunningConstraint, Constraint, AnyConstraint, ConstraintRows);
+parametrised!(RunningTask, Task, AnyTask);
+parametrised!(RunningConstraint, Constraint, AnyConstraint);

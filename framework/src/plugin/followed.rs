@@ -1,27 +1,13 @@
-//! A reference that a task follows: declared in `bind`, begun at what is measured, sampled before each update,
-//! replaced while running.
-
-use std::fmt::{self, Debug};
+//! A reference that a task follows, outside of ticks: declared in `bind`, begun at home, replaced while running.
 
 use crate::{
     contact::ContactId,
     error::BindError,
-    plugin::{AnyReference, Reference, Sample, Space, Start, Tick},
+    plugin::{
+        AnyReference, BoundReference, Reference, Sample, Space, Tick,
+        tick::{Bound, Followed, Measured},
+    },
 };
-
-/// A reference of vectors that a task follows: what [`Tick::vector`] takes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct VectorReference(pub(crate) usize);
-
-/// A reference of orientations that a task follows: what [`Tick::rotation`] takes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct RotationReference(pub(crate) usize);
-
-/// A reference that was bound: its parameters and what it remembers. Made by the attribute
-/// [`reference`](macro@crate::reference).
-#[doc(hidden)] // named by the code of the attributes alone
-#[derive(Debug)]
-pub struct BoundReference(Box<dyn RunningReference>);
 
 impl BoundReference {
     /// Binds a reference to a space.
@@ -34,57 +20,6 @@ impl BoundReference {
             parameters: parameters.clone(),
         })))
     }
-
-    /// Takes over, as [`Reference::start`].
-    pub fn start(&mut self, start: &Start<'_>) {
-        self.0.start(start);
-    }
-
-    /// Writes a sample, as [`Reference::sample`].
-    pub fn sample(&mut self, tick: &Tick<'_>, out: &mut Sample) {
-        self.0.sample(tick, out);
-    }
-}
-
-trait RunningReference: Debug + Send {
-    fn start(&mut self, start: &Start<'_>);
-    fn sample(&mut self, tick: &Tick<'_>, out: &mut Sample);
-}
-
-#[derive(Debug)]
-struct Bound<R: Reference> {
-    parameters: R,
-    running: R::Running,
-}
-
-impl<R: Reference> RunningReference for Bound<R> {
-    fn start(&mut self, start: &Start<'_>) {
-        self.parameters.start(&mut self.running, start);
-    }
-
-    fn sample(&mut self, tick: &Tick<'_>, out: &mut Sample) {
-        self.parameters.sample(&mut self.running, tick, out);
-    }
-}
-
-/// What is measured of that which a reference prescribes: written into a sample of its space.
-pub(crate) type Measured = Box<dyn Fn(&Tick<'_>, &mut Sample) + Send>;
-
-/// The largest distance, m or rad, at which a robot that is measured near its home counts as at home: more than a good
-/// sensor's noise, less than what can be seen.
-pub const AT_HOME: f64 = 5e-3;
-
-/// A task's reference, and where it stands.
-pub(crate) struct Followed {
-    reference: BoundReference,
-    /// What the task followed in its last update; before the first, where it starts.
-    pub(crate) sample: Sample,
-    /// What is measured; where it starts at zero, nothing.
-    measured: Option<Measured>,
-    /// The contact whose normal force, N, it prescribes.
-    pub(crate) pushes: Option<ContactId>,
-    /// Room for what is measured.
-    here: Sample,
 }
 
 impl Followed {
@@ -114,35 +49,9 @@ impl Followed {
     /// Starts where the robot stands at home.
     pub(crate) fn start_at_home(&mut self, home: &Tick<'_>) {
         if let Some(measured) = &self.measured {
-            measured(home, &mut self.sample);
+            measured.write(home, &mut self.sample);
             self.start(0.0);
         }
-    }
-
-    /// Starts at what is measured in the first tick. What is within [`AT_HOME`] of where it starts already (the length
-    /// of the difference, or the angle) counts as noise, and nothing changes. Values that the reference's parameters
-    /// give stay.
-    pub(crate) fn start_here(&mut self, tick: &Tick<'_>) {
-        let Some(measured) = &self.measured else {
-            return;
-        };
-        measured(tick, &mut self.here);
-        if distance(&self.here, &self.sample) > AT_HOME {
-            self.sample.stand_at(&self.here);
-            self.start(0.0);
-        }
-    }
-
-    fn start(&mut self, time: f64) {
-        self.reference.start(&Start {
-            time,
-            from: &self.sample,
-        });
-    }
-
-    /// The sample for this tick.
-    pub(crate) fn update(&mut self, tick: &Tick<'_>) {
-        self.reference.sample(tick, &mut self.sample);
     }
 
     /// Where it would be in this tick; nothing of the task's own sample changes.
@@ -164,23 +73,6 @@ impl Followed {
         self.reference = reference.bind_any(self.sample.space())?;
         self.start(time);
         Ok(())
-    }
-}
-
-impl Debug for Followed {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_tuple("Followed").field(&self.reference).finish()
-    }
-}
-
-fn distance(a: &Sample, b: &Sample) -> f64 {
-    match (a, b) {
-        (Sample::Vector(a), Sample::Vector(b)) => {
-            let squares = a.value.iter().zip(&b.value).map(|(a, b)| (a - b) * (a - b));
-            squares.sum::<f64>().sqrt()
-        }
-        (Sample::Rotation(a), Sample::Rotation(b)) => a.rotation.angle_to(&b.rotation),
-        _ => 0.0,
     }
 }
 

@@ -7,33 +7,35 @@
 
 pub(crate) mod bound;
 pub(crate) mod constraint;
+mod declare;
 pub(crate) mod entry;
 pub(crate) mod fallback_law;
-pub(crate) mod followed;
-pub(crate) mod frame_handle;
+mod followed;
 pub(crate) mod layout;
-pub(crate) mod per_row;
+mod per_row;
 pub(crate) mod reference;
 pub(crate) mod remembered;
 pub(crate) mod rows;
 pub(crate) mod setup;
 pub(crate) mod slopes;
+mod storage;
 pub(crate) mod task;
 pub(crate) mod tick;
 
 pub use bound::{AnyPlugin, BoundPlugin};
 pub use constraint::{AnyConstraint, Constraint};
+pub use declare::ConstraintLayout;
 pub(crate) use entry::ENTRY_KEYS;
 pub use entry::{Entry, Hardness};
 pub use fallback_law::{AnyFallbackLaw, BoundFallbackLaw, FallbackLaw};
-pub use followed::{AT_HOME, BoundReference, RotationReference, VectorReference};
-pub use frame_handle::FrameHandle;
-pub use layout::{ConstraintLayout, Layout, RowSpec};
-pub use per_row::PerRow;
-pub use reference::{AnyReference, Reference, RotationSample, Sample, Space, Start, VectorSample};
+pub use layout::{Layout, PerRow, RowSpec};
+pub use reference::{AnyReference, Reference, Space, Start};
 pub use remembered::Remembered;
 pub use rows::{ConstraintRows, ForceReport, MotionRow, RowMajorMut, Rows};
 pub use setup::Setup;
 pub use slopes::{Displacement, Slopes};
 pub use task::{AnyTask, Task};
-pub use tick::{EntryState, PreviousSolution, Tick};
+pub use tick::{
+    AT_HOME, BoundReference, EntryState, FrameHandle, PreviousSolution, RotationReference,
+    RotationSample, Sample, Tick, VectorReference, VectorSample,
+};

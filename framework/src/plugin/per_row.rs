@@ -1,45 +1,13 @@
-//! Numbers of which each row of a task may have its own: weights, gains.
+//! How numbers of which each row of a task may have its own are given and checked.
 
 use std::fmt;
 
-use nalgebra::Vector3;
-use schemars::JsonSchema;
-use serde::{Deserialize, Deserializer, Serialize, de};
+use serde::{Deserialize, Deserializer, de};
 
+use super::PerRow;
 use crate::error::BindError;
 
-/// One number for all rows, or a list with one per row: a weight, or a diagonal gain matrix.
-///
-/// ```
-/// use wbqp::{plugin::PerRow, serde_json};
-/// assert_eq!(serde_json::from_str::<PerRow>("25")?, PerRow::from(25.0));
-/// assert_eq!(serde_json::from_str::<PerRow>("[1, 2.5]")?, PerRow::from([1.0, 2.5]));
-/// # Ok::<(), serde_json::Error>(())
-/// ```
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-#[serde(untagged)]
-pub enum PerRow {
-    /// The same for every row.
-    Uniform(f64),
-    /// One per row.
-    Each(Vec<f64>),
-}
-
 impl PerRow {
-    /// The number of a row; zero for one that is missing.
-    #[inline]
-    pub fn row(&self, index: usize) -> f64 {
-        match self {
-            Self::Uniform(x) => *x,
-            Self::Each(x) => x.get(index).copied().unwrap_or(0.0),
-        }
-    }
-
-    /// The diagonal matrix of the first three times a vector.
-    pub fn times(&self, x: &Vector3<f64>) -> Vector3<f64> {
-        Vector3::from_fn(|i, _| self.row(i) * x[i])
-    }
-
     /// All numbers given.
     pub fn values(&self) -> &[f64] {
         match self {
@@ -129,6 +97,8 @@ impl<'de> Deserialize<'de> for PerRow {
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::Vector3;
+
     use super::*;
 
     #[test]

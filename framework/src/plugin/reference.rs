@@ -6,12 +6,11 @@
 
 use std::{any::Any, borrow::Cow, fmt::Debug};
 
-use nalgebra::{UnitQuaternion, Vector3};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 
 use crate::{
     error::BindError,
-    plugin::{BoundReference, Tick},
+    plugin::{BoundReference, Sample, Tick},
 };
 
 /// A trajectory: value, rate and acceleration as a function of time, or of what the tick knows (an
@@ -92,133 +91,4 @@ pub struct Start<'a> {
     pub time: f64,
     /// What the task followed until now; at the start, what was measured.
     pub from: &'a Sample,
-}
-
-/// Value, rate and acceleration of a reference at one time.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Sample {
-    /// In a [`Space::Vector`].
-    Vector(VectorSample),
-    /// In [`Space::Rotation`].
-    Rotation(RotationSample),
-}
-
-/// Value, rate and acceleration of a vector. The three have the same length.
-#[derive(Clone, Debug, PartialEq)]
-pub struct VectorSample {
-    /// The value, in the task's unit.
-    pub value: Vec<f64>,
-    /// Its first derivative.
-    pub rate: Vec<f64>,
-    /// Its second derivative.
-    pub acceleration: Vec<f64>,
-}
-
-/// Orientation, angular velocity and acceleration.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RotationSample {
-    /// The orientation.
-    pub rotation: UnitQuaternion<f64>,
-    /// Angular velocity, rad/s, in the axes that the rotation leads to (world axes of `R_WB`).
-    pub rate: Vector3<f64>,
-    /// Angular acceleration, rad/s², in the same axes.
-    pub acceleration: Vector3<f64>,
-}
-
-impl Sample {
-    /// At zero, or at the identity, standing still.
-    pub fn new(space: Space) -> Self {
-        match space {
-            Space::Vector(n) => Self::at_rest(std::iter::repeat_n(0.0, n)),
-            Space::Rotation => Self::turned(UnitQuaternion::identity()),
-        }
-    }
-
-    /// This value of a vector space, standing still.
-    pub fn at_rest(value: impl IntoIterator<Item = f64>) -> Self {
-        Self::Vector(VectorSample::at_rest(value))
-    }
-
-    /// This orientation, standing still.
-    pub fn turned(rotation: UnitQuaternion<f64>) -> Self {
-        Self::Rotation(RotationSample::at_rest(rotation))
-    }
-
-    /// The space that it is of.
-    pub fn space(&self) -> Space {
-        match self {
-            Self::Vector(sample) => Space::Vector(sample.value.len()),
-            Self::Rotation(_) => Space::Rotation,
-        }
-    }
-
-    /// Stands still at another one's value, if both are of the same space. Does not allocate.
-    pub fn stand_at(&mut self, other: &Self) {
-        match (self, other) {
-            (Self::Vector(sample), Self::Vector(other)) => sample.stand_at(other),
-            (Self::Rotation(sample), Self::Rotation(other)) => {
-                *sample = RotationSample::at_rest(other.rotation);
-            }
-            _ => {}
-        }
-    }
-}
-
-impl VectorSample {
-    /// This value, standing still.
-    pub fn at_rest(value: impl IntoIterator<Item = f64>) -> Self {
-        let value: Vec<f64> = value.into_iter().collect();
-        let zeros = vec![0.0; value.len()];
-        Self {
-            value,
-            rate: zeros.clone(),
-            acceleration: zeros,
-        }
-    }
-
-    /// Value, rate and acceleration of a component; zeros for one that is missing.
-    #[inline]
-    pub fn component(&self, index: usize) -> [f64; 3] {
-        [&self.value, &self.rate, &self.acceleration]
-            .map(|numbers| numbers.get(index).copied().unwrap_or(0.0))
-    }
-
-    /// Stands still at another one's value, as far as there is room. Does not allocate.
-    pub fn stand_at(&mut self, other: &Self) {
-        for (value, other) in self.value.iter_mut().zip(&other.value) {
-            *value = *other;
-        }
-        self.rate.fill(0.0);
-        self.acceleration.fill(0.0);
-    }
-
-    /// Value as a 3-vector; missing components are zero.
-    pub fn value3(&self) -> Vector3<f64> {
-        three(&self.value)
-    }
-
-    /// Rate as a 3-vector; missing components are zero.
-    pub fn rate3(&self) -> Vector3<f64> {
-        three(&self.rate)
-    }
-
-    /// Acceleration as a 3-vector; missing components are zero.
-    pub fn acceleration3(&self) -> Vector3<f64> {
-        three(&self.acceleration)
-    }
-}
-
-impl RotationSample {
-    /// This orientation, standing still.
-    pub fn at_rest(rotation: UnitQuaternion<f64>) -> Self {
-        Self {
-            rotation,
-            rate: Vector3::zeros(),
-            acceleration: Vector3::zeros(),
-        }
-    }
-}
-
-fn three(x: &[f64]) -> Vector3<f64> {
-    Vector3::from_fn(|i, _| x.get(i).copied().unwrap_or(0.0))
 }

@@ -11,7 +11,8 @@ use nalgebra::{DVectorViewMut, Dyn, MatrixViewMut, U1, Vector3};
 use crate::{
     contact::{ContactId, ContactState},
     plugin::{
-        Layout, Tick,
+        AnyConstraint, AnyTask, Constraint, Layout, Task, Tick,
+        bound::Parametrised,
         layout::{Block, VdotBlock},
     },
 };
@@ -34,53 +35,15 @@ pub(crate) struct RowStore {
     pub(crate) bound_upper: Vec<f64>,
     pub(crate) error: Vec<f64>,
     /// `J̇ v` of rows whose coefficients the plug-in writes; NaN until it says so.
-    bias: Vec<f64>,
+    pub(super) bias: Vec<f64>,
     /// What a task on a contact's force reports.
     pub(crate) force_report: Option<ForceReport>,
     /// Set when a block was written that the layout does not declare.
     pub(crate) undeclared: bool,
-    scratch: Vec<f64>,
-    nv: usize,
-    nu: usize,
-    nf: Vec<usize>,
-}
-
-impl RowStore {
-    pub(crate) fn new(layout: &Layout, nv: usize, nu: usize, nf: &[usize]) -> Self {
-        let m = layout.len();
-        let dense = |n: usize, block: &Block| match block {
-            Block::Dense => vec![0.0; m * n],
-            Block::Unit(_) => Vec::new(),
-        };
-        let widest = nf.iter().copied().fold(nv.max(nu), usize::max);
-        Self {
-            vdot: match layout.vdot {
-                VdotBlock::Dense => vec![0.0; m * nv],
-                _ => Vec::new(),
-            },
-            effort: layout.effort.as_ref().map_or(Vec::new(), |b| dense(nu, b)),
-            forces: layout
-                .forces
-                .iter()
-                .map(|(c, b)| dense(nf[c.index()], b))
-                .collect(),
-            lower: vec![0.0; m],
-            upper: vec![0.0; m],
-            bound_lower: vec![f64::NEG_INFINITY; layout.bounds.len()],
-            bound_upper: vec![f64::INFINITY; layout.bounds.len()],
-            error: vec![0.0; m],
-            bias: match layout.vdot {
-                VdotBlock::Dense => vec![f64::NAN; m],
-                _ => Vec::new(),
-            },
-            force_report: None,
-            undeclared: false,
-            scratch: vec![0.0; m * widest],
-            nv,
-            nu,
-            nf: nf.to_vec(),
-        }
-    }
+    pub(super) scratch: Vec<f64>,
+    pub(super) nv: usize,
+    pub(super) nu: usize,
+    pub(super) nf: Vec<usize>,
 }
 
 impl RowStore {
@@ -89,28 +52,6 @@ impl RowStore {
         self.undeclared = false;
         self.force_report = None;
         self.bias.fill(f64::NAN);
-    }
-
-    /// Takes over what another one of the same layout has. Does not allocate.
-    pub(crate) fn copy_from(&mut self, other: &Self) {
-        let copy = |to: &mut Vec<f64>, from: &Vec<f64>| {
-            for (to, from) in to.iter_mut().zip(from) {
-                *to = *from;
-            }
-        };
-        copy(&mut self.vdot, &other.vdot);
-        copy(&mut self.effort, &other.effort);
-        for (to, from) in self.forces.iter_mut().zip(&other.forces) {
-            copy(to, from);
-        }
-        copy(&mut self.lower, &other.lower);
-        copy(&mut self.upper, &other.upper);
-        copy(&mut self.bound_lower, &other.bound_lower);
-        copy(&mut self.bound_upper, &other.bound_upper);
-        copy(&mut self.error, &other.error);
-        copy(&mut self.bias, &other.bias);
-        self.force_report = other.force_report;
-        self.undeclared = other.undeclared;
     }
 
     pub(super) fn nv(&self) -> usize {
@@ -124,36 +65,6 @@ impl RowStore {
     /// Components of a contact's force; none of a contact that there is not.
     pub(super) fn nf(&self, contact: ContactId) -> usize {
         self.nf.get(contact.index()).copied().unwrap_or(0)
-    }
-
-    /// Lets rows that are not written limit nothing.
-    pub(crate) fn without_limits(mut self) -> Self {
-        self.lower.fill(f64::NEG_INFINITY);
-        self.upper.fill(f64::INFINITY);
-        self
-    }
-
-    /// Numbers that the store of a layout has.
-    pub(crate) fn numbers(layout: &Layout, nv: usize, nu: usize, nf: &[usize]) -> usize {
-        let m = layout.len();
-        let dense = |n: usize, block: &Block| match block {
-            Block::Dense => m.saturating_mul(n),
-            Block::Unit(_) => 0,
-        };
-        let vdot = match layout.vdot {
-            VdotBlock::Dense => m.saturating_mul(nv),
-            _ => 0,
-        };
-        let effort = layout.effort.as_ref().map_or(0, |block| dense(nu, block));
-        let forces = layout.forces.iter();
-        let forces = forces.map(|(c, block)| dense(nf.get(c.index()).copied().unwrap_or(0), block));
-        let widest = nf.iter().copied().fold(nv.max(nu), usize::max);
-        let limits = 4 * m + 2 * layout.bounds.len() + nf.len();
-        let blocks = [vdot, effort, limits, m.saturating_mul(widest)];
-        blocks
-            .into_iter()
-            .chain(forces)
-            .fold(0, usize::saturating_add)
     }
 }
 
@@ -555,5 +466,45 @@ impl<'a> ConstraintRows<'a> {
             *l = lower;
             *u = upper;
         }
+    }
+}
+
+/// What runs of an entry in a tick, whether task or constraint.
+pub(crate) trait Running: Parametrised {
+    fn update(&mut self, tick: &Tick<'_>, layout: &Layout, store: &mut RowStore);
+    fn activate(&mut self);
+}
+
+/// A task with its parameters.
+pub(super) struct RunningTask<T: Task> {
+    pub(super) parameters: T,
+    pub(super) running: T::Running,
+}
+
+impl<T: Task + AnyTask> Running for RunningTask<T> {
+    fn update(&mut self, tick: &Tick<'_>, layout: &Layout, store: &mut RowStore) {
+        let mut rows = Rows::new(tick, layout, store);
+        self.parameters.update(&mut self.running, tick, &mut rows);
+    }
+
+    fn activate(&mut self) {
+        self.parameters.activate(&mut self.running);
+    }
+}
+
+/// A constraint with its parameters.
+pub(super) struct RunningConstraint<C: Constraint> {
+    pub(super) parameters: C,
+    pub(super) running: C::Running,
+}
+
+impl<C: Constraint + AnyConstraint> Running for RunningConstraint<C> {
+    fn update(&mut self, tick: &Tick<'_>, layout: &Layout, store: &mut RowStore) {
+        let mut rows = ConstraintRows::new(tick, layout, store);
+        self.parameters.update(&mut self.running, tick, &mut rows);
+    }
+
+    fn activate(&mut self) {
+        self.parameters.activate(&mut self.running);
     }
 }

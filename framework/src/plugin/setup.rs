@@ -6,8 +6,8 @@ use crate::{
     contact::{ContactId, ContactSpec},
     error::BindError,
     plugin::{
-        AnyReference, FrameHandle, RotationReference, Sample, Space, Tick, VectorReference,
-        followed::{Followed, Measured},
+        AnyReference, FrameHandle, RotationReference, Space, Tick, VectorReference,
+        tick::{Followed, Measured},
     },
     robot::RobotModel,
 };
@@ -196,11 +196,7 @@ impl<'a> Setup<'a> {
         n: usize,
         measured: impl Fn(&Tick<'_>, &mut [f64]) + Send + 'static,
     ) -> Result<VectorReference, BindError> {
-        let measured: Measured = Box::new(move |tick, out| {
-            if let Sample::Vector(out) = out {
-                measured(tick, &mut out.value);
-            }
-        });
+        let measured = Measured::Vector(Box::new(measured));
         let space = Space::Vector(n);
         Ok(self.follow(Followed::new(key, reference, space, Some(measured), None)?))
     }
@@ -216,11 +212,7 @@ impl<'a> Setup<'a> {
         reference: &dyn AnyReference,
         measured: impl Fn(&Tick<'_>) -> UnitQuaternion<f64> + Send + 'static,
     ) -> Result<RotationReference, BindError> {
-        let measured: Measured = Box::new(move |tick, out| {
-            if let Sample::Rotation(out) = out {
-                out.rotation = measured(tick);
-            }
-        });
+        let measured = Measured::Rotation(Box::new(measured));
         let followed = Followed::new(key, reference, Space::Rotation, Some(measured), None)?;
         let VectorReference(index) = self.follow(followed);
         Ok(RotationReference(index))

@@ -1,25 +1,19 @@
-//! What a plug-in sees during one tick: borrowed, short-lived, already computed.
+//! What a plug-in sees during one tick: borrowed, short-lived, already computed; and the references that a task
+//! follows, begun at what is measured and sampled before each update.
 //!
 //! # Notation
 //! W world (z up), R base, F a named frame, C a contact frame (z along the surface's outward normal). Frame
 //! Jacobians are world-aligned, contact Jacobians in C axes; both linear first.
 
-use nalgebra::{UnitQuaternion, Vector6};
+use std::fmt::{self, Debug};
+
+use nalgebra::{UnitQuaternion, Vector3, Vector6};
 
 use crate::{
     contact::{ContactId, ContactState},
-    plugin::{
-        FrameHandle, RotationReference, RotationSample, Sample, VectorReference, VectorSample,
-        followed::Followed,
-    },
+    plugin::{Reference, Space, Start},
 };
 use wbqp_dynamics::{Data, FrameKinematics, model::Model, state::State};
-
-static NO_VECTOR: VectorSample = VectorSample {
-    value: Vec::new(),
-    rate: Vec::new(),
-    acceleration: Vec::new(),
-};
 
 /// The inputs of one tick.
 #[derive(Clone, Copy, Debug)]
@@ -120,5 +114,275 @@ impl<'a> Tick<'a> {
     /// All contacts, in the order of the configuration; also those that are off.
     pub fn contacts(&self) -> &'a [ContactState] {
         self.contacts
+    }
+}
+
+/// A frame whose kinematics the plug-in asked for in `bind`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FrameHandle(pub(crate) usize);
+
+/// A reference of vectors that a task follows: what [`Tick::vector`] takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct VectorReference(pub(crate) usize);
+
+/// A reference of orientations that a task follows: what [`Tick::rotation`] takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RotationReference(pub(crate) usize);
+
+/// Value, rate and acceleration of a reference at one time.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Sample {
+    /// In a [`Space::Vector`].
+    Vector(VectorSample),
+    /// In [`Space::Rotation`].
+    Rotation(RotationSample),
+}
+
+/// Value, rate and acceleration of a vector. The three have the same length.
+#[derive(Clone, Debug, PartialEq)]
+pub struct VectorSample {
+    /// The value, in the task's unit.
+    pub value: Vec<f64>,
+    /// Its first derivative.
+    pub rate: Vec<f64>,
+    /// Its second derivative.
+    pub acceleration: Vec<f64>,
+}
+
+/// Orientation, angular velocity and acceleration.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RotationSample {
+    /// The orientation.
+    pub rotation: UnitQuaternion<f64>,
+    /// Angular velocity, rad/s, in the axes that the rotation leads to (world axes of `R_WB`).
+    pub rate: Vector3<f64>,
+    /// Angular acceleration, rad/s², in the same axes.
+    pub acceleration: Vector3<f64>,
+}
+
+impl Sample {
+    /// At zero, or at the identity, standing still.
+    pub fn new(space: Space) -> Self {
+        match space {
+            Space::Vector(n) => Self::at_rest(std::iter::repeat_n(0.0, n)),
+            Space::Rotation => Self::turned(UnitQuaternion::identity()),
+        }
+    }
+
+    /// This value of a vector space, standing still.
+    pub fn at_rest(value: impl IntoIterator<Item = f64>) -> Self {
+        Self::Vector(VectorSample::at_rest(value))
+    }
+
+    /// This orientation, standing still.
+    pub fn turned(rotation: UnitQuaternion<f64>) -> Self {
+        Self::Rotation(RotationSample::at_rest(rotation))
+    }
+
+    /// The space that it is of.
+    pub fn space(&self) -> Space {
+        match self {
+            Self::Vector(sample) => Space::Vector(sample.value.len()),
+            Self::Rotation(_) => Space::Rotation,
+        }
+    }
+
+    /// Stands still at another one's value, if both are of the same space. Does not allocate.
+    pub fn stand_at(&mut self, other: &Self) {
+        match (self, other) {
+            (Self::Vector(sample), Self::Vector(other)) => sample.stand_at(other),
+            (Self::Rotation(sample), Self::Rotation(other)) => {
+                *sample = RotationSample::at_rest(other.rotation);
+            }
+            _ => {}
+        }
+    }
+}
+
+impl VectorSample {
+    /// This value, standing still.
+    pub fn at_rest(value: impl IntoIterator<Item = f64>) -> Self {
+        let value: Vec<f64> = value.into_iter().collect();
+        let zeros = vec![0.0; value.len()];
+        Self {
+            value,
+            rate: zeros.clone(),
+            acceleration: zeros,
+        }
+    }
+
+    /// Value, rate and acceleration of a component; zeros for one that is missing.
+    #[inline]
+    pub fn component(&self, index: usize) -> [f64; 3] {
+        [&self.value, &self.rate, &self.acceleration]
+            .map(|numbers| numbers.get(index).copied().unwrap_or(0.0))
+    }
+
+    /// Stands still at another one's value, as far as there is room. Does not allocate.
+    pub fn stand_at(&mut self, other: &Self) {
+        for (value, other) in self.value.iter_mut().zip(&other.value) {
+            *value = *other;
+        }
+        self.rate.fill(0.0);
+        self.acceleration.fill(0.0);
+    }
+
+    /// Value as a 3-vector; missing components are zero.
+    pub fn value3(&self) -> Vector3<f64> {
+        three(&self.value)
+    }
+
+    /// Rate as a 3-vector; missing components are zero.
+    pub fn rate3(&self) -> Vector3<f64> {
+        three(&self.rate)
+    }
+
+    /// Acceleration as a 3-vector; missing components are zero.
+    pub fn acceleration3(&self) -> Vector3<f64> {
+        three(&self.acceleration)
+    }
+}
+
+impl RotationSample {
+    /// This orientation, standing still.
+    pub fn at_rest(rotation: UnitQuaternion<f64>) -> Self {
+        Self {
+            rotation,
+            rate: Vector3::zeros(),
+            acceleration: Vector3::zeros(),
+        }
+    }
+}
+
+fn three(x: &[f64]) -> Vector3<f64> {
+    Vector3::from_fn(|i, _| x.get(i).copied().unwrap_or(0.0))
+}
+
+static NO_VECTOR: VectorSample = VectorSample {
+    value: Vec::new(),
+    rate: Vec::new(),
+    acceleration: Vec::new(),
+};
+
+type MeasuredVector = dyn Fn(&Tick<'_>, &mut [f64]) + Send;
+type MeasuredRotation = dyn Fn(&Tick<'_>) -> UnitQuaternion<f64> + Send;
+
+/// What is measured of that which a reference prescribes.
+pub(crate) enum Measured {
+    /// In a [`Space::Vector`].
+    Vector(Box<MeasuredVector>),
+    /// In [`Space::Rotation`].
+    Rotation(Box<MeasuredRotation>),
+}
+
+impl Measured {
+    /// Writes it into a sample of its space.
+    pub(super) fn write(&self, tick: &Tick<'_>, out: &mut Sample) {
+        match (self, out) {
+            (Self::Vector(measured), Sample::Vector(out)) => measured(tick, &mut out.value),
+            (Self::Rotation(measured), Sample::Rotation(out)) => out.rotation = measured(tick),
+            _ => {}
+        }
+    }
+}
+
+/// A reference that was bound: its parameters and what it remembers. Made by the attribute
+/// [`reference`](macro@crate::reference).
+#[doc(hidden)] // named by the code of the attributes alone
+#[derive(Debug)]
+pub struct BoundReference(pub(super) Box<dyn RunningReference>);
+
+impl BoundReference {
+    /// Takes over, as [`Reference::start`].
+    pub fn start(&mut self, start: &Start<'_>) {
+        self.0.start(start);
+    }
+
+    /// Writes a sample, as [`Reference::sample`].
+    pub fn sample(&mut self, tick: &Tick<'_>, out: &mut Sample) {
+        self.0.sample(tick, out);
+    }
+}
+
+pub(super) trait RunningReference: Debug + Send {
+    fn start(&mut self, start: &Start<'_>);
+    fn sample(&mut self, tick: &Tick<'_>, out: &mut Sample);
+}
+
+#[derive(Debug)]
+pub(super) struct Bound<R: Reference> {
+    pub(super) parameters: R,
+    pub(super) running: R::Running,
+}
+
+impl<R: Reference> RunningReference for Bound<R> {
+    fn start(&mut self, start: &Start<'_>) {
+        self.parameters.start(&mut self.running, start);
+    }
+
+    fn sample(&mut self, tick: &Tick<'_>, out: &mut Sample) {
+        self.parameters.sample(&mut self.running, tick, out);
+    }
+}
+
+/// The largest distance, m or rad, at which a robot that is measured near its home counts as at home: more than a good
+/// sensor's noise, less than what can be seen.
+pub const AT_HOME: f64 = 5e-3;
+
+/// A task's reference, and where it stands.
+pub(crate) struct Followed {
+    pub(super) reference: BoundReference,
+    /// What the task followed in its last update; before the first, where it starts.
+    pub(crate) sample: Sample,
+    /// What is measured; where it starts at zero, nothing.
+    pub(super) measured: Option<Measured>,
+    /// The contact whose normal force, N, it prescribes.
+    pub(crate) pushes: Option<ContactId>,
+    /// Room for what is measured.
+    pub(super) here: Sample,
+}
+
+impl Followed {
+    /// Starts at what is measured in the first tick. What is within [`AT_HOME`] of where it starts already (the length
+    /// of the difference, or the angle) counts as noise, and nothing changes. Values that the reference's parameters
+    /// give stay.
+    pub(crate) fn start_here(&mut self, tick: &Tick<'_>) {
+        let Some(measured) = &self.measured else {
+            return;
+        };
+        measured.write(tick, &mut self.here);
+        if distance(&self.here, &self.sample) > AT_HOME {
+            self.sample.stand_at(&self.here);
+            self.start(0.0);
+        }
+    }
+
+    pub(super) fn start(&mut self, time: f64) {
+        self.reference.start(&Start {
+            time,
+            from: &self.sample,
+        });
+    }
+
+    /// The sample for this tick.
+    pub(crate) fn update(&mut self, tick: &Tick<'_>) {
+        self.reference.sample(tick, &mut self.sample);
+    }
+}
+
+impl Debug for Followed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple("Followed").field(&self.reference).finish()
+    }
+}
+
+fn distance(a: &Sample, b: &Sample) -> f64 {
+    match (a, b) {
+        (Sample::Vector(a), Sample::Vector(b)) => {
+            let squares = a.value.iter().zip(&b.value).map(|(a, b)| (a - b) * (a - b));
+            squares.sum::<f64>().sqrt()
+        }
+        (Sample::Rotation(a), Sample::Rotation(b)) => a.rotation.angle_to(&b.rotation),
+        _ => 0.0,
     }
 }

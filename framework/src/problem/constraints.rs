@@ -5,9 +5,7 @@
 //! depend on x is taken from its limits. A bound on an eliminated effort `τ = T y + t` is such a row, others are
 //! bounds.
 
-use super::{
-    BoundEntry, DynamicsTerms, Partition, Problem, Treatment, partition::EffortPlace, rows::Context,
-};
+use super::{BoundEntry, DynamicsTerms, Problem, Treatment, rows::Context, variables::EffortPlace};
 use crate::{
     fault::Fault,
     plugin::layout::BoundTarget,
@@ -211,28 +209,6 @@ impl Problem {
             }
         }
         Ok(())
-    }
-
-    /// The row of the problem that is this bound on an eliminated effort, and whose.
-    pub(super) fn torque_row(&self, id: RowId) -> Option<(usize, usize)> {
-        let found = self.torque_rows.binary_search_by_key(&id, |row| row.id);
-        found
-            .ok()
-            .map(|i| (self.torque_rows[i].row, self.torque_rows[i].actuator))
-    }
-
-    /// The actuator whose effort is this variable of the problem.
-    pub(super) fn effort_at(&self, position: usize) -> Option<usize> {
-        let Partition {
-            accelerations,
-            substituted,
-            kept,
-            ..
-        } = &self.partition;
-        (position + substituted)
-            .checked_sub(*accelerations)
-            .and_then(|i| kept.get(i))
-            .copied()
     }
 
     /// Where a bound is, if what it is on is live.

@@ -17,7 +17,7 @@
 
 use super::{
     ActiveVariables, ContactElimination, Partition, ReducedDynamics,
-    kernels::{add_matrix_rows, add_row, add_six_rows, dot},
+    linear_algebra::{add_matrix_rows, add_row, add_six_rows, dot},
 };
 use crate::qp::Qp;
 use std::array::from_fn;

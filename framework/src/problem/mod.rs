@@ -13,12 +13,12 @@
 //! docs/paper-to-code.md.
 //!
 //! Four ways of counting: by *velocity*, as in `v̇`; by *column* of y, the natural variables; by variable of the
-//! problem, x; and by *position* among the columns that a row has. [`partition`] says which accelerations and efforts
+//! problem, x; and by *position* among the columns that a row has. [`variables`] says which accelerations and efforts
 //! are variables. In the order in which functions are called below:
 //!
 //! 1. [`contact_elimination`]: accelerations that contacts which do not move leave no choice of, `v̇_D = G v̇_S + g`.
-//! 2. [`active_variables`]: which variables there are; the *natural* ones `y = (v̇, kept u, f, slacks)`, those of the
-//!    problem `x`, the same without the accelerations that are substituted ([`partition`]).
+//! 2. [`variables`]: which variables there are; the *natural* ones `y = (v̇, kept u, f, slacks)`, those of the
+//!    problem `x`, the same without the accelerations that are substituted.
 //! 3. [`reduced_dynamics`]: with the forcing `F = [S J_cᵀ]` and the known forces `k = Σ J_fᵀ f_f − h` the dynamics
 //!    read `M v̇ = F (u, f) + k`; from them `v̇_P = B x + c` and `τ = T y + t` for what is no variable.
 //! 4. [`rows`]: what each entry wrote, over y.
@@ -29,52 +29,47 @@
 //! A solution goes the way back ([`solution`]). Limits that contradict one another: [`relaxation`].
 #![allow(non_snake_case)]
 
-mod active_variables;
-mod asked;
+mod bind;
 mod constraints;
 mod contact_elimination;
-mod entry;
+mod eliminable;
 mod hessian;
-mod kernels;
+mod linear_algebra;
 mod names;
-mod partition;
 mod reduced_dynamics;
 mod relaxation;
 mod rows;
 mod solution;
-mod sparsity;
 mod table;
-mod tree_cholesky;
-mod weight;
+mod tree;
+mod variables;
 
-pub(crate) use active_variables::ActiveVariables;
-use active_variables::FirstIds;
-use asked::Asked;
+pub(crate) use bind::EntrySpec;
 use constraints::TorqueRow;
 pub(crate) use contact_elimination::ContactElimination;
-pub(crate) use entry::{BoundEntry, EntrySpec, Treatment};
 use hessian::NaturalCost;
-pub(crate) use kernels::dot;
+pub(crate) use linear_algebra::dot;
 pub(crate) use names::{ProblemRows, VariableNames};
-use partition::EffortPlace;
-pub(crate) use partition::Partition;
 use reduced_dynamics::ReducedDynamics;
 pub(crate) use relaxation::Relaxation;
 use rows::{Context, NaturalRows};
+use solution::Asked;
 pub(crate) use solution::Solved;
-use sparsity::SparsityPattern;
 pub(crate) use table::Table;
 pub use table::{RowInfo, VarInfo};
+pub(crate) use variables::{ActiveVariables, Partition};
+use variables::{FirstIds, SparsityPattern};
 
 use nalgebra::Vector6;
 
 use crate::{
     contact::ContactState,
     fault::Fault,
-    plugin::layout::BoundTarget,
-    qp::{Capacity, Qp, RowId},
+    plugin::{Layout, layout::Relation, rows::RowStore},
+    qp::{Qp, RowId, VarId},
+    switch::{Switch, WeightRamp},
 };
-use wbqp_dynamics::{Actuation, Data, FrameKinematics};
+use wbqp_dynamics::{Data, FrameKinematics};
 
 /// What the dynamics contribute this tick.
 #[derive(Clone, Copy)]
@@ -317,120 +312,78 @@ impl Problem {
         self.asked.collect(tasks, out);
     }
 
-    /// Identity of the bound on a contact's normal force.
-    pub(crate) fn normal_row(&self, contact: usize) -> Option<RowId> {
-        self.normal_rows.get(contact).copied()
-    }
-
-    /// Weight of `‖(u, f)‖²` relative to the largest one that is on.
-    pub(crate) fn relative_regularisation(&self) -> f64 {
-        self.regularisation
-    }
-
     /// Whether contacts' rows hold by substitution in the problem built last.
     pub(crate) fn has_determined(&self) -> bool {
         self.elimination.any()
     }
-
-    /// Whether a row is one of the equations of motion.
-    pub(crate) fn is_dynamics(&self, id: RowId) -> bool {
-        self.dynamics_rows.contains(&id)
-    }
-
-    /// What the limits of a row of the problem leave out: the part of the row's value that does not depend on x.
-    pub(crate) fn constant(&self, row: usize) -> f64 {
-        self.constants.get(row).copied().unwrap_or(0.0)
-    }
 }
 
-/// Before the first tick.
-impl Problem {
-    /// Gives the physical variables, the dynamics rows and the slacks their ids. `actuation` has the efforts that the
-    /// partition keeps.
-    pub(crate) fn new(
-        mut partition: Partition,
-        actuation: Actuation,
-        regularisation: f64,
-        names: &VariableNames<'_>,
-        own_rows: ProblemRows,
-        entries: &mut [BoundEntry],
-        table: &mut Table,
-    ) -> Self {
-        let rows_of_motion = own_rows.dynamics.len();
-        let first_ids = names.register(entries, table);
-        let capacity = table.vars.len() - partition.torques.len();
-        let rows: usize = entries.iter().map(|e| e.layout.len()).sum();
-        let bounds: usize = entries.iter().map(|e| e.layout.bounds.len()).sum();
-        let elimination = ContactElimination::new(&partition, entries);
-        partition.reserve(elimination.sizes().len());
-        partition.arrange(&elimination);
-        let natural = |entry: &BoundEntry| NaturalRows::new(&entry.layout, &partition, capacity);
-        Self {
-            regularisation,
-            dynamics_rows: own_rows.dynamics,
-            normal_rows: own_rows.normals,
-            active: ActiveVariables::new(partition.nf.len(), entries.len(), capacity),
-            reduced: ReducedDynamics::new(&partition, actuation, partition.nf.iter().sum()),
-            rows: entries.iter().map(natural).collect(),
-            is_arranged: false,
-            is_cost: vec![false; entries.len()],
-            cost: NaturalCost::new(&partition, &elimination, capacity),
-            solved: Solved::new(&partition, entries.len(), rows, capacity),
-            asked: Asked::new(partition.nv),
-            row: vec![0.0; capacity],
-            constants: Vec::with_capacity(2 * rows + bounds + rows_of_motion),
-            torque_rows: Vec::with_capacity(bounds),
-            bound_owner: vec![[None; 2]; capacity],
-            largest_weight: 1.0,
-            regularisation_weight: 0.0,
-            first_ids,
-            elimination,
-            partition,
+/// How the rows of an entry enter the problem.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Treatment {
+    /// Weighted squares: soft tasks and soft equality constraints.
+    Cost,
+    /// Rows that must hold.
+    Hard,
+    /// Inequality rows that share a slack.
+    Slack,
+}
+
+/// The rows of one entry.
+#[derive(Clone, Debug)]
+pub(crate) struct BoundEntry {
+    pub(crate) name: String,
+    pub(crate) is_task: bool,
+    pub(crate) layout: Layout,
+    pub(crate) store: RowStore,
+    pub(crate) weight: WeightRamp,
+    pub(crate) linear_penalty: f64,
+    pub(crate) treatment: Treatment,
+    pub(crate) switch: Switch,
+    /// Identities of the rows, two per row (upper, lower) if they share a slack.
+    pub(crate) rows: Vec<RowId>,
+    /// Identities of the bounds.
+    pub(crate) bounds: Vec<RowId>,
+    pub(crate) slack: Option<VarId>,
+    /// This tick: whether the rows are in the problem.
+    pub(crate) live: bool,
+    /// This tick: ramp of the entry times ramp of its contact.
+    pub(crate) alpha: f64,
+}
+
+impl BoundEntry {
+    /// Takes over what was asked for since the last tick; whether the entry is switched on in this one.
+    pub(crate) fn settle(&mut self, now: f64) -> bool {
+        self.weight.update(now);
+        self.switch.settle(now) == Some(true)
+    }
+
+    /// Whether the rows have one right-hand side.
+    pub(crate) fn is_equality(&self) -> bool {
+        self.is_task || self.layout.relation == Relation::Equality
+    }
+
+    /// How the rows are treated this tick: hard equalities ramp as a cost and become hard at the end.
+    pub(crate) fn treatment_now(&self) -> Treatment {
+        if self.treatment == Treatment::Hard && self.is_equality() && self.alpha < 1.0 {
+            Treatment::Cost
+        } else {
+            self.treatment
         }
     }
 
-    /// Chooses what contacts may determine. The robot is at home.
-    pub(crate) fn choose_determined(&mut self, contacts: &[ContactState]) {
-        self.elimination.choose(&self.partition, contacts);
-        self.arrange();
+    /// Largest weight, without the ramp.
+    pub(crate) fn largest_weight(&self) -> f64 {
+        self.weight.now().iter().copied().fold(0.0, f64::max)
     }
 
-    /// The largest problem that can come up.
-    pub(crate) fn capacity(&self, entries: &[BoundEntry]) -> Capacity {
-        Self::capacity_for(&self.partition, entries, self.dynamics_rows.len())
+    /// Weight of the slack's square, the ramp applied. Never zero: a slack without cost has no optimum.
+    pub(crate) fn slack_weight(&self) -> f64 {
+        self.largest_weight() * self.alpha.max(1e-6)
     }
 
-    /// The same before there is a problem.
-    pub(crate) fn capacity_for(
-        partition: &Partition,
-        entries: &[BoundEntry],
-        dynamics_rows: usize,
-    ) -> Capacity {
-        let is_row = |target: &BoundTarget| match *target {
-            BoundTarget::Effort(i) => {
-                matches!(partition.efforts[i], EffortPlace::Eliminated(_))
-            }
-            BoundTarget::Force(..) => false,
-        };
-        let bounds = |e: &BoundEntry| e.layout.bounds.iter().filter(|(_, t)| is_row(t)).count();
-        let rows: usize = entries.iter().map(|e| e.rows.len() + bounds(e)).sum();
-        Capacity {
-            vars: Self::natural_variables(partition, entries) - partition.substituted,
-            rows: rows + dynamics_rows,
-        }
-    }
-
-    /// Accelerations, kept efforts, forces and slacks.
-    pub(crate) fn natural_variables(partition: &Partition, entries: &[BoundEntry]) -> usize {
-        let slacks = entries.iter().filter(|e| e.treatment == Treatment::Slack);
-        let forces: usize = partition.nf.iter().sum();
-        partition.nv + partition.kept.len() + forces + slacks.count()
-    }
-
-    /// Numbers that the rows over the natural variables take.
-    pub(crate) fn row_numbers(partition: &Partition, entries: &[BoundEntry]) -> usize {
-        let natural = Self::natural_variables(partition, entries);
-        let of = |entry: &BoundEntry| NaturalRows::numbers(&entry.layout, partition, natural);
-        entries.iter().map(of).fold(0, usize::saturating_add)
+    /// Linear price of the slack, the ramp applied.
+    pub(crate) fn slack_penalty(&self) -> f64 {
+        self.linear_penalty * self.alpha
     }
 }

@@ -16,9 +16,8 @@
 
 use super::{
     ActiveVariables, ContactElimination, DynamicsTerms, Partition,
-    kernels::{add_matrix_rows, add_row, dot},
-    partition::Place,
-    tree_cholesky::TreeCholesky,
+    linear_algebra::{TreeCholesky, add_matrix_rows, add_row, dot},
+    variables::Place,
 };
 use wbqp_dynamics::Actuation;
 

@@ -2,7 +2,7 @@
 //!
 //! # Mathematics
 //! A row is `A_v v̇ + A_u u + Σ A_c f_c` over accelerations, efforts and forces. Over the natural variables y
-//! ([`Partition`](super::Partition)) it is the same, but for eliminated efforts, `a τ = a (T y + t)`, and accelerations
+//! ([`Partition`]) it is the same, but for eliminated efforts, `a τ = a (T y + t)`, and accelerations
 //! that contacts determine, `a v̇_D = a (G v̇_S + g)`. What does not depend on y, `a t` and `a g`, is the row's
 //! constant.
 //!
@@ -14,8 +14,8 @@ use super::{
     ActiveVariables, BoundEntry, ContactElimination, DynamicsTerms, NaturalCost, Partition,
     ReducedDynamics, SparsityPattern,
     hessian::{BLOCK, Slots},
-    partition::{EffortPlace, Place},
     solution::Solved,
+    variables::{EffortPlace, Place},
 };
 use crate::plugin::{
     Layout,
@@ -85,7 +85,7 @@ pub(super) enum Single {
 
 /// How the rows of an entry are expanded: by its layout, once and for all.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
+pub(super) enum Kind {
     /// Each is one component.
     Single,
     /// On accelerations alone.
@@ -99,49 +99,20 @@ enum Kind {
 /// The rows of an entry in storage made once.
 #[derive(Clone, Debug)]
 pub(super) struct NaturalRows {
-    kind: Kind,
-    count: usize,
-    singles: Vec<Single>,
+    pub(super) kind: Kind,
+    pub(super) count: usize,
+    pub(super) singles: Vec<Single>,
     /// Natural variables with coefficients other than zero, ascending.
-    columns: Vec<usize>,
+    pub(super) columns: Vec<usize>,
     /// Their coefficients, see [`Slots`]; of rows on forces alone row by row.
-    values: Vec<f64>,
+    pub(super) values: Vec<f64>,
     /// Rows over all natural variables.
-    dense: Vec<f64>,
+    pub(super) dense: Vec<f64>,
     /// What does not depend on the variables.
-    constants: Vec<f64>,
+    pub(super) constants: Vec<f64>,
 }
 
 impl NaturalRows {
-    /// For at most `capacity` natural variables.
-    pub(super) fn new(layout: &Layout, partition: &Partition, capacity: usize) -> Self {
-        let count = layout.len();
-        let kind = kind(layout);
-        let wide = width(layout, partition, capacity);
-        Self {
-            kind,
-            count,
-            singles: Vec::with_capacity(if kind == Kind::Single { count } else { 0 }),
-            columns: Vec::with_capacity(wide),
-            values: Vec::with_capacity(count * wide),
-            dense: vec![0.0; if kind == Kind::Mixed { count * wide } else { 0 }],
-            constants: vec![0.0; count],
-        }
-    }
-
-    /// Numbers that the rows of a layout take.
-    pub(super) fn numbers(layout: &Layout, partition: &Partition, capacity: usize) -> usize {
-        let width = width(layout, partition, capacity);
-        let (rows, copies) = match kind(layout) {
-            Kind::Single => return 5 * layout.len(),
-            Kind::Motion | Kind::Forces => (layout.len(), 1),
-            Kind::Mixed => (layout.len(), 2),
-        };
-        rows.saturating_mul(copies)
-            .saturating_add(1)
-            .saturating_mul(width)
-    }
-
     /// Finds where the rows are, after variables have come or gone.
     pub(super) fn arrange(&mut self, layout: &Layout, context: &Context<'_>) {
         match self.kind {
@@ -463,33 +434,6 @@ impl NaturalRows {
                 }
             }
         }
-    }
-}
-
-fn kind(layout: &Layout) -> Kind {
-    let ascend = |forces: &[(crate::contact::ContactId, Block)]| {
-        forces.windows(2).all(|pair| pair[0].0 < pair[1].0)
-    };
-    match (&layout.vdot, &layout.effort, layout.forces.as_slice()) {
-        (VdotBlock::Unit(_), None, [])
-        | (VdotBlock::Absent, Some(Block::Unit(_)), [])
-        | (VdotBlock::Absent, None, [(_, Block::Unit(_))]) => Kind::Single,
-        (VdotBlock::Frame(..) | VdotBlock::Contact(..) | VdotBlock::Dense, None, []) => {
-            Kind::Motion
-        }
-        (VdotBlock::Absent, None, forces) if ascend(forces) => Kind::Forces,
-        _ => Kind::Mixed,
-    }
-}
-
-/// The most natural variables that the rows have coefficients on, if they are written out; of `capacity`.
-fn width(layout: &Layout, partition: &Partition, capacity: usize) -> usize {
-    let of = |contact: &crate::contact::ContactId| partition.nf.get(contact.index()).copied();
-    match kind(layout) {
-        Kind::Single => 0,
-        Kind::Motion => partition.nv,
-        Kind::Forces => layout.forces.iter().filter_map(|(c, _)| of(c)).sum(),
-        Kind::Mixed => capacity,
     }
 }
 

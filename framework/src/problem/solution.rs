@@ -1,4 +1,5 @@
-//! From a solution of the problem back to accelerations, efforts and forces, residuals and the cost.
+//! From a solution of the problem back to accelerations, efforts and forces, residuals and the cost; and what tasks
+//! asked of single accelerations.
 //!
 //! # Mathematics
 //! `v̇_P = B x + c`, `v̇_D = G v̇_S + g` and `τ = T y + t` give what is no variable. Residuals
@@ -6,9 +7,10 @@
 //! cost is the sum of `w r²` over all soft rows, of slacks and regularisation.
 
 use super::{
-    ActiveVariables, BoundEntry, ContactElimination, Partition, ReducedDynamics, kernels::dot,
-    partition::EffortPlace, rows::NaturalRows,
+    ActiveVariables, BoundEntry, ContactElimination, Partition, ReducedDynamics, Treatment,
+    linear_algebra::dot, rows::NaturalRows, variables::EffortPlace,
 };
+use crate::plugin::layout::VdotBlock;
 
 /// What a solution means, in storage made once.
 #[derive(Clone, Debug)]
@@ -129,5 +131,59 @@ impl Solved {
         let later = self.starts[entry + 1..].iter().flatten().next();
         let end = later.copied().unwrap_or(self.residuals.len());
         self.residuals.get(start..end)
+    }
+}
+
+/// Per component of `v̇` the sum of what is asked by weight, and of the weights: infinite once a hard row has asked.
+#[derive(Clone, Debug)]
+pub(crate) struct Asked {
+    sums: Vec<[f64; 2]>,
+}
+
+impl Asked {
+    /// For nv components.
+    pub(crate) fn new(nv: usize) -> Self {
+        Self {
+            sums: vec![[0.0; 2]; nv],
+        }
+    }
+
+    /// Writes what the live entries ask of each component of `v̇` by rows on it alone: their mean by weight, or the
+    /// first hard one's; zero if none asks.
+    pub(crate) fn collect(&mut self, entries: &[BoundEntry], out: &mut [f64]) {
+        self.sums.fill([0.0; 2]);
+        for entry in entries.iter().filter(|g| g.live) {
+            let layout = &entry.layout;
+            let VdotBlock::Unit(columns) = &layout.vdot else {
+                continue;
+            };
+            if layout.effort.is_some() || !layout.forces.is_empty() {
+                continue;
+            }
+            let hard = entry.treatment_now() == Treatment::Hard;
+            let rows = entry.store.lower.iter().zip(entry.weight.now());
+            for (&column, (&asked, weight)) in columns.iter().zip(rows) {
+                let [sum, total] = &mut self.sums[column];
+                if *total == f64::INFINITY {
+                    continue;
+                }
+                if hard {
+                    (*sum, *total) = (asked, f64::INFINITY);
+                } else {
+                    let weight = weight * entry.alpha;
+                    *sum += weight * asked;
+                    *total += weight;
+                }
+            }
+        }
+        for (out, &[sum, total]) in out.iter_mut().zip(&self.sums) {
+            *out = if total == f64::INFINITY {
+                sum
+            } else if total > 0.0 {
+                sum / total
+            } else {
+                0.0
+            };
+        }
     }
 }

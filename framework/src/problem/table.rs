@@ -1,5 +1,6 @@
 //! Whose is a row, whose is a variable: permanent names for everything in the problem.
 
+use super::{Partition, Problem};
 use crate::qp::{RowId, VarId};
 
 /// A row of the problem: its owner, what it is of the owner's, and the unit of its value.
@@ -60,5 +61,50 @@ impl Table {
             unit: unit.to_owned(),
         });
         VarId::new(self.vars.len() as u32 - 1)
+    }
+}
+
+/// Of the problem built last.
+impl Problem {
+    /// Identity of the bound on a contact's normal force.
+    pub(crate) fn normal_row(&self, contact: usize) -> Option<RowId> {
+        self.normal_rows.get(contact).copied()
+    }
+
+    /// Weight of `‖(u, f)‖²` relative to the largest one that is on.
+    pub(crate) fn relative_regularisation(&self) -> f64 {
+        self.regularisation
+    }
+
+    /// Whether a row is one of the equations of motion.
+    pub(crate) fn is_dynamics(&self, id: RowId) -> bool {
+        self.dynamics_rows.contains(&id)
+    }
+
+    /// What the limits of a row of the problem leave out: the part of the row's value that does not depend on x.
+    pub(crate) fn constant(&self, row: usize) -> f64 {
+        self.constants.get(row).copied().unwrap_or(0.0)
+    }
+
+    /// The row of the problem that is this bound on an eliminated effort, and whose.
+    pub(super) fn torque_row(&self, id: RowId) -> Option<(usize, usize)> {
+        let found = self.torque_rows.binary_search_by_key(&id, |row| row.id);
+        found
+            .ok()
+            .map(|i| (self.torque_rows[i].row, self.torque_rows[i].actuator))
+    }
+
+    /// The actuator whose effort is this variable of the problem.
+    pub(super) fn effort_at(&self, position: usize) -> Option<usize> {
+        let Partition {
+            accelerations,
+            substituted,
+            kept,
+            ..
+        } = &self.partition;
+        (position + substituted)
+            .checked_sub(*accelerations)
+            .and_then(|i| kept.get(i))
+            .copied()
     }
 }

@@ -1,5 +1,6 @@
 //! Ticks in numbers: what each depended on and what came out, kept in storage made once.
 
+mod contacts;
 mod dump;
 mod recorder;
 mod recording;

@@ -8,7 +8,7 @@ use super::{
     super::{
         Command, Controller, Measurement,
         fallback::{Age, Clock, Fallback},
-        plausible::Seen,
+        measurement::Seen,
         world::World,
     },
     CommandRecord, ContactMemory, EntryRecord, Memory, Outcome, Record, Recorder, StateRecord,

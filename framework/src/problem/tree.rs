@@ -1,108 +1,25 @@
-//! Which accelerations and efforts a formulation substitutes, which it keeps as variables, and what can be zero.
+//! How a formulation splits a robot's accelerations and efforts, once and for all: from its tree.
 //!
 //! # Notation
 //! `λ(i)`: the velocity that carries velocity `i` in the robot's tree; the six of a floating base form a chain.
 //!
 //! # Mathematics
-//! The rows of the dynamics are split into those of the **substituted** accelerations `P` and of the **kept** ones `A`,
-//! the efforts into those that are **eliminated** and those that are kept:
-//!
-//! | formulation | P | eliminated efforts | rows of the dynamics in the problem |
-//! |---|---|---|---|
-//! | condensed | all | none | none |
-//! | torque-eliminated | those that no joint motor drives | joint motors', one per joint | none |
-//! | explicit | none | none | all |
-//!
-//! In the torque-eliminated form accelerations that hard contacts *determine* are substituted too
-//! ([`ContactElimination`]), as long as the contact is on. They are neither in P nor in A: each tick's
-//! [`Partition::arrange`] says where the others are.
-//!
-//! *Natural* variables are `y = (v̇_P, v̇_A, kept u, live f, live slacks)`; those of the problem are `x`, the same
-//! without `v̇_P`.
-//!
 //! `M_ij` is zero unless one of `i`, `j` carries the other (with mimic joints: a body that the other moves), and a
-//! column of a frame's Jacobian is zero unless it carries the frame. Both are properties of the tree alone, known here
-//! once and for all (branch-induced sparsity: R. Featherstone, *Efficient factorization of the joint-space inertia
-//! matrix for branched kinematic trees*, IJRR 2005).
+//! column of a frame's Jacobian is zero unless it carries the frame. Both are properties of the tree alone
+//! (branch-induced sparsity: R. Featherstone, *Efficient factorization of the joint-space inertia matrix for branched
+//! kinematic trees*, IJRR 2005).
 
 use std::collections::HashMap;
 
-use super::{ContactElimination, SparsityPattern};
+use super::{
+    Partition, SparsityPattern,
+    variables::{Branch, EffortPlace, Place, Torque},
+};
 use crate::{contact::ContactSpec, robot::RobotModel, settings::Formulation};
 use wbqp_dynamics::{
     actuator::ActuatorKind,
     model::{BodyId, FrameId, Model},
 };
-
-/// Where an actuator's effort is found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum EffortPlace {
-    /// A variable: this one of [`Partition::kept`].
-    Kept(usize),
-    /// Eliminated: this one of [`Partition::torques`].
-    Eliminated(usize),
-}
-
-/// An effort that is given by the dynamics' row of its joint.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Torque {
-    /// The joint's velocity.
-    pub(crate) velocity: usize,
-    /// The motor, in the order of u.
-    pub(crate) actuator: usize,
-}
-
-/// Where an acceleration is found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Place {
-    /// At this column of y.
-    Column(usize),
-    /// Determined by this motion of a contact, as this one of its joints.
-    Determined(usize, usize),
-}
-
-/// Eliminated efforts whose rows have their nonzero coefficients in the same columns.
-#[derive(Clone, Debug)]
-pub(crate) struct Branch {
-    /// Indices into [`Partition::torques`].
-    pub(crate) torques: Vec<usize>,
-    /// The accelerations.
-    pub(crate) pattern: SparsityPattern,
-    /// The kept efforts, of [`Partition::kept`].
-    pub(crate) efforts: Vec<usize>,
-    /// The contacts.
-    pub(crate) contacts: Vec<usize>,
-}
-
-/// The split. What depends on the contacts that are on is arranged anew when they change.
-#[derive(Clone, Debug)]
-pub(crate) struct Partition {
-    pub(crate) nv: usize,
-    /// Size of `P`: the first columns of y.
-    pub(crate) substituted: usize,
-    /// Accelerations in y, this tick.
-    pub(crate) accelerations: usize,
-    /// Their velocities, by column of y.
-    pub(crate) velocities: Vec<usize>,
-    /// By velocity.
-    pub(crate) places: Vec<Place>,
-    /// By actuator.
-    pub(crate) efforts: Vec<EffortPlace>,
-    /// The actuators that are variables, in the order of their columns.
-    pub(crate) kept: Vec<usize>,
-    pub(crate) torques: Vec<Torque>,
-    pub(crate) branches: Vec<Branch>,
-    /// For each column of `P`, the columns of `P` that carry it, nearest first.
-    pub(crate) ancestors: Vec<Vec<usize>>,
-    /// Number of force components of each contact.
-    pub(crate) nf: Vec<usize>,
-    /// What carries each contact.
-    pub(crate) contacts: Vec<SparsityPattern>,
-    /// What carries each requested frame.
-    pub(crate) frames: Vec<SparsityPattern>,
-    /// All accelerations.
-    pub(crate) all: SparsityPattern,
-}
 
 impl Partition {
     /// The formulation must not be `Auto`.
@@ -179,45 +96,6 @@ impl Partition {
         self.patterns_mut().for_each(|s| s.reserve(nv, motions));
     }
 
-    /// Finds the accelerations that no contact determines this tick, and where they are in y.
-    pub(crate) fn arrange(&mut self, elimination: &ContactElimination) {
-        self.velocities.truncate(self.substituted);
-        self.places.fill(Place::Column(usize::MAX));
-        for (index, motion) in elimination.live() {
-            for (row, &velocity) in motion.own().iter().enumerate() {
-                self.places[velocity] = Place::Determined(index, row);
-            }
-        }
-        for (column, &velocity) in self.velocities.iter().enumerate() {
-            self.places[velocity] = Place::Column(column);
-        }
-        for (velocity, place) in self.places.iter_mut().enumerate() {
-            if *place == Place::Column(usize::MAX) {
-                *place = Place::Column(self.velocities.len());
-                self.velocities.push(velocity);
-            }
-        }
-        self.accelerations = self.velocities.len();
-        let places = std::mem::take(&mut self.places);
-        self.patterns_mut()
-            .for_each(|s| s.arrange(&places, elimination));
-        self.places = places;
-    }
-
-    fn patterns_mut(&mut self) -> impl Iterator<Item = &mut SparsityPattern> {
-        let branches = self.branches.iter_mut().map(|branch| &mut branch.pattern);
-        let frames = self.contacts.iter_mut().chain(&mut self.frames);
-        frames.chain(branches).chain([&mut self.all])
-    }
-
-    /// The column of an acceleration that is in y.
-    pub(crate) fn column(&self, velocity: usize) -> Option<usize> {
-        match self.places[velocity] {
-            Place::Column(column) => Some(column),
-            Place::Determined(..) => None,
-        }
-    }
-
     /// Whether an acceleration is in P.
     pub(crate) fn is_always_substituted(&self, velocity: usize) -> bool {
         self.velocities[..self.substituted].contains(&velocity)
@@ -276,10 +154,26 @@ impl Partition {
         }
         branches
     }
+}
 
-    /// Columns of y before the forces.
-    pub(crate) fn first_force(&self) -> usize {
-        self.accelerations + self.kept.len()
+impl SparsityPattern {
+    /// To be arranged.
+    pub(crate) fn new(velocities: Vec<usize>) -> Self {
+        Self {
+            velocities,
+            ..Self::default()
+        }
+    }
+
+    /// Makes room for every arrangement.
+    pub(crate) fn reserve(&mut self, nv: usize, motions: usize) {
+        let count = self.velocities.len();
+        self.coordinates.reserve(count);
+        self.determined.reserve(count);
+        self.columns.reserve(count + motions * nv);
+        self.positions.clear();
+        self.positions
+            .resize_with(motions, || Vec::with_capacity(nv));
     }
 }
 

@@ -1,11 +1,4 @@
-//! What a tick falls back on when its problem has no solution that may be sent.
-//!
-//! | level | when | command |
-//! |---|---|---|
-//! | optimal | | the optimum |
-//! | relaxed | limits contradict one another, or the solver failed | the optimum with limits given up in the declared order |
-//! | extrapolated | no solution, for as long as `extrapolation` says | the last efforts, kept |
-//! | safe | no solution for longer, or never one | a [law](crate::plugin::FallbackLaw) that needs no solver |
+//! The optimum with limits given up, where they contradict one another or the solver failed.
 //!
 //! # Giving up
 //! The order is the configuration's: hard tasks, then constraints, then the limits of the contacts' normal forces, of
@@ -27,131 +20,24 @@
 //! fails does not fail twice, and the warm start of each is its own. A solver that ran out of its budget is not given
 //! more time: the tick goes to the next level.
 
-use super::{
-    explanation::{is_proof, write_conflict},
-    measurement::Measurement,
-    names::Owner,
-    report::{FallbackLevel, OnLevel, RelaxedRow, Report, Side},
-};
+use super::Fallback;
 use crate::{
+    controller::{
+        explanation::{is_proof, write_conflict},
+        report::{RelaxedRow, Report, Side},
+    },
     fault::Fault,
-    plugin::BoundFallbackLaw,
-    problem::{BoundEntry, DynamicsTerms, Problem, Relaxation},
-    qp::{ActiveSet, Budget, ConstraintId, Held, Qp, QpSolver, Solution, Status, WarmStart},
+    problem::{BoundEntry, DynamicsTerms, Problem},
+    qp::{Budget, ConstraintId, Held, Qp, QpSolver as _, Solution, Status, WarmStart},
 };
 
-/// For how many ticks after a contradiction the next one is looked for before the optimum.
-const ALERT: u32 = 50;
 /// The most relaxed problems in a tick.
 const RESOLVES: u32 = 4;
-
-/// The fallback levels, and what they need, in storage made once.
-#[derive(Debug)]
-pub(super) struct Fallback {
-    /// Where the last tick ended, and since when.
-    pub(super) level: FallbackLevel,
-    pub(super) on_level: OnLevel,
-    pub(super) relaxation: Relaxation,
-    pub(super) solver: ActiveSet,
-    pub(super) solution: Solution,
-    /// What the relaxed problem of the last tick held, if it had one.
-    pub(super) warm: WarmStart,
-    /// The limits that contradicted one another last, but for one; none if none ever did.
-    pub(super) proof: WarmStart,
-    /// Ticks since then.
-    pub(super) since_proof: u32,
-    /// Whether the solution of this tick is a proof by the active-set method.
-    pub(super) is_proven: bool,
-    /// Whether the configured solver is the active-set method, whose proofs are irreducible.
-    pub(super) is_native: bool,
-    pub(super) law: BoundFallbackLaw,
-    /// The efforts that come nearest to holding the home posture.
-    pub(super) hover: Vec<f64>,
-    /// Whose each row is, in words, for explanations.
-    pub(super) owners: Vec<Owner>,
-    /// Since the last solution and the last usable measurement.
-    pub(super) without_solution: Age,
-    pub(super) without_state: Age,
-    pub(super) clock: Clock,
-}
-
-/// Tells a stamp that is out of order from a clock that was set.
-///
-/// A stamp that is not later than the last usable one is a fault. A clock that goes on regularly from an earlier time,
-/// for [`Clock::STEADY`] ticks, was set: it is used again from there, and the controller's own time goes on without a
-/// jump.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Clock {
-    pub(super) previous: Option<f64>,
-    pub(super) steady: u32,
-}
-
-impl Clock {
-    const STEADY: u32 = 10;
-
-    /// Takes a stamp; true if the clock was set. `last` is the last usable stamp.
-    pub(super) fn was_set(&mut self, stamp: f64, last: Option<f64>, period: f64) -> bool {
-        let goes_on = self.previous.is_some_and(|previous| {
-            let step = stamp - previous;
-            step > 0.0 && step < 10.0 * period
-        });
-        self.previous = Some(stamp);
-        let is_early = last.is_some_and(|last| stamp <= last);
-        self.steady = if goes_on && is_early {
-            self.steady + 1
-        } else {
-            0
-        };
-        if self.steady < Self::STEADY {
-            return false;
-        }
-        self.steady = 0;
-        true
-    }
-}
-
-/// How long ago something was.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Age {
-    /// Time stamp and ticks since; nothing if it never was.
-    pub(super) last: Option<(f64, u64)>,
-}
-
-impl Age {
-    /// It is in this tick.
-    pub(super) fn renew(&mut self, time: f64) {
-        self.last = Some((time, 0));
-    }
-
-    /// A tick has begun.
-    pub(super) fn pass(&mut self) {
-        if let Some((_, ticks)) = &mut self.last {
-            *ticks = ticks.saturating_add(1);
-        }
-    }
-
-    pub(super) fn time(&self) -> Option<f64> {
-        self.last.map(|(time, _)| time)
-    }
-
-    /// Seconds: by the clock or by the number of ticks, whichever is longer; infinite if it never was.
-    pub(super) fn seconds(&self, now: f64, period: f64) -> f64 {
-        self.last.map_or(f64::INFINITY, |(time, ticks)| {
-            let passed = ticks as f64 * period;
-            // A stamp that is not a number says nothing.
-            if now.is_finite() {
-                passed.max(now - time)
-            } else {
-                passed
-            }
-        })
-    }
-}
 
 impl Fallback {
     /// Looks for the optimum with limits given up. On success the solution's first variables are the tick's; the error
     /// says why there is none.
-    pub(super) fn relax(
+    pub(in super::super) fn relax(
         &mut self,
         problem: &Problem,
         terms: &DynamicsTerms<'_>,
@@ -227,19 +113,13 @@ impl Fallback {
         Err(Fault::Infeasible)
     }
 
-    /// Whether limits contradicted one another a short time ago.
-    pub(super) fn is_alert(&self) -> bool {
-        self.since_proof < ALERT && self.proof.iter().next().is_some()
-    }
-
-    /// A tick without a contradiction.
-    pub(super) fn calm(&mut self) {
-        self.since_proof = self.since_proof.saturating_add(1);
-    }
-
     /// Whether limits contradict one another as they did last; if so, the proof is in the solution. Begins with the
     /// last proof, and does not look for an optimum. False says nothing.
-    pub(super) fn is_still_infeasible(&mut self, qp: &Qp, solution: &mut Solution) -> bool {
+    pub(in super::super) fn is_still_infeasible(
+        &mut self,
+        qp: &Qp,
+        solution: &mut Solution,
+    ) -> bool {
         if self.proof.iter().next().is_none() {
             return false;
         }
@@ -303,28 +183,5 @@ fn write_proof(qp: &Qp, proof: &Solution, out: &mut WarmStart) {
         if *z != 0.0 && Some(j) != last_bound {
             out.push(held(ConstraintId::Bound(*id), z.signum()));
         }
-    }
-}
-
-impl OnLevel {
-    /// One more tick on a level.
-    pub(super) fn step(&mut self, changed: bool, measurement: &Measurement, last: Option<f64>) {
-        if changed || self.ticks == 0 {
-            let stamp = measurement.time;
-            self.since = if stamp.is_finite() {
-                stamp
-            } else {
-                last.unwrap_or(0.0)
-            };
-            self.ticks = 0;
-        }
-        self.ticks = self.ticks.saturating_add(1);
-    }
-}
-
-impl FallbackLevel {
-    /// Whether the command is the solution of a problem of this tick.
-    pub fn is_solved(self) -> bool {
-        matches!(self, Self::Optimal | Self::Relaxed)
     }
 }

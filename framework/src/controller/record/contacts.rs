@@ -1,0 +1,61 @@
+//! Copies what a contact remembers from one tick to the next into a record, and back.
+#![allow(non_snake_case)]
+
+use nalgebra::{Matrix3, Rotation3, Vector3};
+
+use super::ContactMemory;
+use crate::contact::{ContactBinding, ContactState, SensorZero, SurfaceMotion};
+use wbqp_dynamics::{Data, model::Model};
+
+impl ContactBinding {
+    /// Writes what is remembered from one tick to the next.
+    pub(crate) fn remember(&self, out: &mut ContactMemory) {
+        out.switch = self.switch;
+        out.exit_force = self.exit_force;
+        out.exit_alpha = self.exit_alpha;
+        out.filtered = self.filtered.into();
+        out.mean_reading = self.zero.mean.map(Into::into);
+        out.sensor_zero = self.zero.offset.into();
+        for (out, r) in out.rotation.iter_mut().zip(self.motion.R_WC.matrix()) {
+            *out = *r;
+        }
+        let m = &self.motion;
+        out.motion = [m.p_WS, m.v_WS, m.w_WC, m.a_WS, m.alpha_WC].map(Into::into);
+    }
+
+    /// Takes it over again.
+    pub(crate) fn recall(&mut self, memory: &ContactMemory) {
+        self.switch = memory.switch;
+        self.exit_force = memory.exit_force;
+        self.exit_alpha = memory.exit_alpha;
+        self.filtered = memory.filtered.into();
+        self.zero = SensorZero {
+            mean: memory.mean_reading.map(Into::into),
+            offset: memory.sensor_zero.into(),
+        };
+        let [p_WS, v_WS, w_WC, a_WS, alpha_WC] = memory.motion.map(Vector3::from);
+        let rotation = Matrix3::from_column_slice(&memory.rotation);
+        self.motion = SurfaceMotion {
+            R_WC: Rotation3::from_matrix_unchecked(rotation),
+            p_WS,
+            v_WS,
+            w_WC,
+            a_WS,
+            alpha_WC,
+        };
+    }
+
+    /// What an earlier tick at this time knew of the contact, for a state that is there again.
+    pub(crate) fn place_again(
+        &mut self,
+        time: f64,
+        model: &Model,
+        data: &Data,
+        c: &mut ContactState,
+    ) {
+        self.place(model, data, c);
+        c.alpha = self.switch.alpha(time);
+        c.live = self.switch.is_live(time);
+        c.since = self.switch.since();
+    }
+}

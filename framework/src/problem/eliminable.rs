@@ -1,0 +1,116 @@
+//! Which contacts may determine accelerations, and those of which joints: chosen once.
+//!
+//! Of the joints that qualify, see [`contact_elimination`](super::contact_elimination), those with the largest pivots
+//! at home.
+
+use super::{
+    BoundEntry, ContactElimination, Partition, Treatment, contact_elimination::EliminatedContact,
+};
+use crate::{contact::ContactState, plugin::layout::VdotBlock};
+
+impl ContactElimination {
+    /// One for each contact that has hard rows on its acceleration and enough joints of its own with motors whose
+    /// efforts are eliminated.
+    pub(crate) fn new(partition: &Partition, entries: &[BoundEntry]) -> Self {
+        let mut list: Vec<EliminatedContact> = Vec::new();
+        for (index, entry) in entries.iter().enumerate() {
+            let VdotBlock::Contact(contact, directions) = &entry.layout.vdot else {
+                continue;
+            };
+            let contact = contact.index();
+            let is_motion = entry.treatment == Treatment::Hard
+                && entry.is_equality()
+                && entry.layout.effort.is_none()
+                && entry.layout.forces.is_empty();
+            if !is_motion || list.iter().any(|motion| motion.contact == contact) {
+                continue;
+            }
+            let carriers = &partition.contacts[contact].velocities;
+            let is_own = |velocity: usize| {
+                let others = partition.contacts.iter().enumerate();
+                let mut others = others.filter(|(other, _)| *other != contact);
+                partition.torques.iter().any(|t| t.velocity == velocity)
+                    && !others.any(|(_, pattern)| pattern.velocities.contains(&velocity))
+            };
+            let own: Vec<usize> = carriers.iter().copied().filter(|&v| is_own(v)).collect();
+            if own.len() < directions.len() {
+                continue;
+            }
+            let (rows, columns) = (directions.len(), carriers.len() + 1);
+            list.push(EliminatedContact {
+                entry: index,
+                contact,
+                directions: directions.clone(),
+                own,
+                others: Vec::with_capacity(carriers.len()),
+                leading: 0,
+                live: false,
+                relation: vec![0.0; rows * columns],
+                work: vec![0.0; rows * columns],
+            });
+        }
+        Self { list }
+    }
+
+    /// Chooses D, at home.
+    pub(crate) fn choose(&mut self, partition: &Partition, contacts: &[ContactState]) {
+        for motion in &mut self.list {
+            let jacobian = &contacts[motion.contact].J;
+            motion.choose_own(|row, velocity| jacobian[(row, velocity)]);
+            let carriers = &partition.contacts[motion.contact].velocities;
+            let others = carriers.iter().filter(|v| !motion.own.contains(v));
+            motion.others.clear();
+            motion.others.extend(others);
+            motion
+                .others
+                .sort_unstable_by_key(|&v| (!partition.is_always_substituted(v), v));
+            let base = &partition.velocities[..partition.substituted];
+            let same = motion.others.iter().zip(base).take_while(|(a, b)| a == b);
+            motion.leading = same.count();
+        }
+    }
+
+    /// Rows of each.
+    pub(crate) fn sizes(&self) -> impl ExactSizeIterator<Item = usize> {
+        self.list.iter().map(|motion| motion.directions.len())
+    }
+}
+
+impl EliminatedContact {
+    /// Keeps as many joints as there are rows: in each step of an elimination the one with the largest pivot.
+    fn choose_own(&mut self, jacobian: impl Fn(usize, usize) -> f64) {
+        let (rows, columns) = (self.directions.len(), self.own.len());
+        let mut a: Vec<f64> = Vec::with_capacity(rows * columns);
+        for &direction in &self.directions {
+            a.extend(self.own.iter().map(|&v| jacobian(direction, v)));
+        }
+        let mut free_rows: Vec<usize> = (0..rows).collect();
+        let mut free: Vec<usize> = (0..columns).collect();
+        let mut chosen = Vec::with_capacity(rows);
+        while !free_rows.is_empty() {
+            let size = |(r, c): (usize, usize)| a[free_rows[r] * columns + free[c]].abs();
+            let mut best = (0, 0);
+            for r in 0..free_rows.len() {
+                for c in 0..free.len() {
+                    if size((r, c)) > size(best) {
+                        best = (r, c);
+                    }
+                }
+            }
+            let (row, column) = (free_rows.swap_remove(best.0), free.remove(best.1));
+            chosen.push(self.own[column]);
+            let pivot = a[row * columns + column];
+            if pivot == 0.0 {
+                continue;
+            }
+            for &other in &free_rows {
+                let factor = a[other * columns + column] / pivot;
+                for &c in &free {
+                    a[other * columns + c] -= factor * a[row * columns + c];
+                }
+            }
+        }
+        chosen.sort_unstable();
+        self.own = chosen;
+    }
+}
