@@ -37,15 +37,6 @@ pub struct Measurement {
 }
 
 impl Measurement {
-    /// The robot's home posture at rest at time 0, no force.
-    pub fn home(robot: &RobotModel, contacts: usize) -> Self {
-        Self {
-            time: 0.0,
-            state: robot.home.clone(),
-            wrenches: vec![Vector6::zeros(); contacts],
-        }
-    }
-
     /// What makes the measurement unusable, if anything does.
     pub(crate) fn fault(
         &self,

@@ -10,7 +10,9 @@ use crate::{
     error::BindError,
     fault::Fault,
     plugin::{
-        Displacement, EntryState, Layout, Slopes, rows::RowStore, rows::Running, tick::Followed,
+        EntryState, Layout,
+        rows::{RowStore, Running},
+        tick::Followed,
     },
     problem::BoundEntry,
     settings::{FirstError, StartFrom},
@@ -65,20 +67,6 @@ impl RunningPlugin {
         tick.references = &self.references;
         self.plugin.update(&tick, layout, store);
     }
-
-    /// Lets the plug-in add to its rows what a displacement of the state does to them; false if it does not say.
-    pub(super) fn differentiate(
-        &mut self,
-        world: &World,
-        entry: EntryState,
-        moved: &Displacement,
-        (layout, store): (&Layout, &mut RowStore),
-    ) -> bool {
-        let mut tick = world.tick(entry);
-        tick.references = &self.references;
-        let mut slopes = Slopes::new(layout, store);
-        self.plugin.differentiate(&tick, moved, &mut slopes)
-    }
 }
 
 /// What is remembered of the first tick, and how large its errors may be.
@@ -118,28 +106,6 @@ pub(super) enum Quantity {
 pub(super) struct Distance {
     pub(super) position: f64,
     pub(super) rotation: f64,
-}
-
-impl FirstTick {
-    /// How far a task is from what it wants.
-    pub(super) fn distance(&self, task: usize, errors: &[f64]) -> Distance {
-        let rows = self.errors.get(task).map(Vec::as_slice).unwrap_or_default();
-        let of = |quantity: Quantity| {
-            let (mut alone, mut squares) = (0.0_f64, 0.0);
-            for (counts, error) in rows.iter().zip(errors) {
-                match counts {
-                    Counts::Alone(q) if *q == quantity => alone = alone.max(error.abs()),
-                    Counts::Together(q) if *q == quantity => squares += error * error,
-                    _ => {}
-                }
-            }
-            alone.max(f64::sqrt(squares))
-        };
-        Distance {
-            position: of(Quantity::Position),
-            rotation: of(Quantity::Rotation),
-        }
-    }
 }
 
 impl FirstTick {
@@ -188,5 +154,25 @@ impl FirstTick {
             }
         }
         Err(Fault::FirstError(task))
+    }
+
+    /// How far a task is from what it wants.
+    pub(super) fn distance(&self, task: usize, errors: &[f64]) -> Distance {
+        let rows = self.errors.get(task).map(Vec::as_slice).unwrap_or_default();
+        let of = |quantity: Quantity| {
+            let (mut alone, mut squares) = (0.0_f64, 0.0);
+            for (counts, error) in rows.iter().zip(errors) {
+                match counts {
+                    Counts::Alone(q) if *q == quantity => alone = alone.max(error.abs()),
+                    Counts::Together(q) if *q == quantity => squares += error * error,
+                    _ => {}
+                }
+            }
+            alone.max(f64::sqrt(squares))
+        };
+        Distance {
+            position: of(Quantity::Position),
+            rotation: of(Quantity::Rotation),
+        }
     }
 }

@@ -1,10 +1,10 @@
 //! What a tick took and gave, copied.
 #![allow(non_snake_case)]
 
-use nalgebra::{Rotation3, Vector3};
+use nalgebra::{Rotation3, Vector3, Vector6};
 
 use super::{Command, Controller, Measurement, Report, running::RunningPlugin};
-use crate::{contact::ContactState, plugin::Sample};
+use crate::{contact::ContactState, plugin::Sample, robot::RobotModel};
 
 /// What a tick took and gave, copied without allocation: for a log or a view that another thread writes.
 /// [`Names`](super::Names) says what the numbers in it stand for.
@@ -110,6 +110,15 @@ fn copy(out: &mut Sample, sample: &Sample) {
 }
 
 impl Measurement {
+    /// The robot's home posture at rest at time 0, no force.
+    pub fn home(robot: &RobotModel, contacts: usize) -> Self {
+        Self {
+            time: 0.0,
+            state: robot.home.clone(),
+            wrenches: vec![Vector6::zeros(); contacts],
+        }
+    }
+
     /// Copies another measurement without allocating; of one of other sizes the time only.
     pub(super) fn copy_from(&mut self, other: &Self) {
         self.time = other.time;

@@ -1,4 +1,4 @@
-//! How a plug-in declares its rows in `bind`.
+//! How a plug-in declares its rows in `bind`, and what others may ask of a layout.
 
 use super::layout::{Block, BoundTarget, Layout, Relation, RowSpec, VdotBlock};
 use crate::{contact::ContactId, plugin::FrameHandle};
@@ -114,6 +114,31 @@ impl Layout {
             relation: Relation::Equality,
             ..self
         })
+    }
+
+    /// Labels and units of the rows.
+    pub fn row_specs(&self) -> &[RowSpec] {
+        &self.rows
+    }
+
+    /// Labels and units of the bounds.
+    pub fn bound_specs(&self) -> impl Iterator<Item = &RowSpec> {
+        self.bounds.iter().map(|(spec, _)| spec)
+    }
+
+    /// Whether the rows of a constraint are equalities.
+    pub fn is_equality(&self) -> bool {
+        self.relation == Relation::Equality
+    }
+
+    /// Unit of what the task writes into its error.
+    pub fn unit_of_error(&self) -> &str {
+        &self.error_unit
+    }
+
+    /// Whether there is no row.
+    pub fn is_empty(&self) -> bool {
+        self.rows.is_empty()
     }
 }
 

@@ -1,4 +1,4 @@
-//! What a plug-in declares once: its rows, their labels and units, and the blocks they touch.
+//! What a plug-in declares once: its rows, their labels and units, and the blocks they touch; and numbers by row.
 //!
 //! A row is linear in the decision variables, `A_v v̇ + A_u u + Σ A_c f_c`, and a layout says for each of the
 //! blocks whether it is absent, dense, made of unit rows, or borrowed from a Jacobian that the framework
@@ -9,6 +9,48 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::{contact::ContactId, plugin::FrameHandle};
+
+/// The rows a plug-in writes every tick. Returned by `bind`; fixed from then on.
+///
+/// ```
+/// use wbqp::{error::BindError, plugin::{Layout, Setup}};
+/// fn base(setup: &Setup<'_>) -> Result<Layout, BindError> {
+///     // Three rows on the base's linear acceleration.
+///     let [x, y, z, ..] = setup.base_velocities()?;
+///     let rows = [("x", "m/s²"), ("y", "m/s²"), ("z", "m/s²")];
+///     Ok(Layout::rows(rows).error_unit("m").vdot_unit([x, y, z]))
+/// }
+/// ```
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Layout {
+    pub(crate) rows: Vec<RowSpec>,
+    pub(crate) error_unit: String,
+    pub(crate) vdot: VdotBlock,
+    pub(crate) effort: Option<Block>,
+    pub(crate) forces: Vec<(ContactId, Block)>,
+    pub(crate) bounds: Vec<(RowSpec, BoundTarget)>,
+    pub(crate) relation: Relation,
+    pub(crate) contact: Option<ContactId>,
+    pub(crate) moment_limits: Vec<ContactId>,
+    pub(crate) never_relaxed: bool,
+}
+
+impl Layout {
+    /// Whether the rows have coefficients on accelerations.
+    pub fn acts_on_accelerations(&self) -> bool {
+        self.vdot != VdotBlock::Absent
+    }
+
+    /// Whether the rows have coefficients on efforts or contact forces.
+    pub fn acts_on_forces(&self) -> bool {
+        self.effort.is_some() || !self.forces.is_empty()
+    }
+
+    /// Number of rows, bounds not counted.
+    pub fn len(&self) -> usize {
+        self.rows.len()
+    }
+}
 
 /// One scalar row: its label among its owner's rows and the unit of its value.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -54,73 +96,6 @@ pub(crate) enum Relation {
     #[default]
     Inequality,
     Equality,
-}
-
-/// The rows a plug-in writes every tick. Returned by `bind`; fixed from then on.
-///
-/// ```
-/// use wbqp::{error::BindError, plugin::{Layout, Setup}};
-/// fn base(setup: &Setup<'_>) -> Result<Layout, BindError> {
-///     // Three rows on the base's linear acceleration.
-///     let [x, y, z, ..] = setup.base_velocities()?;
-///     let rows = [("x", "m/s²"), ("y", "m/s²"), ("z", "m/s²")];
-///     Ok(Layout::rows(rows).error_unit("m").vdot_unit([x, y, z]))
-/// }
-/// ```
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Layout {
-    pub(crate) rows: Vec<RowSpec>,
-    pub(crate) error_unit: String,
-    pub(crate) vdot: VdotBlock,
-    pub(crate) effort: Option<Block>,
-    pub(crate) forces: Vec<(ContactId, Block)>,
-    pub(crate) bounds: Vec<(RowSpec, BoundTarget)>,
-    pub(crate) relation: Relation,
-    pub(crate) contact: Option<ContactId>,
-    pub(crate) moment_limits: Vec<ContactId>,
-    pub(crate) never_relaxed: bool,
-}
-
-impl Layout {
-    /// Labels and units of the rows.
-    pub fn row_specs(&self) -> &[RowSpec] {
-        &self.rows
-    }
-
-    /// Labels and units of the bounds.
-    pub fn bound_specs(&self) -> impl Iterator<Item = &RowSpec> {
-        self.bounds.iter().map(|(spec, _)| spec)
-    }
-
-    /// Whether the rows have coefficients on accelerations.
-    pub fn acts_on_accelerations(&self) -> bool {
-        self.vdot != VdotBlock::Absent
-    }
-
-    /// Whether the rows have coefficients on efforts or contact forces.
-    pub fn acts_on_forces(&self) -> bool {
-        self.effort.is_some() || !self.forces.is_empty()
-    }
-
-    /// Whether the rows of a constraint are equalities.
-    pub fn is_equality(&self) -> bool {
-        self.relation == Relation::Equality
-    }
-
-    /// Unit of what the task writes into its error.
-    pub fn unit_of_error(&self) -> &str {
-        &self.error_unit
-    }
-
-    /// Number of rows, bounds not counted.
-    pub fn len(&self) -> usize {
-        self.rows.len()
-    }
-
-    /// Whether there is no row.
-    pub fn is_empty(&self) -> bool {
-        self.rows.is_empty()
-    }
 }
 
 /// One number for all rows, or a list with one per row: a weight, or a diagonal gain matrix.

@@ -6,11 +6,12 @@
 
 use std::{any::Any, borrow::Cow, fmt::Debug};
 
+use nalgebra::UnitQuaternion;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 
 use crate::{
     error::BindError,
-    plugin::{BoundReference, Sample, Tick},
+    plugin::{BoundReference, RotationSample, Sample, Tick, VectorSample},
 };
 
 /// A trajectory: value, rate and acceleration as a function of time, or of what the tick knows (an
@@ -91,4 +92,45 @@ pub struct Start<'a> {
     pub time: f64,
     /// What the task followed until now; at the start, what was measured.
     pub from: &'a Sample,
+}
+
+impl Sample {
+    /// At zero, or at the identity, standing still.
+    pub fn new(space: Space) -> Self {
+        match space {
+            Space::Vector(n) => Self::at_rest(std::iter::repeat_n(0.0, n)),
+            Space::Rotation => Self::turned(UnitQuaternion::identity()),
+        }
+    }
+
+    /// This value of a vector space, standing still.
+    pub fn at_rest(value: impl IntoIterator<Item = f64>) -> Self {
+        Self::Vector(VectorSample::at_rest(value))
+    }
+
+    /// This orientation, standing still.
+    pub fn turned(rotation: UnitQuaternion<f64>) -> Self {
+        Self::Rotation(RotationSample::at_rest(rotation))
+    }
+
+    /// The space that it is of.
+    pub fn space(&self) -> Space {
+        match self {
+            Self::Vector(sample) => Space::Vector(sample.value.len()),
+            Self::Rotation(_) => Space::Rotation,
+        }
+    }
+}
+
+impl VectorSample {
+    /// This value, standing still.
+    pub fn at_rest(value: impl IntoIterator<Item = f64>) -> Self {
+        let value: Vec<f64> = value.into_iter().collect();
+        let zeros = vec![0.0; value.len()];
+        Self {
+            value,
+            rate: zeros.clone(),
+            acceleration: zeros,
+        }
+    }
 }

@@ -11,7 +11,7 @@ use nalgebra::{UnitQuaternion, Vector3, Vector6};
 
 use crate::{
     contact::{ContactId, ContactState},
-    plugin::{Reference, Space, Start},
+    plugin::{Reference, Start},
 };
 use wbqp_dynamics::{Data, FrameKinematics, model::Model, state::State};
 
@@ -132,9 +132,9 @@ pub struct RotationReference(pub(crate) usize);
 /// Value, rate and acceleration of a reference at one time.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Sample {
-    /// In a [`Space::Vector`].
+    /// In a [`Space::Vector`](super::Space::Vector).
     Vector(VectorSample),
-    /// In [`Space::Rotation`].
+    /// In [`Space::Rotation`](super::Space::Rotation).
     Rotation(RotationSample),
 }
 
@@ -161,32 +161,6 @@ pub struct RotationSample {
 }
 
 impl Sample {
-    /// At zero, or at the identity, standing still.
-    pub fn new(space: Space) -> Self {
-        match space {
-            Space::Vector(n) => Self::at_rest(std::iter::repeat_n(0.0, n)),
-            Space::Rotation => Self::turned(UnitQuaternion::identity()),
-        }
-    }
-
-    /// This value of a vector space, standing still.
-    pub fn at_rest(value: impl IntoIterator<Item = f64>) -> Self {
-        Self::Vector(VectorSample::at_rest(value))
-    }
-
-    /// This orientation, standing still.
-    pub fn turned(rotation: UnitQuaternion<f64>) -> Self {
-        Self::Rotation(RotationSample::at_rest(rotation))
-    }
-
-    /// The space that it is of.
-    pub fn space(&self) -> Space {
-        match self {
-            Self::Vector(sample) => Space::Vector(sample.value.len()),
-            Self::Rotation(_) => Space::Rotation,
-        }
-    }
-
     /// Stands still at another one's value, if both are of the same space. Does not allocate.
     pub fn stand_at(&mut self, other: &Self) {
         match (self, other) {
@@ -200,17 +174,6 @@ impl Sample {
 }
 
 impl VectorSample {
-    /// This value, standing still.
-    pub fn at_rest(value: impl IntoIterator<Item = f64>) -> Self {
-        let value: Vec<f64> = value.into_iter().collect();
-        let zeros = vec![0.0; value.len()];
-        Self {
-            value,
-            rate: zeros.clone(),
-            acceleration: zeros,
-        }
-    }
-
     /// Value, rate and acceleration of a component; zeros for one that is missing.
     #[inline]
     pub fn component(&self, index: usize) -> [f64; 3] {
@@ -269,9 +232,9 @@ type MeasuredRotation = dyn Fn(&Tick<'_>) -> UnitQuaternion<f64> + Send;
 
 /// What is measured of that which a reference prescribes.
 pub(crate) enum Measured {
-    /// In a [`Space::Vector`].
+    /// In a [`Space::Vector`](super::Space::Vector).
     Vector(Box<MeasuredVector>),
-    /// In [`Space::Rotation`].
+    /// In [`Space::Rotation`](super::Space::Rotation).
     Rotation(Box<MeasuredRotation>),
 }
 

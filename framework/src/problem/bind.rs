@@ -3,7 +3,8 @@
 use super::{
     ActiveVariables, BoundEntry, ContactElimination, Partition, Problem, ProblemRows,
     ReducedDynamics, Table, Treatment, VariableNames,
-    hessian::NaturalCost,
+    hessian::{BLOCK, NaturalCost},
+    linear_algebra::TreeCholesky,
     rows::{Kind, NaturalRows},
     solution::{Asked, Solved},
     variables::EffortPlace,
@@ -231,5 +232,105 @@ fn width(layout: &Layout, partition: &Partition, capacity: usize) -> usize {
         Kind::Motion => partition.nv,
         Kind::Forces => layout.forces.iter().filter_map(|(c, _)| of(c)).sum(),
         Kind::Mixed => capacity,
+    }
+}
+
+impl ActiveVariables {
+    pub(crate) fn new(contacts: usize, entries: usize, capacity: usize) -> Self {
+        Self {
+            forces: vec![None; contacts],
+            slacks: vec![None; entries],
+            n_physical: 0,
+            n: 0,
+            vars: Vec::with_capacity(capacity),
+        }
+    }
+}
+
+impl ReducedDynamics {
+    /// For at most `forces` force components; `actuation` has the kept efforts.
+    pub(crate) fn new(partition: &Partition, actuation: Actuation, forces: usize) -> Self {
+        let (nv, inputs) = (partition.nv, partition.kept.len() + forces);
+        let width = nv - partition.substituted + inputs;
+        let torques = partition.torques.len();
+        Self {
+            actuation,
+            cholesky: TreeCholesky::new(partition.ancestors.clone()),
+            coupled: vec![0.0; partition.substituted * partition.substituted],
+            scale: vec![0.0; partition.substituted],
+            units: vec![0.0; partition.substituted],
+            forcing: vec![0.0; nv * (inputs + 1)],
+            inputs,
+            response: vec![0.0; partition.substituted * (width + 1)],
+            substituted: partition.substituted,
+            width,
+            torque: vec![0.0; torques * (nv + inputs)],
+            torque_known: vec![0.0; torques],
+            n_physical: nv + inputs,
+        }
+    }
+}
+
+impl TreeCholesky {
+    /// For a matrix whose entry `(i, j)`, `j < i`, is zero unless `j` is an ancestor of `i`.
+    pub(crate) fn new(ancestors: Vec<Vec<usize>>) -> Self {
+        let n = ancestors.len();
+        let carries = |i: usize| (i + 1..n).filter(|&d| ancestors[d].contains(&i)).collect();
+        Self {
+            n,
+            l: vec![0.0; n * n],
+            reciprocal: vec![0.0; n],
+            descendants: (0..n).map(carries).collect(),
+            ancestors,
+        }
+    }
+}
+
+impl NaturalCost {
+    /// For at most `capacity` natural variables.
+    pub(super) fn new(
+        partition: &Partition,
+        elimination: &ContactElimination,
+        capacity: usize,
+    ) -> Self {
+        Self {
+            n: 0,
+            h: vec![0.0; capacity * capacity],
+            g: vec![0.0; capacity],
+            torque: vec![[0.0; 2]; partition.torques.len()],
+            determined: elimination
+                .sizes()
+                .map(|rows| vec![[0.0; 2]; rows])
+                .collect(),
+            is_coupled: false,
+            carried: vec![0.0; partition.substituted * capacity],
+            known: vec![0.0; partition.substituted],
+            columns: Vec::with_capacity(capacity),
+            values: Vec::with_capacity(capacity * BLOCK),
+        }
+    }
+}
+
+impl Solved {
+    /// For at most `rows` cost rows of so many entries, and `capacity` natural variables.
+    pub(super) fn new(partition: &Partition, entries: usize, rows: usize, capacity: usize) -> Self {
+        Self {
+            vdot: vec![0.0; partition.nv],
+            effort: vec![0.0; partition.efforts.len()],
+            objective: 0.0,
+            y: vec![0.0; capacity],
+            values: vec![0.0; rows],
+            residuals: Vec::with_capacity(rows),
+            starts: vec![None; entries],
+        }
+    }
+}
+
+impl Asked {
+    /// For nv components.
+    pub(crate) fn new(nv: usize) -> Self {
+        Self {
+            sums: vec![[0.0; 2]; nv],
+        }
     }
 }

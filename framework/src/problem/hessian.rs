@@ -60,48 +60,25 @@ impl Slots {
 /// `H`, upper triangle, and `g` over y, in storage made once.
 #[derive(Clone, Debug)]
 pub(super) struct NaturalCost {
-    n: usize,
-    h: Vec<f64>,
-    g: Vec<f64>,
+    pub(super) n: usize,
+    pub(super) h: Vec<f64>,
+    pub(super) g: Vec<f64>,
     /// `d` and `e` of every eliminated effort.
-    torque: Vec<[f64; 2]>,
+    pub(super) torque: Vec<[f64; 2]>,
     /// The same of every acceleration that a contact may determine, by elimination.
-    determined: Vec<Vec<[f64; 2]>>,
+    pub(super) determined: Vec<Vec<[f64; 2]>>,
     /// Whether a row has coefficients on `v̇_P` and on others.
-    is_coupled: bool,
+    pub(super) is_coupled: bool,
     /// `W`.
-    carried: Vec<f64>,
+    pub(super) carried: Vec<f64>,
     /// `c`.
-    known: Vec<f64>,
+    pub(super) known: Vec<f64>,
     /// Columns and coefficients of rows that lie elsewhere.
-    columns: Vec<usize>,
-    values: Vec<f64>,
+    pub(super) columns: Vec<usize>,
+    pub(super) values: Vec<f64>,
 }
 
 impl NaturalCost {
-    /// For at most `capacity` natural variables.
-    pub(super) fn new(
-        partition: &Partition,
-        elimination: &ContactElimination,
-        capacity: usize,
-    ) -> Self {
-        Self {
-            n: 0,
-            h: vec![0.0; capacity * capacity],
-            g: vec![0.0; capacity],
-            torque: vec![[0.0; 2]; partition.torques.len()],
-            determined: elimination
-                .sizes()
-                .map(|rows| vec![[0.0; 2]; rows])
-                .collect(),
-            is_coupled: false,
-            carried: vec![0.0; partition.substituted * capacity],
-            known: vec![0.0; partition.substituted],
-            columns: Vec::with_capacity(capacity),
-            values: Vec::with_capacity(capacity * BLOCK),
-        }
-    }
-
     /// No cost, over `n` natural variables.
     pub(super) fn reset(&mut self, n: usize) {
         self.n = n;

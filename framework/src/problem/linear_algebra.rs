@@ -10,30 +10,17 @@
 /// valid.
 #[derive(Clone, Debug)]
 pub(crate) struct TreeCholesky {
-    n: usize,
-    l: Vec<f64>,
+    pub(super) n: usize,
+    pub(super) l: Vec<f64>,
     /// `D⁻¹`.
-    reciprocal: Vec<f64>,
+    pub(super) reciprocal: Vec<f64>,
     /// Nearest first.
-    ancestors: Vec<Vec<usize>>,
+    pub(super) ancestors: Vec<Vec<usize>>,
     /// Whose ancestor each one is.
-    descendants: Vec<Vec<usize>>,
+    pub(super) descendants: Vec<Vec<usize>>,
 }
 
 impl TreeCholesky {
-    /// For a matrix whose entry `(i, j)`, `j < i`, is zero unless `j` is an ancestor of `i`.
-    pub(crate) fn new(ancestors: Vec<Vec<usize>>) -> Self {
-        let n = ancestors.len();
-        let carries = |i: usize| (i + 1..n).filter(|&d| ancestors[d].contains(&i)).collect();
-        Self {
-            n,
-            l: vec![0.0; n * n],
-            reciprocal: vec![0.0; n],
-            descendants: (0..n).map(carries).collect(),
-            ancestors,
-        }
-    }
-
     /// Factorises a symmetric matrix given by its entries `(i, j)`, `j ≤ i`; false if it is not positive definite (or
     /// has a NaN).
     pub(crate) fn factorise(&mut self, m: impl Fn(usize, usize) -> f64) -> bool {

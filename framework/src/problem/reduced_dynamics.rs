@@ -27,51 +27,29 @@ const SINGULAR: f64 = 1e-2;
 /// `[F | k]`, `[B | c]` and `T`, `t`; row-major.
 #[derive(Clone, Debug)]
 pub(crate) struct ReducedDynamics {
-    actuation: Actuation,
-    cholesky: TreeCholesky,
+    pub(super) actuation: Actuation,
+    pub(super) cholesky: TreeCholesky,
     /// N, and the units of its columns and of its rows.
-    coupled: Vec<f64>,
-    scale: Vec<f64>,
-    units: Vec<f64>,
+    pub(super) coupled: Vec<f64>,
+    pub(super) scale: Vec<f64>,
+    pub(super) units: Vec<f64>,
     /// `[F | k]`, by velocity.
-    forcing: Vec<f64>,
+    pub(super) forcing: Vec<f64>,
     /// Efforts and forces that are variables.
-    inputs: usize,
+    pub(super) inputs: usize,
     /// `[B | c]`.
-    response: Vec<f64>,
+    pub(super) response: Vec<f64>,
     /// Its rows.
-    substituted: usize,
+    pub(super) substituted: usize,
     /// Columns of B.
-    width: usize,
-    torque: Vec<f64>,
-    torque_known: Vec<f64>,
+    pub(super) width: usize,
+    pub(super) torque: Vec<f64>,
+    pub(super) torque_known: Vec<f64>,
     /// Columns of T.
-    n_physical: usize,
+    pub(super) n_physical: usize,
 }
 
 impl ReducedDynamics {
-    /// For at most `forces` force components; `actuation` has the kept efforts.
-    pub(crate) fn new(partition: &Partition, actuation: Actuation, forces: usize) -> Self {
-        let (nv, inputs) = (partition.nv, partition.kept.len() + forces);
-        let width = nv - partition.substituted + inputs;
-        let torques = partition.torques.len();
-        Self {
-            actuation,
-            cholesky: TreeCholesky::new(partition.ancestors.clone()),
-            coupled: vec![0.0; partition.substituted * partition.substituted],
-            scale: vec![0.0; partition.substituted],
-            units: vec![0.0; partition.substituted],
-            forcing: vec![0.0; nv * (inputs + 1)],
-            inputs,
-            response: vec![0.0; partition.substituted * (width + 1)],
-            substituted: partition.substituted,
-            width,
-            torque: vec![0.0; torques * (nv + inputs)],
-            torque_known: vec![0.0; torques],
-            n_physical: nv + inputs,
-        }
-    }
-
     /// Takes the dynamics of this tick; false if `M_PP`, or N, cannot be inverted.
     pub(crate) fn update(
         &mut self,

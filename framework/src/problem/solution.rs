@@ -24,27 +24,14 @@ pub(crate) struct Solved {
     /// Natural variables.
     pub(super) y: Vec<f64>,
     /// Values of an entry's rows.
-    values: Vec<f64>,
+    pub(super) values: Vec<f64>,
     /// Residual `a x − b` and weight of every cost row, entry by entry.
-    residuals: Vec<[f64; 2]>,
+    pub(super) residuals: Vec<[f64; 2]>,
     /// Where the residuals of each entry begin, if it is a cost.
-    starts: Vec<Option<usize>>,
+    pub(super) starts: Vec<Option<usize>>,
 }
 
 impl Solved {
-    /// For at most `rows` cost rows of so many entries, and `capacity` natural variables.
-    pub(super) fn new(partition: &Partition, entries: usize, rows: usize, capacity: usize) -> Self {
-        Self {
-            vdot: vec![0.0; partition.nv],
-            effort: vec![0.0; partition.efforts.len()],
-            objective: 0.0,
-            y: vec![0.0; capacity],
-            values: vec![0.0; rows],
-            residuals: Vec::with_capacity(rows),
-            starts: vec![None; entries],
-        }
-    }
-
     /// Takes the accelerations and efforts of a solution.
     pub(super) fn take(
         &mut self,
@@ -137,17 +124,10 @@ impl Solved {
 /// Per component of `v̇` the sum of what is asked by weight, and of the weights: infinite once a hard row has asked.
 #[derive(Clone, Debug)]
 pub(crate) struct Asked {
-    sums: Vec<[f64; 2]>,
+    pub(super) sums: Vec<[f64; 2]>,
 }
 
 impl Asked {
-    /// For nv components.
-    pub(crate) fn new(nv: usize) -> Self {
-        Self {
-            sums: vec![[0.0; 2]; nv],
-        }
-    }
-
     /// Writes what the live entries ask of each component of `v̇` by rows on it alone: their mean by weight, or the
     /// first hard one's; zero if none asks.
     pub(crate) fn collect(&mut self, entries: &[BoundEntry], out: &mut [f64]) {

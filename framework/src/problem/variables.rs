@@ -255,16 +255,6 @@ pub(crate) struct FirstIds {
 }
 
 impl ActiveVariables {
-    pub(crate) fn new(contacts: usize, entries: usize, capacity: usize) -> Self {
-        Self {
-            forces: vec![None; contacts],
-            slacks: vec![None; entries],
-            n_physical: 0,
-            n: 0,
-            vars: Vec::with_capacity(capacity),
-        }
-    }
-
     /// Lays out the live variables; true if forces are elsewhere than in the last tick.
     pub(crate) fn refresh(
         &mut self,

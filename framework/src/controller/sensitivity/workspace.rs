@@ -10,8 +10,8 @@ use super::{
     shares::Shares,
 };
 use crate::{
-    controller::{Controller, Measurement, world::World},
-    plugin::{Displacement, EntryState, Sample, remembered::Memo, rows::RowStore},
+    controller::{Controller, Measurement, running::RunningPlugin, world::World},
+    plugin::{Displacement, EntryState, Layout, Sample, Slopes, remembered::Memo, rows::RowStore},
     problem::{BoundEntry, Treatment},
 };
 
@@ -431,4 +431,20 @@ impl Workspace {
 fn sample_of(controller: &mut Controller, entry: usize, reference: usize) -> Option<&mut Sample> {
     let followed = controller.plugins[entry].references.get_mut(reference)?;
     Some(&mut followed.sample)
+}
+
+impl RunningPlugin {
+    /// Lets the plug-in add to its rows what a displacement of the state does to them; false if it does not say.
+    fn differentiate(
+        &mut self,
+        world: &World,
+        entry: EntryState,
+        moved: &Displacement,
+        (layout, store): (&Layout, &mut RowStore),
+    ) -> bool {
+        let mut tick = world.tick(entry);
+        tick.references = &self.references;
+        let mut slopes = Slopes::new(layout, store);
+        self.plugin.differentiate(&tick, moved, &mut slopes)
+    }
 }
