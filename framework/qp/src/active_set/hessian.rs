@@ -276,7 +276,7 @@ impl Hessian {
             let alpha = [-block[0], -block[1], -block[2], -block[3]];
             add_rows(&mut tail[..end - next], alpha, &rows[next..], stride);
         }
-        range
+        if range.is_empty() { 0..0 } else { range }
     }
 
     /// Replaces `z` by `x = U⁻¹ z`.

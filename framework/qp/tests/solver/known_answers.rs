@@ -1,10 +1,10 @@
 //! Random problems whose answers are known by construction. `WBQP_QP_PROBLEMS` sets how many of each family and range
 //! of units.
 
-use wbqp_qp::{ActiveSet, Budget, ConstraintId, Held, QpSolver, Solution, WarmStart};
+use wbqp_qp::{ActiveSet, Budget, ConstraintId, Held, Qp, QpSolver, Solution, Status, WarmStart};
 
 use crate::{
-    families::{FAMILIES, Family, draw},
+    families::{FAMILIES, Family, Known, draw},
     judge::judge,
 };
 
@@ -27,7 +27,13 @@ const ONCE_WRONG: [(Family, u64, f64); 9] = [
 
 /// What is wrong with the answer to a random problem, and its iterations.
 fn answer(family: Family, seed: u64, exponent: f64) -> (u32, Option<String>) {
-    let known = draw(family, seed, 16, exponent);
+    answer_of(
+        draw(family, seed, 16, exponent),
+        &format!("{family:?} 1e±{exponent} {seed}"),
+    )
+}
+
+fn answer_of(known: Known, name: &str) -> (u32, Option<String>) {
     let mut solver = ActiveSet::default();
     solver.bind(known.qp.capacity()).expect("is good");
     let mut solution = Solution::new(known.qp.capacity());
@@ -36,7 +42,7 @@ fn answer(family: Family, seed: u64, exponent: f64) -> (u32, Option<String>) {
         .expect("fits");
     let wrong = judge(&known, &solution).err().map(|what| {
         let (n, m) = (known.qp.n(), known.qp.m());
-        format!("{family:?} 1e±{exponent} {seed} (n {n}, m {m}): {what}")
+        format!("{name} (n {n}, m {m}): {what}")
     });
     (solution.iterations, wrong)
 }
@@ -82,6 +88,49 @@ fn every_answer_is_right() {
         .collect::<Vec<_>>()
         .join("\n");
     assert!(wrong.is_empty(), "{} wrong:\n{shown}", wrong.len());
+}
+
+/// More variables than loops of a known length are for, of which normals may touch a part.
+#[test]
+fn answers_to_larger_problems_are_right() {
+    let count: u64 = std::env::var("WBQP_QP_LARGER").map_or(40, |c| c.parse().expect("a number"));
+    let mut wrong = Vec::new();
+    for family in FAMILIES {
+        for exponent in EXPONENTS {
+            for seed in 0..count {
+                let known = draw(family, seed, 48, exponent);
+                let name = format!("{family:?} 1e±{exponent} {seed} up to 48");
+                wrong.extend(answer_of(known, &name).1);
+            }
+        }
+    }
+    assert!(
+        wrong.is_empty(),
+        "{} wrong:\n{}",
+        wrong.len(),
+        wrong.join("\n")
+    );
+}
+
+/// A row without coefficients has no part that is not zero, whatever the number of variables.
+#[test]
+fn a_row_without_coefficients_is_no_limit() {
+    for n in [3, 12, 24] {
+        let mut h = vec![0.0; n * n];
+        h.iter_mut().step_by(n + 1).for_each(|h| *h = 1.0);
+        let (g, a) = (vec![-1.0; n], vec![0.0; n]);
+        let free = (vec![f64::NEG_INFINITY; n], vec![f64::INFINITY; n]);
+        for limits in [(0.0, 0.0), (-1.0, 1.0), (1e-18, 1.0)] {
+            let rows = (&[limits.0][..], &[limits.1][..]);
+            let qp = Qp::dense(&h, &g, &a, rows, (&free.0, &free.1)).expect("the shapes fit");
+            let mut solver = ActiveSet::default();
+            solver.bind(qp.capacity()).expect("is good");
+            let mut solution = Solution::new(qp.capacity());
+            let status = solver.solve(&qp, Budget::Configured, &mut solution);
+            assert_eq!(status, Ok(Status::Optimal), "{n} {limits:?}");
+            assert!(solution.x.iter().all(|x| *x == 1.0), "{n} {limits:?}");
+        }
+    }
 }
 
 /// Whatever is remembered, constraints at any side with multipliers of any sign and size, decides how long a solve
