@@ -340,7 +340,7 @@ impl Bound {
             };
         }
         let names = VariableNames::new(&robot, &contacts);
-        let mut native = ActiveSet::default();
+        let mut native = ActiveSet::by_reflections();
         let kept = partition.kept.iter().map(|&i| &robot.actuators[i]);
         let kept = Actuation::new(&model, kept);
         let problem = Problem::new(

@@ -70,6 +70,7 @@ mod workspace;
 
 use crate::{Budget, Capacity, Qp, QpError, QpSolver, Solution, Status, WarmStart};
 use limits::Limits;
+use working_set::Factorisation;
 use workspace::Workspace;
 
 /// A dense dual active-set method, warm-started from the tick before; allocates nothing.
@@ -93,7 +94,20 @@ pub struct ActiveSet {
     #[cfg_attr(feature = "serde", schemars(extend("x-unit" = "s")))]
     pub budget: Option<f64>,
     #[cfg_attr(feature = "serde", serde(skip))]
+    start: Factorisation,
+    #[cfg_attr(feature = "serde", serde(skip))]
     workspace: Option<Box<Workspace>>,
+}
+
+impl ActiveSet {
+    /// For problems whose active constraints nearly depend on one another, as where limits are given up: products of
+    /// their normals, with which a solve begins otherwise, are not tried.
+    pub fn by_reflections() -> Self {
+        Self {
+            start: Factorisation::Reflections,
+            ..Self::default()
+        }
+    }
 }
 
 impl Default for ActiveSet {
@@ -102,6 +116,7 @@ impl Default for ActiveSet {
             max_iterations: None,
             tolerance: 1e-12,
             budget: None,
+            start: Factorisation::Products,
             workspace: None,
         }
     }
@@ -149,7 +164,7 @@ impl QpSolver for ActiveSet {
                 Limits::new(self.tolerance, most).with_clock(stopwatch, self.budget)
             }
         };
-        workspace.solve(qp, limits, out);
+        workspace.solve(qp, limits, self.start, out);
         Ok(out.status)
     }
 

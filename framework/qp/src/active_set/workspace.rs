@@ -46,26 +46,36 @@ impl Workspace {
         self.capacity
     }
 
-    pub(super) fn solve(&mut self, qp: &Qp, mut limits: Limits<'_>, out: &mut Solution) {
+    pub(super) fn solve(
+        &mut self,
+        qp: &Qp,
+        mut limits: Limits<'_>,
+        start: Factorisation,
+        out: &mut Solution,
+    ) {
         out.iterations = 0;
         out.defect = qp.defect();
         out.status = if out.defect.is_some() {
             clear(qp, out);
             Status::Invalid
         } else {
-            self.run(qp, &mut limits, out)
+            self.run(qp, &mut limits, start, out)
         };
         if !(out.status == Status::Optimal || out.status.was_cut_short()) {
             self.dual.forget();
         }
     }
 
-    fn run(&mut self, qp: &Qp, limits: &mut Limits<'_>, out: &mut Solution) -> Status {
+    fn run(
+        &mut self,
+        qp: &Qp,
+        limits: &mut Limits<'_>,
+        start: Factorisation,
+        out: &mut Solution,
+    ) -> Status {
         let size = u32::try_from(qp.n() + qp.m()).unwrap_or(u32::MAX);
         limits.attempt_until(size.saturating_mul(2).saturating_add(PATIENCE));
-        let status = self
-            .dual
-            .solve(qp, limits, (0, Factorisation::Products), out);
+        let status = self.dual.solve(qp, limits, (0, start), out);
         limits.attempt_until(u32::MAX);
         let is_answer = match status {
             Status::Optimal => !self.dual.is_doubtful(),
