@@ -20,6 +20,8 @@ pub(super) struct Normals {
     ranges: Vec<(usize, usize)>,
     /// `‖w‖²`; below zero where nobody asked.
     squares: Vec<f64>,
+    /// `1/‖w‖`; zero where nobody asked.
+    reciprocal_lengths: Vec<f64>,
 }
 
 impl Normals {
@@ -29,6 +31,7 @@ impl Normals {
             w: vec![0.0; padded(vars) * (rows + vars)],
             ranges: vec![(0, 0); rows + vars],
             squares: vec![-1.0; rows + vars],
+            reciprocal_lengths: vec![0.0; rows + vars],
         }
     }
 
@@ -36,6 +39,7 @@ impl Normals {
     pub(super) fn forget(&mut self, qp: &Qp) {
         self.stride = padded(qp.n());
         self.squares[..count(qp)].fill(-1.0);
+        self.reciprocal_lengths[..count(qp)].fill(0.0);
     }
 
     /// `‖w‖²` of a constraint that is known.
@@ -54,6 +58,14 @@ impl Normals {
             *square = dot(w, w);
         }
         *square
+    }
+
+    /// `1/‖w‖`.
+    pub(super) fn reciprocal_length(&mut self, qp: &Qp, hessian: &Hessian, index: usize) -> f64 {
+        if self.reciprocal_lengths[index] == 0.0 {
+            self.reciprocal_lengths[index] = 1.0 / self.know(qp, hessian, index).sqrt();
+        }
+        self.reciprocal_lengths[index]
     }
 
     /// `w` of a constraint that is known, and outside of which components it is zero.

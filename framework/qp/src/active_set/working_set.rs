@@ -122,7 +122,7 @@ impl WorkingSet {
 
     /// `1/‖w‖` of a constraint.
     pub(super) fn reciprocal_length(&mut self, qp: &Qp, hessian: &Hessian, index: usize) -> f64 {
-        1.0 / self.normals.know(qp, hessian, index).sqrt()
+        self.normals.reciprocal_length(qp, hessian, index)
     }
 
     /// Holds a constraint, with the multiplier it has so far. False if the sine of its angle to those held is at most
