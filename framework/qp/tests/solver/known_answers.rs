@@ -28,19 +28,19 @@ const ONCE_WRONG: [(Family, u64, f64); 9] = [
 /// What is wrong with the answer to a random problem, and its iterations.
 fn answer(family: Family, seed: u64, exponent: f64) -> (u32, Option<String>) {
     answer_of(
-        draw(family, seed, 16, exponent),
+        &draw(family, seed, 16, exponent),
         &format!("{family:?} 1e±{exponent} {seed}"),
     )
 }
 
-fn answer_of(known: Known, name: &str) -> (u32, Option<String>) {
+fn answer_of(known: &Known, name: &str) -> (u32, Option<String>) {
     let mut solver = ActiveSet::default();
     solver.bind(known.qp.capacity()).expect("is good");
     let mut solution = Solution::new(known.qp.capacity());
     solver
         .solve(&known.qp, Budget::Configured, &mut solution)
         .expect("fits");
-    let wrong = judge(&known, &solution).err().map(|what| {
+    let wrong = judge(known, &solution).err().map(|what| {
         let (n, m) = (known.qp.n(), known.qp.m());
         format!("{name} (n {n}, m {m}): {what}")
     });
@@ -100,7 +100,7 @@ fn answers_to_larger_problems_are_right() {
             for seed in 0..count {
                 let known = draw(family, seed, 48, exponent);
                 let name = format!("{family:?} 1e±{exponent} {seed} up to 48");
-                wrong.extend(answer_of(known, &name).1);
+                wrong.extend(answer_of(&known, &name).1);
             }
         }
     }
