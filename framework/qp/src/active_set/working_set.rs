@@ -63,12 +63,8 @@ pub(super) struct WorkingSet {
     pub(super) multipliers: Vec<f64>,
     /// Multipliers of the solution on the held constraints, or how a dependent one combines from them.
     targets: Vec<f64>,
-    /// The constraint that was to be pushed last.
-    candidate: usize,
-    /// `R⁻ᵀ Wᵀ w` of it; with reflections `Qᵀ w`.
+    /// `R⁻ᵀ Wᵀ w` of the constraint that was to be pushed last; with reflections `Qᵀ w`.
     column: Vec<f64>,
-    /// What is left of its w beside a combination.
-    rest: Vec<f64>,
     /// What was let go because it depends on others, when the factorisation was made anew.
     dropped: Vec<Active>,
 }
@@ -87,7 +83,6 @@ impl WorkingSet {
             multipliers: Vec::with_capacity(n + 1),
             targets: vec![0.0; n],
             column: vec![0.0; padded(n)],
-            rest: vec![0.0; padded(n)],
             dropped: Vec::with_capacity(n + 1),
             ..Self::default()
         }
@@ -136,15 +131,8 @@ impl WorkingSet {
         sine: f64,
     ) -> bool {
         self.normals.know(qp, hessian, constraint.index);
-        self.candidate = constraint.index;
-        if !self.is_orthogonal {
-            self.multiply_candidate();
-            if self.len() == self.n {
-                return false;
-            }
-            if !self.append_product(sine.max(SMALL_ANGLE)) {
-                self.factorise_by_reflections();
-            }
+        if !self.is_orthogonal && !self.append_product(constraint.index, sine.max(SMALL_ANGLE)) {
+            self.factorise_by_reflections();
         }
         if self.is_orthogonal {
             if !self.q.has_room(self.n * (self.n + 1) / 2) {
@@ -159,20 +147,18 @@ impl WorkingSet {
         true
     }
 
-    /// `R⁻ᵀ Wᵀ w` of the candidate.
-    fn multiply_candidate(&mut self) {
-        let column = &mut self.column[..self.active.len()];
-        self.normals
-            .products(&self.active, self.normals.get(self.candidate), column);
-        self.r.solve_transposed(0, column);
-    }
-
-    /// Appends the candidate's column to R, after [`WorkingSet::multiply_candidate`]; false if the sine of its angle is
-    /// at most `sine`.
-    fn append_product(&mut self, sine: f64) -> bool {
+    /// Appends a constraint's column to R; false if the sine of its angle is at most `sine`, as it is if as many are held
+    /// as there are variables.
+    fn append_product(&mut self, index: usize, sine: f64) -> bool {
         let k = self.len();
+        if k == self.n {
+            return false;
+        }
+        let (range, w) = self.normals.get(index);
         let column = &mut self.column[..=k];
-        let size = self.normals.square(self.candidate);
+        self.normals.products(&self.active, (range, w), column);
+        self.r.solve_transposed(0, column);
+        let size = self.normals.square(index);
         let beyond = size - dot(&column[..k], &column[..k]);
         // `!(beyond > …)`: a NaN is small, too.
         let is_far = beyond > sine * sine * size;
@@ -180,7 +166,6 @@ impl WorkingSet {
             return false;
         }
         column[k] = beyond.sqrt();
-        let (_, w) = self.normals.get(self.candidate);
         let known = dot(&column[..k], &self.v1[..k]);
         self.v1[k] = (dot(w, &self.v[..self.stride]) - known) / column[k];
         self.r.append(column);
@@ -288,36 +273,19 @@ impl WorkingSet {
         let k = self.len();
         self.targets[..k].copy_from_slice(&self.column[..k]);
         self.r.solve(&mut self.targets[..k]);
-        if self.is_orthogonal {
-            return;
-        }
-        // As exact as with Q: once more, for what is left.
-        let rest = &mut self.rest[..self.stride];
-        rest.copy_from_slice(self.normals.get(self.candidate).1);
-        self.normals.subtract(&self.active, &self.targets, rest);
-        let correction = &mut self.column[..k];
-        self.normals
-            .products(&self.active, (0..self.stride, rest), correction);
-        self.r.solve_transposed(0, correction);
-        self.r.solve(correction);
-        for (t, c) in self.targets.iter_mut().zip(correction) {
-            *t += *c;
-        }
     }
 
-    /// How the part of `a` along the held constraints combines from them; `a` is used up.
+    /// How the part of `a` along the held constraints combines from them, after a constraint was not pushed; `a` is used
+    /// up.
     pub(super) fn project(&mut self, hessian: &Hessian, a: &mut [f64]) {
-        let k = self.len();
+        debug_assert!(
+            self.is_orthogonal,
+            "a normal that depends on others was met"
+        );
         let range = hessian.solve_transposed(a);
-        let targets = &mut self.targets[..k];
-        if self.is_orthogonal {
-            self.q.transposed(range, a);
-            targets.copy_from_slice(&a[..k]);
-        } else {
-            self.normals.products(&self.active, (range, a), targets);
-            self.r.solve_transposed(0, targets);
-        }
-        self.r.solve(targets);
+        self.q.transposed(range, a);
+        self.column[..self.stride].copy_from_slice(a);
+        self.combine();
     }
 
     /// Lengths of the held constraints' normals in the metric of H: a combination's parts, times these, can be
@@ -546,8 +514,8 @@ mod tests {
                 if let Some(j) = is_held {
                     one.set.remove(j);
                     other.set.remove(j);
-                } else {
-                    assert_eq!(one.push(index), other.push(index), "{n} {step}");
+                } else if one.set.len() < n {
+                    assert!(one.push(index) && other.push(index), "{n} {step}");
                 }
                 held = held.max(one.set.len());
                 assert!(
@@ -579,7 +547,10 @@ mod tests {
             let expected = if j == 3 { 1.0 } else { 0.0 };
             assert!((sum - expected).abs() < 1e-12, "{j}: {sum}");
         }
-        assert!(!solver.set.is_orthogonal);
+        assert!(
+            solver.set.is_orthogonal,
+            "combinations are made with reflections"
+        );
     }
 
     #[test]

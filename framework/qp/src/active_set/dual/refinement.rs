@@ -2,7 +2,7 @@
 
 use super::{
     super::{
-        constraint::{add_normal, largest_normal},
+        constraint::{add_normal, largest_normal, limits},
         kernels::{axpy, largest_product},
     },
     CONVERGED, Dual, EXACT,
@@ -134,16 +134,18 @@ impl Dual {
     pub(super) fn missed(&self, qp: &Qp) -> f64 {
         let mut worst = 0.0_f64;
         for implied in &self.implied {
-            let away = self.point.value(implied.index) - implied.limit;
-            let excess = if implied.side == 0.0 {
-                away.abs()
+            // On the other side, too: what is implied is not checked any more.
+            let (value, (lower, upper)) =
+                (self.point.value(implied.index), limits(qp, implied.index));
+            let (excess, limit) = if value > upper {
+                (value - upper, upper)
             } else {
-                away * implied.side
+                (lower - value, lower)
             };
             if excess <= 0.0 {
                 continue;
             }
-            let size = implied.limit.abs() + self.point.magnitude_with_rounding(qp, implied.index);
+            let size = limit.abs() + self.point.magnitude_with_rounding(qp, implied.index);
             let relative = excess / size;
             // A NaN is the worst.
             if relative.is_nan() {
