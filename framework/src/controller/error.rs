@@ -1,5 +1,7 @@
 //! What can be wrong when a running controller is asked for something.
 
+use std::any::type_name;
+
 use crate::error::BindError;
 
 /// Why a running controller could not do what was asked.
@@ -51,4 +53,48 @@ pub enum RequestError {
         /// What is wrong.
         source: BindError,
     },
+}
+
+impl RequestError {
+    /// Nothing of the kind has that name: with the same list and guess as when a plug-in names something that does not
+    /// exist.
+    pub(super) fn absent<'a>(
+        kind: &'static str,
+        name: &str,
+        known: impl Iterator<Item = &'a str>,
+    ) -> Self {
+        match BindError::unknown(kind, name, known) {
+            BindError::Unknown {
+                kind,
+                name,
+                hint,
+                known,
+            } => Self::Absent {
+                kind,
+                name,
+                hint,
+                known,
+            },
+            other => Self::value(name, other),
+        }
+    }
+
+    /// The entry's plug-in is not of type `T`.
+    pub(super) fn other_type<T>(name: &str, is: &'static str) -> Self {
+        let full = type_name::<T>();
+        let path = full.split('<').next().unwrap_or(full);
+        let start = path.rfind("::").map_or(0, |colons| colons + 2);
+        Self::OtherType {
+            name: name.to_owned(),
+            is,
+            asked: full.get(start..).unwrap_or(full),
+        }
+    }
+
+    pub(super) fn value(name: &str, source: BindError) -> Self {
+        Self::Value {
+            name: name.to_owned(),
+            source,
+        }
+    }
 }

@@ -23,6 +23,7 @@ mod misfits;
 mod names;
 mod observer;
 mod output;
+mod parameters;
 mod planned_force;
 mod probe;
 mod record;

@@ -1,6 +1,11 @@
 //! What will be asked of a controller, before it runs.
 
-use crate::contact::ContactId;
+use super::running::RunningPlugin;
+use crate::{
+    contact::ContactId,
+    plugin::{Sample, Tick},
+    problem::BoundEntry,
+};
 
 /// The set point of a normal force.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,4 +16,33 @@ pub struct PlannedForce<'a> {
     pub contact: ContactId,
     /// What its reference says, N.
     pub normal: f64,
+}
+
+/// The set points of the tasks that push, are switched on and have a weight.
+pub(super) fn planned_forces<'a>(
+    tick: &Tick<'_>,
+    entries: &'a [BoundEntry],
+    plugins: &mut [RunningPlugin],
+) -> Vec<PlannedForce<'a>> {
+    let mut planned = Vec::new();
+    for (bound, plugin) in entries.iter().zip(plugins) {
+        if !bound.switch.is_wanted() || bound.weight.wanted().iter().all(|w| *w == 0.0) {
+            continue;
+        }
+        for reference in &mut plugin.references {
+            let Some(contact) = reference.pushes else {
+                continue;
+            };
+            if let Sample::Vector(sample) = reference.look(tick)
+                && let Some(&normal) = sample.value.first()
+            {
+                planned.push(PlannedForce {
+                    task: &bound.name,
+                    contact,
+                    normal,
+                });
+            }
+        }
+    }
+    planned
 }

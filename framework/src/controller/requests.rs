@@ -1,8 +1,9 @@
-//! What can be asked of a running controller between ticks: switches, references, weights, plug-ins by name.
+//! What can be asked of a controller between ticks: switches, references, weights, plug-ins by name, and what the last
+//! tick gave.
 //!
-//! It takes effect in the next tick, and ramps and trajectories begin at that tick's time.
+//! What changes something takes effect in the next tick, and ramps and trajectories begin at that tick's time.
 
-use std::any::{Any, type_name};
+use std::any::Any;
 
 use nalgebra::DVector;
 
@@ -13,17 +14,18 @@ use super::{
     error::RequestError,
     explanation::Explanation,
     names::Names,
-    planned_force::PlannedForce,
+    planned_force::{PlannedForce, planned_forces},
     record::{Dump, Record, Recorder, blank_record},
     running::RunningPlugin,
+    sensitivity::{Before, Sensitivity, SensitivityError},
     snapshot::Snapshot,
 };
 use crate::{
     contact::{ContactId, ContactSpec, ContactState, SurfaceMotion},
     error::BindError,
     fault::Fault,
-    plugin::{AnyConstraint, AnyReference, AnyTask, EntryState, Layout, PerRow, Sample, Setup},
-    problem::{BoundEntry, RowInfo, Treatment, VarInfo},
+    plugin::{AnyReference, EntryState, Layout, PerRow, Sample, Setup},
+    problem::{BoundEntry, RowInfo, VarInfo},
     qp::{Qp, RowId, Solution, VarId},
     robot::RobotModel,
     settings::{MeasurementLimits, Settings},
@@ -42,7 +44,7 @@ impl Controller {
                 index: index as u32,
                 controller: self.stamp,
             }),
-            None => Err(absent("entry", name, names())),
+            None => Err(RequestError::absent("entry", name, names())),
         }
     }
 
@@ -116,15 +118,12 @@ impl Controller {
     ) -> Result<(), RequestError> {
         let index = self.find_task(task.into())?;
         let begin = self.world.next_time();
-        let name = || self.entries[index].name.clone();
+        let name = &self.entries[index].name;
         let Some(followed) = self.plugins[index].references.first_mut() else {
-            return Err(RequestError::NoReference { name: name() });
+            return Err(RequestError::NoReference { name: name.clone() });
         };
-        let refused = |source: BindError| RequestError::Value {
-            name: name(),
-            source,
-        };
-        followed.replace(&*reference.into(), begin).map_err(refused)
+        let replaced = followed.replace(&*reference.into(), begin);
+        replaced.map_err(|source| RequestError::value(name, source))
     }
 
     /// What a task followed in its last update, of the first reference that it follows; before the first, where that
@@ -149,10 +148,8 @@ impl Controller {
     pub fn move_surface(&mut self, name: &str, motion: &SurfaceMotion) -> Result<(), RequestError> {
         let i = self.contact(name)?.index();
         if !motion.is_finite() {
-            return Err(RequestError::Value {
-                name: name.to_owned(),
-                source: BindError::value("surface", "has a number that is not finite"),
-            });
+            let source = BindError::value("surface", "has a number that is not finite");
+            return Err(RequestError::value(name, source));
         }
         self.world.bindings[i].move_surface(motion);
         Ok(())
@@ -168,7 +165,9 @@ impl Controller {
         weight: impl Into<PerRow>,
     ) -> Result<(), RequestError> {
         let index = self.find(entry.into())?;
-        reweight(&mut self.entries[index], &weight.into())
+        let entry = &mut self.entries[index];
+        let changed = entry.reweight(&weight.into());
+        changed.map_err(|source| RequestError::value(&entry.name, source))
     }
 
     /// The contact of that name.
@@ -179,7 +178,7 @@ impl Controller {
         let names = || self.world.bindings.iter().map(|b| b.spec.name.as_str());
         match names().position(|n| n == name) {
             Some(i) => Ok(ContactId(i as u32)),
-            None => Err(absent("contact", name, names())),
+            None => Err(RequestError::absent("contact", name, names())),
         }
     }
 
@@ -231,10 +230,7 @@ impl Controller {
     ) -> Result<toml::Table, RequestError> {
         let index = self.find(entry.into())?;
         let parameters = self.plugins[index].parameters();
-        parameters.map_err(|source| RequestError::Value {
-            name: self.entries[index].name.clone(),
-            source,
-        })
+        parameters.map_err(|source| RequestError::value(&self.entries[index].name, source))
     }
 
     /// Rows of each task with labels and units, in the order of [`Controller::task_names`].
@@ -284,16 +280,9 @@ impl Controller {
         };
         let changed = plugin.change(&mut apply, &mut setup, layout);
         if is_other {
-            return Err(RequestError::OtherType {
-                name: name.clone(),
-                is: tag,
-                asked: short_name::<T>(),
-            });
+            return Err(RequestError::other_type::<T>(name, tag));
         }
-        changed.map_err(|source| RequestError::Value {
-            name: name.clone(),
-            source,
-        })
+        changed.map_err(|source| RequestError::value(name, source))
     }
 
     /// Replaces keys of a task or constraint between two ticks, named and written as in its file, all or none; checked
@@ -313,38 +302,13 @@ impl Controller {
     ) -> Result<(), RequestError> {
         let index = self.find(entry.into())?;
         self.revision += 1;
-        let is_task = index < self.task_count;
         let contacts: Vec<ContactSpec> =
             self.world.bindings.iter().map(|b| b.spec.clone()).collect();
         let mut frames = self.world.frame_ids.clone();
         let mut setup = Setup::new(&self.robot, &contacts, self.world.period, &mut frames);
-        let BoundEntry { name, layout, .. } = &self.entries[index];
-        let refused = |source: BindError| RequestError::Value {
-            name: name.clone(),
-            source,
-        };
-        let mut table = self.plugins[index].parameters().map_err(refused)?;
-        let is_plugin = |value: &toml::Value| value.get("type").is_some();
-        for (key, value) in keys {
-            if key == "type" || is_plugin(&value) || table.get(&key).is_some_and(is_plugin) {
-                let problem = "cannot be changed here: a reference is replaced by `follow`, \
-                               an entry of another type needs a new controller";
-                return Err(refused(BindError::value(&key, problem)));
-            }
-            table.insert(key, value);
-        }
-        let table = toml::Value::Table(table);
-        let parameters: Result<Box<dyn Any>, toml::de::Error> = if is_task {
-            let task = table.try_into::<Box<dyn AnyTask>>();
-            task.map(|task| task as Box<dyn Any>)
-        } else {
-            let constraint = table.try_into::<Box<dyn AnyConstraint>>();
-            constraint.map(|constraint| constraint as Box<dyn Any>)
-        };
-        let parameters =
-            parameters.map_err(|error| refused(BindError::Other(error.message().to_owned())))?;
-        let plugin = &mut self.plugins[index].plugin;
-        plugin.take(parameters, &mut setup, layout).map_err(refused)
+        let entry = &self.entries[index];
+        let changed = self.plugins[index].set(keys, entry, &mut setup);
+        changed.map_err(|source| RequestError::value(&entry.name, source))
     }
 
     /// The parameters of a task or constraint, to read or change them between two ticks without a check and without
@@ -363,11 +327,7 @@ impl Controller {
         let parameters = self.plugins[index].plugin.parameters_mut();
         parameters
             .downcast_mut::<T>()
-            .ok_or_else(|| RequestError::OtherType {
-                name: name.clone(),
-                is: tag,
-                asked: short_name::<T>(),
-            })
+            .ok_or_else(|| RequestError::other_type::<T>(name, tag))
     }
 
     /// Says that what the next tick measures is meant to be elsewhere than what was measured last: the robot was
@@ -412,28 +372,63 @@ impl Controller {
     pub fn planned_forces(&mut self, time: f64) -> Vec<PlannedForce<'_>> {
         self.world.time = time;
         self.world.origin = Some(0.0);
-        let mut planned = Vec::new();
         let tick = self.world.tick(EntryState::ON);
-        for (bound, plugin) in self.entries.iter().zip(&mut self.plugins) {
-            if !bound.switch.is_wanted() || bound.weight.wanted().iter().all(|w| *w == 0.0) {
-                continue;
-            }
-            for reference in &mut plugin.references {
-                let Some(contact) = reference.pushes else {
-                    continue;
-                };
-                if let Sample::Vector(sample) = reference.look(&tick)
-                    && let Some(&normal) = sample.value.first()
-                {
-                    planned.push(PlannedForce {
-                        task: &bound.name,
-                        contact,
-                        normal,
-                    });
-                }
-            }
+        planned_forces(&tick, &self.entries, &mut self.plugins)
+    }
+
+    /// Begins to keep what each tick begins with, from the next one on, for [`Controller::sensitivity`]. A tick copies
+    /// a few hundred numbers then. Allocates once.
+    pub fn keep_beginnings(&mut self) {
+        if self.before.is_none() {
+            self.before = Some(Box::new(Before::new(self)));
         }
-        planned
+    }
+
+    /// Keeps nothing any more: ticks are as they were before [`Controller::keep_beginnings`], and there are no
+    /// derivatives until that is called again.
+    pub fn forget_beginnings(&mut self) {
+        self.before = None;
+    }
+
+    /// Derivatives of the last tick's optimum, accelerations, efforts and contact forces, with respect to weights,
+    /// gains, references, and the measured state and wrenches; from one factorisation on the active limits.
+    ///
+    /// They are those of the tick alone: of what it would have computed from other numbers with the same past. Filters,
+    /// the observer and integrals are in it as far as this tick moves them. References are parameters of their own, and
+    /// stay what they were when the state is moved, also those that look at it. The command's rounding into its limits
+    /// and its velocity references are not part of it.
+    ///
+    /// # Where the optimum is not differentiable
+    /// * At a limit that is touched without a multiplier, or is active with none: [`Note::Touching`].
+    /// * Where what a plug-in writes has a kink, a clamp or a smallest of several: [`Note::Kink`].
+    /// * Where limits become active or cease to be: the derivatives hold up to there, and the next ones are others.
+    /// * Where a tick has no optimum, or its command is not the optimum: that is an error.
+    /// * In the largest weight, which the regularisation follows, where several entries have it:
+    ///   [`Note::LargestWeight`]. The same holds for the rows of one entry, if their largest weight is that of several:
+    ///   each has its share, and the sum of their columns is right.
+    /// * In time: ramps, switches of tasks and contacts, and hard rows that become hard at the end of their ramp. At
+    ///   the moment of a tick their state is given, and the derivatives are those with this state.
+    ///
+    /// Does not allocate, unless keys of an entry were changed since the last call. Nothing of the controller
+    /// changes: the next tick is the same to the bit. Not for inside a real-time loop: it takes as long as a
+    /// hundred to a thousand ticks.
+    ///
+    /// ```no_run
+    /// # fn run(mut controller: wbqp::Controller) -> Result<(), wbqp::controller::SensitivityError> {
+    /// use wbqp::controller::Sensitivity;
+    ///
+    /// let mut sensitivity = Sensitivity::new(&mut controller);
+    /// controller.tick(&controller.measurement());
+    /// controller.sensitivity(&mut sensitivity)?;
+    /// println!("{sensitivity}");
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// [`SensitivityError`]; what is in the storage is of no tick then.
+    pub fn sensitivity(&mut self, out: &mut Sensitivity) -> Result<(), SensitivityError> {
+        out.fill(self)
     }
 
     /// Why the last tick did not end with the optimum of its problem; nothing if it did. Allocates: not for inside the
@@ -570,64 +565,9 @@ impl Controller {
         match task {
             EntryRef::Name(name) => {
                 let found = self.task_names().position(|n| n == name);
-                found.ok_or_else(|| absent("task", name, self.task_names()))
+                found.ok_or_else(|| RequestError::absent("task", name, self.task_names()))
             }
             EntryRef::Id(_) => self.find(task),
         }
-    }
-}
-
-/// A type's name without the path of its modules.
-fn short_name<T>() -> &'static str {
-    let full = type_name::<T>();
-    let path = full.split('<').next().unwrap_or(full);
-    let start = path.rfind("::").map_or(0, |colons| colons + 2);
-    full.get(start..).unwrap_or(full)
-}
-
-/// Lets the rows of an entry go to another weight.
-fn reweight(entry: &mut BoundEntry, weight: &PerRow) -> Result<(), RequestError> {
-    let rows = entry.weight.now().len();
-    let refused = |problem: String| RequestError::Value {
-        name: entry.name.clone(),
-        source: BindError::value("weight", problem),
-    };
-    let usable = weight.values().iter().all(|w| w.is_finite() && *w >= 0.0)
-        && (matches!(weight, PerRow::Uniform(_)) || weight.values().len() == rows);
-    if !usable {
-        return Err(refused(format!(
-            "must be one number, or {rows}, finite and not negative"
-        )));
-    }
-    if entry.treatment == Treatment::Slack && weight.values().iter().all(|w| *w == 0.0) {
-        let problem = "is zero: a soft inequality without price limits nothing";
-        return Err(refused(problem.to_owned()));
-    }
-    entry.weight.turn(|row| weight.row(row));
-    Ok(())
-}
-
-fn absent<'a>(
-    kind: &'static str,
-    name: &str,
-    known: impl Iterator<Item = &'a str>,
-) -> RequestError {
-    // The same list and guess as when a plug-in names something that does not exist.
-    match BindError::unknown(kind, name, known) {
-        BindError::Unknown {
-            kind,
-            name,
-            hint,
-            known,
-        } => RequestError::Absent {
-            kind,
-            name,
-            hint,
-            known,
-        },
-        other => RequestError::Value {
-            name: name.to_owned(),
-            source: other,
-        },
     }
 }

@@ -7,7 +7,6 @@
 
 use super::{report::TaskReport, world::World};
 use crate::{
-    error::BindError,
     fault::Fault,
     plugin::{
         EntryState, Layout,
@@ -28,15 +27,6 @@ pub(super) struct RunningPlugin {
 }
 
 impl RunningPlugin {
-    /// Its keys with their present values, as its file would have them.
-    pub(super) fn parameters(&self) -> Result<toml::Table, BindError> {
-        match self.plugin.table() {
-            Ok(toml::Value::Table(table)) => Ok(table),
-            Ok(_) => Ok(toml::Table::new()),
-            Err(error) => Err(BindError::Other(error.to_string())),
-        }
-    }
-
     /// Takes the samples of this tick, and lets the plug-in write its rows.
     pub(super) fn update(
         &mut self,

@@ -25,7 +25,7 @@ pub(in super::super) struct Before {
 }
 
 impl Before {
-    pub(super) fn new(controller: &mut Controller) -> Self {
+    pub(in super::super) fn new(controller: &mut Controller) -> Self {
         let memo =
             |plugin: &mut RunningPlugin| Memo::of(|numbers| plugin.plugin.remembered(numbers));
         Self {

@@ -41,87 +41,31 @@ use crate::qp::Status;
 use shares::Shares;
 use workspace::{Place, Workspace};
 
-impl Controller {
-    /// Begins to keep what each tick begins with, from the next one on, for [`Controller::sensitivity`]. A tick copies
-    /// a few hundred numbers then. Allocates once.
-    pub fn keep_beginnings(&mut self) {
-        if self.before.is_none() {
-            self.before = Some(Box::new(Before::new(self)));
-        }
-    }
-
-    /// Keeps nothing any more: ticks are as they were before [`Controller::keep_beginnings`], and there are no
-    /// derivatives until that is called again.
-    pub fn forget_beginnings(&mut self) {
-        self.before = None;
-    }
-
-    /// Derivatives of the last tick's optimum, accelerations, efforts and contact forces, with respect to weights,
-    /// gains, references, and the measured state and wrenches; from one factorisation on the active limits.
-    ///
-    /// They are those of the tick alone: of what it would have computed from other numbers with the same past. Filters,
-    /// the observer and integrals are in it as far as this tick moves them. References are parameters of their own, and
-    /// stay what they were when the state is moved, also those that look at it. The command's rounding into its limits
-    /// and its velocity references are not part of it.
-    ///
-    /// # Where the optimum is not differentiable
-    /// * At a limit that is touched without a multiplier, or is active with none: [`Note::Touching`].
-    /// * Where what a plug-in writes has a kink, a clamp or a smallest of several: [`Note::Kink`].
-    /// * Where limits become active or cease to be: the derivatives hold up to there, and the next ones are others.
-    /// * Where a tick has no optimum, or its command is not the optimum: that is an error.
-    /// * In the largest weight, which the regularisation follows, where several entries have it:
-    ///   [`Note::LargestWeight`]. The same holds for the rows of one entry, if their largest weight is that of several:
-    ///   each has its share, and the sum of their columns is right.
-    /// * In time: ramps, switches of tasks and contacts, and hard rows that become hard at the end of their ramp. At
-    ///   the moment of a tick their state is given, and the derivatives are those with this state.
-    ///
-    /// Does not allocate, unless keys of an entry were changed since the last call. Nothing of the controller
-    /// changes: the next tick is the same to the bit. Not for inside a real-time loop: it takes as long as a
-    /// hundred to a thousand ticks.
-    ///
-    /// ```no_run
-    /// # fn run(mut controller: wbqp::Controller) -> Result<(), wbqp::controller::SensitivityError> {
-    /// use wbqp::controller::Sensitivity;
-    ///
-    /// let mut sensitivity = Sensitivity::new(&mut controller);
-    /// controller.tick(&controller.measurement());
-    /// controller.sensitivity(&mut sensitivity)?;
-    /// println!("{sensitivity}");
-    /// # Ok(())
-    /// # }
-    /// ```
-    ///
-    /// # Errors
-    /// [`SensitivityError`]; what is in the storage is of no tick then.
-    pub fn sensitivity(&mut self, out: &mut Sensitivity) -> Result<(), SensitivityError> {
-        out.forget();
-        if out.stamp != self.stamp {
+impl Sensitivity {
+    /// Fills everything from the controller's last tick; [`Controller::sensitivity`].
+    pub(super) fn fill(&mut self, controller: &mut Controller) -> Result<(), SensitivityError> {
+        self.forget();
+        if self.stamp != controller.stamp {
             return Err(SensitivityError::OtherController);
         }
-        let level = self.report.level;
-        let is_optimal = level == FallbackLevel::Optimal && self.report.status == Status::Optimal;
+        let report = &controller.report;
+        let level = report.level;
+        let is_optimal = level == FallbackLevel::Optimal && report.status == Status::Optimal;
+        let has_ticked = !report.time.is_nan() && controller.fallback.on_level.ticks > 0;
         // Taken out for the time being, so that plug-ins can be asked again.
-        let before = self.before.take();
+        let before = controller.before.take();
         let outcome = match &before {
-            Some(before) if before.is_whole && is_optimal => out.take(self, before),
-            Some(_)
-                if !is_optimal
-                    && !self.report.time.is_nan()
-                    && self.fallback.on_level.ticks > 0 =>
-            {
-                Err(SensitivityError::NoOptimum(level))
-            }
+            Some(before) if before.is_whole && is_optimal => self.take(controller, before),
+            Some(_) if !is_optimal && has_ticked => Err(SensitivityError::NoOptimum(level)),
             _ => Err(SensitivityError::NotKept),
         };
-        self.before = before;
+        controller.before = before;
         if outcome.is_err() {
-            out.forget();
+            self.forget();
         }
         outcome
     }
-}
 
-impl Sensitivity {
     /// Fills everything from a tick that ended with an optimum.
     fn take(
         &mut self,
