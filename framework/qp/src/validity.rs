@@ -73,8 +73,8 @@ impl Qp {
     }
 }
 
-/// Whether all entries are finite, none on the diagonal is negative, and no two differ by more than is allowed beside the
-/// smallest on the diagonal, for which no root is needed, and nothing to decide on the way. False may be a mistake.
+/// Whether all entries are finite, none on the diagonal is negative, and no two differ by more than is allowed beside
+/// the smallest on the diagonal, for which no root is needed, and nothing to decide on the way. False may be a mistake.
 #[expect(
     clippy::inline_always,
     reason = "the number of variables is to be known"

@@ -6,8 +6,8 @@
 //!
 //! # Mathematics
 //! A contact whose motion is a hard row, `J_C v̇ = b`
-//! ([`VdotBlock::Contact`](crate::plugin::layout::VdotBlock::Contact)), determines as many accelerations as it has rows.
-//! Those of the joints D, which carry this contact and no other, are substituted from it:
+//! ([`VdotBlock::Contact`](crate::plugin::layout::VdotBlock::Contact)), determines as many accelerations as it has
+//! rows. Those of the joints D, which carry this contact and no other, are substituted from it:
 //! ```text
 //! v̇_D = G v̇_S + g      G = −J_D⁻¹ J_S,   g = J_D⁻¹ b
 //! ```

@@ -40,8 +40,8 @@
 //! For n variables and k held constraints a warm solve is a Cholesky factorisation (n³/3 multiplications and additions
 //! each), `W = U⁻ᵀ N` (k n²/2), the triangle of its products (k² (n + k/3)/2; by reflections k² (n − k/3), several
 //! times slower to step through), and a few products of the order n². All of them run in blocks of four rows, and skip
-//! the blocks of zeros of a cost that falls apart, and of constraints on a part of the variables. The order of every sum
-//! is fixed in the code, without fused multiply-add: results are equal to the bit whatever the processor's vectors.
+//! the blocks of zeros of a cost that falls apart, and of constraints on a part of the variables. The order of every
+//! sum is fixed in the code, without fused multiply-add: results are equal to the bit whatever the processor's vectors.
 //!
 //! # When it stops
 //! A solve ends after a number of iterations, or, if the caller lends a clock, after a time: with the minimiser on

@@ -147,8 +147,8 @@ impl WorkingSet {
         true
     }
 
-    /// Appends a constraint's column to R; false if the sine of its angle is at most `sine`, as it is if as many are held
-    /// as there are variables.
+    /// Appends a constraint's column to R; false if the sine of its angle is at most `sine`, as it is if as many are
+    /// held as there are variables.
     fn append_product(&mut self, index: usize, sine: f64) -> bool {
         let k = self.len();
         if k == self.n {
@@ -275,8 +275,8 @@ impl WorkingSet {
         self.r.solve(&mut self.targets[..k]);
     }
 
-    /// How the part of `a` along the held constraints combines from them, after a constraint was not pushed; `a` is used
-    /// up.
+    /// How the part of `a` along the held constraints combines from them, after a constraint was not pushed; `a` is
+    /// used up.
     pub(super) fn project(&mut self, hessian: &Hessian, a: &mut [f64]) {
         debug_assert!(
             self.is_orthogonal,
