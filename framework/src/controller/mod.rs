@@ -7,7 +7,6 @@
 mod bind;
 mod bounds;
 mod change;
-mod elsewhere;
 mod entry_id;
 mod entry_view;
 mod error;

@@ -1,8 +1,8 @@
-//! The measured world outside of ticks: at home before the first one, and where a request or a record puts the robot.
+//! Sets the measured world up: at home before the first tick, and where a request or a record puts the robot.
 
 use nalgebra::{DVector, UnitQuaternion, Vector6};
 
-use super::{measurement::Measurement, world::World};
+use super::{super::measurement::Measurement, World};
 use crate::{contact::ContactBinding, plugin::PreviousSolution, robot::RobotModel};
 use wbqp_dynamics::{Data, FrameKinematics, model::FrameId};
 

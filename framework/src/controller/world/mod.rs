@@ -4,6 +4,8 @@
 //! W world, R base.
 #![allow(non_snake_case)]
 
+mod setup;
+
 use std::sync::Arc;
 
 use nalgebra::{UnitQuaternion, Vector6};
@@ -48,7 +50,7 @@ pub(crate) struct World {
 }
 
 impl World {
-    pub(super) fn update_bodies(&mut self) {
+    fn update_bodies(&mut self) {
         self.data.update(&self.model, &self.state);
         for (frame, id) in self.frames.iter_mut().zip(&self.frame_ids) {
             frame.update(&self.model, &self.data, *id);
