@@ -396,18 +396,7 @@ impl Controller {
     /// They are those of the tick alone: of what it would have computed from other numbers with the same past. Filters,
     /// the observer and integrals are in it as far as this tick moves them. References are parameters of their own, and
     /// stay what they were when the state is moved, also those that look at it. The command's rounding into its limits
-    /// and its velocity references are not part of it.
-    ///
-    /// # Where the optimum is not differentiable
-    /// * At a limit that is touched without a multiplier, or is active with none: [`Note::Touching`].
-    /// * Where what a plug-in writes has a kink, a clamp or a smallest of several: [`Note::Kink`].
-    /// * Where limits become active or cease to be: the derivatives hold up to there, and the next ones are others.
-    /// * Where a tick has no optimum, or its command is not the optimum: that is an error.
-    /// * In the largest weight, which the regularisation follows, where several entries have it:
-    ///   [`Note::LargestWeight`]. The same holds for the rows of one entry, if their largest weight is that of several:
-    ///   each has its share, and the sum of their columns is right.
-    /// * In time: ramps, switches of tasks and contacts, and hard rows that become hard at the end of their ramp. At
-    ///   the moment of a tick their state is given, and the derivatives are those with this state.
+    /// and its velocity references are not part of it. [`Note`](super::Note) says where they do not exist.
     ///
     /// Does not allocate, unless keys of an entry were changed since the last call. Nothing of the controller
     /// changes: the next tick is the same to the bit. Not for inside a real-time loop: it takes as long as a

@@ -6,6 +6,16 @@ use super::super::{FallbackLevel, Side};
 use crate::qp::RowId;
 
 /// Where the optimum of a tick is not differentiable, or not all of it is known.
+///
+/// * At a limit that is touched without a multiplier, or is active with none: [`Touching`](Self::Touching).
+/// * Where what a plug-in writes has a kink, a clamp or a smallest of several: [`Kink`](Self::Kink).
+/// * Where limits become active or cease to be: the derivatives hold up to there, and the next ones are others.
+/// * Where a tick has no optimum, or its command is not the optimum: that is an error.
+/// * In the largest weight, which the regularisation follows, where several entries have it:
+///   [`LargestWeight`](Self::LargestWeight). The same holds for the rows of one entry, if their largest weight is that
+///   of several: each has its share, and the sum of their columns is right.
+/// * In time: ramps, switches of tasks and contacts, and hard rows that become hard at the end of their ramp. At
+///   the moment of a tick their state is given, and the derivatives are those with this state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Note {
