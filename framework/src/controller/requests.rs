@@ -167,7 +167,9 @@ impl Controller {
         let index = self.find(entry.into())?;
         let entry = &mut self.entries[index];
         let changed = entry.reweight(&weight.into());
-        changed.map_err(|source| RequestError::value(&entry.name, source))
+        changed.map_err(|problem| {
+            RequestError::value(&entry.name, BindError::value("weight", problem))
+        })
     }
 
     /// The contact of that name.

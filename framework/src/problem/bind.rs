@@ -11,7 +11,6 @@ use super::{
 };
 use crate::{
     contact::{ContactId, ContactState},
-    error::BindError,
     plugin::{
         Hardness, Layout, PerRow,
         layout::{Block, BoundTarget, Relation, VdotBlock},
@@ -181,18 +180,18 @@ impl BoundEntry {
     /// Lets the rows go to another weight.
     ///
     /// # Errors
-    /// The weight does not fit the rows, or is zero where it is the price of a limit.
-    pub(crate) fn reweight(&mut self, weight: &PerRow) -> Result<(), BindError> {
+    /// Why not, in words: the weight does not fit the rows, or is zero where it is the price of a limit.
+    pub(crate) fn reweight(&mut self, weight: &PerRow) -> Result<(), String> {
         let rows = self.weight.now().len();
         let usable = weight.values().iter().all(|w| w.is_finite() && *w >= 0.0)
             && (matches!(weight, PerRow::Uniform(_)) || weight.values().len() == rows);
         if !usable {
-            let problem = format!("must be one number, or {rows}, finite and not negative");
-            return Err(BindError::value("weight", problem));
+            return Err(format!(
+                "must be one number, or {rows}, finite and not negative"
+            ));
         }
         if self.treatment == Treatment::Slack && weight.values().iter().all(|w| *w == 0.0) {
-            let problem = "is zero: a soft inequality without price limits nothing";
-            return Err(BindError::value("weight", problem));
+            return Err("is zero: a soft inequality without price limits nothing".to_owned());
         }
         self.weight.turn(|row| weight.row(row));
         Ok(())
