@@ -1,5 +1,7 @@
 //! Whether a problem makes sense at all.
 
+use std::array::from_fn;
+
 use crate::{Defect, Qp};
 
 /// How much two entries of H that should be equal may differ, relative to `√(h_ii h_jj)`.
@@ -19,9 +21,9 @@ impl Qp {
         let (n, h) = (self.n(), self.h());
         let is_sound = match n {
             // Loops of a length that the compiler knows.
-            8 => is_nearly_symmetric(h, 8),
-            12 => is_nearly_symmetric(h, 12),
-            16 => is_nearly_symmetric(h, 16),
+            8 => is_nearly_symmetric_in_blocks::<8>(h),
+            12 => is_nearly_symmetric_in_blocks::<12>(h),
+            16 => is_nearly_symmetric_in_blocks::<16>(h),
             n => is_nearly_symmetric(h, n),
         };
         if is_sound {
@@ -75,11 +77,6 @@ impl Qp {
 
 /// Whether all entries are finite, none on the diagonal is negative, and no two differ by more than is allowed beside
 /// the smallest on the diagonal, for which no root is needed, and nothing to decide on the way. False may be a mistake.
-#[expect(
-    clippy::inline_always,
-    reason = "the number of variables is to be known"
-)]
-#[inline(always)]
 fn is_nearly_symmetric(h: &[f64], n: usize) -> bool {
     let h = &h[..n * n];
     let mut differences = [0.0; 4];
@@ -110,6 +107,42 @@ fn is_nearly_symmetric(h: &[f64], n: usize) -> bool {
     smallest >= 0.0 && differences <= ASYMMETRY * smallest && trace < f64::INFINITY
 }
 
+/// The same by blocks of four rows and columns.
+fn is_nearly_symmetric_in_blocks<const N: usize>(h: &[f64]) -> bool {
+    let rows = h.as_chunks::<N>().0;
+    let block = |row: usize, column: usize| -> [[f64; 4]; 4] {
+        from_fn(|i| from_fn(|j| rows[row + i][column + j]))
+    };
+    let mut differences = [0.0; 4];
+    let (mut smallest, mut trace) = (f64::INFINITY, 0.0);
+    for row in (0..N).step_by(4) {
+        let own = block(row, row);
+        for (i, left) in own.iter().enumerate() {
+            let diagonal = left[i];
+            trace += diagonal;
+            smallest = if diagonal < smallest {
+                diagonal
+            } else {
+                smallest
+            };
+            for (j, above) in own.iter().enumerate().take(i) {
+                differences[j] += (left[j] - above[i]).abs();
+            }
+        }
+        for column in (0..row).step_by(4) {
+            let (left, above) = (block(row, column), block(column, row));
+            for (i, left) in left.iter().enumerate() {
+                for ((sum, left), above) in differences.iter_mut().zip(left).zip(&above) {
+                    *sum += (left - above[i]).abs();
+                }
+            }
+        }
+    }
+    // A number that is not finite leaves neither sum.
+    let differences = differences.into_iter().sum::<f64>();
+    smallest >= 0.0 && differences <= ASYMMETRY * smallest && trace < f64::INFINITY
+}
+
 fn first_not_finite(a: &[f64]) -> Option<usize> {
     // A number that is not finite never leaves a sum: eight side by side, and nothing to decide on the way. One that
     // overflows is looked at again.
@@ -128,13 +161,18 @@ fn first_not_finite(a: &[f64]) -> Option<usize> {
 
 fn first_not_interval(lower: &[f64], upper: &[f64]) -> Option<usize> {
     // `!(… < …)`: NaN is no limit.
-    let is_none =
-        |(lower, upper): (&f64, &f64)| !(*lower < f64::INFINITY && *upper > f64::NEG_INFINITY);
-    let limits = || lower.iter().zip(upper);
-    // All of them first, without deciding on the way.
-    let any = limits().fold(false, |any, limit| any | is_none(limit));
+    let is_interval = |lower: f64, upper: f64| lower < f64::INFINITY && upper > f64::NEG_INFINITY;
+    let is_none = |(lower, upper): (&f64, &f64)| !is_interval(*lower, *upper);
+    // All of them first, four at a time, without deciding on the way.
+    let ((lowers, lower_rest), (uppers, upper_rest)) =
+        (lower.as_chunks::<4>(), upper.as_chunks::<4>());
+    let mut are = [true; 4];
+    for (lower, upper) in lowers.iter().zip(uppers) {
+        are = from_fn(|i| are[i] & is_interval(lower[i], upper[i]));
+    }
+    let any = are != [true; 4] || lower_rest.iter().zip(upper_rest).any(is_none);
     if any {
-        limits().position(is_none)
+        lower.iter().zip(upper).position(is_none)
     } else {
         None
     }

@@ -1,6 +1,8 @@
 //! Rows and bounds seen as one list of constraints: rows first, then one bound per variable.
 
-use super::kernels::{dot, largest};
+use std::array::from_fn;
+
+use super::kernels::{LANES, dot, largest};
 use crate::Qp;
 
 /// Largest violation at an optimum, relative to the limit and the sizes of the terms of the row's value.
@@ -94,14 +96,11 @@ pub(super) fn all_hold(qp: &Qp, x: &[f64]) -> bool {
 /// A constraint that nothing satisfies: its lower limit is above its upper one by more than rounding, or it has no
 /// coefficients, and limits that zero is not between.
 pub(super) fn impossible(qp: &Qp) -> Option<Active> {
-    let rows = qp.row_lower().iter().zip(qp.row_upper());
-    let bounds = qp.lower().iter().zip(qp.upper());
-    // Counted, which decides nothing on the way: most problems have nothing of the kind.
-    let crossed_limits = |(lower, upper): &(&f64, &f64)| lower > upper;
-    let away_from_zero = |(lower, upper): &(&f64, &f64)| **lower > EMPTY || **upper < -EMPTY;
-    let any_crossed =
-        rows.clone().filter(crossed_limits).count() + bounds.filter(crossed_limits).count() > 0;
-    let any_away = rows.filter(away_from_zero).count() > 0;
+    let crossed_limits = |lower: f64, upper: f64| lower > upper;
+    let away_from_zero = |lower: f64, upper: f64| lower > EMPTY || upper < -EMPTY;
+    let (rows, bounds) = ((qp.row_lower(), qp.row_upper()), (qp.lower(), qp.upper()));
+    let any_crossed = any(rows, crossed_limits) | any(bounds, crossed_limits);
+    let any_away = any(rows, away_from_zero);
     let crossed = || (0..count(qp)).find_map(|index| crossed(qp, index));
     let beyond = || (0..qp.m()).find_map(|index| beyond_zero(qp, index));
     let first = if any_crossed { crossed() } else { None };
@@ -109,6 +108,18 @@ pub(super) fn impossible(qp: &Qp) -> Option<Active> {
         return beyond();
     }
     first
+}
+
+/// Whether any limits are of a kind: four at a time, and nothing is decided on the way, since most problems have none.
+fn any((lower, upper): (&[f64], &[f64]), is: impl Fn(f64, f64) -> bool) -> bool {
+    let ((lowers, lower_rest), (uppers, upper_rest)) =
+        (lower.as_chunks::<LANES>(), upper.as_chunks::<LANES>());
+    let mut are = [false; LANES];
+    for (lower, upper) in lowers.iter().zip(uppers) {
+        are = from_fn(|i| are[i] | is(lower[i], upper[i]));
+    }
+    let mut rest = lower_rest.iter().zip(upper_rest);
+    are != [false; LANES] || rest.any(|(lower, upper)| is(*lower, *upper))
 }
 
 /// A constraint whose limits are crossed by more than rounding.
