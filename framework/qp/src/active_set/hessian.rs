@@ -71,6 +71,11 @@ impl Hessian {
         self.eliminate()
     }
 
+    /// Whether equality rows were added.
+    pub(super) fn is_shifted(&self) -> bool {
+        self.is_shifted
+    }
+
     /// Adds to a linear term what belongs to the added equality rows.
     pub(super) fn shift(&self, g: &mut [f64]) {
         if self.is_shifted {
@@ -129,7 +134,21 @@ impl Hessian {
 
     /// Loads H of a problem so small that zeros are not worth looking for.
     fn load_all(&mut self, qp: &Qp) {
-        let (n, stride) = (self.n, self.stride);
+        match self.n {
+            8 => self.load_all_with(8, qp),
+            12 => self.load_all_with(12, qp),
+            16 => self.load_all_with(16, qp),
+            n => self.load_all_with(n, qp),
+        }
+    }
+
+    #[expect(
+        clippy::inline_always,
+        reason = "the number of variables is to be known"
+    )]
+    #[inline(always)]
+    fn load_all_with(&mut self, n: usize, qp: &Qp) {
+        let stride = padded(n);
         let rows = self.u.chunks_exact_mut(stride);
         for (row, h) in rows.zip(qp.h().chunks_exact(n)) {
             row[..n].copy_from_slice(h);
@@ -257,7 +276,7 @@ impl Hessian {
 
     #[expect(clippy::inline_always, reason = "the stride is to be known")]
     #[inline(always)]
-    fn solve_transposed_with(&self, stride: usize, a: &mut [f64]) -> Range<usize> {
+    pub(super) fn solve_transposed_with(&self, stride: usize, a: &mut [f64]) -> Range<usize> {
         let (u, a) = (&self.u[..stride * stride], &mut a[..stride]);
         let inverses = &self.inverses[..stride / LANES];
         let mut range = stride..0;
@@ -291,7 +310,7 @@ impl Hessian {
 
     #[expect(clippy::inline_always, reason = "the stride is to be known")]
     #[inline(always)]
-    fn solve_with(&self, stride: usize, z: &mut [f64]) {
+    pub(super) fn solve_with(&self, stride: usize, z: &mut [f64]) {
         let (u, z) = (&self.u[..stride * stride], &mut z[..stride]);
         let inverses = &self.inverses[..stride / LANES];
         for (b, [i0, i1, i2, i3]) in inverses.iter().enumerate().rev() {
@@ -339,7 +358,7 @@ impl Hessian {
         reason = "the number of variables is to be known"
     )]
     #[inline(always)]
-    fn product_with(&self, n: usize, qp: &Qp, x: &[f64], hx: &mut [f64]) {
+    pub(super) fn product_with(&self, n: usize, qp: &Qp, x: &[f64], hx: &mut [f64]) {
         let x = &x[..n];
         let blocks = qp.h().chunks(LANES * n).zip(hx[..n].chunks_mut(LANES));
         for (&columns, (rows, hx)) in self.columns.iter().zip(blocks) {
@@ -473,8 +492,8 @@ fn divide_by_roots(
     let rows = four_rows(rows, stride, columns);
     let mut triangle = [[0.0; LANES]; LANES];
     for ((row, r), diagonal) in rows.into_iter().zip(reciprocals).zip(&mut triangle) {
-        for u in row.as_flattened_mut() {
-            *u *= r;
+        for u in &mut *row {
+            *u = u.map(|u| u * r);
         }
         *diagonal = row[0];
     }

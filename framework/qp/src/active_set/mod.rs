@@ -21,8 +21,12 @@
 //! corrected with the factors at hand. If the refined pair is no optimum after all, the iteration goes on; should that
 //! happen again, with every pair refined, so that rounding cannot lead it in circles.
 //!
-//! What this method (`dual`) does not bring to an end that it can vouch for goes to a second one (`proximal`): an H
-//! that is not definite, variables so large that they may be the quotient of g and rounding, residuals that stay too
+//! Problems of up to 32 variables go the same way in a shorter form first (`compact`), which keeps what every change
+//! does to the multipliers and to the constraints violated before, instead of computing all of it anew. It vouches for
+//! optima alone: where it comes to no end, this method (`dual`) goes on from what is held.
+//!
+//! What that does not bring to an end that it can vouch for goes to a second method (`proximal`): an H that is not
+//! definite, variables so large that they may be the quotient of g and rounding, residuals that stay too
 //! large, too many iterations.
 //!
 //! An optimum violates nothing, held or not, by more than 1e-10 of its limit and terms, or by more than the
@@ -55,6 +59,7 @@
 //! multipliers computed anew in every step, warm starts, and proximal steps. R. T. Rockafellar, *Monotone operators and
 //! the proximal point algorithm*, SIAM J. Control Optim. 14 (1976), for the second method.
 
+mod compact;
 mod constraint;
 mod dual;
 mod hessian;

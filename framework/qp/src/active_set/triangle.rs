@@ -34,6 +34,21 @@ impl Triangle {
         self.reciprocal.clear();
     }
 
+    /// The k-th column, down to the diagonal.
+    pub(super) fn column(&self, k: usize) -> &[f64] {
+        &self.r[k * self.stride..=k * self.stride + k]
+    }
+
+    /// `1/R_kk`.
+    pub(super) fn reciprocal(&self, k: usize) -> f64 {
+        self.reciprocal[k]
+    }
+
+    /// Leaves the first columns only.
+    pub(super) fn truncate(&mut self, columns: usize) {
+        self.reciprocal.truncate(columns);
+    }
+
     /// Appends a column; its last entry is on the diagonal.
     pub(super) fn append(&mut self, column: &[f64]) {
         let k = self.reciprocal.len();

@@ -1,6 +1,7 @@
 //! The storage of a solver, and which of its two methods answers.
 
 use super::{
+    compact::Compact,
     dual::{Dual, clear},
     limits::Limits,
     proximal::Proximal,
@@ -33,13 +34,15 @@ impl Workspace {
     pub(super) fn bytes(capacity: Capacity) -> usize {
         let Capacity { vars, rows } = capacity;
         // The dual method: factor, R, reflections (1.5 n²), rotations (two words each, 8 n² of them), normals;
-        // the other: H twice, A, directions, M and its factor.
+        // the other: H twice, A, directions, M and its factor. What small problems have beside that.
         let words = vars
             .saturating_mul(vars)
             .saturating_mul(26)
             .saturating_add(rows.saturating_mul(vars).saturating_mul(2))
             .saturating_add(vars.saturating_add(rows).saturating_mul(48));
-        words.saturating_mul(size_of::<f64>())
+        words
+            .saturating_add(Compact::words(capacity))
+            .saturating_mul(size_of::<f64>())
     }
 
     pub(super) fn capacity(&self) -> Capacity {

@@ -7,6 +7,7 @@ mod homotopy;
 mod refinement;
 
 use super::{
+    compact::{self, Compact},
     constraint::{Active, count, equalities, equality, impossible, is_empty, limits},
     hessian::Hessian,
     kernels::{largest_product, padded},
@@ -53,6 +54,7 @@ enum End {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Dual {
     hessian: Hessian,
+    compact: Compact,
     set: WorkingSet,
     /// n with padding: the length of vectors of variables.
     stride: usize,
@@ -94,6 +96,7 @@ impl Dual {
         let Capacity { vars: n, rows: m } = capacity;
         Self {
             hessian: Hessian::new(n),
+            compact: Compact::new(capacity),
             set: WorkingSet::new(capacity),
             v: vec![0.0; padded(n)],
             point: Point::new(capacity),
@@ -148,7 +151,12 @@ impl Dual {
         } else if qp.n() == 0 {
             Status::Optimal
         } else if self.hessian.factorise(qp) {
-            self.run(qp, limits, start, out)
+            match start {
+                Factorisation::Products if self.is_compact(qp) => self
+                    .run_compact(qp, limits, out)
+                    .unwrap_or_else(|| self.run(qp, limits, Factorisation::Reflections, out)),
+                _ => self.run(qp, limits, start, out),
+            }
         } else {
             Status::Stalled
         };
@@ -177,6 +185,37 @@ impl Dual {
     /// Whether a pivot may have been rounding, and the solution be as large as one divided by it.
     pub(super) fn is_doubtful(&self) -> bool {
         self.cancels()
+    }
+
+    fn is_compact(&self, qp: &Qp) -> bool {
+        Compact::is_for(qp.n()) && !self.hessian.is_shifted()
+    }
+
+    /// The way of small ordinary problems; none if it does not lead to an answer.
+    fn run_compact(
+        &mut self,
+        qp: &Qp,
+        limits: &mut Limits<'_>,
+        out: &mut Solution,
+    ) -> Option<Status> {
+        let with = (&self.hessian, &mut self.point);
+        let end = self
+            .compact
+            .solve(qp, with, &mut self.previous, limits, &mut self.iterations);
+        let status = match end {
+            compact::End::Optimal => Status::Optimal,
+            compact::End::Budget => limits.status(self.iterations),
+            compact::End::Undecided => return None,
+        };
+        self.pull = self.compact.pull();
+        out.x[..qp.n()].copy_from_slice(&self.point.x()[..qp.n()]);
+        for (held, multiplier) in self.compact.multipliers() {
+            // One of the wrong sign is rounding.
+            if multiplier * held.side >= 0.0 {
+                add_multiplier(qp, held.index, multiplier, out);
+            }
+        }
+        Some(status)
     }
 
     fn run(

@@ -1,0 +1,118 @@
+//! What a solve begins with: the equalities and what was held last, factorised together.
+
+use super::{
+    Run,
+    tableau::Place,
+    vectors::{multiply, normal, product},
+};
+use crate::{
+    ConstraintId, Held,
+    active_set::{
+        constraint::{Active, count, equalities, limits},
+        kernels::dot,
+    },
+};
+
+/// Square of the sine of the angle to the rest of the base below which a normal nearly depends on it.
+const NEARLY: f64 = 1e-8;
+
+impl Run<'_, '_> {
+    /// Holds all equality rows and fixed variables; false if they nearly depend on one another.
+    pub(super) fn hold_equalities<const S: usize, const EXACT: bool>(&mut self) -> bool {
+        self.own.base.clear();
+        self.own.is_tabulated = false;
+        self.own.r.reset(self.qp.n());
+        self.own.tableau.reset(count(self.qp));
+        equalities(self.qp).all(|constraint| self.append::<S, EXACT>(constraint))
+    }
+
+    /// Holds what was held at the end of the last solve, still exists, and does not depend on what is held.
+    pub(super) fn hold_previous<const S: usize, const EXACT: bool>(&mut self, previous: &[Held]) {
+        let qp = self.qp;
+        for held in previous {
+            let found = match held.constraint {
+                ConstraintId::Row(id) => qp.rows().binary_search(&id).ok(),
+                ConstraintId::Bound(id) => qp.vars().binary_search(&id).ok().map(|j| qp.m() + j),
+            };
+            let Some(index) = found else { continue };
+            let (lower, upper) = limits(qp, index);
+            let (side, limit) = if held.side > 0.0 {
+                (1.0, upper)
+            } else {
+                (-1.0, lower)
+            };
+            if lower == upper || !limit.is_finite() || self.own.tableau.is_base(index) {
+                continue;
+            }
+            let k = self.own.base.len();
+            if self.append::<S, EXACT>(Active { index, side, limit }) {
+                self.own.of_base[k] = (held.multiplier * side).max(0.0) * side;
+            }
+        }
+    }
+
+    /// Appends a constraint to the base; false if its normal nearly depends on the others.
+    fn append<const S: usize, const EXACT: bool>(&mut self, constraint: Active) -> bool {
+        let k = self.own.base.len();
+        if k == self.qp.n() {
+            return false;
+        }
+        self.know::<S, EXACT>(constraint.index);
+        let own = &mut *self.own;
+        let w = normal::<S>(&own.w, constraint.index);
+        let h = &mut own.h[..=k];
+        multiply(&own.base, |held| normal::<S>(&own.w, held.index), w, h);
+        own.r.solve_transposed(0, &mut h[..k]);
+        let square = own.squares[constraint.index];
+        let beyond = square - dot(&h[..k], &h[..k]);
+        // `!(… > …)`: a NaN depends, too.
+        let is_far = beyond > NEARLY * square;
+        if is_far {
+            h[k] = beyond.sqrt();
+            let known = dot(&h[..k], &own.y[..k]);
+            own.y[k] = (constraint.limit + product(w, &own.v) - known) / h[k];
+            own.r.append(h);
+            own.base.push(constraint);
+            own.tableau.set_base(constraint.index);
+        }
+        is_far
+    }
+
+    /// Whether the minimiser on the base, as long as nothing has changed, has multipliers of the right sign; they are
+    /// what the next steps start from if not.
+    pub(super) fn is_base_right(&mut self) -> bool {
+        let own = &mut *self.own;
+        let k = own.base.len();
+        let targets = &mut own.h[..k];
+        for (target, y) in targets.iter_mut().zip(&own.y) {
+            *target = -y;
+        }
+        own.r.solve(targets);
+        let mut signs = own.base.iter().zip(&own.h);
+        signs.all(|(held, target)| target * held.side >= 0.0)
+    }
+
+    /// Moves the inequalities from the base to the tableau, where they can go.
+    pub(super) fn tabulate<const S: usize, const EXACT: bool>(&mut self) {
+        if self.own.is_tabulated {
+            return;
+        }
+        self.is_base_right();
+        let own = &mut *self.own;
+        own.is_tabulated = true;
+        let is_equality = |held: &&Active| held.side == 0.0;
+        let e = own.base.iter().take_while(is_equality).count();
+        let inequalities = own.base[e..].iter().zip(&own.of_base[e..]);
+        let places = inequalities.enumerate().map(|(i, (held, multiplier))| {
+            let w = normal::<S>(&own.w, held.index);
+            let value = dot(&own.r.column(e + i)[..e], &own.y[..e]) - product(w, &own.v);
+            let limits = limits(self.qp, held.index);
+            let place = Place::new(held.index, limits, value, own.squares[held.index]);
+            let price = multiplier * held.side;
+            (place.held(held.side, held.limit), own.h[e + i], price)
+        });
+        own.tableau.begin(&own.r, e, places);
+        own.r.truncate(e);
+        own.base.truncate(e);
+    }
+}

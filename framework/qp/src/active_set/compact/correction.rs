@@ -1,0 +1,164 @@
+//! What makes a point and its multipliers exact, and says whether they are an optimum.
+
+use super::{
+    Run,
+    vectors::{normal, product, subtract},
+};
+use crate::active_set::{
+    constraint::{add_normal, largest_normal},
+    kernels::{axpy, dot, largest_product},
+};
+
+/// Corrections of one point.
+const REFINEMENTS: u32 = 8;
+/// Residual of the optimality conditions, relative to their terms, that needs no correction.
+const ROUNDED: f64 = 1e-14;
+/// Residual that one correction makes exact; more is looked at again.
+const NEAR: f64 = 1e-11;
+/// Residual that cannot be made exact.
+const LOST: f64 = 0.9;
+/// What a correction has to make the residual smaller by.
+const GAIN: f64 = 0.1;
+/// Relative violation, or multiplier of the wrong sign, that an optimum may have.
+const FORGIVEN: f64 = 1e-11;
+/// Terms of `H x` that are so many times larger than their sum and than g.
+const CANCELLED: f64 = 1e6;
+
+impl Run<'_, '_> {
+    /// Corrects the point and its multipliers by the residuals of the optimality conditions. True if they are an optimum
+    /// then, false if constraints have to come or go, none if neither can be said.
+    pub(super) fn correct<const S: usize, const EXACT: bool>(&mut self) -> Option<bool> {
+        let (mut residual, mut is_checked) = (LOST / GAIN, true);
+        for _ in 0..REFINEMENTS {
+            let before = residual;
+            residual = self.residual::<S, EXACT>();
+            // `!(… ≤ …)`: a NaN is lost.
+            let can_be_corrected = residual <= GAIN * before;
+            if !can_be_corrected {
+                return None;
+            }
+            if residual > ROUNDED {
+                self.step_by_residual::<S>();
+                is_checked = false;
+            }
+            if residual <= NEAR {
+                break;
+            }
+        }
+        if residual > NEAR || self.point.largest() > CANCELLED * self.own.pull {
+            return None;
+        }
+        if is_checked && !self.own.is_any_outside {
+            return Some(self.has_right_signs());
+        }
+        self.point.be_strict();
+        self.find_violated(self.limits.tolerance.max(FORGIVEN));
+        if !self.own.violated.is_empty() {
+            return Some(false);
+        }
+        Some(self.has_right_signs())
+    }
+
+    /// `H x + g + N λ` and, by place, `b − Nᵀ x`; returns the larger of their sizes relative to what they are the
+    /// differences of.
+    fn residual<const S: usize, const EXACT: bool>(&mut self) -> f64 {
+        let (n, qp, own, point) = (self.n::<S, EXACT>(), self.qp, &mut *self.own, &*self.point);
+        let d = &mut own.d[..S];
+        self.hessian.product_with(n, qp, point.x(), d);
+        d[n..].fill(0.0);
+        let unit = point.unit();
+        let steepest = largest_product(qp.g(), unit);
+        own.pull = largest_product(d, unit)
+            .max(steepest)
+            .max(f64::MIN_POSITIVE);
+        axpy(d, 1.0, &qp.g()[..n]);
+        let mut primal = 0.0_f64;
+        let mut gap = |index: usize, limit: f64| {
+            let gap = limit - point.value(index);
+            // Else exact whatever the magnitude.
+            if gap.abs() > ROUNDED * limit.abs() {
+                let size = limit.abs() + point.magnitude(qp, index);
+                primal = primal.max(gap.abs() / size);
+            }
+            gap
+        };
+        for (k, held) in own.base.iter().enumerate() {
+            add_normal(qp, held.index, own.of_base[k], d);
+            own.h[k] = gap(held.index, held.limit);
+        }
+        for (k, place) in own.tableau.places().iter().enumerate() {
+            own.products[k] = if place.is_held() {
+                add_normal(qp, place.index, own.tableau.multiplier(k), d);
+                gap(place.index, place.limit)
+            } else {
+                0.0
+            };
+        }
+        let stationarity = largest_product(d, unit) / own.pull;
+        // `max` would hide a NaN.
+        if stationarity > primal {
+            stationarity
+        } else {
+            primal + 0.0 * stationarity
+        }
+    }
+
+    /// Moves point and multipliers by what the residuals ask for.
+    fn step_by_residual<const S: usize>(&mut self) {
+        let own = &mut *self.own;
+        let d = &mut own.d[..S];
+        self.hessian.solve_transposed_with(S, d);
+        let used = own.tableau.places().len();
+        own.products[used..].fill(0.0);
+        let e = own.base.len();
+        if e > 0 {
+            for (h, held) in own.h.iter_mut().zip(&own.base) {
+                *h += product(normal::<S>(&own.w, held.index), d);
+            }
+            own.r.solve_transposed(0, &mut own.h[..e]);
+        }
+        for (k, place) in own.tableau.places().iter().enumerate() {
+            if place.is_held() {
+                own.products[k] += product(normal::<S>(&own.w, place.index), d);
+                if e > 0 {
+                    own.products[k] -= dot(own.tableau.h(k), &own.h[..e]);
+                }
+            }
+        }
+        own.tableau.correct(&mut own.products);
+        for d in &mut *d {
+            *d = -*d;
+        }
+        for (k, place) in own.tableau.places().iter().enumerate() {
+            if place.is_held() {
+                subtract(d, own.products[k], normal::<S>(&own.w, place.index));
+                if e > 0 {
+                    axpy(&mut own.h[..e], own.products[k], own.tableau.h(k));
+                }
+            }
+        }
+        if e > 0 {
+            own.r.solve(&mut own.h[..e]);
+            let multipliers = own.of_base.iter_mut().zip(&own.h);
+            for ((multiplier, h), held) in multipliers.zip(&own.base) {
+                *multiplier -= h;
+                subtract(d, -h, normal::<S>(&own.w, held.index));
+            }
+        }
+        self.hessian.solve_with(S, d);
+        for (x, d) in self.point.x_mut()[..S].iter_mut().zip(d) {
+            *x += *d;
+        }
+        self.point.evaluate(self.qp);
+    }
+
+    /// Whether no multiplier has the wrong sign by more than is forgiven.
+    fn has_right_signs(&self) -> bool {
+        let size = self.own.pull.max(self.point.largest());
+        let unit = self.point.unit();
+        self.own.multipliers().all(|(held, multiplier)| {
+            let wrong = -multiplier * held.side;
+            wrong <= 0.0 || wrong * largest_normal(self.qp, held.index, unit) <= FORGIVEN * size
+        })
+    }
+}

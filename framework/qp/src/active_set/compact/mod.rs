@@ -1,0 +1,509 @@
+//! The dual method for problems of few variables: loops whose length the compiler knows, and no more digits than
+//! products of normals have.
+//!
+//! It goes the way of [`dual`](super::dual), but for a few things that small ordinary problems can do without. The
+//! inequalities, once they come and go, are in a [`Tableau`], where a change is one pivot and shows what it does to all
+//! candidates, so that all constraints are computed only where none of these is violated any more. Several constraints
+//! are never held at once. Where nothing feasible is in sight, or what comes out is not exact after a few corrections,
+//! the method gives up, and `dual` goes on from what is held. So its answers are optima that were checked in the
+//! problem's own numbers, and there are no others.
+
+mod base;
+mod correction;
+mod tableau;
+mod vectors;
+
+use super::{
+    constraint::{Active, limits},
+    hessian::Hessian,
+    kernels::{axpy, dot, padded},
+    limits::Limits,
+    point::Point,
+    triangle::Triangle,
+};
+use crate::{Capacity, ConstraintId, Held, Qp};
+use tableau::{Place, Step, Tableau, beyond, most};
+use vectors::{multiply, normal, product, subtract};
+
+/// Largest number of variables, with padding.
+const MOST: usize = 32;
+/// Steps for each variable, besides [`PATIENCE`], after which rounding leads in circles.
+const STEPS: u32 = 6;
+const PATIENCE: u32 = 20;
+/// Times that a corrected point may turn out to violate a constraint.
+const CORRECTIONS: u32 = 4;
+/// Part of the farthest violation's distance that makes another violated constraint a candidate.
+const FAR: f64 = 0.1;
+/// Storage made once.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Compact {
+    /// `w = U⁻ᵀ a` by constraint, where `known` is the number of this solve.
+    w: Vec<f64>,
+    known: Vec<u32>,
+    solve: u32,
+    squares: Vec<f64>,
+    /// `U⁻ᵀ g`.
+    v: Vec<f64>,
+    z: Vec<f64>,
+    d: Vec<f64>,
+    /// Held by R: the equality rows, and as long as nothing has changed the inequalities as well.
+    base: Vec<Active>,
+    /// Of the normals of the base.
+    r: Triangle,
+    /// `R⁻ᵀ (b + Wᵀ v)`, of the base.
+    y: Vec<f64>,
+    /// Multipliers of the base.
+    of_base: Vec<f64>,
+    is_tabulated: bool,
+    h: Vec<f64>,
+    products: Vec<f64>,
+    tableau: Tableau,
+    violated: Vec<(f64, usize)>,
+    /// Whether any value is outside of its limits, if only by rounding.
+    is_any_outside: bool,
+    /// The largest entry of `H x` and of g, in units of the variables.
+    pull: f64,
+}
+
+/// What became of a solve.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum End {
+    Optimal,
+    /// The budget ended it: the point is the minimiser on what is held.
+    Budget,
+    /// Another method has to answer.
+    Undecided,
+}
+
+impl Compact {
+    pub(super) fn new(capacity: Capacity) -> Self {
+        // Larger problems are solved without it, whatever the capacity.
+        let (n, m) = (capacity.vars.min(MOST), capacity.rows);
+        let (stride, places) = (padded(n), padded(most(n, m)));
+        Self {
+            w: vec![0.0; stride * (m + n)],
+            known: vec![0; m + n],
+            squares: vec![0.0; m + n],
+            v: vec![0.0; stride],
+            z: vec![0.0; stride],
+            d: vec![0.0; stride],
+            base: Vec::with_capacity(n),
+            r: Triangle::new(n),
+            y: vec![0.0; n],
+            of_base: vec![0.0; n],
+            h: vec![0.0; n],
+            products: vec![0.0; places],
+            tableau: Tableau::new(Capacity { vars: n, rows: m }),
+            violated: Vec::with_capacity(m + n),
+            ..Self::default()
+        }
+    }
+
+    /// Words of the storage for problems up to a capacity, about.
+    pub(super) fn words(Capacity { vars, rows }: Capacity) -> usize {
+        let n = vars.min(MOST);
+        let places = most(n, rows);
+        let of_constraints = rows.saturating_add(n).saturating_mul(n + 4);
+        of_constraints.saturating_add(places * (places + n + 12))
+    }
+
+    /// Whether it is meant for problems of so many variables.
+    pub(super) fn is_for(n: usize) -> bool {
+        n <= MOST
+    }
+
+    /// From the factor of H and what was held last to the optimum; what is held in the end goes to `previous`.
+    pub(super) fn solve(
+        &mut self,
+        qp: &Qp,
+        (hessian, point): (&Hessian, &mut Point),
+        previous: &mut Vec<Held>,
+        limits: &mut Limits<'_>,
+        iterations: &mut u32,
+    ) -> End {
+        let mut run = Run {
+            own: self,
+            qp,
+            hessian,
+            point,
+            limits,
+            iterations,
+        };
+        let end = match (qp.n(), padded(qp.n())) {
+            (8, _) => run.solve::<8, true>(previous),
+            (12, _) => run.solve::<12, true>(previous),
+            (16, _) => run.solve::<16, true>(previous),
+            (_, 4) => run.solve::<4, false>(previous),
+            (_, 8) => run.solve::<8, false>(previous),
+            (_, 12) => run.solve::<12, false>(previous),
+            (_, 16) => run.solve::<16, false>(previous),
+            (_, 20) => run.solve::<20, false>(previous),
+            (_, 24) => run.solve::<24, false>(previous),
+            (_, 28) => run.solve::<28, false>(previous),
+            (_, _) => run.solve::<32, false>(previous),
+        };
+        // Where another method has to go on, it goes on from here.
+        self.remember(qp, previous);
+        end
+    }
+
+    fn remember(&self, qp: &Qp, previous: &mut Vec<Held>) {
+        previous.clear();
+        for (held, multiplier) in self.multipliers() {
+            if held.side == 0.0 || previous.len() == previous.capacity() {
+                continue;
+            }
+            let constraint = match held.index.checked_sub(qp.m()) {
+                None => ConstraintId::Row(qp.rows()[held.index]),
+                Some(j) => ConstraintId::Bound(qp.vars()[j]),
+            };
+            let is_right = multiplier * held.side > 0.0;
+            previous.push(Held {
+                constraint,
+                side: held.side,
+                multiplier: if is_right { multiplier } else { 0.0 },
+            });
+        }
+    }
+
+    /// The largest entry of `H x` and of g at the last residuals, in units of the variables.
+    pub(super) fn pull(&self) -> f64 {
+        self.pull
+    }
+
+    /// The constraints held with their multipliers.
+    pub(super) fn multipliers(&self) -> impl Iterator<Item = (Active, f64)> {
+        let base = self.base.iter().zip(&self.of_base);
+        let base = base.map(|(held, multiplier)| (*held, *multiplier));
+        let places = self.tableau.places().iter().enumerate();
+        let held = places.filter(|(_, place)| place.is_held());
+        base.chain(held.map(|(k, place)| {
+            let Place {
+                index, side, limit, ..
+            } = *place;
+            (Active { index, side, limit }, self.tableau.multiplier(k))
+        }))
+    }
+}
+
+/// A solve with all that it uses.
+struct Run<'a, 'b> {
+    own: &'a mut Compact,
+    qp: &'a Qp,
+    hessian: &'a Hessian,
+    point: &'a mut Point,
+    limits: &'a mut Limits<'b>,
+    iterations: &'a mut u32,
+}
+
+impl Run<'_, '_> {
+    /// `S` is the number of variables with padding, and `EXACT` says that there is none.
+    fn solve<const S: usize, const EXACT: bool>(&mut self, previous: &[Held]) -> End {
+        let n = self.n::<S, EXACT>();
+        self.own.solve = self.own.solve.wrapping_add(1).max(1);
+        let v = &mut self.own.v[..S];
+        v[..n].copy_from_slice(&self.qp.g()[..n]);
+        v[n..].fill(0.0);
+        self.hessian.solve_transposed_with(S, v);
+        if !self.hold_equalities::<S, EXACT>() {
+            return End::Undecided;
+        }
+        self.hold_previous::<S, EXACT>(previous);
+        self.point.reset(self.qp);
+        let patience = PATIENCE + STEPS * S as u32;
+        let mut corrections = 0;
+        for _ in 0..patience {
+            if self.limits.are_used_up(*self.iterations) {
+                self.find_point::<S>();
+                return End::Budget;
+            }
+            *self.iterations += 1;
+            if self.own.is_tabulated || !self.is_base_right() {
+                self.tabulate::<S, EXACT>();
+                match self.own.tableau.step() {
+                    Step::Changed => continue,
+                    Step::Unclear => return End::Undecided,
+                    Step::Settled => {}
+                }
+            }
+            self.find_point::<S>();
+            self.find_violated(self.limits.tolerance);
+            if self.own.violated.is_empty() {
+                match self.correct::<S, EXACT>() {
+                    Some(true) => return End::Optimal,
+                    Some(false) if corrections < CORRECTIONS => corrections += 1,
+                    _ => return End::Undecided,
+                }
+                self.tabulate::<S, EXACT>();
+                let point = &*self.point;
+                self.own.tableau.set_values(|index| point.value(index));
+                if self.own.violated.is_empty() {
+                    continue;
+                }
+            }
+            if !self.consider_violated::<S, EXACT>() {
+                return End::Undecided;
+            }
+        }
+        End::Undecided
+    }
+
+    fn n<const S: usize, const EXACT: bool>(&self) -> usize {
+        if EXACT { S } else { self.qp.n() }
+    }
+
+    /// Makes a constraint a candidate; returns its place.
+    fn consider<const S: usize, const EXACT: bool>(&mut self, index: usize) -> usize {
+        if let Some(place) = self.own.tableau.place_of(index) {
+            return place;
+        }
+        self.know::<S, EXACT>(index);
+        let own = &mut *self.own;
+        let w = normal::<S>(&own.w, index);
+        let e = own.base.len();
+        let h = &mut own.h[..e];
+        let mut value = -product(w, &own.v);
+        if e > 0 {
+            multiply(&own.base, |held| normal::<S>(&own.w, held.index), w, h);
+            own.r.solve_transposed(0, h);
+            value += dot(h, &own.y[..e]);
+        }
+        let places = own.tableau.places();
+        multiply(
+            places,
+            |place| normal::<S>(&own.w, place.index),
+            w,
+            &mut own.products,
+        );
+        let square = own.squares[index];
+        let place = Place::new(index, limits(self.qp, index), value, square);
+        own.tableau.add(place, value, h, &mut own.products)
+    }
+
+    /// Computes the normal of a constraint in the metric of H, if that was not done.
+    fn know<const S: usize, const EXACT: bool>(&mut self, index: usize) {
+        let (n, own) = (self.n::<S, EXACT>(), &mut *self.own);
+        if own.known[index] == own.solve {
+            return;
+        }
+        own.known[index] = own.solve;
+        let w = &mut own.w[index * S..][..S];
+        match index.checked_sub(self.qp.m()) {
+            None => {
+                w[..n].copy_from_slice(&self.qp.a()[index * n..][..n]);
+                w[n..].fill(0.0);
+            }
+            Some(j) => {
+                w.fill(0.0);
+                w[j] = 1.0;
+            }
+        }
+        self.hessian.solve_transposed_with(S, w);
+        let w: &[f64; S] = normal::<S>(&own.w, index);
+        own.squares[index] = product(w, w);
+    }
+
+    /// The minimiser on what is held, its multipliers, and the values of all constraints.
+    fn find_point<const S: usize>(&mut self) {
+        let own = &mut *self.own;
+        let z = &mut own.z[..S];
+        for (z, v) in z.iter_mut().zip(&own.v) {
+            *z = -v;
+        }
+        let e = own.base.len();
+        if e > 0 {
+            let of_equalities = &mut own.of_base[..e];
+            for (m, y) in of_equalities.iter_mut().zip(&own.y) {
+                *m = -y;
+            }
+        }
+        for (k, place) in own.tableau.places().iter().enumerate() {
+            if place.is_held() {
+                let multiplier = own.tableau.multiplier(k);
+                subtract(z, multiplier, normal::<S>(&own.w, place.index));
+                if e > 0 {
+                    axpy(&mut own.of_base[..e], -multiplier, own.tableau.h(k));
+                }
+            }
+        }
+        if e > 0 {
+            own.r.solve(&mut own.of_base[..e]);
+            for (held, multiplier) in own.base.iter().zip(&own.of_base) {
+                subtract(z, *multiplier, normal::<S>(&own.w, held.index));
+            }
+        }
+        self.hessian.solve_with(S, z);
+        self.point.x_mut()[..S].copy_from_slice(z);
+        self.point.evaluate(self.qp);
+    }
+
+    /// Collects the constraints that are not held and violated by more than a tolerance, relative to the numbers that are
+    /// added up, with their excess.
+    fn find_violated(&mut self, tolerance: f64) {
+        let (qp, own) = (self.qp, &mut *self.own);
+        own.violated.clear();
+        own.is_any_outside = false;
+        let rows = (0, self.point.row_values(), qp.row_lower(), qp.row_upper());
+        let bounds = (qp.m(), self.point.x(), qp.lower(), qp.upper());
+        for (first, values, lower, upper) in [rows, bounds] {
+            for (i, ((value, lower), upper)) in values.iter().zip(lower).zip(upper).enumerate() {
+                if lower <= value && value <= upper {
+                    continue;
+                }
+                let index = first + i;
+                if own.tableau.is_held(index) {
+                    continue;
+                }
+                own.is_any_outside = true;
+                let (excess, _, limit) = beyond(*value, *lower, *upper);
+                // `!(… ≤ …)`: a NaN is violated.
+                let is_within =
+                    excess <= tolerance * (limit.abs() + self.point.magnitude(qp, index));
+                if !is_within {
+                    own.violated.push((excess, index));
+                }
+            }
+        }
+    }
+
+    /// Makes violated constraints candidates, but for those that are near, and holds the farthest; whether it could.
+    fn consider_violated<const S: usize, const EXACT: bool>(&mut self) -> bool {
+        self.tabulate::<S, EXACT>();
+        let mut farthest = (0.0, None);
+        for i in 0..self.own.violated.len() {
+            let (excess, index) = self.own.violated[i];
+            self.know::<S, EXACT>(index);
+            let distance = excess * excess / self.own.squares[index];
+            self.own.violated[i].0 = distance;
+            if distance > farthest.0 {
+                farthest = (distance, Some(index));
+            }
+        }
+        let (most, Some(index)) = farthest else {
+            // Rows without coefficients, for which nothing can be done.
+            return false;
+        };
+        for i in 0..self.own.violated.len() {
+            let (distance, index) = self.own.violated[i];
+            if distance >= FAR * FAR * most {
+                let at = self.consider::<S, EXACT>(index);
+                // Without the rounding of many pivots.
+                self.own.tableau.set_value(at, self.point.value(index));
+            }
+        }
+        let Some(at) = self.own.tableau.place_of(index) else {
+            return false;
+        };
+        let (lower, upper) = limits(self.qp, index);
+        let (_, side, limit) = beyond(self.point.value(index), lower, upper);
+        self.own.tableau.hold_violated(at, side, limit) == Step::Changed
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Compact, End};
+    use crate::{
+        Held, Qp,
+        active_set::{
+            constraint::{add_normal, limits},
+            hessian::Hessian,
+            limits::Limits,
+            point::Point,
+        },
+    };
+
+    /// As good as random, between −1 and 1.
+    fn wave(i: usize) -> f64 {
+        ((i as f64 + 1.0) * 97.135).sin() * 4e3 % 1.0
+    }
+
+    /// A definite problem of n variables that zero is feasible for, with one equality if there is room for it.
+    fn problem(n: usize, seed: usize) -> Qp {
+        let at = |i: usize| wave(1000 * seed + 31 * n + i);
+        let mut h = vec![0.0; n * n];
+        for i in 0..n {
+            for j in 0..n {
+                let terms = (0..n).map(|k| at(i * n + k) * at(j * n + k));
+                h[i * n + j] = terms.sum::<f64>() + if i == j { 0.5 } else { 0.0 };
+            }
+        }
+        let g: Vec<f64> = (0..n).map(|j| 3.0 * at(7 * j + 2)).collect();
+        let m = n + 2;
+        let a: Vec<f64> = (0..m * n).map(|i| at(5 * i + 1)).collect();
+        let (mut low, mut high) = (vec![-0.3; m], vec![0.2; m]);
+        if n > 2 {
+            (low[0], high[0]) = (0.0, 0.0);
+        }
+        let bounds = (vec![-0.5; n], vec![f64::INFINITY; n]);
+        Qp::dense(&h, &g, &a, (&low, &high), (&bounds.0, &bounds.1)).expect("the shapes fit")
+    }
+
+    /// What the compact method finds alone: how it ends, x, and what is held.
+    fn solve(qp: &Qp, compact: &mut Compact, previous: &mut Vec<Held>) -> (End, Vec<f64>, u32) {
+        let (mut hessian, mut point) = (Hessian::new(qp.n()), Point::new(qp.capacity()));
+        assert!(hessian.factorise(qp), "H is definite");
+        let (mut limits, mut iterations) = (Limits::new(1e-12, 10_000), 0);
+        let with = (&hessian, &mut point);
+        let end = compact.solve(qp, with, previous, &mut limits, &mut iterations);
+        (end, point.x()[..qp.n()].to_vec(), iterations)
+    }
+
+    #[test]
+    fn every_size_ends_at_an_optimum() {
+        let mut changes = 0;
+        for n in 1..=32 {
+            for seed in 0..20 {
+                let qp = problem(n, seed);
+                let mut compact = Compact::new(qp.capacity());
+                let mut previous = Vec::with_capacity(n);
+                let (end, x, iterations) = solve(&qp, &mut compact, &mut previous);
+                assert_eq!(end, End::Optimal, "{n} {seed}");
+                changes += iterations - 1;
+                let mut gradient = qp.g().to_vec();
+                for (i, gradient) in gradient.iter_mut().enumerate() {
+                    let row = &qp.h()[i * n..(i + 1) * n];
+                    *gradient += row.iter().zip(&x).map(|(h, x)| h * x).sum::<f64>();
+                }
+                let value = |index: usize| match index.checked_sub(qp.m()) {
+                    None => qp.row(index).iter().zip(&x).map(|(a, x)| a * x).sum(),
+                    Some(j) => x[j],
+                };
+                for (held, multiplier) in compact.multipliers() {
+                    assert!(multiplier * held.side >= 0.0, "{n} {seed}: sign");
+                    assert!((value(held.index) - held.limit).abs() < 1e-11, "{n} {seed}");
+                    add_normal(&qp, held.index, multiplier, &mut gradient);
+                }
+                let slope = gradient.iter().fold(0.0, |a: f64, g| a.max(g.abs()));
+                assert!(slope < 1e-10, "{n} {seed}: {slope:e}");
+                for index in 0..qp.m() + n {
+                    let (lower, upper) = limits(&qp, index);
+                    let value: f64 = value(index);
+                    assert!(
+                        lower - 1e-11 <= value && value <= upper + 1e-11,
+                        "{n} {seed}"
+                    );
+                }
+                // The same again from where it ended takes one look.
+                let again = solve(&qp, &mut compact, &mut previous);
+                assert_eq!((again.0, again.2), (End::Optimal, 1), "{n} {seed}");
+                let apart = again.1.iter().zip(&x).map(|(a, b)| (a - b).abs());
+                assert!(apart.fold(0.0, f64::max) < 1e-11, "{n} {seed}");
+            }
+        }
+        assert!(changes > 1000, "{changes} changes: nothing happens");
+    }
+
+    #[test]
+    fn contradictions_are_left_to_others() {
+        let ones = [1.0, 1.0, 1.0, 1.0];
+        let (low, high) = ([1.0, -3.0], [2.0, 0.5]);
+        let free = ([f64::NEG_INFINITY; 2], [f64::INFINITY; 2]);
+        let h = [1.0, 0.0, 0.0, 1.0];
+        let rows = (&low[..], &high[..]);
+        let qp = Qp::dense(&h, &[0.0; 2], &ones, rows, (&free.0, &free.1)).expect("fits");
+        let mut compact = Compact::new(qp.capacity());
+        let end = solve(&qp, &mut compact, &mut Vec::with_capacity(2)).0;
+        assert_eq!(end, End::Undecided);
+    }
+}

@@ -1,0 +1,663 @@
+//! Which inequalities come and go, and what that does to the multipliers and to the values of the others.
+//!
+//! # Mathematics
+//! With `w` the normals in the metric of H, less their parts along the equality rows' (`w̃ᵢ·w̃ⱼ = wᵢ·wⱼ − hᵢ·hⱼ`, where
+//! `h = R⁻ᵀ W_Eᵀ w` and `R` is the triangle of the equalities), and `G = W̃ᵀ W̃`, the minimiser on the equalities and the
+//! inequalities K held, and what it means for candidates J, are
+//! ```text
+//! λ_K = P (c_K − b_K),   s_J = c_J − G_JK λ_K,   P = G_KK⁻¹
+//! ```
+//! with `c` the values where no inequality is held. The tableau has `[P, −Bᵀ; B, S]`, `B = G_JK P` and the Schur
+//! complement `S = G_JJ − B G_KJ`, and beside it `(−λ_K, s_J)`. An inequality that is held, or let go, is a principal
+//! pivot on its diagonal entry, by the same formula both ways (R. W. Cottle, J.-S. Pang, R. E. Stone, *The Linear
+//! Complementarity Problem*, 1992, section 2.3). It costs the square of the number of candidates, whatever the number of
+//! variables and rows, and says of all candidates by how much they would be violated.
+
+use super::super::{
+    kernels::{LANES, dot, padded},
+    triangle::Triangle,
+};
+use crate::Capacity;
+
+/// No place in the tableau.
+const NONE: u32 = u32::MAX;
+/// Held outside of the tableau.
+const BASE: u32 = u32::MAX - 1;
+/// Rounding of a candidate's value, relative to its limit and to what it is where no inequality is held.
+const ROUNDING: f64 = 1e-9;
+/// Square of the sine of the angle to those held below which a constraint is taken for one that depends on them.
+const DEPENDENT: f64 = 1e-8;
+/// The same, below which nothing of a square is left but rounding.
+const NOTHING: f64 = 1e-13;
+/// Square of a part of a combination of normals, relative to the largest, that is rounding.
+const ROUNDED: f64 = 1e-18;
+
+/// A constraint in the tableau.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Place {
+    /// Of the constraint.
+    pub(super) index: usize,
+    /// +1 if it is held at the upper limit, −1 at the lower one, 0 if it is not.
+    pub(super) side: f64,
+    /// The limit that it is held at.
+    pub(super) limit: f64,
+    lower: f64,
+    upper: f64,
+    /// `‖w̃‖²`.
+    square: f64,
+    /// What is rounding of its value.
+    rounding: f64,
+}
+
+impl Place {
+    /// A constraint with its limits, its value where no inequality is held, and `‖w‖²`.
+    pub(super) fn new(index: usize, (lower, upper): (f64, f64), value: f64, square: f64) -> Self {
+        let finite = |limit: f64| if limit.is_finite() { limit.abs() } else { 0.0 };
+        Self {
+            index,
+            lower,
+            upper,
+            square,
+            rounding: ROUNDING * (value.abs() + finite(lower).max(finite(upper))),
+            ..Self::default()
+        }
+    }
+
+    /// Held at a limit.
+    pub(super) fn held(self, side: f64, limit: f64) -> Self {
+        Self {
+            side,
+            limit,
+            ..self
+        }
+    }
+
+    pub(super) fn is_held(&self) -> bool {
+        self.side != 0.0
+    }
+}
+
+/// How a step ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Step {
+    /// The constraints held are others.
+    Changed,
+    /// The minimiser on those held has multipliers of the right sign, and no candidate is violated.
+    Settled,
+    /// What that needs more digits for.
+    Unclear,
+}
+
+/// Storage made once.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Tableau {
+    /// The most places.
+    most: usize,
+    /// From one row to the next.
+    stride: usize,
+    t: Vec<f64>,
+    /// `−λ` of those held, values of the others.
+    u: Vec<f64>,
+    /// Of those held, by place; of the others zero.
+    sides: Vec<f64>,
+    /// What those held are held with so far, times the side: not below zero.
+    prices: Vec<f64>,
+    /// Limits of those not held, with rounding; of those held infinite.
+    limits: [Vec<f64>; 2],
+    places: Vec<Place>,
+    /// By constraint.
+    place_of: Vec<u32>,
+    /// Equality rows.
+    equalities: usize,
+    /// From one `h` to the next.
+    width: usize,
+    h: Vec<f64>,
+    row: Vec<f64>,
+}
+
+impl Tableau {
+    pub(super) fn new(Capacity { vars, rows }: Capacity) -> Self {
+        let most = most(vars, rows);
+        let stride = padded(most);
+        Self {
+            most,
+            stride,
+            t: vec![0.0; stride * most],
+            u: vec![0.0; stride],
+            sides: vec![0.0; stride],
+            prices: vec![0.0; stride],
+            limits: [vec![0.0; stride], vec![0.0; stride]],
+            places: Vec::with_capacity(most),
+            place_of: vec![NONE; vars + rows],
+            h: vec![0.0; padded(vars) * most],
+            row: vec![0.0; stride],
+            ..Self::default()
+        }
+    }
+
+    /// No candidates, of so many constraints.
+    pub(super) fn reset(&mut self, constraints: usize) {
+        self.places.clear();
+        self.place_of[..constraints].fill(NONE);
+    }
+
+    /// A constraint is held outside of the tableau.
+    pub(super) fn set_base(&mut self, index: usize) {
+        self.place_of[index] = BASE;
+    }
+
+    /// Whether a constraint is held outside of the tableau.
+    pub(super) fn is_base(&self, index: usize) -> bool {
+        self.place_of[index] == BASE
+    }
+
+    /// Whether a constraint is held.
+    pub(super) fn is_held(&self, index: usize) -> bool {
+        match self.place_of[index] {
+            NONE => false,
+            BASE => true,
+            place => self.places[place as usize].is_held(),
+        }
+    }
+
+    /// Takes the inequalities of the base, with their multipliers at the minimiser and their prices: R of all of it, whose first columns
+    /// are those of the equalities, has `h` in its columns, and `P = (R_KKᵀ R_KK)⁻¹`.
+    pub(super) fn begin(
+        &mut self,
+        r: &Triangle,
+        equalities: usize,
+        places: impl Iterator<Item = (Place, f64, f64)>,
+    ) {
+        let (e, stride) = (equalities, self.stride);
+        (self.equalities, self.width) = (e, padded(e));
+        for (k, (place, multiplier, price)) in places.enumerate() {
+            self.place_of[place.index] = k as u32;
+            self.u[k] = -multiplier;
+            (self.sides[k], self.prices[k]) = (place.side, price);
+            self.let_go_limits(k);
+            let column = r.column(e + k);
+            let h = &mut self.h[k * self.width..][..self.width];
+            h[..e].copy_from_slice(&column[..e]);
+            h[e..].fill(0.0);
+            let square = place.square - dot(&column[..e], &column[..e]);
+            self.places.push(Place { square, ..place });
+        }
+        let used = self.places.len();
+        let length = padded(used);
+        // X = R_KK⁻¹, row by row from the last.
+        for i in (0..used).rev() {
+            let (head, tail) = self.t.split_at_mut((i + 1) * stride);
+            let x = &mut head[i * stride..][..length];
+            x.fill(0.0);
+            for (l, below) in (i + 1..used).zip(tail.chunks_exact(stride)) {
+                add_scaled(x, -r.column(e + l)[e + i], &below[..length]);
+            }
+            x[i] = 1.0;
+            for x in &mut x[i..] {
+                *x *= r.reciprocal(e + i);
+            }
+        }
+        // P = X Xᵀ, in its place: a row of P needs those of X from its own on.
+        for i in 0..used {
+            for j in i..used {
+                let (a, b) = (&self.t[i * stride..], &self.t[j * stride..]);
+                self.row[j] = dot(&a[j..used], &b[j..used]);
+            }
+            for j in i..used {
+                self.t[i * stride + j] = self.row[j];
+                self.t[j * stride + i] = self.row[j];
+            }
+        }
+    }
+
+    pub(super) fn places(&self) -> &[Place] {
+        &self.places
+    }
+
+    /// The place of a constraint, if it has one.
+    pub(super) fn place_of(&self, index: usize) -> Option<usize> {
+        let place = self.place_of[index];
+        (place < BASE).then_some(place as usize)
+    }
+
+    /// The multiplier of a constraint that is held, at the minimiser.
+    pub(super) fn multiplier(&self, place: usize) -> f64 {
+        -self.u[place]
+    }
+
+    /// `h` of a place.
+    pub(super) fn h(&self, place: usize) -> &[f64] {
+        &self.h[place * self.width..][..self.equalities]
+    }
+
+    /// Makes a constraint a candidate, with its value where no inequality is held. `products` are those of its normal `w`
+    /// with those of all places, of which there may be one more by now.
+    pub(super) fn add(&mut self, new: Place, value: f64, h: &[f64], products: &mut [f64]) -> usize {
+        let at = self.new_place(new);
+        let (used, stride) = (self.places.len(), self.stride);
+        let length = padded(used);
+        let products = &mut products[..used];
+        if self.width > 0 {
+            let own = &mut self.h[at * self.width..][..self.width];
+            own[..h.len()].copy_from_slice(h);
+            own[h.len()..].fill(0.0);
+            let (own, all) = (&self.h[at * self.width..], self.h.chunks_exact(self.width));
+            for (product, h) in products.iter_mut().zip(all) {
+                *product -= dot(h, &own[..h.len()]);
+            }
+        }
+        let row = &mut self.row[..length];
+        row.fill(0.0);
+        let mut u = value;
+        for (k, place) in self.places.iter().enumerate() {
+            if place.is_held() {
+                add_scaled(row, products[k], &self.t[k * stride..][..length]);
+                u += products[k] * self.u[k];
+            }
+        }
+        let mut diagonal = self.places[at].square - dot(h, h);
+        self.places[at].square = diagonal;
+        for (k, place) in self.places.iter().enumerate() {
+            self.t[k * stride + at] = if place.is_held() {
+                diagonal -= products[k] * row[k];
+                -row[k]
+            } else {
+                row[k] += products[k];
+                row[k]
+            };
+        }
+        row[at] = diagonal;
+        self.t[at * stride..][..length].copy_from_slice(row);
+        self.u[at] = u;
+        at
+    }
+
+    /// A free place, or that of a candidate that is not held.
+    fn new_place(&mut self, new: Place) -> usize {
+        let used = self.places.len();
+        let at = if used == self.most {
+            let free = self.places.iter().position(|place| !place.is_held());
+            let at = free.unwrap_or(0);
+            self.place_of[self.places[at].index] = NONE;
+            self.places[at] = new;
+            at
+        } else {
+            // A new lane has no numbers yet.
+            if used.is_multiple_of(LANES) {
+                for row in self.t.chunks_exact_mut(self.stride).take(used) {
+                    row[used..used + LANES].fill(0.0);
+                }
+            }
+            self.places.push(new);
+            used
+        };
+        self.place_of[new.index] = at as u32;
+        (self.sides[at], self.prices[at]) = (0.0, 0.0);
+        self.set_limits(at);
+        at
+    }
+
+    /// One step of the dual method: towards the multipliers of the minimiser on what is held, as far as none changes its
+    /// sign; there, to the candidate that is violated most.
+    pub(super) fn step(&mut self) -> Step {
+        let used = self.places.len();
+        let (u, sides, prices) = (&self.u[..used], &self.sides[..used], &self.prices[..used]);
+        let mut least = 0.0;
+        for (u, side) in u.iter().zip(sides) {
+            let target = -u * side;
+            least = if target < least { target } else { least };
+        }
+        if least < 0.0 {
+            let mut first = (f64::INFINITY, 0);
+            for (i, ((u, side), price)) in u.iter().zip(sides).zip(prices).enumerate() {
+                let target = -u * side;
+                if target < 0.0 {
+                    let part = price / (price - target);
+                    first = if part < first.0 { (part, i) } else { first };
+                }
+            }
+            let (part, leaving) = first;
+            // A NaN is no part.
+            if part > 1.0 {
+                return Step::Unclear;
+            }
+            let prices = self.prices[..used].iter_mut();
+            for ((price, u), side) in prices.zip(&self.u).zip(&self.sides) {
+                *price += part * (-u * side - *price);
+            }
+            self.release(leaving);
+            return Step::Changed;
+        }
+        for ((price, u), side) in self.prices[..used].iter_mut().zip(u).zip(sides) {
+            *price = -u * side;
+        }
+        match self.farthest() {
+            Some(at) => {
+                let place = &self.places[at];
+                let (_, side, limit) = beyond(self.u[at], place.lower, place.upper);
+                self.hold_violated(at, side, limit)
+            }
+            None => Step::Settled,
+        }
+    }
+
+    /// The candidate whose value is beyond its limits by more than rounding and farthest from them in the metric of H:
+    /// by how far the minimiser on what is held has to go if that stays held.
+    fn farthest(&self) -> Option<usize> {
+        let used = self.places.len();
+        let [lower, upper] = &self.limits;
+        let values = self.u[..used]
+            .iter()
+            .zip(lower)
+            .zip(upper)
+            .zip(&self.places);
+        let (mut farthest, mut at) = (0.0, used);
+        // Nothing is decided on the way: what is violated cannot be foreseen.
+        for (i, (((u, lower), upper), place)) in values.enumerate() {
+            let (above, below) = (u - upper, lower - u);
+            let excess = if above > below { above } else { below };
+            let (pivot, least) = (self.pivot_of(i), DEPENDENT * place.square);
+            let pivot = if pivot > least { pivot } else { least };
+            let distance = if excess > 0.0 {
+                excess * excess / pivot
+            } else {
+                0.0
+            };
+            let is_farther = distance > farthest;
+            farthest = if is_farther { distance } else { farthest };
+            at = if is_farther { i } else { at };
+        }
+        (at < used).then_some(at)
+    }
+
+    /// Holds a violated candidate. While it depends on those held, one of these leaves: the first whose multiplier
+    /// reaches zero as that of the candidate grows.
+    pub(super) fn hold_violated(&mut self, at: usize, side: f64, limit: f64) -> Step {
+        let mut price = 0.0;
+        for _ in 0..=self.places.len() {
+            // `… > …`: a NaN depends, too.
+            if self.pivot_of(at) > DEPENDENT * self.places[at].square {
+                self.hold(at, side, limit, price);
+                return Step::Changed;
+            }
+            let Some((step, leaving)) = self.first_to_leave(at, side) else {
+                return Step::Unclear;
+            };
+            let (pivot, excess) = (self.pivot_of(at), side * (self.u[at] - limit));
+            if pivot > NOTHING * self.places[at].square && excess < step * pivot {
+                // It would be held before: with digits that products of normals do not have.
+                return Step::Unclear;
+            }
+            let row = &self.t[at * self.stride..];
+            for ((held, b), price) in self.sides.iter().zip(row).zip(&mut self.prices) {
+                *price -= step * held * side * b;
+            }
+            price += step;
+            self.release(leaving);
+        }
+        Step::Unclear
+    }
+
+    /// Which of those held leaves first as the multiplier of a candidate grows, and when.
+    fn first_to_leave(&self, at: usize, side: f64) -> Option<(f64, usize)> {
+        let row = &self.t[at * self.stride..];
+        let rate = |(place, b): (&Place, &f64)| place.side * side * b;
+        let size = |(place, b): (&Place, &f64)| b * b * place.square * place.side.abs();
+        let parts = || self.places.iter().zip(row);
+        let largest = parts().map(size).fold(0.0, f64::max);
+        let mut first: Option<(f64, usize)> = None;
+        for (k, part) in parts().enumerate() {
+            let rate = rate(part);
+            if rate > 0.0 && size(part) > ROUNDED * largest {
+                let step = self.prices[k].max(0.0) / rate;
+                if first.is_none_or(|(s, _)| step < s) {
+                    first = Some((step, k));
+                }
+            }
+        }
+        first
+    }
+
+    fn pivot_of(&self, at: usize) -> f64 {
+        self.t[at * self.stride + at]
+    }
+
+    fn hold(&mut self, at: usize, side: f64, limit: f64, price: f64) {
+        let gap = self.u[at] - limit;
+        let reciprocal = self.pivot(at, gap);
+        self.u[at] = -(gap * reciprocal);
+        (self.sides[at], self.prices[at]) = (side, price);
+        (self.places[at].side, self.places[at].limit) = (side, limit);
+        self.let_go_limits(at);
+    }
+
+    /// Limits of a constraint that is held do not count.
+    fn let_go_limits(&mut self, at: usize) {
+        let [lower, upper] = &mut self.limits;
+        (lower[at], upper[at]) = (f64::NEG_INFINITY, f64::INFINITY);
+    }
+
+    fn set_limits(&mut self, at: usize) {
+        let ([lower, upper], place) = (&mut self.limits, &self.places[at]);
+        lower[at] = place.lower - place.rounding;
+        upper[at] = place.upper + place.rounding;
+    }
+
+    fn release(&mut self, at: usize) {
+        let delta = self.u[at];
+        let reciprocal = self.pivot(at, delta);
+        self.u[at] = self.places[at].limit - delta * reciprocal;
+        (self.sides[at], self.prices[at]) = (0.0, 0.0);
+        self.places[at].side = 0.0;
+        self.set_limits(at);
+    }
+
+    /// Pivots on a diagonal entry; what stands beside the tableau moves by `−δ` times the column over the pivot, whose
+    /// reciprocal it returns.
+    fn pivot(&mut self, at: usize, delta: f64) -> f64 {
+        match padded(self.places.len()) {
+            // Loops of a length that the compiler knows.
+            4 => self.pivot_with::<1>(at, delta),
+            8 => self.pivot_with::<2>(at, delta),
+            12 => self.pivot_with::<3>(at, delta),
+            16 => self.pivot_with::<4>(at, delta),
+            20 => self.pivot_with::<5>(at, delta),
+            24 => self.pivot_with::<6>(at, delta),
+            _ => self.pivot_of_any_length(at, delta),
+        }
+    }
+
+    fn pivot_with<const LENGTH: usize>(&mut self, at: usize, delta: f64) -> f64 {
+        let (used, stride) = (self.places.len(), self.stride);
+        let mut pivot_row = [[0.0; LANES]; LENGTH];
+        let own = self.t[at * stride..].as_chunks::<LANES>().0;
+        pivot_row.copy_from_slice(&own[..LENGTH]);
+        let reciprocal = 1.0 / self.pivot_of(at);
+        let rows = self.t.chunks_exact_mut(stride).zip(&mut self.u[..used]);
+        for (row, u) in rows {
+            let factor = row[at] * reciprocal;
+            let (lanes, _) = row.as_chunks_mut::<LANES>();
+            for (t, p) in lanes[..LENGTH].iter_mut().zip(&pivot_row) {
+                for l in 0..LANES {
+                    t[l] -= factor * p[l];
+                }
+            }
+            row[at] = factor;
+            *u -= factor * delta;
+        }
+        let (lanes, _) = self.t[at * stride..].as_chunks_mut::<LANES>();
+        for (t, p) in lanes.iter_mut().zip(&pivot_row) {
+            *t = p.map(|p| -(p * reciprocal));
+        }
+        self.t[at * stride + at] = reciprocal;
+        reciprocal
+    }
+
+    fn pivot_of_any_length(&mut self, at: usize, delta: f64) -> f64 {
+        let (used, stride) = (self.places.len(), self.stride);
+        let pivot_row = &mut self.row[..padded(used)];
+        pivot_row.copy_from_slice(&self.t[at * stride..][..padded(used)]);
+        let reciprocal = 1.0 / pivot_row[at];
+        let rows = self.t.chunks_exact_mut(stride).zip(&mut self.u[..used]);
+        for (row, u) in rows {
+            let factor = row[at] * reciprocal;
+            add_scaled(&mut row[..pivot_row.len()], -factor, pivot_row);
+            row[at] = factor;
+            *u -= factor * delta;
+        }
+        let row = &mut self.t[at * stride..][..pivot_row.len()];
+        for (t, p) in row.iter_mut().zip(pivot_row) {
+            *t = -(*p * reciprocal);
+        }
+        row[at] = reciprocal;
+        reciprocal
+    }
+
+    /// Takes the value of a candidate at the minimiser as it was found to be.
+    pub(super) fn set_value(&mut self, at: usize, value: f64) {
+        self.u[at] = value;
+    }
+
+    /// Takes the values of all candidates that are not held as they were found to be.
+    pub(super) fn set_values(&mut self, value: impl Fn(usize) -> f64) {
+        for (u, place) in self.u.iter_mut().zip(&self.places) {
+            if !place.is_held() {
+                *u = value(place.index);
+            }
+        }
+    }
+
+    /// Replaces `b`, by place, with zeros where nothing is held, by `−P b`, and takes it as a change of multipliers.
+    pub(super) fn correct(&mut self, b: &mut [f64]) {
+        let (used, stride) = (self.places.len(), self.stride);
+        let length = padded(used);
+        let by_place = &mut self.row[..length];
+        by_place.copy_from_slice(&b[..length]);
+        for (k, place) in self.places.iter().enumerate() {
+            b[k] = if place.is_held() {
+                -dot(&self.t[k * stride..][..length], by_place)
+            } else {
+                0.0
+            };
+            self.u[k] -= b[k];
+        }
+    }
+}
+
+/// Places for problems of so many variables and rows: more than can be held, so that there is a candidate that makes
+/// room.
+pub(super) fn most(vars: usize, rows: usize) -> usize {
+    (vars + rows).min(2 * vars + 8)
+}
+
+/// By how much a value is beyond limits, beyond which, and that limit.
+pub(super) fn beyond(value: f64, lower: f64, upper: f64) -> (f64, f64, f64) {
+    if value > upper {
+        (value - upper, 1.0, upper)
+    } else {
+        (lower - value, -1.0, lower)
+    }
+}
+
+/// `y += α x`, of whole lanes.
+fn add_scaled(y: &mut [f64], alpha: f64, x: &[f64]) {
+    let (y, x) = (y.as_chunks_mut::<LANES>().0, x.as_chunks::<LANES>().0);
+    for (y, x) in y.iter_mut().zip(x) {
+        for l in 0..LANES {
+            y[l] += alpha * x[l];
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Place, Step, Tableau};
+    use crate::Capacity;
+
+    const N: usize = 7;
+
+    /// As good as random, between −1 and 1.
+    fn wave(i: usize) -> f64 {
+        ((i as f64 + 1.0) * 97.135).sin() * 4e3 % 1.0
+    }
+
+    fn normal(index: usize) -> Vec<f64> {
+        (0..N).map(|j| wave(11 * index + 3 * j)).collect()
+    }
+
+    fn product(a: &[f64], b: &[f64]) -> f64 {
+        a.iter().zip(b).map(|(a, b)| a * b).sum()
+    }
+
+    /// `min ½‖z + v‖²` with `wᵀz ≤ 0.1` for some w.
+    struct Problem {
+        v: Vec<f64>,
+        tableau: Tableau,
+    }
+
+    impl Problem {
+        fn new() -> Self {
+            let capacity = Capacity { vars: N, rows: 20 };
+            let mut tableau = Tableau::new(capacity);
+            tableau.reset(N + 20);
+            let v = (0..N).map(|j| 3.0 * wave(50 + j)).collect();
+            Self { v, tableau }
+        }
+
+        fn consider(&mut self, index: usize) -> usize {
+            let w = normal(index);
+            let places = self.tableau.places().iter();
+            let mut products: Vec<f64> = places.map(|p| product(&w, &normal(p.index))).collect();
+            products.push(0.0);
+            let value = -product(&w, &self.v);
+            let place = Place::new(index, (f64::NEG_INFINITY, 0.1), value, product(&w, &w));
+            self.tableau.add(place, value, &[], &mut products)
+        }
+
+        /// The minimiser that the tableau's multipliers belong to.
+        fn z(&self) -> Vec<f64> {
+            let mut z: Vec<f64> = self.v.iter().map(|v| -v).collect();
+            for (k, place) in self.tableau.places().iter().enumerate() {
+                if place.is_held() {
+                    let multiplier = self.tableau.multiplier(k);
+                    for (z, w) in z.iter_mut().zip(normal(place.index)) {
+                        *z -= multiplier * w;
+                    }
+                }
+            }
+            z
+        }
+    }
+
+    #[test]
+    fn says_of_every_candidate_where_the_minimiser_is() {
+        let mut problem = Problem::new();
+        let mut was_held = 0;
+        for index in 0..18 {
+            // Candidates come where others are held already.
+            problem.consider(index);
+            while problem.tableau.step() == Step::Changed {
+                let z = problem.z();
+                for (k, place) in problem.tableau.places().iter().enumerate() {
+                    let value = product(&z, &normal(place.index));
+                    let expected = if place.is_held() {
+                        0.1
+                    } else {
+                        problem.tableau.u[k]
+                    };
+                    assert!((value - expected).abs() < 1e-11, "{index} {k}");
+                }
+                was_held += 1;
+            }
+            let z = problem.z();
+            for (k, place) in problem.tableau.places().iter().enumerate() {
+                assert!(product(&z, &normal(place.index)) < 0.1 + 1e-8, "violated");
+                assert!(
+                    !place.is_held() || problem.tableau.multiplier(k) >= 0.0,
+                    "wrong sign"
+                );
+            }
+        }
+        assert!(was_held > 5, "nothing happened");
+    }
+}

@@ -1,0 +1,44 @@
+//! Inner loops over normals whose length the compiler knows.
+
+use crate::active_set::kernels::{LANES, dots_of};
+
+/// The normal of a constraint.
+pub(super) fn normal<const S: usize>(w: &[f64], index: usize) -> &[f64; S] {
+    &w.as_chunks::<S>().0[index]
+}
+
+/// `aᵀ b`.
+pub(super) fn product<const S: usize>(a: &[f64; S], b: &[f64]) -> f64 {
+    let mut sums = [0.0; LANES];
+    let (a, b) = (a.as_chunks::<LANES>().0, b[..S].as_chunks::<LANES>().0);
+    for (a, b) in a.iter().zip(b) {
+        for l in 0..LANES {
+            sums[l] += a[l] * b[l];
+        }
+    }
+    (sums[0] + sums[2]) + (sums[1] + sums[3])
+}
+
+/// `y −= α x`.
+pub(super) fn subtract<const S: usize>(y: &mut [f64], alpha: f64, x: &[f64; S]) {
+    for (y, x) in y[..S].iter_mut().zip(x) {
+        *y -= alpha * x;
+    }
+}
+
+/// Products of `w` with the normals of a list, four at a time.
+pub(super) fn multiply<'a, T, const S: usize>(
+    list: &[T],
+    normal: impl Fn(&T) -> &'a [f64; S],
+    w: &[f64; S],
+    out: &mut [f64],
+) {
+    let (fours, rest) = list.as_chunks::<LANES>();
+    let (outs, out_rest) = out[..list.len()].as_chunks_mut::<LANES>();
+    for (four, out) in fours.iter().zip(outs) {
+        *out = dots_of(four.each_ref().map(|of| &normal(of)[..]), w);
+    }
+    for (of, out) in rest.iter().zip(out_rest) {
+        *out = product(normal(of), w);
+    }
+}
