@@ -25,8 +25,8 @@ const FORGIVEN: f64 = 1e-11;
 const CANCELLED: f64 = 1e6;
 
 impl Run<'_, '_> {
-    /// Corrects the point and its multipliers by the residuals of the optimality conditions. True if they are an optimum
-    /// then, false if constraints have to come or go, none if neither can be said.
+    /// Corrects the point and its multipliers by the residuals of the optimality conditions. True if they are an
+    /// optimum then, false if constraints have to come or go, none if neither can be said.
     pub(super) fn correct<const S: usize, const EXACT: bool>(&mut self) -> Option<bool> {
         let (mut residual, mut is_checked) = (LOST / GAIN, true);
         for _ in 0..REFINEMENTS {

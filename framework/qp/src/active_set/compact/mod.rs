@@ -337,8 +337,8 @@ impl Run<'_, '_> {
         self.point.evaluate(self.qp);
     }
 
-    /// Collects the constraints that are not held and violated by more than a tolerance, relative to the numbers that are
-    /// added up, with their excess.
+    /// Collects the constraints that are not held and violated by more than a tolerance, relative to the numbers that
+    /// are added up, with their excess.
     fn find_violated(&mut self, tolerance: f64) {
         let (qp, own) = (self.qp, &mut *self.own);
         own.violated.clear();

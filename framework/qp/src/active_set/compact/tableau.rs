@@ -2,16 +2,16 @@
 //!
 //! # Mathematics
 //! With `w` the normals in the metric of H, less their parts along the equality rows' (`w̃ᵢ·w̃ⱼ = wᵢ·wⱼ − hᵢ·hⱼ`, where
-//! `h = R⁻ᵀ W_Eᵀ w` and `R` is the triangle of the equalities), and `G = W̃ᵀ W̃`, the minimiser on the equalities and the
-//! inequalities K held, and what it means for candidates J, are
+//! `h = R⁻ᵀ W_Eᵀ w` and `R` is the triangle of the equalities), and `G = W̃ᵀ W̃`, the minimiser on the equalities and
+//! the inequalities K held, and what it means for candidates J, are
 //! ```text
 //! λ_K = P (c_K − b_K),   s_J = c_J − G_JK λ_K,   P = G_KK⁻¹
 //! ```
 //! with `c` the values where no inequality is held. The tableau has `[P, −Bᵀ; B, S]`, `B = G_JK P` and the Schur
 //! complement `S = G_JJ − B G_KJ`, and beside it `(−λ_K, s_J)`. An inequality that is held, or let go, is a principal
 //! pivot on its diagonal entry, by the same formula both ways (R. W. Cottle, J.-S. Pang, R. E. Stone, *The Linear
-//! Complementarity Problem*, 1992, section 2.3). It costs the square of the number of candidates, whatever the number of
-//! variables and rows, and says of all candidates by how much they would be violated.
+//! Complementarity Problem*, 1992, section 2.3). It costs the square of the number of candidates, whatever the number
+//! of variables and rows, and says of all candidates by how much they would be violated.
 
 use super::super::{
     kernels::{LANES, dot, padded},
@@ -160,8 +160,8 @@ impl Tableau {
         }
     }
 
-    /// Takes the inequalities of the base, with their multipliers at the minimiser and their prices: R of all of it, whose first columns
-    /// are those of the equalities, has `h` in its columns, and `P = (R_KKᵀ R_KK)⁻¹`.
+    /// Takes the inequalities of the base, with their multipliers at the minimiser and their prices: R of all of it,
+    /// whose first columns are those of the equalities, has `h` in its columns, and `P = (R_KKᵀ R_KK)⁻¹`.
     pub(super) fn begin(
         &mut self,
         r: &Triangle,
@@ -230,8 +230,8 @@ impl Tableau {
         &self.h[place * self.width..][..self.equalities]
     }
 
-    /// Makes a constraint a candidate, with its value where no inequality is held. `products` are those of its normal `w`
-    /// with those of all places, of which there may be one more by now.
+    /// Makes a constraint a candidate, with its value where no inequality is held. `products` are those of its normal
+    /// `w` with those of all places, of which there may be one more by now.
     pub(super) fn add(&mut self, new: Place, value: f64, h: &[f64], products: &mut [f64]) -> usize {
         let at = self.new_place(new);
         let (used, stride) = (self.places.len(), self.stride);
@@ -297,8 +297,8 @@ impl Tableau {
         at
     }
 
-    /// One step of the dual method: towards the multipliers of the minimiser on what is held, as far as none changes its
-    /// sign; there, to the candidate that is violated most.
+    /// One step of the dual method: towards the multipliers of the minimiser on what is held, as far as none changes
+    /// its sign; there, to the candidate that is violated most.
     pub(super) fn step(&mut self) -> Step {
         let used = self.places.len();
         let (u, sides, prices) = (&self.u[..used], &self.sides[..used], &self.prices[..used]);
