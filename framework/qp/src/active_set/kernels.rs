@@ -78,7 +78,8 @@ pub(super) fn dot_magnitudes(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// `rᵀ x` of four rows that are `stride` apart, each as long as `x`; the first begins with `rows`.
-#[inline]
+#[expect(clippy::inline_always, reason = "the length is to be known")]
+#[inline(always)]
 pub(super) fn dots(rows: &[f64], stride: usize, x: &[f64]) -> [f64; 4] {
     let n = x.len();
     let row = |i: usize| &rows[i * stride..i * stride + n];
