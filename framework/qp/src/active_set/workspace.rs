@@ -24,7 +24,7 @@ impl Workspace {
     pub(super) fn new(capacity: Capacity) -> Self {
         Self {
             capacity,
-            dual: Dual::new(capacity),
+            dual: Dual::new(Proximal::capacity(capacity)),
             proximal: Proximal::new(capacity),
         }
     }
@@ -33,11 +33,11 @@ impl Workspace {
     pub(super) fn bytes(capacity: Capacity) -> usize {
         let Capacity { vars, rows } = capacity;
         // The dual method: factor, R, reflections (1.5 n²), rotations (two words each, 8 n² of them), normals;
-        // the other: H twice, A, directions, M and its factor.
+        // the other: H twice, A three times, directions, M and its factor, vectors of a span.
         let words = vars
             .saturating_mul(vars)
-            .saturating_mul(26)
-            .saturating_add(rows.saturating_mul(vars).saturating_mul(2))
+            .saturating_mul(31)
+            .saturating_add(rows.saturating_mul(vars).saturating_mul(4))
             .saturating_add(vars.saturating_add(rows).saturating_mul(48));
         words.saturating_mul(size_of::<f64>())
     }

@@ -11,6 +11,8 @@ const ROUNDING: f64 = 1e-12;
 const COST: f64 = 1e-8;
 /// Of a sum that has to vanish, relative to its terms.
 const VANISHES: f64 = 1e-9;
+/// The same along a ray.
+const FLAT: f64 = 1e-12;
 
 pub(crate) fn judge(known: &Known, s: &Solution) -> Result<(), String> {
     match (&known.truth, s.status) {
@@ -180,12 +182,12 @@ fn is_ray(known: &Known, s: &Solution) -> Result<(), String> {
         let row = &qp.h()[j * n..(j + 1) * n];
         let terms: f64 = row.iter().zip(d).map(|(h, d)| (h * d).abs()).sum();
         let rounding = ROUNDING * known.cost_unit * largest / known.variable_units[j];
-        if dot(row, d).abs() > VANISHES * terms + rounding {
+        if dot(row, d).abs() > FLAT * terms + rounding {
             return Err(format!("curvature {:e} of {terms:e}", dot(row, d)));
         }
     }
     for (index, (rate, size, [lower, upper], unit)) in constraints(known, d).enumerate() {
-        let allowed = VANISHES * size + ROUNDING * unit * largest;
+        let allowed = FLAT * size + ROUNDING * unit * largest;
         if (rate > allowed && upper.is_finite()) || (rate < -allowed && lower.is_finite()) {
             return Err(format!(
                 "{index} is reached at a rate of {rate:e} of {size:e}"

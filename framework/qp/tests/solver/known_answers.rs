@@ -1,5 +1,5 @@
 //! Random problems whose answers are known by construction. `WBQP_QP_PROBLEMS` sets how many of each family and range
-//! of units.
+//! of units, `WBQP_QP_LARGER` the same of larger ones, `WBQP_QP_FIRST` the first seed, `WBQP_QP_FAMILY` one family alone.
 
 use wbqp_qp::{ActiveSet, Budget, ConstraintId, Held, Qp, QpSolver, Solution, Status, WarmStart};
 
@@ -47,6 +47,16 @@ fn answer_of(known: &Known, name: &str) -> (u32, Option<String>) {
     (solution.iterations, wrong)
 }
 
+/// A number from the environment.
+fn number(key: &str, missing: u64) -> u64 {
+    std::env::var(key).map_or(missing, |text| text.parse().expect("a number"))
+}
+
+/// Whether a family is to be run: `WBQP_QP_FAMILY` names one alone.
+fn is_wanted(family: &Family) -> bool {
+    std::env::var("WBQP_QP_FAMILY").map_or(true, |name| format!("{family:?}") == name)
+}
+
 #[test]
 fn what_was_wrong_once_is_right() {
     let wrong = |(family, seed, exponent)| answer(family, seed, exponent).1;
@@ -56,16 +66,8 @@ fn what_was_wrong_once_is_right() {
 
 #[test]
 fn every_answer_is_right() {
-    let count: u64 =
-        std::env::var("WBQP_QP_PROBLEMS").map_or(300, |c| c.parse().expect("a number"));
-    let first: u64 = std::env::var("WBQP_QP_FIRST").map_or(0, |c| c.parse().expect("a number"));
+    let (count, first) = (number("WBQP_QP_PROBLEMS", 300), number("WBQP_QP_FIRST", 0));
     let mut wrong = Vec::new();
-    // One family alone, by its name.
-    let only = std::env::var("WBQP_QP_FAMILY").ok();
-    let is_wanted = |family: &Family| {
-        only.as_ref()
-            .is_none_or(|name| format!("{family:?}") == *name)
-    };
     for family in FAMILIES.into_iter().filter(is_wanted) {
         for exponent in EXPONENTS {
             let (mut iterations, mut before) = (0_u64, wrong.len());
@@ -93,11 +95,12 @@ fn every_answer_is_right() {
 /// More variables than loops of a known length are for, of which normals may touch a part.
 #[test]
 fn answers_to_larger_problems_are_right() {
-    let count: u64 = std::env::var("WBQP_QP_LARGER").map_or(40, |c| c.parse().expect("a number"));
+    let count = number("WBQP_QP_LARGER", 40);
+    let first = number("WBQP_QP_FIRST", 0);
     let mut wrong = Vec::new();
-    for family in FAMILIES {
+    for family in FAMILIES.into_iter().filter(is_wanted) {
         for exponent in EXPONENTS {
-            for seed in 0..count {
+            for seed in first..first + count {
                 let known = draw(family, seed, 48, exponent);
                 let name = format!("{family:?} 1e±{exponent} {seed} up to 48");
                 wrong.extend(answer_of(&known, &name).1);
