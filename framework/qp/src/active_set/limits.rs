@@ -78,6 +78,12 @@ impl<'a> Limits<'a> {
         self.attempt = iterations;
     }
 
+    /// From here on one method may take half of the iterations that are left.
+    pub(super) fn attempt_half(&mut self, iterations: u32) {
+        let left = self.configured.saturating_sub(iterations);
+        self.attempt = iterations.saturating_add(left / 2);
+    }
+
     /// What the status is when they are. A cap below the configured one stands for a clock that ended a solve there.
     pub(super) fn status(&self, iterations: u32) -> Status {
         if self.has_attempt_ended {

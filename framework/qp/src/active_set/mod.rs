@@ -65,6 +65,7 @@ mod orthogonal;
 mod point;
 mod proximal;
 mod triangle;
+mod twofold;
 mod working_set;
 mod workspace;
 

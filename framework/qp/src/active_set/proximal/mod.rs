@@ -19,6 +19,7 @@ use super::{
     dual::{Dual, clear},
     kernels::{axpy, dot, largest},
     limits::Limits,
+    twofold::Precise,
     working_set::Factorisation,
 };
 use crate::{Capacity, Defect, Qp, Solution, Status};
@@ -112,6 +113,7 @@ pub(super) struct Proximal {
     on_face: Vec<bool>,
     face: Face,
     recession: Recession,
+    precise: Precise,
     /// Whether a point was found that is feasible.
     is_feasible: bool,
 }
@@ -134,6 +136,7 @@ impl Proximal {
             on_face: vec![false; n + m],
             face: Face::new(n),
             recession: Recession::new(capacity),
+            precise: Precise::new(n, m),
             is_feasible: false,
         }
     }
@@ -167,6 +170,7 @@ impl Proximal {
         }
         self.recession.forget();
         self.is_feasible = false;
+        limits.attempt_half(out.iterations);
         let mut status = Status::Stalled;
         for weight in WEIGHTS {
             status = self.iterate(weight, dual, limits, out);
@@ -175,8 +179,14 @@ impl Proximal {
             }
             dual.forget();
         }
+        limits.attempt_until(u32::MAX);
         if status == Status::Stalled && self.is_feasible && self.finds_ray(dual, limits, out) {
             status = Status::Unbounded;
+        }
+        if status == Status::Stalled {
+            let problem = (&self.scaled, &self.h[..n * n], &self.g[..n]);
+            out.iterations += 1;
+            status = self.precise.solve(problem, limits, out);
         }
         self.scaling.undo(n, qp.m(), out);
         if status == Status::Unbounded {
