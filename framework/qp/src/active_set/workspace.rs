@@ -33,10 +33,10 @@ impl Workspace {
     pub(super) fn bytes(capacity: Capacity) -> usize {
         let Capacity { vars, rows } = capacity;
         // The dual method: factor, R, reflections (1.5 n²), rotations (two words each, 8 n² of them), normals;
-        // the other: H twice, A three times, directions, M and its factor, vectors of a span.
+        // the other: H twice, A, directions, M and its factor, the recession cone with its span; J and R in two words.
         let words = vars
             .saturating_mul(vars)
-            .saturating_mul(31)
+            .saturating_mul(35)
             .saturating_add(rows.saturating_mul(vars).saturating_mul(4))
             .saturating_add(vars.saturating_add(rows).saturating_mul(48));
         words.saturating_mul(size_of::<f64>())

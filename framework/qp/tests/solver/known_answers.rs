@@ -53,7 +53,7 @@ fn number(key: &str, missing: u64) -> u64 {
 }
 
 /// Whether a family is to be run: `WBQP_QP_FAMILY` names one alone.
-fn is_wanted(family: &Family) -> bool {
+fn is_wanted(family: Family) -> bool {
     std::env::var("WBQP_QP_FAMILY").map_or(true, |name| format!("{family:?}") == name)
 }
 
@@ -68,7 +68,7 @@ fn what_was_wrong_once_is_right() {
 fn every_answer_is_right() {
     let (count, first) = (number("WBQP_QP_PROBLEMS", 300), number("WBQP_QP_FIRST", 0));
     let mut wrong = Vec::new();
-    for family in FAMILIES.into_iter().filter(is_wanted) {
+    for family in FAMILIES.into_iter().filter(|family| is_wanted(*family)) {
         for exponent in EXPONENTS {
             let (mut iterations, mut before) = (0_u64, wrong.len());
             for seed in first..first + count {
@@ -98,7 +98,7 @@ fn answers_to_larger_problems_are_right() {
     let count = number("WBQP_QP_LARGER", 40);
     let first = number("WBQP_QP_FIRST", 0);
     let mut wrong = Vec::new();
-    for family in FAMILIES.into_iter().filter(is_wanted) {
+    for family in FAMILIES.into_iter().filter(|family| is_wanted(*family)) {
         for exponent in EXPONENTS {
             for seed in first..first + count {
                 let known = draw(family, seed, 48, exponent);

@@ -234,8 +234,13 @@ impl Proximal {
             let moved = moved.fold(0.0, |a: f64, (x, c)| a.max((x - c).abs()));
             let rounding = if round < LATE { LEAST } else { STATIONARY };
             if self.is_stationary(weight, rounding, out) {
-                if self.hides_cost() && self.finds_ray(dual, limits, out) {
-                    return Status::Unbounded;
+                if self.hides_cost() {
+                    if self.finds_ray(dual, limits, out) {
+                        return Status::Unbounded;
+                    }
+                    if limits.were_used_up() {
+                        return limits.status(out.iterations);
+                    }
                 }
                 return if constraint::all_hold(&self.scaled, &out.x[..n]) {
                     Status::Optimal

@@ -65,8 +65,8 @@ impl Factor {
             column[i] = Twofold::new(1.0) / self.r[i * n + i];
             for k in (0..i).rev() {
                 let mut sum = Twofold::ZERO;
-                for l in k + 1..=i {
-                    sum += self.r[l * n + k] * column[l];
+                for (l, j) in column[..=i].iter().enumerate().skip(k + 1) {
+                    sum += self.r[l * n + k] * *j;
                 }
                 column[k] = -sum / self.r[k * n + k];
             }
@@ -129,7 +129,7 @@ impl Factor {
             (self.d[i - 1], self.d[i]) = (size, Twofold::ZERO);
             self.turn(i - 1, c, s);
         }
-        self.r[q * n..q * n + q + 1].copy_from_slice(&self.d[..=q]);
+        self.r[q * n..][..=q].copy_from_slice(&self.d[..=q]);
         self.held = q + 1;
     }
 

@@ -71,6 +71,8 @@ pub(super) struct Precise {
     active: Vec<Active>,
     multipliers: Vec<Twofold>,
     widening: f64,
+    /// `|a|ᵀ |x|` where the limits contradicted one another.
+    sizes: Vec<f64>,
     /// Constraints that are not to be looked at: held, or implied by those held.
     settled: Vec<bool>,
     normal: Vec<f64>,
@@ -89,6 +91,7 @@ impl Precise {
             active: Vec::with_capacity(n),
             multipliers: Vec::with_capacity(n),
             widening: 0.0,
+            sizes: vec![0.0; n + rows],
             settled: vec![false; n + rows],
             normal: vec![0.0; n],
             rest: vec![Twofold::ZERO; n],
@@ -110,6 +113,9 @@ impl Precise {
             status = self.iterate(problem, limits, out);
             if status != Status::Stalled {
                 break;
+            }
+            for index in 0..count(problem.0) {
+                self.sizes[index] = self.size(problem.0, index);
             }
         }
         status
@@ -175,7 +181,8 @@ impl Precise {
         self.settled[..all].fill(false);
         for index in 0..all {
             let (lower, upper) = constraint::limits(scaled, index);
-            if lower != upper {
+            // With limits that are wider nothing is one.
+            if lower != upper || self.widening > 0.0 {
                 continue;
             }
             let held = equality(scaled, index);
@@ -197,8 +204,16 @@ impl Precise {
         for index in (0..count(scaled)).filter(|index| !self.settled[*index]) {
             let value = self.value(scaled, index);
             let (lower, upper) = limits(scaled, index);
-            let above = (value - Twofold::new(upper)).rounded();
-            let below = (Twofold::new(lower) - value).rounded();
+            // Zero beside a limit that is infinite.
+            let beyond = |limit: f64, side: f64| {
+                let excess = (value - Twofold::new(limit)) * side;
+                if limit.is_finite() {
+                    excess.rounded()
+                } else {
+                    0.0
+                }
+            };
+            let (above, below) = (beyond(upper, 1.0), beyond(lower, -1.0));
             let (excess, side, limit) = if above > 0.0 {
                 (above, 1.0, upper)
             } else if below > 0.0 {
@@ -206,9 +221,10 @@ impl Precise {
             } else {
                 continue;
             };
+            let wider = self.widening * (limit.abs() + self.sizes[index]);
             let size = limit.abs() + self.size(scaled, index);
-            let is_violated = excess > VIOLATION.max(2.0 * self.widening) * size;
-            let limit = limit + side * self.widening * size;
+            let is_violated = excess > (VIOLATION * size).max(2.0 * wider);
+            let limit = limit + side * wider;
             if is_violated && farthest.is_none_or(|(most, _)| excess > most) {
                 farthest = Some((excess, Active { index, side, limit }));
             }
