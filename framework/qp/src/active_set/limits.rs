@@ -78,10 +78,9 @@ impl<'a> Limits<'a> {
         self.attempt = iterations;
     }
 
-    /// From here on one method may take half of the iterations that are left.
-    pub(super) fn attempt_half(&mut self, iterations: u32) {
-        let left = self.configured.saturating_sub(iterations);
-        self.attempt = iterations.saturating_add(left / 2);
+    /// From here on one method may take all but so many of the iterations that are configured.
+    pub(super) fn attempt_all_but(&mut self, iterations: u32) {
+        self.attempt = self.configured.saturating_sub(iterations);
     }
 
     /// What the status is when they are. A cap below the configured one stands for a clock that ended a solve there.

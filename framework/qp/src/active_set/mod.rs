@@ -63,6 +63,7 @@ mod limits;
 mod normals;
 mod orthogonal;
 mod point;
+mod proof;
 mod proximal;
 mod triangle;
 mod twofold;

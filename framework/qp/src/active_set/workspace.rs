@@ -3,6 +3,7 @@
 use super::{
     dual::{Dual, clear},
     limits::Limits,
+    proof,
     proximal::Proximal,
     working_set::Factorisation,
 };
@@ -80,6 +81,7 @@ impl Workspace {
         let is_answer = match status {
             Status::Optimal => !self.dual.is_doubtful(),
             Status::Stalled => false,
+            Status::Infeasible => proof::holds(qp, out),
             _ => true,
         };
         if is_answer {

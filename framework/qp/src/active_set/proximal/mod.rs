@@ -19,6 +19,7 @@ use super::{
     dual::{Dual, clear},
     kernels::{axpy, dot, largest},
     limits::Limits,
+    proof,
     twofold::Precise,
     working_set::Factorisation,
 };
@@ -29,6 +30,8 @@ use scaling::Scaling;
 
 /// Weights of the proximal term beside a curvature of one: the next if rounding leads nowhere with one.
 const WEIGHTS: [f64; 3] = [1e-6, 1e-4, 1e-2];
+/// Iterations, besides two for each variable and row, that are left to the method with twice as many digits.
+const RESERVE: u32 = 100;
 /// Rounds with one weight.
 const ROUNDS: u32 = 200;
 /// Largest residual of the stationarity conditions at an optimum, per variable, relative to the sum of its terms'
@@ -170,7 +173,8 @@ impl Proximal {
         }
         self.recession.forget();
         self.is_feasible = false;
-        limits.attempt_half(out.iterations);
+        let size = u32::try_from(n + qp.m()).unwrap_or(u32::MAX);
+        limits.attempt_all_but(size.saturating_mul(2).saturating_add(RESERVE));
         let mut status = Status::Stalled;
         for weight in WEIGHTS {
             status = self.iterate(weight, dual, limits, out);
@@ -184,9 +188,7 @@ impl Proximal {
             status = Status::Unbounded;
         }
         if status == Status::Stalled {
-            let problem = (&self.scaled, &self.h[..n * n], &self.g[..n]);
-            out.iterations += 1;
-            status = self.precise.solve(problem, limits, out);
+            status = self.solve_precisely(limits, out);
         }
         self.scaling.undo(n, qp.m(), out);
         if status == Status::Unbounded {
@@ -225,6 +227,13 @@ impl Proximal {
             }
             let start = (out.iterations, Factorisation::Reflections);
             let status = dual.solve(&self.scaled, limits, start, out);
+            if status == Status::Infeasible {
+                return if proof::holds(&self.scaled, out) {
+                    status
+                } else {
+                    Status::Stalled
+                };
+            }
             if status != Status::Optimal {
                 return status;
             }
@@ -235,12 +244,7 @@ impl Proximal {
             let rounding = if round < LATE { LEAST } else { STATIONARY };
             if self.is_stationary(weight, rounding, out) {
                 if self.hides_cost() {
-                    if self.finds_ray(dual, limits, out) {
-                        return Status::Unbounded;
-                    }
-                    if limits.were_used_up() {
-                        return limits.status(out.iterations);
-                    }
+                    return self.clear_up(dual, limits, out);
                 }
                 return if constraint::all_hold(&self.scaled, &out.x[..n]) {
                     Status::Optimal
@@ -320,11 +324,37 @@ impl Proximal {
         })
     }
 
-    /// Whether the variables are so large that rounding of `H x` hides the linear term: then only a ray tells whether
-    /// it falls.
-    fn hides_cost(&self) -> bool {
+    /// Whether the terms of `H x` are so large beside what they come to and g that the gradient is their rounding: x is
+    /// then the quotient of g and a curvature of which not many digits are known, or of rounding.
+    fn hides_cost(&mut self) -> bool {
+        self.differentiate();
         let n = self.scaled.n();
-        LEAST * largest(&self.x[..n]) * self.face.curvature() > largest(&self.g[..n])
+        if largest(&self.g[..n]) == 0.0 {
+            return false;
+        }
+        let sums = self.gradient[..n].iter().zip(&self.g);
+        let pull = sums.fold(0.0, |a: f64, (sum, g)| a.max(g.abs() + (sum - g).abs()));
+        f64::EPSILON * largest(&self.sizes[..n]) > STATIONARY * pull
+    }
+
+    /// What the answer is where the cost is hidden: a ray, or the solution with twice as many digits. What was found so
+    /// far is none.
+    fn clear_up(&mut self, dual: &mut Dual, limits: &mut Limits<'_>, out: &mut Solution) -> Status {
+        if self.finds_ray(dual, limits, out) {
+            return Status::Unbounded;
+        }
+        if limits.were_used_up() {
+            return limits.status(out.iterations);
+        }
+        self.solve_precisely(limits, out)
+    }
+
+    fn solve_precisely(&mut self, limits: &mut Limits<'_>, out: &mut Solution) -> Status {
+        let n = self.scaled.n();
+        let problem = (&self.scaled, &self.h[..n * n], &self.g[..n]);
+        // The count that the limits see grows from look to look.
+        out.iterations += 1;
+        self.precise.solve(problem, limits, out)
     }
 
     /// Whether the cost falls for ever along a direction, which is then in the solution.

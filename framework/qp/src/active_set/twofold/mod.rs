@@ -16,18 +16,21 @@ mod factor;
 mod number;
 
 use super::{
-    constraint::{self, Active, add_normal, copy_normal, count, equality, is_empty, limits},
+    constraint::{self, Active, copy_normal, count, equality, is_empty, limits},
     kernels::largest,
     limits::Limits,
+    proof,
 };
 use crate::{Qp, Solution, Status};
 use factor::Factor;
-use number::{Twofold, dot_with};
+pub(super) use number::Twofold;
+use number::dot_with;
 
 /// A pivot below this part of its diagonal entry is rounding of H.
-const WEAK: f64 = 1e-13;
-/// Weight of the proximal term beside a curvature of one.
-const WEIGHT: f64 = 1e-10;
+const WEAK: f64 = 1e-15;
+/// Weight of the proximal term beside a curvature of one, for each variable: a little more than rounding of H can take
+/// away from its eigenvalues.
+const WEIGHT: f64 = 2e-15;
 /// Rounds with it.
 const ROUNDS: u32 = 30;
 /// What the proximal term may leave of the gradient.
@@ -46,10 +49,11 @@ const WIDENINGS: [f64; 3] = [0.0, 1e-12, 2e-11];
 const IMPLIED: f64 = 1e-11;
 /// Largest residual of the stationarity conditions, relative to the sum of its terms' sizes.
 const STATIONARY: f64 = 1e-11;
-/// A sum of coefficients that has to vanish in a proof of infeasibility, relative to its terms, and what the weighted
-/// limits have to be below zero by.
-const CLOSED: f64 = 1e-13;
-const BEYOND: f64 = 1e-9;
+/// Where the terms of the gradient are smaller than this in a unit in which the cost is near one, there is no cost.
+const NO_COST: f64 = 1e-10;
+/// What the weighted limits have to be below zero by in a proof of infeasibility, relative to the terms: at once, and if
+/// wider limits contradict one another as well.
+const BEYOND: [f64; 2] = [1e-9, 1e-13];
 
 /// Why the iteration stopped.
 enum End {
@@ -132,12 +136,13 @@ impl Precise {
         self.centre[..n].fill(Twofold::ZERO);
         let mut rho = 0.0;
         for _ in 0..ROUNDS {
-            if !self.factor.reset(n, (h, rho), WEAK) {
+            let weak = if rho > 0.0 { 0.0 } else { WEAK };
+            if !self.factor.reset(n, (h, rho), weak) {
                 if rho > 0.0 {
                     return Status::Stalled;
                 }
                 let curvature = h.iter().step_by(n + 1).fold(0.0, |a: f64, h| a.max(*h));
-                rho = WEIGHT * if curvature > 0.0 { curvature } else { 1.0 };
+                rho = WEIGHT * n as f64 * if curvature > 0.0 { curvature } else { 1.0 };
                 continue;
             }
             for ((out, g), c) in self.g.iter_mut().zip(g).zip(&self.centre) {
@@ -149,7 +154,9 @@ impl Precise {
                 End::Budget => return limits.status(out.iterations),
                 End::Contradiction(constraint) => {
                     self.write_proof(scaled, constraint, out);
-                    return if proves(scaled, out, &mut self.normal, &mut self.terms) {
+                    let (margin, is_closed) = proof::margin(scaled, out);
+                    let is_last = Some(&self.widening) == WIDENINGS.last();
+                    return if is_closed && margin > BEYOND[usize::from(is_last)] {
                         Status::Infeasible
                     } else {
                         Status::Stalled
@@ -418,7 +425,22 @@ impl Precise {
         let (n, m) = (scaled.n(), scaled.m());
         let (rest, terms) = (&mut self.normal[..n], &mut self.terms[..n]);
         rest.copy_from_slice(g);
-        combine(scaled, out, rest, terms);
+        terms.fill(0.0);
+        for held in &self.active {
+            match held.index.checked_sub(m) {
+                None => {
+                    let (row, y) = (scaled.row(held.index), out.y[held.index]);
+                    for ((rest, term), a) in rest.iter_mut().zip(terms.iter_mut()).zip(row) {
+                        *rest += a * y;
+                        *term += (a * y).abs();
+                    }
+                }
+                Some(j) => {
+                    rest[j] += out.z[j];
+                    terms[j] += out.z[j].abs();
+                }
+            }
+        }
         let x = &out.x[..n];
         for (i, (rest, terms)) in rest.iter_mut().zip(terms.iter_mut()).enumerate() {
             *terms += g[i].abs();
@@ -427,29 +449,9 @@ impl Precise {
                 *terms += (h * x).abs();
             }
         }
-        let rounding = f64::EPSILON * (n + m) as f64 * largest(terms);
+        let rounding = f64::EPSILON * (n + m) as f64 * largest(terms).max(NO_COST);
         let mut pairs = rest.iter().zip(&*terms);
         pairs.all(|(rest, terms)| rest.abs() <= STATIONARY * terms || rest.abs() <= rounding)
-    }
-}
-
-/// Adds `Aᵀ y + z` to `rest`; `terms` become the sums of the sizes.
-fn combine(scaled: &Qp, out: &Solution, rest: &mut [f64], terms: &mut [f64]) {
-    let (n, m) = (scaled.n(), scaled.m());
-    terms.fill(0.0);
-    for (index, y) in out.y[..m].iter().chain(&out.z[..n]).enumerate() {
-        if *y == 0.0 {
-            continue;
-        }
-        add_normal(scaled, index, *y, rest);
-        match index.checked_sub(m) {
-            None => {
-                for (term, a) in terms.iter_mut().zip(scaled.row(index)) {
-                    *term += (a * y).abs();
-                }
-            }
-            Some(j) => terms[j] += y.abs(),
-        }
     }
 }
 
@@ -458,26 +460,4 @@ fn put(scaled: &Qp, index: usize, multiplier: f64, out: &mut Solution) {
         None => out.y[index] = multiplier,
         Some(j) => out.z[j] = multiplier,
     }
-}
-
-/// Whether multipliers prove that no point is feasible.
-fn proves(scaled: &Qp, out: &Solution, rest: &mut [f64], terms: &mut [f64]) -> bool {
-    let (n, m) = (scaled.n(), scaled.m());
-    let (rest, terms) = (&mut rest[..n], &mut terms[..n]);
-    rest.fill(0.0);
-    combine(scaled, out, rest, terms);
-    let mut pairs = rest.iter().zip(&*terms);
-    if !pairs.all(|(rest, terms)| rest.abs() <= CLOSED * terms) {
-        return false;
-    }
-    let (mut sum, mut size) = (0.0, 0.0);
-    for (index, y) in out.y[..m].iter().chain(&out.z[..n]).enumerate() {
-        if *y != 0.0 {
-            let (lower, upper) = limits(scaled, index);
-            let term = y * if *y > 0.0 { upper } else { lower };
-            sum += term;
-            size += term.abs();
-        }
-    }
-    sum < -BEYOND * size
 }

@@ -15,29 +15,29 @@ const SPLITTER: f64 = 134_217_729.0;
 
 /// `high + low`, with |low| at most half of high's last digit.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Twofold {
+pub(in crate::active_set) struct Twofold {
     high: f64,
     low: f64,
 }
 
 impl Twofold {
-    pub(super) const ZERO: Self = Self::new(0.0);
+    pub(in crate::active_set) const ZERO: Self = Self::new(0.0);
 
-    pub(super) const fn new(high: f64) -> Self {
+    pub(in crate::active_set) const fn new(high: f64) -> Self {
         Self { high, low: 0.0 }
     }
 
     /// The nearest number of usual length.
-    pub(super) fn rounded(self) -> f64 {
+    pub(in crate::active_set) fn rounded(self) -> f64 {
         self.high
     }
 
-    pub(super) fn abs(self) -> Self {
+    pub(in crate::active_set) fn abs(self) -> Self {
         if self.high < 0.0 { -self } else { self }
     }
 
     /// Of a number that is not negative.
-    pub(super) fn sqrt(self) -> Self {
+    pub(in crate::active_set) fn sqrt(self) -> Self {
         if self.high <= 0.0 {
             return Self::ZERO;
         }
@@ -157,13 +157,13 @@ impl SubAssign for Twofold {
 }
 
 /// The sum of products, over the shorter length.
-pub(super) fn dot(a: &[Twofold], b: &[Twofold]) -> Twofold {
+pub(in crate::active_set) fn dot(a: &[Twofold], b: &[Twofold]) -> Twofold {
     let pairs = a.iter().zip(b);
     pairs.fold(Twofold::ZERO, |sum, (a, b)| sum + *a * *b)
 }
 
 /// The sum of products with numbers of usual length.
-pub(super) fn dot_with(a: &[f64], b: &[Twofold]) -> Twofold {
+pub(in crate::active_set) fn dot_with(a: &[f64], b: &[Twofold]) -> Twofold {
     let pairs = a.iter().zip(b).filter(|(a, _)| **a != 0.0);
     pairs.fold(Twofold::ZERO, |sum, (a, b)| sum + *b * *a)
 }
