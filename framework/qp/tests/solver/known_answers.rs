@@ -1,5 +1,6 @@
 //! Random problems whose answers are known by construction. `WBQP_QP_PROBLEMS` sets how many of each family and range
-//! of units, `WBQP_QP_LARGER` the same of larger ones, `WBQP_QP_FIRST` the first seed, `WBQP_QP_FAMILY` one family alone.
+//! of units, `WBQP_QP_LARGER` the same of larger ones, `WBQP_QP_FIRST` the first seed, `WBQP_QP_FAMILY` one family
+//! alone.
 
 use wbqp_qp::{ActiveSet, Budget, ConstraintId, Held, Qp, QpSolver, Solution, Status, WarmStart};
 
@@ -12,8 +13,10 @@ use crate::{
 const EXPONENTS: [f64; 3] = [0.0, 4.0, 8.0];
 
 /// What was answered wrongly once, among some million: an optimum where the cost falls for ever, a ray with rounding of
-/// a variable in a large unit, and constraints let go by multipliers compared without their units.
-const ONCE_WRONG: [(Family, u64, f64); 9] = [
+/// a variable in a large unit, constraints let go by multipliers compared without their units; rays along which the
+/// cost bends by the root of rounding, equalities at an angle of 1e-9, a limit violated because others implied it, and
+/// a proof of infeasibility that the rounding of its multipliers outweighs.
+const ONCE_WRONG: [(Family, u64, f64); 17] = [
     (Family::Unbounded, 22034, 4.0),
     (Family::Unbounded, 539, 8.0),
     (Family::Unbounded, 214_994, 8.0),
@@ -23,6 +26,14 @@ const ONCE_WRONG: [(Family, u64, f64); 9] = [
     (Family::Degenerate, 6439, 8.0),
     (Family::Semidefinite, 781, 4.0),
     (Family::Semidefinite, 781, 8.0),
+    (Family::Unbounded, 289_792, 0.0),
+    (Family::Unbounded, 83541, 4.0),
+    (Family::Unbounded, 119_149, 4.0),
+    (Family::Unbounded, 1_215_474, 4.0),
+    (Family::Unbounded, 187_394, 8.0),
+    (Family::NearlyDependent, 8067, 0.0),
+    (Family::NearlyDependent, 28611, 4.0),
+    (Family::NearlyDependent, 50_026_428, 4.0),
 ];
 
 /// What is wrong with the answer to a random problem, and its iterations.

@@ -5,9 +5,9 @@
 //! (`scaling`), is one definite problem after another for the dual method, and its fixed points `x⁺ = c` are the
 //! solutions (Rockafellar 1976). Where the cost is flat it alone would go in small steps. So after each, from x⁺, the
 //! cost is followed down the face of the constraints held (`face`): to the minimiser on it, or along a ray, until a
-//! further constraint is in the way, which narrows the face; the next centre c is where that ends. A ray without an end
-//! proves that the problem is unbounded. Every round ends at a minimiser on a face, lower than the one before; there
-//! are finitely many faces.
+//! further constraint is in the way, which narrows the face; the next centre c is where that ends. Where nothing seems
+//! to end a ray, `recession` decides whether the problem is unbounded. Every round ends at a minimiser on a face, lower
+//! than the one before; there are finitely many faces.
 
 mod face;
 mod recession;

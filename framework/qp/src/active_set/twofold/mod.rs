@@ -3,9 +3,10 @@
 //! # Mathematics
 //! Rows at an angle of 1e-10 to one another, with limits on opposite sides, have a solution that depends on the tenth
 //! digit of their coefficients, and multipliers of 1e10 that cancel. In the usual numbers nothing is left of what
-//! decides; with 32 digits (`number`) it is as easy as others are. The method is that of Goldfarb and Idnani (1983), one
-//! constraint at a time: x moves towards the violated constraint that is farthest away, along the direction that leaves
-//! those held where they are, and holds it, unless a multiplier becomes zero on the way, whose constraint is let go.
+//! decides; with 32 digits (`number`) it is as easy as others are. The method is that of Goldfarb and Idnani (1983),
+//! one constraint at a time: x moves towards the violated constraint that is farthest away, along the direction that
+//! leaves those held where they are, and holds it, unless a multiplier becomes zero on the way, whose constraint is let
+//! go.
 //!
 //! Where H is not definite, `½ ρ ‖x − c‖²` is added, with so small a weight that few rounds lead to the solution (the
 //! proximal method has the sources).
@@ -42,17 +43,17 @@ const DEPENDENT: f64 = 1e-14;
 const ROUNDED_RATE: f64 = 1e-13;
 /// A violation below this, relative to the limit and the terms, is none.
 const VIOLATION: f64 = 1e-12;
+/// The same of a constraint that depends on those held.
+const IMPLIED: f64 = 1e-11;
 /// Limits that contradict one another by rounding are taken to be so much wider, relative to the limit and the terms:
 /// less than a solution may violate them.
 const WIDENINGS: [f64; 3] = [0.0, 1e-12, 2e-11];
-/// The same of a constraint that depends on those held.
-const IMPLIED: f64 = 1e-11;
 /// Largest residual of the stationarity conditions, relative to the sum of its terms' sizes.
 const STATIONARY: f64 = 1e-11;
 /// Where the terms of the gradient are smaller than this in a unit in which the cost is near one, there is no cost.
 const NO_COST: f64 = 1e-10;
-/// What the weighted limits have to be below zero by in a proof of infeasibility, relative to the terms: at once, and if
-/// wider limits contradict one another as well.
+/// What the weighted limits have to be below zero by in a proof of infeasibility, relative to the terms: at once, and
+/// if wider limits contradict one another as well.
 const BEYOND: [f64; 2] = [1e-9, 1e-13];
 
 /// Why the iteration stopped.
