@@ -39,7 +39,7 @@ impl Workspace {
             .saturating_mul(vars)
             .saturating_mul(35)
             .saturating_add(rows.saturating_mul(vars).saturating_mul(4))
-            .saturating_add(vars.saturating_add(rows).saturating_mul(48));
+            .saturating_add(vars.saturating_add(rows).saturating_mul(72));
         words.saturating_mul(size_of::<f64>())
     }
 
