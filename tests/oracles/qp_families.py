@@ -230,6 +230,24 @@ def fixed_variables(d):
     d.status = "optimal"
 
 
+def nearly_flat(d):
+    """Curvature of 1e-12 to 1e-3 of the largest in up to three directions, and none in others: x is far away, if it is
+    anywhere."""
+    turn, _ = np.linalg.qr(d.rng.standard_normal((d.n, d.n)))
+    curvature = 10.0 ** d.rng.uniform(-1, 1, d.n)
+    count = int(d.rng.integers(1, min(d.n, 3) + 1))
+    curvature[:count] = 10.0 ** d.rng.uniform(-12, -3, count)
+    if d.rng.random() < 0.3:
+        curvature[count : count + 2] = 0
+    d.H = (turn * curvature) @ turn.T
+    d.H = (d.H + d.H.T) / 2
+    d.g = d.rng.standard_normal(d.n)
+    if d.rng.random() < 0.5:
+        d.rows(int(d.rng.integers(0, d.n + 2)))
+    if d.rng.random() < 0.5:
+        d.bounds(0.3)
+
+
 def far_away(d):
     """Everything happens at 1e6."""
     d.x = d.x + 1e6
@@ -259,7 +277,7 @@ def soft(d):
 
 
 KINDS = [regular, semidefinite, linear, nearly_linear, redundant, rounding_rows, degenerate, box, simplex, unbounded,
-         infeasible, nearly_parallel, fixed_variables, far_away, soft]
+         infeasible, nearly_parallel, fixed_variables, far_away, soft, nearly_flat]
 # Powers of two by which rows, variables and cost are scaled; the first is no scaling.
 SCALES = [(0, 0, 0), (0, 0, 0), (20, 0, 0), (0, 20, 0), (0, 0, 20), (20, 10, 10)]
 

@@ -11,7 +11,8 @@ on standard input and prints one line each (`--solver`, or `--answers` with what
     optimal      every row and bound: violation <= PRIMAL (|limit| + sum |a_j x_j|);
                  every variable: |H x + g + A'y + z| <= DUAL times the sum of the sizes of its terms;
                  |x'Hx + g'x + weighted limits| <= GAP times the sum of the sizes of its terms; no multiplier on a side
-                 without a limit. Where x is so large that this proves nothing: there must be no ray.
+                 without a limit. Where x is so large that this proves nothing: there must be no ray, and x must not
+                 be farther than 1e-6 of it from what it becomes in long double, if that costs less.
     infeasible   |A'y + z| <= ROUNDED of its terms where a variable is free (else it is moved to the bounds, which is
                  exact), and the weighted limits' sum below zero by more than BEYOND of its terms; or a row's own limits
                  cross.
@@ -35,7 +36,7 @@ import time
 from pathlib import Path
 
 import numpy as np
-from qp_peers import PEERS, ask, farkas, feasible, ray, units
+from qp_peers import FLAT, PEERS, ask, farkas, feasible, ray, units
 from qp_problem import LONG, Problem, gap, numbers, polished, ratio, stationarity, support, violations
 
 PRIMAL, DUAL, GAP = 1e-9, 1e-8, 1e-8
@@ -167,11 +168,52 @@ def conditions(p, x, y, z):
     return grade([(primal, PRIMAL), (dual, DUAL), (share, GAP)]), figures
 
 
+def proven_ray(p, within=ROUNDED):
+    """A direction along which the cost falls for ever, up to ROUNDED of every sum's terms, or None; `within` is that of
+    H d. HiGHS keeps rows to
+    1e-10 only: what is left of H d and of the rates of limits is taken away in long double, where d can give it up."""
+    d = ray(p)
+    if d is None:
+        return None
+    unit = units(p)
+    lower, upper = np.concatenate([p.row_lower, p.lower]), np.concatenate([p.row_upper, p.upper])
+    everything = np.vstack([p.A, np.eye(p.n)]).astype(LONG) * unit
+    size = np.max(np.abs(everything), axis=1, initial=0)
+    everything = everything / np.where(size > 0, size, 1)[:, None]
+    own = np.asarray(d / unit, LONG)
+    limited = (np.isfinite(lower) | np.isfinite(upper)) & (np.abs(everything @ own) <= 1e-8 * worst(np.abs(own)))
+    H = p.symmetric() * unit * unit[:, None]
+    rows = np.vstack([H / (worst(np.abs(H)) or 1), everything[limited]])
+    u, s, v = np.linalg.svd(rows.astype(float), full_matrices=False)
+    kept = s > 1e-13 * worst(s)
+    inverse = (v[kept].T / s[kept]) @ u[:, kept].T
+    for _ in range(6):
+        own = own - inverse @ (rows @ own).astype(float)
+    clean = np.where(np.abs(own) <= 1e-13 * worst(np.abs(own)), 0, own)
+    for candidate in (clean * unit, own * unit, d):
+        curvature, leaving, descent = recession(p, candidate)
+        if curvature <= within and leaving <= ROUNDED and descent > MARGIN:
+            return candidate
+    return None
+
+
 def huge(p, x, y, z):
     """Whether x is so large that rounding in H x outweighs the linear cost: a stationary point then proves nothing."""
     residual, _ = stationarity(p, x, *without_nothing(p, y, z))
     other = np.abs(p.g.astype(LONG)) + np.abs(p.A.astype(LONG)).T @ np.abs(y) + np.abs(z)
     return worst(ratio(residual, np.maximum(other, 1e-12 * worst(other)))) > 100 * DUAL
+
+
+def distance(p, a):
+    """How far x is from what it becomes in long double, as a share of the largest variable, where that costs less
+    beyond rounding; None if that leads nowhere."""
+    better = polished(p, a.x, *without_nothing(p, a.y, a.z))
+    if better is None or primal_error(p, better[0]) > PRIMAL or huge(p, *better):
+        return None
+    less = p.cost(a.x) - p.cost(better[0])
+    rounding = 1e-18 * (p.cost_size(a.x) + p.cost_size(better[0]))
+    rounding += UNIT * float(np.abs(p.g).sum()) + UNIT**2 * float(np.abs(p.symmetric()).sum())
+    return worst(np.abs(better[0] - a.x)) / worst(np.abs(a.x)) if less > rounding else 0.0
 
 
 def reference(p, peers=("daqp", "clarabel", "highs", "piqp")):
@@ -211,9 +253,15 @@ def judge_optimal(p, a):
             # Multipliers that are rounding: without them it has to be right by itself.
             without = proven_optimal(p, a.x, np.zeros(p.m), np.zeros(p.n))
             found, figures = without if without[0] == "right" else (found, figures)
-        suspect = huge(p, a.x, a.y, a.z)
-        if suspect and ray(p) is not None:
-            return Verdict("wrong", "the cost is unbounded", **figures)
+        if huge(p, a.x, a.y, a.z):
+            # Curvature beyond rounding of H, however little: there is a minimum.
+            if proven_ray(p, FLAT * p.n) is not None:
+                return Verdict("wrong", "the cost is unbounded", **figures)
+            if found != "wrong":
+                off = distance(p, a)
+                if off is not None and off > 1e-6:
+                    return Verdict("wrong", f"x is {off:.1e} off the one with more digits, which costs less", **figures)
+                found = "doubtful" if off is None else found
         if found != "wrong":
             return Verdict(found, **figures)
     # The point is feasible, its multipliers show nothing: is the cost the optimum?
@@ -221,7 +269,7 @@ def judge_optimal(p, a):
     if best is None and p.expected.get("objective") is not None:
         best = p.expected["objective"]
     if best is None:
-        why = "the cost is unbounded" if ray(p) is not None else "nobody proves an optimum"
+        why = "the cost is unbounded" if proven_ray(p) is not None else "nobody proves an optimum"
         return Verdict("wrong" if "unbounded" in why else "doubtful", why, **figures)
     excess = float(p.cost(a.x)) - best
     if excess <= cost_tolerance(p, a.x, best):
@@ -313,7 +361,7 @@ def judge_unbounded(p, a):
             return Verdict("right" if good else "doubtful", **figures)
     if not feasible(p):
         return Verdict("wrong", "there is no feasible point", **figures)
-    if ray(p) is not None:
+    if proven_ray(p) is not None:
         return Verdict("unproven", "unbounded, the ray does not show it", **figures)
     return Verdict("wrong", "there is no ray", **figures)
 

@@ -3,6 +3,9 @@ failed; x is the solution, y and z multipliers, positive on an active upper side
 
 import numpy as np
 
+# Curvature below this part of the largest, for each variable, is rounding of H.
+FLAT = 1e-15
+
 FAILED = ("failed", None, None, None)
 
 
@@ -207,9 +210,9 @@ def ray(p):
 
     unit = units(p)
     A, low, high = unit_rows(Problem(p.n, p.m, p.H, p.g, p.A * unit, p.row_lower, p.row_upper, p.lower, p.upper))
-    H = p.symmetric().astype(float) * unit * unit[:, None]
-    scale = np.max(np.abs(H), axis=1, initial=0)
-    H, g = H[scale > 0] / scale[scale > 0][:, None], p.g * unit
+    # Rows of length one that span those of H but for rounding: weak directions have the weight of strong ones.
+    _, s, v = np.linalg.svd(p.symmetric().astype(float) * unit * unit[:, None])
+    H, g = v[s > FLAT * p.n * np.max(s, initial=0)], p.g * unit
     size = np.max(np.abs(g), initial=0)
     if size == 0:
         return None

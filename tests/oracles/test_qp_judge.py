@@ -81,6 +81,16 @@ class Optimal(unittest.TestCase):
         self.assertEqual(kind(p, "optimal", x=[-2e9, 2e9], y=[], z=[0, 0]), "wrong")
         self.assertEqual(kind(p, "optimal", x=[-0.5, 0], y=[], z=[0, 0]), "wrong")
 
+    def test_little_curvature_is_some(self):
+        # The minimum is at 1 / (H[1, 1] - 1) in the direction (-1, 1), along which H d is 1e-11.
+        far = problem([[1, 1], [1, 1 + 1e-11]], [0, -1])
+        x = 1 / ((1 + 1e-11) - 1)
+        without = {"y": [], "z": [0, 0]}
+        self.assertEqual(kind(far, "optimal", x=[-x, x], **without), "right")
+        self.assertEqual(kind(far, "optimal", x=[-1.001 * x, 1.001 * x], **without), "wrong")
+        self.assertEqual(kind(far, "unbounded", x=[-1, 1]), "doubtful")
+        self.assertEqual(kind(problem([[1, 1], [1, 1 + 1e-9]], [0, -1]), "unbounded", x=[-1, 1]), "wrong")
+
     def test_what_the_file_knows(self):
         p = problem(np.eye(1), [-1.0], objective=-0.5, status="optimal", x=[1.0])
         right = Answer({"status": "optimal", "x": [1.0], "y": [], "z": [0]})

@@ -16,7 +16,10 @@ pub enum Status {
     /// No point satisfies all rows and bounds; `y` and `z` prove it (Farkas): `Aᵀ y + z = 0`, while the limits on their
     /// sides, weighted with them, have a negative sum.
     Infeasible,
-    /// The cost falls for ever along the ray in `x`: `H x = 0`, `gᵀ x < 0`, and no limit ends it.
+    /// The cost falls for ever along the ray in `x`: `H x = 0`, `gᵀ x < 0`, and no limit ends it. H and A are numbers
+    /// of 16 digits, and so it is up to rounding: what has to vanish is below 1e-12 of the sum of its terms' sizes, or,
+    /// in units in which the diagonal of H and the largest coefficient of every row are one, below 1e-15 of the largest
+    /// component for each variable. Curvature beyond that, however little, gives a cost a minimum, however far away.
     Unbounded,
     /// The problem makes no sense: [`Solution::defect`](crate::Solution::defect) says where.
     Invalid,

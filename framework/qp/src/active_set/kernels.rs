@@ -221,6 +221,13 @@ pub(super) fn largest_product(a: &[f64], b: &[f64]) -> f64 {
     rest.chain(lanes).fold(0.0, larger)
 }
 
+/// `a *= α`.
+pub(super) fn scale(a: &mut [f64], alpha: f64) {
+    for a in a {
+        *a *= alpha;
+    }
+}
+
 /// Largest magnitude.
 pub(super) fn largest(a: &[f64]) -> f64 {
     a.iter().fold(0.0, |largest: f64, a| largest.max(a.abs()))

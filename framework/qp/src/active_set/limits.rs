@@ -78,6 +78,11 @@ impl<'a> Limits<'a> {
         self.attempt = iterations;
     }
 
+    /// From here on one method may take all but so many of the iterations that are configured.
+    pub(super) fn attempt_all_but(&mut self, iterations: u32) {
+        self.attempt = self.configured.saturating_sub(iterations);
+    }
+
     /// What the status is when they are. A cap below the configured one stands for a clock that ended a solve there.
     pub(super) fn status(&self, iterations: u32) -> Status {
         if self.has_attempt_ended {

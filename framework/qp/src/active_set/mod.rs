@@ -1,4 +1,5 @@
-//! A dense active-set solver, warm-started: a dual method, and a proximal one for what that cannot answer.
+//! A dense active-set solver, warm-started: a dual method, a proximal one for what that cannot answer, and the dual one
+//! with more digits for what neither can.
 //!
 //! # Mathematics
 //! The problem is `min ½xᵀHx + gᵀx` subject to `l ≤ A x ≤ u` with rows and bounds of variables alike. For the
@@ -26,8 +27,9 @@
 //! optima alone: where it comes to no end, this method (`dual`) goes on from what is held.
 //!
 //! What that does not bring to an end that it can vouch for goes to a second method (`proximal`): an H that is not
-//! definite, variables so large that they may be the quotient of g and rounding, residuals that stay too
-//! large, too many iterations.
+//! definite, variables so large that they may be the quotient of g and rounding, residuals that stay too large, too
+//! many iterations, a proof of infeasibility that rounding outweighs (`proof`). What rounding keeps that one from, too,
+//! is solved with twice as many digits (`twofold`).
 //!
 //! An optimum violates nothing, held or not, by more than 1e-10 of its limit and terms, or by more than the
 //! tolerance if that is larger. Constraints that depend on those held and disagree with them by more than that are the
@@ -68,8 +70,10 @@ mod limits;
 mod normals;
 mod orthogonal;
 mod point;
+mod proof;
 mod proximal;
 mod triangle;
+mod twofold;
 mod working_set;
 mod workspace;
 

@@ -4,6 +4,7 @@ use super::{
     compact::Compact,
     dual::{Dual, clear},
     limits::Limits,
+    proof,
     proximal::Proximal,
     working_set::Factorisation,
 };
@@ -25,7 +26,7 @@ impl Workspace {
     pub(super) fn new(capacity: Capacity) -> Self {
         Self {
             capacity,
-            dual: Dual::new(capacity),
+            dual: Dual::new(Proximal::capacity(capacity)),
             proximal: Proximal::new(capacity),
         }
     }
@@ -34,12 +35,13 @@ impl Workspace {
     pub(super) fn bytes(capacity: Capacity) -> usize {
         let Capacity { vars, rows } = capacity;
         // The dual method: factor, R, reflections (1.5 n²), rotations (two words each, 8 n² of them), normals;
-        // the other: H twice, A, directions, M and its factor. What small problems have beside that.
+        // the other: H twice, A, directions, M and its factor, the recession cone with its span; J and R in two words.
+        // What small problems have beside that.
         let words = vars
             .saturating_mul(vars)
-            .saturating_mul(26)
-            .saturating_add(rows.saturating_mul(vars).saturating_mul(2))
-            .saturating_add(vars.saturating_add(rows).saturating_mul(48));
+            .saturating_mul(35)
+            .saturating_add(rows.saturating_mul(vars).saturating_mul(4))
+            .saturating_add(vars.saturating_add(rows).saturating_mul(72));
         words
             .saturating_add(Compact::words(capacity))
             .saturating_mul(size_of::<f64>())
@@ -83,6 +85,7 @@ impl Workspace {
         let is_answer = match status {
             Status::Optimal => !self.dual.is_doubtful(),
             Status::Stalled => false,
+            Status::Infeasible => proof::holds(qp, out),
             _ => true,
         };
         if is_answer {

@@ -42,13 +42,13 @@ pub enum Family {
     Combined,
     /// Variables and rows in units of their own that differ by eight orders of magnitude.
     BadlyScaled,
-    /// Rows at angles of 1e-13 to 1e-4 to combinations of others: how much of a multiplier or of a step is rounding is
-    /// not known.
+    /// Rows at angles of 1e-13 to 1e-4 to combinations of others: with rounding of their limits the solution moves far,
+    /// and multipliers are as large as angles are small.
     NearlyDependent,
 }
 
-/// The families whose problems have an answer that can be computed in any units.
-pub const FAMILIES: [Family; 11] = [
+/// All of them.
+pub const FAMILIES: [Family; 13] = [
     Family::Regular,
     Family::Degenerate,
     Family::Redundant,
@@ -60,6 +60,8 @@ pub const FAMILIES: [Family; 11] = [
     Family::Unbounded,
     Family::Infeasible,
     Family::Combined,
+    Family::BadlyScaled,
+    Family::NearlyDependent,
 ];
 
 /// What the answer must be.

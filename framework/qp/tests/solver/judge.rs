@@ -9,8 +9,12 @@ const VIOLATION: f64 = 1e-10;
 const ROUNDING: f64 = 1e-12;
 /// Of the cost above the least, and of what multipliers say of it: relative to the cost's terms.
 const COST: f64 = 1e-8;
+/// Rounding of a limit, which is computed from its row's terms, relative to them.
+const LIMIT: f64 = 8.0 * f64::EPSILON;
 /// Of a sum that has to vanish, relative to its terms.
 const VANISHES: f64 = 1e-9;
+/// The same along a ray.
+const FLAT: f64 = 1e-12;
 
 pub(crate) fn judge(known: &Known, s: &Solution) -> Result<(), String> {
     match (&known.truth, s.status) {
@@ -80,7 +84,14 @@ fn is_optimal(known: &Known, s: &Solution, best: &[f64]) -> Result<(), String> {
         }
     }
     let ((value, size), (least, least_size)) = (cost(qp, x), cost(qp, best));
-    let allowed = COST * (size + least_size + known.cost_unit * 1e-6);
+    // Limits are rounded, and what that is to the cost is their multiplier.
+    let multipliers = s.y[..m].iter().chain(&s.z[..n]);
+    let rounded: f64 = constraints(known, x)
+        .zip(multipliers)
+        .filter(|(_, y)| **y != 0.0)
+        .map(|((_, size, _, _), y)| LIMIT * size * y.abs())
+        .sum();
+    let allowed = COST * (size + least_size + known.cost_unit * 1e-6) + rounded;
     if (value - least).abs() > allowed {
         return Err(format!("cost {value:e} instead of {least:e}"));
     }
@@ -180,12 +191,12 @@ fn is_ray(known: &Known, s: &Solution) -> Result<(), String> {
         let row = &qp.h()[j * n..(j + 1) * n];
         let terms: f64 = row.iter().zip(d).map(|(h, d)| (h * d).abs()).sum();
         let rounding = ROUNDING * known.cost_unit * largest / known.variable_units[j];
-        if dot(row, d).abs() > VANISHES * terms + rounding {
+        if dot(row, d).abs() > FLAT * terms + rounding {
             return Err(format!("curvature {:e} of {terms:e}", dot(row, d)));
         }
     }
     for (index, (rate, size, [lower, upper], unit)) in constraints(known, d).enumerate() {
-        let allowed = VANISHES * size + ROUNDING * unit * largest;
+        let allowed = FLAT * size + ROUNDING * unit * largest;
         if (rate > allowed && upper.is_finite()) || (rate < -allowed && lower.is_finite()) {
             return Err(format!(
                 "{index} is reached at a rate of {rate:e} of {size:e}"

@@ -1,5 +1,6 @@
 //! Random problems whose answers are known by construction. `WBQP_QP_PROBLEMS` sets how many of each family and range
-//! of units.
+//! of units, `WBQP_QP_LARGER` the same of larger ones, `WBQP_QP_FIRST` the first seed, `WBQP_QP_FAMILY` one family
+//! alone.
 
 use wbqp_qp::{ActiveSet, Budget, ConstraintId, Held, Qp, QpSolver, Solution, Status, WarmStart};
 
@@ -12,8 +13,10 @@ use crate::{
 const EXPONENTS: [f64; 3] = [0.0, 4.0, 8.0];
 
 /// What was answered wrongly once, among some million: an optimum where the cost falls for ever, a ray with rounding of
-/// a variable in a large unit, and constraints let go by multipliers compared without their units.
-const ONCE_WRONG: [(Family, u64, f64); 9] = [
+/// a variable in a large unit, constraints let go by multipliers compared without their units; rays along which the
+/// cost bends by the root of rounding, equalities at an angle of 1e-9, a limit violated because others implied it, and
+/// a proof of infeasibility that the rounding of its multipliers outweighs.
+const ONCE_WRONG: [(Family, u64, f64); 17] = [
     (Family::Unbounded, 22034, 4.0),
     (Family::Unbounded, 539, 8.0),
     (Family::Unbounded, 214_994, 8.0),
@@ -23,6 +26,14 @@ const ONCE_WRONG: [(Family, u64, f64); 9] = [
     (Family::Degenerate, 6439, 8.0),
     (Family::Semidefinite, 781, 4.0),
     (Family::Semidefinite, 781, 8.0),
+    (Family::Unbounded, 289_792, 0.0),
+    (Family::Unbounded, 83541, 4.0),
+    (Family::Unbounded, 119_149, 4.0),
+    (Family::Unbounded, 1_215_474, 4.0),
+    (Family::Unbounded, 187_394, 8.0),
+    (Family::NearlyDependent, 8067, 0.0),
+    (Family::NearlyDependent, 28611, 4.0),
+    (Family::NearlyDependent, 50_026_428, 4.0),
 ];
 
 /// What is wrong with the answer to a random problem, and its iterations.
@@ -47,6 +58,16 @@ fn answer_of(known: &Known, name: &str) -> (u32, Option<String>) {
     (solution.iterations, wrong)
 }
 
+/// A number from the environment.
+fn number(key: &str, missing: u64) -> u64 {
+    std::env::var(key).map_or(missing, |text| text.parse().expect("a number"))
+}
+
+/// Whether a family is to be run: `WBQP_QP_FAMILY` names one alone.
+fn is_wanted(family: Family) -> bool {
+    std::env::var("WBQP_QP_FAMILY").map_or(true, |name| format!("{family:?}") == name)
+}
+
 #[test]
 fn what_was_wrong_once_is_right() {
     let wrong = |(family, seed, exponent)| answer(family, seed, exponent).1;
@@ -56,17 +77,9 @@ fn what_was_wrong_once_is_right() {
 
 #[test]
 fn every_answer_is_right() {
-    let count: u64 =
-        std::env::var("WBQP_QP_PROBLEMS").map_or(300, |c| c.parse().expect("a number"));
-    let first: u64 = std::env::var("WBQP_QP_FIRST").map_or(0, |c| c.parse().expect("a number"));
+    let (count, first) = (number("WBQP_QP_PROBLEMS", 300), number("WBQP_QP_FIRST", 0));
     let mut wrong = Vec::new();
-    // One family alone, by its name.
-    let only = std::env::var("WBQP_QP_FAMILY").ok();
-    let is_wanted = |family: &Family| {
-        only.as_ref()
-            .is_none_or(|name| format!("{family:?}") == *name)
-    };
-    for family in FAMILIES.into_iter().filter(is_wanted) {
+    for family in FAMILIES.into_iter().filter(|family| is_wanted(*family)) {
         for exponent in EXPONENTS {
             let (mut iterations, mut before) = (0_u64, wrong.len());
             for seed in first..first + count {
@@ -93,11 +106,12 @@ fn every_answer_is_right() {
 /// More variables than loops of a known length are for, of which normals may touch a part.
 #[test]
 fn answers_to_larger_problems_are_right() {
-    let count: u64 = std::env::var("WBQP_QP_LARGER").map_or(40, |c| c.parse().expect("a number"));
+    let count = number("WBQP_QP_LARGER", 40);
+    let first = number("WBQP_QP_FIRST", 0);
     let mut wrong = Vec::new();
-    for family in FAMILIES {
+    for family in FAMILIES.into_iter().filter(|family| is_wanted(*family)) {
         for exponent in EXPONENTS {
-            for seed in 0..count {
+            for seed in first..first + count {
                 let known = draw(family, seed, 48, exponent);
                 let name = format!("{family:?} 1e±{exponent} {seed} up to 48");
                 wrong.extend(answer_of(&known, &name).1);

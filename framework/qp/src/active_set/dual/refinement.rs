@@ -145,7 +145,7 @@ impl Dual {
             if excess <= 0.0 {
                 continue;
             }
-            let size = limit.abs() + self.point.magnitude_with_rounding(qp, implied.index);
+            let size = limit.abs() + self.point.magnitude(qp, implied.index);
             let relative = excess / size;
             // A NaN is the worst.
             if relative.is_nan() {

@@ -5,26 +5,33 @@
 //! (`scaling`), is one definite problem after another for the dual method, and its fixed points `x⁺ = c` are the
 //! solutions (Rockafellar 1976). Where the cost is flat it alone would go in small steps. So after each, from x⁺, the
 //! cost is followed down the face of the constraints held (`face`): to the minimiser on it, or along a ray, until a
-//! further constraint is in the way, which narrows the face; the next centre c is where that ends. A ray without an end
-//! proves that the problem is unbounded. Every round ends at a minimiser on a face, lower than the one before; there
-//! are finitely many faces.
+//! further constraint is in the way, which narrows the face; the next centre c is where that ends. Where nothing seems
+//! to end a ray, `recession` decides whether the problem is unbounded. Every round ends at a minimiser on a face, lower
+//! than the one before; there are finitely many faces.
 
 mod face;
+mod recession;
 mod scaling;
+mod span;
 
 use super::{
     constraint::{self, Active, add_normal, copy_normal, count, limits, value},
     dual::{Dual, clear},
     kernels::{axpy, dot, largest},
     limits::Limits,
+    proof,
+    twofold::Precise,
     working_set::Factorisation,
 };
 use crate::{Capacity, Defect, Qp, Solution, Status};
 use face::Face;
+use recession::Recession;
 use scaling::Scaling;
 
 /// Weights of the proximal term beside a curvature of one: the next if rounding leads nowhere with one.
 const WEIGHTS: [f64; 3] = [1e-6, 1e-4, 1e-2];
+/// Iterations, besides two for each variable and row, that are left to the method with twice as many digits.
+const RESERVE: u32 = 100;
 /// Rounds with one weight.
 const ROUNDS: u32 = 200;
 /// Largest residual of the stationarity conditions at an optimum, per variable, relative to the sum of its terms'
@@ -108,6 +115,10 @@ pub(super) struct Proximal {
     /// What the face is made of, and constraints that depend on it.
     on_face: Vec<bool>,
     face: Face,
+    recession: Recession,
+    precise: Precise,
+    /// Whether a point was found that is feasible.
+    is_feasible: bool,
 }
 
 impl Proximal {
@@ -127,7 +138,15 @@ impl Proximal {
             normal: vec![0.0; n],
             on_face: vec![false; n + m],
             face: Face::new(n),
+            recession: Recession::new(capacity),
+            precise: Precise::new(n, m),
+            is_feasible: false,
         }
+    }
+
+    /// The largest problem that the dual method gets.
+    pub(super) fn capacity(capacity: Capacity) -> Capacity {
+        Recession::capacity(capacity)
     }
 
     /// Solves a problem with variables and without defects but an indefinite H, which is found here.
@@ -152,6 +171,10 @@ impl Proximal {
             out.defect = Some(Defect::Indefinite { variable });
             return Status::Invalid;
         }
+        self.recession.forget();
+        self.is_feasible = false;
+        let size = u32::try_from(n + qp.m()).unwrap_or(u32::MAX);
+        limits.attempt_all_but(size.saturating_mul(2).saturating_add(RESERVE));
         let mut status = Status::Stalled;
         for weight in WEIGHTS {
             status = self.iterate(weight, dual, limits, out);
@@ -159,6 +182,13 @@ impl Proximal {
                 break;
             }
             dual.forget();
+        }
+        limits.attempt_until(u32::MAX);
+        if status == Status::Stalled && self.is_feasible && self.finds_ray(dual, limits, out) {
+            status = Status::Unbounded;
+        }
+        if status == Status::Stalled {
+            status = self.solve_precisely(limits, out);
         }
         self.scaling.undo(n, qp.m(), out);
         if status == Status::Unbounded {
@@ -197,16 +227,24 @@ impl Proximal {
             }
             let start = (out.iterations, Factorisation::Reflections);
             let status = dual.solve(&self.scaled, limits, start, out);
+            if status == Status::Infeasible {
+                return if proof::holds(&self.scaled, out) {
+                    status
+                } else {
+                    Status::Stalled
+                };
+            }
             if status != Status::Optimal {
                 return status;
             }
+            self.is_feasible = true;
             self.x[..n].copy_from_slice(&out.x[..n]);
             let moved = self.x[..n].iter().zip(&self.centre);
             let moved = moved.fold(0.0, |a: f64, (x, c)| a.max((x - c).abs()));
             let rounding = if round < LATE { LEAST } else { STATIONARY };
             if self.is_stationary(weight, rounding, out) {
-                if self.hides_cost() && self.descend(dual, limits, out) {
-                    return Status::Unbounded;
+                if self.hides_cost() {
+                    return self.clear_up(dual, limits, out);
                 }
                 return if constraint::all_hold(&self.scaled, &out.x[..n]) {
                     Status::Optimal
@@ -214,11 +252,10 @@ impl Proximal {
                     Status::Stalled
                 };
             }
-            if round >= ZIGZAG && self.extrapolate(out) {
-                return Status::Unbounded;
-            }
+            let seems_unbounded = round >= ZIGZAG && self.extrapolate();
             self.last[..n].copy_from_slice(&out.x[..n]);
-            if self.descend(dual, limits, out) {
+            let seems_unbounded = seems_unbounded || self.descend(dual, limits, out);
+            if seems_unbounded && self.finds_ray(dual, limits, out) {
                 return Status::Unbounded;
             }
             if limits.were_used_up() {
@@ -287,15 +324,58 @@ impl Proximal {
         })
     }
 
-    /// Whether the variables are so large that rounding of `H x` hides the linear term: then only a ray tells whether
-    /// it falls.
-    fn hides_cost(&self) -> bool {
+    /// Whether the terms of `H x` are so large beside what they come to and g that the gradient is their rounding: x is
+    /// then the quotient of g and a curvature of which not many digits are known, or of rounding.
+    fn hides_cost(&mut self) -> bool {
+        self.differentiate();
         let n = self.scaled.n();
-        LEAST * largest(&self.x[..n]) * self.face.curvature() > largest(&self.g[..n])
+        if largest(&self.g[..n]) == 0.0 {
+            return false;
+        }
+        let sums = self.gradient[..n].iter().zip(&self.g);
+        let pull = sums.fold(0.0, |a: f64, (sum, g)| a.max(g.abs() + (sum - g).abs()));
+        f64::EPSILON * largest(&self.sizes[..n]) > STATIONARY * pull
     }
 
-    /// Follows the cost from `x` down the face of the constraints held, and narrower ones; whether it falls for ever,
-    /// along the direction that is then in the solution.
+    /// What the answer is where the cost is hidden: a ray, or the solution with twice as many digits. What was found so
+    /// far is none.
+    fn clear_up(&mut self, dual: &mut Dual, limits: &mut Limits<'_>, out: &mut Solution) -> Status {
+        if self.finds_ray(dual, limits, out) {
+            return Status::Unbounded;
+        }
+        if limits.were_used_up() {
+            return limits.status(out.iterations);
+        }
+        self.solve_precisely(limits, out)
+    }
+
+    fn solve_precisely(&mut self, limits: &mut Limits<'_>, out: &mut Solution) -> Status {
+        let n = self.scaled.n();
+        let problem = (&self.scaled, &self.h[..n * n], &self.g[..n]);
+        // The count that the limits see grows from look to look.
+        out.iterations += 1;
+        self.precise.solve(problem, limits, out)
+    }
+
+    /// Whether the cost falls for ever along a direction, which is then in the solution.
+    fn finds_ray(&mut self, dual: &mut Dual, limits: &mut Limits<'_>, out: &mut Solution) -> bool {
+        let (n, m) = (self.scaled.n(), self.scaled.m());
+        let problem = (&self.scaled, &self.h[..n * n], &self.g[..n]);
+        // The count that the limits see grows from look to look.
+        out.iterations += 1;
+        let is_found = self
+            .recession
+            .find(problem, dual, limits, &mut out.iterations);
+        if is_found {
+            out.x[..n].copy_from_slice(&self.recession.ray()[..n]);
+            out.y[..m].fill(0.0);
+            out.z[..n].fill(0.0);
+        }
+        is_found
+    }
+
+    /// Follows the cost from `x` down the face of the constraints held, and narrower ones; whether nothing seems to end
+    /// that.
     fn descend(&mut self, dual: &mut Dual, limits: &mut Limits<'_>, out: &mut Solution) -> bool {
         let (n, all) = (self.scaled.n(), count(&self.scaled));
         self.face.reset(n, &self.h[..n * n]);
@@ -305,7 +385,6 @@ impl Proximal {
             self.face.confine(&self.normal[..n]);
             self.on_face[held.index] = true;
         }
-        let mut has_ray = false;
         // The count that the limits see grows from look to look.
         while !limits.are_used_up(out.iterations) {
             out.iterations += 1;
@@ -315,24 +394,12 @@ impl Proximal {
             let falls =
                 is_ray || (self.face.step(&self.gradient[..n]) && self.fall().is_beyond_rounding());
             if !falls {
-                return has_ray;
+                return false;
             }
             let full = if is_ray { f64::INFINITY } else { 1.0 };
             let (length, blocking) = self.first_in_the_way(full);
             if length.is_infinite() {
-                if !self.fall_of_linear_term().is_certain() {
-                    return has_ray;
-                }
-                self.write_ray(out);
-                has_ray = true;
-                if self.narrow_by_rounding() {
-                    // The same again, without that rounding if it can be.
-                    continue;
-                }
-                return true;
-            }
-            if has_ray {
-                return true;
+                return self.fall_of_linear_term().is_certain() && !self.recession.is_none();
             }
             let reach = FAR * largest(&self.x[..n]).max(1.0);
             let longest = largest(self.face.direction());
@@ -350,7 +417,7 @@ impl Proximal {
                 dual.begin_with(&self.scaled, blocking);
             }
         }
-        has_ray
+        false
     }
 
     /// How the cost falls in the direction from `x`.
@@ -367,8 +434,8 @@ impl Proximal {
     }
 
     /// Goes on in the direction in which the last rounds' ends moved, as far as the cost falls and nothing is in the
-    /// way; whether it falls for ever.
-    fn extrapolate(&mut self, out: &mut Solution) -> bool {
+    /// way; whether nothing seems to end that.
+    fn extrapolate(&mut self) -> bool {
         let n = self.scaled.n();
         self.differentiate();
         let d = self.face.direction_mut();
@@ -397,67 +464,10 @@ impl Proximal {
         self.on_face[..count(&self.scaled)].fill(false);
         let (length, _) = self.first_in_the_way(full);
         if length.is_infinite() {
-            self.write_ray(out);
-            return true;
+            return !self.recession.is_none();
         }
         axpy(&mut self.x[..n], length, self.face.direction());
         false
-    }
-
-    /// Narrows the face by the constraints that the direction leads to at a rate that may be rounding; whether there
-    /// are any.
-    fn narrow_by_rounding(&mut self) -> bool {
-        let n = self.scaled.n();
-        let mut any = false;
-        for index in 0..count(&self.scaled) {
-            let rate = value(&self.scaled, index, self.face.direction());
-            let (lower, upper) = limits(&self.scaled, index);
-            let limit = if rate > 0.0 { upper } else { lower };
-            if self.on_face[index] || rate == 0.0 || limit.is_infinite() {
-                continue;
-            }
-            self.on_face[index] = true;
-            copy_normal(&self.scaled, index, &mut self.normal[..n]);
-            any |= self.face.confine(&self.normal[..n]);
-        }
-        any
-    }
-
-    /// The direction as the solution, without the components that are rounding: all of them, if it is as good a ray
-    /// then, else those that a bound is in the way of.
-    fn write_ray(&self, out: &mut Solution) {
-        let (n, m) = (self.scaled.n(), self.scaled.m());
-        let (x, d) = (&mut out.x[..n], self.face.direction());
-        let rounding = RATE * largest(d);
-        for (x, d) in x.iter_mut().zip(d) {
-            *x = if d.abs() <= rounding { 0.0 } else { *d };
-        }
-        if !self.is_as_good_a_ray(x) {
-            let bounds = self.scaled.lower().iter().zip(self.scaled.upper());
-            for ((x, d), (lower, upper)) in x.iter_mut().zip(d).zip(bounds) {
-                let limit = if *d > 0.0 { upper } else { lower };
-                if limit.is_infinite() {
-                    *x = *d;
-                }
-            }
-        }
-        out.y[..m].fill(0.0);
-        out.z[..n].fill(0.0);
-    }
-
-    /// Whether the cost's slope changes along `x`, and limits are approached, by no more than along the direction, up
-    /// to rounding.
-    fn is_as_good_a_ray(&self, x: &[f64]) -> bool {
-        let d = self.face.direction();
-        let n = x.len();
-        let is_no_more = |row: &[f64]| {
-            let rate = dot(row, x).abs();
-            let terms = row.iter().zip(x).map(|(a, x)| (a * x).abs());
-            rate <= dot(row, d).abs() || rate <= f64::EPSILON * terms.sum::<f64>()
-        };
-        let mut slopes = self.h[..n * n].chunks_exact(n);
-        let mut rates = (0..self.scaled.m()).map(|i| self.scaled.row(i));
-        slopes.all(is_no_more) && rates.all(is_no_more)
     }
 
     /// How far the direction can be followed from `x`, at most `full`, and what ends it.
