@@ -14,9 +14,10 @@ const EXPONENTS: [f64; 3] = [0.0, 4.0, 8.0];
 
 /// What was answered wrongly once, among some million: an optimum where the cost falls for ever, a ray with rounding of
 /// a variable in a large unit, constraints let go by multipliers compared without their units; rays along which the
-/// cost bends by the root of rounding, equalities at an angle of 1e-9, a limit violated because others implied it, and
-/// a proof of infeasibility that the rounding of its multipliers outweighs.
-const ONCE_WRONG: [(Family, u64, f64); 17] = [
+/// cost bends by the root of rounding, equalities at an angle of 1e-9, a limit violated because others implied it, a
+/// proof of infeasibility that the rounding of its multipliers outweighs, and limits at zero that contradicted one
+/// another by rounding and were widened too far.
+const ONCE_WRONG: [(Family, u64, f64); 19] = [
     (Family::Unbounded, 22034, 4.0),
     (Family::Unbounded, 539, 8.0),
     (Family::Unbounded, 214_994, 8.0),
@@ -34,6 +35,8 @@ const ONCE_WRONG: [(Family, u64, f64); 17] = [
     (Family::NearlyDependent, 8067, 0.0),
     (Family::NearlyDependent, 28611, 4.0),
     (Family::NearlyDependent, 50_026_428, 4.0),
+    (Family::AtZero, 91_014_276, 4.0),
+    (Family::AtZero, 91_014_276, 8.0),
 ];
 
 /// What is wrong with the answer to a random problem, and its iterations.

@@ -47,7 +47,7 @@ const VIOLATION: f64 = 1e-12;
 const IMPLIED: f64 = 1e-11;
 /// Limits that contradict one another by rounding are taken to be so much wider, relative to the limit and the terms:
 /// less than a solution may violate them.
-const WIDENINGS: [f64; 3] = [0.0, 1e-12, 2e-11];
+const WIDENINGS: [f64; 4] = [0.0, 1e-13, 1e-12, 2e-11];
 /// Largest residual of the stationarity conditions, relative to the sum of its terms' sizes.
 const STATIONARY: f64 = 1e-11;
 /// Where the terms of the gradient are smaller than this in a unit in which the cost is near one, there is no cost.
