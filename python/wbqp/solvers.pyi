@@ -16,8 +16,8 @@ class ActiveSet(Plugin):
         Time that a solve may take before it ends without a solution, s; unlimited if absent. Needs a clock: without
         the caller's stopwatch it has no effect.
     max_iterations : int, optional
-        Cap on the number of changes of the active set, of all attempts together; if absent, ten times the number of
-        variables and rows of the largest problem, and at least 1000.
+        Cap on the number of changes of the active set, of all attempts together; if absent, twenty times the number of
+        variables and rows of the largest problem, and at least 2000.
     tolerance : float, default 1e-12
         Violation of a row or bound that is accepted, relative to the numbers it is computed from. [1]
     """

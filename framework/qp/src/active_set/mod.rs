@@ -92,8 +92,8 @@ use workspace::Workspace;
     serde(default, deny_unknown_fields)
 )]
 pub struct ActiveSet {
-    /// Cap on the number of changes of the active set, of all attempts together; if absent, ten times the number of
-    /// variables and rows of the largest problem, and at least 1000.
+    /// Cap on the number of changes of the active set, of all attempts together; if absent, twenty times the number of
+    /// variables and rows of the largest problem, and at least 2000.
     pub max_iterations: Option<u32>,
     /// Violation of a row or bound that is accepted, relative to the numbers it is computed from.
     #[cfg_attr(feature = "serde", schemars(extend("x-unit" = "1")))]
@@ -164,8 +164,8 @@ impl QpSolver for ActiveSet {
         qp.fits(workspace.capacity())?;
         qp.fits(out.capacity())?;
         let Capacity { vars, rows } = workspace.capacity();
-        let most = 10 * u32::try_from(vars + rows).unwrap_or(u32::MAX / 10);
-        let most = self.max_iterations.unwrap_or(most.max(1000));
+        let most = 20 * u32::try_from(vars + rows).unwrap_or(u32::MAX / 20);
+        let most = self.max_iterations.unwrap_or(most.max(2000));
         let limits = match budget {
             Budget::Configured => Limits::new(self.tolerance, most),
             Budget::Iterations(cap) => Limits::new(self.tolerance, most).with_cap(cap),
