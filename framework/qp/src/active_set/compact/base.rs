@@ -108,7 +108,7 @@ impl Run<'_, '_> {
             let value = dot(&own.r.column(e + i)[..e], &own.y[..e]) - product(w, &own.v);
             let limits = limits(self.qp, held.index);
             let place = Place::new(held.index, limits, value, own.squares[held.index]);
-            let price = multiplier * held.side;
+            let price = (multiplier * held.side).max(0.0);
             (place.held(held.side, held.limit), own.h[e + i], price)
         });
         own.tableau.begin(&own.r, e, places);

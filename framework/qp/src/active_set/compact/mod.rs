@@ -34,13 +34,14 @@ const PATIENCE: u32 = 20;
 const CORRECTIONS: u32 = 4;
 /// Part of the farthest violation's distance that makes another violated constraint a candidate.
 const FAR: f64 = 0.1;
+
 /// Storage made once.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Compact {
     /// `w = U⁻ᵀ a` by constraint, where `known` is the number of this solve.
     w: Vec<f64>,
-    known: Vec<u32>,
-    solve: u32,
+    known: Vec<u64>,
+    solve: u64,
     squares: Vec<f64>,
     /// `U⁻ᵀ g`.
     v: Vec<f64>,
@@ -200,7 +201,7 @@ impl Run<'_, '_> {
     /// `S` is the number of variables with padding, and `EXACT` says that there is none.
     fn solve<const S: usize, const EXACT: bool>(&mut self, previous: &[Held]) -> End {
         let n = self.n::<S, EXACT>();
-        self.own.solve = self.own.solve.wrapping_add(1).max(1);
+        self.own.solve += 1;
         let v = &mut self.own.v[..S];
         v[..n].copy_from_slice(&self.qp.g()[..n]);
         v[n..].fill(0.0);

@@ -547,7 +547,7 @@ impl Tableau {
 /// Places for problems of so many variables and rows: more than can be held, so that there is a candidate that makes
 /// room.
 pub(super) fn most(vars: usize, rows: usize) -> usize {
-    (vars + rows).min(2 * vars + 8)
+    vars.saturating_add(rows).min(2 * vars + 8)
 }
 
 /// By how much a value is beyond limits, beyond which, and that limit.
