@@ -26,7 +26,7 @@ use tableau::{Place, Step, Tableau, beyond, most};
 use vectors::{multiply, normal, product, subtract};
 
 /// Largest number of variables, with padding.
-const MOST: usize = 32;
+const MOST: usize = 16;
 /// Steps for each variable, besides [`PATIENCE`], after which rounding leads in circles.
 const STEPS: u32 = 6;
 const PATIENCE: u32 = 20;
@@ -137,11 +137,7 @@ impl Compact {
             (_, 4) => run.solve::<4, false>(previous),
             (_, 8) => run.solve::<8, false>(previous),
             (_, 12) => run.solve::<12, false>(previous),
-            (_, 16) => run.solve::<16, false>(previous),
-            (_, 20) => run.solve::<20, false>(previous),
-            (_, 24) => run.solve::<24, false>(previous),
-            (_, 28) => run.solve::<28, false>(previous),
-            (_, _) => run.solve::<32, false>(previous),
+            (_, _) => run.solve::<16, false>(previous),
         };
         // Where another method has to go on, it goes on from here.
         self.remember(qp, previous);
@@ -453,7 +449,7 @@ mod tests {
     #[test]
     fn every_size_ends_at_an_optimum() {
         let mut changes = 0;
-        for n in 1..=32 {
+        for n in 1..=16 {
             for seed in 0..20 {
                 let qp = problem(n, seed);
                 let mut compact = Compact::new(qp.capacity());
@@ -492,7 +488,7 @@ mod tests {
                 assert!(apart.fold(0.0, f64::max) < 1e-11, "{n} {seed}");
             }
         }
-        assert!(changes > 1000, "{changes} changes: nothing happens");
+        assert!(changes > 500, "{changes} changes: nothing happens");
     }
 
     #[test]
