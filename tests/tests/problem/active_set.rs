@@ -337,7 +337,7 @@ fn a_warm_start_survives_rows_that_come_and_go() {
     active_set
         .solve(&fewer, Budget::Configured, &mut solution)
         .expect("fits");
-    assert!((solution.x[0] - 1.0).abs() < 1e-15 && (solution.x[1] - 1.0).abs() < 1e-15);
+    assert_eq!((solution.x[0], solution.x[1]), (1.0, 1.0));
     assert!(solution.iterations < cold);
     active_set.reset();
     active_set

@@ -16,7 +16,7 @@ mod vectors;
 use super::{
     constraint::{Active, limits},
     hessian::Hessian,
-    kernels::{axpy, dot, padded},
+    kernels::{LANES, axpy, dot, padded},
     limits::Limits,
     point::Point,
     triangle::Triangle,
@@ -108,9 +108,9 @@ impl Compact {
         of_constraints.saturating_add(places * (places + n + 12))
     }
 
-    /// Whether it is meant for problems of so many variables.
+    /// Whether it is meant for problems of so many variables: with less than a lane there is nothing to gain.
     pub(super) fn is_for(n: usize) -> bool {
-        n <= MOST
+        (LANES..=MOST).contains(&n)
     }
 
     /// From the factor of H and what was held last to the optimum; what is held in the end goes to `previous`.
