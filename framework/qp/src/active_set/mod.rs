@@ -72,6 +72,7 @@ mod orthogonal;
 mod point;
 mod proof;
 mod proximal;
+mod soft;
 mod triangle;
 mod twofold;
 mod working_set;
@@ -131,6 +132,12 @@ impl Default for ActiveSet {
     }
 }
 
+/// The cap on iterations of problems up to a capacity.
+fn most_iterations(Capacity { vars, rows }: Capacity, configured: Option<u32>) -> u32 {
+    let most = 20 * u32::try_from(vars + rows).unwrap_or(u32::MAX / 20);
+    configured.unwrap_or(most.max(2000))
+}
+
 impl QpSolver for ActiveSet {
     fn bind(&mut self, capacity: Capacity) -> Result<(), QpError> {
         let refused = |key, problem| Err(QpError::Setting { key, problem });
@@ -163,9 +170,7 @@ impl QpSolver for ActiveSet {
         let workspace = self.workspace.as_deref_mut().ok_or(QpError::NotBound)?;
         qp.fits(workspace.capacity())?;
         qp.fits(out.capacity())?;
-        let Capacity { vars, rows } = workspace.capacity();
-        let most = 20 * u32::try_from(vars + rows).unwrap_or(u32::MAX / 20);
-        let most = self.max_iterations.unwrap_or(most.max(2000));
+        let most = most_iterations(workspace.capacity(), self.max_iterations);
         let limits = match budget {
             Budget::Configured => Limits::new(self.tolerance, most),
             Budget::Iterations(cap) => Limits::new(self.tolerance, most).with_cap(cap),

@@ -36,7 +36,8 @@ pub(super) fn margin(qp: &Qp, solution: &Solution) -> (f64, bool) {
     }
     for (j, z) in solution.z[..qp.n()].iter().enumerate() {
         let (mut combined, mut terms) = (Twofold::ZERO, z.abs());
-        for (i, y) in solution.y[..qp.m()].iter().enumerate() {
+        let weighted = solution.y[..qp.m()].iter().enumerate();
+        for (i, y) in weighted.filter(|(_, y)| **y != 0.0) {
             let a = qp.row(i)[j];
             combined += Twofold::new(a) * *y;
             terms += (a * y).abs();

@@ -17,6 +17,8 @@
 //! correcting what comes out by its residuals is about as accurate as solving with Q (Å. Björck, *Stability analysis of
 //! the method of seminormal equations*, Linear Algebra and its Applications 88/89 (1987)).
 
+mod soft;
+
 use super::{
     constraint::Active,
     hessian::Hessian,
@@ -39,6 +41,8 @@ pub(super) enum Factorisation {
     Products,
     /// Reflections from the beginning: of a problem whose H has directions next to flat.
     Reflections,
+    /// Products of normals and what constraints give, whatever the angles.
+    Soft,
 }
 
 #[derive(Clone, Debug, Default)]
@@ -51,6 +55,16 @@ pub(super) struct WorkingSet {
     r: Triangle,
     /// Whether R comes from reflections.
     is_orthogonal: bool,
+    /// Whether constraints give.
+    is_soft: bool,
+    /// How many constraints may be held.
+    room: usize,
+    /// By how much each row gives per unit of its multiplier, if any do.
+    compliance: Vec<f64>,
+    /// Of a constraint at a small angle to others: its combination, the residual of that, and what is left of `w`.
+    combination: Vec<f64>,
+    residual: Vec<f64>,
+    rest: Vec<f64>,
     q: Orthogonal,
     /// `v`; with reflections `Qᵀ v`.
     v: Vec<f64>,
@@ -83,6 +97,10 @@ impl WorkingSet {
             multipliers: Vec::with_capacity(n + 1),
             targets: vec![0.0; n],
             column: vec![0.0; padded(n)],
+            compliance: Vec::with_capacity(capacity.rows),
+            combination: vec![0.0; n],
+            residual: vec![0.0; n],
+            rest: vec![0.0; padded(n)],
             dropped: Vec::with_capacity(n + 1),
             ..Self::default()
         }
@@ -98,12 +116,40 @@ impl WorkingSet {
         self.r.reset(self.n);
         self.q.reset(self.n);
         self.is_orthogonal = start == Factorisation::Reflections;
+        self.is_soft = start == Factorisation::Soft;
+        self.room = self.n;
+        if self.is_soft {
+            let soft = self.compliance.iter().filter(|c| **c > 0.0).count();
+            self.room = (self.n + soft).min(self.targets.len());
+            self.r.reset(self.room);
+        }
         self.v[..v.len()].copy_from_slice(v);
         self.known = 0;
     }
 
     pub(super) fn active(&self) -> &[Active] {
         &self.active
+    }
+
+    /// Whether constraints give.
+    pub(super) fn is_soft(&self) -> bool {
+        self.is_soft
+    }
+
+    /// The next solves are of problems whose rows give by so much per unit of their multipliers.
+    pub(super) fn soften(&mut self, compliance: &[f64]) {
+        self.compliance.clear();
+        let room = self.compliance.capacity();
+        self.compliance.extend(compliance.iter().take(room));
+    }
+
+    /// By how much a constraint gives per unit of its multiplier.
+    pub(super) fn compliance(&self, index: usize) -> f64 {
+        if self.is_soft {
+            self.compliance.get(index).copied().unwrap_or(0.0)
+        } else {
+            0.0
+        }
     }
 
     /// The constraints held with their multipliers.
@@ -131,7 +177,13 @@ impl WorkingSet {
         sine: f64,
     ) -> bool {
         self.normals.know(qp, hessian, constraint.index);
-        if !self.is_orthogonal && !self.append_product(constraint.index, sine.max(SMALL_ANGLE)) {
+        if self.is_soft {
+            if !self.append_soft(constraint.index, sine) {
+                return false;
+            }
+        } else if !self.is_orthogonal
+            && !self.append_product(constraint.index, sine.max(SMALL_ANGLE))
+        {
             self.factorise_by_reflections();
         }
         if self.is_orthogonal {
@@ -242,6 +294,23 @@ impl WorkingSet {
         removed
     }
 
+    /// Holds the j-th constraint at its other limit.
+    pub(super) fn turn(&mut self, j: usize, limit: f64) {
+        let held = &mut self.active[j];
+        (held.side, held.limit) = (-held.side, limit);
+        self.known = self.known.min(j);
+    }
+
+    /// `‖R d‖²` of the way from the multipliers to the targets; `scratch` has room for one number per constraint held.
+    pub(super) fn steepness(&self, scratch: &mut [f64]) -> f64 {
+        let k = self.len();
+        let scratch = &mut scratch[..k];
+        scratch.fill(0.0);
+        let way = self.targets[..k].iter().zip(&self.multipliers);
+        self.r.add_columns(way.map(|(t, m)| t - m), scratch);
+        dot(scratch, scratch)
+    }
+
     /// Computes the multipliers of the least-distance solution on the held constraints: [`WorkingSet::computed`].
     pub(super) fn find_targets(&mut self) {
         let k = self.len();
@@ -279,12 +348,18 @@ impl WorkingSet {
     /// used up.
     pub(super) fn project(&mut self, hessian: &Hessian, a: &mut [f64]) {
         debug_assert!(
-            self.is_orthogonal,
+            self.is_orthogonal || self.is_soft,
             "a normal that depends on others was met"
         );
         let range = hessian.solve_transposed(a);
-        self.q.transposed(range, a);
-        self.column[..self.stride].copy_from_slice(a);
+        if self.is_soft {
+            let column = &mut self.column[..self.active.len()];
+            self.normals.products(&self.active, (range, a), column);
+            self.r.solve_transposed(0, column);
+        } else {
+            self.q.transposed(range, a);
+            self.column[..self.stride].copy_from_slice(a);
+        }
         self.combine();
     }
 
@@ -356,6 +431,11 @@ impl WorkingSet {
         } else {
             0..0
         };
+        if self.is_soft {
+            for (rest, p) in self.residual.iter_mut().zip(&*p) {
+                *rest = -p;
+            }
+        }
         self.r.solve_transposed(0, p);
         if self.is_orthogonal {
             self.q.transposed(range, d);
@@ -376,9 +456,12 @@ impl WorkingSet {
             self.q.apply(d);
         } else {
             self.normals.subtract(&self.active, targets, d);
+            if self.is_soft {
+                self.correct_targets(d);
+            }
         }
         hessian.solve(d);
-        p[..k].copy_from_slice(targets);
+        p[..k].copy_from_slice(&self.targets[..k]);
     }
 
     /// Moves the linear term so that `x` with the present multipliers is the solution on the held constraints:

@@ -41,7 +41,7 @@ impl Workspace {
             .saturating_mul(vars)
             .saturating_mul(35)
             .saturating_add(rows.saturating_mul(vars).saturating_mul(4))
-            .saturating_add(vars.saturating_add(rows).saturating_mul(72));
+            .saturating_add(vars.saturating_add(rows).saturating_mul(78));
         words
             .saturating_add(Compact::words(capacity))
             .saturating_mul(size_of::<f64>())
@@ -71,6 +71,39 @@ impl Workspace {
         }
     }
 
+    /// Solves a problem whose rows give, by the dual method alone.
+    pub(super) fn solve_soft(
+        &mut self,
+        qp: &Qp,
+        compliance: &[f64],
+        mut limits: Limits<'_>,
+        out: &mut Solution,
+    ) {
+        out.defect = qp.defect();
+        if out.defect.is_some() {
+            clear(qp, out);
+            out.status = Status::Invalid;
+            return;
+        }
+        // There is another form of the problem, which is solved more slowly and more safely.
+        limits.attempt_until(patience(qp) / 2);
+        self.dual.soften(compliance);
+        let start = (0, Factorisation::Soft);
+        out.status = self.dual.solve(qp, &mut limits, start, out);
+        let is_answer = match out.status {
+            Status::Optimal => !self.dual.is_doubtful(),
+            // Limits that give contradict nothing.
+            Status::Infeasible => {
+                let mut weighted = compliance.iter().zip(&out.y);
+                proof::holds(qp, out) && weighted.all(|(c, y)| *c == 0.0 || *y == 0.0)
+            }
+            _ => true,
+        };
+        if !is_answer {
+            out.status = Status::Stalled;
+        }
+    }
+
     fn run(
         &mut self,
         qp: &Qp,
@@ -78,8 +111,7 @@ impl Workspace {
         start: Factorisation,
         out: &mut Solution,
     ) -> Status {
-        let size = u32::try_from(qp.n() + qp.m()).unwrap_or(u32::MAX);
-        limits.attempt_until(size.saturating_mul(2).saturating_add(PATIENCE));
+        limits.attempt_until(patience(qp));
         let status = self.dual.solve(qp, limits, (0, start), out);
         limits.attempt_until(u32::MAX);
         let is_answer = match status {
@@ -107,4 +139,10 @@ impl Workspace {
     pub(super) fn forget(&mut self) {
         self.dual.forget();
     }
+}
+
+/// Iterations that the dual method may take.
+fn patience(qp: &Qp) -> u32 {
+    let size = u32::try_from(qp.n() + qp.m()).unwrap_or(u32::MAX);
+    size.saturating_mul(2).saturating_add(PATIENCE)
 }

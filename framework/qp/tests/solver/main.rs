@@ -6,4 +6,5 @@ mod judge;
 mod known_answers;
 mod misuse;
 mod smallest_cases;
+mod soft;
 mod units;

@@ -27,6 +27,14 @@ const LONG: u32 = 200;
 /// A violation below this, relative to the numbers that are added up, may be the rounding of an `x` that is not
 /// refined.
 const ROUNDING: f64 = 1e-8;
+/// The same where constraints give, and with it the factor by which the tolerance grows: multipliers are large there.
+const ROUNDING_OF_SOFT: (f64, f64) = (1e-6, 16.0);
+/// So many constraints that were held in vain one after the other are a sign of rounding.
+const FUTILE: u32 = 2;
+/// How far the constraints held may be from their limits, as a share, at a point that is not refined.
+const OFF: f64 = 1e-7;
+/// How far at one that was corrected, which is a sign that the factors are not good enough.
+const LOST: f64 = 1e-5;
 /// A part of a combination of normals, all of unit length in the metric of H, below this of the largest is rounding.
 const ROUNDED_RATE: f64 = 1e-11;
 /// Iterations with every point refined, after which they must be going in circles.
@@ -49,6 +57,11 @@ impl Dual {
         };
         let mut far = FAR[0];
         let mut tolerance = limits.tolerance;
+        let (rounding, growth) = if self.set.is_soft() {
+            ROUNDING_OF_SOFT
+        } else {
+            (ROUNDING, 2.0)
+        };
         loop {
             if limits.are_used_up(self.iterations) {
                 return End::Budget;
@@ -56,7 +69,7 @@ impl Dual {
             self.iterations += 1;
             self.set.find_targets();
             let mut is_evaluated = false;
-            if is_beginning {
+            if is_beginning && !self.set.is_soft() {
                 is_beginning = false;
                 if self.knows_multipliers() {
                     let mut held = self.set.active().iter().zip(self.set.computed());
@@ -77,7 +90,14 @@ impl Dual {
                     }
                 }
             }
-            if let Some((alpha, j)) = blocking(&self.set) {
+            if self.set.is_soft() {
+                if self.step_far(qp) {
+                    if self.futile > FUTILE {
+                        return End::Circles;
+                    }
+                    continue;
+                }
+            } else if let Some((alpha, j)) = blocking(&self.set) {
                 self.set.approach_targets(alpha);
                 self.release(j);
                 continue;
@@ -86,15 +106,23 @@ impl Dual {
             if !is_evaluated {
                 self.set.primal(&self.hessian, self.point.x_mut());
                 self.point.evaluate(qp);
+                if self.set.is_soft() && self.residual_of_held(qp) > OFF {
+                    self.come_back(qp);
+                    // `!(… <= …)`: a NaN is far away, too.
+                    let is_back = self.residual_of_held(qp) <= LOST;
+                    if !is_back {
+                        return End::Circles;
+                    }
+                }
             }
             let worst = self.find_violated(qp, tolerance);
             if self.violated.is_empty() {
                 return End::Optimal;
             }
-            if worst < ROUNDING || (worst < 1e3 * ROUNDING && self.iterations > LONG) {
+            if worst < rounding || (worst < 1e3 * ROUNDING && self.iterations > LONG) {
                 // May be rounding of x: constraints that are held and let go for that would never come to an end.
                 // What is refined later is checked again.
-                tolerance *= 2.0;
+                tolerance *= growth;
             }
             let farthest = self.measure_violated(qp);
             if joint_rounds > 0 && self.violated.len() > 1 {

@@ -100,7 +100,8 @@ impl Dual {
     /// constraint would have been let go. If it is not, [`Dual::is_dependent`] sees it.
     fn drop_wrong(&mut self, side: f64) {
         for (r, held) in self.p.iter_mut().zip(self.set.active()) {
-            if *r * side * held.side > 0.0 {
+            // What gives contradicts nothing.
+            if *r * side * held.side > 0.0 || self.set.compliance(held.index) > 0.0 {
                 *r = 0.0;
             }
         }

@@ -4,6 +4,7 @@
 mod ascent;
 mod certificate;
 mod homotopy;
+mod long_step;
 mod refinement;
 
 use super::{
@@ -75,6 +76,8 @@ pub(super) struct Dual {
     before: Vec<f64>,
     /// By constraint.
     path: Vec<homotopy::Place>,
+    /// Multipliers that change their sign on a long step, and after which part of it.
+    crossed: Vec<(f64, usize)>,
     /// Size of the terms of the gradient at the last residuals, in units of the variables.
     size: f64,
     /// The last residuals, relative to it.
@@ -89,6 +92,8 @@ pub(super) struct Dual {
     /// if that is not known.
     passed: f64,
     iterations: u32,
+    /// How many constraints in a row were let go as soon as they were held.
+    futile: u32,
 }
 
 impl Dual {
@@ -110,6 +115,7 @@ impl Dual {
             previous: Vec::with_capacity(n),
             before: Vec::with_capacity(n + 1),
             path: vec![homotopy::Place::default(); m + n],
+            crossed: Vec::with_capacity(n + 1),
             ..Self::default()
         }
     }
@@ -168,6 +174,12 @@ impl Dual {
             return Status::Stalled;
         }
         status
+    }
+
+    /// The next solves with [`Factorisation::Soft`] are of problems whose rows give by so much per unit of their
+    /// multipliers.
+    pub(super) fn soften(&mut self, compliance: &[f64]) {
+        self.set.soften(compliance);
     }
 
     /// The constraints held.
@@ -235,6 +247,7 @@ impl Dual {
         self.hessian.shift(v);
         self.hessian.solve_transposed(v);
         self.set.reset(qp, v, start);
+        self.futile = 0;
         self.settled[..count(qp)].fill(false);
         self.implied.clear();
         if !self.hold_equalities(qp, out) {
@@ -245,13 +258,22 @@ impl Dual {
             let forgiven = FORGIVEN[(correction as usize / 4).min(FORGIVEN.len() - 1)];
             let end = if correction < TRUSTING {
                 self.ascend(qp, limits, correction == 0, out)
+            } else if self.set.is_soft() {
+                // There are others for that.
+                break;
             } else {
                 // Rounding leads that back to where it came from.
                 self.ascend_refined(qp, limits, forgiven, out)
             };
             match end {
                 End::Optimal | End::Circles => {}
-                End::Infeasible => return Status::Infeasible,
+                End::Infeasible => {
+                    if self.set.is_soft() {
+                        // More of the limits are going to give: the next solve goes on from here.
+                        self.remember(qp);
+                    }
+                    return Status::Infeasible;
+                }
                 End::Budget => {
                     self.stop(qp, out);
                     return limits.status(self.iterations);
@@ -374,7 +396,7 @@ impl Dual {
     fn remember(&mut self, qp: &Qp) {
         self.previous.clear();
         for (held, m) in self.set.active().iter().zip(&self.set.multipliers) {
-            if held.side != 0.0 {
+            if held.side != 0.0 && self.previous.len() < self.previous.capacity() {
                 self.previous.push(identified(qp, *held, *m));
             }
         }

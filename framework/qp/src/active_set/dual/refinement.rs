@@ -53,6 +53,18 @@ impl Dual {
         self.residual = self.residual.max(self.primal);
     }
 
+    /// Corrects the point and the multipliers by what the constraints held are away from their limits, which is in
+    /// `self.p`: multipliers of limits that contradict one another are large, and their sums cancel.
+    pub(super) fn come_back(&mut self, qp: &Qp) {
+        let k = self.set.len();
+        let (d, p) = (&mut self.gradient[..self.stride], &mut self.p[..k]);
+        d.fill(0.0);
+        self.set.correct(&self.hessian, d, p);
+        axpy(self.point.x_mut(), 1.0, d);
+        axpy(&mut self.set.multipliers, 1.0, p);
+        self.point.evaluate(qp);
+    }
+
     /// `H x + g + N λ` into `self.gradient`; returns its size relative to what it is the difference of.
     fn residual_of_gradient(&mut self, qp: &Qp) -> f64 {
         let point = &self.point;
@@ -61,6 +73,7 @@ impl Dual {
         gradient[qp.n()..].fill(0.0);
         let unit = point.unit();
         let size = largest_product(gradient, unit).max(self.steepest);
+        let size = size.max(self.set.pull_of_soft());
         axpy(gradient, 1.0, qp.g());
         for (held, &m) in self.set.active().iter().zip(&self.set.multipliers) {
             add_normal(qp, held.index, m, gradient);
@@ -74,13 +87,16 @@ impl Dual {
     }
 
     /// `b − Nᵀ x` into `self.p`; returns its size relative to what it is the difference of.
-    fn residual_of_held(&mut self, qp: &Qp) -> f64 {
+    pub(super) fn residual_of_held(&mut self, qp: &Qp) -> f64 {
         let mut primal = 0.0_f64;
-        for (held, p) in self.set.active().iter().zip(&mut self.p) {
-            *p = held.limit - self.point.value(held.index);
+        let held = self.set.active().iter().zip(&self.set.multipliers);
+        for ((held, m), p) in held.zip(&mut self.p) {
+            // What the row gives is part of what is at the limit.
+            let gives = m * self.set.compliance(held.index);
+            *p = held.limit - (self.point.value(held.index) - gives);
             // Else exact whatever the magnitude.
             if p.abs() > EXACT * held.limit.abs() {
-                let size = held.limit.abs() + self.point.magnitude(qp, held.index);
+                let size = held.limit.abs() + gives.abs() + self.point.magnitude(qp, held.index);
                 primal = primal.max(p.abs() / size);
             }
         }
