@@ -43,8 +43,8 @@ pub(super) fn is_proof(qp: &Qp, proof: &Solution) -> bool {
         let h = qp.h()[j * n + j];
         let unit = if h > 0.0 { 1.0 / h.sqrt() } else { 1.0 };
         let (mut sum, mut terms) = (proof.z[j], proof.z[j].abs());
-        for i in 0..m {
-            let term = proof.y[i] * qp.row(i)[j];
+        for (i, y) in proof.y[..m].iter().enumerate().filter(|(_, y)| **y != 0.0) {
+            let term = y * qp.row(i)[j];
             sum += term;
             terms += term.abs();
         }

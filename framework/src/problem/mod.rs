@@ -51,7 +51,7 @@ use hessian::NaturalCost;
 pub(crate) use linear_algebra::dot;
 pub(crate) use names::{ProblemRows, VariableNames};
 use reduced_dynamics::ReducedDynamics;
-pub(crate) use relaxation::Relaxation;
+pub(crate) use relaxation::{Form, Relaxation};
 use rows::{Context, NaturalRows};
 use solution::Asked;
 pub(crate) use solution::Solved;

@@ -7,3 +7,4 @@ mod active_set;
 mod hard_contacts;
 mod properties;
 mod qp_ticks;
+mod soft_rows;

@@ -6,7 +6,7 @@
 //! giving up the first in this order among the limits that contradict one another; if others are left, again. So a
 //! limit goes only if it contradicts limits that are to be kept longer. After [`RESOLVES`] − 1 of them everything goes
 //! at once, which ends it: a tick solves at most [`RESOLVES`] + 2 problems (its own, its own again by the active-set
-//! method if another solver gave no proof, and those).
+//! method if another solver gave no proof, and those, each once more if it stalls with rows that give).
 //!
 //! # From one tick to the next
 //! A contradiction mostly lasts. For some ticks after one, the next tick begins with the proof: a problem with the
@@ -27,12 +27,15 @@ use crate::{
         report::{RelaxedRow, Report, Side},
     },
     fault::Fault,
-    problem::{BoundEntry, DynamicsTerms, Problem},
+    problem::{BoundEntry, DynamicsTerms, Form, Problem},
     qp::{Budget, ConstraintId, Held, Qp, QpSolver as _, Solution, Status, WarmStart},
 };
 
 /// The most relaxed problems in a tick.
 const RESOLVES: u32 = 4;
+/// From so many variables on, rows that give come first: fewer variables with one for each limit given up take less
+/// time, as none of those solves stalls.
+const MANY: usize = 32;
 
 impl Fallback {
     /// Looks for the optimum with limits given up. On success the solution's first variables are the tick's; the error
@@ -51,8 +54,7 @@ impl Fallback {
         if solution.status.was_cut_short() {
             return Err(Fault::Solver);
         }
-        let is_native = self.is_native || self.is_proven;
-        if !(is_native && is_proof(qp, solution)) {
+        if !(self.is_proven || self.is_native && is_proof(qp, solution)) {
             if !self.is_still_infeasible(qp, solution) {
                 self.solver.reset();
                 let solved = self
@@ -89,14 +91,9 @@ impl Fallback {
             if is_last {
                 self.relaxation.give_up_all();
             }
-            self.relaxation.build(problem, terms, entries, qp);
-            self.solver.start_from(&self.warm);
-            let status =
-                self.solver
-                    .solve(&self.relaxation.qp, Budget::Configured, &mut self.solution);
             report.resolves = resolve;
-            report.iterations = report.iterations.saturating_add(self.solution.iterations);
-            if status == Ok(Status::Optimal) {
+            let status = self.solve_relaxed(problem, terms, entries, qp, report);
+            if status == Status::Optimal {
                 self.report_exceeded(problem, qp, report);
                 self.hand_over(n, m, solution);
                 self.solver.warm_start(&mut self.warm);
@@ -111,6 +108,47 @@ impl Fallback {
                 && self.relaxation.give_up_more(problem, terms.contacts, proof));
         }
         Err(Fault::Infeasible)
+    }
+
+    /// Looks for the optimum with the limits given up that are marked: with rows that give, if the problem is large, and
+    /// if that comes to no end, with variables for what they give.
+    fn solve_relaxed(
+        &mut self,
+        problem: &Problem,
+        terms: &DynamicsTerms<'_>,
+        entries: &[BoundEntry],
+        qp: &Qp,
+        report: &mut Report,
+    ) -> Status {
+        let forms = [Form::Compliance, Form::Slacks];
+        let first = usize::from(qp.n() < MANY);
+        for &form in &forms[first..] {
+            self.relaxation.build(problem, terms, entries, qp, form);
+            self.solver.start_from(&self.warm);
+            let relaxed = &self.relaxation;
+            let status = match form {
+                Form::Compliance => {
+                    self.solver
+                        .solve_soft(&relaxed.qp, &relaxed.compliance, &mut self.solution)
+                }
+                Form::Slacks => {
+                    self.solver
+                        .solve(&relaxed.qp, Budget::Configured, &mut self.solution)
+                }
+            };
+            report.iterations = report.iterations.saturating_add(self.solution.iterations);
+            if matches!(status, Ok(Status::Optimal)) {
+                break;
+            }
+            if is_proof(&relaxed.qp, &self.solution) {
+                if form == Form::Compliance {
+                    // With more given up the next one goes on from here.
+                    self.solver.warm_start(&mut self.warm);
+                }
+                break;
+            }
+        }
+        self.solution.status
     }
 
     /// Whether limits contradict one another as they did last; if so, the proof is in the solution. Begins with the

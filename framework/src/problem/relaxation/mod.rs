@@ -4,7 +4,10 @@
 //! A limit `l ≤ a x ≤ u` that is given up becomes `l ≤ a x + e ≤ u` with a free variable `e` of its own that costs
 //! `w e²`; `e` is what the solution takes beyond the limit. An equality is the case `l = u`, a bound on a variable the
 //! case of a unit row, and so is a bound on an eliminated effort, whose row stays with the actuator's own limits. So
-//! the problem keeps its rows and gets one variable per limit given up, and it says by how much each had to give.
+//! the problem keeps its rows and says by how much each limit given up had to give. Of a large problem the active-set
+//! method eliminates `e`, whose row gives by `1/w` per unit of its multiplier
+//! ([`ActiveSet::solve_soft`](crate::qp::ActiveSet::solve_soft)); a small one, or one that does not come to an end that
+//! way, gets one variable per limit given up.
 //!
 //! The price is heavy and scale-free: with the cost `½ xᵀHx`, moving `a x` by one costs at least
 //! `½ κ, κ = 1/(a H⁻¹ aᵀ) ≤ n / Σ a_j²/h_jj` (Jacobi scaling, and the largest eigenvalue of a matrix with a unit
@@ -20,6 +23,8 @@
 
 mod certificate;
 mod problem;
+
+pub(crate) use problem::Form;
 
 use super::{BoundEntry, Problem, Table, Treatment};
 use crate::{
@@ -81,6 +86,10 @@ pub(crate) struct Relaxation {
     /// Who set the lower and the upper bound of each variable.
     bound_owner: Vec<[Option<RowId>; 2]>,
     pub(crate) qp: Qp,
+    /// By how much each row of it gives per unit of its multiplier.
+    pub(crate) compliance: Vec<f64>,
+    /// `1/h_jj` of the tick's variables, for the problem built last.
+    softness: Vec<f64>,
 }
 
 impl Relaxation {
@@ -127,6 +136,8 @@ impl Relaxation {
             given: Vec::with_capacity(limits),
             bound_owner: vec![[None; 2]; capacity.vars],
             qp: Qp::new(capacity),
+            compliance: Vec::with_capacity(capacity.rows),
+            softness: Vec::with_capacity(capacity.vars),
         }
     }
 

@@ -15,6 +15,15 @@ const PRICE: f64 = 1e4;
 /// Factors of the levels, the first to go first; those of the rest are the last.
 const STEPS: [f64; 5] = [1.0, 1e1, 1e2, 1e3, 1e4];
 
+/// Where the problem has what a solution takes beyond the limits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Form {
+    /// Rows give: [`Relaxation::compliance`].
+    Compliance,
+    /// In variables, which any solver understands.
+    Slacks,
+}
+
 impl Relaxation {
     /// Builds the problem from the tick's. Its first variables are those of the tick's problem.
     pub(crate) fn build(
@@ -23,11 +32,16 @@ impl Relaxation {
         terms: &DynamicsTerms<'_>,
         entries: &[BoundEntry],
         base: &Qp,
+        form: Form,
     ) {
         let n = base.n();
         self.collect(problem, terms, entries, base);
         let (first_slack, first_row) = (self.first_slack, self.first_row);
-        let slacks = self.given.iter().map(|given| {
+        let as_variables = match form {
+            Form::Compliance => 0,
+            Form::Slacks => self.given.len(),
+        };
+        let slacks = self.given[..as_variables].iter().map(|given| {
             let id = match given.at {
                 At::Row(_) => given.id.index() as u32,
                 At::Variable(_) | At::Torque(_) => first_row + given.id.index() as u32,
@@ -36,7 +50,8 @@ impl Relaxation {
         });
         let made = self.qp.reset(base.vars().iter().copied().chain(slacks));
         debug_assert!(made.is_ok(), "{made:?}");
-        self.write_cost(problem, base);
+        self.write_cost(base);
+        self.compliance.clear();
         let mut next = 0;
         for i in 0..base.m() {
             let given = self.given.get(next);
@@ -58,12 +73,15 @@ impl Relaxation {
                 return;
             };
             row[..n].copy_from_slice(base.row(i));
-            if given.is_some() {
-                row[n + next] = 1.0;
+            let given = given.copied();
+            self.compliance.push(0.0);
+            if let Some(given) = given {
+                self.let_give(problem, base, given, (i, next), form);
                 next += 1;
             }
         }
-        for (k, given) in self.given.iter().enumerate().skip(next) {
+        for k in next..self.given.len() {
+            let given = self.given[k];
             let id = RowId::new(first_row + given.id.index() as u32);
             let Ok(row) = self.qp.push_row(id, given.lower, given.upper) else {
                 debug_assert!(
@@ -77,13 +95,15 @@ impl Relaxation {
                 At::Variable(position) => row[position] = 1.0,
                 At::Torque(i) => row[..n].copy_from_slice(base.row(i)),
             }
-            row[n + k] = 1.0;
+            self.compliance.push(0.0);
+            let row = self.qp.m() - 1;
+            self.let_give(problem, base, given, (row, k), form);
         }
         self.write_bounds(problem, terms, entries, n);
     }
 
-    /// The cost of the tick, and the prices.
-    fn write_cost(&mut self, problem: &Problem, base: &Qp) {
+    /// The cost of the tick.
+    fn write_cost(&mut self, base: &Qp) {
         let n = base.n();
         let wide = self.qp.n();
         let (h, g) = self.qp.cost_mut();
@@ -91,33 +111,53 @@ impl Relaxation {
             to[..n].copy_from_slice(from);
         }
         g[..n].copy_from_slice(base.g());
+        self.softness.clear();
+        let diagonal = base.h().iter().step_by(n + 1);
+        let softness = diagonal.map(|h| if *h > 0.0 { 1.0 / h } else { 0.0 });
+        self.softness.extend(softness.take(n));
+    }
+
+    /// Has the row of the k-th limit given up give, at its price.
+    fn let_give(
+        &mut self,
+        problem: &Problem,
+        base: &Qp,
+        given: RelaxedLimit,
+        (row, k): (usize, usize),
+        form: Form,
+    ) {
+        let price = self.price(problem, base, given);
+        match form {
+            Form::Compliance => self.compliance[row] = 1.0 / price,
+            Form::Slacks => {
+                let (n, wide) = (base.n(), self.qp.n());
+                self.qp.row_mut(row)[n + k] = 1.0;
+                self.qp.h_mut()[(n + k) * wide + n + k] = price;
+            }
+        }
+    }
+
+    /// What it costs to be beyond a limit that is given up: the second derivative.
+    fn price(&self, problem: &Problem, base: &Qp, given: RelaxedLimit) -> f64 {
         let floor = if problem.partition.substituted < problem.partition.nv {
             problem.largest_weight
         } else {
             0.0
         };
-        for (k, given) in self.given.iter().enumerate() {
-            let reach = |j: usize, a: f64| {
-                let h = base.h()[j * n + j];
-                if h > 0.0 { a * a / h } else { 0.0 }
-            };
-            let reach: f64 = match given.at {
-                At::Row(i) | At::Torque(i) => base
-                    .row(i)
-                    .iter()
-                    .enumerate()
-                    .map(|(j, a)| reach(j, *a))
-                    .sum(),
-                At::Variable(j) => reach(j, 1.0),
-            };
-            let bound = n as f64 / reach;
-            let curvature = if bound.is_finite() {
-                bound.max(floor)
-            } else {
-                1.0
-            };
-            h[(n + k) * wide + n + k] = curvature * PRICE * STEPS[given.level.min(STEPS.len() - 1)];
-        }
+        let reach: f64 = match given.at {
+            At::Row(i) | At::Torque(i) => {
+                let terms = base.row(i).iter().zip(&self.softness);
+                terms.map(|(a, softness)| a * a * softness).sum()
+            }
+            At::Variable(j) => self.softness[j],
+        };
+        let bound = base.n() as f64 / reach;
+        let curvature = if bound.is_finite() {
+            bound.max(floor)
+        } else {
+            1.0
+        };
+        curvature * PRICE * STEPS[given.level.min(STEPS.len() - 1)]
     }
 
     /// Lists what is given up and in the problem: rows, then bounds, each in the order of their ids.
