@@ -81,8 +81,9 @@ fn rows_give_as_another_solver_says() {
         }
         assert_eq!(status, Ok(Status::Optimal), "{problem}");
         count += 1;
-        for i in 0..m {
-            found.x[n + i] = -compliance[i] * found.y[i];
+        let gives = compliance.iter().zip(&found.y);
+        for (e, (c, y)) in found.x[n..n + m].iter_mut().zip(gives) {
+            *e = -c * y;
         }
         let (cost, least) = (wide.objective(&found.x), wide.objective(&expected.x));
         let size = 1.0 + least.abs();
