@@ -107,7 +107,7 @@ impl Run<'_, '_> {
     fn step_by_residual<const S: usize>(&mut self) {
         let own = &mut *self.own;
         let d = &mut own.d[..S];
-        self.hessian.solve_transposed_with(S, d);
+        self.hessian.solve_transposed_of::<S>(d);
         let used = own.tableau.places().len();
         own.products[used..].fill(0.0);
         let e = own.base.len();
@@ -145,7 +145,7 @@ impl Run<'_, '_> {
                 subtract(d, -h, normal::<S>(&own.w, held.index));
             }
         }
-        self.hessian.solve_with(S, d);
+        self.hessian.solve_of::<S>(d);
         for (x, d) in self.point.x_mut()[..S].iter_mut().zip(d) {
             *x += *d;
         }
