@@ -22,8 +22,9 @@ use super::{
     triangle::Triangle,
 };
 use crate::{Capacity, ConstraintId, Held, Qp};
+use correction::Verdict;
 use tableau::{Place, Step, Tableau, beyond, most};
-use vectors::{multiply, normal, product, subtract};
+use vectors::{add_columns, multiply, normal, product, project, subtract};
 
 /// Largest number of variables, with padding.
 const MOST: usize = 32;
@@ -32,8 +33,9 @@ const STEPS: u32 = 6;
 const PATIENCE: u32 = 20;
 /// Times that a corrected point may turn out to violate a constraint.
 const CORRECTIONS: u32 = 4;
-/// Part of the farthest violation's distance that makes another violated constraint a candidate.
-const FAR: f64 = 0.1;
+/// Part of the farthest violation's distance that makes another violated constraint a candidate: from nothing many are
+/// held in the end, and where something was held before, few others come.
+const FAR: [f64; 2] = [0.1, 1.0];
 
 /// Storage made once.
 #[derive(Clone, Debug, Default)]
@@ -47,9 +49,10 @@ pub(super) struct Compact {
     v: Vec<f64>,
     z: Vec<f64>,
     d: Vec<f64>,
-    /// Held by R: the equality rows, and as long as nothing has changed the inequalities as well.
+    /// The equality rows, and as long as nothing has changed the inequalities as well: `W = Q R`.
     base: Vec<Active>,
-    /// Of the normals of the base.
+    /// Q by columns.
+    q: Vec<f64>,
     r: Triangle,
     /// `R⁻ᵀ (b + Wᵀ v)`, of the base.
     y: Vec<f64>,
@@ -89,6 +92,7 @@ impl Compact {
             z: vec![0.0; stride],
             d: vec![0.0; stride],
             base: Vec::with_capacity(n),
+            q: vec![0.0; stride * n],
             r: Triangle::new(n),
             y: vec![0.0; n],
             of_base: vec![0.0; n],
@@ -128,6 +132,7 @@ impl Compact {
             hessian,
             point,
             limits,
+            far: FAR[usize::from(!previous.is_empty())],
             iterations,
         };
         let end = match (qp.n(), padded(qp.n())) {
@@ -194,6 +199,8 @@ struct Run<'a, 'b> {
     hessian: &'a Hessian,
     point: &'a mut Point,
     limits: &'a mut Limits<'b>,
+    /// Of [`FAR`].
+    far: f64,
     iterations: &'a mut u32,
 }
 
@@ -232,8 +239,8 @@ impl Run<'_, '_> {
             self.find_violated(self.limits.tolerance);
             if self.own.violated.is_empty() {
                 match self.correct::<S, EXACT>() {
-                    Some(true) => return End::Optimal,
-                    Some(false) if corrections < CORRECTIONS => corrections += 1,
+                    Verdict::Optimal => return End::Optimal,
+                    Verdict::Improved if corrections < CORRECTIONS => corrections += 1,
                     _ => return End::Undecided,
                 }
                 self.tabulate::<S, EXACT>();
@@ -266,8 +273,7 @@ impl Run<'_, '_> {
         let h = &mut own.h[..e];
         let mut value = -product(w, &own.v);
         if e > 0 {
-            multiply(&own.base, |held| normal::<S>(&own.w, held.index), w, h);
-            own.r.solve_transposed(0, h);
+            project::<S>(&own.q, w, h);
             value += dot(h, &own.y[..e]);
         }
         let places = own.tableau.places();
@@ -313,27 +319,21 @@ impl Run<'_, '_> {
             *z = -v;
         }
         let e = own.base.len();
-        if e > 0 {
-            let of_equalities = &mut own.of_base[..e];
-            for (m, y) in of_equalities.iter_mut().zip(&own.y) {
-                *m = -y;
-            }
-        }
+        // Of Q's columns first.
+        let parts = &mut own.of_base[..e];
+        parts.copy_from_slice(&own.y[..e]);
         for (k, place) in own.tableau.places().iter().enumerate() {
             if place.is_held() {
                 let multiplier = own.tableau.multiplier(k);
                 subtract(z, multiplier, normal::<S>(&own.w, place.index));
-                if e > 0 {
-                    axpy(&mut own.of_base[..e], -multiplier, own.tableau.h(k));
-                }
+                axpy(parts, multiplier, own.tableau.h(k));
             }
         }
-        if e > 0 {
-            own.r.solve(&mut own.of_base[..e]);
-            for (held, multiplier) in own.base.iter().zip(&own.of_base) {
-                subtract(z, *multiplier, normal::<S>(&own.w, held.index));
-            }
+        add_columns::<S>(z, parts, &own.q);
+        for part in &mut *parts {
+            *part = -*part;
         }
+        own.r.solve(parts);
         self.hessian.solve_of::<S>(z);
         self.point.x_mut()[..S].copy_from_slice(z);
         self.point.evaluate(self.qp);
@@ -387,7 +387,7 @@ impl Run<'_, '_> {
         };
         for i in 0..self.own.violated.len() {
             let (distance, index) = self.own.violated[i];
-            if distance >= FAR * FAR * most {
+            if distance >= self.far * self.far * most {
                 let at = self.consider::<S, EXACT>(index);
                 // Without the rounding of many pivots.
                 self.own.tableau.set_value(at, self.point.value(index));
