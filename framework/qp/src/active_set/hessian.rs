@@ -269,23 +269,27 @@ impl Hessian {
     /// Replaces `a` by `w = U⁻ᵀ a`; returns which components of w may differ from zero, in whole lanes.
     pub(super) fn solve_transposed(&self, a: &mut [f64]) -> Range<usize> {
         match self.stride {
-            8 => self.solve_transposed_of::<8>(a),
-            12 => self.solve_transposed_of::<12>(a),
-            16 => self.solve_transposed_of::<16>(a),
-            32 => self.solve_transposed_of::<32>(a),
-            stride if self.is_full => self.solve_transposed_with::<true>(stride, a),
-            stride => self.solve_transposed_with::<false>(stride, a),
+            8 => self.solve_transposed_of::<8>(0, a),
+            12 => self.solve_transposed_of::<12>(0, a),
+            16 => self.solve_transposed_of::<16>(0, a),
+            32 => self.solve_transposed_of::<32>(0, a),
+            stride if self.is_full => self.solve_transposed_with::<true>(stride, 0, a),
+            stride => self.solve_transposed_with::<false>(stride, 0, a),
         }
     }
 
-    /// The same, where the stride is known.
+    /// The same, where the stride is known, and the first component that may differ from zero.
     #[expect(clippy::inline_always, reason = "the stride is to be known")]
     #[inline(always)]
-    pub(super) fn solve_transposed_of<const S: usize>(&self, a: &mut [f64]) -> Range<usize> {
+    pub(super) fn solve_transposed_of<const S: usize>(
+        &self,
+        first: usize,
+        a: &mut [f64],
+    ) -> Range<usize> {
         if self.is_full {
-            self.solve_transposed_with::<true>(S, a)
+            self.solve_transposed_with::<true>(S, first, a)
         } else {
-            self.solve_transposed_with::<false>(S, a)
+            self.solve_transposed_with::<false>(S, first, a)
         }
     }
 
@@ -294,6 +298,7 @@ impl Hessian {
     fn solve_transposed_with<const FULL: bool>(
         &self,
         stride: usize,
+        begin: usize,
         a: &mut [f64],
     ) -> Range<usize> {
         let (u, a) = (&self.u[..stride * stride], &mut a[..stride]);
@@ -302,6 +307,9 @@ impl Hessian {
         for (b, inverse) in inverses.iter().enumerate() {
             let (first, end) = (b * LANES, self.end::<FULL>(b, stride));
             let next = first + LANES;
+            if stride <= SMALL && next <= begin {
+                continue;
+            }
             let (head, tail) = a.split_at_mut(next);
             let w = &mut head[first..];
             if !FULL && w.iter().all(|w| *w == 0.0) {

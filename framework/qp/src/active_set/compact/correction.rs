@@ -117,7 +117,7 @@ impl Run<'_, '_> {
     fn step_by_residual<const S: usize>(&mut self) {
         let own = &mut *self.own;
         let d = &mut own.d[..S];
-        self.hessian.solve_transposed_of::<S>(d);
+        self.hessian.solve_transposed_of::<S>(0, d);
         let used = own.tableau.places().len();
         own.products[used..].fill(0.0);
         let e = own.base.len();

@@ -213,7 +213,7 @@ impl Run<'_, '_> {
         let v = &mut self.own.v[..S];
         v[..n].copy_from_slice(&self.qp.g()[..n]);
         v[n..].fill(0.0);
-        self.hessian.solve_transposed_of::<S>(v);
+        self.hessian.solve_transposed_of::<S>(0, v);
         if !self.hold_equalities::<S, EXACT>() {
             return End::Undecided;
         }
@@ -300,13 +300,14 @@ impl Run<'_, '_> {
             None => {
                 w[..n].copy_from_slice(&self.qp.a()[index * n..][..n]);
                 w[n..].fill(0.0);
+                self.hessian.solve_transposed_of::<S>(0, w);
             }
             Some(j) => {
                 w.fill(0.0);
                 w[j] = 1.0;
+                self.hessian.solve_transposed_of::<S>(j, w);
             }
         }
-        self.hessian.solve_transposed_of::<S>(w);
         let w: &[f64; S] = normal::<S>(&own.w, index);
         own.squares[index] = product(w, w);
     }
