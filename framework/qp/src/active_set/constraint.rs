@@ -1,7 +1,5 @@
 //! Rows and bounds seen as one list of constraints: rows first, then one bound per variable.
 
-use std::array::from_fn;
-
 use super::kernels::{LANES, dot, largest};
 use crate::Qp;
 
@@ -96,30 +94,44 @@ pub(super) fn all_hold(qp: &Qp, x: &[f64]) -> bool {
 /// A constraint that nothing satisfies: its lower limit is above its upper one by more than rounding, or it has no
 /// coefficients, and limits that zero is not between.
 pub(super) fn impossible(qp: &Qp) -> Option<Active> {
-    let crossed_limits = |lower: f64, upper: f64| lower > upper;
-    let away_from_zero = |lower: f64, upper: f64| lower > EMPTY || upper < -EMPTY;
     let (rows, bounds) = ((qp.row_lower(), qp.row_upper()), (qp.lower(), qp.upper()));
-    let any_crossed = any(rows, crossed_limits) | any(bounds, crossed_limits);
-    let any_away = any(rows, away_from_zero);
+    let crossing = |lower: f64, upper: f64| lower - upper;
+    let away_from_zero = |lower: f64, upper: f64| larger(lower, -upper);
+    let is_any_crossed = largest_of(rows, crossing) > 0.0 || largest_of(bounds, crossing) > 0.0;
+    let is_any_away = largest_of(rows, away_from_zero) > EMPTY;
     let crossed = || (0..count(qp)).find_map(|index| crossed(qp, index));
-    let beyond = || (0..qp.m()).find_map(|index| beyond_zero(qp, index));
-    let first = if any_crossed { crossed() } else { None };
-    if first.is_none() && any_away {
-        return beyond();
+    let first = if is_any_crossed { crossed() } else { None };
+    if first.is_some() || !is_any_away {
+        return first;
     }
-    first
+    let mut away = rows.0.iter().zip(rows.1).enumerate();
+    away.find_map(|(index, (lower, upper))| {
+        let is_away = away_from_zero(*lower, *upper) > EMPTY;
+        (is_away && is_empty(qp, index)).then(|| beyond_zero(index, *lower, *upper))
+    })
 }
 
-/// Whether any limits are of a kind: four at a time, and nothing is decided on the way, since most problems have none.
-fn any((lower, upper): (&[f64], &[f64]), is: impl Fn(f64, f64) -> bool) -> bool {
+fn larger(a: f64, b: f64) -> f64 {
+    if b > a { b } else { a }
+}
+
+/// The largest of what is computed from limits: four at a time, and nothing is decided on the way.
+#[inline]
+fn largest_of((lower, upper): (&[f64], &[f64]), of: impl Fn(f64, f64) -> f64) -> f64 {
     let ((lowers, lower_rest), (uppers, upper_rest)) =
         (lower.as_chunks::<LANES>(), upper.as_chunks::<LANES>());
-    let mut are = [false; LANES];
+    let mut lanes = [f64::NEG_INFINITY; LANES];
     for (lower, upper) in lowers.iter().zip(uppers) {
-        are = from_fn(|i| are[i] | is(lower[i], upper[i]));
+        for l in 0..LANES {
+            lanes[l] = larger(lanes[l], of(lower[l], upper[l]));
+        }
     }
-    let mut rest = lower_rest.iter().zip(upper_rest);
-    are != [false; LANES] || rest.any(|(lower, upper)| is(*lower, *upper))
+    let rest = lower_rest.iter().zip(upper_rest);
+    let rest = rest.map(|(lower, upper)| of(*lower, *upper));
+    lanes
+        .into_iter()
+        .chain(rest)
+        .fold(f64::NEG_INFINITY, larger)
 }
 
 /// A constraint whose limits are crossed by more than rounding.
@@ -136,14 +148,13 @@ fn crossed(qp: &Qp, index: usize) -> Option<Active> {
 }
 
 /// A row without coefficients that zero does not satisfy.
-fn beyond_zero(qp: &Qp, index: usize) -> Option<Active> {
-    let (lower, upper) = limits(qp, index);
-    let (side, limit, excess) = if upper < 0.0 {
-        (1.0, upper, -upper)
+fn beyond_zero(index: usize, lower: f64, upper: f64) -> Active {
+    let (side, limit) = if upper < 0.0 {
+        (1.0, upper)
     } else {
-        (-1.0, lower, lower)
+        (-1.0, lower)
     };
-    (excess > EMPTY && is_empty(qp, index)).then_some(Active { index, side, limit })
+    Active { index, side, limit }
 }
 
 /// Whether a row has no coefficients.

@@ -38,6 +38,8 @@ pub(super) struct Hessian {
     /// `−Σ σ_i b_i a_i`, if equality rows were added.
     shift: Vec<f64>,
     is_shifted: bool,
+    /// Whether zeros are not looked for.
+    is_full: bool,
 }
 
 impl Hessian {
@@ -86,17 +88,15 @@ impl Hessian {
     /// Where the entries of a block of rows of U end.
     #[expect(clippy::inline_always, reason = "the stride is to be known")]
     #[inline(always)]
-    fn end(&self, block: usize, stride: usize) -> usize {
-        if stride <= SMALL {
-            stride
-        } else {
-            self.ends[block]
-        }
+    fn end<const FULL: bool>(&self, block: usize, stride: usize) -> usize {
+        if FULL { stride } else { self.ends[block] }
     }
 
     fn load(&mut self, qp: &Qp) {
         let (n, stride) = (self.n, self.stride);
-        if stride <= SMALL {
+        // Where the first row reaches the last column, elimination leaves few zeros.
+        self.is_full = stride <= SMALL || qp.h()[n - 1] != 0.0;
+        if self.is_full {
             self.load_all(qp);
             return;
         }
@@ -201,23 +201,25 @@ impl Hessian {
     /// Right-looking Cholesky by blocks of four rows; false at the first weak pivot.
     fn eliminate(&mut self) -> bool {
         // Loops of a length that the compiler knows take half the time.
-        match self.stride {
-            8 => self.eliminate_with(8),
-            12 => self.eliminate_with(12),
-            16 => self.eliminate_with(16),
-            stride => self.eliminate_with(stride),
+        match (self.stride, self.is_full) {
+            (8, true) => self.eliminate_with::<true>(8),
+            (12, true) => self.eliminate_with::<true>(12),
+            (16, true) => self.eliminate_with::<true>(16),
+            (32, true) => self.eliminate_with::<true>(32),
+            (stride, true) => self.eliminate_with::<true>(stride),
+            (stride, false) => self.eliminate_with::<false>(stride),
         }
     }
 
     #[expect(clippy::inline_always, reason = "the stride is to be known")]
     #[inline(always)]
-    fn eliminate_with(&mut self, stride: usize) -> bool {
+    fn eliminate_with<const FULL: bool>(&mut self, stride: usize) -> bool {
         let diagonal = self.diagonal[..stride].iter_mut();
         for (k, (d, row)) in diagonal.zip(self.u.chunks_exact(stride)).enumerate() {
             *d = row[k];
         }
         for first in (0..stride).step_by(LANES) {
-            let (end, next) = (self.end(first / LANES, stride), first + LANES);
+            let (end, next) = (self.end::<FULL>(first / LANES, stride), first + LANES);
             let (above, below) = self.u[..stride * stride].split_at_mut(next * stride);
             let rows = &mut above[first * stride..];
             let Some(pivots) =
@@ -237,7 +239,7 @@ impl Hessian {
                     block(rows, 2 * stride + at),
                     block(rows, 3 * stride + at),
                 ];
-                if stride > SMALL {
+                if !FULL {
                     if factors.as_flattened().iter().all(|f| *f == 0.0) {
                         continue;
                     }
@@ -267,25 +269,50 @@ impl Hessian {
     /// Replaces `a` by `w = U⁻ᵀ a`; returns which components of w may differ from zero, in whole lanes.
     pub(super) fn solve_transposed(&self, a: &mut [f64]) -> Range<usize> {
         match self.stride {
-            8 => self.solve_transposed_with(8, a),
-            12 => self.solve_transposed_with(12, a),
-            16 => self.solve_transposed_with(16, a),
-            stride => self.solve_transposed_with(stride, a),
+            8 => self.solve_transposed_of::<8>(0, a),
+            12 => self.solve_transposed_of::<12>(0, a),
+            16 => self.solve_transposed_of::<16>(0, a),
+            32 => self.solve_transposed_of::<32>(0, a),
+            stride if self.is_full => self.solve_transposed_with::<true>(stride, 0, a),
+            stride => self.solve_transposed_with::<false>(stride, 0, a),
+        }
+    }
+
+    /// The same, where the stride is known, and the first component that may differ from zero.
+    #[expect(clippy::inline_always, reason = "the stride is to be known")]
+    #[inline(always)]
+    pub(super) fn solve_transposed_of<const S: usize>(
+        &self,
+        first: usize,
+        a: &mut [f64],
+    ) -> Range<usize> {
+        if self.is_full {
+            self.solve_transposed_with::<true>(S, first, a)
+        } else {
+            self.solve_transposed_with::<false>(S, first, a)
         }
     }
 
     #[expect(clippy::inline_always, reason = "the stride is to be known")]
     #[inline(always)]
-    pub(super) fn solve_transposed_with(&self, stride: usize, a: &mut [f64]) -> Range<usize> {
+    fn solve_transposed_with<const FULL: bool>(
+        &self,
+        stride: usize,
+        begin: usize,
+        a: &mut [f64],
+    ) -> Range<usize> {
         let (u, a) = (&self.u[..stride * stride], &mut a[..stride]);
         let inverses = &self.inverses[..stride / LANES];
         let mut range = stride..0;
         for (b, inverse) in inverses.iter().enumerate() {
-            let (first, end) = (b * LANES, self.end(b, stride));
+            let (first, end) = (b * LANES, self.end::<FULL>(b, stride));
             let next = first + LANES;
+            if stride <= SMALL && next <= begin {
+                continue;
+            }
             let (head, tail) = a.split_at_mut(next);
             let w = &mut head[first..];
-            if stride > SMALL && w.iter().all(|w| *w == 0.0) {
+            if !FULL && w.iter().all(|w| *w == 0.0) {
                 continue;
             }
             range = range.start.min(first)..range.end.max(end);
@@ -301,20 +328,33 @@ impl Hessian {
     /// Replaces `z` by `x = U⁻¹ z`.
     pub(super) fn solve(&self, z: &mut [f64]) {
         match self.stride {
-            8 => self.solve_with(8, z),
-            12 => self.solve_with(12, z),
-            16 => self.solve_with(16, z),
-            stride => self.solve_with(stride, z),
+            8 => self.solve_of::<8>(z),
+            12 => self.solve_of::<12>(z),
+            16 => self.solve_of::<16>(z),
+            32 => self.solve_of::<32>(z),
+            stride if self.is_full => self.solve_with::<true>(stride, z),
+            stride => self.solve_with::<false>(stride, z),
+        }
+    }
+
+    /// The same, where the stride is known.
+    #[expect(clippy::inline_always, reason = "the stride is to be known")]
+    #[inline(always)]
+    pub(super) fn solve_of<const S: usize>(&self, z: &mut [f64]) {
+        if self.is_full {
+            self.solve_with::<true>(S, z)
+        } else {
+            self.solve_with::<false>(S, z)
         }
     }
 
     #[expect(clippy::inline_always, reason = "the stride is to be known")]
     #[inline(always)]
-    pub(super) fn solve_with(&self, stride: usize, z: &mut [f64]) {
+    fn solve_with<const FULL: bool>(&self, stride: usize, z: &mut [f64]) {
         let (u, z) = (&self.u[..stride * stride], &mut z[..stride]);
         let inverses = &self.inverses[..stride / LANES];
         for (b, [i0, i1, i2, i3]) in inverses.iter().enumerate().rev() {
-            let (first, end) = (b * LANES, self.end(b, stride));
+            let (first, end) = (b * LANES, self.end::<FULL>(b, stride));
             let next = first + LANES;
             let (head, tail) = z.split_at_mut(next);
             let rows = &u[first * stride..];
@@ -362,7 +402,7 @@ impl Hessian {
         let x = &x[..n];
         let blocks = qp.h().chunks(LANES * n).zip(hx[..n].chunks_mut(LANES));
         for (&columns, (rows, hx)) in self.columns.iter().zip(blocks) {
-            let (begin, end) = if n <= SMALL { (0, n) } else { columns };
+            let (begin, end) = if self.is_full { (0, n) } else { columns };
             if begin >= end {
                 hx.fill(0.0);
             } else if hx.len() == LANES {

@@ -3,18 +3,22 @@
 use super::{
     Run,
     tableau::Place,
-    vectors::{multiply, normal, product},
+    vectors::{normal, product, project, subtract_columns},
 };
 use crate::{
     ConstraintId, Held,
     active_set::{
         constraint::{Active, count, equalities, limits},
-        kernels::dot,
+        kernels::{axpy, dot},
     },
 };
 
 /// Square of the sine of the angle to the rest of the base below which a normal nearly depends on it.
 const NEARLY: f64 = 1e-8;
+
+/// Square of the sine below which a normal is made orthogonal to the rest once more (twice is enough: B. N. Parlett, *The
+/// Symmetric Eigenvalue Problem*, 1980, section 6.9).
+const TWICE: f64 = 0.01;
 
 impl Run<'_, '_> {
     /// Holds all equality rows and fixed variables; false if they nearly depend on one another.
@@ -59,18 +63,32 @@ impl Run<'_, '_> {
         }
         self.know::<S, EXACT>(constraint.index);
         let own = &mut *self.own;
+        let (h, square) = (&mut own.h[..=k], own.squares[constraint.index]);
+        let (q, rest) = own.q.split_at_mut(k * S);
+        let rest = &mut rest[..S];
         let w = normal::<S>(&own.w, constraint.index);
-        let h = &mut own.h[..=k];
-        multiply(&own.base, |held| normal::<S>(&own.w, held.index), w, h);
-        own.r.solve_transposed(0, &mut h[..k]);
-        let square = own.squares[constraint.index];
-        let beyond = square - dot(&h[..k], &h[..k]);
+        rest.copy_from_slice(w);
+        project::<S>(q, w, &mut h[..k]);
+        subtract_columns::<S>(rest, &h[..k], q);
+        let mut beyond = dot(rest, rest);
+        if beyond < TWICE * square {
+            // What rounding has left along Q.
+            let again = &mut own.products[..k];
+            project::<S>(q, rest, again);
+            subtract_columns::<S>(rest, again, q);
+            axpy(&mut h[..k], 1.0, again);
+            beyond = dot(rest, rest);
+        }
         // `!(… > …)`: a NaN depends, too.
         let is_far = beyond > NEARLY * square;
         if is_far {
             h[k] = beyond.sqrt();
+            let reciprocal = 1.0 / h[k];
+            for rest in rest {
+                *rest *= reciprocal;
+            }
             let known = dot(&h[..k], &own.y[..k]);
-            own.y[k] = (constraint.limit + product(w, &own.v) - known) / h[k];
+            own.y[k] = (constraint.limit + product(w, &own.v) - known) * reciprocal;
             own.r.append(h);
             own.base.push(constraint);
             own.tableau.set_base(constraint.index);

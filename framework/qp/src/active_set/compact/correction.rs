@@ -12,7 +12,7 @@ use crate::active_set::{
 /// Corrections of one point.
 const REFINEMENTS: u32 = 8;
 /// Residual of the optimality conditions, relative to their terms, that needs no correction.
-const ROUNDED: f64 = 1e-14;
+const ROUNDED: f64 = 2e-13;
 /// Residual that one correction makes exact; more is looked at again.
 const NEAR: f64 = 1e-11;
 /// Residual that cannot be made exact.
@@ -24,10 +24,20 @@ const FORGIVEN: f64 = 1e-11;
 /// Terms of `H x` that are so many times larger than their sum and than g.
 const CANCELLED: f64 = 1e6;
 
+/// What has become of a point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Verdict {
+    /// It is the optimum.
+    Optimal,
+    /// It is exact, and constraints have to come or go.
+    Improved,
+    /// It cannot be made exact.
+    Rounded,
+}
+
 impl Run<'_, '_> {
-    /// Corrects the point and its multipliers by the residuals of the optimality conditions. True if they are an
-    /// optimum then, false if constraints have to come or go, none if neither can be said.
-    pub(super) fn correct<const S: usize, const EXACT: bool>(&mut self) -> Option<bool> {
+    /// Corrects the point and its multipliers by the residuals of the optimality conditions.
+    pub(super) fn correct<const S: usize, const EXACT: bool>(&mut self) -> Verdict {
         let (mut residual, mut is_checked) = (LOST / GAIN, true);
         for _ in 0..REFINEMENTS {
             let before = residual;
@@ -35,7 +45,7 @@ impl Run<'_, '_> {
             // `!(… ≤ …)`: a NaN is lost.
             let can_be_corrected = residual <= GAIN * before;
             if !can_be_corrected {
-                return None;
+                return Verdict::Rounded;
             }
             if residual > ROUNDED {
                 self.step_by_residual::<S>();
@@ -46,17 +56,17 @@ impl Run<'_, '_> {
             }
         }
         if residual > NEAR || self.point.largest() > CANCELLED * self.own.pull {
-            return None;
+            return Verdict::Rounded;
         }
         if is_checked && !self.own.is_any_outside {
-            return Some(self.has_right_signs());
+            return self.verdict();
         }
         self.point.be_strict();
         self.find_violated(self.limits.tolerance.max(FORGIVEN));
         if !self.own.violated.is_empty() {
-            return Some(false);
+            return Verdict::Improved;
         }
-        Some(self.has_right_signs())
+        self.verdict()
     }
 
     /// `H x + g + N λ` and, by place, `b − Nᵀ x`; returns the larger of their sizes relative to what they are the
@@ -107,7 +117,7 @@ impl Run<'_, '_> {
     fn step_by_residual<const S: usize>(&mut self) {
         let own = &mut *self.own;
         let d = &mut own.d[..S];
-        self.hessian.solve_transposed_with(S, d);
+        self.hessian.solve_transposed_of::<S>(0, d);
         let used = own.tableau.places().len();
         own.products[used..].fill(0.0);
         let e = own.base.len();
@@ -145,20 +155,25 @@ impl Run<'_, '_> {
                 subtract(d, -h, normal::<S>(&own.w, held.index));
             }
         }
-        self.hessian.solve_with(S, d);
+        self.hessian.solve_of::<S>(d);
         for (x, d) in self.point.x_mut()[..S].iter_mut().zip(d) {
             *x += *d;
         }
         self.point.evaluate(self.qp);
     }
 
-    /// Whether no multiplier has the wrong sign by more than is forgiven.
-    fn has_right_signs(&self) -> bool {
+    /// Whether any multiplier of a point that violates nothing has the wrong sign by more than is forgiven.
+    fn verdict(&self) -> Verdict {
         let size = self.own.pull.max(self.point.largest());
         let unit = self.point.unit();
-        self.own.multipliers().all(|(held, multiplier)| {
+        let are_right = self.own.multipliers().all(|(held, multiplier)| {
             let wrong = -multiplier * held.side;
             wrong <= 0.0 || wrong * largest_normal(self.qp, held.index, unit) <= FORGIVEN * size
-        })
+        });
+        if are_right {
+            Verdict::Optimal
+        } else {
+            Verdict::Improved
+        }
     }
 }

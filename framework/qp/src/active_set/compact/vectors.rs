@@ -1,6 +1,6 @@
 //! Inner loops over normals whose length the compiler knows.
 
-use crate::active_set::kernels::{LANES, dots_of};
+use crate::active_set::kernels::{LANES, add_rows, dots, dots_of};
 
 /// The normal of a constraint.
 pub(super) fn normal<const S: usize>(w: &[f64], index: usize) -> &[f64; S] {
@@ -40,5 +40,41 @@ pub(super) fn multiply<'a, T, const S: usize>(
     }
     for (of, out) in rest.iter().zip(out_rest) {
         *out = product(normal(of), w);
+    }
+}
+
+/// `h = Qᵀ w`, of as many columns as `h` is long.
+pub(super) fn project<const S: usize>(q: &[f64], w: &[f64], h: &mut [f64]) {
+    let (fours, rest) = h.as_chunks_mut::<LANES>();
+    let whole = fours.len() * LANES;
+    for (four, q) in fours.iter_mut().zip(q.chunks_exact(LANES * S)) {
+        *four = dots(q, S, &w[..S]);
+    }
+    for (h, q) in rest.iter_mut().zip(&q.as_chunks::<S>().0[whole..]) {
+        *h = product(q, w);
+    }
+}
+
+/// `y += Q h`, of as many columns as `h` is long.
+pub(super) fn add_columns<const S: usize>(y: &mut [f64], h: &[f64], q: &[f64]) {
+    let (fours, rest) = h.as_chunks::<LANES>();
+    let whole = fours.len() * LANES;
+    for (four, q) in fours.iter().zip(q.chunks_exact(LANES * S)) {
+        add_rows(&mut y[..S], *four, q, S);
+    }
+    for (h, q) in rest.iter().zip(&q.as_chunks::<S>().0[whole..]) {
+        subtract(y, -h, q);
+    }
+}
+
+/// `y −= Q h`, of as many columns as `h` is long.
+pub(super) fn subtract_columns<const S: usize>(y: &mut [f64], h: &[f64], q: &[f64]) {
+    let (fours, rest) = h.as_chunks::<LANES>();
+    let whole = fours.len() * LANES;
+    for (four, q) in fours.iter().zip(q.chunks_exact(LANES * S)) {
+        add_rows(&mut y[..S], four.map(|h| -h), q, S);
+    }
+    for (h, q) in rest.iter().zip(&q.as_chunks::<S>().0[whole..]) {
+        subtract(y, *h, q);
     }
 }
