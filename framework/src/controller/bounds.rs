@@ -8,7 +8,7 @@
 //! [`REACTION`]. Forces go to `c (m g + Σ thrust + Σ torque / r)` and moments to that times r, at least 0.1 m. A
 //! contact whose `force_max` is larger is taken at its word.
 
-use super::measurement::{JointBounds, Measurement, Plausible, Seen};
+use super::Measurement;
 use crate::{
     contact::ContactSpec, fault::Implausible, robot::RobotModel, settings::MeasurementLimits,
 };
@@ -25,6 +25,39 @@ const FASTEST: f64 = 1000.0;
 const REACTION: f64 = 0.001;
 /// Gravity where there is none, m/s².
 const GRAVITY: f64 = 9.81;
+
+/// Bounds for a robot, and when it was seen. In storage made once.
+#[derive(Clone, Debug)]
+pub(super) struct Plausible {
+    pub(super) linear_velocity: f64,
+    pub(super) angular_velocity: f64,
+    pub(super) linear_acceleration: f64,
+    pub(super) angular_acceleration: f64,
+    /// Per period.
+    pub(super) position_jump: f64,
+    pub(super) rotation_jump: f64,
+    pub(super) joints: Vec<JointBounds>,
+    /// Force and moment of each contact.
+    pub(super) wrenches: Vec<[f64; 2]>,
+    pub(super) period: f64,
+    pub(super) seen: Seen,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(super) struct JointBounds {
+    pub(super) velocity: f64,
+    pub(super) acceleration: f64,
+    pub(super) jump: f64,
+}
+
+/// When the robot was seen.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Seen {
+    /// Stamp of the last measurement whose speeds and forces were plausible; nothing if there is none to compare with.
+    pub(super) last: Option<f64>,
+    /// The longest time between two of them since the last usable one, s.
+    pub(super) gap: f64,
+}
 
 impl Plausible {
     pub(super) fn new(
@@ -107,6 +140,14 @@ impl Plausible {
             max_force: wrench(0),
             max_moment: wrench(1),
         }
+    }
+
+    /// The next measurement is compared with a state that was seen at this time.
+    pub(super) fn restart(&mut self, stamp: f64) {
+        self.seen = Seen {
+            last: Some(stamp),
+            gap: 0.0,
+        };
     }
 
     /// What of the speeds and forces is not plausible.

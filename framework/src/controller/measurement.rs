@@ -14,6 +14,7 @@
 
 use nalgebra::{UnitQuaternion, Vector6};
 
+use super::bounds::Plausible;
 use crate::{
     contact::ContactId,
     fault::{Fault, Implausible, Measured, Quantity},
@@ -87,39 +88,6 @@ impl Measurement {
     }
 }
 
-/// Bounds for a robot, and when it was seen. In storage made once.
-#[derive(Clone, Debug)]
-pub(super) struct Plausible {
-    pub(super) linear_velocity: f64,
-    pub(super) angular_velocity: f64,
-    pub(super) linear_acceleration: f64,
-    pub(super) angular_acceleration: f64,
-    /// Per period.
-    pub(super) position_jump: f64,
-    pub(super) rotation_jump: f64,
-    pub(super) joints: Vec<JointBounds>,
-    /// Force and moment of each contact.
-    pub(super) wrenches: Vec<[f64; 2]>,
-    pub(super) period: f64,
-    pub(super) seen: Seen,
-}
-
-#[derive(Clone, Copy, Debug)]
-pub(super) struct JointBounds {
-    pub(super) velocity: f64,
-    pub(super) acceleration: f64,
-    pub(super) jump: f64,
-}
-
-/// When the robot was seen.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Seen {
-    /// Stamp of the last measurement whose speeds and forces were plausible; nothing if there is none to compare with.
-    pub(super) last: Option<f64>,
-    /// The longest time between two of them since the last usable one, s.
-    pub(super) gap: f64,
-}
-
 impl Plausible {
     /// What of a measurement is not plausible, if anything; all its numbers are finite. `last` is the last usable
     /// state, and `stamp` its time.
@@ -141,14 +109,6 @@ impl Plausible {
         fault
             .or_else(|| self.forces(measurement))
             .map(Fault::Implausible)
-    }
-
-    /// The next measurement is compared with a state that was seen at this time.
-    pub(super) fn restart(&mut self, stamp: f64) {
-        self.seen = Seen {
-            last: Some(stamp),
-            gap: 0.0,
-        };
     }
 
     /// Takes down that the robot is seen now; for how long it was not since the last usable measurement, if there was

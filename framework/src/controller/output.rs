@@ -23,7 +23,7 @@
 //! What is cut off by more than [`NEGLIGIBLE`] of the actuator's range (of the effort's own size where there is no
 //! limit) was not rounding: that command is not the optimum, whatever the solver said, and the tick says so.
 
-use super::{ActiveRow, ContactReport, Report, Side, world::World};
+use super::{ActiveRow, Command, ContactReport, CutEffort, Report, Side, world::World};
 use crate::{
     fault::Fault,
     problem::{BoundEntry, Problem, dot},
@@ -36,30 +36,7 @@ use wbqp_dynamics::{
     state::State,
 };
 
-/// The command of a tick, in storage made once.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Command {
-    /// Effort of every actuator in the order of `u`: thrust N, torque N·m or force N.
-    pub effort: Vec<f64>,
-    /// Speed of every actuator that is a rotor, rad/s; 0 for joints. Same order as `effort`.
-    pub rotor_speed: Vec<f64>,
-    /// Acceleration of every joint, rad/s² or m/s², in the model's order.
-    pub joint_acceleration: Vec<f64>,
-    /// Velocity reference of every joint, rad/s or m/s, in the model's order.
-    pub joint_velocity: Vec<f64>,
-}
-
 impl Command {
-    pub(crate) fn new(robot: &RobotModel) -> Self {
-        let joints = robot.model.joints().len();
-        Self {
-            effort: vec![0.0; robot.nu()],
-            rotor_speed: vec![0.0; robot.nu()],
-            joint_acceleration: vec![0.0; joints],
-            joint_velocity: vec![0.0; joints],
-        }
-    }
-
     /// Takes over another command of the same robot.
     pub(crate) fn copy_from(&mut self, other: &Self) {
         self.effort.copy_from_slice(&other.effort);
@@ -108,17 +85,6 @@ pub(super) fn leaked(seconds: f64, leak: f64) -> f64 {
 
 /// Share of an actuator's range that counts as rounding.
 pub(super) const NEGLIGIBLE: f64 = 1e-9;
-
-/// What the last gate did to an effort.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CutEffort {
-    /// Whose.
-    pub actuator: ActuatorId,
-    /// What would have been sent, N or N·m.
-    pub asked: f64,
-    /// What was sent, N or N·m.
-    pub sent: f64,
-}
 
 /// What the gate changed by more than rounding, the first of each kind.
 #[derive(Clone, Copy, Debug)]

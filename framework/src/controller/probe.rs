@@ -13,8 +13,7 @@ use crate::{
     contact::{ContactBinding, ContactId, ContactSpec},
     error::BindError,
     plugin::{
-        AnyPlugin, BoundPlugin, EntryState, Layout, Setup,
-        rows::{RowStore, Variable},
+        AnyPlugin, BoundPlugin, EntryState, Layout, Setup, rows::Variable, storage::RowStore,
     },
     robot::RobotModel,
 };

@@ -1,69 +1,18 @@
 //! A tick, from top to bottom: measurement → kinematics and dynamics → rows of tasks and constraints → quadratic
 //! program → solver → command and report.
 
-use nalgebra::DVector;
-
 use super::{
-    FallbackLevel, Measurement,
-    entry_id::Stamp,
-    fallback::{Fallback, elapsed},
-    measurement::Plausible,
-    output::{Command, Gate},
-    record::{MadeFrom, Record, Recorder, recall_rows, record_inputs, record_outcome, record_rows},
-    report::Report,
-    running::{FirstTick, RunningPlugin},
-    sensitivity::Before,
-    world::World,
+    Command, Controller, FallbackLevel, Measurement, Report,
+    fallback::elapsed,
+    record::{Record, recall_rows, record_inputs, record_outcome, record_rows},
 };
 use crate::{
     fault::Fault,
     plugin::EntryState,
-    problem::{BoundEntry, Problem, Solved, Table},
-    qp::{Budget, Qp, Solution, Solver, Status},
-    robot::RobotModel,
-    settings::Settings,
+    problem::Solved,
+    qp::{Budget, Status},
     stopwatch::{StageTimes, Stopwatch},
 };
-use wbqp_dynamics::Actuation;
-
-/// A whole-body controller bound to a robot.
-///
-/// Made by [`Controller::new`]; [`Controller::tick`] is the real-time part. Switching, replacing references and
-/// changing weights happen between ticks.
-#[derive(Debug)]
-pub struct Controller {
-    pub(super) settings: Settings,
-    pub(super) robot: RobotModel,
-    /// One per task, then one per constraint.
-    pub(super) plugins: Vec<RunningPlugin>,
-    /// Their rows.
-    pub(super) entries: Vec<BoundEntry>,
-    pub(super) task_count: usize,
-    pub(super) table: Table,
-    pub(super) problem: Problem,
-    pub(super) actuation: Actuation,
-    pub(super) qp: Qp,
-    pub(super) solution: Solution,
-    pub(super) solver: Box<dyn Solver>,
-    pub(super) world: World,
-    pub(super) command: Command,
-    pub(super) gate: Gate,
-    pub(super) plausible: Plausible,
-    pub(super) report: Report,
-    pub(super) fallback: Fallback,
-    /// Where dumps find what the controller was made from.
-    pub(super) made_from: MadeFrom,
-    pub(super) recorder: Option<Recorder>,
-    pub(super) hover_residual: DVector<f64>,
-    pub(super) stopwatch: Box<dyn Stopwatch>,
-    pub(super) first: FirstTick,
-    /// What ids of tasks must have.
-    pub(super) stamp: Stamp,
-    /// What the last tick began with, if that is kept.
-    pub(super) before: Option<Box<Before>>,
-    /// Counts changes of plug-ins' keys.
-    pub(super) revision: u64,
-}
 
 impl Controller {
     /// One control period: from a measurement to a command.

@@ -2,18 +2,21 @@
 //!
 //! Blocks lie row-major in buffers of their own, one per declared dense block, and keep their values between
 //! ticks: a constant coefficient may be written once. A block that was not declared has no storage; asking
-//! for it gives a scratch view, and the report says whose slip it was.
+//! for it gives a scratch view, and the report says whose slip it was. [`PerRow`] gives each row a number of its own.
 
 use std::borrow::Borrow;
 
 use nalgebra::{DVectorViewMut, Dyn, MatrixViewMut, U1, Vector3};
+use schemars::JsonSchema;
+use serde::Serialize;
 
 use crate::{
     contact::{ContactId, ContactState},
     plugin::{
-        AnyConstraint, AnyTask, Constraint, Layout, Task, Tick,
-        bound::Parametrised,
+        AnyConstraint, AnyTask, Constraint, ForceReport, Layout, MotionRow, Task, Tick,
+        bound::{Running, RunningConstraint, RunningTask},
         layout::{Block, VdotBlock},
+        storage::RowStore,
     },
 };
 use wbqp_dynamics::FrameKinematics;
@@ -21,45 +24,12 @@ use wbqp_dynamics::FrameKinematics;
 /// A mutable row-major matrix view: rows of coefficients.
 pub type RowMajorMut<'a> = MatrixViewMut<'a, f64, Dyn, Dyn, Dyn, U1>;
 
-/// Storage of one entry's rows; none by default.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct RowStore {
-    pub(crate) vdot: Vec<f64>,
-    pub(crate) effort: Vec<f64>,
-    /// One per declared contact, empty if its block is made of unit rows.
-    pub(crate) forces: Vec<Vec<f64>>,
-    /// `b`, or the lower limit.
-    pub(crate) lower: Vec<f64>,
-    pub(crate) upper: Vec<f64>,
-    pub(crate) bound_lower: Vec<f64>,
-    pub(crate) bound_upper: Vec<f64>,
-    pub(crate) error: Vec<f64>,
-    /// `J̇ v` of rows whose coefficients the plug-in writes; NaN until it says so.
-    pub(super) bias: Vec<f64>,
-    /// What a task on a contact's force reports.
-    pub(crate) force_report: Option<ForceReport>,
-    /// Set when a block was written that the layout does not declare.
-    pub(crate) undeclared: bool,
-    pub(super) scratch: Vec<f64>,
-    pub(super) nv: usize,
-    pub(super) nu: usize,
-    pub(super) nf: Vec<usize>,
-}
-
 impl RowStore {
     /// Forgets what an update must say anew.
     pub(crate) fn begin(&mut self) {
         self.undeclared = false;
         self.force_report = None;
         self.bias.fill(f64::NAN);
-    }
-
-    pub(super) fn nv(&self) -> usize {
-        self.nv
-    }
-
-    pub(super) fn nu(&self) -> usize {
-        self.nu
     }
 
     /// Components of a contact's force; none of a contact that there is not.
@@ -190,7 +160,7 @@ struct Blocks<'a> {
 
 impl Blocks<'_> {
     fn vdot(&mut self) -> RowMajorMut<'_> {
-        let (m, n) = (self.layout.len(), self.store.nv);
+        let (m, n) = (self.layout.rows.len(), self.store.nv);
         view(self.vdot_rows(), m, n)
     }
 
@@ -212,7 +182,7 @@ impl Blocks<'_> {
     }
 
     fn effort(&mut self) -> RowMajorMut<'_> {
-        let (m, n) = (self.layout.len(), self.store.nu);
+        let (m, n) = (self.layout.rows.len(), self.store.nu);
         let declared = self.layout.effort == Some(Block::Dense);
         let data = pick(
             declared,
@@ -224,7 +194,7 @@ impl Blocks<'_> {
     }
 
     fn force(&mut self, contact: ContactId) -> RowMajorMut<'_> {
-        let m = self.layout.len();
+        let m = self.layout.rows.len();
         let n = self.store.nf(contact);
         let slot = self
             .layout
@@ -291,47 +261,6 @@ pub struct Rows<'a> {
     tick: &'a Tick<'a>,
 }
 
-/// What a row of a motion task is told: the error, its rate, the acceleration wanted, and the gains.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MotionRow {
-    /// `e`, actual minus desired, in the layout's error unit.
-    pub error: f64,
-    /// `ė`, the same per second.
-    pub rate: f64,
-    /// `a_d`, in the row's unit.
-    pub acceleration: f64,
-    /// Stiffness `K_P`, 1/s².
-    pub kp: f64,
-    /// Damping `K_D`, 1/s.
-    pub kd: f64,
-}
-
-impl MotionRow {
-    /// To a place that rests, critically damped: `ë + 2 √K_P ė + K_P e = 0`.
-    pub fn to_rest(error: f64, rate: f64, kp: f64) -> Self {
-        Self {
-            error,
-            rate,
-            acceleration: 0.0,
-            kp,
-            kd: 2.0 * kp.sqrt(),
-        }
-    }
-}
-
-/// The two forces that only a force task knows, C axes, N.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ForceReport {
-    /// The contact that is controlled.
-    pub contact: ContactId,
-    /// Set point `f^d`.
-    pub reference: Vector3<f64>,
-    /// What the outer loop asks of the solver, `f*` of the paper's (11).
-    pub virtual_input: Vector3<f64>,
-    /// Whether the integrator stands at its clamp.
-    pub clamped: bool,
-}
-
 impl<'a> Rows<'a> {
     pub(crate) fn new(tick: &'a Tick<'a>, layout: &'a Layout, store: &'a mut RowStore) -> Self {
         Self {
@@ -345,16 +274,10 @@ impl<'a> Rows<'a> {
     /// names; of coefficients written by the plug-in, that given to [`Rows::jacobian`].
     #[inline]
     pub fn motion(&mut self, k: usize, motion: MotionRow) {
-        let MotionRow {
-            error,
-            rate,
-            acceleration,
-            kp,
-            kd,
-        } = motion;
-        self.acceleration(k, acceleration - kd * rate - kp * error);
+        let pulled = motion.acceleration - motion.kd * motion.rate - motion.kp * motion.error;
+        self.acceleration(k, pulled);
         if let Some(out) = self.blocks.store.error.get_mut(k) {
-            *out = error;
+            *out = motion.error;
         }
     }
 
@@ -409,14 +332,14 @@ impl<'a> Rows<'a> {
     /// What `A x` should be, as it is: for a task on accelerations, `a* − J̇ v`. Size rows.
     #[inline]
     pub fn b(&mut self) -> DVectorViewMut<'_, f64> {
-        let m = self.blocks.layout.len();
+        let m = self.blocks.layout.rows.len();
         DVectorViewMut::from_slice(&mut self.blocks.store.lower, m)
     }
 
     /// The task's error (actual minus desired) in the layout's error unit, for reports and logs. Size rows.
     #[inline]
     pub fn error(&mut self) -> DVectorViewMut<'_, f64> {
-        let m = self.blocks.layout.len();
+        let m = self.blocks.layout.rows.len();
         DVectorViewMut::from_slice(&mut self.blocks.store.error, m)
     }
 
@@ -469,18 +392,6 @@ impl<'a> ConstraintRows<'a> {
     }
 }
 
-/// What runs of an entry in a tick, whether task or constraint.
-pub(crate) trait Running: Parametrised {
-    fn update(&mut self, tick: &Tick<'_>, layout: &Layout, store: &mut RowStore);
-    fn activate(&mut self);
-}
-
-/// A task with its parameters.
-pub(super) struct RunningTask<T: Task> {
-    pub(super) parameters: T,
-    pub(super) running: T::Running,
-}
-
 impl<T: Task + AnyTask> Running for RunningTask<T> {
     fn update(&mut self, tick: &Tick<'_>, layout: &Layout, store: &mut RowStore) {
         let mut rows = Rows::new(tick, layout, store);
@@ -492,12 +403,6 @@ impl<T: Task + AnyTask> Running for RunningTask<T> {
     }
 }
 
-/// A constraint with its parameters.
-pub(super) struct RunningConstraint<C: Constraint> {
-    pub(super) parameters: C,
-    pub(super) running: C::Running,
-}
-
 impl<C: Constraint + AnyConstraint> Running for RunningConstraint<C> {
     fn update(&mut self, tick: &Tick<'_>, layout: &Layout, store: &mut RowStore) {
         let mut rows = ConstraintRows::new(tick, layout, store);
@@ -506,5 +411,38 @@ impl<C: Constraint + AnyConstraint> Running for RunningConstraint<C> {
 
     fn activate(&mut self) {
         self.parameters.activate(&mut self.running);
+    }
+}
+
+/// One number for all rows, or a list with one per row: a weight, or a diagonal gain matrix.
+///
+/// ```
+/// use wbqp::{plugin::PerRow, serde_json};
+/// assert_eq!(serde_json::from_str::<PerRow>("25")?, PerRow::from(25.0));
+/// assert_eq!(serde_json::from_str::<PerRow>("[1, 2.5]")?, PerRow::from([1.0, 2.5]));
+/// # Ok::<(), serde_json::Error>(())
+/// ```
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[serde(untagged)]
+pub enum PerRow {
+    /// The same for every row.
+    Uniform(f64),
+    /// One per row.
+    Each(Vec<f64>),
+}
+
+impl PerRow {
+    /// The number of a row; zero for one that is missing.
+    #[inline]
+    pub fn row(&self, index: usize) -> f64 {
+        match self {
+            Self::Uniform(x) => *x,
+            Self::Each(x) => x.get(index).copied().unwrap_or(0.0),
+        }
+    }
+
+    /// The diagonal matrix of the first three times a vector.
+    pub fn times(&self, x: &Vector3<f64>) -> Vector3<f64> {
+        Vector3::from_fn(|i, _| self.row(i) * x[i])
     }
 }

@@ -14,7 +14,7 @@ use crate::{
     plugin::{
         Hardness, Layout, PerRow,
         layout::{Block, BoundTarget, Relation, VdotBlock},
-        rows::RowStore,
+        storage::RowStore,
     },
     qp::Capacity,
     switch::{Switch, WeightRamp},

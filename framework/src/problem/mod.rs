@@ -65,7 +65,7 @@ use nalgebra::Vector6;
 use crate::{
     contact::ContactState,
     fault::Fault,
-    plugin::{Layout, layout::Relation, rows::RowStore},
+    plugin::{Layout, layout::Relation, storage::RowStore},
     qp::{Qp, RowId, VarId},
     switch::{Switch, WeightRamp},
 };

@@ -7,10 +7,7 @@
 
 use super::super::{Side, world::World};
 use crate::{
-    plugin::{
-        layout::BoundTarget,
-        rows::{RowStore, Variable},
-    },
+    plugin::{layout::BoundTarget, rows::Variable, storage::RowStore},
     problem::{BoundEntry, Treatment},
 };
 

@@ -11,7 +11,9 @@ use super::{
 };
 use crate::{
     controller::{Controller, Measurement, running::RunningPlugin, world::World},
-    plugin::{Displacement, EntryState, Layout, Sample, Slopes, remembered::Memo, rows::RowStore},
+    plugin::{
+        Displacement, EntryState, Layout, Sample, Slopes, remembered::Memo, storage::RowStore,
+    },
     problem::{BoundEntry, Treatment},
 };
 
