@@ -261,8 +261,8 @@ impl Report {
         qp: &Qp,
         solution: &Solution,
     ) {
-        self.vdot.copy_from_slice(&problem.solved().vdot);
-        self.objective = problem.solved().objective;
+        self.vdot.copy_from_slice(&problem.solved.vdot);
+        self.objective = problem.solved.objective;
         let contacts = world.contacts.iter().zip(&world.bindings);
         for (report, (contact, binding)) in self.contacts.iter_mut().zip(contacts) {
             *report = ContactReport {
@@ -282,7 +282,7 @@ impl Report {
         for (index, (entry, report)) in tasks.iter().zip(&mut self.tasks).enumerate() {
             report.alpha = if entry.live { entry.alpha } else { 0.0 };
             let residuals = if entry.live {
-                problem.solved().residuals(index)
+                problem.solved.residuals(index)
             } else {
                 None
             };

@@ -225,7 +225,7 @@ impl Controller {
         let solved = self.stopwatch.now();
         let x = &self.solution.x[..n];
         self.problem.recover(&self.entries, x);
-        let Solved { vdot, effort, .. } = self.problem.solved();
+        let Solved { vdot, effort, .. } = &self.problem.solved;
         if !vdot.iter().chain(effort).all(|x| x.is_finite()) {
             self.report.relaxed.clear();
             return Err(Fault::Dynamics);
@@ -262,7 +262,7 @@ impl Controller {
     fn send(&mut self, level: FallbackLevel) {
         self.command
             .effort
-            .copy_from_slice(&self.problem.solved().effort);
+            .copy_from_slice(&self.problem.solved.effort);
         if self.fallback.level != level || self.fallback.on_level.ticks == 0 {
             // Velocity references start anew from the measured velocities.
             self.command.engage(&self.robot.model, &self.world.state);

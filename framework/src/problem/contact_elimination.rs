@@ -47,7 +47,7 @@ pub(crate) struct EliminatedContact {
 }
 
 /// All of them.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct ContactElimination {
     pub(super) list: Vec<EliminatedContact>,
 }

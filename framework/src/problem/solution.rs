@@ -7,8 +7,8 @@
 //! cost is the sum of `w r²` over all soft rows, of slacks and regularisation.
 
 use super::{
-    ActiveVariables, BoundEntry, ContactElimination, Partition, ReducedDynamics, Treatment,
-    linear_algebra::dot, rows::NaturalRows, variables::EffortPlace,
+    ActiveVariables, BoundEntry, Partition, ReducedDynamics, Treatment, linear_algebra::dot,
+    partition::EffortPlace, rows::NaturalRows,
 };
 use crate::plugin::layout::VdotBlock;
 
@@ -36,7 +36,6 @@ impl Solved {
     pub(super) fn take(
         &mut self,
         partition: &Partition,
-        elimination: &ContactElimination,
         reduced: &ReducedDynamics,
         active: &ActiveVariables,
         x: &[f64],
@@ -50,7 +49,7 @@ impl Solved {
         for (&velocity, y) in partition.velocities.iter().zip(&self.y) {
             self.vdot[velocity] = *y;
         }
-        for (_, contact) in elimination.live() {
+        for (_, contact) in partition.elimination.live() {
             for (row, &velocity) in contact.own().iter().enumerate() {
                 let (relation, mut sum) = contact.row(row);
                 for (g, &other) in relation.iter().zip(&contact.others) {
@@ -91,7 +90,7 @@ impl Solved {
             let weights = entry.weight.now();
             let mut values = std::mem::take(&mut self.values);
             values[..weights.len()].fill(0.0);
-            rows.evaluate(self, &mut values[..weights.len()]);
+            rows.evaluate(self, active, &mut values[..weights.len()]);
             for ((weight, value), b) in weights.iter().zip(&values).zip(&entry.store.lower) {
                 let (residual, weight) = (value - b, weight * entry.alpha);
                 sum += weight * residual * residual;

@@ -1,104 +1,25 @@
 //! The variables of a tick: which accelerations, efforts and forces are variables, and where each stands.
 //!
-//! # Mathematics
-//! The rows of the dynamics are split into those of the **substituted** accelerations `P` and of the **kept** ones `A`,
-//! the efforts into those that are **eliminated** and those that are kept:
-//!
-//! | formulation | P | eliminated efforts | rows of the dynamics in the problem |
-//! |---|---|---|---|
-//! | condensed | all | none | none |
-//! | torque-eliminated | those that no joint motor drives | joint motors', one per joint | none |
-//! | explicit | none | none | all |
-//!
-//! In the torque-eliminated form accelerations that hard contacts *determine* are substituted too
-//! ([`ContactElimination`]), as long as the contact is on. They are neither in P nor in A: each tick's
-//! [`Partition::arrange`] says where the others are.
-//!
-//! *Natural* variables are `y = (v̇_P, v̇_A, kept u, live f, live slacks)`; those of the problem are `x`, the same
-//! without `v̇_P`.
+//! *Natural* variables are `y = (v̇_P, v̇_A, kept u, live f, live slacks)`, see [`partition`](super::partition); those of
+//! the problem are `x`, the same without `v̇_P`.
 //!
 //! # Notation
 //! By *velocity* an acceleration is numbered as in `v̇`, by *column* as in y of this tick.
 
-use super::ContactElimination;
+use std::ops::Range;
+
+use super::{
+    ContactElimination,
+    partition::{Coordinate, Determined, Partition, Place, SparsityPattern},
+};
 use crate::qp::VarId;
-
-/// Where an actuator's effort is found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum EffortPlace {
-    /// A variable: this one of [`Partition::kept`].
-    Kept(usize),
-    /// Eliminated: this one of [`Partition::torques`].
-    Eliminated(usize),
-}
-
-/// An effort that is given by the dynamics' row of its joint.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Torque {
-    /// The joint's velocity.
-    pub(crate) velocity: usize,
-    /// The motor, in the order of u.
-    pub(crate) actuator: usize,
-}
-
-/// Where an acceleration is found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Place {
-    /// At this column of y.
-    Column(usize),
-    /// Determined by this motion of a contact, as this one of its joints.
-    Determined(usize, usize),
-}
-
-/// Eliminated efforts whose rows have their nonzero coefficients in the same columns.
-#[derive(Clone, Debug)]
-pub(crate) struct Branch {
-    /// Indices into [`Partition::torques`].
-    pub(crate) torques: Vec<usize>,
-    /// The accelerations.
-    pub(crate) pattern: SparsityPattern,
-    /// The kept efforts, of [`Partition::kept`].
-    pub(crate) efforts: Vec<usize>,
-    /// The contacts.
-    pub(crate) contacts: Vec<usize>,
-}
-
-/// The split. What depends on the contacts that are on is arranged anew when they change.
-#[derive(Clone, Debug)]
-pub(crate) struct Partition {
-    pub(crate) nv: usize,
-    /// Size of `P`: the first columns of y.
-    pub(crate) substituted: usize,
-    /// Accelerations in y, this tick.
-    pub(crate) accelerations: usize,
-    /// Their velocities, by column of y.
-    pub(crate) velocities: Vec<usize>,
-    /// By velocity.
-    pub(crate) places: Vec<Place>,
-    /// By actuator.
-    pub(crate) efforts: Vec<EffortPlace>,
-    /// The actuators that are variables, in the order of their columns.
-    pub(crate) kept: Vec<usize>,
-    pub(crate) torques: Vec<Torque>,
-    pub(crate) branches: Vec<Branch>,
-    /// For each column of `P`, the columns of `P` that carry it, nearest first.
-    pub(crate) ancestors: Vec<Vec<usize>>,
-    /// Number of force components of each contact.
-    pub(crate) nf: Vec<usize>,
-    /// What carries each contact.
-    pub(crate) contacts: Vec<SparsityPattern>,
-    /// What carries each requested frame.
-    pub(crate) frames: Vec<SparsityPattern>,
-    /// All accelerations.
-    pub(crate) all: SparsityPattern,
-}
 
 impl Partition {
     /// Finds the accelerations that no contact determines this tick, and where they are in y.
-    pub(crate) fn arrange(&mut self, elimination: &ContactElimination) {
+    pub(crate) fn arrange(&mut self) {
         self.velocities.truncate(self.substituted);
         self.places.fill(Place::Column(usize::MAX));
-        for (index, motion) in elimination.live() {
+        for (index, motion) in self.elimination.live() {
             for (row, &velocity) in motion.own().iter().enumerate() {
                 self.places[velocity] = Place::Determined(index, row);
             }
@@ -113,16 +34,11 @@ impl Partition {
             }
         }
         self.accelerations = self.velocities.len();
-        let places = std::mem::take(&mut self.places);
-        self.patterns_mut()
-            .for_each(|s| s.arrange(&places, elimination));
-        self.places = places;
-    }
-
-    pub(super) fn patterns_mut(&mut self) -> impl Iterator<Item = &mut SparsityPattern> {
         let branches = self.branches.iter_mut().map(|branch| &mut branch.pattern);
         let frames = self.contacts.iter_mut().chain(&mut self.frames);
-        frames.chain(branches).chain([&mut self.all])
+        for pattern in frames.chain(branches).chain([&mut self.all]) {
+            pattern.arrange(&self.places, &self.elimination);
+        }
     }
 
     /// The column of an acceleration that is in y.
@@ -137,40 +53,6 @@ impl Partition {
     pub(crate) fn first_force(&self) -> usize {
         self.accelerations + self.kept.len()
     }
-}
-
-/// An acceleration in y.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Coordinate {
-    pub(crate) velocity: usize,
-    pub(crate) column: usize,
-    /// Where its column is in [`SparsityPattern::columns`].
-    pub(crate) position: usize,
-}
-
-/// An acceleration that a contact determines.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Determined {
-    pub(crate) velocity: usize,
-    /// By which contact's motion.
-    pub(crate) motion: usize,
-    /// Which of its accelerations.
-    pub(crate) row: usize,
-}
-
-/// Accelerations, and how they are found in y.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct SparsityPattern {
-    /// All of them; never changes.
-    pub(crate) velocities: Vec<usize>,
-    /// Those in y, by column.
-    pub(crate) coordinates: Vec<Coordinate>,
-    /// Those that are not.
-    pub(crate) determined: Vec<Determined>,
-    /// Columns of y that they come down to, ascending.
-    pub(crate) columns: Vec<usize>,
-    /// Where the columns of each motion's other accelerations are in `columns`, for the motions in `determined`.
-    pub(crate) positions: Vec<Vec<usize>>,
 }
 
 impl SparsityPattern {
@@ -255,6 +137,11 @@ pub(crate) struct FirstIds {
 }
 
 impl ActiveVariables {
+    /// The columns of a contact's force; none while it is off.
+    pub(crate) fn force(&self, partition: &Partition, contact: usize) -> Range<usize> {
+        self.forces[contact].map_or(0..0, |start| start..start + partition.nf[contact])
+    }
+
     /// Lays out the live variables; true if forces are elsewhere than in the last tick.
     pub(crate) fn refresh(
         &mut self,

@@ -112,15 +112,15 @@ impl World {
 
     /// Takes down what the next tick needs of a solution that the problem has recovered.
     pub(crate) fn remember(&mut self, problem: &mut Problem, tasks: &[BoundEntry]) {
-        self.last.vdot.copy_from_slice(&problem.solved().vdot);
-        problem.collect_asked(tasks, self.last.virtual_input.as_mut_slice());
+        self.last.vdot.copy_from_slice(&problem.solved.vdot);
+        let asked = &mut problem.asked;
+        asked.collect(tasks, self.last.virtual_input.as_mut_slice());
         for (index, contact) in self.contacts.iter_mut().enumerate() {
             contact.solution.fill(0.0);
             contact.set_point.fill(0.0);
-            if let Some(force) = problem.force(index) {
-                for (&direction, f) in contact.kind.constrained().iter().zip(force) {
-                    contact.solution[direction] = *f;
-                }
+            let force = problem.force(index);
+            for (&direction, f) in contact.kind.constrained().iter().zip(force) {
+                contact.solution[direction] = *f;
             }
         }
         for task in tasks {
