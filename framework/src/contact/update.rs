@@ -46,11 +46,9 @@ impl ContactBinding {
         let rotate = |v: &Vector6<f64>| {
             let linear = R_CW * Vector3::new(v[0], v[1], v[2]);
             let angular = R_CW * Vector3::new(v[3], v[4], v[5]);
-            Vector6::new(
-                linear.x, linear.y, linear.z, angular.x, angular.y, angular.z,
-            )
+            stack(&linear, &angular)
         };
-        let velocity = Vector6::new(k.v_WF.x, k.v_WF.y, k.v_WF.z, k.w_WF.x, k.w_WF.y, k.w_WF.z);
+        let velocity = stack(&k.v_WF, &k.w_WF);
         c.V = rotate(&(velocity - self.motion.velocity_at(&k.p_WF)));
         c.surface_acceleration = rotate(&self.motion.acceleration_at(&k.p_WF));
         c.Jdot_v = rotate(&k.Jdot_v);
@@ -74,7 +72,7 @@ impl ContactBinding {
         let moment = Vector3::new(wrench[3], wrench[4], wrench[5])
             - Vector3::from(self.spec.offset).cross(&force);
         let (force, moment) = (c.R_CE * force, c.R_CE * moment);
-        c.measured = Vector6::new(force.x, force.y, force.z, moment.x, moment.y, moment.z);
+        c.measured = stack(&force, &moment);
         force
     }
 

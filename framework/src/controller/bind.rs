@@ -3,6 +3,7 @@
 use super::{
     Command, Controller,
     bounds::Plausible,
+    command::Gate,
     entry_id::Stamp,
     fallback::{Age, Clock, Fallback},
     first::FirstTick,
@@ -13,7 +14,6 @@ use super::{
     misfits::{Misfit, Misfits},
     names::owners,
     observer::Observer,
-    output::Gate,
     record::MadeFrom,
     report::{FallbackLevel, OnLevel, Report},
     running::RunningPlugin,

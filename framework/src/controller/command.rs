@@ -1,4 +1,4 @@
-//! The command of a tick.
+//! The command of a tick, and what its last gate keeps.
 
 use crate::robot::RobotModel;
 use wbqp_dynamics::actuator::ActuatorId;
@@ -37,4 +37,21 @@ pub struct CutEffort {
     pub asked: f64,
     /// What was sent, N or N·m.
     pub sent: f64,
+}
+
+/// What was sent last, and where efforts may go in this tick. In storage made once.
+#[derive(Clone, Debug)]
+pub(super) struct Gate {
+    pub(super) last: Command,
+    /// Where each effort may go.
+    pub(super) window: Vec<[f64; 2]>,
+}
+
+impl Gate {
+    pub(super) fn new(robot: &RobotModel) -> Self {
+        Self {
+            last: Command::new(robot),
+            window: robot.actuators.iter().map(|a| [a.lower, a.upper]).collect(),
+        }
+    }
 }

@@ -61,11 +61,11 @@ pub(crate) use misfits::{Misfit, MisfitKind};
 pub(crate) use record::{CommandRecord, FORMAT, MadeFrom, misfit, rerun};
 
 use bounds::Plausible;
+use command::Gate;
 use entry_id::Stamp;
 use fallback::Fallback;
 use first::FirstTick;
 use nalgebra::DVector;
-use output::Gate;
 use record::Recorder;
 use running::RunningPlugin;
 use sensitivity::Before;

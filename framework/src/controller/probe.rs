@@ -13,7 +13,8 @@ use crate::{
     contact::{ContactBinding, ContactId, ContactSpec},
     error::BindError,
     plugin::{
-        AnyPlugin, BoundPlugin, EntryState, Layout, Setup, rows::Variable, storage::RowStore,
+        AnyPlugin, BoundPlugin, EntryState, Layout, Setup,
+        storage::{RowStore, Variable},
     },
     robot::RobotModel,
 };

@@ -99,10 +99,7 @@ impl FirstTick {
         };
         self.was_refused = true;
         for (entry, report) in tasks.iter().zip(reports) {
-            report.alpha = if entry.live { entry.alpha } else { 0.0 };
-            for (out, error) in report.error.iter_mut().zip(&entry.store.error) {
-                *out = if entry.live { *error } else { 0.0 };
-            }
+            report.fill(entry);
         }
         Err(Fault::FirstError(task))
     }

@@ -212,7 +212,7 @@ impl Controller {
                 self.solution.status = Status::Unsolved;
                 n = self.qp.n();
             }
-            self.fallback.relaxation.bind_efforts(self.gate.window());
+            self.fallback.relaxation.bind_efforts(&self.gate.window);
             Some(self.fallback.relax(
                 &self.problem,
                 &terms,

@@ -7,16 +7,14 @@
 use std::borrow::Borrow;
 
 use nalgebra::{DVectorViewMut, Dyn, MatrixViewMut, U1, Vector3};
-use schemars::JsonSchema;
-use serde::Serialize;
 
 use crate::{
     contact::{ContactId, ContactState},
     plugin::{
-        AnyConstraint, AnyTask, Constraint, ForceReport, Layout, MotionRow, Task, Tick,
+        AnyConstraint, AnyTask, Constraint, ForceReport, Layout, MotionRow, PerRow, Task, Tick,
         bound::{Running, RunningConstraint, RunningTask},
         layout::{Block, VdotBlock},
-        storage::RowStore,
+        storage::{RowStore, Variable},
     },
 };
 use wbqp_dynamics::FrameKinematics;
@@ -36,17 +34,6 @@ impl RowStore {
     pub(super) fn nf(&self, contact: ContactId) -> usize {
         self.nf.get(contact.index()).copied().unwrap_or(0)
     }
-}
-
-/// What a coefficient belongs to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Variable {
-    /// A component of `v̇`.
-    Acceleration(usize),
-    /// The effort of an actuator.
-    Effort(usize),
-    /// A component of a contact's force.
-    Force(ContactId, usize),
 }
 
 /// Coefficients on accelerations that stand in a matrix: the plug-in's own, or rows of a Jacobian.
@@ -412,23 +399,6 @@ impl<C: Constraint + AnyConstraint> Running for RunningConstraint<C> {
     fn activate(&mut self) {
         self.parameters.activate(&mut self.running);
     }
-}
-
-/// One number for all rows, or a list with one per row: a weight, or a diagonal gain matrix.
-///
-/// ```
-/// use wbqp::{plugin::PerRow, serde_json};
-/// assert_eq!(serde_json::from_str::<PerRow>("25")?, PerRow::from(25.0));
-/// assert_eq!(serde_json::from_str::<PerRow>("[1, 2.5]")?, PerRow::from([1.0, 2.5]));
-/// # Ok::<(), serde_json::Error>(())
-/// ```
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-#[serde(untagged)]
-pub enum PerRow {
-    /// The same for every row.
-    Uniform(f64),
-    /// One per row.
-    Each(Vec<f64>),
 }
 
 impl PerRow {

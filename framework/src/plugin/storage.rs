@@ -4,6 +4,7 @@ use super::{
     ForceReport, Layout,
     layout::{Block, VdotBlock},
 };
+use crate::contact::ContactId;
 
 /// Storage of one entry's rows; none by default.
 #[derive(Clone, Debug, Default)]
@@ -28,6 +29,17 @@ pub(crate) struct RowStore {
     pub(super) nv: usize,
     pub(super) nu: usize,
     pub(super) nf: Vec<usize>,
+}
+
+/// What a coefficient belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Variable {
+    /// A component of `v̇`.
+    Acceleration(usize),
+    /// The effort of an actuator.
+    Effort(usize),
+    /// A component of a contact's force.
+    Force(ContactId, usize),
 }
 
 impl RowStore {

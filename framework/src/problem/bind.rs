@@ -14,7 +14,7 @@ use crate::{
     plugin::{
         Layout,
         layout::{Block, BoundTarget, VdotBlock},
-        rows::Variable,
+        storage::Variable,
     },
     qp::Capacity,
 };

@@ -18,39 +18,14 @@
 //!
 //! D is chosen once, at home ([`eliminable`](super::eliminable)).
 
-use super::{BoundEntry, Treatment};
+use super::{
+    BoundEntry, Treatment,
+    eliminable::{ContactElimination, EliminatedContact},
+};
 use crate::contact::ContactState;
 
 /// Pivots below this share of the largest coefficient of their row on `v̇_D` are as good as none.
 const SINGULAR: f64 = 1e-2;
-
-/// One contact's.
-#[derive(Clone, Debug)]
-pub(crate) struct EliminatedContact {
-    /// Whose rows.
-    pub(super) entry: usize,
-    pub(crate) contact: usize,
-    /// Rows of the contact's Jacobian.
-    pub(super) directions: Vec<usize>,
-    /// D, by velocity; before it is chosen, the joints that qualify.
-    pub(super) own: Vec<usize>,
-    /// S, by velocity, in the order of columns of y.
-    pub(crate) others: Vec<usize>,
-    /// So many of S are in the first columns of y, in their order: those of the base.
-    pub(crate) leading: usize,
-    /// This tick: whether the accelerations are substituted.
-    pub(crate) live: bool,
-    /// `[G | g]`, row-major.
-    pub(super) relation: Vec<f64>,
-    /// `[J_D | −J_S | b]`.
-    pub(super) work: Vec<f64>,
-}
-
-/// All of them.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct ContactElimination {
-    pub(super) list: Vec<EliminatedContact>,
-}
 
 impl ContactElimination {
     /// Takes the contacts' rows of this tick; true if other contacts are substituted than in the last one.

@@ -21,7 +21,7 @@ use super::{
     partition::{EffortPlace, Place},
     rows::Context,
 };
-use crate::{plugin::rows::Variable, qp::Qp};
+use crate::{plugin::storage::Variable, qp::Qp};
 use std::{array::from_fn, mem::take};
 
 /// Rows that are summed up together.

@@ -47,12 +47,13 @@ mod tree;
 mod variables;
 
 use constraints::TorqueRow;
-use contact_elimination::ContactElimination;
+use eliminable::ContactElimination;
 pub(crate) use entry::{BoundEntry, EntrySpec, Treatment};
 use hessian::NaturalCost;
 pub(crate) use linear_algebra::dot;
 pub(crate) use names::{ProblemRows, VariableNames};
 pub(crate) use partition::Partition;
+use partition::{ActiveVariables, FirstIds};
 use reduced_dynamics::ReducedDynamics;
 pub(crate) use relaxation::Relaxation;
 use rows::{Context, NaturalRows};
@@ -60,7 +61,6 @@ use solution::Asked;
 pub(crate) use solution::Solved;
 pub(crate) use table::Table;
 pub use table::{RowInfo, VarInfo};
-use variables::{ActiveVariables, FirstIds};
 
 use nalgebra::Vector6;
 
@@ -129,13 +129,7 @@ impl Problem {
         if self.partition.elimination.update(entries, terms.contacts) {
             self.arrange();
         }
-        if self.lay_out(terms, entries) {
-            self.put_together(terms, entries, qp)
-        } else if self.partition.elimination.any() {
-            self.build_with_all_rows(terms, entries, qp)
-        } else {
-            Err(Fault::MassMatrix)
-        }
+        self.put_together(terms, entries, qp)
     }
 
     /// Builds the problem of this tick without substituting anything from contacts: all limits have a row or a bound.
@@ -148,11 +142,7 @@ impl Problem {
         if self.partition.elimination.keep_all() {
             self.arrange();
         }
-        if self.lay_out(terms, entries) {
-            self.put_together(terms, entries, qp)
-        } else {
-            Err(Fault::MassMatrix)
-        }
+        self.put_together(terms, entries, qp)
     }
 
     /// Other accelerations are substituted than before.
@@ -164,14 +154,9 @@ impl Problem {
     /// Lays out the variables, and finds what the dynamics say of those that are none; false if that cannot be
     /// inverted.
     fn lay_out(&mut self, terms: &DynamicsTerms<'_>, entries: &[BoundEntry]) -> bool {
-        let live_slack = |e: usize| entries[e].live.then_some(entries[e].slack).flatten();
-        let changed = self.active.refresh(
-            &self.partition,
-            &self.first_ids,
-            |c| terms.contacts[c].live,
-            live_slack,
-        );
-        self.is_arranged &= !changed;
+        let (partition, contacts) = (&self.partition, terms.contacts);
+        let active = &mut self.active;
+        self.is_arranged &= !active.refresh(partition, &self.first_ids, contacts, entries);
         self.reduced.update(&self.partition, &self.active, terms)
     }
 
@@ -181,6 +166,13 @@ impl Problem {
         entries: &[BoundEntry],
         qp: &mut Qp,
     ) -> Result<(), Fault> {
+        if !self.lay_out(terms, entries) {
+            return if self.has_determined() {
+                self.build_with_all_rows(terms, entries, qp)
+            } else {
+                Err(Fault::MassMatrix)
+            };
+        }
         if qp.reset(self.active.vars.iter().copied()).is_err() {
             debug_assert!(false, "the storage is made for all variables");
             return Err(Fault::Solver);

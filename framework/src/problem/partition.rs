@@ -15,6 +15,7 @@
 //! [`Partition::arrange`] says where the others are.
 
 use super::ContactElimination;
+use crate::qp::VarId;
 
 /// Where an actuator's effort is found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -120,4 +121,29 @@ pub(crate) struct SparsityPattern {
     pub(crate) columns: Vec<usize>,
     /// Where the columns of each motion's other accelerations are in `columns`, for the motions in `determined`.
     pub(crate) positions: Vec<Vec<usize>>,
+}
+
+/// Columns of y of the live variables, see [`Partition`]; the packed problem has those that are not substituted, in id
+/// order. The layout depends on what is on and not on history.
+#[derive(Clone, Debug)]
+pub(crate) struct ActiveVariables {
+    /// First force component of each contact that is live.
+    pub(crate) forces: Vec<Option<usize>>,
+    /// Slack of each entry that has a live one.
+    pub(crate) slacks: Vec<Option<usize>>,
+    /// Columns before the slacks.
+    pub(crate) n_physical: usize,
+    /// All columns.
+    pub(crate) n: usize,
+    /// Identities of the problem's variables, ascending.
+    pub(crate) vars: Vec<VarId>,
+}
+
+/// First ids of the blocks of variables.
+#[derive(Clone, Debug)]
+pub(crate) struct FirstIds {
+    pub(crate) vdot: u32,
+    pub(crate) effort: u32,
+    /// First id of each contact's force.
+    pub(crate) force: Vec<u32>,
 }

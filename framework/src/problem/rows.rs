@@ -20,7 +20,7 @@ use super::{
 use crate::plugin::{
     Layout,
     layout::{Block, VdotBlock},
-    rows::Variable,
+    storage::Variable,
 };
 
 /// What rows are expanded with.

@@ -9,10 +9,12 @@
 use std::ops::Range;
 
 use super::{
-    ContactElimination,
-    partition::{Coordinate, Determined, Partition, Place, SparsityPattern},
+    BoundEntry, ContactElimination,
+    partition::{
+        ActiveVariables, Coordinate, Determined, FirstIds, Partition, Place, SparsityPattern,
+    },
 };
-use crate::qp::VarId;
+use crate::{contact::ContactState, qp::VarId};
 
 impl Partition {
     /// Finds the accelerations that no contact determines this tick, and where they are in y.
@@ -111,31 +113,6 @@ impl SparsityPattern {
     }
 }
 
-/// Columns of y of the live variables, see [`Partition`]; the packed problem has those that are not substituted, in id
-/// order. The layout depends on what is on and not on history.
-#[derive(Clone, Debug)]
-pub(crate) struct ActiveVariables {
-    /// First force component of each contact that is live.
-    pub(crate) forces: Vec<Option<usize>>,
-    /// Slack of each entry that has a live one.
-    pub(crate) slacks: Vec<Option<usize>>,
-    /// Columns before the slacks.
-    pub(crate) n_physical: usize,
-    /// All columns.
-    pub(crate) n: usize,
-    /// Identities of the problem's variables, ascending.
-    pub(crate) vars: Vec<VarId>,
-}
-
-/// First ids of the blocks of variables.
-#[derive(Clone, Debug)]
-pub(crate) struct FirstIds {
-    pub(crate) vdot: u32,
-    pub(crate) effort: u32,
-    /// First id of each contact's force.
-    pub(crate) force: Vec<u32>,
-}
-
 impl ActiveVariables {
     /// The columns of a contact's force; none while it is off.
     pub(crate) fn force(&self, partition: &Partition, contact: usize) -> Range<usize> {
@@ -147,36 +124,38 @@ impl ActiveVariables {
         &mut self,
         partition: &Partition,
         first: &FirstIds,
-        contact_is_live: impl Fn(usize) -> bool,
-        live_slack: impl Fn(usize) -> Option<VarId>,
+        contacts: &[ContactState],
+        entries: &[BoundEntry],
     ) -> bool {
-        self.vars.clear();
+        let vars = &mut self.vars;
+        vars.clear();
+        let id = |first: u32, index: usize| VarId::new(first + index as u32);
         let kept = &partition.velocities[partition.substituted..];
-        self.vars
-            .extend(kept.iter().map(|&v| VarId::new(first.vdot + v as u32)));
-        let efforts = &partition.kept;
-        self.vars
-            .extend(efforts.iter().map(|&u| VarId::new(first.effort + u as u32)));
+        vars.extend(kept.iter().map(|&velocity| id(first.vdot, velocity)));
+        vars.extend(
+            partition
+                .kept
+                .iter()
+                .map(|&actuator| id(first.effort, actuator)),
+        );
         let mut column = partition.first_force();
         let mut changed = false;
         for (contact, force) in self.forces.iter_mut().enumerate() {
-            let now = contact_is_live(contact).then_some(column);
+            let now = contacts[contact].live.then_some(column);
             changed |= *force != now;
             *force = now;
             if force.is_some() {
-                let (id, count) = (first.force[contact], partition.nf[contact]);
-                self.vars.extend((id..id + count as u32).map(VarId::new));
+                let count = partition.nf[contact];
+                vars.extend((0..count).map(|i| id(first.force[contact], i)));
                 column += count;
             }
         }
         self.n_physical = column;
-        for (entry, slack) in self.slacks.iter_mut().enumerate() {
-            let id = live_slack(entry);
+        for (entry, slack) in entries.iter().zip(&mut self.slacks) {
+            let id = entry.slack.filter(|_| entry.live);
             *slack = id.map(|_| column);
-            if let Some(id) = id {
-                self.vars.push(id);
-                column += 1;
-            }
+            column += usize::from(id.is_some());
+            vars.extend(id);
         }
         self.n = column;
         changed

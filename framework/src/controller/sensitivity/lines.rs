@@ -7,7 +7,10 @@
 
 use super::super::{Side, world::World};
 use crate::{
-    plugin::{layout::BoundTarget, rows::Variable, storage::RowStore},
+    plugin::{
+        layout::BoundTarget,
+        storage::{RowStore, Variable},
+    },
     problem::{BoundEntry, Treatment},
 };
 
