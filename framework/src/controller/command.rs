@@ -1,7 +1,7 @@
 //! The command of a tick, and what its last gate keeps.
 
 use crate::robot::RobotModel;
-use wbqp_dynamics::actuator::ActuatorId;
+use wbqp_dynamics::{actuator::ActuatorId, model::JointId};
 
 /// The command of a tick, in storage made once.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,6 +37,13 @@ pub struct CutEffort {
     pub asked: f64,
     /// What was sent, N or N·m.
     pub sent: f64,
+}
+
+/// What the gate changed by more than rounding, the first of each kind.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cut {
+    pub(super) effort: Option<CutEffort>,
+    pub(super) velocity: Option<JointId>,
 }
 
 /// What was sent last, and where efforts may go in this tick. In storage made once.

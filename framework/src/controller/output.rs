@@ -24,7 +24,8 @@
 //! limit) was not rounding: that command is not the optimum, whatever the solver said, and the tick says so.
 
 use super::{
-    ActiveRow, Command, ContactReport, CutEffort, Report, Side, TaskReport, command::Gate,
+    ActiveRow, Command, ContactReport, CutEffort, Report, Side, TaskReport,
+    command::{Cut, Gate},
     world::World,
 };
 use crate::{
@@ -88,13 +89,6 @@ pub(super) fn leaked(seconds: f64, leak: f64) -> f64 {
 
 /// Share of an actuator's range that counts as rounding.
 pub(super) const NEGLIGIBLE: f64 = 1e-9;
-
-/// What the gate changed by more than rounding, the first of each kind.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Cut {
-    pub(super) effort: Option<CutEffort>,
-    velocity: Option<JointId>,
-}
 
 impl Cut {
     pub(super) fn fault(&self) -> Option<Fault> {
@@ -254,7 +248,7 @@ impl Report {
             report.fill(entry);
             let residuals = problem.solved.residuals(index);
             for k in 0..report.residual.len() {
-                let [r, w] = residuals.map_or([0.0; 2], |residuals| residuals[k]);
+                let [r, w] = residuals.get(k).copied().unwrap_or_default();
                 report.residual[k] = r;
                 report.cost[k] = w * r * r;
             }

@@ -232,20 +232,13 @@ impl Controller {
         }
         let cut = self.gate.first_cut(&self.robot, effort);
         let fault = fault.or(cut.map(|cut| Fault::CutEffort(cut.actuator)));
-        let level = match fault {
-            None => FallbackLevel::Optimal,
-            Some(_) => FallbackLevel::Relaxed,
-        };
+        let level = fault.map_or(FallbackLevel::Optimal, |_| FallbackLevel::Relaxed);
         let tasks = &self.entries[..self.task_count];
         self.world.remember(&mut self.problem, tasks);
         self.send(level);
-        self.report.fill(
-            &self.problem,
-            &self.entries[..self.task_count],
-            &self.world,
-            &self.qp,
-            &self.solution,
-        );
+        let tasks = &self.entries[..self.task_count];
+        self.report
+            .fill(&self.problem, tasks, &self.world, &self.qp, &self.solution);
         self.fallback.without_solution.renew(measurement.time);
         let done = self.stopwatch.now();
         self.report.times = StageTimes {

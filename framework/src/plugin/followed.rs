@@ -117,7 +117,7 @@ impl Followed {
     /// Where it would be in this tick; nothing of the task's own sample changes.
     pub(crate) fn look(&mut self, tick: &Tick<'_>) -> &Sample {
         self.here.stand_at(&Sample::new(self.sample.space()));
-        self.reference.sample(tick, &mut self.here);
+        self.reference.0.sample(tick, &mut self.here);
         &self.here
     }
 

@@ -6,7 +6,7 @@
 
 use std::borrow::Borrow;
 
-use nalgebra::{DVectorViewMut, Dyn, MatrixViewMut, U1, Vector3};
+use nalgebra::{DVectorViewMut, Dyn, MatrixViewMut, U1, Vector3, Vector6};
 
 use crate::{
     contact::{ContactId, ContactState},
@@ -14,7 +14,7 @@ use crate::{
         AnyConstraint, AnyTask, Constraint, ForceReport, Layout, MotionRow, PerRow, Task, Tick,
         bound::{Running, RunningConstraint, RunningTask},
         layout::{Block, VdotBlock},
-        storage::{RowStore, Variable},
+        storage::{MotionMatrix, RowStore, Variable},
     },
 };
 use wbqp_dynamics::FrameKinematics;
@@ -36,18 +36,6 @@ impl RowStore {
     }
 }
 
-/// Coefficients on accelerations that stand in a matrix: the plug-in's own, or rows of a Jacobian.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct MotionMatrix<'a> {
-    data: &'a [f64],
-    /// Rows of the Jacobian; row by row the plug-in's own without.
-    rows: Option<&'a [usize]>,
-    /// From one column to the next.
-    stride: usize,
-    /// From one row to the next.
-    row_stride: usize,
-}
-
 impl MotionMatrix<'_> {
     /// The coefficient of row `k` on a velocity's derivative.
     pub(crate) fn get(&self, k: usize, velocity: usize) -> f64 {
@@ -64,25 +52,20 @@ impl RowStore {
         frames: &'a [FrameKinematics],
         contacts: &'a [ContactState],
     ) -> Option<MotionMatrix<'a>> {
-        let jacobian = |data: &'a [f64], rows: &'a [usize]| MotionMatrix {
-            data,
-            rows: Some(rows),
-            stride: 6,
-            row_stride: 1,
-        };
-        match &layout.vdot {
-            VdotBlock::Absent | VdotBlock::Unit(_) => None,
-            VdotBlock::Dense => Some(MotionMatrix {
-                data: &self.vdot,
-                rows: None,
-                stride: 1,
-                row_stride: self.nv,
-            }),
-            VdotBlock::Frame(frame, rows) => Some(jacobian(frames[frame.0].J.as_slice(), rows)),
+        let (data, rows, stride, row_stride) = match &layout.vdot {
+            VdotBlock::Absent | VdotBlock::Unit(_) => return None,
+            VdotBlock::Dense => (self.vdot.as_slice(), None, 1, self.nv),
+            VdotBlock::Frame(frame, rows) => (frames[frame.0].J.as_slice(), Some(rows), 6, 1),
             VdotBlock::Contact(contact, rows) => {
-                Some(jacobian(contacts[contact.index()].J.as_slice(), rows))
+                (contacts[contact.index()].J.as_slice(), Some(rows), 6, 1)
             }
-        }
+        };
+        Some(MotionMatrix {
+            data,
+            rows: rows.map(Vec::as_slice),
+            stride,
+            row_stride,
+        })
     }
 
     /// Hands out the coefficients of row `k` that are not zero.
@@ -104,25 +87,27 @@ impl RowStore {
                 }
             }
         }
-        let mut block =
-            |block: &Block, data: &[f64], n: usize, variable: &dyn Fn(usize) -> Variable| {
-                match block {
-                    Block::Dense => {
-                        for (i, &a) in data[k * n..(k + 1) * n].iter().enumerate() {
-                            if a != 0.0 {
-                                add(variable(i), a);
-                            }
+        let mut block = |block: &Block, data: &[f64], n: usize, of: Option<ContactId>| {
+            let variable = |i: usize| match of {
+                None => Variable::Effort(i),
+                Some(contact) => Variable::Force(contact, i),
+            };
+            match block {
+                Block::Dense => {
+                    for (i, &a) in data[k * n..(k + 1) * n].iter().enumerate() {
+                        if a != 0.0 {
+                            add(variable(i), a);
                         }
                     }
-                    Block::Unit(columns) => add(variable(columns[k]), 1.0),
                 }
-            };
+                Block::Unit(columns) => add(variable(columns[k]), 1.0),
+            }
+        };
         if let Some(effort) = &layout.effort {
-            block(effort, &self.effort, self.nu, &Variable::Effort);
+            block(effort, &self.effort, self.nu, None);
         }
         for ((contact, force), source) in layout.forces.iter().zip(&self.forces) {
-            let nf = self.nf[contact.index()];
-            block(force, source, nf, &|i| Variable::Force(*contact, i));
+            block(force, source, self.nf[contact.index()], Some(*contact));
         }
     }
 
@@ -159,57 +144,33 @@ impl Blocks<'_> {
     }
 
     fn vdot_rows(&mut self) -> &mut [f64] {
-        let declared = self.layout.vdot == VdotBlock::Dense;
-        pick(
-            declared,
-            &mut self.store.vdot,
-            &mut self.store.scratch,
-            &mut self.store.undeclared,
-        )
+        if self.layout.vdot == VdotBlock::Dense {
+            return &mut self.store.vdot;
+        }
+        self.scratch()
     }
 
     fn effort(&mut self) -> RowMajorMut<'_> {
         let (m, n) = (self.layout.rows.len(), self.store.nu);
-        let declared = self.layout.effort == Some(Block::Dense);
-        let data = pick(
-            declared,
-            &mut self.store.effort,
-            &mut self.store.scratch,
-            &mut self.store.undeclared,
-        );
-        view(data, m, n)
+        if self.layout.effort == Some(Block::Dense) {
+            return view(&mut self.store.effort, m, n);
+        }
+        view(self.scratch(), m, n)
+    }
+
+    /// Where a block goes that was not declared.
+    fn scratch(&mut self) -> &mut [f64] {
+        self.store.undeclared = true;
+        &mut self.store.scratch
     }
 
     fn force(&mut self, contact: ContactId) -> RowMajorMut<'_> {
-        let m = self.layout.rows.len();
-        let n = self.store.nf(contact);
-        let slot = self
-            .layout
-            .forces
-            .iter()
-            .position(|(c, b)| *c == contact && *b == Block::Dense);
-        let store = &mut *self.store;
-        let data = if let Some(data) = slot.and_then(|s| store.forces.get_mut(s)) {
-            data
-        } else {
-            store.undeclared = true;
-            &mut store.scratch
-        };
-        view(data, m, n)
-    }
-}
-
-fn pick<'a>(
-    declared: bool,
-    block: &'a mut [f64],
-    scratch: &'a mut [f64],
-    fault: &mut bool,
-) -> &'a mut [f64] {
-    if declared {
-        block
-    } else {
-        *fault = true;
-        scratch
+        let (m, n) = (self.layout.rows.len(), self.store.nf(contact));
+        let mut forces = self.layout.forces.iter();
+        match forces.position(|(c, block)| *c == contact && *block == Block::Dense) {
+            Some(slot) => view(&mut self.store.forces[slot], m, n),
+            None => view(self.scratch(), m, n),
+        }
     }
 }
 
@@ -248,14 +209,7 @@ pub struct Rows<'a> {
     tick: &'a Tick<'a>,
 }
 
-impl<'a> Rows<'a> {
-    pub(crate) fn new(tick: &'a Tick<'a>, layout: &'a Layout, store: &'a mut RowStore) -> Self {
-        Self {
-            blocks: Blocks { layout, store },
-            tick,
-        }
-    }
-
+impl Rows<'_> {
     /// Writes row `k` of a task on motion: its error, and what is asked of it, `J v̇ = a_d − K_D ė − K_P e − J̇ v`, so
     /// that the error decays as `ë + K_D ė + K_P e = 0`. The bias `J̇ v` is that of the Jacobian which the layout
     /// names; of coefficients written by the plug-in, that given to [`Rows::jacobian`].
@@ -304,15 +258,12 @@ impl<'a> Rows<'a> {
     /// `J̇ v` of row `k`; zero for a component of `v̇`, not a number where it was not said.
     #[inline]
     fn bias_of(&self, k: usize) -> f64 {
+        let row = |rows: &[usize], bias: &Vector6<f64>| rows.get(k).map_or(0.0, |&row| bias[row]);
         match &self.blocks.layout.vdot {
             VdotBlock::Absent | VdotBlock::Unit(_) => 0.0,
             VdotBlock::Dense => self.blocks.store.bias.get(k).copied().unwrap_or(f64::NAN),
-            VdotBlock::Frame(frame, rows) => rows
-                .get(k)
-                .map_or(0.0, |&row| self.tick.frame(*frame).Jdot_v[row]),
-            VdotBlock::Contact(contact, rows) => rows
-                .get(k)
-                .map_or(0.0, |&row| self.tick.contact(*contact).Jdot_v[row]),
+            VdotBlock::Frame(frame, rows) => row(rows, &self.tick.frame(*frame).Jdot_v),
+            VdotBlock::Contact(contact, rows) => row(rows, &self.tick.contact(*contact).Jdot_v),
         }
     }
 
@@ -342,13 +293,7 @@ pub struct ConstraintRows<'a> {
     blocks: Blocks<'a>,
 }
 
-impl<'a> ConstraintRows<'a> {
-    pub(crate) fn new(_: &Tick<'_>, layout: &'a Layout, store: &'a mut RowStore) -> Self {
-        Self {
-            blocks: Blocks { layout, store },
-        }
-    }
-
+impl ConstraintRows<'_> {
     /// `lower ≤ (A x)_row ≤ upper`; infinite where there is no limit. Ignored for a row that does not exist.
     #[inline]
     pub fn limit(&mut self, row: usize, lower: f64, upper: f64) {
@@ -381,7 +326,8 @@ impl<'a> ConstraintRows<'a> {
 
 impl<T: Task + AnyTask> Running for RunningTask<T> {
     fn update(&mut self, tick: &Tick<'_>, layout: &Layout, store: &mut RowStore) {
-        let mut rows = Rows::new(tick, layout, store);
+        let blocks = Blocks { layout, store };
+        let mut rows = Rows { blocks, tick };
         self.parameters.update(&mut self.running, tick, &mut rows);
     }
 
@@ -392,7 +338,8 @@ impl<T: Task + AnyTask> Running for RunningTask<T> {
 
 impl<C: Constraint + AnyConstraint> Running for RunningConstraint<C> {
     fn update(&mut self, tick: &Tick<'_>, layout: &Layout, store: &mut RowStore) {
-        let mut rows = ConstraintRows::new(tick, layout, store);
+        let blocks = Blocks { layout, store };
+        let mut rows = ConstraintRows { blocks };
         self.parameters.update(&mut self.running, tick, &mut rows);
     }
 

@@ -42,6 +42,18 @@ pub(crate) enum Variable {
     Force(ContactId, usize),
 }
 
+/// Coefficients on accelerations that stand in a matrix: the plug-in's own, or rows of a Jacobian.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct MotionMatrix<'a> {
+    pub(super) data: &'a [f64],
+    /// Rows of the Jacobian; row by row the plug-in's own without.
+    pub(super) rows: Option<&'a [usize]>,
+    /// From one column to the next.
+    pub(super) stride: usize,
+    /// From one row to the next.
+    pub(super) row_stride: usize,
+}
+
 impl RowStore {
     pub(crate) fn new(layout: &Layout, nv: usize, nu: usize, nf: &[usize]) -> Self {
         let m = layout.len();

@@ -10,7 +10,7 @@ use nalgebra::{UnitQuaternion, Vector3, Vector6};
 use crate::{
     contact::{ContactId, ContactState},
     plugin::{
-        BoundReference, FrameHandle, Reference, RotationReference, RotationSample, Sample, Start,
+        EntryState, FrameHandle, Reference, RotationReference, RotationSample, Sample, Start,
         VectorReference, VectorSample,
         followed::{Bound, Followed, Measured, RunningReference},
     },
@@ -59,23 +59,6 @@ pub struct PreviousSolution {
     pub vdot: nalgebra::DVector<f64>,
     /// Actuator efforts as sent, within limits, N or N·m, size nu. Before the first tick, the hover.
     pub effort: nalgebra::DVector<f64>,
-}
-
-/// How far the plug-in's entry is switched on.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EntryState {
-    /// Ramp from 0 (off) to 1 (on); the framework has applied it to the weight already.
-    pub alpha: f64,
-    /// Time of the tick of the last switch, s; −∞ before.
-    pub since: f64,
-}
-
-impl EntryState {
-    /// On, as if ever since.
-    pub(crate) const ON: Self = Self {
-        alpha: 1.0,
-        since: f64::NEG_INFINITY,
-    };
 }
 
 impl<'a> Tick<'a> {
@@ -197,13 +180,6 @@ impl Measured {
     }
 }
 
-impl BoundReference {
-    /// Writes a sample, as [`Reference::sample`].
-    pub fn sample(&mut self, tick: &Tick<'_>, out: &mut Sample) {
-        self.0.sample(tick, out);
-    }
-}
-
 impl<R: Reference> RunningReference for Bound<R> {
     fn start(&mut self, start: &Start<'_>) {
         self.parameters.start(&mut self.running, start);
@@ -235,7 +211,7 @@ impl Followed {
 
     /// The sample for this tick.
     pub(crate) fn update(&mut self, tick: &Tick<'_>) {
-        self.reference.sample(tick, &mut self.sample);
+        self.reference.0.sample(tick, &mut self.sample);
     }
 }
 

@@ -10,7 +10,7 @@ use super::{
     solution::{Asked, Solved},
 };
 use crate::{
-    contact::{ContactId, ContactState},
+    contact::ContactState,
     plugin::{
         Layout,
         layout::{Block, BoundTarget, VdotBlock},
@@ -41,7 +41,7 @@ impl Problem {
         let motions = partition.elimination.sizes().len();
         partition.reserve(motions);
         partition.arrange();
-        let natural = |entry: &BoundEntry| NaturalRows::new(&entry.layout, &partition, capacity);
+        let natural = |entry: &BoundEntry| NaturalRows::new(entry, &partition, capacity);
         Self {
             regularisation,
             dynamics_rows: own_rows.dynamics,
@@ -50,7 +50,6 @@ impl Problem {
             reduced: ReducedDynamics::new(&partition, actuation, partition.nf.iter().sum()),
             rows: entries.iter().map(natural).collect(),
             is_arranged: false,
-            is_cost: vec![false; entries.len()],
             cost: NaturalCost::new(&partition, capacity),
             solved: Solved::new(&partition, entries.len(), rows, capacity),
             asked: Asked::new(partition.nv),
@@ -108,20 +107,22 @@ impl Problem {
     /// Numbers that the rows over the natural variables take.
     pub(crate) fn row_numbers(partition: &Partition, entries: &[BoundEntry]) -> usize {
         let natural = Self::natural_variables(partition, entries);
-        let of = |entry: &BoundEntry| NaturalRows::numbers(&entry.layout, partition, natural);
+        let of = |entry: &BoundEntry| NaturalRows::numbers(entry, partition, natural);
         entries.iter().map(of).fold(0, usize::saturating_add)
     }
 }
 
 impl NaturalRows {
     /// For at most `capacity` natural variables.
-    pub(super) fn new(layout: &Layout, partition: &Partition, capacity: usize) -> Self {
+    pub(super) fn new(entry: &BoundEntry, partition: &Partition, capacity: usize) -> Self {
+        let layout = &entry.layout;
         let count = layout.len();
-        let kind = kind(layout);
-        let wide = width(layout, partition, capacity);
+        let kind = kind(entry);
+        let wide = width(kind, partition, capacity);
         Self {
             kind,
             count,
+            is_cost: false,
             couples: layout.acts_on_accelerations() && layout.acts_on_forces(),
             singles: if kind == Kind::Single {
                 singles(layout)
@@ -136,9 +137,10 @@ impl NaturalRows {
     }
 
     /// Numbers that the rows of a layout take.
-    pub(super) fn numbers(layout: &Layout, partition: &Partition, capacity: usize) -> usize {
-        let width = width(layout, partition, capacity);
-        let (rows, copies) = match kind(layout) {
+    pub(super) fn numbers(entry: &BoundEntry, partition: &Partition, capacity: usize) -> usize {
+        let (layout, kind) = (&entry.layout, kind(entry));
+        let width = width(kind, partition, capacity);
+        let (rows, copies) = match kind {
             Kind::Single => return 5 * layout.len(),
             Kind::Motion | Kind::Forces => (layout.len(), 1),
             Kind::Mixed => (layout.len(), 2),
@@ -149,9 +151,8 @@ impl NaturalRows {
     }
 }
 
-fn kind(layout: &Layout) -> Kind {
-    let ascend =
-        |forces: &[(ContactId, Block)]| forces.windows(2).all(|pair| pair[0].0 < pair[1].0);
+fn kind(entry: &BoundEntry) -> Kind {
+    let layout = &entry.layout;
     match (&layout.vdot, &layout.effort, layout.forces.as_slice()) {
         (VdotBlock::Unit(_), None, [])
         | (VdotBlock::Absent, Some(Block::Unit(_)), [])
@@ -159,7 +160,7 @@ fn kind(layout: &Layout) -> Kind {
         (VdotBlock::Frame(..) | VdotBlock::Contact(..) | VdotBlock::Dense, None, []) => {
             Kind::Motion
         }
-        (VdotBlock::Absent, None, forces) if ascend(forces) => Kind::Forces,
+        (VdotBlock::Absent, None, _) if !entry.is_equality() => Kind::Forces,
         _ => Kind::Mixed,
     }
 }
@@ -182,13 +183,11 @@ fn singles(layout: &Layout) -> Vec<Variable> {
     }
 }
 
-/// The most natural variables that the rows have coefficients on, if they are written out; of `capacity`.
-fn width(layout: &Layout, partition: &Partition, capacity: usize) -> usize {
-    let of = |contact: &ContactId| partition.nf.get(contact.index()).copied();
-    match kind(layout) {
-        Kind::Single => 0,
+/// The most natural variables that rows have coefficients on, if they are written out; of `capacity`.
+fn width(kind: Kind, partition: &Partition, capacity: usize) -> usize {
+    match kind {
+        Kind::Single | Kind::Forces => 0,
         Kind::Motion => partition.nv,
-        Kind::Forces => layout.forces.iter().filter_map(|(c, _)| of(c)).sum(),
         Kind::Mixed => capacity,
     }
 }
@@ -276,7 +275,7 @@ impl Solved {
             y: vec![0.0; capacity],
             values: vec![0.0; rows],
             residuals: Vec::with_capacity(rows),
-            starts: vec![None; entries],
+            ranges: vec![0..0; entries],
         }
     }
 }

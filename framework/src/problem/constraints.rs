@@ -5,10 +5,16 @@
 //! depend on x is taken from its limits. A bound on an eliminated effort `τ = T y + t` is such a row, others are
 //! bounds.
 
-use super::{BoundEntry, DynamicsTerms, Problem, Treatment, partition::EffortPlace, rows::Context};
+use super::{
+    BoundEntry, DynamicsTerms, Problem, Treatment,
+    linear_algebra::add_row,
+    partition::{ActiveVariables, EffortPlace},
+    rows::Context,
+    table::TorqueRow,
+};
 use crate::{
     fault::Fault,
-    plugin::layout::BoundTarget,
+    plugin::layout::{Block, BoundTarget},
     qp::{Qp, RowId},
 };
 
@@ -19,17 +25,6 @@ pub(super) enum BoundPlace {
     Variable(usize),
     /// A row: on the effort of this actuator.
     Torque(usize),
-}
-
-/// A row that is a bound on an eliminated effort.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct TorqueRow {
-    /// The bound.
-    pub(super) id: RowId,
-    /// Its row in the problem of this tick.
-    pub(super) row: usize,
-    /// Whose effort.
-    pub(super) actuator: usize,
 }
 
 impl Problem {
@@ -65,7 +60,8 @@ impl Problem {
             } else {
                 row.fill(0.0);
                 let constant = rows.write(k, row, &context);
-                constant + context.substitute(row)
+                let (head, tail) = row.split_at_mut(p);
+                constant + self.reduced.substitute(head, tail)
             };
             // Tasks and equalities write one right-hand side, into the lower limit.
             let lower = entry.store.lower[k] - constant;
@@ -84,7 +80,7 @@ impl Problem {
                     return false;
                 };
                 if rows.is_over_x() {
-                    rows.write_over_x(k, p, out);
+                    write_forces(k, entry, &self.active, p, out);
                 } else {
                     out.copy_from_slice(&row[p..]);
                 }
@@ -216,4 +212,21 @@ fn push<'q>(
     debug_assert!(row.is_ok(), "the storage is made for all rows");
     constants.push(constant);
     row.ok()
+}
+
+/// Writes row `k` of rows on forces alone into a row of zeros over x, behind `p` substituted accelerations.
+fn write_forces(k: usize, entry: &BoundEntry, active: &ActiveVariables, p: usize, out: &mut [f64]) {
+    let forces = entry.layout.forces.iter().zip(&entry.store.forces);
+    for ((contact, block), source) in forces {
+        let Some(start) = active.forces[contact.index()] else {
+            continue;
+        };
+        match block {
+            Block::Dense => {
+                let nf = source.len() / entry.layout.rows.len();
+                add_row(&mut out[start - p..][..nf], 1.0, &source[k * nf..]);
+            }
+            Block::Unit(components) => out[start - p + components[k]] += 1.0,
+        }
+    }
 }

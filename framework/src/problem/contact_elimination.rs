@@ -21,6 +21,7 @@
 use super::{
     BoundEntry, Treatment,
     eliminable::{ContactElimination, EliminatedContact},
+    linear_algebra::largest,
 };
 use crate::contact::ContactState;
 
@@ -72,11 +73,6 @@ impl ContactElimination {
 }
 
 impl EliminatedContact {
-    /// D: the accelerations that are substituted, by velocity.
-    pub(crate) fn own(&self) -> &[usize] {
-        &self.own
-    }
-
     /// Row `k` of G, and `g_k`.
     pub(crate) fn row(&self, k: usize) -> (&[f64], f64) {
         let n = self.others.len();
@@ -110,12 +106,7 @@ impl EliminatedContact {
         }
         for step in 0..rows {
             let size = |row: usize| self.work[row * stride + step].abs();
-            let mut best = step;
-            for row in step + 1..rows {
-                if size(row) > size(best) {
-                    best = row;
-                }
-            }
+            let best = largest(step..rows, size);
             // Not `size <= SINGULAR`: a NaN must fail too.
             let regular = size(best) > SINGULAR;
             if !regular {

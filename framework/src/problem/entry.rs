@@ -105,6 +105,16 @@ impl BoundEntry {
         }
     }
 
+    /// Weight of the slack's square, the ramp applied. Never zero: a slack without cost has no optimum.
+    pub(crate) fn slack_weight(&self) -> f64 {
+        self.largest_weight() * self.alpha.max(1e-6)
+    }
+
+    /// Linear price of the slack, the ramp applied.
+    pub(crate) fn slack_penalty(&self) -> f64 {
+        self.linear_penalty * self.alpha
+    }
+
     /// Lets the rows go to another weight.
     ///
     /// # Errors

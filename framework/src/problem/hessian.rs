@@ -194,7 +194,8 @@ impl NaturalCost {
                 continue;
             }
             columns.clear();
-            columns.extend(contact.others.iter().filter_map(|&v| partition.column(v)));
+            let places = contact.others.iter().map(|&v| partition.places[v]);
+            columns.extend(places.filter_map(Place::column));
             values.clear();
             values.resize(columns.len() * costs.len(), 0.0);
             for k in 0..costs.len() {

@@ -11,6 +11,8 @@
     reason = "rows are short: coefficients that go through memory take longer than the sum"
 )]
 
+use std::ops::Range;
+
 /// `Lᵀ D L` of a matrix with a tree's sparsity, in storage that is reused every tick. Row-major, strict lower triangle
 /// valid.
 #[derive(Clone, Debug)]
@@ -168,6 +170,17 @@ pub(super) fn add_matrix_rows(y: &mut [f64], coefficients: &[f64], matrix: &[f64
         }
         k += 1;
     }
+}
+
+/// The row of the largest size, the first of several.
+pub(super) fn largest(rows: Range<usize>, size: impl Fn(usize) -> f64) -> usize {
+    let mut best = rows.start;
+    for row in rows {
+        if size(row) > size(best) {
+            best = row;
+        }
+    }
+    best
 }
 
 /// `aᵀ b` over the shorter length.

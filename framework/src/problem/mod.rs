@@ -46,7 +46,6 @@ mod table;
 mod tree;
 mod variables;
 
-use constraints::TorqueRow;
 use eliminable::ContactElimination;
 pub(crate) use entry::{BoundEntry, EntrySpec, Treatment};
 use hessian::NaturalCost;
@@ -60,6 +59,7 @@ use rows::{Context, NaturalRows};
 use solution::Asked;
 pub(crate) use solution::Solved;
 pub(crate) use table::Table;
+use table::TorqueRow;
 pub use table::{RowInfo, VarInfo};
 
 use nalgebra::Vector6;
@@ -98,8 +98,6 @@ pub(crate) struct Problem {
     rows: Vec<NaturalRows>,
     /// Whether they know where the variables of this tick are.
     is_arranged: bool,
-    /// Whether each entry's rows are a cost, this tick.
-    is_cost: Vec<bool>,
     cost: NaturalCost,
     /// The solution taken last.
     pub(crate) solved: Solved,
@@ -167,11 +165,10 @@ impl Problem {
         qp: &mut Qp,
     ) -> Result<(), Fault> {
         if !self.lay_out(terms, entries) {
-            return if self.has_determined() {
-                self.build_with_all_rows(terms, entries, qp)
-            } else {
-                Err(Fault::MassMatrix)
-            };
+            if self.has_determined() {
+                return self.build_with_all_rows(terms, entries, qp);
+            }
+            return Err(Fault::MassMatrix);
         }
         if qp.reset(self.active.vars.iter().copied()).is_err() {
             debug_assert!(false, "the storage is made for all variables");
@@ -180,9 +177,8 @@ impl Problem {
         self.constants.clear();
         self.torque_rows.clear();
         if !self.is_arranged {
-            let context = Context::new(&self.partition, &self.reduced, &self.active);
             for (rows, entry) in self.rows.iter_mut().zip(entries) {
-                rows.arrange(&entry.layout, &context);
+                rows.arrange(&entry.layout, &self.partition);
             }
             self.is_arranged = true;
         }
@@ -191,7 +187,7 @@ impl Problem {
         }
         self.cost.reset(self.active.n);
         for (index, entry) in entries.iter().enumerate() {
-            self.is_cost[index] = false;
+            self.rows[index].is_cost = false;
             if !entry.live {
                 continue;
             }
@@ -200,7 +196,7 @@ impl Problem {
                 let context = Context::new(&self.partition, &self.reduced, &self.active);
                 self.rows[index].expand(entry, &context, terms);
                 if entry.treatment_now() == Treatment::Cost {
-                    self.is_cost[index] = true;
+                    self.rows[index].is_cost = true;
                     self.rows[index].add_cost(entry, &context, &mut self.cost);
                 } else if !self.push_rows(index, entry, qp) {
                     return Err(Fault::Rows(index));
@@ -227,12 +223,15 @@ impl Problem {
     /// the solver refuses the problem.)
     fn is_cost_finite(&self, index: usize, entry: &BoundEntry) -> bool {
         let is_finite = |k: usize| entry.store.lower[k].is_finite() && entry.store.is_finite(k);
-        !self.is_cost[index] || (0..entry.layout.rows.len()).all(is_finite)
+        !self.rows[index].is_cost || (0..entry.layout.rows.len()).all(is_finite)
     }
 
     /// `w_ε ‖(u, f)‖²` with `w_ε` relative to the largest weight that is on.
     fn regularise(&mut self, entries: &[BoundEntry]) {
-        let on = entries.iter().zip(&self.is_cost).filter(|(_, on)| **on);
+        let on = entries
+            .iter()
+            .zip(&self.rows)
+            .filter(|(_, rows)| rows.is_cost);
         let largest = on.map(|(entry, _)| entry.largest_weight());
         let largest = largest.fold(0.0, f64::max);
         self.largest_weight = if largest > 0.0 { largest } else { 1.0 };
@@ -249,15 +248,10 @@ impl Problem {
     /// Takes a solution of the problem.
     pub(crate) fn recover(&mut self, entries: &[BoundEntry], x: &[f64]) {
         let (partition, active) = (&self.partition, &self.active);
+        let (first_force, weight) = (partition.first_force(), self.regularisation_weight);
         self.solved.take(partition, &self.reduced, active, x);
-        self.solved.assess(
-            entries,
-            &self.rows,
-            &self.is_cost,
-            active,
-            partition.first_force(),
-            self.regularisation_weight,
-        );
+        self.solved
+            .assess(entries, &self.rows, active, first_force, weight);
     }
 
     /// The force of a contact in the solution taken last; nothing while it is off.
@@ -295,15 +289,5 @@ impl BoundEntry {
     /// Largest weight, without the ramp.
     pub(crate) fn largest_weight(&self) -> f64 {
         self.weight.now().iter().copied().fold(0.0, f64::max)
-    }
-
-    /// Weight of the slack's square, the ramp applied. Never zero: a slack without cost has no optimum.
-    pub(crate) fn slack_weight(&self) -> f64 {
-        self.largest_weight() * self.alpha.max(1e-6)
-    }
-
-    /// Linear price of the slack, the ramp applied.
-    pub(crate) fn slack_penalty(&self) -> f64 {
-        self.linear_penalty * self.alpha
     }
 }

@@ -16,7 +16,7 @@
 
 use super::{
     ActiveVariables, DynamicsTerms, Partition,
-    linear_algebra::{TreeCholesky, add_matrix_rows, add_row, dot},
+    linear_algebra::{TreeCholesky, add_matrix_rows, add_row, dot, largest},
     partition::Place,
 };
 use wbqp_dynamics::Actuation;
@@ -193,7 +193,7 @@ impl ReducedDynamics {
             }
             self.scale[i] = 1.0 / own.sqrt();
             for (_, motion) in partition.elimination.live() {
-                for (row, &velocity) in motion.own().iter().enumerate() {
+                for (row, &velocity) in motion.own.iter().enumerate() {
                     let mass = mass[velocity];
                     if mass == 0.0 {
                         continue;
@@ -223,12 +223,7 @@ impl ReducedDynamics {
         let stride = self.width + 1;
         for step in 0..p {
             let size = |row: usize| self.coupled[row * p + step].abs() * self.units[row];
-            let mut best = step;
-            for row in step + 1..p {
-                if size(row) > size(best) {
-                    best = row;
-                }
-            }
+            let best = largest(step..p, size);
             // Not `size <= SINGULAR`: a NaN must fail too.
             let regular = size(best) * self.scale[step] > SINGULAR;
             if !regular {
@@ -286,6 +281,9 @@ impl ReducedDynamics {
 
     /// Adds `aᵀ (B x + c)` to a row over x; returns `aᵀ c`.
     pub(crate) fn substitute(&self, a: &[f64], row: &mut [f64]) -> f64 {
+        if a.iter().all(|a| *a == 0.0) {
+            return 0.0;
+        }
         let stride = self.width + 1;
         add_matrix_rows(&mut row[..self.width], a, &self.response, stride);
         let known = self

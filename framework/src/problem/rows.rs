@@ -17,11 +17,7 @@ use super::{
     partition::{EffortPlace, Place, SparsityPattern},
     solution::Solved,
 };
-use crate::plugin::{
-    Layout,
-    layout::{Block, VdotBlock},
-    storage::Variable,
-};
+use crate::plugin::{Layout, layout::VdotBlock, storage::Variable};
 
 /// What rows are expanded with.
 #[derive(Clone, Copy)]
@@ -42,16 +38,6 @@ impl<'a> Context<'a> {
             reduced,
             active,
         }
-    }
-
-    /// Turns a row over y, whose first part is on `v̇_P`, into one over x, in place of the rest; returns what the
-    /// constant part grows by.
-    pub(super) fn substitute(&self, row: &mut [f64]) -> f64 {
-        let (head, tail) = row.split_at_mut(self.partition.substituted);
-        if head.iter().all(|a| *a == 0.0) {
-            return 0.0;
-        }
-        self.reduced.substitute(head, tail)
     }
 
     /// Adds a coefficient to a row over y; returns what it adds to the row's constant.
@@ -96,9 +82,9 @@ pub(super) enum Kind {
     Single,
     /// On accelerations alone.
     Motion,
-    /// On the forces of contacts alone.
+    /// Inequalities on the forces of contacts alone: no cost, and variables of the problem as they are.
     Forces,
-    /// Anything else. (An entry without rows counts as on forces.)
+    /// Anything else.
     Mixed,
 }
 
@@ -107,6 +93,8 @@ pub(super) enum Kind {
 pub(super) struct NaturalRows {
     pub(super) kind: Kind,
     pub(super) count: usize,
+    /// Whether they are a cost, this tick.
+    pub(super) is_cost: bool,
     /// Whether they have coefficients on accelerations and others.
     pub(super) couples: bool,
     /// What each row is, if it is one component; fixed.
@@ -123,21 +111,10 @@ pub(super) struct NaturalRows {
 
 impl NaturalRows {
     /// Finds where the rows are, after variables have come or gone.
-    pub(super) fn arrange(&mut self, layout: &Layout, context: &Context<'_>) {
-        match self.kind {
-            Kind::Motion => {
-                self.columns.clear();
-                self.columns
-                    .extend(&pattern(layout, context.partition).columns);
-            }
-            Kind::Forces => {
-                self.columns.clear();
-                for (contact, _) in &layout.forces {
-                    let force = context.active.force(context.partition, contact.index());
-                    self.columns.extend(force);
-                }
-            }
-            Kind::Single | Kind::Mixed => {}
+    pub(super) fn arrange(&mut self, layout: &Layout, partition: &Partition) {
+        if self.kind == Kind::Motion {
+            self.columns.clear();
+            self.columns.extend(&pattern(layout, partition).columns);
         }
     }
 
@@ -149,9 +126,8 @@ impl NaturalRows {
         terms: &DynamicsTerms<'_>,
     ) {
         match self.kind {
-            Kind::Single => {}
+            Kind::Single | Kind::Forces => {}
             Kind::Motion => self.expand_motion(entry, context.partition, terms),
-            Kind::Forces => self.expand_forces(entry, context),
             Kind::Mixed => self.expand_mixed(entry, context, terms),
         }
     }
@@ -187,28 +163,6 @@ impl NaturalRows {
                 }
                 *constant += a * known;
             }
-        }
-    }
-
-    fn expand_forces(&mut self, entry: &BoundEntry, context: &Context<'_>) {
-        let width = self.columns.len();
-        self.values.resize(self.count * width, 0.0);
-        let mut first = 0;
-        for ((contact, block), source) in entry.layout.forces.iter().zip(&entry.store.forces) {
-            let nf = context
-                .active
-                .force(context.partition, contact.index())
-                .len();
-            for k in 0..self.count {
-                let slots = Slots::of_row(k, self.count, width);
-                for i in 0..nf {
-                    self.values[slots.at(first + i)] = match block {
-                        Block::Dense => source[k * nf + i],
-                        Block::Unit(components) => f64::from(u8::from(components[k] == i)),
-                    };
-                }
-            }
-            first += nf;
         }
     }
 
@@ -279,14 +233,6 @@ impl NaturalRows {
         let slots = Slots::of_row(k, self.count, width);
         let columns = self.columns.iter().enumerate();
         columns.map(move |(i, &column)| (column, self.values[slots.at(i)]))
-    }
-
-    /// Writes row `k` straight into a row of zeros over x, behind `p` substituted accelerations, if [it is
-    /// one](Self::is_over_x).
-    pub(super) fn write_over_x(&self, k: usize, p: usize, row: &mut [f64]) {
-        for (column, a) in self.written(k) {
-            row[column - p] = a;
-        }
     }
 
     /// Whether the rows are on forces alone, which are variables of the problem as they are.

@@ -22,7 +22,7 @@ impl Partition {
         self.velocities.truncate(self.substituted);
         self.places.fill(Place::Column(usize::MAX));
         for (index, motion) in self.elimination.live() {
-            for (row, &velocity) in motion.own().iter().enumerate() {
+            for (row, &velocity) in motion.own.iter().enumerate() {
                 self.places[velocity] = Place::Determined(index, row);
             }
         }
@@ -43,17 +43,19 @@ impl Partition {
         }
     }
 
-    /// The column of an acceleration that is in y.
-    pub(crate) fn column(&self, velocity: usize) -> Option<usize> {
-        match self.places[velocity] {
-            Place::Column(column) => Some(column),
-            Place::Determined(..) => None,
-        }
-    }
-
     /// Columns of y before the forces.
     pub(crate) fn first_force(&self) -> usize {
         self.accelerations + self.kept.len()
+    }
+}
+
+impl Place {
+    /// The column of an acceleration that is in y.
+    pub(crate) fn column(self) -> Option<usize> {
+        match self {
+            Self::Column(column) => Some(column),
+            Self::Determined(..) => None,
+        }
     }
 }
 
@@ -66,10 +68,7 @@ impl SparsityPattern {
         for positions in &mut self.positions {
             positions.clear();
         }
-        let column = |velocity: usize| match places[velocity] {
-            Place::Column(column) => Some(column),
-            Place::Determined(..) => None,
-        };
+        let column = |velocity: usize| places[velocity].column();
         for &velocity in &self.velocities {
             match places[velocity] {
                 Place::Column(column) => {

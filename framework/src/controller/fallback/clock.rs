@@ -43,11 +43,8 @@ impl Clock {
         });
         self.previous = Some(stamp);
         let is_early = last.is_some_and(|last| stamp <= last);
-        self.steady = if goes_on && is_early {
-            self.steady + 1
-        } else {
-            0
-        };
+        let was_perhaps_set = goes_on && is_early;
+        self.steady = if was_perhaps_set { self.steady + 1 } else { 0 };
         if self.steady < Self::STEADY {
             return false;
         }
@@ -79,19 +76,6 @@ impl Age {
     pub(in super::super) fn time(&self) -> Option<f64> {
         self.last.map(|(time, _)| time)
     }
-
-    /// Seconds: by the clock or by the number of ticks, whichever is longer; infinite if it never was.
-    pub(in super::super) fn seconds(&self, now: f64, period: f64) -> f64 {
-        self.last.map_or(f64::INFINITY, |(time, ticks)| {
-            let passed = ticks as f64 * period;
-            // A stamp that is not a number says nothing.
-            if now.is_finite() {
-                passed.max(now - time)
-            } else {
-                passed
-            }
-        })
-    }
 }
 
 impl Fallback {
@@ -116,11 +100,8 @@ impl OnLevel {
     ) {
         if changed || self.ticks == 0 {
             let stamp = measurement.time;
-            self.since = if stamp.is_finite() {
-                stamp
-            } else {
-                last.unwrap_or(0.0)
-            };
+            let last = last.unwrap_or(0.0);
+            self.since = if stamp.is_finite() { stamp } else { last };
             self.ticks = 0;
         }
         self.ticks = self.ticks.saturating_add(1);
