@@ -4,7 +4,7 @@
 use nalgebra::{Matrix6xX, Rotation3, Translation3, Vector3, Vector6};
 
 use super::{
-    ContactBinding, ContactSpec, ContactState, SensorZero, SurfaceMotion, low_pass, state::CUTOFF,
+    ContactBinding, ContactSpec, ContactState, SensorZero, SurfaceMotion, low_pass, update::CUTOFF,
 };
 use crate::{error::BindError, switch::Switch};
 use wbqp_dynamics::{FrameKinematics, model::Model};

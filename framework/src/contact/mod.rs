@@ -10,12 +10,16 @@
 
 mod bind;
 mod detector;
+mod kind;
 mod short;
 mod spec;
 mod state;
+mod update;
 
 pub use detector::{ContactEvent, Detector};
+pub use kind::{ContactId, ContactKind};
 pub use short::{Motion, ShortContact};
 pub use spec::{ContactSpec, FreeForce, Surface};
-pub(crate) use state::{ContactBinding, SensorZero, low_pass};
-pub use state::{ContactId, ContactKind, ContactState, SurfaceMotion};
+pub(crate) use state::{ContactBinding, SensorZero};
+pub use state::{ContactState, SurfaceMotion};
+pub(crate) use update::low_pass;

@@ -2,20 +2,21 @@
 
 use super::{
     Command, Controller,
+    bounds::Plausible,
+    command::Gate,
     entry_id::Stamp,
     fallback::{Age, Clock, Fallback},
+    first::FirstTick,
     fit::{Sizes, make_entry, unlimited_moments},
     home,
     hover::{hover, missing_wrench, must_hover},
-    measurement::Plausible,
     memory::{Memory, Need, Stored},
     misfits::{Misfit, Misfits},
     names::owners,
     observer::Observer,
-    output::Gate,
     record::MadeFrom,
     report::{FallbackLevel, OnLevel, Report},
-    running::{FirstTick, RunningPlugin},
+    running::RunningPlugin,
     tick::NoStopwatch,
     world::World,
 };
@@ -24,7 +25,7 @@ use crate::{
     error::BindError,
     plugin::{
         AnyConstraint, AnyFallbackLaw, AnyPlugin, AnyTask, BoundFallbackLaw, BoundPlugin, Entry,
-        EntryState, Setup, rows::RowStore,
+        EntryState, Setup, storage::RowStore,
     },
     problem::{BoundEntry, Partition, Problem, ProblemRows, Relaxation, Table, VariableNames},
     qp::{ActiveSet, Capacity, Qp, QpSolver as _, Solution, Solver, WarmStart},

@@ -8,7 +8,7 @@
 //! [`REACTION`]. Forces go to `c (m g + Σ thrust + Σ torque / r)` and moments to that times r, at least 0.1 m. A
 //! contact whose `force_max` is larger is taken at its word.
 
-use super::measurement::{JointBounds, Measurement, Plausible, Seen};
+use super::Measurement;
 use crate::{
     contact::ContactSpec, fault::Implausible, robot::RobotModel, settings::MeasurementLimits,
 };
@@ -25,6 +25,37 @@ const FASTEST: f64 = 1000.0;
 const REACTION: f64 = 0.001;
 /// Gravity where there is none, m/s².
 const GRAVITY: f64 = 9.81;
+
+/// Bounds for a robot, and when it was seen. In storage made once.
+#[derive(Clone, Debug)]
+pub(super) struct Plausible {
+    /// Of the base: linear and angular.
+    pub(super) velocity: [f64; 2],
+    pub(super) acceleration: [f64; 2],
+    /// Of its position and orientation, per period.
+    pub(super) jump: [f64; 2],
+    pub(super) joints: Vec<JointBounds>,
+    /// Force and moment of each contact.
+    pub(super) wrenches: Vec<[f64; 2]>,
+    pub(super) period: f64,
+    pub(super) seen: Seen,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(super) struct JointBounds {
+    pub(super) velocity: f64,
+    pub(super) acceleration: f64,
+    pub(super) jump: f64,
+}
+
+/// When the robot was seen.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Seen {
+    /// Stamp of the last measurement whose speeds and forces were plausible; nothing if there is none to compare with.
+    pub(super) last: Option<f64>,
+    /// The longest time between two of them since the last usable one, s.
+    pub(super) gap: f64,
+}
 
 impl Plausible {
     pub(super) fn new(
@@ -57,9 +88,10 @@ impl Plausible {
         let limit = turning().map(|(joint, _)| speed_of(joint));
         let limit = limit.fold(0.0, f64::max);
         let reach = reach(model).max(0.1);
-        let angular_velocity = limits.max_angular_velocity.unwrap_or(fastest);
-        let own = MARGIN * f64::max(10.0, limit * reach);
-        let linear_velocity = limits.max_linear_velocity.unwrap_or(own);
+        let velocity = either(
+            [limits.max_linear_velocity, limits.max_angular_velocity],
+            [MARGIN * f64::max(10.0, limit * reach), fastest],
+        );
         let power = MARGIN * strength(robot, reach);
         let wrench = |contact: &ContactSpec| {
             let own = if contact.force_max.is_finite() {
@@ -71,18 +103,18 @@ impl Plausible {
             [force, limits.max_moment.unwrap_or(force * reach)]
         };
         Self {
-            linear_velocity,
-            angular_velocity,
-            linear_acceleration: limits
-                .max_linear_acceleration
-                .unwrap_or(linear_velocity / REACTION),
-            angular_acceleration: limits
-                .max_angular_acceleration
-                .unwrap_or(angular_velocity / REACTION),
-            position_jump: limits.max_position_jump.unwrap_or(linear_velocity * period),
-            rotation_jump: limits
-                .max_rotation_jump
-                .unwrap_or(angular_velocity * period),
+            velocity,
+            acceleration: either(
+                [
+                    limits.max_linear_acceleration,
+                    limits.max_angular_acceleration,
+                ],
+                velocity.map(|v| v / REACTION),
+            ),
+            jump: either(
+                [limits.max_position_jump, limits.max_rotation_jump],
+                velocity.map(|v| v * period),
+            ),
             joints,
             wrenches: contacts.iter().map(wrench).collect(),
             period,
@@ -95,18 +127,26 @@ impl Plausible {
         let joint = |of: fn(&JointBounds) -> f64| self.joints.iter().map(of).reduce(f64::max);
         let wrench = |i: usize| self.wrenches.iter().map(|w| w[i]).reduce(f64::max);
         MeasurementLimits {
-            max_linear_velocity: Some(self.linear_velocity),
-            max_angular_velocity: Some(self.angular_velocity),
+            max_linear_velocity: Some(self.velocity[0]),
+            max_angular_velocity: Some(self.velocity[1]),
             max_joint_velocity: joint(|j| j.velocity),
-            max_linear_acceleration: Some(self.linear_acceleration),
-            max_angular_acceleration: Some(self.angular_acceleration),
+            max_linear_acceleration: Some(self.acceleration[0]),
+            max_angular_acceleration: Some(self.acceleration[1]),
             max_joint_acceleration: joint(|j| j.acceleration),
-            max_position_jump: Some(self.position_jump),
-            max_rotation_jump: Some(self.rotation_jump),
+            max_position_jump: Some(self.jump[0]),
+            max_rotation_jump: Some(self.jump[1]),
             max_joint_jump: joint(|j| j.jump),
             max_force: wrench(0),
             max_moment: wrench(1),
         }
+    }
+
+    /// The next measurement is compared with a state that was seen at this time.
+    pub(super) fn restart(&mut self, stamp: f64) {
+        self.seen = Seen {
+            last: Some(stamp),
+            gap: 0.0,
+        };
     }
 
     /// What of the speeds and forces is not plausible.
@@ -114,6 +154,11 @@ impl Plausible {
         self.speeds(measurement)
             .or_else(|| self.forces(measurement))
     }
+}
+
+/// What is configured, or what follows from the robot.
+fn either(configured: [Option<f64>; 2], own: [f64; 2]) -> [f64; 2] {
+    std::array::from_fn(|i| configured[i].unwrap_or(own[i]))
 }
 
 /// A joint's limit on its speed, as far as it says something.

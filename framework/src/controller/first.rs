@@ -1,12 +1,50 @@
-//! How the errors of a first tick count, known once, and in words.
+//! What is known of a first tick before it: how its errors count, and how large they may be.
 
-use super::running::{Counts, Distance, FirstTick, Quantity};
 use crate::{
     plugin::{Layout, layout::VdotBlock},
     problem::BoundEntry,
     settings::FirstError,
 };
 use wbqp_dynamics::model::{Base, Model};
+
+/// What is remembered of the first tick, and how large its errors may be.
+#[derive(Clone, Debug)]
+pub(super) struct FirstTick {
+    /// Whether a tick was plausible.
+    pub(super) is_over: bool,
+    /// Whether one was refused.
+    pub(super) was_refused: bool,
+    pub(super) limits: FirstError,
+    /// How the errors of each task count, row by row.
+    pub(super) errors: Vec<Vec<Counts>>,
+}
+
+/// How the error of a row counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Counts {
+    /// Not at all: it is neither a length nor an angle.
+    No,
+    /// A joint's, by itself.
+    Alone(Quantity),
+    /// A component of the task's position or orientation.
+    Together(Quantity),
+}
+
+/// What an error is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Quantity {
+    /// m.
+    Position,
+    /// rad.
+    Rotation,
+}
+
+/// The largest distance and angle among a task's errors, m and rad.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Distance {
+    pub(super) position: f64,
+    pub(super) rotation: f64,
+}
 
 impl FirstTick {
     pub(super) fn new(limits: FirstError, tasks: &[BoundEntry], model: &Model) -> Self {

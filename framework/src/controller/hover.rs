@@ -178,7 +178,7 @@ fn saturation(robot: &RobotModel, effort: &[f64]) -> String {
 
 impl Command {
     /// Takes efforts over, clipped to the actuators' limits, and converts thrusts to rotor speeds: for the command
-    /// before the first tick. Those of ticks go through the [`Gate`](super::output::Gate).
+    /// before the first tick. Those of ticks go through the [`Gate`](super::command::Gate).
     pub(crate) fn hover(&mut self, robot: &RobotModel, effort: &[f64]) {
         for (i, actuator) in robot.actuators.iter().enumerate() {
             let u = effort[i].max(actuator.lower).min(actuator.upper);

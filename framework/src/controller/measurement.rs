@@ -12,8 +12,11 @@
 //! the robot, waiting does not make the jump plausible: it has to be said that it is meant
 //! ([`Controller::reset`](super::Controller::reset)), or to end.
 
+use std::array::from_fn;
+
 use nalgebra::{UnitQuaternion, Vector6};
 
+use super::bounds::Plausible;
 use crate::{
     contact::ContactId,
     fault::{Fault, Implausible, Measured, Quantity},
@@ -57,23 +60,15 @@ impl Measurement {
             return Some(Fault::WrongSize(Quantity::Wrenches));
         }
         let state = &self.state;
-        let checks = [
-            (
-                Quantity::BasePosition,
-                state.p_WR.iter().all(|x| x.is_finite()),
-            ),
-            (
-                Quantity::BaseOrientation,
-                state.R_WR.coords.iter().all(|x| x.is_finite()),
-            ),
-            (
-                Quantity::JointPositions,
-                state.q.iter().all(|x| x.is_finite()),
-            ),
-            (Quantity::Velocities, state.v.iter().all(|x| x.is_finite())),
+        let numbers = [
+            (Quantity::BasePosition, state.p_WR.as_slice()),
+            (Quantity::BaseOrientation, state.R_WR.coords.as_slice()),
+            (Quantity::JointPositions, state.q.as_slice()),
+            (Quantity::Velocities, state.v.as_slice()),
         ];
-        if let Some((what, _)) = checks.iter().find(|(_, finite)| !finite) {
-            return Some(Fault::NotFinite(*what));
+        let is_bad = |(_, numbers): &(Quantity, &[f64])| !numbers.iter().all(|x| x.is_finite());
+        if let Some((what, _)) = numbers.into_iter().find(is_bad) {
+            return Some(Fault::NotFinite(what));
         }
         // Estimators deliver unit quaternions up to rounding; anything else is no orientation.
         if !(0.9..=1.1).contains(&state.R_WR.coords.norm()) {
@@ -85,39 +80,6 @@ impl Measurement {
             .position(bad)
             .map(|i| Fault::NotFinite(Quantity::Wrench(ContactId(i as u32))))
     }
-}
-
-/// Bounds for a robot, and when it was seen. In storage made once.
-#[derive(Clone, Debug)]
-pub(super) struct Plausible {
-    pub(super) linear_velocity: f64,
-    pub(super) angular_velocity: f64,
-    pub(super) linear_acceleration: f64,
-    pub(super) angular_acceleration: f64,
-    /// Per period.
-    pub(super) position_jump: f64,
-    pub(super) rotation_jump: f64,
-    pub(super) joints: Vec<JointBounds>,
-    /// Force and moment of each contact.
-    pub(super) wrenches: Vec<[f64; 2]>,
-    pub(super) period: f64,
-    pub(super) seen: Seen,
-}
-
-#[derive(Clone, Copy, Debug)]
-pub(super) struct JointBounds {
-    pub(super) velocity: f64,
-    pub(super) acceleration: f64,
-    pub(super) jump: f64,
-}
-
-/// When the robot was seen.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Seen {
-    /// Stamp of the last measurement whose speeds and forces were plausible; nothing if there is none to compare with.
-    pub(super) last: Option<f64>,
-    /// The longest time between two of them since the last usable one, s.
-    pub(super) gap: f64,
 }
 
 impl Plausible {
@@ -143,14 +105,6 @@ impl Plausible {
             .map(Fault::Implausible)
     }
 
-    /// The next measurement is compared with a state that was seen at this time.
-    pub(super) fn restart(&mut self, stamp: f64) {
-        self.seen = Seen {
-            last: Some(stamp),
-            gap: 0.0,
-        };
-    }
-
     /// Takes down that the robot is seen now; for how long it was not since the last usable measurement, if there was
     /// one.
     fn see(&mut self, stamp: f64) -> Option<f64> {
@@ -162,15 +116,12 @@ impl Plausible {
     pub(super) fn speeds(&self, measurement: &Measurement) -> Option<Implausible> {
         let v = measurement.state.v.as_slice();
         let (base, joints) = split(v, measurement.state.q.len());
-        if let Some([linear, angular]) = base {
-            let fault = beyond(Measured::LinearVelocity, norm(linear), self.linear_velocity)
-                .or_else(|| {
-                    let speed = norm(angular);
-                    beyond(Measured::AngularVelocity, speed, self.angular_velocity)
-                });
-            if fault.is_some() {
-                return fault;
-            }
+        let base = base.and_then(|[linear, angular]| {
+            let fault = beyond(Measured::LinearVelocity, norm(linear), self.velocity[0]);
+            fault.or_else(|| beyond(Measured::AngularVelocity, norm(angular), self.velocity[1]))
+        });
+        if base.is_some() {
+            return base;
         }
         let joints = joints.iter().zip(&self.joints).enumerate();
         let mut joints = joints.filter_map(|(i, (v, bounds))| {
@@ -202,19 +153,14 @@ impl Plausible {
         let seen = 2.0 * (passed - unseen);
         let (base, joint_speeds) = split(now.v.as_slice(), now.q.len());
         let (base_before, speeds_before) = split(last.v.as_slice(), last.q.len());
-        let speed = |i: usize| {
+        let most = |i: usize| {
             let [now, before] = [base, base_before].map(|v| v.map_or(0.0, |v| norm(v[i])));
-            now.max(before)
+            self.jump[i] * periods + seen * now.max(before)
         };
         let jump = norm((now.p_WR - last.p_WR).into());
-        let most = self.position_jump * periods + seen * speed(0);
-        let fault = beyond(Measured::PositionJump, jump, most);
-        let fault = fault.or_else(|| {
-            let angle = last
-                .R_WR
-                .angle_to(&UnitQuaternion::new_normalize(*now.R_WR));
-            let most = self.rotation_jump * periods + seen * speed(1);
-            beyond(Measured::RotationJump, angle, most)
+        let fault = beyond(Measured::PositionJump, jump, most(0)).or_else(|| {
+            let now = UnitQuaternion::new_normalize(*now.R_WR);
+            beyond(Measured::RotationJump, last.R_WR.angle_to(&now), most(1))
         });
         if fault.is_some() {
             return fault;
@@ -227,34 +173,16 @@ impl Plausible {
             let most = bounds.jump * periods + seen * v.abs().max(v_before.abs());
             beyond(Measured::JointJump(joint), (q - q_before).abs(), most).or_else(|| {
                 let rate = (v - v_before).abs() / passed;
-                beyond(
-                    Measured::JointAcceleration(joint),
-                    rate,
-                    bounds.acceleration,
-                )
+                let joint = Measured::JointAcceleration(joint);
+                beyond(joint, rate, bounds.acceleration)
             })
         });
         let (Some(base), Some(base_before)) = (base, base_before) else {
             return fault;
         };
-        let rate = |i: usize| {
-            let (now, before): ([f64; 3], [f64; 3]) = (base[i], base_before[i]);
-            norm(std::array::from_fn(|k| now[k] - before[k])) / passed
-        };
-        let linear = || {
-            beyond(
-                Measured::LinearAcceleration,
-                rate(0),
-                self.linear_acceleration,
-            )
-        };
-        let angular = || {
-            beyond(
-                Measured::AngularAcceleration,
-                rate(1),
-                self.angular_acceleration,
-            )
-        };
+        let rate = |i: usize| norm(from_fn(|k| base[i][k] - base_before[i][k])) / passed;
+        let linear = || beyond(Measured::LinearAcceleration, rate(0), self.acceleration[0]);
+        let angular = || beyond(Measured::AngularAcceleration, rate(1), self.acceleration[1]);
         fault.or_else(linear).or_else(angular)
     }
 }

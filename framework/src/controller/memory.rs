@@ -11,7 +11,7 @@ use serde::Serialize;
 use crate::{
     error::BindError,
     input::size,
-    plugin::rows::RowStore,
+    plugin::storage::RowStore,
     problem::{BoundEntry, Partition, Problem, Relaxation},
     qp::{Capacity, QpSolver},
 };

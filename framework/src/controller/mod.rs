@@ -7,6 +7,7 @@
 mod bind;
 mod bounds;
 mod change;
+mod command;
 mod entry_id;
 mod entry_view;
 mod error;
@@ -35,6 +36,7 @@ mod tick;
 mod world;
 
 pub use change::Change;
+pub use command::{Command, CutEffort};
 pub use entry_id::{EntryId, EntryRef};
 pub use entry_view::EntryView;
 pub use error::RequestError;
@@ -42,7 +44,6 @@ pub use explanation::{Explanation, Limit};
 pub use measurement::Measurement;
 pub use memory::Memory;
 pub use names::Names;
-pub use output::{Command, CutEffort};
 pub use planned_force::PlannedForce;
 pub use probe::{Probe, ProbeInputs, WrittenRows};
 pub use record::{Dump, Record, Source};
@@ -54,8 +55,66 @@ pub use sensitivity::{
     Effect, Influence, Note, Parameter, ParameterKind, Sensitivity, SensitivityError,
 };
 pub use snapshot::{ContactSurface, Snapshot};
-pub use tick::Controller;
 
 pub(crate) use bind::{Bound, Parts};
 pub(crate) use misfits::{Misfit, MisfitKind};
 pub(crate) use record::{CommandRecord, FORMAT, MadeFrom, misfit, rerun};
+
+use bounds::Plausible;
+use command::Gate;
+use entry_id::Stamp;
+use fallback::Fallback;
+use first::FirstTick;
+use nalgebra::DVector;
+use record::Recorder;
+use running::RunningPlugin;
+use sensitivity::Before;
+use world::World;
+
+use crate::{
+    problem::{BoundEntry, Problem, Table},
+    qp::{Qp, Solution, Solver},
+    robot::RobotModel,
+    settings::Settings,
+    stopwatch::Stopwatch,
+};
+use wbqp_dynamics::Actuation;
+
+/// A whole-body controller bound to a robot.
+///
+/// Made by [`Controller::new`]; [`Controller::tick`] is the real-time part. Switching, replacing references and
+/// changing weights happen between ticks.
+#[derive(Debug)]
+pub struct Controller {
+    settings: Settings,
+    robot: RobotModel,
+    /// One per task, then one per constraint.
+    plugins: Vec<RunningPlugin>,
+    /// Their rows.
+    entries: Vec<BoundEntry>,
+    task_count: usize,
+    table: Table,
+    problem: Problem,
+    actuation: Actuation,
+    qp: Qp,
+    solution: Solution,
+    solver: Box<dyn Solver>,
+    world: World,
+    command: Command,
+    gate: Gate,
+    plausible: Plausible,
+    report: Report,
+    fallback: Fallback,
+    /// Where dumps find what the controller was made from.
+    made_from: MadeFrom,
+    recorder: Option<Recorder>,
+    hover_residual: DVector<f64>,
+    stopwatch: Box<dyn Stopwatch>,
+    first: FirstTick,
+    /// What ids of tasks must have.
+    stamp: Stamp,
+    /// What the last tick began with, if that is kept.
+    before: Option<Box<Before>>,
+    /// Counts changes of plug-ins' keys.
+    revision: u64,
+}

@@ -4,9 +4,7 @@ use std::sync::Arc;
 
 use wbqp_dynamics::model::Model;
 
-use super::{
-    Controller, Explanation, Limit, Report, Side, explanation::Rounded, running::FirstTick,
-};
+use super::{Controller, Explanation, Limit, Report, Side, explanation::Rounded, first::FirstTick};
 use crate::{
     fault::{Fault, Quantity},
     problem::{BoundEntry, RowInfo, Table},

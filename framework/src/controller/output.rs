@@ -23,7 +23,11 @@
 //! What is cut off by more than [`NEGLIGIBLE`] of the actuator's range (of the effort's own size where there is no
 //! limit) was not rounding: that command is not the optimum, whatever the solver said, and the tick says so.
 
-use super::{ActiveRow, ContactReport, Report, Side, world::World};
+use super::{
+    ActiveRow, Command, ContactReport, CutEffort, Report, Side, TaskReport,
+    command::{Cut, Gate},
+    world::World,
+};
 use crate::{
     fault::Fault,
     problem::{BoundEntry, Problem, dot},
@@ -36,30 +40,7 @@ use wbqp_dynamics::{
     state::State,
 };
 
-/// The command of a tick, in storage made once.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Command {
-    /// Effort of every actuator in the order of `u`: thrust N, torque N·m or force N.
-    pub effort: Vec<f64>,
-    /// Speed of every actuator that is a rotor, rad/s; 0 for joints. Same order as `effort`.
-    pub rotor_speed: Vec<f64>,
-    /// Acceleration of every joint, rad/s² or m/s², in the model's order.
-    pub joint_acceleration: Vec<f64>,
-    /// Velocity reference of every joint, rad/s or m/s, in the model's order.
-    pub joint_velocity: Vec<f64>,
-}
-
 impl Command {
-    pub(crate) fn new(robot: &RobotModel) -> Self {
-        let joints = robot.model.joints().len();
-        Self {
-            effort: vec![0.0; robot.nu()],
-            rotor_speed: vec![0.0; robot.nu()],
-            joint_acceleration: vec![0.0; joints],
-            joint_velocity: vec![0.0; joints],
-        }
-    }
-
     /// Takes over another command of the same robot.
     pub(crate) fn copy_from(&mut self, other: &Self) {
         self.effort.copy_from_slice(&other.effort);
@@ -109,24 +90,6 @@ pub(super) fn leaked(seconds: f64, leak: f64) -> f64 {
 /// Share of an actuator's range that counts as rounding.
 pub(super) const NEGLIGIBLE: f64 = 1e-9;
 
-/// What the last gate did to an effort.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CutEffort {
-    /// Whose.
-    pub actuator: ActuatorId,
-    /// What would have been sent, N or N·m.
-    pub asked: f64,
-    /// What was sent, N or N·m.
-    pub sent: f64,
-}
-
-/// What the gate changed by more than rounding, the first of each kind.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Cut {
-    pub(super) effort: Option<CutEffort>,
-    velocity: Option<JointId>,
-}
-
 impl Cut {
     pub(super) fn fault(&self) -> Option<Fault> {
         let effort = self.effort.map(|cut| Fault::CutEffort(cut.actuator));
@@ -134,21 +97,7 @@ impl Cut {
     }
 }
 
-/// What was sent last, and where efforts may go in this tick. In storage made once.
-#[derive(Clone, Debug)]
-pub(super) struct Gate {
-    last: Command,
-    window: Vec<[f64; 2]>,
-}
-
 impl Gate {
-    pub(super) fn new(robot: &RobotModel) -> Self {
-        Self {
-            last: Command::new(robot),
-            window: robot.actuators.iter().map(|a| [a.lower, a.upper]).collect(),
-        }
-    }
-
     /// Takes down what was sent last, `seconds` ago.
     pub(super) fn open(&mut self, robot: &RobotModel, last: &Command, seconds: f64) {
         self.last.copy_from(last);
@@ -158,17 +107,12 @@ impl Gate {
         }
     }
 
-    /// Where each effort may go.
-    pub(super) fn window(&self) -> &[[f64; 2]] {
-        &self.window
-    }
-
     /// The first effort of which more than rounding would be cut off.
     pub(super) fn first_cut(&self, robot: &RobotModel, efforts: &[f64]) -> Option<CutEffort> {
         let each = robot.actuators.iter().zip(efforts).enumerate();
         let mut cuts = each.map(|(i, (actuator, &asked))| {
             let sent = self.effort(i, &actuator.kind, asked);
-            is_cut(actuator, asked, sent).then_some(CutEffort {
+            is_cut(actuator.upper - actuator.lower, asked, sent).then_some(CutEffort {
                 actuator: ActuatorId::new(i),
                 asked,
                 sent,
@@ -211,20 +155,10 @@ impl Gate {
         let mut first = None;
         for (i, joint) in model.joints().iter().enumerate() {
             let limit = joint.limits.velocity;
-            let asked = command.joint_velocity[i];
-            let reference = if asked.is_finite() {
-                asked
-            } else {
-                self.last.joint_velocity[i]
-            };
+            let (asked, last) = (command.joint_velocity[i], self.last.joint_velocity[i]);
+            let reference = if asked.is_finite() { asked } else { last };
             let reference = reference.max(-limit).min(limit);
-            let size = if limit.is_finite() {
-                2.0 * limit
-            } else {
-                asked.abs()
-            };
-            let changed = !asked.is_finite() || (reference - asked).abs() > NEGLIGIBLE * size;
-            if changed && first.is_none() {
+            if first.is_none() && is_cut(2.0 * limit, asked, reference) {
                 first = Some(JointId::new(i));
             }
             command.joint_velocity[i] = reference;
@@ -236,14 +170,10 @@ impl Gate {
     }
 }
 
-/// Whether what was asked is further from what is sent than rounding.
-fn is_cut(actuator: &Actuator, asked: f64, sent: f64) -> bool {
-    let range = actuator.upper - actuator.lower;
-    let size = if range > 0.0 && range.is_finite() {
-        range
-    } else {
-        asked.abs()
-    };
+/// Whether what was asked is further from what is sent than rounding of a number in this range.
+fn is_cut(range: f64, asked: f64, sent: f64) -> bool {
+    let is_limited = range > 0.0 && range.is_finite();
+    let size = if is_limited { range } else { asked.abs() };
     let is_rounding = (asked - sent).abs() <= NEGLIGIBLE * size;
     !is_rounding || !asked.is_finite()
 }
@@ -268,7 +198,8 @@ fn inwards(mut end: f64, sent: f64, most: f64) -> f64 {
         if (end - sent).abs() <= most {
             return end;
         }
-        end = if end < sent {
+        let is_below = end < sent;
+        end = if is_below {
             end.next_up()
         } else {
             end.next_down()
@@ -295,8 +226,8 @@ impl Report {
         qp: &Qp,
         solution: &Solution,
     ) {
-        self.vdot.copy_from_slice(&problem.solved().vdot);
-        self.objective = problem.solved().objective;
+        self.vdot.copy_from_slice(&problem.solved.vdot);
+        self.objective = problem.solved.objective;
         let contacts = world.contacts.iter().zip(&world.bindings);
         for (report, (contact, binding)) in self.contacts.iter_mut().zip(contacts) {
             *report = ContactReport {
@@ -314,19 +245,10 @@ impl Report {
 
     fn fill_tasks(&mut self, problem: &Problem, tasks: &[BoundEntry]) {
         for (index, (entry, report)) in tasks.iter().zip(&mut self.tasks).enumerate() {
-            report.alpha = if entry.live { entry.alpha } else { 0.0 };
-            let residuals = if entry.live {
-                problem.solved().residuals(index)
-            } else {
-                None
-            };
-            for k in 0..entry.layout.len() {
-                let [r, w] = residuals.map_or([0.0; 2], |residuals| residuals[k]);
-                report.error[k] = if entry.live {
-                    entry.store.error[k]
-                } else {
-                    0.0
-                };
+            report.fill(entry);
+            let residuals = problem.solved.residuals(index);
+            for k in 0..report.residual.len() {
+                let [r, w] = residuals.get(k).copied().unwrap_or_default();
                 report.residual[k] = r;
                 report.cost[k] = w * r * r;
             }
@@ -343,52 +265,52 @@ impl Report {
         let Solution { x, y, z, .. } = solution;
         let scale = qp.g().iter().fold(1.0_f64, |a, g| a.max(g.abs()));
         // Solvers end near a limit that pushes, and leave next to nothing of a multiplier where it does not.
-        let is_active = |distance: f64, limit: f64, multiplier: f64| {
-            let near = if multiplier.abs() > 1e-9 * scale {
-                1e-6
-            } else {
-                AT_LIMIT
-            };
+        let is_active = |(limit, distance): (f64, f64), multiplier: f64| {
+            let pushes = multiplier.abs() > 1e-9 * scale;
+            let near = if pushes { 1e-6 } else { AT_LIMIT };
             distance <= near * (1.0 + limit.abs())
         };
-        for (i, &row) in qp.rows().iter().enumerate() {
-            let (lower, upper) = (qp.row_lower()[i], qp.row_upper()[i]);
-            if lower == upper {
-                continue;
-            }
+        let is_limit = |i: usize| qp.row_lower()[i] != qp.row_upper()[i];
+        let rows = qp.rows().iter().enumerate().filter(|(i, _)| is_limit(*i));
+        let rows = rows.filter_map(|(i, &row)| {
             let a = qp.row(i);
-            let ax = dot(a, x);
-            let (side, limit) = near(ax, lower, upper);
-            if is_active((ax - limit).abs(), limit, y[i]) && a.iter().any(|a| *a != 0.0) {
-                self.active.push(ActiveRow {
-                    row,
-                    side,
-                    multiplier: y[i],
-                });
-            }
-        }
-        for j in 0..qp.n() {
-            let (side, limit) = near(x[j], qp.lower()[j], qp.upper()[j]);
+            let (side, at) = near(dot(a, x), qp.row_lower()[i], qp.row_upper()[i]);
+            let is_active = is_active(at, y[i]) && a.iter().any(|a| *a != 0.0);
+            is_active.then_some((row, side, y[i]))
+        });
+        let bounds = (0..qp.n()).filter_map(|j| {
+            let (side, at) = near(x[j], qp.lower()[j], qp.upper()[j]);
             let owner = problem.bound_owner[j][usize::from(side == Side::Upper)];
-            if let Some(row) = owner
-                && is_active((x[j] - limit).abs(), limit, z[j])
-            {
-                self.active.push(ActiveRow {
-                    row,
-                    side,
-                    multiplier: z[j],
-                });
-            }
+            let owner = owner.filter(|_| is_active(at, z[j]));
+            owner.map(|row| (row, side, z[j]))
+        });
+        let active = rows.chain(bounds).map(|(row, side, multiplier)| ActiveRow {
+            row,
+            side,
+            multiplier,
+        });
+        self.active.extend(active);
+    }
+}
+
+impl TaskReport {
+    /// Takes a task's ramp and error in this tick.
+    pub(super) fn fill(&mut self, entry: &BoundEntry) {
+        let zero_if_off = |x: f64| if entry.live { x } else { 0.0 };
+        self.alpha = zero_if_off(entry.alpha);
+        for (out, error) in self.error.iter_mut().zip(&entry.store.error) {
+            *out = zero_if_off(*error);
         }
     }
 }
 
-/// The nearer limit and its side.
-fn near(value: f64, lower: f64, upper: f64) -> (Side, f64) {
-    if (value - lower).abs() < (upper - value).abs() {
-        (Side::Lower, lower)
+/// The nearer limit: its side, itself and how far it is.
+fn near(value: f64, lower: f64, upper: f64) -> (Side, (f64, f64)) {
+    let (below, above) = ((value - lower).abs(), (upper - value).abs());
+    if below < above {
+        (Side::Lower, (lower, below))
     } else {
-        (Side::Upper, upper)
+        (Side::Upper, (upper, above))
     }
 }
 
@@ -451,13 +373,11 @@ mod tests {
 
     #[test]
     fn rounding_is_no_cut() {
-        let limited = motor(-10.0, 10.0, f64::INFINITY);
-        assert!(!is_cut(&limited, 10.0 + 1e-8, 10.0));
-        assert!(is_cut(&limited, 10.0 + 3e-8, 10.0));
-        let free = motor(f64::NEG_INFINITY, f64::INFINITY, 1.0);
-        assert!(!is_cut(&free, 1e3, 1e3 - 1e-7));
-        assert!(is_cut(&free, 1e3, 1e3 - 1e-5));
-        assert!(is_cut(&free, f64::NAN, 0.0) && is_cut(&free, f64::INFINITY, 0.0));
-        assert!(!is_cut(&free, 0.0, 0.0));
+        assert!(!is_cut(20.0, 10.0 + 1e-8, 10.0));
+        assert!(is_cut(20.0, 10.0 + 3e-8, 10.0));
+        assert!(!is_cut(f64::INFINITY, 1e3, 1e3 - 1e-7));
+        assert!(is_cut(f64::INFINITY, 1e3, 1e3 - 1e-5));
+        assert!(is_cut(f64::INFINITY, f64::NAN, 0.0) && is_cut(f64::INFINITY, f64::INFINITY, 0.0));
+        assert!(!is_cut(f64::INFINITY, 0.0, 0.0));
     }
 }

@@ -14,7 +14,7 @@ use crate::{
     error::BindError,
     plugin::{
         AnyPlugin, BoundPlugin, EntryState, Layout, Setup,
-        rows::{RowStore, Variable},
+        storage::{RowStore, Variable},
     },
     robot::RobotModel,
 };

@@ -4,8 +4,8 @@ use nalgebra::{DVector, Vector3, Vector6};
 use serde::{Deserialize, Serialize};
 
 use super::{
+    CutEffort,
     entry_id::{EntryRef, Stamp},
-    output::CutEffort,
     world::World,
 };
 use crate::{

@@ -5,16 +5,16 @@
 //! the first until one was plausible: after a refused one time counts anew, and references begin at what the next one
 //! measures.
 
-use super::{report::TaskReport, world::World};
+use super::{
+    first::{Counts, Distance, FirstTick, Quantity},
+    report::TaskReport,
+    world::World,
+};
 use crate::{
     fault::Fault,
-    plugin::{
-        EntryState, Layout,
-        rows::{RowStore, Running},
-        tick::Followed,
-    },
+    plugin::{EntryState, Layout, bound::Running, followed::Followed, storage::RowStore},
     problem::BoundEntry,
-    settings::{FirstError, StartFrom},
+    settings::StartFrom,
 };
 
 /// A plug-in and its references.
@@ -59,45 +59,6 @@ impl RunningPlugin {
     }
 }
 
-/// What is remembered of the first tick, and how large its errors may be.
-#[derive(Clone, Debug)]
-pub(super) struct FirstTick {
-    /// Whether a tick was plausible.
-    pub(super) is_over: bool,
-    /// Whether one was refused.
-    pub(super) was_refused: bool,
-    pub(super) limits: FirstError,
-    /// How the errors of each task count, row by row.
-    pub(super) errors: Vec<Vec<Counts>>,
-}
-
-/// How the error of a row counts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Counts {
-    /// Not at all: it is neither a length nor an angle.
-    No,
-    /// A joint's, by itself.
-    Alone(Quantity),
-    /// A component of the task's position or orientation.
-    Together(Quantity),
-}
-
-/// What an error is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Quantity {
-    /// m.
-    Position,
-    /// rad.
-    Rotation,
-}
-
-/// The largest distance and angle among a task's errors, m and rad.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Distance {
-    pub(super) position: f64,
-    pub(super) rotation: f64,
-}
-
 impl FirstTick {
     /// Lets references begin at what is measured. Before the plug-ins write the rows of a first tick.
     pub(super) fn begin(&self, start: StartFrom, world: &World, plugins: &mut [RunningPlugin]) {
@@ -138,10 +99,7 @@ impl FirstTick {
         };
         self.was_refused = true;
         for (entry, report) in tasks.iter().zip(reports) {
-            report.alpha = if entry.live { entry.alpha } else { 0.0 };
-            for (out, error) in report.error.iter_mut().zip(&entry.store.error) {
-                *out = if entry.live { *error } else { 0.0 };
-            }
+            report.fill(entry);
         }
         Err(Fault::FirstError(task))
     }

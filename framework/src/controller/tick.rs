@@ -1,69 +1,18 @@
 //! A tick, from top to bottom: measurement → kinematics and dynamics → rows of tasks and constraints → quadratic
 //! program → solver → command and report.
 
-use nalgebra::DVector;
-
 use super::{
-    FallbackLevel, Measurement,
-    entry_id::Stamp,
-    fallback::{Fallback, elapsed},
-    measurement::Plausible,
-    output::{Command, Gate},
-    record::{MadeFrom, Record, Recorder, recall_rows, record_inputs, record_outcome, record_rows},
-    report::Report,
-    running::{FirstTick, RunningPlugin},
-    sensitivity::Before,
-    world::World,
+    Command, Controller, FallbackLevel, Measurement, Report,
+    fallback::elapsed,
+    record::{Record, recall_rows, record_inputs, record_outcome, record_rows},
 };
 use crate::{
     fault::Fault,
     plugin::EntryState,
-    problem::{BoundEntry, Problem, Solved, Table},
-    qp::{Budget, Qp, Solution, Solver, Status},
-    robot::RobotModel,
-    settings::Settings,
+    problem::Solved,
+    qp::{Budget, Status},
     stopwatch::{StageTimes, Stopwatch},
 };
-use wbqp_dynamics::Actuation;
-
-/// A whole-body controller bound to a robot.
-///
-/// Made by [`Controller::new`]; [`Controller::tick`] is the real-time part. Switching, replacing references and
-/// changing weights happen between ticks.
-#[derive(Debug)]
-pub struct Controller {
-    pub(super) settings: Settings,
-    pub(super) robot: RobotModel,
-    /// One per task, then one per constraint.
-    pub(super) plugins: Vec<RunningPlugin>,
-    /// Their rows.
-    pub(super) entries: Vec<BoundEntry>,
-    pub(super) task_count: usize,
-    pub(super) table: Table,
-    pub(super) problem: Problem,
-    pub(super) actuation: Actuation,
-    pub(super) qp: Qp,
-    pub(super) solution: Solution,
-    pub(super) solver: Box<dyn Solver>,
-    pub(super) world: World,
-    pub(super) command: Command,
-    pub(super) gate: Gate,
-    pub(super) plausible: Plausible,
-    pub(super) report: Report,
-    pub(super) fallback: Fallback,
-    /// Where dumps find what the controller was made from.
-    pub(super) made_from: MadeFrom,
-    pub(super) recorder: Option<Recorder>,
-    pub(super) hover_residual: DVector<f64>,
-    pub(super) stopwatch: Box<dyn Stopwatch>,
-    pub(super) first: FirstTick,
-    /// What ids of tasks must have.
-    pub(super) stamp: Stamp,
-    /// What the last tick began with, if that is kept.
-    pub(super) before: Option<Box<Before>>,
-    /// Counts changes of plug-ins' keys.
-    pub(super) revision: u64,
-}
 
 impl Controller {
     /// One control period: from a measurement to a command.
@@ -263,7 +212,7 @@ impl Controller {
                 self.solution.status = Status::Unsolved;
                 n = self.qp.n();
             }
-            self.fallback.relaxation.bind_efforts(self.gate.window());
+            self.fallback.relaxation.bind_efforts(&self.gate.window);
             Some(self.fallback.relax(
                 &self.problem,
                 &terms,
@@ -276,27 +225,20 @@ impl Controller {
         let solved = self.stopwatch.now();
         let x = &self.solution.x[..n];
         self.problem.recover(&self.entries, x);
-        let Solved { vdot, effort, .. } = self.problem.solved();
+        let Solved { vdot, effort, .. } = &self.problem.solved;
         if !vdot.iter().chain(effort).all(|x| x.is_finite()) {
             self.report.relaxed.clear();
             return Err(Fault::Dynamics);
         }
         let cut = self.gate.first_cut(&self.robot, effort);
         let fault = fault.or(cut.map(|cut| Fault::CutEffort(cut.actuator)));
-        let level = match fault {
-            None => FallbackLevel::Optimal,
-            Some(_) => FallbackLevel::Relaxed,
-        };
+        let level = fault.map_or(FallbackLevel::Optimal, |_| FallbackLevel::Relaxed);
         let tasks = &self.entries[..self.task_count];
         self.world.remember(&mut self.problem, tasks);
         self.send(level);
-        self.report.fill(
-            &self.problem,
-            &self.entries[..self.task_count],
-            &self.world,
-            &self.qp,
-            &self.solution,
-        );
+        let tasks = &self.entries[..self.task_count];
+        self.report
+            .fill(&self.problem, tasks, &self.world, &self.qp, &self.solution);
         self.fallback.without_solution.renew(measurement.time);
         let done = self.stopwatch.now();
         self.report.times = StageTimes {
@@ -313,7 +255,7 @@ impl Controller {
     fn send(&mut self, level: FallbackLevel) {
         self.command
             .effort
-            .copy_from_slice(&self.problem.solved().effort);
+            .copy_from_slice(&self.problem.solved.effort);
         if self.fallback.level != level || self.fallback.on_level.ticks == 0 {
             // Velocity references start anew from the measured velocities.
             self.command.engage(&self.robot.model, &self.world.state);

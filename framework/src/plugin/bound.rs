@@ -9,8 +9,7 @@ use crate::{
     error::BindError,
     plugin::{
         AnyConstraint, AnyTask, Constraint, Displacement, Layout, Remembered, Setup, Slopes, Task,
-        Tick,
-        rows::{Running, RunningConstraint, RunningTask},
+        Tick, storage::RowStore,
     },
 };
 
@@ -61,6 +60,24 @@ impl BoundPlugin {
             }),
         })
     }
+}
+
+/// What runs of an entry in a tick, whether task or constraint.
+pub(crate) trait Running: Parametrised {
+    fn update(&mut self, tick: &Tick<'_>, layout: &Layout, store: &mut RowStore);
+    fn activate(&mut self);
+}
+
+/// A task with its parameters.
+pub(super) struct RunningTask<T: Task> {
+    pub(super) parameters: T,
+    pub(super) running: T::Running,
+}
+
+/// A constraint with its parameters.
+pub(super) struct RunningConstraint<C: Constraint> {
+    pub(super) parameters: C,
+    pub(super) running: C::Running,
 }
 
 /// What an entry holds: `dyn AnyTask` or `dyn AnyConstraint`.

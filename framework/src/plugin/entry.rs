@@ -108,3 +108,20 @@ pub enum Hardness {
     /// for λ above the largest multiplier.
     Exact(f64),
 }
+
+/// How far the plug-in's entry is switched on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EntryState {
+    /// Ramp from 0 (off) to 1 (on); the framework has applied it to the weight already.
+    pub alpha: f64,
+    /// Time of the tick of the last switch, s; −∞ before.
+    pub since: f64,
+}
+
+impl EntryState {
+    /// On, as if ever since.
+    pub(crate) const ON: Self = Self {
+        alpha: 1.0,
+        since: f64::NEG_INFINITY,
+    };
+}

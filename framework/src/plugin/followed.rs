@@ -1,13 +1,61 @@
-//! A reference that a task follows, outside of ticks: declared in `bind`, begun at home, replaced while running.
+//! A reference that a task follows, and what is done with it outside of ticks: declared in `bind`, begun at home, replaced while running.
+
+use std::fmt::{self, Debug};
+
+use nalgebra::UnitQuaternion;
 
 use crate::{
     contact::ContactId,
     error::BindError,
-    plugin::{
-        AnyReference, BoundReference, Reference, Sample, Space, Tick,
-        tick::{Bound, Followed, Measured},
-    },
+    plugin::{AnyReference, Reference, Sample, Space, Start, Tick},
 };
+
+/// A task's reference, and where it stands.
+pub(crate) struct Followed {
+    pub(super) reference: BoundReference,
+    /// What the task followed in its last update; before the first, where it starts.
+    pub(crate) sample: Sample,
+    /// What is measured; where it starts at zero, nothing.
+    pub(super) measured: Option<Measured>,
+    /// The contact whose normal force, N, it prescribes.
+    pub(crate) pushes: Option<ContactId>,
+    /// Room for what is measured.
+    pub(super) here: Sample,
+}
+
+impl Debug for Followed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple("Followed").field(&self.reference).finish()
+    }
+}
+
+type MeasuredVector = dyn Fn(&Tick<'_>, &mut [f64]) + Send;
+type MeasuredRotation = dyn Fn(&Tick<'_>) -> UnitQuaternion<f64> + Send;
+
+/// What is measured of that which a reference prescribes.
+pub(crate) enum Measured {
+    /// In a [`Space::Vector`](super::Space::Vector).
+    Vector(Box<MeasuredVector>),
+    /// In [`Space::Rotation`](super::Space::Rotation).
+    Rotation(Box<MeasuredRotation>),
+}
+
+/// A reference that was bound: its parameters and what it remembers. Made by the attribute
+/// [`reference`](macro@crate::reference).
+#[doc(hidden)] // named by the code of the attributes alone
+#[derive(Debug)]
+pub struct BoundReference(pub(super) Box<dyn RunningReference>);
+
+pub(super) trait RunningReference: Debug + Send {
+    fn start(&mut self, start: &Start<'_>);
+    fn sample(&mut self, tick: &Tick<'_>, out: &mut Sample);
+}
+
+#[derive(Debug)]
+pub(super) struct Bound<R: Reference> {
+    pub(super) parameters: R,
+    pub(super) running: R::Running,
+}
 
 impl BoundReference {
     /// Binds a reference to a space.
@@ -19,6 +67,11 @@ impl BoundReference {
             running: parameters.bind(space)?,
             parameters: parameters.clone(),
         })))
+    }
+
+    /// Takes over, as [`Reference::start`].
+    pub fn start(&mut self, start: &Start<'_>) {
+        self.0.start(start);
     }
 }
 
@@ -46,6 +99,13 @@ impl Followed {
         Ok(followed)
     }
 
+    pub(super) fn start(&mut self, time: f64) {
+        self.reference.start(&Start {
+            time,
+            from: &self.sample,
+        });
+    }
+
     /// Starts where the robot stands at home.
     pub(crate) fn start_at_home(&mut self, home: &Tick<'_>) {
         if let Some(measured) = &self.measured {
@@ -57,7 +117,7 @@ impl Followed {
     /// Where it would be in this tick; nothing of the task's own sample changes.
     pub(crate) fn look(&mut self, tick: &Tick<'_>) -> &Sample {
         self.here.stand_at(&Sample::new(self.sample.space()));
-        self.reference.sample(tick, &mut self.here);
+        self.reference.0.sample(tick, &mut self.here);
         &self.here
     }
 

@@ -1,12 +1,8 @@
-//! What a plug-in declares once: its rows, their labels and units, and the blocks they touch; and numbers by row.
+//! What a plug-in declares once: its rows, their labels and units, and the blocks they touch.
 //!
 //! A row is linear in the decision variables, `A_v v̇ + A_u u + Σ A_c f_c`, and a layout says for each of the
 //! blocks whether it is absent, dense, made of unit rows, or borrowed from a Jacobian that the framework
 //! computes anyway. Absent and borrowed blocks cost nothing to write.
-
-use nalgebra::Vector3;
-use schemars::JsonSchema;
-use serde::Serialize;
 
 use crate::{contact::ContactId, plugin::FrameHandle};
 
@@ -96,37 +92,4 @@ pub(crate) enum Relation {
     #[default]
     Inequality,
     Equality,
-}
-
-/// One number for all rows, or a list with one per row: a weight, or a diagonal gain matrix.
-///
-/// ```
-/// use wbqp::{plugin::PerRow, serde_json};
-/// assert_eq!(serde_json::from_str::<PerRow>("25")?, PerRow::from(25.0));
-/// assert_eq!(serde_json::from_str::<PerRow>("[1, 2.5]")?, PerRow::from([1.0, 2.5]));
-/// # Ok::<(), serde_json::Error>(())
-/// ```
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
-#[serde(untagged)]
-pub enum PerRow {
-    /// The same for every row.
-    Uniform(f64),
-    /// One per row.
-    Each(Vec<f64>),
-}
-
-impl PerRow {
-    /// The number of a row; zero for one that is missing.
-    #[inline]
-    pub fn row(&self, index: usize) -> f64 {
-        match self {
-            Self::Uniform(x) => *x,
-            Self::Each(x) => x.get(index).copied().unwrap_or(0.0),
-        }
-    }
-
-    /// The diagonal matrix of the first three times a vector.
-    pub fn times(&self, x: &Vector3<f64>) -> Vector3<f64> {
-        Vector3::from_fn(|i, _| self.row(i) * x[i])
-    }
 }

@@ -10,15 +10,16 @@ pub(crate) mod constraint;
 mod declare;
 pub(crate) mod entry;
 pub(crate) mod fallback_law;
-mod followed;
+pub(crate) mod followed;
 pub(crate) mod layout;
+mod motion_row;
 mod per_row;
 pub(crate) mod reference;
 pub(crate) mod remembered;
 pub(crate) mod rows;
 pub(crate) mod setup;
 pub(crate) mod slopes;
-mod storage;
+pub(crate) mod storage;
 pub(crate) mod task;
 pub(crate) mod tick;
 
@@ -26,16 +27,16 @@ pub use bound::{AnyPlugin, BoundPlugin};
 pub use constraint::{AnyConstraint, Constraint};
 pub use declare::ConstraintLayout;
 pub(crate) use entry::ENTRY_KEYS;
-pub use entry::{Entry, Hardness};
+pub use entry::{Entry, EntryState, Hardness};
 pub use fallback_law::{AnyFallbackLaw, BoundFallbackLaw, FallbackLaw};
-pub use layout::{Layout, PerRow, RowSpec};
-pub use reference::{AnyReference, Reference, Space, Start};
+pub use followed::BoundReference;
+pub use layout::{Layout, RowSpec};
+pub use motion_row::{ForceReport, MotionRow};
+pub use per_row::PerRow;
+pub use reference::{AnyReference, Reference, RotationSample, Sample, Space, Start, VectorSample};
 pub use remembered::Remembered;
-pub use rows::{ConstraintRows, ForceReport, MotionRow, RowMajorMut, Rows};
-pub use setup::Setup;
+pub use rows::{ConstraintRows, RowMajorMut, Rows};
+pub use setup::{FrameHandle, RotationReference, Setup, VectorReference};
 pub use slopes::{Displacement, Slopes};
 pub use task::{AnyTask, Task};
-pub use tick::{
-    AT_HOME, BoundReference, EntryState, FrameHandle, PreviousSolution, RotationReference,
-    RotationSample, Sample, Tick, VectorReference, VectorSample,
-};
+pub use tick::{AT_HOME, PreviousSolution, Tick};

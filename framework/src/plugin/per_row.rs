@@ -2,10 +2,27 @@
 
 use std::fmt;
 
-use serde::{Deserialize, Deserializer, de};
+use schemars::JsonSchema;
+use serde::{Deserialize, Deserializer, Serialize, de};
 
-use super::PerRow;
 use crate::error::BindError;
+
+/// One number for all rows, or a list with one per row: a weight, or a diagonal gain matrix.
+///
+/// ```
+/// use wbqp::{plugin::PerRow, serde_json};
+/// assert_eq!(serde_json::from_str::<PerRow>("25")?, PerRow::from(25.0));
+/// assert_eq!(serde_json::from_str::<PerRow>("[1, 2.5]")?, PerRow::from([1.0, 2.5]));
+/// # Ok::<(), serde_json::Error>(())
+/// ```
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[serde(untagged)]
+pub enum PerRow {
+    /// The same for every row.
+    Uniform(f64),
+    /// One per row.
+    Each(Vec<f64>),
+}
 
 impl PerRow {
     /// All numbers given.

@@ -6,12 +6,12 @@
 
 use std::{any::Any, borrow::Cow, fmt::Debug};
 
-use nalgebra::UnitQuaternion;
+use nalgebra::{UnitQuaternion, Vector3};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 
 use crate::{
     error::BindError,
-    plugin::{BoundReference, RotationSample, Sample, Tick, VectorSample},
+    plugin::{BoundReference, Tick},
 };
 
 /// A trajectory: value, rate and acceleration as a function of time, or of what the tick knows (an
@@ -37,6 +37,37 @@ pub trait Reference: Clone + Debug + Send + 'static {
 
     /// Writes the sample for this tick, which is of the space it was bound to. No allocation, no panic.
     fn sample(&self, running: &mut Self::Running, tick: &Tick<'_>, out: &mut Sample);
+}
+
+/// Value, rate and acceleration of a reference at one time.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Sample {
+    /// In a [`Space::Vector`](super::Space::Vector).
+    Vector(VectorSample),
+    /// In [`Space::Rotation`](super::Space::Rotation).
+    Rotation(RotationSample),
+}
+
+/// Value, rate and acceleration of a vector. The three have the same length.
+#[derive(Clone, Debug, PartialEq)]
+pub struct VectorSample {
+    /// The value, in the task's unit.
+    pub value: Vec<f64>,
+    /// Its first derivative.
+    pub rate: Vec<f64>,
+    /// Its second derivative.
+    pub acceleration: Vec<f64>,
+}
+
+/// Orientation, angular velocity and acceleration.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RotationSample {
+    /// The orientation.
+    pub rotation: UnitQuaternion<f64>,
+    /// Angular velocity, rad/s, in the axes that the rotation leads to (world axes of `R_WB`).
+    pub rate: Vector3<f64>,
+    /// Angular acceleration, rad/s², in the same axes.
+    pub acceleration: Vector3<f64>,
 }
 
 /// Any reference: what a task's parameters hold. Implemented by the attribute

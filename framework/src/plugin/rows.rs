@@ -2,49 +2,25 @@
 //!
 //! Blocks lie row-major in buffers of their own, one per declared dense block, and keep their values between
 //! ticks: a constant coefficient may be written once. A block that was not declared has no storage; asking
-//! for it gives a scratch view, and the report says whose slip it was.
+//! for it gives a scratch view, and the report says whose slip it was. [`PerRow`] gives each row a number of its own.
 
 use std::borrow::Borrow;
 
-use nalgebra::{DVectorViewMut, Dyn, MatrixViewMut, U1, Vector3};
+use nalgebra::{DVectorViewMut, Dyn, MatrixViewMut, U1, Vector3, Vector6};
 
 use crate::{
     contact::{ContactId, ContactState},
     plugin::{
-        AnyConstraint, AnyTask, Constraint, Layout, Task, Tick,
-        bound::Parametrised,
+        AnyConstraint, AnyTask, Constraint, ForceReport, Layout, MotionRow, PerRow, Task, Tick,
+        bound::{Running, RunningConstraint, RunningTask},
         layout::{Block, VdotBlock},
+        storage::{MotionMatrix, RowStore, Variable},
     },
 };
 use wbqp_dynamics::FrameKinematics;
 
 /// A mutable row-major matrix view: rows of coefficients.
 pub type RowMajorMut<'a> = MatrixViewMut<'a, f64, Dyn, Dyn, Dyn, U1>;
-
-/// Storage of one entry's rows; none by default.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct RowStore {
-    pub(crate) vdot: Vec<f64>,
-    pub(crate) effort: Vec<f64>,
-    /// One per declared contact, empty if its block is made of unit rows.
-    pub(crate) forces: Vec<Vec<f64>>,
-    /// `b`, or the lower limit.
-    pub(crate) lower: Vec<f64>,
-    pub(crate) upper: Vec<f64>,
-    pub(crate) bound_lower: Vec<f64>,
-    pub(crate) bound_upper: Vec<f64>,
-    pub(crate) error: Vec<f64>,
-    /// `J̇ v` of rows whose coefficients the plug-in writes; NaN until it says so.
-    pub(super) bias: Vec<f64>,
-    /// What a task on a contact's force reports.
-    pub(crate) force_report: Option<ForceReport>,
-    /// Set when a block was written that the layout does not declare.
-    pub(crate) undeclared: bool,
-    pub(super) scratch: Vec<f64>,
-    pub(super) nv: usize,
-    pub(super) nu: usize,
-    pub(super) nf: Vec<usize>,
-}
 
 impl RowStore {
     /// Forgets what an update must say anew.
@@ -54,41 +30,10 @@ impl RowStore {
         self.bias.fill(f64::NAN);
     }
 
-    pub(super) fn nv(&self) -> usize {
-        self.nv
-    }
-
-    pub(super) fn nu(&self) -> usize {
-        self.nu
-    }
-
     /// Components of a contact's force; none of a contact that there is not.
     pub(super) fn nf(&self, contact: ContactId) -> usize {
         self.nf.get(contact.index()).copied().unwrap_or(0)
     }
-}
-
-/// What a coefficient belongs to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Variable {
-    /// A component of `v̇`.
-    Acceleration(usize),
-    /// The effort of an actuator.
-    Effort(usize),
-    /// A component of a contact's force.
-    Force(ContactId, usize),
-}
-
-/// Coefficients on accelerations that stand in a matrix: the plug-in's own, or rows of a Jacobian.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct MotionMatrix<'a> {
-    data: &'a [f64],
-    /// Rows of the Jacobian; row by row the plug-in's own without.
-    rows: Option<&'a [usize]>,
-    /// From one column to the next.
-    stride: usize,
-    /// From one row to the next.
-    row_stride: usize,
 }
 
 impl MotionMatrix<'_> {
@@ -107,25 +52,20 @@ impl RowStore {
         frames: &'a [FrameKinematics],
         contacts: &'a [ContactState],
     ) -> Option<MotionMatrix<'a>> {
-        let jacobian = |data: &'a [f64], rows: &'a [usize]| MotionMatrix {
-            data,
-            rows: Some(rows),
-            stride: 6,
-            row_stride: 1,
-        };
-        match &layout.vdot {
-            VdotBlock::Absent | VdotBlock::Unit(_) => None,
-            VdotBlock::Dense => Some(MotionMatrix {
-                data: &self.vdot,
-                rows: None,
-                stride: 1,
-                row_stride: self.nv,
-            }),
-            VdotBlock::Frame(frame, rows) => Some(jacobian(frames[frame.0].J.as_slice(), rows)),
+        let (data, rows, stride, row_stride) = match &layout.vdot {
+            VdotBlock::Absent | VdotBlock::Unit(_) => return None,
+            VdotBlock::Dense => (self.vdot.as_slice(), None, 1, self.nv),
+            VdotBlock::Frame(frame, rows) => (frames[frame.0].J.as_slice(), Some(rows), 6, 1),
             VdotBlock::Contact(contact, rows) => {
-                Some(jacobian(contacts[contact.index()].J.as_slice(), rows))
+                (contacts[contact.index()].J.as_slice(), Some(rows), 6, 1)
             }
-        }
+        };
+        Some(MotionMatrix {
+            data,
+            rows: rows.map(Vec::as_slice),
+            stride,
+            row_stride,
+        })
     }
 
     /// Hands out the coefficients of row `k` that are not zero.
@@ -147,25 +87,27 @@ impl RowStore {
                 }
             }
         }
-        let mut block =
-            |block: &Block, data: &[f64], n: usize, variable: &dyn Fn(usize) -> Variable| {
-                match block {
-                    Block::Dense => {
-                        for (i, &a) in data[k * n..(k + 1) * n].iter().enumerate() {
-                            if a != 0.0 {
-                                add(variable(i), a);
-                            }
+        let mut block = |block: &Block, data: &[f64], n: usize, of: Option<ContactId>| {
+            let variable = |i: usize| match of {
+                None => Variable::Effort(i),
+                Some(contact) => Variable::Force(contact, i),
+            };
+            match block {
+                Block::Dense => {
+                    for (i, &a) in data[k * n..(k + 1) * n].iter().enumerate() {
+                        if a != 0.0 {
+                            add(variable(i), a);
                         }
                     }
-                    Block::Unit(columns) => add(variable(columns[k]), 1.0),
                 }
-            };
+                Block::Unit(columns) => add(variable(columns[k]), 1.0),
+            }
+        };
         if let Some(effort) = &layout.effort {
-            block(effort, &self.effort, self.nu, &Variable::Effort);
+            block(effort, &self.effort, self.nu, None);
         }
         for ((contact, force), source) in layout.forces.iter().zip(&self.forces) {
-            let nf = self.nf[contact.index()];
-            block(force, source, nf, &|i| Variable::Force(*contact, i));
+            block(force, source, self.nf[contact.index()], Some(*contact));
         }
     }
 
@@ -190,7 +132,7 @@ struct Blocks<'a> {
 
 impl Blocks<'_> {
     fn vdot(&mut self) -> RowMajorMut<'_> {
-        let (m, n) = (self.layout.len(), self.store.nv);
+        let (m, n) = (self.layout.rows.len(), self.store.nv);
         view(self.vdot_rows(), m, n)
     }
 
@@ -202,57 +144,33 @@ impl Blocks<'_> {
     }
 
     fn vdot_rows(&mut self) -> &mut [f64] {
-        let declared = self.layout.vdot == VdotBlock::Dense;
-        pick(
-            declared,
-            &mut self.store.vdot,
-            &mut self.store.scratch,
-            &mut self.store.undeclared,
-        )
+        if self.layout.vdot == VdotBlock::Dense {
+            return &mut self.store.vdot;
+        }
+        self.scratch()
     }
 
     fn effort(&mut self) -> RowMajorMut<'_> {
-        let (m, n) = (self.layout.len(), self.store.nu);
-        let declared = self.layout.effort == Some(Block::Dense);
-        let data = pick(
-            declared,
-            &mut self.store.effort,
-            &mut self.store.scratch,
-            &mut self.store.undeclared,
-        );
-        view(data, m, n)
+        let (m, n) = (self.layout.rows.len(), self.store.nu);
+        if self.layout.effort == Some(Block::Dense) {
+            return view(&mut self.store.effort, m, n);
+        }
+        view(self.scratch(), m, n)
+    }
+
+    /// Where a block goes that was not declared.
+    fn scratch(&mut self) -> &mut [f64] {
+        self.store.undeclared = true;
+        &mut self.store.scratch
     }
 
     fn force(&mut self, contact: ContactId) -> RowMajorMut<'_> {
-        let m = self.layout.len();
-        let n = self.store.nf(contact);
-        let slot = self
-            .layout
-            .forces
-            .iter()
-            .position(|(c, b)| *c == contact && *b == Block::Dense);
-        let store = &mut *self.store;
-        let data = if let Some(data) = slot.and_then(|s| store.forces.get_mut(s)) {
-            data
-        } else {
-            store.undeclared = true;
-            &mut store.scratch
-        };
-        view(data, m, n)
-    }
-}
-
-fn pick<'a>(
-    declared: bool,
-    block: &'a mut [f64],
-    scratch: &'a mut [f64],
-    fault: &mut bool,
-) -> &'a mut [f64] {
-    if declared {
-        block
-    } else {
-        *fault = true;
-        scratch
+        let (m, n) = (self.layout.rows.len(), self.store.nf(contact));
+        let mut forces = self.layout.forces.iter();
+        match forces.position(|(c, block)| *c == contact && *block == Block::Dense) {
+            Some(slot) => view(&mut self.store.forces[slot], m, n),
+            None => view(self.scratch(), m, n),
+        }
     }
 }
 
@@ -291,70 +209,16 @@ pub struct Rows<'a> {
     tick: &'a Tick<'a>,
 }
 
-/// What a row of a motion task is told: the error, its rate, the acceleration wanted, and the gains.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MotionRow {
-    /// `e`, actual minus desired, in the layout's error unit.
-    pub error: f64,
-    /// `ė`, the same per second.
-    pub rate: f64,
-    /// `a_d`, in the row's unit.
-    pub acceleration: f64,
-    /// Stiffness `K_P`, 1/s².
-    pub kp: f64,
-    /// Damping `K_D`, 1/s.
-    pub kd: f64,
-}
-
-impl MotionRow {
-    /// To a place that rests, critically damped: `ë + 2 √K_P ė + K_P e = 0`.
-    pub fn to_rest(error: f64, rate: f64, kp: f64) -> Self {
-        Self {
-            error,
-            rate,
-            acceleration: 0.0,
-            kp,
-            kd: 2.0 * kp.sqrt(),
-        }
-    }
-}
-
-/// The two forces that only a force task knows, C axes, N.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ForceReport {
-    /// The contact that is controlled.
-    pub contact: ContactId,
-    /// Set point `f^d`.
-    pub reference: Vector3<f64>,
-    /// What the outer loop asks of the solver, `f*` of the paper's (11).
-    pub virtual_input: Vector3<f64>,
-    /// Whether the integrator stands at its clamp.
-    pub clamped: bool,
-}
-
-impl<'a> Rows<'a> {
-    pub(crate) fn new(tick: &'a Tick<'a>, layout: &'a Layout, store: &'a mut RowStore) -> Self {
-        Self {
-            blocks: Blocks { layout, store },
-            tick,
-        }
-    }
-
+impl Rows<'_> {
     /// Writes row `k` of a task on motion: its error, and what is asked of it, `J v̇ = a_d − K_D ė − K_P e − J̇ v`, so
     /// that the error decays as `ë + K_D ė + K_P e = 0`. The bias `J̇ v` is that of the Jacobian which the layout
     /// names; of coefficients written by the plug-in, that given to [`Rows::jacobian`].
     #[inline]
     pub fn motion(&mut self, k: usize, motion: MotionRow) {
-        let MotionRow {
-            error,
-            rate,
-            acceleration,
-            kp,
-            kd,
-        } = motion;
-        self.acceleration(k, acceleration - kd * rate - kp * error);
+        let pulled = motion.acceleration - motion.kd * motion.rate - motion.kp * motion.error;
+        self.acceleration(k, pulled);
         if let Some(out) = self.blocks.store.error.get_mut(k) {
-            *out = error;
+            *out = motion.error;
         }
     }
 
@@ -394,29 +258,26 @@ impl<'a> Rows<'a> {
     /// `J̇ v` of row `k`; zero for a component of `v̇`, not a number where it was not said.
     #[inline]
     fn bias_of(&self, k: usize) -> f64 {
+        let row = |rows: &[usize], bias: &Vector6<f64>| rows.get(k).map_or(0.0, |&row| bias[row]);
         match &self.blocks.layout.vdot {
             VdotBlock::Absent | VdotBlock::Unit(_) => 0.0,
             VdotBlock::Dense => self.blocks.store.bias.get(k).copied().unwrap_or(f64::NAN),
-            VdotBlock::Frame(frame, rows) => rows
-                .get(k)
-                .map_or(0.0, |&row| self.tick.frame(*frame).Jdot_v[row]),
-            VdotBlock::Contact(contact, rows) => rows
-                .get(k)
-                .map_or(0.0, |&row| self.tick.contact(*contact).Jdot_v[row]),
+            VdotBlock::Frame(frame, rows) => row(rows, &self.tick.frame(*frame).Jdot_v),
+            VdotBlock::Contact(contact, rows) => row(rows, &self.tick.contact(*contact).Jdot_v),
         }
     }
 
     /// What `A x` should be, as it is: for a task on accelerations, `a* − J̇ v`. Size rows.
     #[inline]
     pub fn b(&mut self) -> DVectorViewMut<'_, f64> {
-        let m = self.blocks.layout.len();
+        let m = self.blocks.layout.rows.len();
         DVectorViewMut::from_slice(&mut self.blocks.store.lower, m)
     }
 
     /// The task's error (actual minus desired) in the layout's error unit, for reports and logs. Size rows.
     #[inline]
     pub fn error(&mut self) -> DVectorViewMut<'_, f64> {
-        let m = self.blocks.layout.len();
+        let m = self.blocks.layout.rows.len();
         DVectorViewMut::from_slice(&mut self.blocks.store.error, m)
     }
 
@@ -432,13 +293,7 @@ pub struct ConstraintRows<'a> {
     blocks: Blocks<'a>,
 }
 
-impl<'a> ConstraintRows<'a> {
-    pub(crate) fn new(_: &Tick<'_>, layout: &'a Layout, store: &'a mut RowStore) -> Self {
-        Self {
-            blocks: Blocks { layout, store },
-        }
-    }
-
+impl ConstraintRows<'_> {
     /// `lower ≤ (A x)_row ≤ upper`; infinite where there is no limit. Ignored for a row that does not exist.
     #[inline]
     pub fn limit(&mut self, row: usize, lower: f64, upper: f64) {
@@ -469,42 +324,42 @@ impl<'a> ConstraintRows<'a> {
     }
 }
 
-/// What runs of an entry in a tick, whether task or constraint.
-pub(crate) trait Running: Parametrised {
-    fn update(&mut self, tick: &Tick<'_>, layout: &Layout, store: &mut RowStore);
-    fn activate(&mut self);
-}
-
-/// A task with its parameters.
-pub(super) struct RunningTask<T: Task> {
-    pub(super) parameters: T,
-    pub(super) running: T::Running,
-}
-
 impl<T: Task + AnyTask> Running for RunningTask<T> {
     fn update(&mut self, tick: &Tick<'_>, layout: &Layout, store: &mut RowStore) {
-        let mut rows = Rows::new(tick, layout, store);
+        let blocks = Blocks { layout, store };
+        let mut rows = Rows { blocks, tick };
         self.parameters.update(&mut self.running, tick, &mut rows);
     }
 
     fn activate(&mut self) {
         self.parameters.activate(&mut self.running);
     }
-}
-
-/// A constraint with its parameters.
-pub(super) struct RunningConstraint<C: Constraint> {
-    pub(super) parameters: C,
-    pub(super) running: C::Running,
 }
 
 impl<C: Constraint + AnyConstraint> Running for RunningConstraint<C> {
     fn update(&mut self, tick: &Tick<'_>, layout: &Layout, store: &mut RowStore) {
-        let mut rows = ConstraintRows::new(tick, layout, store);
+        let blocks = Blocks { layout, store };
+        let mut rows = ConstraintRows { blocks };
         self.parameters.update(&mut self.running, tick, &mut rows);
     }
 
     fn activate(&mut self) {
         self.parameters.activate(&mut self.running);
+    }
+}
+
+impl PerRow {
+    /// The number of a row; zero for one that is missing.
+    #[inline]
+    pub fn row(&self, index: usize) -> f64 {
+        match self {
+            Self::Uniform(x) => *x,
+            Self::Each(x) => x.get(index).copied().unwrap_or(0.0),
+        }
+    }
+
+    /// The diagonal matrix of the first three times a vector.
+    pub fn times(&self, x: &Vector3<f64>) -> Vector3<f64> {
+        Vector3::from_fn(|i, _| self.row(i) * x[i])
     }
 }

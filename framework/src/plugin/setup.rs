@@ -6,8 +6,8 @@ use crate::{
     contact::{ContactId, ContactSpec},
     error::BindError,
     plugin::{
-        AnyReference, FrameHandle, RotationReference, Space, Tick, VectorReference,
-        tick::{Followed, Measured},
+        AnyReference, Space, Tick,
+        followed::{Followed, Measured},
     },
     robot::RobotModel,
 };
@@ -251,3 +251,15 @@ impl<'a> Setup<'a> {
         VectorReference(self.references.len() - 1)
     }
 }
+
+/// A frame whose kinematics the plug-in asked for in `bind`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FrameHandle(pub(crate) usize);
+
+/// A reference of vectors that a task follows: what [`Tick::vector`] takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct VectorReference(pub(crate) usize);
+
+/// A reference of orientations that a task follows: what [`Tick::rotation`] takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RotationReference(pub(crate) usize);

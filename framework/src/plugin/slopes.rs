@@ -5,7 +5,7 @@ use wbqp_dynamics::state::State;
 
 use crate::{
     contact::ContactId,
-    plugin::{Layout, layout::Block, layout::VdotBlock, rows::RowStore},
+    plugin::{Layout, layout::Block, layout::VdotBlock, storage::RowStore},
 };
 
 /// A small displacement of the state, to first order.
@@ -88,8 +88,8 @@ impl<'a> Slopes<'a> {
     /// Of row `k`'s coefficient on a component of `v̇`. Declared with [`Layout::vdot_dense`].
     #[inline]
     pub fn vdot(&mut self, k: usize, velocity: usize, change: f64) {
-        if self.layout.vdot == VdotBlock::Dense && velocity < self.store.nv() {
-            let at = k * self.store.nv() + velocity;
+        if self.layout.vdot == VdotBlock::Dense && velocity < self.store.nv {
+            let at = k * self.store.nv + velocity;
             add(&mut self.store.vdot, at, change);
         }
     }
@@ -97,8 +97,8 @@ impl<'a> Slopes<'a> {
     /// Of row `k`'s coefficient on an actuator's effort. Declared with [`Layout::effort_dense`].
     #[inline]
     pub fn effort(&mut self, k: usize, actuator: usize, change: f64) {
-        if self.layout.effort == Some(Block::Dense) && actuator < self.store.nu() {
-            let at = k * self.store.nu() + actuator;
+        if self.layout.effort == Some(Block::Dense) && actuator < self.store.nu {
+            let at = k * self.store.nu + actuator;
             add(&mut self.store.effort, at, change);
         }
     }

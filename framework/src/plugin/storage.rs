@@ -1,10 +1,58 @@
-//! Makes the storage of an entry's rows, and copies it.
+//! Storage of an entry's rows: what it has, made once, and copied.
 
 use super::{
-    Layout,
+    ForceReport, Layout,
     layout::{Block, VdotBlock},
-    rows::RowStore,
 };
+use crate::contact::ContactId;
+
+/// Storage of one entry's rows; none by default.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct RowStore {
+    pub(crate) vdot: Vec<f64>,
+    pub(crate) effort: Vec<f64>,
+    /// One per declared contact, empty if its block is made of unit rows.
+    pub(crate) forces: Vec<Vec<f64>>,
+    /// `b`, or the lower limit.
+    pub(crate) lower: Vec<f64>,
+    pub(crate) upper: Vec<f64>,
+    pub(crate) bound_lower: Vec<f64>,
+    pub(crate) bound_upper: Vec<f64>,
+    pub(crate) error: Vec<f64>,
+    /// `J̇ v` of rows whose coefficients the plug-in writes; NaN until it says so.
+    pub(super) bias: Vec<f64>,
+    /// What a task on a contact's force reports.
+    pub(crate) force_report: Option<ForceReport>,
+    /// Set when a block was written that the layout does not declare.
+    pub(crate) undeclared: bool,
+    pub(super) scratch: Vec<f64>,
+    pub(super) nv: usize,
+    pub(super) nu: usize,
+    pub(super) nf: Vec<usize>,
+}
+
+/// What a coefficient belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Variable {
+    /// A component of `v̇`.
+    Acceleration(usize),
+    /// The effort of an actuator.
+    Effort(usize),
+    /// A component of a contact's force.
+    Force(ContactId, usize),
+}
+
+/// Coefficients on accelerations that stand in a matrix: the plug-in's own, or rows of a Jacobian.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct MotionMatrix<'a> {
+    pub(super) data: &'a [f64],
+    /// Rows of the Jacobian; row by row the plug-in's own without.
+    pub(super) rows: Option<&'a [usize]>,
+    /// From one column to the next.
+    pub(super) stride: usize,
+    /// From one row to the next.
+    pub(super) row_stride: usize,
+}
 
 impl RowStore {
     pub(crate) fn new(layout: &Layout, nv: usize, nu: usize, nf: &[usize]) -> Self {

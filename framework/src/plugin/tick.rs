@@ -5,13 +5,15 @@
 //! W world (z up), R base, F a named frame, C a contact frame (z along the surface's outward normal). Frame
 //! Jacobians are world-aligned, contact Jacobians in C axes; both linear first.
 
-use std::fmt::{self, Debug};
-
 use nalgebra::{UnitQuaternion, Vector3, Vector6};
 
 use crate::{
     contact::{ContactId, ContactState},
-    plugin::{Reference, Start},
+    plugin::{
+        EntryState, FrameHandle, Reference, RotationReference, RotationSample, Sample, Start,
+        VectorReference, VectorSample,
+        followed::{Bound, Followed, Measured, RunningReference},
+    },
 };
 use wbqp_dynamics::{Data, FrameKinematics, model::Model, state::State};
 
@@ -59,23 +61,6 @@ pub struct PreviousSolution {
     pub effort: nalgebra::DVector<f64>,
 }
 
-/// How far the plug-in's entry is switched on.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EntryState {
-    /// Ramp from 0 (off) to 1 (on); the framework has applied it to the weight already.
-    pub alpha: f64,
-    /// Time of the tick of the last switch, s; −∞ before.
-    pub since: f64,
-}
-
-impl EntryState {
-    /// On, as if ever since.
-    pub(crate) const ON: Self = Self {
-        alpha: 1.0,
-        since: f64::NEG_INFINITY,
-    };
-}
-
 impl<'a> Tick<'a> {
     /// Pose, velocity, Jacobian and bias acceleration of a frame requested in `bind`.
     #[inline]
@@ -115,49 +100,6 @@ impl<'a> Tick<'a> {
     pub fn contacts(&self) -> &'a [ContactState] {
         self.contacts
     }
-}
-
-/// A frame whose kinematics the plug-in asked for in `bind`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct FrameHandle(pub(crate) usize);
-
-/// A reference of vectors that a task follows: what [`Tick::vector`] takes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct VectorReference(pub(crate) usize);
-
-/// A reference of orientations that a task follows: what [`Tick::rotation`] takes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct RotationReference(pub(crate) usize);
-
-/// Value, rate and acceleration of a reference at one time.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Sample {
-    /// In a [`Space::Vector`](super::Space::Vector).
-    Vector(VectorSample),
-    /// In [`Space::Rotation`](super::Space::Rotation).
-    Rotation(RotationSample),
-}
-
-/// Value, rate and acceleration of a vector. The three have the same length.
-#[derive(Clone, Debug, PartialEq)]
-pub struct VectorSample {
-    /// The value, in the task's unit.
-    pub value: Vec<f64>,
-    /// Its first derivative.
-    pub rate: Vec<f64>,
-    /// Its second derivative.
-    pub acceleration: Vec<f64>,
-}
-
-/// Orientation, angular velocity and acceleration.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RotationSample {
-    /// The orientation.
-    pub rotation: UnitQuaternion<f64>,
-    /// Angular velocity, rad/s, in the axes that the rotation leads to (world axes of `R_WB`).
-    pub rate: Vector3<f64>,
-    /// Angular acceleration, rad/s², in the same axes.
-    pub acceleration: Vector3<f64>,
 }
 
 impl Sample {
@@ -227,17 +169,6 @@ static NO_VECTOR: VectorSample = VectorSample {
     acceleration: Vec::new(),
 };
 
-type MeasuredVector = dyn Fn(&Tick<'_>, &mut [f64]) + Send;
-type MeasuredRotation = dyn Fn(&Tick<'_>) -> UnitQuaternion<f64> + Send;
-
-/// What is measured of that which a reference prescribes.
-pub(crate) enum Measured {
-    /// In a [`Space::Vector`](super::Space::Vector).
-    Vector(Box<MeasuredVector>),
-    /// In [`Space::Rotation`](super::Space::Rotation).
-    Rotation(Box<MeasuredRotation>),
-}
-
 impl Measured {
     /// Writes it into a sample of its space.
     pub(super) fn write(&self, tick: &Tick<'_>, out: &mut Sample) {
@@ -247,35 +178,6 @@ impl Measured {
             _ => {}
         }
     }
-}
-
-/// A reference that was bound: its parameters and what it remembers. Made by the attribute
-/// [`reference`](macro@crate::reference).
-#[doc(hidden)] // named by the code of the attributes alone
-#[derive(Debug)]
-pub struct BoundReference(pub(super) Box<dyn RunningReference>);
-
-impl BoundReference {
-    /// Takes over, as [`Reference::start`].
-    pub fn start(&mut self, start: &Start<'_>) {
-        self.0.start(start);
-    }
-
-    /// Writes a sample, as [`Reference::sample`].
-    pub fn sample(&mut self, tick: &Tick<'_>, out: &mut Sample) {
-        self.0.sample(tick, out);
-    }
-}
-
-pub(super) trait RunningReference: Debug + Send {
-    fn start(&mut self, start: &Start<'_>);
-    fn sample(&mut self, tick: &Tick<'_>, out: &mut Sample);
-}
-
-#[derive(Debug)]
-pub(super) struct Bound<R: Reference> {
-    pub(super) parameters: R,
-    pub(super) running: R::Running,
 }
 
 impl<R: Reference> RunningReference for Bound<R> {
@@ -292,19 +194,6 @@ impl<R: Reference> RunningReference for Bound<R> {
 /// sensor's noise, less than what can be seen.
 pub const AT_HOME: f64 = 5e-3;
 
-/// A task's reference, and where it stands.
-pub(crate) struct Followed {
-    pub(super) reference: BoundReference,
-    /// What the task followed in its last update; before the first, where it starts.
-    pub(crate) sample: Sample,
-    /// What is measured; where it starts at zero, nothing.
-    pub(super) measured: Option<Measured>,
-    /// The contact whose normal force, N, it prescribes.
-    pub(crate) pushes: Option<ContactId>,
-    /// Room for what is measured.
-    pub(super) here: Sample,
-}
-
 impl Followed {
     /// Starts at what is measured in the first tick. What is within [`AT_HOME`] of where it starts already (the length
     /// of the difference, or the angle) counts as noise, and nothing changes. Values that the reference's parameters
@@ -320,22 +209,9 @@ impl Followed {
         }
     }
 
-    pub(super) fn start(&mut self, time: f64) {
-        self.reference.start(&Start {
-            time,
-            from: &self.sample,
-        });
-    }
-
     /// The sample for this tick.
     pub(crate) fn update(&mut self, tick: &Tick<'_>) {
-        self.reference.sample(tick, &mut self.sample);
-    }
-}
-
-impl Debug for Followed {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_tuple("Followed").field(&self.reference).finish()
+        self.reference.0.sample(tick, &mut self.sample);
     }
 }
 

@@ -5,19 +5,18 @@ use super::{
     ReducedDynamics, Table, Treatment, VariableNames,
     hessian::{BLOCK, NaturalCost},
     linear_algebra::TreeCholesky,
+    partition::EffortPlace,
     rows::{Kind, NaturalRows},
     solution::{Asked, Solved},
-    variables::EffortPlace,
 };
 use crate::{
-    contact::{ContactId, ContactState},
+    contact::ContactState,
     plugin::{
-        Hardness, Layout, PerRow,
-        layout::{Block, BoundTarget, Relation, VdotBlock},
-        rows::RowStore,
+        Layout,
+        layout::{Block, BoundTarget, VdotBlock},
+        storage::Variable,
     },
     qp::Capacity,
-    switch::{Switch, WeightRamp},
 };
 use wbqp_dynamics::Actuation;
 
@@ -38,10 +37,11 @@ impl Problem {
         let capacity = table.vars.len() - partition.torques.len();
         let rows: usize = entries.iter().map(|e| e.layout.len()).sum();
         let bounds: usize = entries.iter().map(|e| e.layout.bounds.len()).sum();
-        let elimination = ContactElimination::new(&partition, entries);
-        partition.reserve(elimination.sizes().len());
-        partition.arrange(&elimination);
-        let natural = |entry: &BoundEntry| NaturalRows::new(&entry.layout, &partition, capacity);
+        partition.elimination = ContactElimination::new(&partition, entries);
+        let motions = partition.elimination.sizes().len();
+        partition.reserve(motions);
+        partition.arrange();
+        let natural = |entry: &BoundEntry| NaturalRows::new(entry, &partition, capacity);
         Self {
             regularisation,
             dynamics_rows: own_rows.dynamics,
@@ -50,8 +50,7 @@ impl Problem {
             reduced: ReducedDynamics::new(&partition, actuation, partition.nf.iter().sum()),
             rows: entries.iter().map(natural).collect(),
             is_arranged: false,
-            is_cost: vec![false; entries.len()],
-            cost: NaturalCost::new(&partition, &elimination, capacity),
+            cost: NaturalCost::new(&partition, capacity),
             solved: Solved::new(&partition, entries.len(), rows, capacity),
             asked: Asked::new(partition.nv),
             row: vec![0.0; capacity],
@@ -61,14 +60,15 @@ impl Problem {
             largest_weight: 1.0,
             regularisation_weight: 0.0,
             first_ids,
-            elimination,
             partition,
         }
     }
 
     /// Chooses what contacts may determine. The robot is at home.
     pub(crate) fn choose_determined(&mut self, contacts: &[ContactState]) {
-        self.elimination.choose(&self.partition, contacts);
+        let mut elimination = std::mem::take(&mut self.partition.elimination);
+        elimination.choose(&self.partition, contacts);
+        self.partition.elimination = elimination;
         self.arrange();
     }
 
@@ -107,107 +107,28 @@ impl Problem {
     /// Numbers that the rows over the natural variables take.
     pub(crate) fn row_numbers(partition: &Partition, entries: &[BoundEntry]) -> usize {
         let natural = Self::natural_variables(partition, entries);
-        let of = |entry: &BoundEntry| NaturalRows::numbers(&entry.layout, partition, natural);
+        let of = |entry: &BoundEntry| NaturalRows::numbers(entry, partition, natural);
         entries.iter().map(of).fold(0, usize::saturating_add)
-    }
-}
-
-/// What an entry says about its rows.
-pub(crate) struct EntrySpec<'a> {
-    pub(crate) name: &'a str,
-    pub(crate) weight: &'a PerRow,
-    pub(crate) hardness: Hardness,
-    pub(crate) switch: Switch,
-    /// Tasks write `b`; constraints write limits unless they are equalities.
-    pub(crate) is_task: bool,
-}
-
-impl BoundEntry {
-    /// Registers the rows in the table; their storage comes later. Slacks are added by [`BoundEntry::add_slack`], so
-    /// that the ids of physical variables come first.
-    pub(crate) fn new(spec: &EntrySpec<'_>, layout: Layout, table: &mut Table) -> Self {
-        let equality = spec.is_task || layout.relation == Relation::Equality;
-        let (treatment, linear_penalty) = match (spec.hardness, equality) {
-            (Hardness::Hard, _) => (Treatment::Hard, 0.0),
-            (Hardness::Soft | Hardness::Exact(_), true) => (Treatment::Cost, 0.0),
-            (Hardness::Soft, false) => (Treatment::Slack, 0.0),
-            (Hardness::Exact(linear), false) => (Treatment::Slack, linear),
-        };
-        let mut rows = Vec::new();
-        for row in &layout.rows {
-            if treatment == Treatment::Slack {
-                let mut add = |side: &str| {
-                    table.add_row(spec.name, &format!("{} {side}", row.label), &row.unit)
-                };
-                rows.push(add("upper"));
-                rows.push(add("lower"));
-            } else {
-                rows.push(table.add_row(spec.name, &row.label, &row.unit));
-            }
-        }
-        let bounds = layout
-            .bounds
-            .iter()
-            .map(|(row, _)| table.add_row(spec.name, &row.label, &row.unit))
-            .collect();
-        Self {
-            name: spec.name.to_owned(),
-            is_task: spec.is_task,
-            weight: WeightRamp::new(
-                (0..layout.len()).map(|i| spec.weight.row(i)).collect(),
-                spec.switch.transition(),
-            ),
-            layout,
-            store: RowStore::default(),
-            linear_penalty,
-            treatment,
-            switch: spec.switch,
-            rows,
-            bounds,
-            slack: None,
-            live: false,
-            alpha: 0.0,
-        }
-    }
-
-    pub(crate) fn add_slack(&mut self, table: &mut Table) {
-        if self.treatment == Treatment::Slack && !self.layout.is_empty() {
-            let unit = self.layout.rows[0].unit.clone();
-            self.slack = Some(table.add_var(&self.name, "slack", &unit));
-        }
-    }
-
-    /// Lets the rows go to another weight.
-    ///
-    /// # Errors
-    /// Why not, in words: the weight does not fit the rows, or is zero where it is the price of a limit.
-    pub(crate) fn reweight(&mut self, weight: &PerRow) -> Result<(), String> {
-        let rows = self.weight.now().len();
-        let usable = weight.values().iter().all(|w| w.is_finite() && *w >= 0.0)
-            && (matches!(weight, PerRow::Uniform(_)) || weight.values().len() == rows);
-        if !usable {
-            return Err(format!(
-                "must be one number, or {rows}, finite and not negative"
-            ));
-        }
-        if self.treatment == Treatment::Slack && weight.values().iter().all(|w| *w == 0.0) {
-            return Err("is zero: a soft inequality without price limits nothing".to_owned());
-        }
-        self.weight.turn(|row| weight.row(row));
-        Ok(())
     }
 }
 
 impl NaturalRows {
     /// For at most `capacity` natural variables.
-    pub(super) fn new(layout: &Layout, partition: &Partition, capacity: usize) -> Self {
+    pub(super) fn new(entry: &BoundEntry, partition: &Partition, capacity: usize) -> Self {
+        let layout = &entry.layout;
         let count = layout.len();
-        let kind = kind(layout);
-        let wide = width(layout, partition, capacity);
+        let kind = kind(entry);
+        let wide = width(kind, partition, capacity);
         Self {
             kind,
             count,
-            singles: Vec::with_capacity(if kind == Kind::Single { count } else { 0 }),
+            is_cost: false,
+            couples: layout.acts_on_accelerations() && layout.acts_on_forces(),
+            singles: if kind == Kind::Single {
+                singles(layout)
+            } else {
+                Vec::new()
+            },
             columns: Vec::with_capacity(wide),
             values: Vec::with_capacity(count * wide),
             dense: vec![0.0; if kind == Kind::Mixed { count * wide } else { 0 }],
@@ -216,9 +137,10 @@ impl NaturalRows {
     }
 
     /// Numbers that the rows of a layout take.
-    pub(super) fn numbers(layout: &Layout, partition: &Partition, capacity: usize) -> usize {
-        let width = width(layout, partition, capacity);
-        let (rows, copies) = match kind(layout) {
+    pub(super) fn numbers(entry: &BoundEntry, partition: &Partition, capacity: usize) -> usize {
+        let (layout, kind) = (&entry.layout, kind(entry));
+        let width = width(kind, partition, capacity);
+        let (rows, copies) = match kind {
             Kind::Single => return 5 * layout.len(),
             Kind::Motion | Kind::Forces => (layout.len(), 1),
             Kind::Mixed => (layout.len(), 2),
@@ -229,9 +151,8 @@ impl NaturalRows {
     }
 }
 
-fn kind(layout: &Layout) -> Kind {
-    let ascend =
-        |forces: &[(ContactId, Block)]| forces.windows(2).all(|pair| pair[0].0 < pair[1].0);
+fn kind(entry: &BoundEntry) -> Kind {
+    let layout = &entry.layout;
     match (&layout.vdot, &layout.effort, layout.forces.as_slice()) {
         (VdotBlock::Unit(_), None, [])
         | (VdotBlock::Absent, Some(Block::Unit(_)), [])
@@ -239,18 +160,34 @@ fn kind(layout: &Layout) -> Kind {
         (VdotBlock::Frame(..) | VdotBlock::Contact(..) | VdotBlock::Dense, None, []) => {
             Kind::Motion
         }
-        (VdotBlock::Absent, None, forces) if ascend(forces) => Kind::Forces,
+        (VdotBlock::Absent, None, _) if !entry.is_equality() => Kind::Forces,
         _ => Kind::Mixed,
     }
 }
 
-/// The most natural variables that the rows have coefficients on, if they are written out; of `capacity`.
-fn width(layout: &Layout, partition: &Partition, capacity: usize) -> usize {
-    let of = |contact: &ContactId| partition.nf.get(contact.index()).copied();
-    match kind(layout) {
-        Kind::Single => 0,
+/// What each row is, of those that are one component each.
+fn singles(layout: &Layout) -> Vec<Variable> {
+    match (&layout.vdot, &layout.effort, layout.forces.as_slice()) {
+        (VdotBlock::Unit(velocities), ..) => velocities
+            .iter()
+            .map(|&v| Variable::Acceleration(v))
+            .collect(),
+        (_, Some(Block::Unit(actuators)), _) => {
+            actuators.iter().map(|&u| Variable::Effort(u)).collect()
+        }
+        (.., [(contact, Block::Unit(components))]) => components
+            .iter()
+            .map(|&i| Variable::Force(*contact, i))
+            .collect(),
+        _ => Vec::new(),
+    }
+}
+
+/// The most natural variables that rows have coefficients on, if they are written out; of `capacity`.
+fn width(kind: Kind, partition: &Partition, capacity: usize) -> usize {
+    match kind {
+        Kind::Single | Kind::Forces => 0,
         Kind::Motion => partition.nv,
-        Kind::Forces => layout.forces.iter().filter_map(|(c, _)| of(c)).sum(),
         Kind::Mixed => capacity,
     }
 }
@@ -308,17 +245,14 @@ impl TreeCholesky {
 
 impl NaturalCost {
     /// For at most `capacity` natural variables.
-    pub(super) fn new(
-        partition: &Partition,
-        elimination: &ContactElimination,
-        capacity: usize,
-    ) -> Self {
+    pub(super) fn new(partition: &Partition, capacity: usize) -> Self {
         Self {
             n: 0,
             h: vec![0.0; capacity * capacity],
             g: vec![0.0; capacity],
             torque: vec![[0.0; 2]; partition.torques.len()],
-            determined: elimination
+            determined: partition
+                .elimination
                 .sizes()
                 .map(|rows| vec![[0.0; 2]; rows])
                 .collect(),
@@ -341,7 +275,7 @@ impl Solved {
             y: vec![0.0; capacity],
             values: vec![0.0; rows],
             residuals: Vec::with_capacity(rows),
-            starts: vec![None; entries],
+            ranges: vec![0..0; entries],
         }
     }
 }

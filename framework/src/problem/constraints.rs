@@ -5,10 +5,16 @@
 //! depend on x is taken from its limits. A bound on an eliminated effort `τ = T y + t` is such a row, others are
 //! bounds.
 
-use super::{BoundEntry, DynamicsTerms, Problem, Treatment, rows::Context, variables::EffortPlace};
+use super::{
+    BoundEntry, DynamicsTerms, Problem, Treatment,
+    linear_algebra::add_row,
+    partition::{ActiveVariables, EffortPlace},
+    rows::Context,
+    table::TorqueRow,
+};
 use crate::{
     fault::Fault,
-    plugin::layout::BoundTarget,
+    plugin::layout::{Block, BoundTarget},
     qp::{Qp, RowId},
 };
 
@@ -21,17 +27,6 @@ pub(super) enum BoundPlace {
     Torque(usize),
 }
 
-/// A row that is a bound on an eliminated effort.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct TorqueRow {
-    /// The bound.
-    pub(super) id: RowId,
-    /// Its row in the problem of this tick.
-    pub(super) row: usize,
-    /// Whose effort.
-    pub(super) actuator: usize,
-}
-
 impl Problem {
     /// `M v̇ − [S J_cᵀ] (u, f) = Σ J_fᵀ f_f − h`, in the formulation that substitutes nothing; false if there is no
     /// room, which the problem's capacity excludes.
@@ -40,14 +35,10 @@ impl Problem {
         let mass = terms.data.mass_matrix();
         for (i, &id) in self.dynamics_rows.iter().enumerate() {
             let (forcing, known) = self.reduced.forcing(i);
-            let Ok(row) = qp.push_row(id, known, known) else {
-                debug_assert!(false, "the storage is made for all rows");
+            let Some(row) = push(qp, &mut self.constants, id, [known; 2], 0.0) else {
                 return false;
             };
-            self.constants.push(0.0);
-            for (a, m) in row[..nv].iter_mut().zip(mass.column(i).iter()) {
-                *a = *m;
-            }
+            row[..nv].copy_from_slice(&mass.as_slice()[i * nv..(i + 1) * nv]);
             for (a, s) in row[nv..n].iter_mut().zip(forcing) {
                 *a = -s;
             }
@@ -56,72 +47,56 @@ impl Problem {
     }
 
     /// Pushes an entry's rows, which have been expanded; false if they have numbers that cannot be.
-    pub(super) fn push_rows(
-        &mut self,
-        index: usize,
-        entry: &BoundEntry,
-        terms: &DynamicsTerms<'_>,
-        qp: &mut Qp,
-    ) -> bool {
+    pub(super) fn push_rows(&mut self, index: usize, entry: &BoundEntry, qp: &mut Qp) -> bool {
         let p = self.partition.substituted;
-        let is_equality = entry.is_equality();
-        let context = Context {
-            partition: &self.partition,
-            elimination: &self.elimination,
-            reduced: &self.reduced,
-            active: &self.active,
-            terms: *terms,
-        };
+        let context = Context::new(&self.partition, &self.reduced, &self.active);
         let rows = &self.rows[index];
         let slack = self.active.slacks[index];
-        for k in 0..entry.layout.len() {
+        let is_equality = entry.is_equality();
+        for k in 0..entry.layout.rows.len() {
             let row = &mut self.row[..self.active.n];
             let constant = if rows.is_over_x() {
                 0.0
             } else {
                 row.fill(0.0);
                 let constant = rows.write(k, row, &context);
-                constant + context.substitute(row)
+                let (head, tail) = row.split_at_mut(p);
+                constant + self.reduced.substitute(head, tail)
             };
-            let x = &row[p..];
-            let (lower, upper) = (
-                entry.store.lower[k] - constant,
-                entry.store.upper[k] - constant,
-            );
+            // Tasks and equalities write one right-hand side, into the lower limit.
+            let lower = entry.store.lower[k] - constant;
+            let upper = if is_equality {
+                lower
+            } else {
+                entry.store.upper[k] - constant
+            };
             // Infinite limits are legal, infinite right-hand sides are not; a NaN never is.
             let usable = |limit: f64| limit.is_finite() || (!is_equality && !limit.is_nan());
-            let usable = usable(lower) && (is_equality || usable(upper));
-            if !(usable && entry.store.is_finite(k)) {
+            if !(usable(lower) && usable(upper) && entry.store.is_finite(k)) {
                 return false;
             }
-            let mut push = |id: RowId, lower: f64, upper: f64, side: f64| {
-                let Ok(out) = qp.push_row(id, lower, upper) else {
-                    debug_assert!(false, "the storage is made for all rows");
+            let mut push = |id: RowId, limits: [f64; 2], side: f64| {
+                let Some(out) = push(qp, &mut self.constants, id, limits, constant) else {
                     return false;
                 };
-                self.constants.push(constant);
                 if rows.is_over_x() {
-                    rows.write_over_x(k, p, out);
+                    write_forces(k, entry, &self.active, p, out);
                 } else {
-                    out.copy_from_slice(x);
+                    out.copy_from_slice(&row[p..]);
                 }
                 if let Some(slack) = slack {
                     out[slack - p] = side;
                 }
                 true
             };
-            if entry.treatment == Treatment::Slack {
-                if !push(entry.rows[2 * k], f64::NEG_INFINITY, upper, -1.0)
-                    || !push(entry.rows[2 * k + 1], lower, f64::INFINITY, 1.0)
-                {
-                    return false;
-                }
+            let pushed = if entry.treatment == Treatment::Slack {
+                push(entry.rows[2 * k], [f64::NEG_INFINITY, upper], -1.0)
+                    && push(entry.rows[2 * k + 1], [lower, f64::INFINITY], 1.0)
             } else {
-                // Tasks and equalities write one right-hand side, into the lower limit.
-                let upper = if is_equality { lower } else { upper };
-                if !push(entry.rows[k], lower, upper, 0.0) {
-                    return false;
-                }
+                push(entry.rows[k], [lower, upper], 0.0)
+            };
+            if !pushed {
+                return false;
             }
         }
         if let (Treatment::Slack, Some(slack)) = (entry.treatment, slack) {
@@ -135,17 +110,17 @@ impl Problem {
     pub(super) fn push_torque_bounds(&mut self, entry: &BoundEntry, qp: &mut Qp) -> bool {
         let p = self.partition.substituted;
         for (b, (_, target)) in entry.layout.bounds.iter().enumerate() {
-            let BoundTarget::Effort(actuator) = *target else {
+            let Some(BoundPlace::Torque(actuator)) = self.place(*target) else {
                 continue;
             };
             let EffortPlace::Eliminated(index) = self.partition.efforts[actuator] else {
                 continue;
             };
-            let (lower, upper) = (entry.store.bound_lower[b], entry.store.bound_upper[b]);
-            if lower.is_nan() || upper.is_nan() {
+            let limits = [entry.store.bound_lower[b], entry.store.bound_upper[b]];
+            if limits.iter().any(|limit| limit.is_nan()) {
                 return false;
             }
-            if lower == f64::NEG_INFINITY && upper == f64::INFINITY {
+            if limits == [f64::NEG_INFINITY, f64::INFINITY] {
                 continue;
             }
             let (torque, known) = self.reduced.torque(index);
@@ -153,18 +128,16 @@ impl Problem {
             let row = &mut self.row[..tail.len()];
             row.copy_from_slice(tail);
             let constant = known + self.reduced.substitute(head, row);
-            let limits = (lower - constant, upper - constant);
-            let Ok(out) = qp.push_row(entry.bounds[b], limits.0, limits.1) else {
-                debug_assert!(false, "the storage is made for all rows");
+            let (id, limits) = (entry.bounds[b], limits.map(|limit| limit - constant));
+            let Some(out) = push(qp, &mut self.constants, id, limits, constant) else {
                 return false;
             };
-            self.constants.push(constant);
+            out[..row.len()].copy_from_slice(row);
             self.torque_rows.push(TorqueRow {
-                id: entry.bounds[b],
+                id,
                 row: self.constants.len() - 1,
                 actuator,
             });
-            out[..row.len()].copy_from_slice(row);
         }
         true
     }
@@ -222,6 +195,38 @@ impl Problem {
             BoundTarget::Force(contact, i) => {
                 self.active.forces[contact.index()].map(|start| variable(start + i))
             }
+        }
+    }
+}
+
+/// Pushes a row of zeros, of whose value this is left out; nothing if there is no room, which the problem's capacity
+/// excludes.
+fn push<'q>(
+    qp: &'q mut Qp,
+    constants: &mut Vec<f64>,
+    id: RowId,
+    [lower, upper]: [f64; 2],
+    constant: f64,
+) -> Option<&'q mut [f64]> {
+    let row = qp.push_row(id, lower, upper);
+    debug_assert!(row.is_ok(), "the storage is made for all rows");
+    constants.push(constant);
+    row.ok()
+}
+
+/// Writes row `k` of rows on forces alone into a row of zeros over x, behind `p` substituted accelerations.
+fn write_forces(k: usize, entry: &BoundEntry, active: &ActiveVariables, p: usize, out: &mut [f64]) {
+    let forces = entry.layout.forces.iter().zip(&entry.store.forces);
+    for ((contact, block), source) in forces {
+        let Some(start) = active.forces[contact.index()] else {
+            continue;
+        };
+        match block {
+            Block::Dense => {
+                let nf = source.len() / entry.layout.rows.len();
+                add_row(&mut out[start - p..][..nf], 1.0, &source[k * nf..]);
+            }
+            Block::Unit(components) => out[start - p + components[k]] += 1.0,
         }
     }
 }

@@ -18,39 +18,15 @@
 //!
 //! D is chosen once, at home ([`eliminable`](super::eliminable)).
 
-use super::{BoundEntry, Treatment};
+use super::{
+    BoundEntry, Treatment,
+    eliminable::{ContactElimination, EliminatedContact},
+    linear_algebra::largest,
+};
 use crate::contact::ContactState;
 
 /// Pivots below this share of the largest coefficient of their row on `v̇_D` are as good as none.
 const SINGULAR: f64 = 1e-2;
-
-/// One contact's.
-#[derive(Clone, Debug)]
-pub(crate) struct EliminatedContact {
-    /// Whose rows.
-    pub(super) entry: usize,
-    pub(crate) contact: usize,
-    /// Rows of the contact's Jacobian.
-    pub(super) directions: Vec<usize>,
-    /// D, by velocity; before it is chosen, the joints that qualify.
-    pub(super) own: Vec<usize>,
-    /// S, by velocity, in the order of columns of y.
-    pub(crate) others: Vec<usize>,
-    /// So many of S are in the first columns of y, in their order: those of the base.
-    pub(crate) leading: usize,
-    /// This tick: whether the accelerations are substituted.
-    pub(crate) live: bool,
-    /// `[G | g]`, row-major.
-    pub(super) relation: Vec<f64>,
-    /// `[J_D | −J_S | b]`.
-    pub(super) work: Vec<f64>,
-}
-
-/// All of them.
-#[derive(Clone, Debug)]
-pub(crate) struct ContactElimination {
-    pub(super) list: Vec<EliminatedContact>,
-}
 
 impl ContactElimination {
     /// Takes the contacts' rows of this tick; true if other contacts are substituted than in the last one.
@@ -97,11 +73,6 @@ impl ContactElimination {
 }
 
 impl EliminatedContact {
-    /// D: the accelerations that are substituted, by velocity.
-    pub(crate) fn own(&self) -> &[usize] {
-        &self.own
-    }
-
     /// Row `k` of G, and `g_k`.
     pub(crate) fn row(&self, k: usize) -> (&[f64], f64) {
         let n = self.others.len();
@@ -135,12 +106,7 @@ impl EliminatedContact {
         }
         for step in 0..rows {
             let size = |row: usize| self.work[row * stride + step].abs();
-            let mut best = step;
-            for row in step + 1..rows {
-                if size(row) > size(best) {
-                    best = row;
-                }
-            }
+            let best = largest(step..rows, size);
             // Not `size <= SINGULAR`: a NaN must fail too.
             let regular = size(best) > SINGULAR;
             if !regular {

@@ -3,10 +3,36 @@
 //! Of the joints that qualify, see [`contact_elimination`](super::contact_elimination), those with the largest pivots
 //! at home.
 
-use super::{
-    BoundEntry, ContactElimination, Partition, Treatment, contact_elimination::EliminatedContact,
-};
+use super::{BoundEntry, Partition, Treatment};
 use crate::{contact::ContactState, plugin::layout::VdotBlock};
+
+/// One contact's.
+#[derive(Clone, Debug)]
+pub(crate) struct EliminatedContact {
+    /// Whose rows.
+    pub(super) entry: usize,
+    pub(crate) contact: usize,
+    /// Rows of the contact's Jacobian.
+    pub(super) directions: Vec<usize>,
+    /// D, by velocity; before it is chosen, the joints that qualify.
+    pub(super) own: Vec<usize>,
+    /// S, by velocity, in the order of columns of y.
+    pub(crate) others: Vec<usize>,
+    /// So many of S are in the first columns of y, in their order: those of the base.
+    pub(crate) leading: usize,
+    /// This tick: whether the accelerations are substituted.
+    pub(crate) live: bool,
+    /// `[G | g]`, row-major.
+    pub(super) relation: Vec<f64>,
+    /// `[J_D | −J_S | b]`.
+    pub(super) work: Vec<f64>,
+}
+
+/// All of them.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct ContactElimination {
+    pub(super) list: Vec<EliminatedContact>,
+}
 
 impl ContactElimination {
     /// One for each contact that has hard rows on its acceleration and enough joints of its own with motors whose

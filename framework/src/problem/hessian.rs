@@ -16,11 +16,13 @@
 //! (where no row has coefficients on both, `H_zx = 0`, half of the products are enough: `H_xx + Bᵀ (H_zz B)`).
 
 use super::{
-    ActiveVariables, ContactElimination, Partition, ReducedDynamics,
+    ActiveVariables, Partition, ReducedDynamics,
     linear_algebra::{add_matrix_rows, add_row, add_six_rows, dot},
+    partition::{EffortPlace, Place},
+    rows::Context,
 };
-use crate::qp::Qp;
-use std::array::from_fn;
+use crate::{plugin::storage::Variable, qp::Qp};
+use std::{array::from_fn, mem::take};
 
 /// Rows that are summed up together.
 pub(super) const BLOCK: usize = 8;
@@ -40,14 +42,6 @@ impl Slots {
         Self {
             first: block * columns + k % BLOCK,
             stride: (rows - block).min(BLOCK),
-        }
-    }
-
-    /// Of row `k` of rows that stand one after the other.
-    pub(super) fn of_plain_row(k: usize, columns: usize) -> Self {
-        Self {
-            first: k * columns,
-            stride: 1,
         }
     }
 
@@ -91,11 +85,6 @@ impl NaturalCost {
         self.is_coupled = !self.torque.is_empty();
     }
 
-    /// There are rows with coefficients on `v̇_P` and on others.
-    pub(super) fn couple(&mut self) {
-        self.is_coupled = true;
-    }
-
     /// Adds `w y_i² − 2 w b y_i`.
     pub(super) fn add_unit(&mut self, column: usize, w: f64, b: f64) {
         self.h[column * self.n + column] += 2.0 * w;
@@ -110,16 +99,31 @@ impl NaturalCost {
 
     /// Adds `w τ² − 2 w b τ` for an eliminated effort.
     pub(super) fn add_torque(&mut self, index: usize, w: f64, b: f64) {
-        let [d, e] = &mut self.torque[index];
-        *d += 2.0 * w;
-        *e -= 2.0 * w * b;
+        add_square(&mut self.torque[index], w, b);
     }
 
-    /// Adds `w v̇² − 2 w b v̇` for an acceleration that a contact determines.
-    pub(super) fn add_determined(&mut self, motion: usize, row: usize, w: f64, b: f64) {
-        let [d, e] = &mut self.determined[motion][row];
-        *d += 2.0 * w;
-        *e -= 2.0 * w * b;
+    /// Adds `w z² − 2 w b z` of a component of v̇, u or a force.
+    pub(super) fn add_single(&mut self, z: Variable, w: f64, b: f64, context: &Context<'_>) {
+        let Context {
+            partition, active, ..
+        } = context;
+        match z {
+            Variable::Acceleration(velocity) => match partition.places[velocity] {
+                Place::Column(column) => self.add_unit(column, w, b),
+                Place::Determined(elimination, joint) => {
+                    add_square(&mut self.determined[elimination][joint], w, b);
+                }
+            },
+            Variable::Effort(actuator) => match partition.efforts[actuator] {
+                EffortPlace::Kept(index) => self.add_unit(partition.accelerations + index, w, b),
+                EffortPlace::Eliminated(torque) => self.add_torque(torque, w, b),
+            },
+            Variable::Force(contact, component) => {
+                if let Some(start) = active.forces[contact.index()] {
+                    self.add_unit(start + component, w, b);
+                }
+            }
+        }
     }
 
     /// Adds `Σ_k ½ q_k (a_k y)² + l_k a_k y` for rows that have coefficients in these columns, which ascend; `weights`
@@ -152,27 +156,6 @@ impl NaturalCost {
         }
     }
 
-    /// Like [`add_rows`](Self::add_rows), of rows that stand one after the other.
-    pub(super) fn add_plain_rows(
-        &mut self,
-        columns: &[usize],
-        values: &[f64],
-        rows: usize,
-        weights: impl Fn(usize) -> (f64, f64),
-    ) {
-        let mut blocks = std::mem::take(&mut self.values);
-        let width = columns.len();
-        for first in (0..rows).step_by(BLOCK) {
-            let count = (rows - first).min(BLOCK);
-            blocks.clear();
-            for i in 0..width {
-                blocks.extend((first..first + count).map(|k| values[k * width + i]));
-            }
-            self.add_rows(columns, &blocks, count, |k| weights(first + k));
-        }
-        self.values = blocks;
-    }
-
     fn add_block<const K: usize>(
         &mut self,
         columns: &[usize],
@@ -201,41 +184,32 @@ impl NaturalCost {
     }
 
     /// Adds what the costs on single accelerations that contacts determine come to.
-    pub(super) fn add_all_determined(
-        &mut self,
-        partition: &Partition,
-        elimination: &ContactElimination,
-    ) {
-        let mut columns = std::mem::take(&mut self.columns);
-        let mut values = std::mem::take(&mut self.values);
-        for (index, contact) in elimination.live() {
-            let mut costs = [[0.0; 2]; BLOCK];
-            let count = self.determined[index].len().min(BLOCK);
-            debug_assert_eq!(
-                count,
-                self.determined[index].len(),
-                "a contact has six rows at most"
-            );
-            costs[..count].copy_from_slice(&self.determined[index][..count]);
+    pub(super) fn add_all_determined(&mut self, partition: &Partition) {
+        let (mut columns, mut values) = (take(&mut self.columns), take(&mut self.values));
+        let determined = take(&mut self.determined);
+        for (index, contact) in partition.elimination.live() {
+            // A contact has six rows at most: one block.
+            let costs = &determined[index];
             if costs.iter().all(|cost| *cost == [0.0; 2]) {
                 continue;
             }
             columns.clear();
-            columns.extend(contact.others.iter().filter_map(|&v| partition.column(v)));
+            let places = contact.others.iter().map(|&v| partition.places[v]);
+            columns.extend(places.filter_map(Place::column));
             values.clear();
-            values.resize(columns.len() * count, 0.0);
-            let (mut quadratic, mut linear) = ([0.0; BLOCK], [0.0; BLOCK]);
-            for k in 0..count {
-                let ([d, e], (relation, known)) = (costs[k], contact.row(k));
-                (quadratic[k], linear[k]) = (d, d * known + e);
-                for (i, g) in relation.iter().enumerate() {
-                    values[i * count + k] = *g;
+            values.resize(columns.len() * costs.len(), 0.0);
+            for k in 0..costs.len() {
+                for (i, g) in contact.row(k).0.iter().enumerate() {
+                    values[i * costs.len() + k] = *g;
                 }
             }
-            self.add_rows(&columns, &values, count, |k| (quadratic[k], linear[k]));
+            self.add_rows(&columns, &values, costs.len(), |k| {
+                let [d, e] = costs[k];
+                (d, d * contact.row(k).1 + e)
+            });
         }
-        self.columns = columns;
-        self.values = values;
+        self.determined = determined;
+        (self.columns, self.values) = (columns, values);
     }
 
     /// Adds what the costs on eliminated efforts come to.
@@ -245,34 +219,28 @@ impl NaturalCost {
         reduced: &ReducedDynamics,
         active: &ActiveVariables,
     ) {
-        let mut columns = std::mem::take(&mut self.columns);
-        let mut values = std::mem::take(&mut self.values);
+        let (mut columns, mut values) = (take(&mut self.columns), take(&mut self.values));
+        let costs = take(&mut self.torque);
         for branch in &partition.branches {
             columns.clear();
             columns.extend(&branch.pattern.columns);
             columns.extend(branch.efforts.iter().map(|k| partition.accelerations + k));
             for &contact in &branch.contacts {
-                if let Some(start) = active.forces[contact] {
-                    columns.extend(start..start + partition.nf[contact]);
-                }
+                columns.extend(active.force(partition, contact));
             }
             for torques in branch.torques.chunks(BLOCK) {
-                let (mut quadratic, mut linear) = ([0.0; BLOCK], [0.0; BLOCK]);
-                for (k, &index) in torques.iter().enumerate() {
-                    let [d, e] = self.torque[index];
-                    (quadratic[k], linear[k]) = (d, d * reduced.torque(index).1 + e);
-                }
                 values.clear();
                 for &column in &columns {
                     values.extend(torques.iter().map(|&i| reduced.torque(i).0[column]));
                 }
                 self.add_rows(&columns, &values, torques.len(), |k| {
-                    (quadratic[k], linear[k])
+                    let [d, e] = costs[torques[k]];
+                    (d, d * reduced.torque(torques[k]).1 + e)
                 });
             }
         }
-        self.columns = columns;
-        self.values = values;
+        self.torque = costs;
+        (self.columns, self.values) = (columns, values);
     }
 
     /// Whether all that was added is finite.
@@ -285,23 +253,12 @@ impl NaturalCost {
     }
 
     /// Writes H and g of the problem.
-    pub(super) fn write(
-        &mut self,
-        reduced: &ReducedDynamics,
-        active: &ActiveVariables,
-        qp: &mut Qp,
-    ) {
+    pub(super) fn write(&mut self, reduced: &ReducedDynamics, qp: &mut Qp) {
         let (n, p) = (self.n, self.n - qp.n());
         let (h, g) = qp.cost_mut();
         let nx = n - p;
         g.copy_from_slice(&self.g[p..n]);
-        let width = if p > 0 {
-            let width = active.n_physical - p;
-            self.substitute(reduced, width, h, g);
-            width
-        } else {
-            0
-        };
+        let width = self.substitute(reduced, h, g);
         for i in 0..nx {
             let from = (p + i) * n + p;
             let own = &self.h[from..from + nx];
@@ -321,17 +278,15 @@ impl NaturalCost {
     }
 
     /// Adds `Bᵀ W` to the first rows and columns of `h`, row by row from the diagonal on at least, and adds
-    /// what comes from `z = B x + c` to `g`; B has `width` columns. Without coupling W is `H_zz B`.
-    fn substitute(
-        &mut self,
-        reduced: &ReducedDynamics,
-        width: usize,
-        h: &mut [f64],
-        g: &mut [f64],
-    ) {
+    /// what comes from `z = B x + c` to `g`; returns how many columns B has. Without coupling W is `H_zz B`.
+    fn substitute(&mut self, reduced: &ReducedDynamics, h: &mut [f64], g: &mut [f64]) -> usize {
         let (n, nx) = (self.n, g.len());
         let p = n - nx;
+        if p == 0 {
+            return 0;
+        }
         let (response, stride) = reduced.response();
+        let width = stride - 1;
         for i in 0..p {
             self.known[i] = response[i * stride + width];
             for k in i + 1..p {
@@ -376,7 +331,14 @@ impl NaturalCost {
             }
             k += 1;
         }
+        width
     }
+}
+
+/// Adds `w z² − 2 w b z` to a cost `½ d z² + e z`.
+fn add_square([d, e]: &mut [f64; 2], w: f64, b: f64) {
+    *d += 2.0 * w;
+    *e -= 2.0 * w * b;
 }
 
 #[cfg(test)]
@@ -399,34 +361,27 @@ mod tests {
     }
 
     #[test]
-    fn rows_cost_what_their_sum_is_in_both_layouts() {
+    fn rows_cost_what_their_sum_is() {
         let n = 9;
         let columns = [0, 2, 3, 7, 8];
         let a = |k: usize, i: usize| ((3 * k + 7 * i) as f64).sin();
         let weights = |k: usize| (1.0 + k as f64, 0.5 - k as f64);
         for rows in 1..=2 * BLOCK + 3 {
-            let mut blocks = vec![0.0; rows * columns.len()];
-            let mut plain = blocks.clone();
+            let mut values = vec![0.0; rows * columns.len()];
             for k in 0..rows {
                 let slots = Slots::of_row(k, rows, columns.len());
                 for i in 0..columns.len() {
-                    blocks[slots.at(i)] = a(k, i);
-                    plain[Slots::of_plain_row(k, columns.len()).at(i)] = a(k, i);
+                    values[slots.at(i)] = a(k, i);
                 }
             }
-            let (mut of_blocks, mut of_plain) = (cost(n), cost(n));
-            of_blocks.add_rows(&columns, &blocks, rows, weights);
-            of_plain.add_plain_rows(&columns, &plain, rows, weights);
-            assert_eq!((&of_blocks.h, &of_blocks.g), (&of_plain.h, &of_plain.g));
+            let mut cost = cost(n);
+            cost.add_rows(&columns, &values, rows, weights);
             for (i, &row) in columns.iter().enumerate() {
                 let g: f64 = (0..rows).map(|k| weights(k).1 * a(k, i)).sum();
-                assert!((of_blocks.g[row] - g).abs() < 1e-12, "{rows} rows");
+                assert!((cost.g[row] - g).abs() < 1e-12, "{rows} rows");
                 for (j, &column) in columns.iter().enumerate().skip(i) {
                     let h: f64 = (0..rows).map(|k| weights(k).0 * a(k, i) * a(k, j)).sum();
-                    assert!(
-                        (of_blocks.h[row * n + column] - h).abs() < 1e-12,
-                        "{rows} rows"
-                    );
+                    assert!((cost.h[row * n + column] - h).abs() < 1e-12, "{rows} rows");
                 }
             }
         }

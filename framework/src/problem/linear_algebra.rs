@@ -6,6 +6,13 @@
 //! L is zero where M is (R. Featherstone, *Rigid Body Dynamics Algorithms*, section 6.5, table 6.3). Row `i` of L has
 //! entries in the columns of `i` and of its ancestors only, and nothing else is ever touched.
 
+#![allow(
+    clippy::inline_always,
+    reason = "rows are short: coefficients that go through memory take longer than the sum"
+)]
+
+use std::ops::Range;
+
 /// `Lᵀ D L` of a matrix with a tree's sparsity, in storage that is reused every tick. Row-major, strict lower triangle
 /// valid.
 #[derive(Clone, Debug)]
@@ -107,10 +114,6 @@ pub(super) fn add_row(y: &mut [f64], a: f64, x: &[f64]) {
 }
 
 /// `y += Σ a_k x_k` over the length of y; the rows `x_k` must not be shorter.
-#[allow(
-    clippy::inline_always,
-    reason = "rows are short: coefficients that go through memory take longer than the sum"
-)]
 #[inline(always)]
 pub(super) fn add_two_rows(y: &mut [f64], a: [f64; 2], x: [&[f64]; 2]) {
     let n = y.len();
@@ -121,10 +124,6 @@ pub(super) fn add_two_rows(y: &mut [f64], a: [f64; 2], x: [&[f64]; 2]) {
 }
 
 /// Like [`add_two_rows`], of four rows.
-#[allow(
-    clippy::inline_always,
-    reason = "rows are short: coefficients that go through memory take longer than the sum"
-)]
 #[inline(always)]
 pub(super) fn add_four_rows(y: &mut [f64], a: [f64; 4], x: [&[f64]; 4]) {
     let n = y.len();
@@ -135,10 +134,6 @@ pub(super) fn add_four_rows(y: &mut [f64], a: [f64; 4], x: [&[f64]; 4]) {
 }
 
 /// Like [`add_two_rows`], of six rows.
-#[allow(
-    clippy::inline_always,
-    reason = "rows are short: coefficients that go through memory take longer than the sum"
-)]
 #[inline(always)]
 pub(super) fn add_six_rows(y: &mut [f64], a: [f64; 6], x: [&[f64]; 6]) {
     let n = y.len();
@@ -175,6 +170,17 @@ pub(super) fn add_matrix_rows(y: &mut [f64], coefficients: &[f64], matrix: &[f64
         }
         k += 1;
     }
+}
+
+/// The row of the largest size, the first of several.
+pub(super) fn largest(rows: Range<usize>, size: impl Fn(usize) -> f64) -> usize {
+    let mut best = rows.start;
+    for row in rows {
+        if size(row) > size(best) {
+            best = row;
+        }
+    }
+    best
 }
 
 /// `aᵀ b` over the shorter length.

@@ -33,9 +33,11 @@ mod bind;
 mod constraints;
 mod contact_elimination;
 mod eliminable;
+mod entry;
 mod hessian;
 mod linear_algebra;
 mod names;
+mod partition;
 mod reduced_dynamics;
 mod relaxation;
 mod rows;
@@ -44,30 +46,29 @@ mod table;
 mod tree;
 mod variables;
 
-pub(crate) use bind::EntrySpec;
-use constraints::TorqueRow;
-pub(crate) use contact_elimination::ContactElimination;
+use eliminable::ContactElimination;
+pub(crate) use entry::{BoundEntry, EntrySpec, Treatment};
 use hessian::NaturalCost;
 pub(crate) use linear_algebra::dot;
 pub(crate) use names::{ProblemRows, VariableNames};
+pub(crate) use partition::Partition;
+use partition::{ActiveVariables, FirstIds};
 use reduced_dynamics::ReducedDynamics;
 pub(crate) use relaxation::{Form, Relaxation};
 use rows::{Context, NaturalRows};
 use solution::Asked;
 pub(crate) use solution::Solved;
 pub(crate) use table::Table;
+use table::TorqueRow;
 pub use table::{RowInfo, VarInfo};
-pub(crate) use variables::{ActiveVariables, Partition};
-use variables::{FirstIds, SparsityPattern};
 
 use nalgebra::Vector6;
 
 use crate::{
     contact::ContactState,
     fault::Fault,
-    plugin::{Layout, layout::Relation, rows::RowStore},
-    qp::{Qp, RowId, VarId},
-    switch::{Switch, WeightRamp},
+    plugin::layout::Relation,
+    qp::{Qp, RowId},
 };
 use wbqp_dynamics::{Data, FrameKinematics};
 
@@ -92,17 +93,15 @@ pub(crate) struct Problem {
     /// The bound on each contact's normal force, which every contact brings.
     normal_rows: Vec<RowId>,
     pub(crate) active: ActiveVariables,
-    elimination: ContactElimination,
     reduced: ReducedDynamics,
     /// One per entry.
     rows: Vec<NaturalRows>,
     /// Whether they know where the variables of this tick are.
     is_arranged: bool,
-    /// Whether each entry's rows are a cost, this tick.
-    is_cost: Vec<bool>,
     cost: NaturalCost,
-    solved: Solved,
-    asked: Asked,
+    /// The solution taken last.
+    pub(crate) solved: Solved,
+    pub(crate) asked: Asked,
     /// A row on its way from y to x.
     row: Vec<f64>,
     /// What was taken from the limits of each row of the problem: the part of its value that does not depend on x.
@@ -125,16 +124,10 @@ impl Problem {
         entries: &[BoundEntry],
         qp: &mut Qp,
     ) -> Result<(), Fault> {
-        if self.elimination.update(entries, terms.contacts) {
+        if self.partition.elimination.update(entries, terms.contacts) {
             self.arrange();
         }
-        if self.lay_out(terms, entries) {
-            self.put_together(terms, entries, qp)
-        } else if self.elimination.any() {
-            self.build_with_all_rows(terms, entries, qp)
-        } else {
-            Err(Fault::MassMatrix)
-        }
+        self.put_together(terms, entries, qp)
     }
 
     /// Builds the problem of this tick without substituting anything from contacts: all limits have a row or a bound.
@@ -144,35 +137,25 @@ impl Problem {
         entries: &[BoundEntry],
         qp: &mut Qp,
     ) -> Result<(), Fault> {
-        if self.elimination.keep_all() {
+        if self.partition.elimination.keep_all() {
             self.arrange();
         }
-        if self.lay_out(terms, entries) {
-            self.put_together(terms, entries, qp)
-        } else {
-            Err(Fault::MassMatrix)
-        }
+        self.put_together(terms, entries, qp)
     }
 
     /// Other accelerations are substituted than before.
     fn arrange(&mut self) {
-        self.partition.arrange(&self.elimination);
+        self.partition.arrange();
         self.is_arranged = false;
     }
 
     /// Lays out the variables, and finds what the dynamics say of those that are none; false if that cannot be
     /// inverted.
     fn lay_out(&mut self, terms: &DynamicsTerms<'_>, entries: &[BoundEntry]) -> bool {
-        let live_slack = |e: usize| entries[e].live.then_some(entries[e].slack).flatten();
-        let changed = self.active.refresh(
-            &self.partition,
-            &self.first_ids,
-            |c| terms.contacts[c].live,
-            live_slack,
-        );
-        self.is_arranged &= !changed;
-        self.reduced
-            .update(&self.partition, &self.elimination, &self.active, terms)
+        let (partition, contacts) = (&self.partition, terms.contacts);
+        let active = &mut self.active;
+        self.is_arranged &= !active.refresh(partition, &self.first_ids, contacts, entries);
+        self.reduced.update(&self.partition, &self.active, terms)
     }
 
     fn put_together(
@@ -181,6 +164,12 @@ impl Problem {
         entries: &[BoundEntry],
         qp: &mut Qp,
     ) -> Result<(), Fault> {
+        if !self.lay_out(terms, entries) {
+            if self.has_determined() {
+                return self.build_with_all_rows(terms, entries, qp);
+            }
+            return Err(Fault::MassMatrix);
+        }
         if qp.reset(self.active.vars.iter().copied()).is_err() {
             debug_assert!(false, "the storage is made for all variables");
             return Err(Fault::Solver);
@@ -188,27 +177,28 @@ impl Problem {
         self.constants.clear();
         self.torque_rows.clear();
         if !self.is_arranged {
-            self.arrange_rows(terms, entries);
+            for (rows, entry) in self.rows.iter_mut().zip(entries) {
+                rows.arrange(&entry.layout, &self.partition);
+            }
+            self.is_arranged = true;
         }
         if !self.push_dynamics(terms, qp) {
             return Err(Fault::Solver);
         }
         self.cost.reset(self.active.n);
         for (index, entry) in entries.iter().enumerate() {
-            self.is_cost[index] = false;
+            self.rows[index].is_cost = false;
             if !entry.live {
                 continue;
             }
             // Eliminated contacts' rows hold by substitution.
-            if !self.elimination.hold(index) {
-                self.expand(index, entry, terms);
+            if !self.partition.elimination.hold(index) {
+                let context = Context::new(&self.partition, &self.reduced, &self.active);
+                self.rows[index].expand(entry, &context, terms);
                 if entry.treatment_now() == Treatment::Cost {
-                    self.is_cost[index] = true;
-                    if entry.layout.acts_on_accelerations() && entry.layout.acts_on_forces() {
-                        self.cost.couple();
-                    }
-                    self.rows[index].add_cost(entry, &mut self.cost);
-                } else if !self.push_rows(index, entry, terms, qp) {
+                    self.rows[index].is_cost = true;
+                    self.rows[index].add_cost(entry, &context, &mut self.cost);
+                } else if !self.push_rows(index, entry, qp) {
                     return Err(Fault::Rows(index));
                 }
             }
@@ -222,51 +212,26 @@ impl Problem {
             return Err(Fault::Rows(index));
         }
         self.regularise(entries);
-        self.cost
-            .add_all_determined(&self.partition, &self.elimination);
+        self.cost.add_all_determined(&self.partition);
         self.cost
             .add_torques(&self.partition, &self.reduced, &self.active);
-        self.cost.write(&self.reduced, &self.active, qp);
+        self.cost.write(&self.reduced, qp);
         self.add_bounds(terms, entries, qp)
-    }
-
-    /// Finds where all entries' rows are.
-    fn arrange_rows(&mut self, terms: &DynamicsTerms<'_>, entries: &[BoundEntry]) {
-        let context = Context {
-            partition: &self.partition,
-            elimination: &self.elimination,
-            reduced: &self.reduced,
-            active: &self.active,
-            terms: *terms,
-        };
-        for (rows, entry) in self.rows.iter_mut().zip(entries) {
-            rows.arrange(&entry.layout, &context);
-        }
-        self.is_arranged = true;
-    }
-
-    /// Takes what an entry wrote.
-    fn expand(&mut self, index: usize, entry: &BoundEntry, terms: &DynamicsTerms<'_>) {
-        let context = Context {
-            partition: &self.partition,
-            elimination: &self.elimination,
-            reduced: &self.reduced,
-            active: &self.active,
-            terms: *terms,
-        };
-        self.rows[index].expand(entry, &context);
     }
 
     /// Whether what an entry wrote for the cost is finite. (Where all of it is, and the cost is not, products overflow:
     /// the solver refuses the problem.)
     fn is_cost_finite(&self, index: usize, entry: &BoundEntry) -> bool {
         let is_finite = |k: usize| entry.store.lower[k].is_finite() && entry.store.is_finite(k);
-        !self.is_cost[index] || (0..entry.layout.len()).all(is_finite)
+        !self.rows[index].is_cost || (0..entry.layout.rows.len()).all(is_finite)
     }
 
     /// `w_ε ‖(u, f)‖²` with `w_ε` relative to the largest weight that is on.
     fn regularise(&mut self, entries: &[BoundEntry]) {
-        let on = entries.iter().zip(&self.is_cost).filter(|(_, on)| **on);
+        let on = entries
+            .iter()
+            .zip(&self.rows)
+            .filter(|(_, rows)| rows.is_cost);
         let largest = on.map(|(entry, _)| entry.largest_weight());
         let largest = largest.fold(0.0, f64::max);
         self.largest_weight = if largest > 0.0 { largest } else { 1.0 };
@@ -281,74 +246,23 @@ impl Problem {
     }
 
     /// Takes a solution of the problem.
-    pub(crate) fn recover(&mut self, entries: &[BoundEntry], x: &[f64]) -> &Solved {
+    pub(crate) fn recover(&mut self, entries: &[BoundEntry], x: &[f64]) {
         let (partition, active) = (&self.partition, &self.active);
+        let (first_force, weight) = (partition.first_force(), self.regularisation_weight);
+        self.solved.take(partition, &self.reduced, active, x);
         self.solved
-            .take(partition, &self.elimination, &self.reduced, active, x);
-        self.solved.assess(
-            entries,
-            &self.rows,
-            &self.is_cost,
-            active,
-            partition.first_force(),
-            self.regularisation_weight,
-        );
-        &self.solved
+            .assess(entries, &self.rows, active, first_force, weight);
     }
 
-    /// The solution taken last.
-    pub(crate) fn solved(&self) -> &Solved {
-        &self.solved
-    }
-
-    /// Its force components of a contact that is live.
-    pub(crate) fn force(&self, contact: usize) -> Option<&[f64]> {
-        let start = self.active.forces[contact]?;
-        Some(&self.solved.y[start..start + self.partition.nf[contact]])
-    }
-
-    /// Writes what tasks ask of single components of `v̇`, see [`Asked::collect`].
-    pub(crate) fn collect_asked(&mut self, tasks: &[BoundEntry], out: &mut [f64]) {
-        self.asked.collect(tasks, out);
+    /// The force of a contact in the solution taken last; nothing while it is off.
+    pub(crate) fn force(&self, contact: usize) -> &[f64] {
+        &self.solved.y[self.active.force(&self.partition, contact)]
     }
 
     /// Whether contacts' rows hold by substitution in the problem built last.
     pub(crate) fn has_determined(&self) -> bool {
-        self.elimination.any()
+        self.partition.elimination.any()
     }
-}
-
-/// How the rows of an entry enter the problem.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Treatment {
-    /// Weighted squares: soft tasks and soft equality constraints.
-    Cost,
-    /// Rows that must hold.
-    Hard,
-    /// Inequality rows that share a slack.
-    Slack,
-}
-
-/// The rows of one entry.
-#[derive(Clone, Debug)]
-pub(crate) struct BoundEntry {
-    pub(crate) name: String,
-    pub(crate) is_task: bool,
-    pub(crate) layout: Layout,
-    pub(crate) store: RowStore,
-    pub(crate) weight: WeightRamp,
-    pub(crate) linear_penalty: f64,
-    pub(crate) treatment: Treatment,
-    pub(crate) switch: Switch,
-    /// Identities of the rows, two per row (upper, lower) if they share a slack.
-    pub(crate) rows: Vec<RowId>,
-    /// Identities of the bounds.
-    pub(crate) bounds: Vec<RowId>,
-    pub(crate) slack: Option<VarId>,
-    /// This tick: whether the rows are in the problem.
-    pub(crate) live: bool,
-    /// This tick: ramp of the entry times ramp of its contact.
-    pub(crate) alpha: f64,
 }
 
 impl BoundEntry {
@@ -375,15 +289,5 @@ impl BoundEntry {
     /// Largest weight, without the ramp.
     pub(crate) fn largest_weight(&self) -> f64 {
         self.weight.now().iter().copied().fold(0.0, f64::max)
-    }
-
-    /// Weight of the slack's square, the ramp applied. Never zero: a slack without cost has no optimum.
-    pub(crate) fn slack_weight(&self) -> f64 {
-        self.largest_weight() * self.alpha.max(1e-6)
-    }
-
-    /// Linear price of the slack, the ramp applied.
-    pub(crate) fn slack_penalty(&self) -> f64 {
-        self.linear_penalty * self.alpha
     }
 }

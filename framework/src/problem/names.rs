@@ -1,6 +1,6 @@
 //! Permanent names for the physical variables and for the framework's own rows.
 
-use super::{BoundEntry, Table, variables::FirstIds};
+use super::{BoundEntry, Table, partition::FirstIds};
 use crate::{contact::ContactSpec, qp::RowId, robot::RobotModel, settings::Formulation};
 use wbqp_dynamics::{
     actuator::ActuatorKind,

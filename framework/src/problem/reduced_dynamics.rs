@@ -9,15 +9,15 @@
 //! ```
 //! T is sparse in y: a joint's row has the accelerations that carry it or that it carries, and the forces beyond it.
 //!
-//! Where contacts determine accelerations, `v̇_D = G v̇_S + g` ([`ContactElimination`]), these go first: `M_PP` becomes
+//! Where contacts determine accelerations, `v̇_D = G v̇_S + g` ([`contact_elimination`](super::contact_elimination)), these go first: `M_PP` becomes
 //! `N = M_PP + M_PD G_P`, which is not symmetric (Gaussian elimination with row pivoting, in units in which the
 //! diagonal of `M_PP` is one), `M_PA` and T likewise, and `M_PD g` goes to the known forces. N can be singular where M
 //! cannot: then the contacts keep their rows this tick.
 
 use super::{
-    ActiveVariables, ContactElimination, DynamicsTerms, Partition,
-    linear_algebra::{TreeCholesky, add_matrix_rows, add_row, dot},
-    variables::Place,
+    ActiveVariables, DynamicsTerms, Partition,
+    linear_algebra::{TreeCholesky, add_matrix_rows, add_row, dot, largest},
+    partition::Place,
 };
 use wbqp_dynamics::Actuation;
 
@@ -54,7 +54,6 @@ impl ReducedDynamics {
     pub(crate) fn update(
         &mut self,
         partition: &Partition,
-        elimination: &ContactElimination,
         active: &ActiveVariables,
         terms: &DynamicsTerms<'_>,
     ) -> bool {
@@ -62,9 +61,9 @@ impl ReducedDynamics {
         self.inputs = active.n_physical - partition.accelerations;
         self.width = active.n_physical - partition.substituted;
         self.load_forcing(partition, active, terms);
-        self.load_torques(partition, elimination, terms);
-        if elimination.any() {
-            self.respond_coupled(partition, elimination, terms)
+        self.load_torques(partition, terms);
+        if partition.elimination.any() {
+            self.respond_coupled(partition, terms)
         } else {
             self.respond(partition, terms)
         }
@@ -107,12 +106,7 @@ impl ReducedDynamics {
         }
     }
 
-    fn load_torques(
-        &mut self,
-        partition: &Partition,
-        elimination: &ContactElimination,
-        terms: &DynamicsTerms<'_>,
-    ) {
+    fn load_torques(&mut self, partition: &Partition, terms: &DynamicsTerms<'_>) {
         let (nv, n) = (partition.nv, self.n_physical);
         let accelerations = partition.accelerations;
         let mass = terms.data.mass_matrix().as_slice();
@@ -132,8 +126,9 @@ impl ReducedDynamics {
                 }
                 let mut constant = -known;
                 for at in &pattern.determined {
-                    let (relation, known) = elimination.get(at.motion).row(at.row);
-                    let (mass, lead) = (mass[at.velocity], elimination.get(at.motion).leading);
+                    let contact = partition.elimination.get(at.motion);
+                    let (relation, known) = contact.row(at.row);
+                    let (mass, lead) = (mass[at.velocity], contact.leading);
                     add_row(&mut row[..lead], mass, &relation[..lead]);
                     let positions = &pattern.positions[at.motion][lead..];
                     for (&position, g) in positions.iter().zip(&relation[lead..]) {
@@ -179,12 +174,7 @@ impl ReducedDynamics {
         }
     }
 
-    fn respond_coupled(
-        &mut self,
-        partition: &Partition,
-        elimination: &ContactElimination,
-        terms: &DynamicsTerms<'_>,
-    ) -> bool {
+    fn respond_coupled(&mut self, partition: &Partition, terms: &DynamicsTerms<'_>) -> bool {
         let (nv, p) = (partition.nv, partition.substituted);
         let mass = terms.data.mass_matrix().as_slice();
         let velocities = &partition.velocities;
@@ -202,8 +192,8 @@ impl ReducedDynamics {
                 return false;
             }
             self.scale[i] = 1.0 / own.sqrt();
-            for (_, motion) in elimination.live() {
-                for (row, &velocity) in motion.own().iter().enumerate() {
+            for (_, motion) in partition.elimination.live() {
+                for (row, &velocity) in motion.own.iter().enumerate() {
                     let mass = mass[velocity];
                     if mass == 0.0 {
                         continue;
@@ -233,12 +223,7 @@ impl ReducedDynamics {
         let stride = self.width + 1;
         for step in 0..p {
             let size = |row: usize| self.coupled[row * p + step].abs() * self.units[row];
-            let mut best = step;
-            for row in step + 1..p {
-                if size(row) > size(best) {
-                    best = row;
-                }
-            }
+            let best = largest(step..p, size);
             // Not `size <= SINGULAR`: a NaN must fail too.
             let regular = size(best) * self.scale[step] > SINGULAR;
             if !regular {
@@ -296,6 +281,9 @@ impl ReducedDynamics {
 
     /// Adds `aᵀ (B x + c)` to a row over x; returns `aᵀ c`.
     pub(crate) fn substitute(&self, a: &[f64], row: &mut [f64]) -> f64 {
+        if a.iter().all(|a| *a == 0.0) {
+            return 0.0;
+        }
         let stride = self.width + 1;
         add_matrix_rows(&mut row[..self.width], a, &self.response, stride);
         let known = self
@@ -313,20 +301,10 @@ impl ReducedDynamics {
     }
 }
 
-/// Two rows of a row-major matrix.
-fn two_rows(data: &mut [f64], stride: usize, a: usize, b: usize) -> (&mut [f64], &mut [f64]) {
-    let (low, high) = (a.min(b), a.max(b));
-    let (head, tail) = data.split_at_mut(high * stride);
-    let (low, high) = (
-        &mut head[low * stride..(low + 1) * stride],
-        &mut tail[..stride],
-    );
-    if a < b { (low, high) } else { (high, low) }
-}
-
-fn swap_rows(data: &mut [f64], stride: usize, a: usize, b: usize) {
-    let (a, b) = two_rows(data, stride, a, b);
-    a.swap_with_slice(b);
+/// Swaps row `a` of a row-major matrix with a later one.
+fn swap_rows(data: &mut [f64], stride: usize, a: usize, later: usize) {
+    let (above, below) = data.split_at_mut(later * stride);
+    above[a * stride..(a + 1) * stride].swap_with_slice(&mut below[..stride]);
 }
 
 fn split(data: &[f64], i: usize, columns: usize) -> (&[f64], f64) {

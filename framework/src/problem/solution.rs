@@ -6,9 +6,11 @@
 //! `A_v v̇ + A_u u + Σ A_c f_c − b` are those of the rows as the plug-ins wrote them, in every formulation, and the
 //! cost is the sum of `w r²` over all soft rows, of slacks and regularisation.
 
+use std::ops::Range;
+
 use super::{
-    ActiveVariables, BoundEntry, ContactElimination, Partition, ReducedDynamics, Treatment,
-    linear_algebra::dot, rows::NaturalRows, variables::EffortPlace,
+    ActiveVariables, BoundEntry, Partition, ReducedDynamics, Treatment, linear_algebra::dot,
+    partition::EffortPlace, rows::NaturalRows,
 };
 use crate::plugin::layout::VdotBlock;
 
@@ -27,8 +29,8 @@ pub(crate) struct Solved {
     pub(super) values: Vec<f64>,
     /// Residual `a x − b` and weight of every cost row, entry by entry.
     pub(super) residuals: Vec<[f64; 2]>,
-    /// Where the residuals of each entry begin, if it is a cost.
-    pub(super) starts: Vec<Option<usize>>,
+    /// Where the residuals of each entry are.
+    pub(super) ranges: Vec<Range<usize>>,
 }
 
 impl Solved {
@@ -36,7 +38,6 @@ impl Solved {
     pub(super) fn take(
         &mut self,
         partition: &Partition,
-        elimination: &ContactElimination,
         reduced: &ReducedDynamics,
         active: &ActiveVariables,
         x: &[f64],
@@ -50,8 +51,8 @@ impl Solved {
         for (&velocity, y) in partition.velocities.iter().zip(&self.y) {
             self.vdot[velocity] = *y;
         }
-        for (_, contact) in elimination.live() {
-            for (row, &velocity) in contact.own().iter().enumerate() {
+        for (_, contact) in partition.elimination.live() {
+            for (row, &velocity) in contact.own.iter().enumerate() {
                 let (relation, mut sum) = contact.row(row);
                 for (g, &other) in relation.iter().zip(&contact.others) {
                     sum += g * self.vdot[other];
@@ -70,12 +71,11 @@ impl Solved {
         }
     }
 
-    /// Takes residuals and cost; accelerations and efforts have been taken. `is_cost` says which entries are one.
+    /// Takes residuals and cost; accelerations and efforts have been taken.
     pub(super) fn assess(
         &mut self,
         entries: &[BoundEntry],
         rows: &[NaturalRows],
-        is_cost: &[bool],
         active: &ActiveVariables,
         first_force: usize,
         regularisation: f64,
@@ -84,20 +84,22 @@ impl Solved {
         residuals.clear();
         let mut sum = 0.0;
         for (index, (entry, rows)) in entries.iter().zip(rows).enumerate() {
-            self.starts[index] = is_cost[index].then_some(residuals.len());
-            if !is_cost[index] {
+            let start = residuals.len();
+            self.ranges[index] = start..start;
+            if !rows.is_cost {
                 continue;
             }
             let weights = entry.weight.now();
             let mut values = std::mem::take(&mut self.values);
             values[..weights.len()].fill(0.0);
-            rows.evaluate(self, &mut values[..weights.len()]);
+            rows.evaluate(self, active, &mut values[..weights.len()]);
             for ((weight, value), b) in weights.iter().zip(&values).zip(&entry.store.lower) {
                 let (residual, weight) = (value - b, weight * entry.alpha);
                 sum += weight * residual * residual;
                 residuals.push([residual, weight]);
             }
             self.values = values;
+            self.ranges[index].end = residuals.len();
         }
         self.residuals = residuals;
         let forces = &self.y[first_force..active.n_physical];
@@ -112,12 +114,9 @@ impl Solved {
         self.objective = sum;
     }
 
-    /// Residuals `a x − b` and weights of an entry's rows, if it is a cost.
-    pub(crate) fn residuals(&self, entry: usize) -> Option<&[[f64; 2]]> {
-        let start = self.starts.get(entry).copied().flatten()?;
-        let later = self.starts[entry + 1..].iter().flatten().next();
-        let end = later.copied().unwrap_or(self.residuals.len());
-        self.residuals.get(start..end)
+    /// Residuals `a x − b` and weights of an entry's rows; none if it is no cost.
+    pub(crate) fn residuals(&self, entry: usize) -> &[[f64; 2]] {
+        &self.residuals[self.ranges[entry].clone()]
     }
 }
 

@@ -65,6 +65,17 @@ impl Table {
 }
 
 /// Of the problem built last.
+/// A row that is a bound on an eliminated effort.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TorqueRow {
+    /// The bound.
+    pub(super) id: RowId,
+    /// Its row in the problem of this tick.
+    pub(super) row: usize,
+    /// Whose effort.
+    pub(super) actuator: usize,
+}
+
 impl Problem {
     /// Identity of the bound on a contact's normal force.
     pub(crate) fn normal_row(&self, contact: usize) -> Option<RowId> {

@@ -12,8 +12,8 @@
 use std::collections::HashMap;
 
 use super::{
-    Partition, SparsityPattern,
-    variables::{Branch, EffortPlace, Place, Torque},
+    ContactElimination,
+    partition::{Branch, EffortPlace, Partition, Place, SparsityPattern, Torque},
 };
 use crate::{contact::ContactSpec, robot::RobotModel, settings::Formulation};
 use wbqp_dynamics::{
@@ -82,6 +82,7 @@ impl Partition {
                 .map(|&frame| SparsityPattern::new(carriers(model, body_of(frame))))
                 .collect(),
             all: SparsityPattern::new((0..nv).collect()),
+            elimination: ContactElimination::default(),
             torques,
             velocities,
         };
@@ -93,7 +94,11 @@ impl Partition {
     pub(crate) fn reserve(&mut self, motions: usize) {
         let nv = self.nv;
         self.velocities.reserve(nv);
-        self.patterns_mut().for_each(|s| s.reserve(nv, motions));
+        let branches = self.branches.iter_mut().map(|branch| &mut branch.pattern);
+        let frames = self.contacts.iter_mut().chain(&mut self.frames);
+        for pattern in frames.chain(branches).chain([&mut self.all]) {
+            pattern.reserve(nv, motions);
+        }
     }
 
     /// Whether an acceleration is in P.

@@ -6,24 +6,14 @@
 //! | relaxed | limits contradict one another, or the solver failed | the optimum with limits given up in the declared order |
 //! | extrapolated | no solution, for as long as `extrapolation` says | the last efforts, kept |
 //! | safe | no solution for longer, or never one | a [law](crate::plugin::FallbackLaw) that needs no solver |
-//!
-//! # How much time a tick stands for
-//! A tick stands for the time between its stamp and that of the last usable measurement, but for [`LONGEST`] periods at
-//! the most: what happened in a longer gap nobody saw, and no integral counts it. Where there is no such measurement,
-//! or the stamp is no later one, it stands for one period. A difference that is a period but for the rounding of the
-//! stamps is exactly the period, so that a loop that keeps its rate computes the same bits whatever its stamps begin
-//! with.
-//!
-//! Integrals of tasks, filters, and velocity references grow by this time
-//! ([`Tick::elapsed`](crate::plugin::Tick::elapsed)). What an actuator's `slew` allows counts from the tick before, and
-//! for a period at the most. What looks ahead, as limits on positions do, looks one period ahead. Ramps and references
-//! are functions of the stamps.
 
+mod clock;
 mod relaxed;
 mod unsolved;
 
+pub(super) use clock::{Age, Clock, elapsed};
+
 use super::{
-    Measurement,
     names::Owner,
     report::{FallbackLevel, OnLevel},
 };
@@ -32,9 +22,6 @@ use crate::{
     problem::Relaxation,
     qp::{ActiveSet, Solution, WarmStart},
 };
-
-/// For how many ticks after a contradiction the next one is looked for before the optimum.
-const ALERT: u32 = 50;
 
 /// The fallback levels, and what they need, in storage made once.
 #[derive(Debug)]
@@ -64,166 +51,4 @@ pub(super) struct Fallback {
     pub(super) without_solution: Age,
     pub(super) without_state: Age,
     pub(super) clock: Clock,
-}
-
-/// Tells a stamp that is out of order from a clock that was set.
-///
-/// A stamp that is not later than the last usable one is a fault. A clock that goes on regularly from an earlier time,
-/// for [`Clock::STEADY`] ticks, was set: it is used again from there, and the controller's own time goes on without a
-/// jump.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Clock {
-    pub(super) previous: Option<f64>,
-    pub(super) steady: u32,
-}
-
-impl Clock {
-    const STEADY: u32 = 10;
-
-    /// Takes a stamp; true if the clock was set. `last` is the last usable stamp.
-    pub(super) fn was_set(&mut self, stamp: f64, last: Option<f64>, period: f64) -> bool {
-        let goes_on = self.previous.is_some_and(|previous| {
-            let step = stamp - previous;
-            step > 0.0 && step < 10.0 * period
-        });
-        self.previous = Some(stamp);
-        let is_early = last.is_some_and(|last| stamp <= last);
-        self.steady = if goes_on && is_early {
-            self.steady + 1
-        } else {
-            0
-        };
-        if self.steady < Self::STEADY {
-            return false;
-        }
-        self.steady = 0;
-        true
-    }
-}
-
-/// How long ago something was.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Age {
-    /// Time stamp and ticks since; nothing if it never was.
-    pub(super) last: Option<(f64, u64)>,
-}
-
-impl Age {
-    /// It is in this tick.
-    pub(super) fn renew(&mut self, time: f64) {
-        self.last = Some((time, 0));
-    }
-
-    /// A tick has begun.
-    pub(super) fn pass(&mut self) {
-        if let Some((_, ticks)) = &mut self.last {
-            *ticks = ticks.saturating_add(1);
-        }
-    }
-
-    pub(super) fn time(&self) -> Option<f64> {
-        self.last.map(|(time, _)| time)
-    }
-
-    /// Seconds: by the clock or by the number of ticks, whichever is longer; infinite if it never was.
-    pub(super) fn seconds(&self, now: f64, period: f64) -> f64 {
-        self.last.map_or(f64::INFINITY, |(time, ticks)| {
-            let passed = ticks as f64 * period;
-            // A stamp that is not a number says nothing.
-            if now.is_finite() {
-                passed.max(now - time)
-            } else {
-                passed
-            }
-        })
-    }
-}
-
-impl Fallback {
-    /// Whether limits contradicted one another a short time ago.
-    pub(super) fn is_alert(&self) -> bool {
-        self.since_proof < ALERT && self.proof.iter().next().is_some()
-    }
-
-    /// A tick without a contradiction.
-    pub(super) fn calm(&mut self) {
-        self.since_proof = self.since_proof.saturating_add(1);
-    }
-}
-
-impl OnLevel {
-    /// One more tick on a level.
-    pub(super) fn step(&mut self, changed: bool, measurement: &Measurement, last: Option<f64>) {
-        if changed || self.ticks == 0 {
-            let stamp = measurement.time;
-            self.since = if stamp.is_finite() {
-                stamp
-            } else {
-                last.unwrap_or(0.0)
-            };
-            self.ticks = 0;
-        }
-        self.ticks = self.ticks.saturating_add(1);
-    }
-}
-
-impl FallbackLevel {
-    /// Whether the command is the solution of a problem of this tick.
-    pub fn is_solved(self) -> bool {
-        matches!(self, Self::Optimal | Self::Relaxed)
-    }
-}
-
-/// The most periods that a tick stands for.
-pub(super) const LONGEST: f64 = 4.0;
-/// Share of a period that is rounding of stamps.
-const ROUNDING: f64 = 1e-6;
-
-/// The time that a tick with the stamp `now` stands for, s.
-pub(super) fn elapsed(now: f64, last: Option<f64>, period: f64) -> f64 {
-    let Some(last) = last else {
-        return period;
-    };
-    let step = now - last;
-    let rounding = (ROUNDING * period).max(4.0 * f64::EPSILON * last.abs());
-    // Not a number, too.
-    let is_later = step > 0.0;
-    if !is_later || (step - period).abs() <= rounding {
-        period
-    } else {
-        step.min(LONGEST * period)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{LONGEST, elapsed};
-
-    #[test]
-    fn a_regular_clock_gives_the_period_to_the_bit() {
-        for rate in [161.0, 250.0, 1000.0, 5000.0] {
-            let period = 1.0 / rate;
-            for start in [0.0, 1e3, 1.7e9] {
-                for k in [1.0, 2.0, 77.0, 1e6] {
-                    let (last, now) = (start + (k - 1.0) * period, start + k * period);
-                    assert_eq!(elapsed(now, Some(last), period), period);
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn other_stamps_count_up_to_a_limit() {
-        let period = 0.004;
-        let after = |step: f64| elapsed(1.0 + step, Some(1.0), period);
-        for step in [1e-4, 0.0062, 0.0159] {
-            assert!((after(step) - step).abs() < 1e-15);
-        }
-        assert_eq!(after(1e3), LONGEST * period);
-        assert_eq!(after(f64::INFINITY), LONGEST * period);
-        for nonsense in [0.0, -1.0, f64::NAN] {
-            assert_eq!(after(nonsense), period);
-        }
-        assert_eq!(elapsed(5.0, None, period), period);
-    }
 }

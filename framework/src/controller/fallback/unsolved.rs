@@ -1,6 +1,6 @@
 //! A command without a solution: the last efforts, kept for a short time, and then a law that needs no solver.
 
-use super::Fallback;
+use super::{Age, Fallback};
 use crate::{
     controller::{Command, output::leaked, report::FallbackLevel, world::World},
     plugin::EntryState,
@@ -53,6 +53,21 @@ impl Fallback {
         }
         command.stop_joints();
         level
+    }
+}
+
+impl Age {
+    /// Seconds: by the clock or by the number of ticks, whichever is longer; infinite if it never was.
+    pub(in super::super) fn seconds(&self, now: f64, period: f64) -> f64 {
+        self.last.map_or(f64::INFINITY, |(time, ticks)| {
+            let passed = ticks as f64 * period;
+            // A stamp that is not a number says nothing.
+            if now.is_finite() {
+                passed.max(now - time)
+            } else {
+                passed
+            }
+        })
     }
 }
 

@@ -7,8 +7,8 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector6};
 use super::{
     super::{
         Command, Controller, Measurement,
+        bounds::Seen,
         fallback::{Age, Clock, Fallback},
-        measurement::Seen,
         world::World,
     },
     CommandRecord, ContactMemory, EntryRecord, Memory, Outcome, Record, Recorder, StateRecord,

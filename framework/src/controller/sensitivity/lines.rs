@@ -9,7 +9,7 @@ use super::super::{Side, world::World};
 use crate::{
     plugin::{
         layout::BoundTarget,
-        rows::{RowStore, Variable},
+        storage::{RowStore, Variable},
     },
     problem::{BoundEntry, Treatment},
 };

@@ -11,7 +11,9 @@ use super::{
 };
 use crate::{
     controller::{Controller, Measurement, running::RunningPlugin, world::World},
-    plugin::{Displacement, EntryState, Layout, Sample, Slopes, remembered::Memo, rows::RowStore},
+    plugin::{
+        Displacement, EntryState, Layout, Sample, Slopes, remembered::Memo, storage::RowStore,
+    },
     problem::{BoundEntry, Treatment},
 };
 
@@ -183,7 +185,7 @@ impl Workspace {
     /// share of the largest of its sort.
     pub(super) fn mismatch(&self, controller: &Controller) -> f64 {
         let Columns { nv, nu, .. } = self.columns;
-        let solved = controller.problem.solved();
+        let solved = &controller.problem.solved;
         let compare = |found: &[f64], solved: &[f64]| {
             let largest = solved.iter().fold(1.0_f64, |a, x| a.max(x.abs()));
             let differences = found.iter().zip(solved).map(|(a, b)| (a - b).abs());
@@ -192,9 +194,8 @@ impl Workspace {
         let mut worst = compare(&self.optimum[..nv], &solved.vdot);
         worst = worst.max(compare(&self.optimum[nv..nv + nu], &solved.effort));
         for (contact, start) in self.columns.force.iter().enumerate() {
-            if let Some(force) = controller.problem.force(contact) {
-                worst = worst.max(compare(&self.optimum[*start..start + force.len()], force));
-            }
+            let force = controller.problem.force(contact);
+            worst = worst.max(compare(&self.optimum[*start..start + force.len()], force));
         }
         worst
     }

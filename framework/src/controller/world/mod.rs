@@ -4,6 +4,7 @@
 //! W world, R base.
 #![allow(non_snake_case)]
 
+mod look;
 mod setup;
 
 use std::sync::Arc;
@@ -77,19 +78,6 @@ impl World {
         }
     }
 
-    /// Takes the state of a measurement over, whose wrenches are not usable: what contacts measured stays what it was.
-    /// Contacts are switched off, but not on, for which the measured force would be needed.
-    pub(crate) fn look(&mut self, m: &Measurement, level: FallbackLevel) {
-        self.take_state(m, level);
-        let contacts = self.contacts.iter_mut().zip(&mut self.bindings);
-        for (contact, binding) in contacts {
-            if !binding.switch.is_wanted() {
-                binding.settle(self.time, contact);
-            }
-            binding.place_again(self.time, &self.model, &self.data, contact);
-        }
-    }
-
     /// `level` is that of the last tick.
     fn take_state(&mut self, m: &Measurement, level: FallbackLevel) {
         let is_first = self.origin.is_none();
@@ -112,15 +100,15 @@ impl World {
 
     /// Takes down what the next tick needs of a solution that the problem has recovered.
     pub(crate) fn remember(&mut self, problem: &mut Problem, tasks: &[BoundEntry]) {
-        self.last.vdot.copy_from_slice(&problem.solved().vdot);
-        problem.collect_asked(tasks, self.last.virtual_input.as_mut_slice());
+        self.last.vdot.copy_from_slice(&problem.solved.vdot);
+        let asked = &mut problem.asked;
+        asked.collect(tasks, self.last.virtual_input.as_mut_slice());
         for (index, contact) in self.contacts.iter_mut().enumerate() {
             contact.solution.fill(0.0);
             contact.set_point.fill(0.0);
-            if let Some(force) = problem.force(index) {
-                for (&direction, f) in contact.kind.constrained().iter().zip(force) {
-                    contact.solution[direction] = *f;
-                }
+            let force = problem.force(index);
+            for (&direction, f) in contact.kind.constrained().iter().zip(force) {
+                contact.solution[direction] = *f;
             }
         }
         for task in tasks {
@@ -129,19 +117,6 @@ impl World {
             {
                 contact.set_point = force.reference;
             }
-        }
-    }
-
-    /// Goes on counting from a clock that was set.
-    pub(crate) fn rebase(&mut self, stamp: f64) {
-        self.origin = Some(stamp - self.next_time());
-    }
-
-    /// When the next tick is expected, s: what is asked for between two ticks counts from there.
-    pub(crate) fn next_time(&self) -> f64 {
-        match self.origin {
-            Some(_) => self.time + self.period,
-            None => 0.0,
         }
     }
 

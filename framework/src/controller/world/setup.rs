@@ -91,4 +91,17 @@ impl World {
             binding.filtered = binding.sense(wrench, contact);
         }
     }
+
+    /// Goes on counting from a clock that was set.
+    pub(crate) fn rebase(&mut self, stamp: f64) {
+        self.origin = Some(stamp - self.next_time());
+    }
+
+    /// When the next tick is expected, s: what is asked for between two ticks counts from there.
+    pub(crate) fn next_time(&self) -> f64 {
+        match self.origin {
+            Some(_) => self.time + self.period,
+            None => 0.0,
+        }
+    }
 }

@@ -7,6 +7,8 @@
 //! `α = α₀ + (target − α₀) s((t − t₀)/τ)` with the smoothstep `s(x) = 3x² − 2x³`. After a change at `t₀` each weight
 //! goes by `w = w₀ + (w₁ − w₀) s((t − t₀)/τ)`, where τ is the entry's transition.
 
+mod requests;
+
 use serde::{Deserialize, Serialize};
 
 /// The switch of an entry or a contact.
@@ -20,30 +22,7 @@ pub(crate) struct Switch {
     from: f64,
 }
 
-impl Default for Switch {
-    /// Off, without a ramp.
-    fn default() -> Self {
-        Self::new(false, 0.0)
-    }
-}
-
 impl Switch {
-    /// Fully on or fully off from the start.
-    pub(crate) fn new(on: bool, transition: f64) -> Self {
-        Self {
-            on,
-            wanted: on,
-            transition,
-            since: f64::NEG_INFINITY,
-            from: if on { 1.0 } else { 0.0 },
-        }
-    }
-
-    /// Asks for a switch in the next tick.
-    pub(crate) fn turn(&mut self, on: bool) {
-        self.wanted = on;
-    }
-
     /// Begins the ramp that was asked for, or jumps without transition, at the time of this tick. Whether it is on
     /// now, if it was switched.
     pub(crate) fn settle(&mut self, now: f64) -> Option<bool> {
@@ -71,21 +50,12 @@ impl Switch {
         self.on || self.alpha(now) > 0.0
     }
 
-    /// Whether it is on from the next tick on.
-    pub(crate) fn is_wanted(&self) -> bool {
-        self.wanted
-    }
-
     pub(crate) fn is_on(&self) -> bool {
         self.on
     }
 
     pub(crate) fn since(&self) -> f64 {
         self.since
-    }
-
-    pub(crate) fn transition(&self) -> f64 {
-        self.transition
     }
 }
 
@@ -109,40 +79,9 @@ enum Phase {
 }
 
 impl WeightRamp {
-    pub(crate) fn new(weights: Vec<f64>, transition: f64) -> Self {
-        Self {
-            from: weights.clone(),
-            to: weights.clone(),
-            now: weights,
-            transition,
-            phase: Phase::Constant,
-        }
-    }
-
     /// This tick's weights.
     pub(crate) fn now(&self) -> &[f64] {
         &self.now
-    }
-
-    /// The weights when everything that was asked for is done.
-    pub(crate) fn wanted(&self) -> &[f64] {
-        &self.to
-    }
-
-    /// Asks for other weights from the next tick on, by row.
-    pub(crate) fn turn(&mut self, weight: impl Fn(usize) -> f64) {
-        for (row, w) in self.to.iter_mut().enumerate() {
-            *w = weight(row);
-        }
-        self.phase = Phase::Pending;
-    }
-
-    /// Makes the weights what they were in a recorded tick.
-    pub(crate) fn hold(&mut self, recorded: &[f64]) {
-        for (now, recorded) in self.now.iter_mut().zip(recorded) {
-            *now = *recorded;
-        }
-        self.phase = Phase::Constant;
     }
 
     /// Makes the weights those of a time, s.
