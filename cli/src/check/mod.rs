@@ -191,7 +191,9 @@ impl Arguments {
         if self.expand {
             write!(out, "{}", config.to_toml()?)?;
         } else {
-            writeln!(out, "{}", config.implied())?;
+            for value in config.implied() {
+                writeln!(out, "{value}")?;
+            }
         }
         Ok(ExitCode::SUCCESS)
     }

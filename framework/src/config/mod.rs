@@ -57,9 +57,8 @@ use crate::{
 pub use build::Plan;
 pub use controller_error::ControllerError;
 pub use error::{ConfigError, ConfigErrorKind, ConfigErrors};
-pub use expand::{Implied, ImpliedValue, expand};
+pub use expand::{ImpliedValue, expand};
 pub use overrides::{Override, Overrides};
-pub use save::SaveError;
 
 /// Everything a controller is made of.
 #[derive(Debug)]

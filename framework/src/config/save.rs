@@ -1,9 +1,12 @@
 //! From a [`ControllerConfig`] to the text of a file.
 
-use std::ops::Range;
+use std::{fmt::Display, ops::Range};
 
-use serde::Serialize;
-use toml::{de::DeTable, ser::ValueSerializer};
+use serde::{Serialize, ser::Error as _};
+use toml::{
+    de::DeTable,
+    ser::{Error, ValueSerializer},
+};
 
 use super::ControllerConfig;
 use crate::{
@@ -12,27 +15,13 @@ use crate::{
     settings::MeasurementLimits,
 };
 
-/// Why a configuration could not be written.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum SaveError {
-    /// A value that TOML cannot express.
-    #[error("{subject}: cannot be written as TOML: {reason}")]
-    Value {
-        /// Whose it is.
-        subject: String,
-        /// What the serialiser says.
-        reason: String,
-    },
-}
-
 impl ControllerConfig {
     /// The text of a file that loads as this configuration. Keys that have the framework's defaults are left
     /// out of entries; comments and the order of keys of a file that it came from are not kept.
     ///
     /// # Errors
     /// If a plug-in has a value that TOML cannot express.
-    pub fn to_toml(&self) -> Result<String, SaveError> {
+    pub fn to_toml(&self) -> Result<String, Error> {
         let mut text = String::new();
         section(&mut text, "[controller]", "controller", &self.settings)?;
         section(&mut text, "[robot]", "robot", &self.robot)?;
@@ -72,7 +61,7 @@ fn section<T: Serialize>(
     title: &str,
     subject: &str,
     value: &T,
-) -> Result<(), SaveError> {
+) -> Result<(), Error> {
     header(text, title);
     for (key, value) in keys_of(subject, value)? {
         text.push_str(&format!("{key} = {value}\n"));
@@ -95,7 +84,7 @@ fn entry<P: ?Sized>(
     default_hardness: Hardness,
     entry: &Entry<P>,
     plugin: &impl Serialize,
-) -> Result<(), SaveError> {
+) -> Result<(), Error> {
     let subject = format!("{kind} `{}`", entry.name);
     let unweighted = entry.hardness == Hardness::Hard && entry.weight == PerRow::Uniform(1.0);
     let own = EntryKeys {
@@ -120,7 +109,7 @@ fn entry<P: ?Sized>(
     Ok(())
 }
 
-fn inline(subject: &str, value: &impl Serialize) -> Result<String, SaveError> {
+fn inline(subject: &str, value: &impl Serialize) -> Result<String, Error> {
     let mut text = String::new();
     match value.serialize(ValueSerializer::new(&mut text)) {
         Ok(_) => Ok(text),
@@ -128,18 +117,15 @@ fn inline(subject: &str, value: &impl Serialize) -> Result<String, SaveError> {
     }
 }
 
-fn failure(subject: &str, reason: impl Into<String>) -> SaveError {
-    SaveError::Value {
-        subject: subject.to_owned(),
-        reason: reason.into(),
-    }
+fn failure(subject: &str, reason: impl Display) -> Error {
+    Error::custom(format!("{subject}: cannot be written as TOML: {reason}"))
 }
 
 /// The keys of a table with their values as text, in the order in which they are serialised.
 ///
 /// TOML's serialiser writes either nested tables under headers of their own or everything on one line. A
 /// line per key is in between: the one line is parsed, and cut where its keys and values are.
-fn keys_of(subject: &str, value: &impl Serialize) -> Result<Vec<(String, String)>, SaveError> {
+fn keys_of(subject: &str, value: &impl Serialize) -> Result<Vec<(String, String)>, Error> {
     let line = format!("t = {}", inline(subject, value)?);
     let parsed = DeTable::parse(&line).map_err(|error| failure(subject, error.message()))?;
     let Some(table) = parsed

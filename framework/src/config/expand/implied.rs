@@ -23,13 +23,7 @@ use crate::{
     settings::{MeasurementLimits, Settings},
 };
 
-/// All values that a file leaves to defaults; displayed one per line, `section: key = value (why)`.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Implied {
-    values: Vec<ImpliedValue>,
-}
-
-/// A value that a file does not say.
+/// A value that a file leaves to a default; displayed as `section: key = value (why)`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct ImpliedValue {
@@ -41,27 +35,6 @@ pub struct ImpliedValue {
     pub value: Option<String>,
     /// Why that value: `critically damped: 2 sqrt(kp)`, `default`.
     pub why: String,
-}
-
-impl Implied {
-    /// The values, in the order of the file's tables.
-    pub fn iter(&self) -> std::slice::Iter<'_, ImpliedValue> {
-        self.values.iter()
-    }
-
-    /// Whether the file says everything.
-    pub fn is_empty(&self) -> bool {
-        self.values.is_empty()
-    }
-}
-
-impl<'a> IntoIterator for &'a Implied {
-    type Item = &'a ImpliedValue;
-    type IntoIter = std::slice::Iter<'a, ImpliedValue>;
-
-    fn into_iter(self) -> Self::IntoIter {
-        self.iter()
-    }
 }
 
 impl fmt::Display for ImpliedValue {
@@ -76,24 +49,12 @@ impl fmt::Display for ImpliedValue {
     }
 }
 
-impl fmt::Display for Implied {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (index, value) in self.values.iter().enumerate() {
-            if index > 0 {
-                f.write_str("\n")?;
-            }
-            write!(f, "{value}")?;
-        }
-        Ok(())
-    }
-}
-
 impl ControllerConfig {
     /// Every value that the file, and the overrides, do not say: what short forms bring, and the defaults of all keys,
-    /// also of plug-ins. Empty for a configuration that was made in code.
-    pub fn implied(&self) -> Implied {
+    /// also of plug-ins, in the order of the file's tables. Empty for a configuration that was made in code.
+    pub fn implied(&self) -> Vec<ImpliedValue> {
         let Some(source) = &self.source else {
-            return Implied::default();
+            return Vec::new();
         };
         let text = &source.contents;
         let appendix = OverrideText::new(&self.overrides, text.len());
@@ -116,9 +77,7 @@ impl ControllerConfig {
             values: Vec::new(),
         };
         lister.document(&document);
-        Implied {
-            values: lister.values,
-        }
+        lister.values
     }
 }
 
