@@ -50,7 +50,12 @@ struct Tick {
 }
 
 fn run(workload: &Workload) -> Vec<Tick> {
-    let mut run = workload.start(1).expect("ships");
+    run_with(workload, 1)
+}
+
+/// With another seed of the sensors' noise.
+fn run_with(workload: &Workload, seed: u64) -> Vec<Tick> {
+    let mut run = workload.start(seed).expect("ships");
     let mut ticks = Vec::new();
     while run.left() > 0 {
         let step = run.step(|controller, measurement| {
@@ -112,27 +117,32 @@ fn a_contradiction_that_lasts_is_gone_on_with() {
 /// its step is too long. docs/degradation.md has the numbers.
 #[test]
 fn of_a_fallen_robot_nothing_is_refused_but_speeds_that_no_joint_has() {
-    let ticks = run(&humanoid());
-    let (mut refused, mut was_refused) = (0, false);
-    for tick in &ticks {
-        let Some(Fault::Implausible(found)) = tick.fault else {
-            was_refused = false;
-            continue;
-        };
-        // It stands at 1 m.
-        assert!(tick.height < 0.6, "{found:?} at {} m", tick.height);
-        match found.quantity {
-            // A hundred times what its file says.
-            Measured::JointVelocity(_) => assert!(found.value > 500.0, "{found:?}"),
-            Measured::JointAcceleration(_) => assert!(found.value > 5e5, "{found:?}"),
-            // Where that has brought it.
-            Measured::JointJump(_) => assert!(was_refused, "{found:?}"),
-            _ => panic!("{found:?}"),
+    let workload = humanoid();
+    // Every seed is another fall, and so is every last digit of a solve.
+    for seed in 1..=3 {
+        let ticks = run_with(&workload, seed);
+        let (mut refused, mut was_refused, mut lowest) = (0, false, f64::INFINITY);
+        for tick in &ticks {
+            lowest = lowest.min(tick.height);
+            let Some(Fault::Implausible(found)) = tick.fault else {
+                was_refused = false;
+                continue;
+            };
+            // It stands at 1 m. What has fallen swings about its feet, and may be up there again.
+            assert!(lowest < 0.8, "{seed}: {found:?} above {lowest} m");
+            match found.quantity {
+                // A hundred times what its file says.
+                Measured::JointVelocity(_) => assert!(found.value > 500.0, "{seed}: {found:?}"),
+                Measured::JointAcceleration(_) => assert!(found.value > 5e5, "{seed}: {found:?}"),
+                // Where that has brought it.
+                Measured::JointJump(_) => assert!(was_refused, "{seed}: {found:?}"),
+                _ => panic!("{seed}: {found:?}"),
+            }
+            (refused, was_refused) = (refused + 1, true);
         }
-        (refused, was_refused) = (refused + 1, true);
+        println!("{seed}: {refused} of {} ticks are refused", ticks.len());
+        assert!(refused * 100 < ticks.len(), "{seed}");
     }
-    println!("{refused} of {} ticks are refused", ticks.len());
-    assert!(refused * 100 < ticks.len());
 }
 
 /// Wall-clock times: run it alone.
