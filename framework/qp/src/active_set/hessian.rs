@@ -342,9 +342,9 @@ impl Hessian {
     #[inline(always)]
     pub(super) fn solve_of<const S: usize>(&self, z: &mut [f64]) {
         if self.is_full {
-            self.solve_with::<true>(S, z)
+            self.solve_with::<true>(S, z);
         } else {
-            self.solve_with::<false>(S, z)
+            self.solve_with::<false>(S, z);
         }
     }
 

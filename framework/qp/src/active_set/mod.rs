@@ -22,7 +22,7 @@
 //! corrected with the factors at hand. If the refined pair is no optimum after all, the iteration goes on; should that
 //! happen again, with every pair refined, so that rounding cannot lead it in circles.
 //!
-//! Problems of four to 16 variables go the same way in a shorter form first (`compact`), which keeps what every change
+//! Problems of four to 32 variables go the same way in a shorter form first (`compact`), which keeps what every change
 //! does to the multipliers and to the constraints violated before, instead of computing all of it anew. It vouches for
 //! optima alone: where it comes to no end, this method (`dual`) goes on from what is held.
 //!

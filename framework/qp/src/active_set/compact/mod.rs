@@ -1,5 +1,5 @@
-//! The dual method for problems of few variables: loops whose length the compiler knows, and no more digits than
-//! products of normals have.
+//! The dual method for problems of few variables: loops whose length the compiler knows, and, where constraints come and
+//! go, no more digits than products of normals have.
 //!
 //! It goes the way of [`dual`](super::dual), but for a few things that small ordinary problems can do without. The
 //! inequalities, once they come and go, are in a [`Tableau`], where a change is one pivot and shows what it does to all
@@ -109,7 +109,7 @@ impl Compact {
         let n = vars.min(MOST);
         let places = most(n, rows);
         let of_constraints = rows.saturating_add(n).saturating_mul(n + 4);
-        of_constraints.saturating_add(places * (places + n + 12))
+        of_constraints.saturating_add(places * (places + n + 12) + n * (n + 4))
     }
 
     /// Whether it is meant for problems of so many variables: with less than a lane there is nothing to gain.
@@ -206,6 +206,10 @@ struct Run<'a, 'b> {
 
 impl Run<'_, '_> {
     /// `S` is the number of variables with padding, and `EXACT` says that there is none.
+    #[expect(
+        clippy::inline_always,
+        reason = "the compiler forgets the length of calls otherwise"
+    )]
     #[inline(always)]
     fn solve<const S: usize, const EXACT: bool>(&mut self, previous: &[Held]) -> End {
         let n = self.n::<S, EXACT>();
