@@ -16,8 +16,8 @@ use crate::{
 /// Square of the sine of the angle to the rest of the base below which a normal nearly depends on it.
 const NEARLY: f64 = 1e-8;
 
-/// Square of the sine below which a normal is made orthogonal to the rest once more (twice is enough: B. N. Parlett, *The
-/// Symmetric Eigenvalue Problem*, 1980, section 6.9).
+/// Square of the sine below which a normal is made orthogonal to the rest once more (twice is enough: B. N. Parlett,
+/// *The Symmetric Eigenvalue Problem*, 1980, section 6.9).
 const TWICE: f64 = 0.01;
 
 impl Run<'_, '_> {

@@ -1,5 +1,5 @@
-//! The dual method for problems of few variables: loops whose length the compiler knows, and, where constraints come and
-//! go, no more digits than products of normals have.
+//! The dual method for problems of few variables: loops whose length the compiler knows, and, where constraints come
+//! and go, no more digits than products of normals have.
 //!
 //! It goes the way of [`dual`](super::dual), but for a few things that small ordinary problems can do without. The
 //! inequalities, once they come and go, are in a [`Tableau`], where a change is one pivot and shows what it does to all
@@ -24,7 +24,7 @@ use super::{
 use crate::{Capacity, ConstraintId, Held, Qp};
 use correction::Verdict;
 use tableau::{Place, Step, Tableau, beyond, most};
-use vectors::{add_columns, multiply, normal, product, project, subtract};
+use vectors::{multiply, normal, product, project, subtract, subtract_columns};
 
 /// Largest number of variables, with padding.
 const MOST: usize = 32;
@@ -334,10 +334,10 @@ impl Run<'_, '_> {
                 axpy(parts, multiplier, own.tableau.h(k));
             }
         }
-        add_columns::<S>(z, parts, &own.q);
         for part in &mut *parts {
             *part = -*part;
         }
+        subtract_columns::<S>(z, parts, &own.q);
         own.r.solve(parts);
         self.hessian.solve_of::<S>(z);
         self.point.x_mut()[..S].copy_from_slice(z);

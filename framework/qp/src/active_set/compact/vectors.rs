@@ -55,18 +55,6 @@ pub(super) fn project<const S: usize>(q: &[f64], w: &[f64], h: &mut [f64]) {
     }
 }
 
-/// `y += Q h`, of as many columns as `h` is long.
-pub(super) fn add_columns<const S: usize>(y: &mut [f64], h: &[f64], q: &[f64]) {
-    let (fours, rest) = h.as_chunks::<LANES>();
-    let whole = fours.len() * LANES;
-    for (four, q) in fours.iter().zip(q.chunks_exact(LANES * S)) {
-        add_rows(&mut y[..S], *four, q, S);
-    }
-    for (h, q) in rest.iter().zip(&q.as_chunks::<S>().0[whole..]) {
-        subtract(y, -h, q);
-    }
-}
-
 /// `y −= Q h`, of as many columns as `h` is long.
 pub(super) fn subtract_columns<const S: usize>(y: &mut [f64], h: &[f64], q: &[f64]) {
     let (fours, rest) = h.as_chunks::<LANES>();
