@@ -1,8 +1,8 @@
 //! A contact as a controller knows it: what tasks see of it in a tick, and what the framework keeps beside that.
 //!
 //! # Notation
-//! W world, E the contact's frame on the robot, S the surface's origin, a material point of the surface, C the surface's
-//! frame at the contact point.
+//! W world, E the contact's frame on the robot, S the surface's origin, a material point of the surface, C the
+//! surface's frame at the contact point.
 #![allow(non_snake_case)]
 
 use nalgebra::{Isometry3, Matrix6xX, Rotation3, Vector3, Vector6};

@@ -1,4 +1,5 @@
-//! A reference that a task follows, and what is done with it outside of ticks: declared in `bind`, begun at home, replaced while running.
+//! A reference that a task follows, and what is done with it outside of ticks: declared in `bind`, begun at home,
+//! replaced while running.
 
 use std::fmt::{self, Debug};
 

@@ -9,10 +9,10 @@
 //! ```
 //! T is sparse in y: a joint's row has the accelerations that carry it or that it carries, and the forces beyond it.
 //!
-//! Where contacts determine accelerations, `v̇_D = G v̇_S + g` ([`contact_elimination`](super::contact_elimination)), these go first: `M_PP` becomes
-//! `N = M_PP + M_PD G_P`, which is not symmetric (Gaussian elimination with row pivoting, in units in which the
-//! diagonal of `M_PP` is one), `M_PA` and T likewise, and `M_PD g` goes to the known forces. N can be singular where M
-//! cannot: then the contacts keep their rows this tick.
+//! Where contacts determine accelerations, `v̇_D = G v̇_S + g` ([`contact_elimination`](super::contact_elimination)),
+//! these go first: `M_PP` becomes `N = M_PP + M_PD G_P`, which is not symmetric (Gaussian elimination with row
+//! pivoting, in units in which the diagonal of `M_PP` is one), `M_PA` and T likewise, and `M_PD g` goes to the known
+//! forces. N can be singular where M cannot: then the contacts keep their rows this tick.
 
 use super::{
     ActiveVariables, DynamicsTerms, Partition,

@@ -6,8 +6,8 @@
 //! that contacts determine, `a v̇_D = a (G v̇_S + g)`. What does not depend on y, `a t` and `a g`, is the row's
 //! constant.
 //!
-//! A row that is one component of v̇, u or a force is kept as that ([`Variable`]); others are written out where they are
-//! not zero. Cost, constraints and residuals come from here; hard rows of contacts that [are
+//! A row that is one component of v̇, u or a force is kept as that ([`Variable`]); others are written out where they
+//! are not zero. Cost, constraints and residuals come from here; hard rows of contacts that [are
 //! eliminated](super::contact_elimination) alone do not.
 
 use super::{

@@ -1,7 +1,7 @@
 //! The variables of a tick: which accelerations, efforts and forces are variables, and where each stands.
 //!
-//! *Natural* variables are `y = (v̇_P, v̇_A, kept u, live f, live slacks)`, see [`partition`](super::partition); those of
-//! the problem are `x`, the same without `v̇_P`.
+//! *Natural* variables are `y = (v̇_P, v̇_A, kept u, live f, live slacks)`, see [`partition`](super::partition); those
+//! of the problem are `x`, the same without `v̇_P`.
 //!
 //! # Notation
 //! By *velocity* an acceleration is numbered as in `v̇`, by *column* as in y of this tick.

@@ -110,8 +110,8 @@ impl Fallback {
         Err(Fault::Infeasible)
     }
 
-    /// Looks for the optimum with the limits given up that are marked: with rows that give, if the problem is large, and
-    /// if that comes to no end, with variables for what they give.
+    /// Looks for the optimum with the limits given up that are marked: with rows that give, if the problem is large,
+    /// and if that comes to no end, with variables for what they give.
     fn solve_relaxed(
         &mut self,
         problem: &Problem,
