@@ -15,9 +15,9 @@ const EXPONENTS: [f64; 3] = [0.0, 4.0, 8.0];
 /// What was answered wrongly once, among some million: an optimum where the cost falls for ever, a ray with rounding of
 /// a variable in a large unit, constraints let go by multipliers compared without their units; rays along which the
 /// cost bends by the root of rounding, equalities at an angle of 1e-9, a limit violated because others implied it, a
-/// proof of infeasibility that the rounding of its multipliers outweighs, and limits at zero that contradicted one
-/// another by rounding and were widened too far.
-const ONCE_WRONG: [(Family, u64, f64); 19] = [
+/// proof of infeasibility that the rounding of its multipliers outweighs, limits at zero that contradicted one another
+/// by rounding and were widened too far or not at all, and equalities that did and hid that the cost falls for ever.
+const ONCE_WRONG: [(Family, u64, f64); 25] = [
     (Family::Unbounded, 22034, 4.0),
     (Family::Unbounded, 539, 8.0),
     (Family::Unbounded, 214_994, 8.0),
@@ -37,6 +37,12 @@ const ONCE_WRONG: [(Family, u64, f64); 19] = [
     (Family::NearlyDependent, 50_026_428, 4.0),
     (Family::AtZero, 91_014_276, 4.0),
     (Family::AtZero, 91_014_276, 8.0),
+    (Family::AtZero, 50_052_333, 8.0),
+    (Family::AtZero, 61_033_483, 4.0),
+    (Family::AtZero, 61_033_483, 8.0),
+    (Family::AtZero, 61_054_168, 8.0),
+    (Family::AtZero, 61_071_196, 8.0),
+    (Family::Unbounded, 50_073_100, 4.0),
 ];
 
 /// What is wrong with the answer to a random problem, and its iterations.

@@ -189,6 +189,11 @@ impl Proximal {
         }
         if status == Status::Stalled {
             status = self.solve_precisely(limits, out);
+            // Where rounding made limits contradict one another, there is a feasible point only now.
+            let may_fall = status == Status::Stalled && self.precise.is_feasible();
+            if may_fall && self.finds_ray(dual, limits, out) {
+                status = Status::Unbounded;
+            }
         }
         self.scaling.undo(n, qp.m(), out);
         if status == Status::Unbounded {

@@ -45,6 +45,9 @@ const ROUNDED_RATE: f64 = 1e-13;
 const VIOLATION: f64 = 1e-12;
 /// The same of a constraint that depends on those held.
 const IMPLIED: f64 = 1e-11;
+/// The same beside the largest variable, in units near one: rounding of coefficients, however small the constraint's own
+/// terms are.
+const ROUNDED_TERMS: f64 = 1e-14;
 /// Limits that contradict one another by rounding are taken to be so much wider, relative to the limit and the terms:
 /// less than a solution may violate them.
 const WIDENINGS: [f64; 4] = [0.0, 1e-13, 1e-12, 2e-11];
@@ -76,6 +79,8 @@ pub(super) struct Precise {
     active: Vec<Active>,
     multipliers: Vec<Twofold>,
     widening: f64,
+    /// Whether a point was found that violates nothing.
+    is_feasible: bool,
     /// `|a|ᵀ |x|` where the limits contradicted one another.
     sizes: Vec<f64>,
     /// Constraints that are not to be looked at: held, or implied by those held.
@@ -96,6 +101,7 @@ impl Precise {
             active: Vec::with_capacity(n),
             multipliers: Vec::with_capacity(n),
             widening: 0.0,
+            is_feasible: false,
             sizes: vec![0.0; n + rows],
             settled: vec![false; n + rows],
             normal: vec![0.0; n],
@@ -113,6 +119,7 @@ impl Precise {
         out: &mut Solution,
     ) -> Status {
         let mut status = Status::Stalled;
+        self.is_feasible = false;
         for widening in WIDENINGS {
             self.widening = widening;
             status = self.iterate(problem, limits, out);
@@ -124,6 +131,11 @@ impl Precise {
             }
         }
         status
+    }
+
+    /// Whether the last solve, whatever it ended with, came by a point that violates nothing.
+    pub(super) fn is_feasible(&self) -> bool {
+        self.is_feasible
     }
 
     /// The proximal iteration, which ends after one round if H is definite.
@@ -151,7 +163,7 @@ impl Precise {
             }
             self.factor.minimise(&self.g[..n], &mut self.x[..n]);
             match self.ascend(scaled, limits, &mut out.iterations) {
-                End::Optimal => {}
+                End::Optimal => self.is_feasible = true,
                 End::Budget => return limits.status(out.iterations),
                 End::Contradiction(constraint) => {
                     self.write_proof(scaled, constraint, out);
@@ -259,6 +271,12 @@ impl Precise {
         }
     }
 
+    /// The largest of the n variables.
+    fn largest(&self, n: usize) -> f64 {
+        let sizes = self.x[..n].iter().map(|x| x.abs().rounded());
+        sizes.fold(0.0, f64::max)
+    }
+
     /// Moves to a constraint and holds it; lets others go on the way.
     fn hold(
         &mut self,
@@ -281,6 +299,7 @@ impl Precise {
             let excess = self.value(scaled, index) - Twofold::new(limit);
             let is_free = rest.rounded() > 0.0 && !self.depends(scaled);
             let rounding = IMPLIED * (limit.abs() + self.size(scaled, index));
+            let rounding = rounding.max(ROUNDED_TERMS * self.largest(n));
             if !is_free && (excess.abs().rounded() <= rounding || is_empty(scaled, index)) {
                 // By those held.
                 return Ok(());
