@@ -8,8 +8,10 @@
 //! the method gives up, and `dual` goes on from what is held. So its answers are optima that were checked in the
 //! problem's own numbers, and there are no others.
 
+mod all;
 mod base;
 mod correction;
+mod symmetric;
 mod tableau;
 mod vectors;
 
@@ -63,6 +65,9 @@ pub(super) struct Compact {
     products: Vec<f64>,
     tableau: Tableau,
     violated: Vec<(f64, usize)>,
+    /// Inequalities that become candidates together, and their normals in the metric of H, by component.
+    together: Vec<usize>,
+    normals: Vec<f64>,
     /// Whether any value is outside of its limits, if only by rounding.
     is_any_outside: bool,
     /// The largest entry of `H x` and of g, in units of the variables.
@@ -100,6 +105,8 @@ impl Compact {
             products: vec![0.0; places],
             tableau: Tableau::new(Capacity { vars: n, rows: m }),
             violated: Vec::with_capacity(m + n),
+            together: Vec::with_capacity(all::MOST),
+            normals: vec![0.0; stride * padded(all::MOST)],
             ..Self::default()
         }
     }
@@ -376,6 +383,10 @@ impl Run<'_, '_> {
     /// Makes violated constraints candidates, but for those that are near, and holds the farthest; whether it could.
     fn consider_violated<const S: usize, const EXACT: bool>(&mut self) -> bool {
         self.tabulate::<S, EXACT>();
+        if self.may_begin_with_all() {
+            self.consider_all::<S, EXACT>();
+            return true;
+        }
         let mut farthest = (0.0, None);
         for i in 0..self.own.violated.len() {
             let (excess, index) = self.own.violated[i];

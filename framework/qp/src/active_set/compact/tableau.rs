@@ -7,15 +7,18 @@
 //! ```text
 //! λ_K = P (c_K − b_K),   s_J = c_J − G_JK λ_K,   P = G_KK⁻¹
 //! ```
-//! with `c` the values where no inequality is held. The tableau has `[P, −Bᵀ; B, S]`, `B = G_JK P` and the Schur
-//! complement `S = G_JJ − B G_KJ`, and beside it `(−λ_K, s_J)`. An inequality that is held, or let go, is a principal
-//! pivot on its diagonal entry, by the same formula both ways (R. W. Cottle, J.-S. Pang, R. E. Stone, *The Linear
-//! Complementarity Problem*, 1992, section 2.3). It costs the square of the number of candidates, whatever the number
-//! of variables and rows, and says of all candidates by how much they would be violated.
+//! with `c` the values where no inequality is held. The tableau is G, swept on K ([`Symmetric`]): `[−P, Bᵀ; B, S]`,
+//! `B = G_JK P` and the Schur complement `S = G_JJ − B G_KJ`; beside it stands `(λ_K, s_J)`. An inequality that is held,
+//! or let go, is a sweep on its diagonal entry (a principal pivot: R. W. Cottle, J.-S. Pang, R. E. Stone, *The Linear
+//! Complementarity Problem*, 1992, section 2.3). It costs half the square of the number of candidates, whatever the
+//! number of variables and rows, and says of all candidates by how much they would be violated.
 
-use super::super::{
-    kernels::{LANES, dot, padded},
-    triangle::Triangle,
+use super::{
+    super::{
+        kernels::{axpy, dot, padded},
+        triangle::Triangle,
+    },
+    symmetric::Symmetric,
 };
 use crate::Capacity;
 
@@ -75,6 +78,11 @@ impl Place {
     pub(super) fn is_held(&self) -> bool {
         self.side != 0.0
     }
+
+    /// `‖w̃‖²`.
+    pub(super) fn square(&self) -> f64 {
+        self.square
+    }
 }
 
 /// How a step ended.
@@ -93,10 +101,8 @@ pub(super) enum Step {
 pub(super) struct Tableau {
     /// The most places.
     most: usize,
-    /// From one row to the next.
-    stride: usize,
-    t: Vec<f64>,
-    /// `−λ` of those held, values of the others.
+    t: Symmetric,
+    /// `λ` of those held, values of the others.
     u: Vec<f64>,
     /// Of those held, by place; of the others zero.
     sides: Vec<f64>,
@@ -113,6 +119,9 @@ pub(super) struct Tableau {
     width: usize,
     h: Vec<f64>,
     row: Vec<f64>,
+    factors: Vec<f64>,
+    /// Of R, by rows.
+    inverse: Vec<f64>,
 }
 
 impl Tableau {
@@ -121,8 +130,7 @@ impl Tableau {
         let stride = padded(most);
         Self {
             most,
-            stride,
-            t: vec![0.0; stride * most],
+            t: Symmetric::new(most),
             u: vec![0.0; stride],
             sides: vec![0.0; stride],
             prices: vec![0.0; stride],
@@ -131,6 +139,8 @@ impl Tableau {
             place_of: vec![NONE; vars + rows],
             h: vec![0.0; padded(vars) * most],
             row: vec![0.0; stride],
+            factors: vec![0.0; stride],
+            inverse: vec![0.0; padded(vars) * vars],
             ..Self::default()
         }
     }
@@ -138,6 +148,7 @@ impl Tableau {
     /// No candidates, of so many constraints.
     pub(super) fn reset(&mut self, constraints: usize) {
         self.places.clear();
+        self.t.clear();
         self.place_of[..constraints].fill(NONE);
     }
 
@@ -168,11 +179,11 @@ impl Tableau {
         equalities: usize,
         places: impl Iterator<Item = (Place, f64, f64)>,
     ) {
-        let (e, stride) = (equalities, self.stride);
+        let e = equalities;
         (self.equalities, self.width) = (e, padded(e));
         for (k, (place, multiplier, price)) in places.enumerate() {
             self.place_of[place.index] = k as u32;
-            self.u[k] = -multiplier;
+            self.u[k] = multiplier;
             (self.sides[k], self.prices[k]) = (place.side, price);
             self.let_go_limits(k);
             let column = r.column(e + k);
@@ -183,30 +194,46 @@ impl Tableau {
             self.places.push(Place { square, ..place });
         }
         let used = self.places.len();
-        let length = padded(used);
+        let stride = padded(used);
         // X = R_KK⁻¹, row by row from the last.
         for i in (0..used).rev() {
-            let (head, tail) = self.t.split_at_mut((i + 1) * stride);
-            let x = &mut head[i * stride..][..length];
+            let (head, tail) = self.inverse.split_at_mut((i + 1) * stride);
+            let x = &mut head[i * stride..];
             x.fill(0.0);
             for (l, below) in (i + 1..used).zip(tail.chunks_exact(stride)) {
-                add_scaled(x, -r.column(e + l)[e + i], &below[..length]);
+                axpy(x, -r.column(e + l)[e + i], below);
             }
             x[i] = 1.0;
             for x in &mut x[i..] {
                 *x *= r.reciprocal(e + i);
             }
         }
-        // P = X Xᵀ, in its place: a row of P needs those of X from its own on.
+        // −P = −X Xᵀ.
+        self.t.grow(used);
         for i in 0..used {
-            for j in i..used {
-                let (a, b) = (&self.t[i * stride..], &self.t[j * stride..]);
-                self.row[j] = dot(&a[j..used], &b[j..used]);
+            let x = &self.inverse[i * stride..][..used];
+            for (j, row) in self.row[..=i].iter_mut().enumerate() {
+                *row = -dot(&x[i..], &self.inverse[j * stride + i..][..used - i]);
             }
-            for j in i..used {
-                self.t[i * stride + j] = self.row[j];
-                self.t[j * stride + i] = self.row[j];
-            }
+            self.row[i + 1..stride].fill(0.0);
+            self.t.set_row(i, &self.row);
+        }
+    }
+
+    /// Makes constraints candidates where there are none and nothing is held: with their values, and by rows their
+    /// normals, less their parts along the equality rows', all components of one after the other.
+    pub(super) fn begin_free(&mut self, normals: &[f64], all: impl Iterator<Item = (Place, f64)>) {
+        self.width = 0;
+        for (k, (place, value)) in all.enumerate() {
+            self.place_of[place.index] = k as u32;
+            self.u[k] = value;
+            (self.sides[k], self.prices[k]) = (0.0, 0.0);
+            self.places.push(place);
+            self.set_limits(k);
+        }
+        self.t.gram(normals, self.places.len());
+        for (k, place) in self.places.iter_mut().enumerate() {
+            place.square = self.t.diagonal(k);
         }
     }
 
@@ -222,7 +249,7 @@ impl Tableau {
 
     /// The multiplier of a constraint that is held, at the minimiser.
     pub(super) fn multiplier(&self, place: usize) -> f64 {
-        -self.u[place]
+        self.u[place]
     }
 
     /// `h` of a place.
@@ -234,7 +261,7 @@ impl Tableau {
     /// `w` with those of all places, of which there may be one more by now.
     pub(super) fn add(&mut self, new: Place, value: f64, h: &[f64], products: &mut [f64]) -> usize {
         let at = self.new_place(new);
-        let (used, stride) = (self.places.len(), self.stride);
+        let used = self.places.len();
         let length = padded(used);
         let products = &mut products[..used];
         if self.width > 0 {
@@ -246,28 +273,30 @@ impl Tableau {
                 *product -= dot(h, &own[..h.len()]);
             }
         }
-        let row = &mut self.row[..length];
+        let square = self.places[at].square - dot(h, h);
+        self.places[at].square = square;
+        let (row, of_held) = (&mut self.row[..length], &mut self.factors[..length]);
         row.fill(0.0);
-        let mut u = value;
-        for (k, place) in self.places.iter().enumerate() {
-            if place.is_held() {
-                add_scaled(row, products[k], &self.t[k * stride..][..length]);
-                u += products[k] * self.u[k];
+        let (mut u, mut diagonal) = (value, square);
+        if self.places.iter().any(Place::is_held) {
+            of_held.fill(0.0);
+            for ((of_held, product), place) in of_held.iter_mut().zip(&*products).zip(&self.places) {
+                *of_held = if place.is_held() { *product } else { 0.0 };
             }
+            // −P and B times what is held.
+            self.t.multiply(of_held, row);
+            u -= dot(of_held, &self.u);
+            diagonal += dot(of_held, row);
         }
-        let mut diagonal = self.places[at].square - dot(h, h);
-        self.places[at].square = diagonal;
-        for (k, place) in self.places.iter().enumerate() {
-            self.t[k * stride + at] = if place.is_held() {
-                diagonal -= products[k] * row[k];
-                -row[k]
+        for ((row, product), place) in row.iter_mut().zip(products).zip(&self.places) {
+            *row = if place.is_held() {
+                -*row
             } else {
-                row[k] += products[k];
-                row[k]
+                *product - *row
             };
         }
         row[at] = diagonal;
-        self.t[at * stride..][..length].copy_from_slice(row);
+        self.t.set_row(at, row);
         self.u[at] = u;
         at
     }
@@ -282,12 +311,7 @@ impl Tableau {
             self.places[at] = new;
             at
         } else {
-            // A new lane has no numbers yet.
-            if used.is_multiple_of(LANES) {
-                for row in self.t.chunks_exact_mut(self.stride).take(used) {
-                    row[used..used + LANES].fill(0.0);
-                }
-            }
+            self.t.grow(used + 1);
             self.places.push(new);
             used
         };
@@ -304,13 +328,13 @@ impl Tableau {
         let (u, sides, prices) = (&self.u[..used], &self.sides[..used], &self.prices[..used]);
         let mut least = 0.0;
         for (u, side) in u.iter().zip(sides) {
-            let target = -u * side;
+            let target = u * side;
             least = if target < least { target } else { least };
         }
         if least < 0.0 {
             let mut first = (f64::INFINITY, 0);
             for (i, ((u, side), price)) in u.iter().zip(sides).zip(prices).enumerate() {
-                let target = -u * side;
+                let target = u * side;
                 if target < 0.0 {
                     let part = price / (price - target);
                     first = if part < first.0 { (part, i) } else { first };
@@ -323,13 +347,13 @@ impl Tableau {
             }
             let prices = self.prices[..used].iter_mut();
             for ((price, u), side) in prices.zip(&self.u).zip(&self.sides) {
-                *price += part * (-u * side - *price);
+                *price += part * (u * side - *price);
             }
             self.release(leaving);
             return Step::Changed;
         }
         for ((price, u), side) in self.prices[..used].iter_mut().zip(u).zip(sides) {
-            *price = -u * side;
+            *price = u * side;
         }
         match self.farthest() {
             Some(at) => {
@@ -388,7 +412,7 @@ impl Tableau {
                 // It would be held before: with digits that products of normals do not have.
                 return Step::Unclear;
             }
-            let row = &self.t[at * self.stride..];
+            let row = &self.row;
             for ((held, b), price) in self.sides.iter().zip(row).zip(&mut self.prices) {
                 *price -= step * held * side * b;
             }
@@ -398,9 +422,10 @@ impl Tableau {
         Step::Unclear
     }
 
-    /// Which of those held leaves first as the multiplier of a candidate grows, and when.
-    fn first_to_leave(&self, at: usize, side: f64) -> Option<(f64, usize)> {
-        let row = &self.t[at * self.stride..];
+    /// Which of those held leaves first as the multiplier of a candidate, whose row is taken, grows, and when.
+    fn first_to_leave(&mut self, at: usize, side: f64) -> Option<(f64, usize)> {
+        self.t.copy_row(at, &mut self.row);
+        let row = &self.row;
         let rate = |(place, b): (&Place, &f64)| place.side * side * b;
         let size = |(place, b): (&Place, &f64)| b * b * place.square * place.side.abs();
         let parts = || self.places.iter().zip(row);
@@ -419,13 +444,13 @@ impl Tableau {
     }
 
     fn pivot_of(&self, at: usize) -> f64 {
-        self.t[at * self.stride + at]
+        self.t.diagonal(at)
     }
 
     fn hold(&mut self, at: usize, side: f64, limit: f64, price: f64) {
         let gap = self.u[at] - limit;
-        let reciprocal = self.pivot(at, gap);
-        self.u[at] = -(gap * reciprocal);
+        let reciprocal = self.sweep(at, gap);
+        self.u[at] = gap * reciprocal;
         (self.sides[at], self.prices[at]) = (side, price);
         (self.places[at].side, self.places[at].limit) = (side, limit);
         self.let_go_limits(at);
@@ -445,71 +470,20 @@ impl Tableau {
 
     fn release(&mut self, at: usize) {
         let delta = self.u[at];
-        let reciprocal = self.pivot(at, delta);
+        let reciprocal = self.sweep(at, delta);
         self.u[at] = self.places[at].limit - delta * reciprocal;
         (self.sides[at], self.prices[at]) = (0.0, 0.0);
         self.places[at].side = 0.0;
         self.set_limits(at);
     }
 
-    /// Pivots on a diagonal entry; what stands beside the tableau moves by `−δ` times the column over the pivot, whose
+    /// Sweeps on a diagonal entry; what stands beside the tableau moves by `−δ` times the column over the entry, whose
     /// reciprocal it returns.
-    fn pivot(&mut self, at: usize, delta: f64) -> f64 {
-        match padded(self.places.len()) {
-            // Loops of a length that the compiler knows.
-            4 => self.pivot_with::<1>(at, delta),
-            8 => self.pivot_with::<2>(at, delta),
-            12 => self.pivot_with::<3>(at, delta),
-            16 => self.pivot_with::<4>(at, delta),
-            20 => self.pivot_with::<5>(at, delta),
-            24 => self.pivot_with::<6>(at, delta),
-            _ => self.pivot_of_any_length(at, delta),
-        }
-    }
-
-    fn pivot_with<const LENGTH: usize>(&mut self, at: usize, delta: f64) -> f64 {
-        let (used, stride) = (self.places.len(), self.stride);
-        let mut pivot_row = [[0.0; LANES]; LENGTH];
-        let own = self.t[at * stride..].as_chunks::<LANES>().0;
-        pivot_row.copy_from_slice(&own[..LENGTH]);
-        let reciprocal = 1.0 / self.pivot_of(at);
-        let rows = self.t.chunks_exact_mut(stride).zip(&mut self.u[..used]);
-        for (row, u) in rows {
-            let factor = row[at] * reciprocal;
-            let (lanes, _) = row.as_chunks_mut::<LANES>();
-            for (t, p) in lanes[..LENGTH].iter_mut().zip(&pivot_row) {
-                for l in 0..LANES {
-                    t[l] -= factor * p[l];
-                }
-            }
-            row[at] = factor;
-            *u -= factor * delta;
-        }
-        let (lanes, _) = self.t[at * stride..].as_chunks_mut::<LANES>();
-        for (t, p) in lanes.iter_mut().zip(&pivot_row) {
-            *t = p.map(|p| -(p * reciprocal));
-        }
-        self.t[at * stride + at] = reciprocal;
-        reciprocal
-    }
-
-    fn pivot_of_any_length(&mut self, at: usize, delta: f64) -> f64 {
-        let (used, stride) = (self.places.len(), self.stride);
-        let pivot_row = &mut self.row[..padded(used)];
-        pivot_row.copy_from_slice(&self.t[at * stride..][..padded(used)]);
-        let reciprocal = 1.0 / pivot_row[at];
-        let rows = self.t.chunks_exact_mut(stride).zip(&mut self.u[..used]);
-        for (row, u) in rows {
-            let factor = row[at] * reciprocal;
-            add_scaled(&mut row[..pivot_row.len()], -factor, pivot_row);
-            row[at] = factor;
-            *u -= factor * delta;
-        }
-        let row = &mut self.t[at * stride..][..pivot_row.len()];
-        for (t, p) in row.iter_mut().zip(pivot_row) {
-            *t = -(*p * reciprocal);
-        }
-        row[at] = reciprocal;
+    fn sweep(&mut self, at: usize, delta: f64) -> f64 {
+        self.t.copy_row(at, &mut self.row);
+        let reciprocal = self.t.sweep(at, &mut self.row, &mut self.factors);
+        let length = padded(self.places.len());
+        axpy(&mut self.u[..length], -delta, &self.factors[..length]);
         reciprocal
     }
 
@@ -529,17 +503,16 @@ impl Tableau {
 
     /// Replaces `b`, by place, with zeros where nothing is held, by `−P b`, and takes it as a change of multipliers.
     pub(super) fn correct(&mut self, b: &mut [f64]) {
-        let (used, stride) = (self.places.len(), self.stride);
-        let length = padded(used);
+        let length = padded(self.places.len());
         let by_place = &mut self.row[..length];
         by_place.copy_from_slice(&b[..length]);
-        for (k, place) in self.places.iter().enumerate() {
-            b[k] = if place.is_held() {
-                -dot(&self.t[k * stride..][..length], by_place)
+        self.t.multiply(by_place, &mut b[..length]);
+        for ((b, u), place) in b.iter_mut().zip(&mut self.u).zip(&self.places) {
+            if place.is_held() {
+                *u += *b;
             } else {
-                0.0
-            };
-            self.u[k] -= b[k];
+                *b = 0.0;
+            }
         }
     }
 }
@@ -556,16 +529,6 @@ pub(super) fn beyond(value: f64, lower: f64, upper: f64) -> (f64, f64, f64) {
         (value - upper, 1.0, upper)
     } else {
         (lower - value, -1.0, lower)
-    }
-}
-
-/// `y += α x`, of whole lanes.
-fn add_scaled(y: &mut [f64], alpha: f64, x: &[f64]) {
-    let (y, x) = (y.as_chunks_mut::<LANES>().0, x.as_chunks::<LANES>().0);
-    for (y, x) in y.iter_mut().zip(x) {
-        for l in 0..LANES {
-            y[l] += alpha * x[l];
-        }
     }
 }
 
