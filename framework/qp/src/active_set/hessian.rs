@@ -293,24 +293,26 @@ impl Hessian {
         }
     }
 
-    /// The same for as many columns at once as rows of `x` are wide, a whole number of lanes.
-    pub(super) fn solve_transposed_columns(&self, x: &mut [f64], width: usize) {
-        let stride = self.stride;
+    /// The same for several columns at once, whose first components that may differ from zero ascend; rows of `x` are
+    /// that many numbers, padded.
+    pub(super) fn solve_transposed_columns(&self, x: &mut [f64], starts: &[usize]) {
+        let (stride, width) = (self.stride, padded(starts.len()));
         for (b, inverse) in self.inverses[..stride / LANES].iter().enumerate() {
             let first = b * LANES;
             let next = first + LANES;
             let (head, tail) = x.split_at_mut(next * width);
             let block = &mut head[first * width..];
+            let used = padded(starts.partition_point(|start| *start < next));
             let (two, rest) = block.split_at_mut(2 * width);
             let ((r0, r1), (r2, r3)) = (two.split_at_mut(width), rest.split_at_mut(width));
-            for (((r0, r1), r2), r3) in r0.iter_mut().zip(r1).zip(r2).zip(r3) {
+            for (((r0, r1), r2), r3) in r0[..used].iter_mut().zip(r1).zip(r2).zip(r3) {
                 [*r0, *r1, *r2, *r3] = transposed_product(inverse, [*r0, *r1, *r2, *r3]);
             }
             let u = &self.u[first * stride..];
             let rows = tail.chunks_exact_mut(width);
             for (k, row) in (next..stride).zip(rows) {
                 let alpha = [0, 1, 2, 3].map(|r| -u[r * stride + k]);
-                add_rows(row, alpha, block, width);
+                add_rows(&mut row[..used], alpha, block, width);
             }
         }
     }

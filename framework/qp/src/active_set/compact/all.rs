@@ -5,10 +5,7 @@ use super::{
     Run,
     tableau::{Place, most},
 };
-use crate::active_set::{
-    constraint::{count, limits},
-    kernels::padded,
-};
+use crate::active_set::{constraint::limits, kernels::padded};
 
 /// The most inequalities.
 pub(super) const MOST: usize = 48;
@@ -16,7 +13,7 @@ pub(super) const MOST: usize = 48;
 const LEAST: usize = 3;
 
 impl Run<'_, '_> {
-    /// Whether all inequalities may become candidates, which are then listed.
+    /// Whether all inequalities may become candidates, which are then listed: those of variables last.
     pub(super) fn may_begin_with_all(&mut self) -> bool {
         let own = &mut *self.own;
         let (n, m) = (self.qp.n(), self.qp.m());
@@ -25,13 +22,17 @@ impl Run<'_, '_> {
             return false;
         }
         own.together.clear();
-        for index in 0..count(self.qp) {
+        own.starts.clear();
+        let most = MOST.min(most(n, m));
+        for index in 0..m + n {
             let (lower, upper) = limits(self.qp, index);
             if lower.is_finite() || upper.is_finite() {
-                if own.together.len() == MOST.min(most(n, m)) {
+                if own.together.len() == most {
                     return false;
                 }
-                own.together.push(index);
+                let value = self.point.value(index);
+                own.together.push(Place::new(index, (lower, upper), value, 0.0));
+                own.starts.push(index.saturating_sub(m));
             }
         }
         true
@@ -44,10 +45,10 @@ impl Run<'_, '_> {
         let width = padded(own.together.len());
         let normals = &mut own.normals[..S * width];
         normals.fill(0.0);
-        for (k, &index) in own.together.iter().enumerate() {
-            match index.checked_sub(m) {
+        for (k, place) in own.together.iter().enumerate() {
+            match place.index.checked_sub(m) {
                 None => {
-                    let row = &self.qp.a()[index * n..][..n];
+                    let row = &self.qp.a()[place.index * n..][..n];
                     for (normals, a) in normals.chunks_exact_mut(width).zip(row) {
                         normals[k] = *a;
                     }
@@ -55,20 +56,24 @@ impl Run<'_, '_> {
                 Some(j) => normals[j * width + k] = 1.0,
             }
         }
-        self.hessian.solve_transposed_columns(normals, width);
-        let (qp, point) = (self.qp, &*self.point);
-        let places = own.together.iter().map(|&index| {
-            let value = point.value(index);
-            (Place::new(index, limits(qp, index), value, 0.0), value)
-        });
-        own.tableau.begin_free(normals, places);
-        for (k, &index) in own.together.iter().enumerate() {
-            let w = &mut own.w[index * S..][..S];
-            for (w, normals) in w.iter_mut().zip(normals.chunks_exact(width)) {
-                *w = normals[k];
+        self.hessian.solve_transposed_columns(normals, &own.starts);
+        let places = own.together.iter().copied();
+        own.tableau.begin_free((normals, &own.starts), places);
+    }
+
+    /// Takes the normals of those held out of the columns.
+    pub(super) fn know_held<const S: usize>(&mut self) {
+        let own = &mut *self.own;
+        let width = padded(own.together.len());
+        for (k, place) in own.tableau.places().iter().enumerate() {
+            if place.is_held() && own.known[place.index] != own.solve {
+                own.known[place.index] = own.solve;
+                let w = &mut own.w[place.index * S..][..S];
+                for (w, normals) in w.iter_mut().zip(own.normals.chunks_exact(width)) {
+                    *w = normals[k];
+                }
+                own.squares[place.index] = place.square();
             }
-            own.known[index] = own.solve;
-            own.squares[index] = own.tableau.places()[k].square();
         }
     }
 }

@@ -65,8 +65,10 @@ pub(super) struct Compact {
     products: Vec<f64>,
     tableau: Tableau,
     violated: Vec<(f64, usize)>,
-    /// Inequalities that become candidates together, and their normals in the metric of H, by component.
-    together: Vec<usize>,
+    /// Inequalities that become candidates together, the first component of each that may differ from zero, and their
+    /// normals in the metric of H in columns.
+    together: Vec<Place>,
+    starts: Vec<usize>,
     normals: Vec<f64>,
     /// Whether any value is outside of its limits, if only by rounding.
     is_any_outside: bool,
@@ -106,6 +108,7 @@ impl Compact {
             tableau: Tableau::new(Capacity { vars: n, rows: m }),
             violated: Vec::with_capacity(m + n),
             together: Vec::with_capacity(all::MOST),
+            starts: Vec::with_capacity(all::MOST),
             normals: vec![0.0; stride * padded(all::MOST)],
             ..Self::default()
         }
@@ -325,6 +328,7 @@ impl Run<'_, '_> {
 
     /// The minimiser on what is held, its multipliers, and the values of all constraints.
     fn find_point<const S: usize>(&mut self) {
+        self.know_held::<S>();
         let own = &mut *self.own;
         let z = &mut own.z[..S];
         for (z, v) in z.iter_mut().zip(&own.v) {

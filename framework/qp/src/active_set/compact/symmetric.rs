@@ -45,13 +45,15 @@ impl Symmetric {
         }
     }
 
-    /// Becomes `Σ aᵀ a` over rows `a` of so many numbers, padded.
-    pub(super) fn gram(&mut self, rows: &[f64], count: usize) {
+    /// Becomes `Σ aᵀ a` over rows `a`, whose numbers differ from zero from the row on that `starts`, which ascends, has
+    /// for each of them.
+    pub(super) fn gram(&mut self, rows: &[f64], starts: &[usize]) {
         self.clear();
-        self.grow(count);
+        self.grow(starts.len());
         let rows = rows.as_chunks::<LANES>().0;
         for block in 0..self.blocks {
             let tiles = &mut self.tiles[before(block)..][..=block];
+            let rows = &rows[starts[block * LANES] * self.blocks..];
             for (column, tile) in tiles.iter_mut().enumerate() {
                 let mut sums = Tile::default();
                 for row in rows.chunks_exact(self.blocks) {
@@ -75,6 +77,17 @@ impl Symmetric {
     pub(super) fn diagonal(&self, i: usize) -> f64 {
         let (block, lane) = (i / LANES, i % LANES);
         self.tiles[before(block) + block][lane][lane]
+    }
+
+    /// Copies the diagonal, of all blocks.
+    pub(super) fn copy_diagonal(&self, out: &mut [f64]) {
+        let out = out.as_chunks_mut::<LANES>().0;
+        for (block, out) in out[..self.blocks].iter_mut().enumerate() {
+            let tile = &self.tiles[before(block) + block];
+            for l in 0..LANES {
+                out[l] = tile[l][l];
+            }
+        }
     }
 
     /// Copies row i, of all blocks.
@@ -218,7 +231,7 @@ mod tests {
             .map(|i| if i % STRIDE < N { ((5 * i) as f64).sin() } else { 0.0 })
             .collect();
         let mut t = matrix();
-        t.gram(&rows, N);
+        t.gram(&rows, &[0; N]);
         let mut row = [0.0; STRIDE];
         for i in 0..N {
             t.copy_row(i, &mut row);

@@ -13,9 +13,11 @@
 //! Complementarity Problem*, 1992, section 2.3). It costs half the square of the number of candidates, whatever the
 //! number of variables and rows, and says of all candidates by how much they would be violated.
 
+use std::{array::from_fn, ops::Range};
+
 use super::{
     super::{
-        kernels::{axpy, dot, padded},
+        kernels::{LANES, axpy, dot, padded},
         triangle::Triangle,
     },
     symmetric::Symmetric,
@@ -46,6 +48,8 @@ pub(super) struct Place {
     pub(super) limit: f64,
     lower: f64,
     upper: f64,
+    /// Where no inequality is held.
+    value: f64,
     /// `‖w̃‖²`.
     square: f64,
     /// What is rounding of its value.
@@ -60,6 +64,7 @@ impl Place {
             index,
             lower,
             upper,
+            value,
             square,
             rounding: ROUNDING * (value.abs() + finite(lower).max(finite(upper))),
             ..Self::default()
@@ -110,6 +115,11 @@ pub(super) struct Tableau {
     prices: Vec<f64>,
     /// Limits of those not held, with rounding; of those held infinite.
     limits: [Vec<f64>; 2],
+    /// The diagonal of the tableau, and the least that counts of it.
+    diagonal: Vec<f64>,
+    least: Vec<f64>,
+    /// How far the minimiser has to go for each that is violated, squared.
+    distances: Vec<f64>,
     places: Vec<Place>,
     /// By constraint.
     place_of: Vec<u32>,
@@ -135,6 +145,9 @@ impl Tableau {
             sides: vec![0.0; stride],
             prices: vec![0.0; stride],
             limits: [vec![0.0; stride], vec![0.0; stride]],
+            diagonal: vec![0.0; stride],
+            least: vec![0.0; stride],
+            distances: vec![0.0; stride],
             places: Vec::with_capacity(most),
             place_of: vec![NONE; vars + rows],
             h: vec![0.0; padded(vars) * most],
@@ -181,17 +194,15 @@ impl Tableau {
     ) {
         let e = equalities;
         (self.equalities, self.width) = (e, padded(e));
-        for (k, (place, multiplier, price)) in places.enumerate() {
-            self.place_of[place.index] = k as u32;
+        for (place, multiplier, price) in places {
+            let k = self.push(place);
             self.u[k] = multiplier;
-            (self.sides[k], self.prices[k]) = (place.side, price);
-            self.let_go_limits(k);
+            self.prices[k] = price;
             let column = r.column(e + k);
             let h = &mut self.h[k * self.width..][..self.width];
             h[..e].copy_from_slice(&column[..e]);
             h[e..].fill(0.0);
-            let square = place.square - dot(&column[..e], &column[..e]);
-            self.places.push(Place { square, ..place });
+            self.set_square(k, place.square - dot(&column[..e], &column[..e]));
         }
         let used = self.places.len();
         let stride = padded(used);
@@ -209,7 +220,6 @@ impl Tableau {
             }
         }
         // −P = −X Xᵀ.
-        self.t.grow(used);
         for i in 0..used {
             let x = &self.inverse[i * stride..][..used];
             for (j, row) in self.row[..=i].iter_mut().enumerate() {
@@ -220,21 +230,27 @@ impl Tableau {
         }
     }
 
-    /// Makes constraints candidates where there are none and nothing is held: with their values, and by rows their
-    /// normals, less their parts along the equality rows', all components of one after the other.
-    pub(super) fn begin_free(&mut self, normals: &[f64], all: impl Iterator<Item = (Place, f64)>) {
+    /// Makes constraints candidates where there are none, no equality rows, and nothing is held: with their values, and
+    /// their normals in columns, with the first component of each that may differ from zero.
+    pub(super) fn begin_free(
+        &mut self,
+        (normals, starts): (&[f64], &[usize]),
+        all: impl Iterator<Item = Place>,
+    ) {
         self.width = 0;
-        for (k, (place, value)) in all.enumerate() {
+        self.open(0..padded(starts.len()));
+        self.places.extend(all);
+        for (k, place) in self.places.iter().enumerate() {
             self.place_of[place.index] = k as u32;
-            self.u[k] = value;
-            (self.sides[k], self.prices[k]) = (0.0, 0.0);
-            self.places.push(place);
-            self.set_limits(k);
+            self.u[k] = place.value;
+            self.limits[0][k] = place.lower - place.rounding;
+            self.limits[1][k] = place.upper + place.rounding;
         }
-        self.t.gram(normals, self.places.len());
-        for (k, place) in self.places.iter_mut().enumerate() {
-            place.square = self.t.diagonal(k);
+        self.t.gram(normals, starts);
+        for k in 0..self.places.len() {
+            self.set_square(k, self.t.diagonal(k));
         }
+        self.t.copy_diagonal(&mut self.diagonal);
     }
 
     pub(super) fn places(&self) -> &[Place] {
@@ -274,7 +290,7 @@ impl Tableau {
             }
         }
         let square = self.places[at].square - dot(h, h);
-        self.places[at].square = square;
+        self.set_square(at, square);
         let (row, of_held) = (&mut self.row[..length], &mut self.factors[..length]);
         row.fill(0.0);
         let (mut u, mut diagonal) = (value, square);
@@ -297,44 +313,73 @@ impl Tableau {
         }
         row[at] = diagonal;
         self.t.set_row(at, row);
-        self.u[at] = u;
+        (self.u[at], self.diagonal[at]) = (u, diagonal);
         at
     }
 
     /// A free place, or that of a candidate that is not held.
     fn new_place(&mut self, new: Place) -> usize {
-        let used = self.places.len();
-        let at = if used == self.most {
-            let free = self.places.iter().position(|place| !place.is_held());
-            let at = free.unwrap_or(0);
-            self.place_of[self.places[at].index] = NONE;
-            self.places[at] = new;
-            at
-        } else {
-            self.t.grow(used + 1);
-            self.places.push(new);
-            used
-        };
-        self.place_of[new.index] = at as u32;
-        (self.sides[at], self.prices[at]) = (0.0, 0.0);
-        self.set_limits(at);
+        if self.places.len() < self.most {
+            return self.push(new);
+        }
+        let free = self.places.iter().position(|place| !place.is_held());
+        let at = free.unwrap_or(0);
+        self.place_of[self.places[at].index] = NONE;
+        self.places[at] = new;
+        self.begin_place(at);
         at
+    }
+
+    /// What is beyond the last place counts as one that nothing violates.
+    fn open(&mut self, range: Range<usize>) {
+        self.u[range.clone()].fill(0.0);
+        self.sides[range.clone()].fill(0.0);
+        self.prices[range.clone()].fill(0.0);
+        self.limits[0][range.clone()].fill(f64::NEG_INFINITY);
+        self.limits[1][range.clone()].fill(f64::INFINITY);
+        self.diagonal[range.clone()].fill(1.0);
+        self.least[range].fill(1.0);
+    }
+
+    /// A further place.
+    fn push(&mut self, new: Place) -> usize {
+        let at = self.places.len();
+        if at.is_multiple_of(LANES) {
+            self.open(at..at + LANES);
+        }
+        self.t.grow(at + 1);
+        self.places.push(new);
+        self.begin_place(at);
+        at
+    }
+
+    fn begin_place(&mut self, at: usize) {
+        let place = &self.places[at];
+        self.place_of[place.index] = at as u32;
+        (self.sides[at], self.prices[at]) = (place.side, 0.0);
+        if place.is_held() {
+            self.let_go_limits(at);
+        } else {
+            self.set_limits(at);
+        }
+    }
+
+    /// `‖w̃‖²` of a place.
+    fn set_square(&mut self, at: usize, square: f64) {
+        self.places[at].square = square;
+        self.least[at] = DEPENDENT * square;
     }
 
     /// One step of the dual method: towards the multipliers of the minimiser on what is held, as far as none changes
     /// its sign; there, to the candidate that is violated most.
     pub(super) fn step(&mut self) -> Step {
         let used = self.places.len();
-        let (u, sides, prices) = (&self.u[..used], &self.sides[..used], &self.prices[..used]);
-        let mut least = 0.0;
-        for (u, side) in u.iter().zip(sides) {
-            let target = u * side;
-            least = if target < least { target } else { least };
-        }
-        if least < 0.0 {
+        let length = padded(used);
+        let (u, sides) = (&self.u[..length], &self.sides[..length]);
+        if has_negative(u, sides) {
             let mut first = (f64::INFINITY, 0);
-            for (i, ((u, side), price)) in u.iter().zip(sides).zip(prices).enumerate() {
-                let target = u * side;
+            let targets = u.iter().zip(sides).map(|(u, side)| u * side);
+            for (i, (target, price)) in targets.zip(&self.prices).enumerate() {
                 if target < 0.0 {
                     let part = price / (price - target);
                     first = if part < first.0 { (part, i) } else { first };
@@ -345,14 +390,13 @@ impl Tableau {
             if part > 1.0 {
                 return Step::Unclear;
             }
-            let prices = self.prices[..used].iter_mut();
-            for ((price, u), side) in prices.zip(&self.u).zip(&self.sides) {
+            for ((price, u), side) in self.prices.iter_mut().zip(u).zip(sides) {
                 *price += part * (u * side - *price);
             }
             self.release(leaving);
             return Step::Changed;
         }
-        for ((price, u), side) in self.prices[..used].iter_mut().zip(u).zip(sides) {
+        for ((price, u), side) in self.prices.iter_mut().zip(u).zip(sides) {
             *price = u * side;
         }
         match self.farthest() {
@@ -367,31 +411,28 @@ impl Tableau {
 
     /// The candidate whose value is beyond its limits by more than rounding and farthest from them in the metric of H:
     /// by how far the minimiser on what is held has to go if that stays held.
-    fn farthest(&self) -> Option<usize> {
-        let used = self.places.len();
-        let [lower, upper] = &self.limits;
-        let values = self.u[..used]
-            .iter()
-            .zip(lower)
-            .zip(upper)
-            .zip(&self.places);
-        let (mut farthest, mut at) = (0.0, used);
-        // Nothing is decided on the way: what is violated cannot be foreseen.
-        for (i, (((u, lower), upper), place)) in values.enumerate() {
-            let (above, below) = (u - upper, lower - u);
-            let excess = if above > below { above } else { below };
-            let (pivot, least) = (self.pivot_of(i), DEPENDENT * place.square);
-            let pivot = if pivot > least { pivot } else { least };
-            let distance = if excess > 0.0 {
-                excess * excess / pivot
-            } else {
-                0.0
-            };
-            let is_farther = distance > farthest;
-            farthest = if is_farther { distance } else { farthest };
-            at = if is_farther { i } else { at };
+    fn farthest(&mut self) -> Option<usize> {
+        let length = padded(self.places.len());
+        let [lower, upper] = self.limits.each_ref().map(|limits| lanes(limits));
+        let limits = lower.iter().zip(upper);
+        let pivots = lanes(&self.diagonal).iter().zip(lanes(&self.least));
+        let mut farthest = [0.0; LANES];
+        let distances = self.distances[..length].as_chunks_mut::<LANES>().0;
+        let distances = distances.iter_mut().zip(lanes(&self.u));
+        for (((out, u), (lower, upper)), (pivot, least)) in distances.zip(limits).zip(pivots) {
+            let above: [f64; LANES] = from_fn(|l| u[l] - upper[l]);
+            let below: [f64; LANES] = from_fn(|l| lower[l] - u[l]);
+            let excess: [f64; LANES] = from_fn(|l| larger(larger(above[l], below[l]), 0.0));
+            let pivot: [f64; LANES] = from_fn(|l| larger(pivot[l], least[l]));
+            *out = from_fn(|l| excess[l] * excess[l] / pivot[l]);
+            farthest = from_fn(|l| larger(out[l], farthest[l]));
         }
-        (at < used).then_some(at)
+        let farthest = farthest.into_iter().fold(0.0, larger);
+        if farthest > 0.0 {
+            self.distances[..length].iter().position(|distance| *distance == farthest)
+        } else {
+            None
+        }
     }
 
     /// Holds a violated candidate. While it depends on those held, one of these leaves: the first whose multiplier
@@ -400,14 +441,14 @@ impl Tableau {
         let mut price = 0.0;
         for _ in 0..=self.places.len() {
             // `… > …`: a NaN depends, too.
-            if self.pivot_of(at) > DEPENDENT * self.places[at].square {
+            if self.diagonal[at] > self.least[at] {
                 self.hold(at, side, limit, price);
                 return Step::Changed;
             }
             let Some((step, leaving)) = self.first_to_leave(at, side) else {
                 return Step::Unclear;
             };
-            let (pivot, excess) = (self.pivot_of(at), side * (self.u[at] - limit));
+            let (pivot, excess) = (self.diagonal[at], side * (self.u[at] - limit));
             if pivot > NOTHING * self.places[at].square && excess < step * pivot {
                 // It would be held before: with digits that products of normals do not have.
                 return Step::Unclear;
@@ -441,10 +482,6 @@ impl Tableau {
             }
         }
         first
-    }
-
-    fn pivot_of(&self, at: usize) -> f64 {
-        self.t.diagonal(at)
     }
 
     fn hold(&mut self, at: usize, side: f64, limit: f64, price: f64) {
@@ -484,6 +521,7 @@ impl Tableau {
         let reciprocal = self.t.sweep(at, &mut self.row, &mut self.factors);
         let length = padded(self.places.len());
         axpy(&mut self.u[..length], -delta, &self.factors[..length]);
+        self.t.copy_diagonal(&mut self.diagonal);
         reciprocal
     }
 
@@ -530,6 +568,27 @@ pub(super) fn beyond(value: f64, lower: f64, upper: f64) -> (f64, f64, f64) {
     } else {
         (lower - value, -1.0, lower)
     }
+}
+
+/// The first, if it is larger; a NaN is not.
+fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
+fn lanes(a: &[f64]) -> &[[f64; LANES]] {
+    a.as_chunks().0
+}
+
+/// Whether a product of two numbers side by side is below zero.
+fn has_negative(a: &[f64], b: &[f64]) -> bool {
+    let mut least = [0.0; LANES];
+    for (a, b) in lanes(a).iter().zip(lanes(b)) {
+        for l in 0..LANES {
+            let product = a[l] * b[l];
+            least[l] = if product < least[l] { product } else { least[l] };
+        }
+    }
+    least.iter().any(|least| *least < 0.0)
 }
 
 #[cfg(test)]
