@@ -8,11 +8,11 @@
 //! the method gives up, and `dual` goes on from what is held. So its answers are optima that were checked in the
 //! problem's own numbers, and there are no others.
 
-mod all;
 mod base;
 mod correction;
 mod symmetric;
 mod tableau;
+mod together;
 mod vectors;
 
 use super::{
@@ -65,7 +65,7 @@ pub(super) struct Compact {
     products: Vec<f64>,
     tableau: Tableau,
     violated: Vec<(f64, usize)>,
-    /// Inequalities that become candidates together, the first component of each that may differ from zero, and their
+    /// Inequalities that became candidates together, the first component of each that may differ from zero, and their
     /// normals in the metric of H in columns.
     together: Vec<Place>,
     starts: Vec<usize>,
@@ -107,9 +107,9 @@ impl Compact {
             products: vec![0.0; places],
             tableau: Tableau::new(Capacity { vars: n, rows: m }),
             violated: Vec::with_capacity(m + n),
-            together: Vec::with_capacity(all::MOST),
-            starts: Vec::with_capacity(all::MOST),
-            normals: vec![0.0; stride * padded(all::MOST)],
+            together: Vec::with_capacity(together::MOST),
+            starts: Vec::with_capacity(together::MOST),
+            normals: vec![0.0; stride * padded(together::MOST)],
             ..Self::default()
         }
     }
@@ -224,6 +224,7 @@ impl Run<'_, '_> {
     fn solve<const S: usize, const EXACT: bool>(&mut self, previous: &[Held]) -> End {
         let n = self.n::<S, EXACT>();
         self.own.solve += 1;
+        self.own.together.clear();
         let v = &mut self.own.v[..S];
         v[..n].copy_from_slice(&self.qp.g()[..n]);
         v[n..].fill(0.0);
@@ -280,6 +281,7 @@ impl Run<'_, '_> {
         if let Some(place) = self.own.tableau.place_of(index) {
             return place;
         }
+        self.know_candidates::<S>(|_| true);
         self.know::<S, EXACT>(index);
         let own = &mut *self.own;
         let w = normal::<S>(&own.w, index);
@@ -328,7 +330,7 @@ impl Run<'_, '_> {
 
     /// The minimiser on what is held, its multipliers, and the values of all constraints.
     fn find_point<const S: usize>(&mut self) {
-        self.know_held::<S>();
+        self.know_candidates::<S>(Place::is_held);
         let own = &mut *self.own;
         let z = &mut own.z[..S];
         for (z, v) in z.iter_mut().zip(&own.v) {
@@ -387,8 +389,8 @@ impl Run<'_, '_> {
     /// Makes violated constraints candidates, but for those that are near, and holds the farthest; whether it could.
     fn consider_violated<const S: usize, const EXACT: bool>(&mut self) -> bool {
         self.tabulate::<S, EXACT>();
-        if self.may_begin_with_all() {
-            self.consider_all::<S, EXACT>();
+        let is_free = self.own.base.is_empty() && self.own.tableau.places().is_empty();
+        if is_free && self.begin::<S, EXACT>() {
             return true;
         }
         let mut farthest = (0.0, None);

@@ -8,6 +8,8 @@
 //! keeps it symmetric, and a second one on k undoes the first (J. H. Goodnight, *A tutorial on the SWEEP operator*, The
 //! American Statistician 33 (1979)). Where `K` was swept, T is `[−G_KK⁻¹, ·; G_JK G_KK⁻¹, G_JJ − G_JK G_KK⁻¹ G_KJ]`.
 
+use std::array::from_fn;
+
 use super::super::kernels::LANES;
 
 /// Four by four numbers, by rows.
@@ -84,9 +86,7 @@ impl Symmetric {
         let out = out.as_chunks_mut::<LANES>().0;
         for (block, out) in out[..self.blocks].iter_mut().enumerate() {
             let tile = &self.tiles[before(block) + block];
-            for l in 0..LANES {
-                out[l] = tile[l][l];
-            }
+            *out = from_fn(|l| tile[l][l]);
         }
     }
 

@@ -238,13 +238,22 @@ impl Tableau {
         all: impl Iterator<Item = Place>,
     ) {
         self.width = 0;
-        self.open(0..padded(starts.len()));
+        let length = padded(starts.len());
+        self.open(0..length);
         self.places.extend(all);
         for (k, place) in self.places.iter().enumerate() {
             self.place_of[place.index] = k as u32;
-            self.u[k] = place.value;
-            self.limits[0][k] = place.lower - place.rounding;
-            self.limits[1][k] = place.upper + place.rounding;
+        }
+        for (k, four) in self.places.as_chunks::<LANES>().0.iter().enumerate() {
+            let first = k * LANES;
+            write(&mut self.u, first, from_fn(|l| four[l].value));
+            let [lower, upper] = &mut self.limits;
+            write(lower, first, from_fn(|l| four[l].lower - four[l].rounding));
+            write(upper, first, from_fn(|l| four[l].upper + four[l].rounding));
+        }
+        for k in self.places.len() / LANES * LANES..self.places.len() {
+            self.u[k] = self.places[k].value;
+            self.set_limits(k);
         }
         self.t.gram(normals, starts);
         for k in 0..self.places.len() {
@@ -573,6 +582,11 @@ pub(super) fn beyond(value: f64, lower: f64, upper: f64) -> (f64, f64, f64) {
 /// The first, if it is larger; a NaN is not.
 fn larger(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
+}
+
+/// Writes a lane at once.
+fn write(to: &mut [f64], first: usize, lane: [f64; LANES]) {
+    to[first..first + LANES].copy_from_slice(&lane);
 }
 
 fn lanes(a: &[f64]) -> &[[f64; LANES]] {

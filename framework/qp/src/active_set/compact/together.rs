@@ -1,0 +1,113 @@
+//! Several inequalities as candidates at once, where nothing is held: their normals and products come out of a few long
+//! loops. They are those violated or, where there are few, all, so that no point has to be computed before the last.
+
+use std::array::from_fn;
+
+use super::{
+    Run,
+    tableau::{Place, most},
+};
+use crate::active_set::{
+    constraint::limits,
+    kernels::{LANES, padded},
+};
+
+/// The most of them.
+pub(super) const MOST: usize = 64;
+/// Fewer violated ones come one after the other.
+const FEW: usize = 7;
+/// The square of the number of all for each that is violated, beyond which these are considered alone: products of all
+/// are as many as that, and what they save are changes, of which there are more the more are violated. (Where there are
+/// no more inequalities than variables, what is held stays held, mostly, and there is nothing to save.)
+const WORTH: usize = 75;
+
+impl Run<'_, '_> {
+    /// Makes inequalities candidates where there are none, and no equalities; false if there are too many or few.
+    pub(super) fn begin<const S: usize, const EXACT: bool>(&mut self) -> bool {
+        let (n, m) = (self.n::<S, EXACT>(), self.qp.m());
+        let qp = self.qp;
+        let room = MOST.min(most(n, m));
+        let own = &mut *self.own;
+        let violated = own.violated.len();
+        own.together.clear();
+        own.starts.clear();
+        let all = count(qp.row_lower(), qp.row_upper()) + count(qp.lower(), qp.upper());
+        let is_worth = all > n && all <= room && all * all <= WORTH * violated;
+        if !is_worth && !(FEW..=room).contains(&violated) {
+            return false;
+        }
+        let point = &*self.point;
+        let mut list = |index: usize, limits: (f64, f64)| {
+            let place = Place::new(index, limits, point.value(index), 0.0);
+            own.together.push(place);
+            // A bound's normal begins at its variable.
+            own.starts.push(index.saturating_sub(m));
+        };
+        if is_worth {
+            let bounds = qp.lower().iter().zip(qp.upper());
+            let all = qp.row_lower().iter().zip(qp.row_upper()).chain(bounds);
+            for (index, (lower, upper)) in all.enumerate() {
+                if lower.is_finite() || upper.is_finite() {
+                    list(index, (*lower, *upper));
+                }
+            }
+        } else {
+            for (_, index) in &own.violated {
+                list(*index, limits(qp, *index));
+            }
+        }
+        self.consider_together::<S>(n);
+        true
+    }
+
+    fn consider_together<const S: usize>(&mut self, n: usize) {
+        let m = self.qp.m();
+        let own = &mut *self.own;
+        let width = padded(own.together.len());
+        let normals = &mut own.normals[..S * width];
+        // Four side by side: whole lanes are written, since they are read at once.
+        for (block, four) in own.together.chunks(LANES).enumerate() {
+            let (a, zeros) = (self.qp.a(), [0.0; S]);
+            let row = |place: &Place| match place.index.checked_sub(m) {
+                None => &a[place.index * n..][..n],
+                Some(_) => &zeros[..n],
+            };
+            let rows: [&[f64]; LANES] = from_fn(|l| four.get(l).map_or(&zeros[..n], row));
+            let lanes = normals.as_chunks_mut::<LANES>().0;
+            for (j, normals) in lanes.iter_mut().skip(block).step_by(width / LANES).enumerate() {
+                *normals = if j < n { rows.map(|row| row[j]) } else { [0.0; LANES] };
+            }
+        }
+        for (k, place) in own.together.iter().enumerate() {
+            if let Some(j) = place.index.checked_sub(m) {
+                normals[j * width + k] = 1.0;
+            }
+        }
+        self.hessian.solve_transposed_columns(normals, &own.starts);
+        let places = own.together.iter().copied();
+        own.tableau.begin_free((normals, &own.starts), places);
+    }
+
+    /// Takes normals of candidates out of the columns: those of the ones held, or of all.
+    pub(super) fn know_candidates<const S: usize>(&mut self, is_wanted: impl Fn(&Place) -> bool) {
+        let own = &mut *self.own;
+        let width = padded(own.together.len());
+        let places = own.tableau.places().iter().take(own.together.len());
+        for (k, place) in places.enumerate() {
+            if is_wanted(place) && own.known[place.index] != own.solve {
+                own.known[place.index] = own.solve;
+                let w = &mut own.w[place.index * S..][..S];
+                for (w, normals) in w.iter_mut().zip(own.normals.chunks_exact(width)) {
+                    *w = normals[k];
+                }
+                own.squares[place.index] = place.square();
+            }
+        }
+    }
+}
+
+/// How many have a limit.
+fn count(lower: &[f64], upper: &[f64]) -> usize {
+    let limits = lower.iter().zip(upper);
+    limits.filter(|(lower, upper)| lower.is_finite() || upper.is_finite()).count()
+}
