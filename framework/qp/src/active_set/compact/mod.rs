@@ -119,7 +119,8 @@ impl Compact {
         let n = vars.min(MOST);
         let places = most(n, rows);
         let of_constraints = rows.saturating_add(n).saturating_mul(n + 4);
-        of_constraints.saturating_add(places * (places + n + 12) + n * (n + 4))
+        of_constraints
+            .saturating_add(places * (places / 2 + n + 16) + n * (2 * n + 4 + together::MOST))
     }
 
     /// Whether it is meant for problems of so many variables: with less than a lane there is nothing to gain.

@@ -228,7 +228,13 @@ mod tests {
     #[test]
     fn gram_has_the_products_of_columns() {
         let rows: Vec<f64> = (0..3 * STRIDE)
-            .map(|i| if i % STRIDE < N { ((5 * i) as f64).sin() } else { 0.0 })
+            .map(|i| {
+                if i % STRIDE < N {
+                    ((5 * i) as f64).sin()
+                } else {
+                    0.0
+                }
+            })
             .collect();
         let mut t = matrix();
         t.gram(&rows, &[0; N]);
@@ -266,9 +272,10 @@ mod tests {
         };
         (0..N).for_each(|at| sweep(&mut t, at));
         let inverse = rows(&t);
-        for i in 0..N {
+        for (i, inverse) in inverse.iter().enumerate() {
             for j in 0..N {
-                let product: f64 = (0..N).map(|k| -inverse[i][k] * original[k][j]).sum();
+                let column = original.iter().map(|row| row[j]);
+                let product: f64 = inverse.iter().zip(column).map(|(a, b)| -a * b).sum();
                 let expected = f64::from(u8::from(i == j));
                 assert!((product - expected).abs() < 1e-12, "{i} {j}");
             }

@@ -305,7 +305,8 @@ impl Tableau {
         let (mut u, mut diagonal) = (value, square);
         if self.places.iter().any(Place::is_held) {
             of_held.fill(0.0);
-            for ((of_held, product), place) in of_held.iter_mut().zip(&*products).zip(&self.places) {
+            for ((of_held, product), place) in of_held.iter_mut().zip(&*products).zip(&self.places)
+            {
                 *of_held = if place.is_held() { *product } else { 0.0 };
             }
             // −P and B times what is held.
@@ -438,7 +439,9 @@ impl Tableau {
         }
         let farthest = farthest.into_iter().fold(0.0, larger);
         if farthest > 0.0 {
-            self.distances[..length].iter().position(|distance| *distance == farthest)
+            self.distances[..length]
+                .iter()
+                .position(|distance| *distance == farthest)
         } else {
             None
         }
@@ -599,7 +602,11 @@ fn has_negative(a: &[f64], b: &[f64]) -> bool {
     for (a, b) in lanes(a).iter().zip(lanes(b)) {
         for l in 0..LANES {
             let product = a[l] * b[l];
-            least[l] = if product < least[l] { product } else { least[l] };
+            least[l] = if product < least[l] {
+                product
+            } else {
+                least[l]
+            };
         }
     }
     least.iter().any(|least| *least < 0.0)

@@ -74,8 +74,17 @@ impl Run<'_, '_> {
             };
             let rows: [&[f64]; LANES] = from_fn(|l| four.get(l).map_or(&zeros[..n], row));
             let lanes = normals.as_chunks_mut::<LANES>().0;
-            for (j, normals) in lanes.iter_mut().skip(block).step_by(width / LANES).enumerate() {
-                *normals = if j < n { rows.map(|row| row[j]) } else { [0.0; LANES] };
+            for (j, normals) in lanes
+                .iter_mut()
+                .skip(block)
+                .step_by(width / LANES)
+                .enumerate()
+            {
+                *normals = if j < n {
+                    rows.map(|row| row[j])
+                } else {
+                    [0.0; LANES]
+                };
             }
         }
         for (k, place) in own.together.iter().enumerate() {
@@ -109,5 +118,7 @@ impl Run<'_, '_> {
 /// How many have a limit.
 fn count(lower: &[f64], upper: &[f64]) -> usize {
     let limits = lower.iter().zip(upper);
-    limits.filter(|(lower, upper)| lower.is_finite() || upper.is_finite()).count()
+    limits
+        .filter(|(lower, upper)| lower.is_finite() || upper.is_finite())
+        .count()
 }
