@@ -239,6 +239,7 @@ impl Run<'_, '_> {
         let mut corrections = 0;
         for _ in 0..patience {
             if self.limits.are_used_up(*self.iterations) {
+                self.tabulate::<S, EXACT>();
                 self.find_point::<S>();
                 return End::Budget;
             }
@@ -352,7 +353,12 @@ impl Run<'_, '_> {
             *part = -*part;
         }
         subtract_columns::<S>(z, parts, &own.q);
-        own.r.solve(parts);
+        if own.is_tabulated {
+            own.r.solve(parts);
+        } else {
+            // Found when their signs were looked at.
+            parts.copy_from_slice(&own.h[..e]);
+        }
         self.hessian.solve_of::<S>(z);
         self.point.x_mut()[..S].copy_from_slice(z);
         self.point.evaluate(self.qp);
