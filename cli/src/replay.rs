@@ -4,10 +4,7 @@ use std::{path::PathBuf, process::ExitCode};
 
 use anyhow::{Context, Result};
 use clap::Args;
-use wbqp::{
-    controller::Dump,
-    replay::{Matrices, ProblemTable},
-};
+use wbqp_replay::{Matrices, ProblemTable};
 use wbqp_terminal::say;
 
 /// Runs a dumped tick again, bit by bit, and prints it
@@ -32,13 +29,13 @@ impl Arguments {
     /// # Errors
     /// A file that is no dump, a tick that it does not have, a configuration that is refused.
     pub fn run(&self) -> Result<ExitCode> {
-        let dump = Dump::load(&self.file)?;
+        let dump = wbqp_replay::load(&self.file)?;
         let last = dump.records.len();
         let tick = self.tick.unwrap_or(last);
         let index = tick.checked_sub(1).filter(|&i| i < last);
         let index =
             index.with_context(|| format!("there is no tick {tick}, the file has 1 to {last}"))?;
-        let replayed = dump.replay(index, self.directory.as_deref())?;
+        let replayed = wbqp_replay::rerun(&dump, index, self.directory.as_deref())?;
         let controller = &replayed.controller;
         let report = controller.report();
         say!(

@@ -194,8 +194,6 @@ pub mod prelude;
 mod problem;
 pub mod qp;
 pub mod registry;
-pub mod replay;
-pub mod robot;
 pub mod settings;
 pub mod stopwatch;
 pub mod suggestion;
@@ -209,6 +207,8 @@ pub use registry::list as registry;
 #[doc(no_inline)]
 pub use wbqp_dynamics::{self as dynamics, actuator, model, spatial, state};
 pub use wbqp_macros::{constraint, fallback_law, parameters, reference, robot, solver, task};
+#[doc(no_inline)]
+pub use wbqp_robot_model as robot;
 pub use {inventory, nalgebra, schemars, serde, serde_json, toml, typetag};
 
 // Plug-ins inside this crate are registered by the same attribute that users write.

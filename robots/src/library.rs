@@ -16,9 +16,6 @@ use crate::{
     urdf,
 };
 
-const URDF: &str = "application/xml";
-const ROTORS: &str = "application/toml";
-
 /// Reads a URDF file and, for a robot that flies, its rotor side-car.
 ///
 /// Actuators are the rotors in the side-car's order, then the motors of all joints that are not passive in
@@ -34,7 +31,7 @@ pub fn from_files(
     RobotFiles::read(urdf, rotors, None)?.load(options)
 }
 
-/// Like [`from_files`], from texts already in memory. `media_type` is not looked at.
+/// Like [`from_files`], from texts already in memory.
 ///
 /// # Errors
 /// Everything in texts or options that is wrong.
@@ -73,9 +70,9 @@ impl RobotFiles {
         srdf: Option<&Path>,
     ) -> Result<Self, RobotError> {
         Ok(Self {
-            urdf: read(urdf, URDF)?,
-            rotors: rotors.map(|path| read(path, ROTORS)).transpose()?,
-            srdf: srdf.map(|path| read(path, URDF)).transpose()?,
+            urdf: read(urdf)?,
+            rotors: rotors.map(read).transpose()?,
+            srdf: srdf.map(read).transpose()?,
         })
     }
 
@@ -139,14 +136,9 @@ pub fn othex() -> Result<RobotModel, RobotError> {
 
 pub(crate) fn othex_with(thrust_max: Option<f64>) -> Result<RobotModel, RobotError> {
     from_sources(
-        embedded(
-            "othex.urdf",
-            URDF,
-            include_str!("../files/othex/othex.urdf"),
-        ),
+        embedded("othex.urdf", include_str!("../files/othex/othex.urdf")),
         Some(embedded(
             "othex.rotors.toml",
-            ROTORS,
             include_str!("../files/othex/othex.rotors.toml"),
         )),
         &othex_options(thrust_max),
@@ -165,12 +157,10 @@ pub(crate) fn othex_vertical_with(thrust_max: Option<f64>) -> Result<RobotModel,
     from_sources(
         embedded(
             "othex_vertical.urdf",
-            URDF,
             include_str!("../files/othex_vertical/othex_vertical.urdf"),
         ),
         Some(embedded(
             "othex_vertical.rotors.toml",
-            ROTORS,
             include_str!("../files/othex_vertical/othex_vertical.rotors.toml"),
         )),
         &othex_options(thrust_max),
@@ -196,7 +186,6 @@ pub fn quadruped() -> Result<RobotModel, RobotError> {
     standing(
         embedded(
             "quadruped.urdf",
-            URDF,
             include_str!("../files/quadruped/quadruped.urdf"),
         ),
         home.collect(),
@@ -225,7 +214,6 @@ pub fn humanoid() -> Result<RobotModel, RobotError> {
     standing(
         embedded(
             "humanoid.urdf",
-            URDF,
             include_str!("../files/humanoid/humanoid.urdf"),
         ),
         home.collect(),
@@ -268,7 +256,7 @@ fn othex_options(thrust_max: Option<f64>) -> Options {
     }
 }
 
-fn read(path: &Path, media_type: &'static str) -> Result<SourceFile, RobotError> {
+fn read(path: &Path) -> Result<SourceFile, RobotError> {
     let name = path.display().to_string();
     let bytes = match input::read(path, input::LARGEST_TEXT) {
         Ok(bytes) => bytes,
@@ -277,17 +265,12 @@ fn read(path: &Path, media_type: &'static str) -> Result<SourceFile, RobotError>
     // Comments in another encoding are no reason to refuse a robot.
     let contents = String::from_utf8(bytes)
         .unwrap_or_else(|error| String::from_utf8_lossy(error.as_bytes()).into_owned());
-    Ok(SourceFile {
-        name,
-        media_type,
-        contents,
-    })
+    Ok(SourceFile { name, contents })
 }
 
-fn embedded(name: &str, media_type: &'static str, contents: &str) -> SourceFile {
+fn embedded(name: &str, contents: &str) -> SourceFile {
     SourceFile {
         name: name.to_owned(),
-        media_type,
         contents: contents.to_owned(),
     }
 }

@@ -12,7 +12,6 @@ use std::time::Instant;
 
 use wbqp::{
     controller::{Controller, FallbackLevel, Snapshot},
-    replay::DumpError,
     robot::SourceFile,
     stopwatch::Stopwatch,
 };
@@ -20,6 +19,7 @@ use wbqp_log::{
     ChannelId, ControllerLog, LogSink, Timeline, TrueContact, state_schema, write_diagnostics,
     write_rotors, write_run, write_state,
 };
+use wbqp_replay::DumpError;
 
 use crate::{
     Link, PlantCommand, Requests, RunOptions, World,

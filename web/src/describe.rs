@@ -117,7 +117,7 @@ pub(crate) fn run(
     let urdf = robot
         .sources
         .iter()
-        .find(|source| source.media_type == "application/xml");
+        .find(|source| source.media_type() == "application/xml");
     let notes = robot.diagnostics.iter().map(ToString::to_string);
     json!({
         "scenario": scenario.name(),

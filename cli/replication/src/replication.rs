@@ -4,9 +4,9 @@ use std::{path::Path, process::ExitCode};
 
 use anyhow::{Context, Result};
 use rayon::prelude::*;
-use wbqp::replay::DumpFolder;
 use wbqp_log::{LogSink, McapLog};
 use wbqp_measures::promises;
+use wbqp_replay::DumpFolder;
 use wbqp_sim::{LiveWatcher, RunOptions, Scenario, SceneWatcher};
 use wbqp_terminal::{Common, ProgressBars, live_address, say, scenario_file};
 

@@ -3,9 +3,9 @@
 use std::{fs, path::Path};
 
 use anyhow::{Context, Result, bail};
-use wbqp::replay::DumpFolder;
 use wbqp_campaign::{Campaign, Run};
 use wbqp_log::{LogSink, McapLog};
+use wbqp_replay::DumpFolder;
 use wbqp_sim::{RunOptions, SceneWatcher, run_case};
 use wbqp_terminal::say;
 

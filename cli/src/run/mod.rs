@@ -17,9 +17,9 @@ use std::{
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use rayon::prelude::*;
-use wbqp::replay::DumpFolder;
 use wbqp_log::{LogSink, McapLog};
 use wbqp_measures::log::Log;
+use wbqp_replay::DumpFolder;
 use wbqp_sim::{LiveWatcher, RunOptions, Scenario, SceneWatcher};
 use wbqp_terminal::{Common, ProgressBars, complain, live_address, say};
 

@@ -154,7 +154,7 @@ impl SceneLog {
         sink.write(channels.fixed, time, message)?;
         sink.write(channels.shapes, time, shapes)?;
         let mut sources = robot.sources.iter();
-        if let Some(urdf) = sources.find(|source| source.media_type == "application/xml") {
+        if let Some(urdf) = sources.find(|source| source.media_type() == "application/xml") {
             JsonWriter::write(message, |o| o.text("data", &urdf.contents));
             sink.write(channels.description, time, message)?;
         }

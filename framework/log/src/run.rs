@@ -28,7 +28,7 @@ pub fn write_run<'a>(
     sink.metadata("run", &table)?;
     for source in sources {
         let contents = source.contents.as_bytes();
-        sink.attach(file_name(source), source.media_type, contents)?;
+        sink.attach(file_name(source), source.media_type(), contents)?;
     }
     Ok(())
 }

@@ -3,10 +3,8 @@
 use std::path::Path;
 
 use super::{ControllerConfig, ControllerError, Keeping, origin::Origin};
-use crate::{
-    controller::{Bound, Controller, MadeFrom, Memory, Misfit, Parts},
-    robot::{RobotError, RobotModel},
-};
+use crate::controller::{Bound, Controller, MadeFrom, Memory, Misfit, Parts};
+use wbqp_robot_model::{RobotError, RobotModel};
 
 impl ControllerConfig {
     /// Loads the robot.

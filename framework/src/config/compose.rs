@@ -12,9 +12,9 @@ use crate::{
     contact::{ContactSpec, ShortContact},
     plugin::{AnyConstraint, AnyFallbackLaw, AnyTask, Entry},
     qp::Solver,
-    robot::Robot,
     settings::{MeasurementLimits, Settings},
 };
+use wbqp_robot_model::Robot;
 
 impl ControllerConfig {
     /// A configuration with default settings at a rate in Hz, with the default solver and nothing to do yet.

@@ -1,7 +1,7 @@
 //! What can be wrong when a controller is made.
 
 use super::ConfigErrors;
-use crate::robot::{RobotError, SourceLocation};
+use wbqp_robot_model::{RobotError, SourceLocation};
 
 /// Why a controller could not be made.
 #[derive(Debug, thiserror::Error)]

@@ -16,8 +16,8 @@ use super::{
 use crate::{
     plugin::{Entry, Hardness, PerRow},
     registry::PluginKind,
-    robot::SourceLocation,
 };
+use wbqp_robot_model::SourceLocation;
 
 /// Reads a task or constraint.
 pub(super) fn read<P: PluginKind + ?Sized>(

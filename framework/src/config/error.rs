@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::robot::SourceLocation;
+use wbqp_robot_model::SourceLocation;
 
 /// One thing that is wrong, written `file:line:column: whose: what`.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -19,9 +19,9 @@ use crate::{
         PluginKind,
         schema::{CRITICAL, WEIGHT},
     },
-    robot::Robot,
     settings::{MeasurementLimits, Settings},
 };
+use wbqp_robot_model::Robot;
 
 /// Schemas of plain data nest less deeply.
 const MAX_DEPTH: usize = 32;

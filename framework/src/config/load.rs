@@ -22,14 +22,15 @@ use super::{
 };
 use crate::{
     contact::ContactSpec,
+    controller::Dump,
     damped_hover::DampedHover,
     error::BindError,
     input,
     plugin::{AnyConstraint, AnyFallbackLaw, AnyTask, ENTRY_KEYS, Entry, Hardness},
     qp::{ActiveSet, Solver},
     registry::{self, PluginKind, schema::Node},
-    robot::{Robot, SourceFile, SourceLocation},
 };
+use wbqp_robot_model::{Robot, SourceFile, SourceLocation};
 
 impl ControllerConfig {
     /// Reads a controller's file; relative paths in it count from its directory.
@@ -94,23 +95,19 @@ impl ControllerConfig {
         )
     }
 
-    /// Reads what [`ControllerConfig::to_toml`] wrote of a controller, which may have been made in code without what a
-    /// file has without saying it.
+    /// The configuration of recorded ticks. Relative paths count from `directory` if it is given, else from where they
+    /// counted when the ticks were recorded.
     ///
     /// # Errors
-    /// All mistakes of the text.
-    pub(crate) fn from_record(
-        source: &str,
-        file_name: &str,
-        directory: impl Into<PathBuf>,
-    ) -> Result<Self, ConfigErrors> {
-        let overrides = Overrides::default();
+    /// All mistakes of its text: of plug-ins that the program does not link, for example.
+    pub fn from_dump(dump: &Dump, directory: Option<&Path>) -> Result<Self, ConfigErrors> {
+        // The controller may have been made in code without what a file has without saying it.
         Self::read(
-            source,
+            &dump.configuration,
             Reading::Record,
-            file_name,
-            directory.into(),
-            &overrides,
+            "configuration",
+            directory.unwrap_or(Path::new(&dump.directory)).to_owned(),
+            &Overrides::default(),
         )
     }
 
@@ -157,7 +154,6 @@ impl ControllerConfig {
                 keeping: Keeping::default(),
                 source: Some(SourceFile {
                     name: file_name.to_owned(),
-                    media_type: "application/toml",
                     contents: source.to_owned(),
                 }),
             }),

@@ -32,9 +32,9 @@ use crate::{
     plugin::{AnyConstraint, AnyFallbackLaw, AnyReference, AnyTask},
     qp::Solver,
     registry::{self, PluginKind, schema::Node},
-    robot::{Diagnostic, Robot, Severity},
     settings::Settings,
 };
+use wbqp_robot_model::{Diagnostic, Robot, Severity};
 
 /// Weights whose products with squares of anything else that is taken do not overflow, and do not vanish.
 const WEIGHTS: std::ops::RangeInclusive<f64> = 1e-100..=1e100;

@@ -50,9 +50,9 @@ use crate::{
     damped_hover::DampedHover,
     plugin::{AnyConstraint, AnyFallbackLaw, AnyTask, Entry},
     qp::{ActiveSet, Solver},
-    robot::{Diagnostic, Robot, SourceFile},
     settings::{MeasurementLimits, Settings},
 };
+use wbqp_robot_model::{Diagnostic, Robot, SourceFile};
 
 pub use build::Plan;
 pub use controller_error::ControllerError;
@@ -129,7 +129,7 @@ impl ControllerConfig {
     }
 
     /// What may be a mistake in the file and was taken as it is: numbers that no robot has, weights too far apart. They
-    /// go with the robot's own into [`RobotModel::diagnostics`](crate::robot::RobotModel::diagnostics) of the
+    /// go with the robot's own into [`RobotModel::diagnostics`](wbqp_robot_model::RobotModel::diagnostics) of the
     /// controller's robot, into logs and dumps.
     pub fn warnings(&self) -> &[Diagnostic] {
         &self.warnings

@@ -19,9 +19,9 @@ use super::{
 use crate::{
     controller::{Misfit, MisfitKind},
     error::BindError,
-    robot::{RobotError, SourceFile, SourceLocation},
     settings::Target,
 };
+use wbqp_robot_model::{RobotError, SourceFile, SourceLocation};
 
 /// Where a configuration comes from.
 #[derive(Debug)]
@@ -71,7 +71,7 @@ impl Origin {
                 RobotError::Syntax { place, .. } | RobotError::Element { place, .. } => {
                     find(&section.keys, &|_, value| is_end_of(&place.file, value))
                 }
-                RobotError::Several { .. } | RobotError::Other { .. } => None,
+                _ => None,
             };
             let span = span_of(section, &path.unwrap_or_default());
             report.add(Kind::Misfit, Some(span), &At::default(), "");

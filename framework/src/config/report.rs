@@ -3,7 +3,7 @@
 use std::{fmt, ops::Range};
 
 use super::{ConfigError, ConfigErrorKind, ConfigErrors, overrides::Applied};
-use crate::robot::SourceLocation;
+use wbqp_robot_model::SourceLocation;
 
 /// Syntax errors that are told: one slip makes a parser stumble over what follows.
 const SYNTAX_ERRORS: usize = 3;

@@ -17,9 +17,9 @@ use crate::{
     plugin::{AnyConstraint, AnyFallbackLaw, AnyReference, AnyTask},
     qp::Solver,
     registry::{self, PluginKind, schema::Node},
-    robot::Robot,
     suggestion::{hint, list, suggestion},
 };
+use wbqp_robot_model::Robot;
 
 /// A table of the file: its header's span, or the whole inline table's, and the keys.
 #[derive(Clone, Debug)]

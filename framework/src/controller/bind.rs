@@ -29,10 +29,10 @@ use crate::{
     },
     problem::{BoundEntry, Partition, Problem, ProblemRows, Relaxation, Table, VariableNames},
     qp::{ActiveSet, Capacity, Qp, QpSolver as _, Solution, Solver, WarmStart},
-    robot::RobotModel,
     settings::{MeasurementLimits, Settings},
 };
 use wbqp_dynamics::{Actuation, model::FrameId};
+use wbqp_robot_model::RobotModel;
 
 /// What a controller is made of beside its robot.
 #[derive(Debug)]

@@ -9,13 +9,12 @@
 //! contact whose `force_max` is larger is taken at its word.
 
 use super::Measurement;
-use crate::{
-    contact::ContactSpec, fault::Implausible, robot::RobotModel, settings::MeasurementLimits,
-};
+use crate::{contact::ContactSpec, fault::Implausible, settings::MeasurementLimits};
 use wbqp_dynamics::{
     actuator::ActuatorKind,
     model::{Joint, JointKind, Model},
 };
+use wbqp_robot_model::RobotModel;
 
 /// How many times what is possible.
 const MARGIN: f64 = 10.0;

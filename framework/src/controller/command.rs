@@ -1,7 +1,7 @@
 //! The command of a tick, and what its last gate keeps.
 
-use crate::robot::RobotModel;
 use wbqp_dynamics::{actuator::ActuatorId, model::JointId};
+use wbqp_robot_model::RobotModel;
 
 /// The command of a tick, in storage made once.
 #[derive(Clone, Debug, PartialEq)]

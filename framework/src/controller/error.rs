@@ -39,6 +39,12 @@ pub enum RequestError {
         /// Why.
         problem: String,
     },
+    /// A recorded tick is another controller's.
+    #[error("{what} does not fit the configuration")]
+    Misfit {
+        /// What of it does not fit.
+        what: &'static str,
+    },
     /// The task follows no reference.
     #[error("task `{name}` follows no reference")]
     NoReference {

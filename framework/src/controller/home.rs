@@ -2,8 +2,9 @@
 
 use nalgebra::Vector3;
 
-use crate::{contact::ContactSpec, robot::RobotModel};
+use crate::contact::ContactSpec;
 use wbqp_dynamics::{Data, frame_motion, model::Base};
+use wbqp_robot_model::RobotModel;
 
 /// Cosine of the angle to the vertical up to which a surface counts as ground: 5°.
 const UPWARD: f64 = 0.996;

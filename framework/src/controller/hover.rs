@@ -7,10 +7,10 @@
 use super::{Command, Controller, report::FallbackLevel};
 use crate::{
     qp::{Budget, Status, VarId},
-    robot::RobotModel,
     settings::Hover,
 };
 use wbqp_dynamics::{actuator::ActuatorKind, model::Base};
+use wbqp_robot_model::RobotModel;
 
 /// Forces below this share of the weight, and moments below this share of the weight at 1 m, count as none.
 const NEGLIGIBLE: f64 = 1e-4;

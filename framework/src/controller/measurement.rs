@@ -20,9 +20,9 @@ use super::bounds::Plausible;
 use crate::{
     contact::ContactId,
     fault::{Fault, Implausible, Measured, Quantity},
-    robot::RobotModel,
 };
 use wbqp_dynamics::{model::JointId, state::State};
+use wbqp_robot_model::RobotModel;
 
 /// The inputs of a tick.
 #[derive(Clone, Debug)]

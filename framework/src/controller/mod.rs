@@ -46,7 +46,7 @@ pub use memory::Memory;
 pub use names::Names;
 pub use planned_force::PlannedForce;
 pub use probe::{Probe, ProbeInputs, WrittenRows};
-pub use record::{Dump, Record, Source};
+pub use record::{Dump, Record};
 pub use report::{
     ActiveRow, ConflictRow, ContactReport, FallbackLevel, OnLevel, RelaxedRow, Report, Side,
     TaskReport,
@@ -58,7 +58,7 @@ pub use snapshot::{ContactSurface, Snapshot};
 
 pub(crate) use bind::{Bound, Parts};
 pub(crate) use misfits::{Misfit, MisfitKind};
-pub(crate) use record::{CommandRecord, FORMAT, MadeFrom, misfit, rerun};
+pub(crate) use record::MadeFrom;
 
 use bounds::Plausible;
 use command::Gate;
@@ -74,11 +74,11 @@ use world::World;
 use crate::{
     problem::{BoundEntry, Problem, Table},
     qp::{Qp, Solution, Solver},
-    robot::RobotModel,
     settings::Settings,
     stopwatch::Stopwatch,
 };
 use wbqp_dynamics::Actuation;
+use wbqp_robot_model::RobotModel;
 
 /// A whole-body controller bound to a robot.
 ///

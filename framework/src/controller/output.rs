@@ -32,13 +32,13 @@ use crate::{
     fault::Fault,
     problem::{BoundEntry, Problem, dot},
     qp::{Qp, Solution},
-    robot::RobotModel,
 };
 use wbqp_dynamics::{
     actuator::{Actuator, ActuatorId, ActuatorKind},
     model::{JointId, Model},
     state::State,
 };
+use wbqp_robot_model::RobotModel;
 
 impl Command {
     /// Takes over another command of the same robot.

@@ -16,9 +16,9 @@ use crate::{
         AnyPlugin, BoundPlugin, EntryState, Layout, Setup,
         storage::{RowStore, Variable},
     },
-    robot::RobotModel,
 };
 use wbqp_dynamics::state::State;
+use wbqp_robot_model::RobotModel;
 
 /// What is in a row's place before the plug-in writes it: a NaN that no computation gives.
 const UNWRITTEN: u64 = 0x7ff8_0bad_0bad_0bad;

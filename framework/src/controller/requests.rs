@@ -27,10 +27,10 @@ use crate::{
     plugin::{AnyReference, EntryState, Layout, PerRow, Sample, Setup},
     problem::{BoundEntry, RowInfo, VarInfo},
     qp::{Qp, RowId, Solution, VarId},
-    robot::RobotModel,
     settings::{MeasurementLimits, Settings},
     stopwatch::Stopwatch,
 };
+use wbqp_robot_model::RobotModel;
 
 impl Controller {
     /// A task or constraint by name, resolved once: for requests in every period without looking for the name.

@@ -4,7 +4,8 @@
 use nalgebra::{Rotation3, Vector3, Vector6};
 
 use super::{Command, Controller, Measurement, Report, running::RunningPlugin};
-use crate::{contact::ContactState, plugin::Sample, robot::RobotModel};
+use crate::{contact::ContactState, plugin::Sample};
+use wbqp_robot_model::RobotModel;
 
 /// What a tick took and gave, copied without allocation: for a log or a view that another thread writes.
 /// [`Names`](super::Names) says what the numbers in it stand for.

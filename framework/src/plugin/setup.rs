@@ -9,12 +9,12 @@ use crate::{
         AnyReference, Space, Tick,
         followed::{Followed, Measured},
     },
-    robot::RobotModel,
 };
 use wbqp_dynamics::{
     actuator::{Actuator, ActuatorId},
     model::{FrameId, JointId, Model, VelocityId},
 };
+use wbqp_robot_model::RobotModel;
 
 /// The robot and the configuration around a plug-in, given to `bind`.
 #[derive(Debug)]

@@ -1,11 +1,12 @@
 //! Permanent names for the physical variables and for the framework's own rows.
 
 use super::{BoundEntry, Table, partition::FirstIds};
-use crate::{contact::ContactSpec, qp::RowId, robot::RobotModel, settings::Formulation};
+use crate::{contact::ContactSpec, qp::RowId, settings::Formulation};
 use wbqp_dynamics::{
     actuator::ActuatorKind,
     model::{Base, JointKind, Model},
 };
+use wbqp_robot_model::RobotModel;
 
 /// Names of the efforts and of the contacts' force components.
 pub(crate) struct VariableNames<'a> {

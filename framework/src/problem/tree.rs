@@ -15,11 +15,12 @@ use super::{
     ContactElimination,
     partition::{Branch, EffortPlace, Partition, Place, SparsityPattern, Torque},
 };
-use crate::{contact::ContactSpec, robot::RobotModel, settings::Formulation};
+use crate::{contact::ContactSpec, settings::Formulation};
 use wbqp_dynamics::{
     actuator::ActuatorKind,
     model::{BodyId, FrameId, Model},
 };
+use wbqp_robot_model::RobotModel;
 
 impl Partition {
     /// The formulation must not be `Auto`.

@@ -17,8 +17,8 @@ use super::{
 use crate::{
     plugin::{AnyConstraint, AnyFallbackLaw, AnyReference, AnyTask},
     qp::Solver,
-    robot::Robot,
 };
+use wbqp_robot_model::Robot;
 
 /// What a configuration can name, see [`list`].
 #[derive(Clone, Debug, PartialEq)]

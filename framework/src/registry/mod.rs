@@ -79,8 +79,8 @@ use toml::de::ValueDeserializer;
 use crate::{
     plugin::{AnyConstraint, AnyFallbackLaw, AnyReference, AnyTask},
     qp::Solver,
-    robot::Robot,
 };
+use wbqp_robot_model::Robot;
 
 pub use added::{AddError, NewPlugin, add};
 pub use listing::{Listing, Parameter, PluginInfo, list};

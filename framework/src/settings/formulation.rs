@@ -3,8 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::robot::RobotModel;
 use wbqp_dynamics::actuator::ActuatorKind;
+use wbqp_robot_model::RobotModel;
 
 /// Formulations of the same optimum.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]

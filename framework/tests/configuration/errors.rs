@@ -67,7 +67,7 @@ upper = 3
     assert_eq!(config.constraints[0].hardness, Hardness::Hard);
     let source = config.source.expect("has a source");
     assert_eq!(
-        (source.name.as_str(), source.media_type),
+        (source.name.as_str(), source.media_type()),
         ("x.toml", "application/toml")
     );
 }

@@ -399,7 +399,6 @@ fn home_is_within_the_limits() {
     let load = |options: &Options| -> RobotModel {
         let urdf = wbqp::robot::SourceFile {
             name: "r.urdf".into(),
-            media_type: "application/xml",
             contents: small(JOINTS),
         };
         wbqp_robots::from_sources(urdf, None, options).unwrap()

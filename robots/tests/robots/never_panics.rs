@@ -12,7 +12,6 @@ const ROTORS: &str = include_str!("../../files/othex/othex.rotors.toml");
 fn source(name: &str, contents: String) -> SourceFile {
     SourceFile {
         name: name.to_owned(),
-        media_type: "",
         contents,
     }
 }

@@ -21,7 +21,6 @@ reaction = -1
 fn source(name: &str, contents: &str) -> SourceFile {
     SourceFile {
         name: name.to_owned(),
-        media_type: "",
         contents: contents.to_owned(),
     }
 }

@@ -14,7 +14,6 @@ use crate::texts::{INERTIAL, LIMIT, arm, arm_link, inertial, joint, link, robot}
 fn source(name: &str, text: &str) -> SourceFile {
     SourceFile {
         name: name.to_owned(),
-        media_type: "application/xml",
         contents: text.to_owned(),
     }
 }

@@ -462,7 +462,6 @@ fn fingerprint(plan: &Plan) -> Result<String, ScenarioError> {
         sources.push(variant.scenario().source().clone());
         sources.push(SourceFile {
             name: variant.name().to_owned(),
-            media_type: "application/toml",
             contents: variant.scenario().variation().to_toml(),
         });
         for case in variant.cases() {
@@ -475,7 +474,6 @@ fn fingerprint(plan: &Plan) -> Result<String, ScenarioError> {
     }
     sources.push(SourceFile {
         name: "version".to_owned(),
-        media_type: "text/plain",
         contents: env!("CARGO_PKG_VERSION").to_owned(),
     });
     Ok(configuration_hash(&sources))

@@ -1,10 +1,8 @@
 //! What can be wrong with a scenario or stop a run.
 
-use wbqp::{
-    config::{ConfigErrors, ControllerError},
-    replay::DumpError,
-};
+use wbqp::config::{ConfigErrors, ControllerError};
 use wbqp_log::LogError;
+use wbqp_replay::DumpError;
 
 use crate::PlantError;
 

@@ -124,7 +124,6 @@ impl Scenario {
         let directory = path.parent().unwrap_or(Path::new(""));
         let source = SourceFile {
             name,
-            media_type: "application/toml",
             contents,
         };
         Self::new(source, directory, variation.clone(), note)
@@ -150,7 +149,6 @@ impl Scenario {
     ) -> Result<Self, ScenarioError> {
         let source = SourceFile {
             name: name.to_owned(),
-            media_type: "application/toml",
             contents: text.to_owned(),
         };
         Self::new(source, directory, variation.clone(), &|_, _| {})

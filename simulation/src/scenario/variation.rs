@@ -112,7 +112,6 @@ impl Variation {
     pub(crate) fn source(&self) -> Option<SourceFile> {
         (!self.is_empty()).then(|| SourceFile {
             name: NAME.to_owned(),
-            media_type: "application/toml",
             contents: self.to_toml(),
         })
     }

@@ -10,11 +10,9 @@ pub use live::LiveWatcher;
 #[cfg(feature = "foxglove")]
 pub use scene::SceneWatcher;
 
-use wbqp::{
-    controller::{Controller, Snapshot},
-    replay::DumpFolder,
-};
+use wbqp::controller::{Controller, Snapshot};
 use wbqp_log::{LogError, LogSink, TrueContact};
+use wbqp_replay::DumpFolder;
 
 /// What is wanted of a run beside its log and its summary.
 #[derive(Default)]

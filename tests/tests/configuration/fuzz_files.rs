@@ -227,7 +227,6 @@ fn scenarios() {
 fn source(name: &str, contents: &str) -> SourceFile {
     SourceFile {
         name: name.to_owned(),
-        media_type: "",
         contents: contents.to_owned(),
     }
 }

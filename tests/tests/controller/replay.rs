@@ -9,9 +9,9 @@ use wbqp::{
     controller::{Dump, FallbackLevel},
     plugin::Entry,
     prelude::*,
-    replay::{DumpError, DumpFolder, Matrices, ProblemTable},
     settings::Settings,
 };
+use wbqp_replay::{DumpError, DumpFolder, Matrices, ProblemTable};
 use wbqp_robots::Othex;
 use wbqp_tasks::{ActuatorLimits, Posture};
 use wbqp_tests::{
@@ -98,11 +98,11 @@ fn every_tick_is_the_same_to_the_bit() {
         let dump = eventful(kind, seed).dump().expect("ticks were recorded");
         let folder = Temporary::new("replay");
         let path = folder.file("x.tick.toml");
-        dump.save(&path).expect("can be written");
-        let loaded = Dump::load(&path).expect("was written");
+        wbqp_replay::save(&dump, &path).expect("can be written");
+        let loaded = wbqp_replay::load(&path).expect("was written");
         assert_eq!(loaded.records.len(), TICKS);
         for index in 0..TICKS {
-            let replayed = loaded.replay(index, None).expect("fits");
+            let replayed = wbqp_replay::rerun(&loaded, index, None).expect("fits");
             assert!(
                 replayed.differences.is_empty(),
                 "{kind:?}, tick {index}: {:?}",
@@ -132,7 +132,7 @@ fn a_controller_without_limits_is_recorded_without_them() {
         controller.tick(&measurement);
         asked.push(controller.report().vdot.clone());
         let dump = controller.dump().expect("a tick was recorded");
-        let replayed = dump.replay(0, None).expect("fits");
+        let replayed = wbqp_replay::rerun(&dump, 0, None).expect("fits");
         assert!(
             replayed.differences.is_empty(),
             "{:?}",
@@ -146,12 +146,12 @@ fn a_controller_without_limits_is_recorded_without_them() {
 fn changed(dump: &Dump, change: impl FnOnce(&mut toml::Table)) -> Result<Dump, DumpError> {
     let folder = Temporary::new("changed");
     let path = folder.file("x.tick.toml");
-    dump.save(&path).expect("can be written");
+    wbqp_replay::save(&dump, &path).expect("can be written");
     let text = fs::read_to_string(&path).expect("was written");
     let mut table: toml::Table = text.parse().expect("is TOML");
     change(&mut table);
     fs::write(&path, table.to_string()).expect("can be written");
-    Dump::load(&path)
+    wbqp_replay::load(&path)
 }
 
 #[test]
@@ -160,7 +160,7 @@ fn what_is_recorded_matters() {
     let index = 50;
     let run = |change: &dyn Fn(&mut toml::Value)| {
         let changed = changed(&dump, |table| change(&mut table["records"][index]));
-        let replayed = changed.expect("is a dump").replay(index, None);
+        let replayed = wbqp_replay::rerun(&changed.expect("is a dump"), index, None);
         replayed.expect("fits").differences
     };
     assert!(run(&|_| {}).is_empty());
@@ -196,7 +196,12 @@ fn a_dump_with_the_older_names_of_levels_is_read() {
     // As texts, because a measurement that was not a number is in it.
     let text = |dump: &Dump| toml::to_string(dump).expect("is TOML");
     assert!(text(&older) == text(&dump));
-    assert!(older.replay(50, None).expect("fits").differences.is_empty());
+    assert!(
+        wbqp_replay::rerun(&older, 50, None)
+            .expect("fits")
+            .differences
+            .is_empty()
+    );
 }
 
 #[test]
@@ -227,10 +232,10 @@ fn a_change_of_the_level_writes_a_bounded_number_of_files() {
     }
     // Down, up, down; then it is enough.
     assert_eq!(written, [9, 10, 19]);
-    let dump = Dump::load(&dumps.written()[0]).expect("was written");
+    let dump = wbqp_replay::load(&dumps.written()[0]).expect("was written");
     assert_eq!(dump.records.len(), 5);
     assert_eq!(dump.records[4].time, 0.004 * 9.0);
-    let replayed = dump.replay(4, None).expect("fits");
+    let replayed = wbqp_replay::rerun(&dump, 4, None).expect("fits");
     assert_eq!(replayed.differences, []);
     assert_eq!(
         replayed.controller.report().level,
@@ -241,7 +246,7 @@ fn a_change_of_the_level_writes_a_bounded_number_of_files() {
 #[test]
 fn the_problem_is_printed_by_name() {
     let dump = eventful(Kind::Othex, 1).dump().expect("recorded");
-    let replayed = dump.replay(TICKS - 1, None).expect("fits");
+    let replayed = wbqp_replay::rerun(&dump, TICKS - 1, None).expect("fits");
     let hidden = ProblemTable::new(&replayed.controller, Matrices::Hidden).to_string();
     for part in [
         "rotor_1.effort",
@@ -266,7 +271,8 @@ fn the_problem_is_printed_by_name() {
 fn files_that_do_not_fit_are_refused() {
     let dump = eventful(Kind::Othex, 1).dump().expect("recorded");
     let refused = |change: &dyn Fn(&mut toml::Table)| {
-        let replayed = changed(&dump, |table| change(table)).and_then(|dump| dump.replay(7, None));
+        let replayed = changed(&dump, |table| change(table))
+            .and_then(|dump| wbqp_replay::rerun(&dump, 7, None));
         replayed.expect_err("does not fit").to_string()
     };
     let message = refused(&|table| table["format"] = 7.into());
@@ -300,7 +306,7 @@ fn files_that_do_not_fit_are_refused() {
     );
     let message = refused(&|table| table["records"][7]["sizes"] = "many".into());
     assert!(message.contains("is not a dump of ticks"), "{message}");
-    let missing = Dump::load(Path::new("not_there"))
+    let missing = wbqp_replay::load(Path::new("not_there"))
         .expect_err("is not there")
         .to_string();
     assert!(missing.contains("cannot be read"), "{missing}");
@@ -357,7 +363,9 @@ fn ticks_of_a_law_of_last_resort_are_the_same_to_the_bit() {
         assert_eq!(controller.report().level, FallbackLevel::Safe, "{name}");
         let dump = controller.dump().expect("recorded");
         for index in 0..60 {
-            let differences = dump.replay(index, None).expect("fits").differences;
+            let differences = wbqp_replay::rerun(&dump, index, None)
+                .expect("fits")
+                .differences;
             assert!(
                 differences.is_empty(),
                 "{name}, tick {index}: {differences:?}"

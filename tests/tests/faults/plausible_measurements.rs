@@ -388,7 +388,7 @@ fn jumps_and_resets_replay_to_the_bit() {
         assert!(faults > 10);
         let dump: Dump = controller.dump().expect("has records");
         for index in 0..dump.records.len() {
-            let again = dump.replay(index, None).expect("runs again");
+            let again = wbqp_replay::rerun(&dump, index, None).expect("runs again");
             assert!(
                 again.differences.is_empty(),
                 "{kind:?} {index}: {:?}",

@@ -118,7 +118,6 @@ impl Task for Push {
 fn source(name: &str, contents: &str) -> SourceFile {
     SourceFile {
         name: name.to_owned(),
-        media_type: "application/xml",
         contents: contents.to_owned(),
     }
 }

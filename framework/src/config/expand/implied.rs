@@ -19,9 +19,9 @@ use crate::{
     plugin::{AnyConstraint, AnyFallbackLaw, AnyReference, AnyTask},
     qp::Solver,
     registry::{self, PluginKind, schema::Node},
-    robot::Robot,
     settings::{MeasurementLimits, Settings},
 };
+use wbqp_robot_model::Robot;
 
 /// A value that a file leaves to a default; displayed as `section: key = value (why)`.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -2,10 +2,8 @@
 
 use std::path::Path;
 
-use crate::{
-    config::{ConfigError, ConfigErrorKind as Kind, ConfigErrors, ControllerConfig},
-    robot::SourceLocation,
-};
+use crate::config::{ConfigError, ConfigErrorKind as Kind, ConfigErrors, ControllerConfig};
+use wbqp_robot_model::SourceLocation;
 
 /// The long form of a controller's file, with everything that it leaves to defaults: what
 /// [`ControllerConfig::to_toml`] writes.

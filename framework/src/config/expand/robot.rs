@@ -8,8 +8,8 @@ use crate::{
         report::{At, Report},
     },
     registry,
-    robot::Robot,
 };
+use wbqp_robot_model::Robot;
 
 /// The type of a robot that is only a file.
 const URDF: &str = "urdf";

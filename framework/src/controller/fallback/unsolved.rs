@@ -4,10 +4,10 @@ use super::{Age, Fallback};
 use crate::{
     controller::{Command, output::leaked, report::FallbackLevel, world::World},
     plugin::EntryState,
-    robot::RobotModel,
     settings::Settings,
 };
 use wbqp_dynamics::{model::Model, state::State};
+use wbqp_robot_model::RobotModel;
 
 impl Fallback {
     /// Writes a command for a tick at a time stamp, so many seconds after the last one; says from which level.

@@ -6,12 +6,11 @@ mod recorder;
 mod recording;
 mod tick_record;
 
-pub use dump::{Dump, Source};
+pub use dump::Dump;
 pub use tick_record::Record;
 
-pub(crate) use dump::FORMAT;
 pub(super) use recorder::Recorder;
-pub(crate) use recording::{MadeFrom, misfit, rerun};
+pub(crate) use recording::MadeFrom;
 pub(super) use recording::{
     blank_memory, blank_record, recall_filters, recall_rows, recall_world, record_inputs,
     record_outcome, record_rows, remember_world,

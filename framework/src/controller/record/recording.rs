@@ -6,7 +6,7 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector6};
 
 use super::{
     super::{
-        Command, Controller, Measurement,
+        Command, Controller, Measurement, Report, RequestError,
         bounds::Seen,
         fallback::{Age, Clock, Fallback},
         world::World,
@@ -211,11 +211,21 @@ pub(in super::super) fn record_outcome(controller: &mut Controller, changed: boo
     recorder.advance();
 }
 
-/// Runs a recorded tick again. For a controller of the record's configuration; the sizes are checked by the caller.
-pub(crate) fn rerun(controller: &mut Controller, record: &Record) {
-    restore(controller, record);
-    let measurement = measurement(record, &controller.world.state);
-    controller.run(&measurement, Some(record));
+impl Controller {
+    /// Runs a recorded tick again: for a controller of [the record's configuration](crate::ControllerConfig::from_dump).
+    /// It remembers what was remembered before that tick, and has the recorded rows in place of those of its plug-ins.
+    ///
+    /// # Errors
+    /// [`RequestError::Misfit`] if the record is not of such a controller; nothing has changed then.
+    pub fn rerun(&mut self, record: &Record) -> Result<(&Command, &Report), RequestError> {
+        if let Some(what) = misfit(self, record) {
+            return Err(RequestError::Misfit { what });
+        }
+        restore(self, record);
+        let measurement = measurement(record, &self.world.state);
+        self.run(&measurement, Some(record));
+        Ok((&self.command, &self.report))
+    }
 }
 
 /// Remembers what was remembered before the recorded tick.
@@ -256,7 +266,7 @@ pub(in super::super) fn recall_rows(controller: &mut Controller, entries: &[Entr
 }
 
 /// What of a record does not have this controller's sizes, if anything.
-pub(crate) fn misfit(controller: &Controller, record: &Record) -> Option<&'static str> {
+fn misfit(controller: &Controller, record: &Record) -> Option<&'static str> {
     let blank = blank_record(controller);
     let sizes = |r: &Record| {
         let s = |s: &StateRecord| [s.q.len(), s.v.len()];

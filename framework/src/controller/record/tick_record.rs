@@ -27,6 +27,38 @@ pub struct Record {
     pub(crate) outcome: Outcome,
 }
 
+impl Record {
+    /// What came out, by name, with all digits: `level`, `status`, `iterations`, the solution `x[0]` …, and the
+    /// command, `effort[0]` … `joint_velocity[0]` …, in SI units.
+    pub fn outcome(&self) -> Vec<(String, String)> {
+        let Outcome {
+            level,
+            status,
+            iterations,
+            command,
+            ..
+        } = &self.outcome;
+        let mut list = vec![
+            ("level".to_owned(), level.as_str().to_owned()),
+            ("status".to_owned(), status.as_str().to_owned()),
+            ("iterations".to_owned(), iterations.to_string()),
+        ];
+        let x = &self.outcome.x[..self.outcome.n.min(self.outcome.x.len())];
+        for (name, numbers) in [
+            ("x", x),
+            ("effort", &command.effort),
+            ("rotor_speed", &command.rotor_speed),
+            ("joint_acceleration", &command.joint_acceleration),
+            ("joint_velocity", &command.joint_velocity),
+        ] {
+            let named =
+                |(i, number): (usize, &f64)| (format!("{name}[{i}]"), format!("{number:?}"));
+            list.extend(numbers.iter().enumerate().map(named));
+        }
+        list
+    }
+}
+
 /// A [`State`](wbqp_dynamics::state::State).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

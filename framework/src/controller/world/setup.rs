@@ -3,8 +3,9 @@
 use nalgebra::{DVector, UnitQuaternion, Vector6};
 
 use super::{super::measurement::Measurement, World};
-use crate::{contact::ContactBinding, plugin::PreviousSolution, robot::RobotModel};
+use crate::{contact::ContactBinding, plugin::PreviousSolution};
 use wbqp_dynamics::{Data, FrameKinematics, model::FrameId};
+use wbqp_robot_model::RobotModel;
 
 impl World {
     /// The robot at home and at rest, before the first tick; nothing is computed yet.

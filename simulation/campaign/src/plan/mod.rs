@@ -135,7 +135,6 @@ impl Plan {
             name: keys.name,
             source: SourceFile {
                 name: name.to_owned(),
-                media_type: "application/toml",
                 contents: text.to_owned(),
             },
             seed: keys.seed,

@@ -10,6 +10,7 @@ pub use source_location::SourceLocation;
 
 use std::{fmt, sync::Arc};
 
+use serde::{Deserialize, Serialize};
 use wbqp_dynamics::{
     actuator::{Actuator, ActuatorId, ActuatorKind, Rotor},
     model::{JointId, Model},
@@ -35,14 +36,25 @@ pub struct RobotModel {
 }
 
 /// A file that describes a robot, as read.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct SourceFile {
     /// File name or path, as given.
     pub name: String,
-    /// MIME type: `application/xml` or `application/toml`.
-    pub media_type: &'static str,
     /// The whole text.
     pub contents: String,
+}
+
+impl SourceFile {
+    /// Its MIME type by its first character: `application/xml`, or `application/toml`.
+    pub fn media_type(&self) -> &'static str {
+        let text = self.contents.trim_start_matches('\u{feff}').trim_start();
+        if text.starts_with('<') {
+            "application/xml"
+        } else {
+            "application/toml"
+        }
+    }
 }
 
 impl RobotModel {
@@ -93,7 +105,8 @@ impl RobotModel {
     }
 
     /// What no controller can work with, whoever made the robot: sizes, names and limits that contradict one another.
-    pub(crate) fn problems(&self) -> Vec<String> {
+    /// Empty if a controller can be made of it; a sentence each if not.
+    pub fn problems(&self) -> Vec<String> {
         let mut problems = Vec::new();
         if self.model.nv() == 0 {
             problems.push("it has a fixed base and no moving joint: nothing to control".to_owned());

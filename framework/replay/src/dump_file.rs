@@ -2,9 +2,9 @@
 
 use std::{fs, io, path::Path};
 
-use crate::{
+use wbqp::{
     config::{ConfigErrors, ControllerError},
-    controller::{Dump, FORMAT, RequestError},
+    controller::{Dump, RequestError},
     input,
 };
 
@@ -49,7 +49,7 @@ pub enum DumpError {
     #[error("the robot's file `{0}` is not the one in the dump")]
     OtherRobot(String),
     /// A record does not fit the configuration beside it.
-    #[error("record {index}: {what} does not fit the configuration")]
+    #[error("record {index}: {what}")]
     Misfit {
         /// Which record, from 0.
         index: usize,
@@ -58,47 +58,46 @@ pub enum DumpError {
     },
 }
 
-impl Dump {
-    /// Writes the file.
-    ///
-    /// # Errors
-    /// [`DumpError::Write`].
-    pub fn save(&self, file: &Path) -> Result<(), DumpError> {
-        let name = || file.display().to_string();
-        let text = toml::to_string(self).map_err(|error| DumpError::Format {
-            file: name(),
-            problem: error.to_string(),
-        })?;
-        fs::write(file, text).map_err(|source| DumpError::Write {
+/// Writes the file of a dump.
+///
+/// # Errors
+/// [`DumpError::Write`].
+pub fn save(dump: &Dump, file: &Path) -> Result<(), DumpError> {
+    let name = || file.display().to_string();
+    let text = toml::to_string(dump).map_err(|error| DumpError::Format {
+        file: name(),
+        problem: error.to_string(),
+    })?;
+    fs::write(file, text).map_err(|source| DumpError::Write {
+        file: name(),
+        source,
+    })
+}
+
+/// Reads the file of a dump.
+///
+/// # Errors
+/// [`DumpError::Read`], [`DumpError::Format`].
+pub fn load(file: &Path) -> Result<Dump, DumpError> {
+    let name = || file.display().to_string();
+    let bytes = input::read(file, input::LARGEST_RECORD);
+    let text = bytes
+        .and_then(input::text)
+        .map_err(|source| DumpError::Read {
             file: name(),
             source,
-        })
+        })?;
+    let refused = |problem: String| DumpError::Format {
+        file: name(),
+        problem,
+    };
+    let dump: Dump = toml::from_str(&text).map_err(|error| refused(error.to_string()))?;
+    if dump.format != Dump::FORMAT {
+        return Err(refused(format!(
+            "format {}, this version reads {}",
+            dump.format,
+            Dump::FORMAT
+        )));
     }
-
-    /// Reads a file.
-    ///
-    /// # Errors
-    /// [`DumpError::Read`], [`DumpError::Format`].
-    pub fn load(file: &Path) -> Result<Self, DumpError> {
-        let name = || file.display().to_string();
-        let bytes = input::read(file, input::LARGEST_RECORD);
-        let text = bytes
-            .and_then(input::text)
-            .map_err(|source| DumpError::Read {
-                file: name(),
-                source,
-            })?;
-        let refused = |problem: String| DumpError::Format {
-            file: name(),
-            problem,
-        };
-        let dump: Self = toml::from_str(&text).map_err(|error| refused(error.to_string()))?;
-        if dump.format != FORMAT {
-            return Err(refused(format!(
-                "format {}, this version reads {FORMAT}",
-                dump.format
-            )));
-        }
-        Ok(dump)
-    }
+    Ok(dump)
 }

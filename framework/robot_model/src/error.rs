@@ -1,6 +1,6 @@
 //! Why a robot cannot be loaded.
 
-use super::SourceLocation;
+use crate::SourceLocation;
 use wbqp_dynamics::model::ModelError;
 
 /// Why a robot's description was refused. Messages start with the file and name the element.

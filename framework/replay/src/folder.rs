@@ -2,8 +2,9 @@
 
 use std::{fs, io, path::PathBuf};
 
-use super::DumpError;
-use crate::controller::{Controller, Dump};
+use wbqp::Controller;
+
+use crate::{DumpError, save};
 
 /// Writes what a recorder holds when the level has changed; called after ticks, outside the real-time part.
 #[derive(Clone, Debug)]
@@ -58,7 +59,7 @@ impl DumpFolder {
         if let Some(folder) = file.parent() {
             fs::create_dir_all(folder).map_err(|source| unwritable(&file, source))?;
         }
-        dump.save(&file)?;
+        save(&dump, &file)?;
         self.written.push(file);
         Ok(self.written.last())
     }
@@ -79,12 +80,5 @@ fn unwritable(file: &std::path::Path, source: io::Error) -> DumpError {
     DumpError::Write {
         file: file.display().to_string(),
         source,
-    }
-}
-
-impl Dump {
-    /// Whether there is nothing in it.
-    pub fn is_empty(&self) -> bool {
-        self.records.is_empty()
     }
 }

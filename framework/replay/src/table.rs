@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::{controller::Controller, qp::RowId};
+use wbqp::{Controller, qp::RowId};
 
 /// Displays variables, rows and active set of the last problem by name. Numbers in SI units; rows as their owners wrote
 /// them, before variables were substituted; `*` marks what is at a limit and pushes against it.
