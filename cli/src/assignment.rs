@@ -118,9 +118,7 @@ impl Assignment {
             }
             let one: Overrides = toml::from_str(&format!("{key} = {value}"))
                 .with_context(|| format!("--set {key}"))?;
-            for each in &one {
-                overrides.push(each.target.clone(), &each.key, each.value.clone());
-            }
+            overrides.append(&one);
         }
         Ok(overrides)
     }

@@ -202,7 +202,7 @@ mod switch;
 pub use config::ControllerConfig;
 pub use controller::{Command, Controller, Measurement, Report};
 pub use plugin::Layout;
-pub use problem::{RowInfo, VarInfo};
+pub use problem::Named;
 pub use registry::list as registry;
 #[doc(no_inline)]
 pub use wbqp_dynamics::{self as dynamics, actuator, model, spatial, state};

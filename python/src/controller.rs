@@ -296,8 +296,7 @@ impl Controller {
         let filled = room.get_or_insert_with(|| core::Sensitivity::new(controller));
         let outcome = controller.sensitivity(filled);
         outcome.map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
-        let entries: Vec<String> = controller.entries().map(|e| e.name.to_owned()).collect();
-        Sensitivity::of(py, filled, &entries)
+        Sensitivity::of(py, filled)
     }
 
     /// Switches a task or constraint on, with its ramp, from the next tick on.

@@ -7,7 +7,7 @@ use pyo3::{
     types::{PyDict, PyMappingProxy},
 };
 use wbqp::{
-    controller::{ActiveRow, ConflictRow, RelaxedRow, Report as Inner},
+    controller::{LimitRow, Report as Inner},
     qp::{RowId, Status},
     stopwatch::StageTimes,
 };
@@ -47,9 +47,9 @@ struct Scalars {
     objective: f64,
     disturbance: [f64; 6],
     times: StageTimes,
-    active: Vec<ActiveRow>,
-    conflict: Vec<ConflictRow>,
-    relaxed: Vec<RelaxedRow>,
+    active: Vec<LimitRow>,
+    conflict: Vec<LimitRow>,
+    relaxed: Vec<LimitRow>,
 }
 
 /// What became of a task in the last tick.
@@ -166,8 +166,8 @@ impl Report {
         let mut scalars = self.scalars();
         scalars.time = inner.time;
         scalars.level = inner.level.as_str();
-        scalars.since = inner.on_level.since;
-        scalars.ticks = inner.on_level.ticks;
+        scalars.since = inner.level_since;
+        scalars.ticks = inner.level_ticks;
         scalars.fault = inner.fault;
         scalars.traceback = traceback;
         scalars.status = inner.status;
@@ -278,7 +278,7 @@ impl Report {
     #[getter]
     fn active<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
         let rows = self.scalars().active.clone();
-        let dict = |row: &ActiveRow| {
+        let dict = |row: &LimitRow| {
             let dict = self.named_row(py, row.row)?;
             dict.set_item("side", row.side.as_str())?;
             dict.set_item("multiplier", row.multiplier)?;
@@ -292,7 +292,7 @@ impl Report {
     #[getter]
     fn conflict<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
         let rows = self.scalars().conflict.clone();
-        let dict = |row: &ConflictRow| {
+        let dict = |row: &LimitRow| {
             let dict = self.named_row(py, row.row)?;
             dict.set_item("side", row.side.as_str())?;
             dict.set_item("limit", row.limit)?;
@@ -307,11 +307,11 @@ impl Report {
     #[getter]
     fn relaxed<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
         let rows = self.scalars().relaxed.clone();
-        let dict = |row: &RelaxedRow| {
+        let dict = |row: &LimitRow| {
             let dict = self.named_row(py, row.row)?;
             dict.set_item("side", row.side.as_str())?;
             dict.set_item("limit", row.limit)?;
-            dict.set_item("by", row.by)?;
+            dict.set_item("by", row.short)?;
             Ok(dict)
         };
         rows.iter().map(dict).collect()

@@ -63,13 +63,13 @@ pub(crate) struct Sensitivity {
 
 impl Sensitivity {
     /// A copy.
-    pub(crate) fn of(py: Python<'_>, of: &core::Sensitivity, entries: &[String]) -> PyResult<Self> {
+    pub(crate) fn of(py: Python<'_>, of: &core::Sensitivity) -> PyResult<Self> {
         let (outputs, parameters) = (of.outputs(), of.parameters());
         let names: Vec<String> = parameters.iter().map(ToString::to_string).collect();
         let rows: Vec<String> = outputs.iter().map(ToString::to_string).collect();
         let values: Vec<f64> = parameters.iter().map(|p| p.value).collect();
-        let ranking = of.ranking().iter();
-        let named = ranking.map(|r| (entries.get(r.entry).cloned().unwrap_or_default(), r.effort));
+        let effects = of.effects().into_iter();
+        let weights = effects.filter(|effect| effect.kind == core::ParameterKind::Weight);
         Ok(Self {
             time: of.time().unwrap_or(f64::NAN),
             derivatives: of_matrix(py, of.derivatives())?.unbind(),
@@ -82,7 +82,9 @@ impl Sensitivity {
             kinds: tuple(py, parameters.iter().map(|p| p.kind.as_str()))?,
             units: tuple(py, parameters.iter().map(|p| p.unit.as_str()))?,
             values: of_vector(py, &values).unbind(),
-            ranking: named.collect(),
+            ranking: weights
+                .map(|effect| (effect.owner, effect.effort))
+                .collect(),
             notes: of.notes().iter().map(|note| of.say(note)).collect(),
             mismatch: of.mismatch(),
             names,

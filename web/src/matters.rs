@@ -1,7 +1,7 @@
 //! What matters in a tick: which weights and gains move the command, which limits hold it.
 
 use wbqp::{
-    controller::{ActiveRow, Controller, Effect, Sensitivity, SensitivityError},
+    controller::{Controller, Effect, LimitRow, Sensitivity, SensitivityError},
     serde_json::{Value, json},
 };
 
@@ -61,7 +61,7 @@ fn of_effect(effect: &Effect, sensitivity: &Sensitivity) -> Value {
 }
 
 fn limits(controller: &Controller) -> Vec<Value> {
-    let mut active: Vec<&ActiveRow> = controller.report().active.iter().collect();
+    let mut active: Vec<&LimitRow> = controller.report().active.iter().collect();
     active.sort_by(|a, b| b.multiplier.abs().total_cmp(&a.multiplier.abs()));
     let largest = active.first().map_or(0.0, |row| row.multiplier.abs());
     let holding = active

@@ -9,7 +9,7 @@ use prost_types::{
     field_descriptor_proto::{Label, Type},
 };
 
-use wbqp::controller::{ContactReport, ContactSurface};
+use wbqp::{contact::SurfaceMotion, controller::ContactReport};
 use wbqp_log::TrueContact;
 
 use crate::convert::{timestamp, vector};
@@ -53,7 +53,7 @@ impl ContactForces {
     /// Those of one contact at `time`, s.
     pub(crate) fn of(
         time: f64,
-        (contact, surface): (&ContactReport, &ContactSurface),
+        (contact, surface): (&ContactReport, &SurfaceMotion),
         truth: Option<TrueContact>,
         world: &str,
     ) -> Self {
@@ -67,7 +67,7 @@ impl ContactForces {
             frame_id: world.to_owned(),
             active: contact.on,
             alpha: contact.alpha,
-            friction: surface.friction,
+            friction: contact.friction,
             position: Some(vector(&(surface.p_WS + R_WC * contact.position))),
             normal: Some(vector(&(R_WC * Vector3::z()))),
             planned: Some(vector(&(R_WC * contact.solution.fixed_rows::<3>(0)))),

@@ -7,7 +7,8 @@ use foxglove::messages::{
 use nalgebra::{Isometry3, Rotation3, UnitQuaternion, Vector3};
 use wbqp::{
     actuator::ActuatorId,
-    controller::{ContactReport, ContactSurface, Snapshot},
+    contact::SurfaceMotion,
+    controller::{ContactReport, Snapshot},
     plugin::Sample,
 };
 use wbqp_log::TrueContact;
@@ -176,14 +177,11 @@ impl Scene {
     fn draw_forces(
         &self,
         entity: &mut SceneEntity,
-        (contact, surface): (&ContactReport, &ContactSurface),
+        (contact, surface): (&ContactReport, &SurfaceMotion),
         truth: Option<TrueContact>,
     ) {
-        let ContactSurface {
-            R_WC,
-            p_WS,
-            friction,
-        } = surface;
+        let SurfaceMotion { R_WC, p_WS, .. } = surface;
+        let friction = contact.friction;
         let at = p_WS + R_WC * contact.position;
         let mut force = |from: &Vector3<f64>, force_C: &Vector3<f64>, paint| {
             let along = self.force_scale * (R_WC * force_C);
@@ -244,8 +242,8 @@ impl Scene {
 }
 
 /// A piece of a surface, which has no end, where the contact point is: it moves on in steps, a robot may walk away.
-fn wall(surface: &ContactSurface, point: &Vector3<f64>) -> CubePrimitive {
-    let ContactSurface { R_WC, p_WS, .. } = surface;
+fn wall(surface: &SurfaceMotion, point: &Vector3<f64>) -> CubePrimitive {
+    let SurfaceMotion { R_WC, p_WS, .. } = surface;
     let [edge, thickness] = WALL;
     let step = 0.25 * edge;
     let [x, y] = [point.x, point.y].map(|at| if at.is_finite() { at } else { 0.0 });

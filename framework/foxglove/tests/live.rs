@@ -266,20 +266,14 @@ fn parameters_take_effect_between_ticks() {
     );
     run.until("kp", |this| (this.kp() == Some(12.0)).then_some(()));
     run.set("base_orientation.weight", &json!([2.0, 2.0, 4.0]));
-    let weight = |this: &Loop, of: &str| {
-        let found = this.controller.entries().find(|entry| entry.name == of);
-        found.map(|entry| entry.weight.to_vec())
-    };
+    let weight = |this: &Loop, of: &str| this.controller.weight(of).ok().map(<[f64]>::to_vec);
     run.until("weights", |this| {
         (weight(this, "base_orientation") == Some(vec![2.0, 2.0, 4.0])).then_some(())
     });
     run.set("posture.active", &json!(false));
     run.until("switch", |this| {
-        let posture = this
-            .controller
-            .entries()
-            .find(|entry| entry.name == "posture");
-        posture.filter(|posture| !posture.is_on).map(|_| ())
+        let is_on = this.controller.is_on("posture");
+        (is_on == Ok(false)).then_some(())
     });
     run.set("contact.tip.active", &json!(true));
     run.until("contact", |this| {

@@ -361,8 +361,8 @@ pub(super) fn qp_schema() -> Value {
 pub(super) fn qp_fields(names: &Names, report: &Report, o: &mut dyn Fields) {
     o.text("status", report.status.as_str());
     o.text("level", report.level.as_str());
-    o.number("level_since", report.on_level.since);
-    o.integer("level_ticks", report.on_level.ticks);
+    o.number("level_since", report.level_since);
+    o.integer("level_ticks", report.level_ticks);
     if let Some(why) = names.explain(report) {
         o.text("fault", &why.fault);
     }
@@ -378,7 +378,7 @@ pub(super) fn qp_fields(names: &Names, report: &Report, o: &mut dyn Fields) {
         short(o, c.row, c.side, c.limit, c.short);
     });
     o.list("relaxed", &report.relaxed, |o, r| {
-        short(o, r.row, r.side, r.limit, r.by);
+        short(o, r.row, r.side, r.limit, r.short);
     });
     o.integer("iterations", u64::from(report.iterations));
     o.object("times", |o| {

@@ -58,7 +58,7 @@ pub use build::Plan;
 pub use controller_error::ControllerError;
 pub use error::{ConfigError, ConfigErrorKind, ConfigErrors};
 pub use expand::{ImpliedValue, expand};
-pub use overrides::{Override, Overrides};
+pub use overrides::Overrides;
 
 /// Everything a controller is made of.
 #[derive(Debug)]

@@ -19,14 +19,13 @@ use crate::{plugin::ENTRY_KEYS, settings::Target, suggestion::suggestion};
 
 /// One replaced value.
 #[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct Override {
+pub(super) struct Override {
     /// Which table.
-    pub target: Target,
+    target: Target,
     /// Which of its keys; the plug-in's or the framework's, but not `name`.
-    pub key: String,
+    key: String,
     /// The new value; a table replaces the whole old table.
-    pub value: Value,
+    value: Value,
 }
 
 impl Override {
@@ -79,23 +78,19 @@ impl Overrides {
         });
     }
 
+    /// Adds those of another list behind its own.
+    pub fn append(&mut self, other: &Self) {
+        self.list.extend_from_slice(&other.list);
+    }
+
     /// All, in the order in which they were added.
-    pub fn iter(&self) -> std::slice::Iter<'_, Override> {
+    pub(super) fn iter(&self) -> std::slice::Iter<'_, Override> {
         self.list.iter()
     }
 
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.list.is_empty()
-    }
-}
-
-impl<'a> IntoIterator for &'a Overrides {
-    type Item = &'a Override;
-    type IntoIter = std::slice::Iter<'a, Override>;
-
-    fn into_iter(self) -> Self::IntoIter {
-        self.iter()
     }
 }
 
@@ -229,7 +224,7 @@ impl OverrideText {
     pub(super) fn applied(&self, overrides: &Overrides) -> Vec<Applied> {
         self.applied
             .iter()
-            .zip(overrides)
+            .zip(overrides.iter())
             .map(|(span, each)| Applied {
                 span: span.clone(),
                 subject: each.subject(),

@@ -18,7 +18,8 @@ mod update;
 
 pub use detector::{ContactEvent, Detector};
 pub use kind::{ContactId, ContactKind};
-pub use short::{Motion, ShortContact};
+pub(crate) use short::Motion;
+pub use short::ShortContact;
 pub use spec::{ContactSpec, FreeForce, Surface};
 pub(crate) use state::{ContactBinding, SensorZero};
 pub use state::{ContactState, SurfaceMotion};

@@ -8,7 +8,7 @@ use super::{ContactKind, Surface};
 /// How the motion of a contact is kept, by the constraints that it brings itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum Motion {
+pub(crate) enum Motion {
     /// It does not move: rows that hold.
     Hard,
     /// It is kept from moving, at the price of the rows' default weight.
@@ -26,7 +26,7 @@ pub struct ShortContact {
     /// Frame E of the robot that touches.
     pub frame: String,
     /// How the motion is kept.
-    pub motion: Motion,
+    motion: Motion,
     /// How tasks, constraints, logs and events call it; the frame's name.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
@@ -60,8 +60,7 @@ pub struct ShortContact {
 }
 
 impl ShortContact {
-    /// A point on the ground.
-    pub fn new(frame: impl Into<String>, motion: Motion) -> Self {
+    fn new(frame: impl Into<String>, motion: Motion) -> Self {
         Self {
             frame: frame.into(),
             motion,

@@ -15,7 +15,7 @@ use super::{
     names::owners,
     observer::Observer,
     record::MadeFrom,
-    report::{FallbackLevel, OnLevel, Report},
+    report::{FallbackLevel, Report},
     running::RunningPlugin,
     tick::NoStopwatch,
     world::World,
@@ -371,7 +371,7 @@ impl Bound {
         let is_native = (&*solver as &dyn std::any::Any).is::<ActiveSet>();
         let fallback = Fallback {
             level: FallbackLevel::Safe,
-            on_level: OnLevel::default(),
+            on_level: Default::default(),
             law,
             hover: vec![0.0; sizes.nu],
             solution: Solution::new(relaxed),

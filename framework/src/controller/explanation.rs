@@ -12,12 +12,12 @@
 //! independent normals can all be met, with equality. That is why the set is taken from that solver, whichever is
 //! configured.
 //!
-//! In a tick only numbers are kept ([`ConflictRow`], [`RelaxedRow`]); names are looked up afterwards, by
+//! In a tick only numbers are kept ([`LimitRow`]); names are looked up afterwards, by
 //! [`Controller::explain`](super::Controller::explain).
 
 use std::fmt;
 
-use super::report::{ConflictRow, FallbackLevel, Side};
+use super::report::{FallbackLevel, LimitRow, Side};
 use crate::{
     problem::Problem,
     qp::{Qp, RowId, Solution, Status},
@@ -90,12 +90,12 @@ pub(super) fn write_conflict(
     problem: &Problem,
     qp: &Qp,
     proof: &Solution,
-    out: &mut Vec<ConflictRow>,
+    out: &mut Vec<LimitRow>,
 ) {
     out.clear();
     let mut push = |row: RowId, side: Side, limit: f64, multiplier: f64, short: f64| {
         if out.len() < out.capacity() && !problem.is_dynamics(row) {
-            out.push(ConflictRow {
+            out.push(LimitRow {
                 row,
                 side,
                 limit,

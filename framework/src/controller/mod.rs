@@ -9,7 +9,6 @@ mod bounds;
 mod change;
 mod command;
 mod entry_id;
-mod entry_view;
 mod error;
 mod explanation;
 mod fallback;
@@ -38,7 +37,6 @@ mod world;
 pub use change::Change;
 pub use command::{Command, CutEffort};
 pub use entry_id::{EntryId, EntryRef};
-pub use entry_view::EntryView;
 pub use error::RequestError;
 pub use explanation::{Explanation, Limit};
 pub use measurement::Measurement;
@@ -47,14 +45,9 @@ pub use names::Names;
 pub use planned_force::PlannedForce;
 pub use probe::{Probe, ProbeInputs, WrittenRows};
 pub use record::{Dump, Record};
-pub use report::{
-    ActiveRow, ConflictRow, ContactReport, FallbackLevel, OnLevel, RelaxedRow, Report, Side,
-    TaskReport,
-};
-pub use sensitivity::{
-    Effect, Influence, Note, Parameter, ParameterKind, Sensitivity, SensitivityError,
-};
-pub use snapshot::{ContactSurface, Snapshot};
+pub use report::{ContactReport, FallbackLevel, LimitRow, Report, Side, TaskReport};
+pub use sensitivity::{Effect, Note, Parameter, ParameterKind, Sensitivity, SensitivityError};
+pub use snapshot::Snapshot;
 
 pub(crate) use bind::{Bound, Parts};
 pub(crate) use misfits::{Misfit, MisfitKind};

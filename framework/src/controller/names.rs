@@ -7,7 +7,7 @@ use wbqp_dynamics::model::Model;
 use super::{Controller, Explanation, Limit, Report, Side, explanation::Rounded, first::FirstTick};
 use crate::{
     fault::{Fault, Quantity},
-    problem::{BoundEntry, RowInfo, Table},
+    problem::{BoundEntry, Named, Table},
     qp::RowId,
 };
 
@@ -20,7 +20,7 @@ pub struct Names {
     contacts: Vec<String>,
     /// Tasks, then constraints.
     entries: Vec<String>,
-    rows: Vec<RowInfo>,
+    rows: Vec<Named>,
     owners: Vec<Owner>,
     first: FirstTick,
 }
@@ -42,7 +42,7 @@ impl Names {
     }
 
     /// Name and unit of a row.
-    pub fn row(&self, row: RowId) -> Option<&RowInfo> {
+    pub fn row(&self, row: RowId) -> Option<&Named> {
         self.rows.get(row.index())
     }
 
@@ -53,7 +53,7 @@ impl Names {
         let conflict = report.conflict.iter();
         let conflict = conflict.filter_map(|c| self.limit(c.row, c.side, c.limit, c.short));
         let relaxed = report.relaxed.iter();
-        let relaxed = relaxed.filter_map(|r| self.limit(r.row, r.side, r.limit, r.by));
+        let relaxed = relaxed.filter_map(|r| self.limit(r.row, r.side, r.limit, r.short));
         Some(Explanation {
             level: report.level,
             fault: self.fault(report, fault),
@@ -139,7 +139,7 @@ pub(super) fn owners(
     tags: &[&'static str],
     contacts: &[&str],
 ) -> Vec<Owner> {
-    let plain = |info: &RowInfo| Owner {
+    let plain = |info: &Named| Owner {
         text: if contacts.contains(&info.owner.as_str()) {
             format!("contact `{}`", info.owner)
         } else {

@@ -24,7 +24,7 @@
 //! limit) was not rounding: that command is not the optimum, whatever the solver said, and the tick says so.
 
 use super::{
-    ActiveRow, Command, ContactReport, CutEffort, Report, Side, TaskReport,
+    Command, ContactReport, CutEffort, LimitRow, Report, Side, TaskReport,
     command::{Cut, Gate},
     world::World,
 };
@@ -237,6 +237,7 @@ impl Report {
                 solution: contact.solution,
                 measured: contact.measured,
                 position: contact.p_SC,
+                friction: contact.friction,
             };
         }
         self.fill_tasks(problem, tasks);
@@ -276,20 +277,24 @@ impl Report {
             let a = qp.row(i);
             let (side, at) = near(dot(a, x), qp.row_lower()[i], qp.row_upper()[i]);
             let is_active = is_active(at, y[i]) && a.iter().any(|a| *a != 0.0);
-            is_active.then_some((row, side, y[i]))
+            let limit = at.0 + problem.constant(i);
+            is_active.then_some((row, side, limit, y[i]))
         });
         let bounds = (0..qp.n()).filter_map(|j| {
             let (side, at) = near(x[j], qp.lower()[j], qp.upper()[j]);
             let owner = problem.bound_owner[j][usize::from(side == Side::Upper)];
             let owner = owner.filter(|_| is_active(at, z[j]));
-            owner.map(|row| (row, side, z[j]))
+            owner.map(|row| (row, side, at.0, z[j]))
         });
-        let active = rows.chain(bounds).map(|(row, side, multiplier)| ActiveRow {
-            row,
-            side,
-            multiplier,
-        });
-        self.active.extend(active);
+        let active = rows.chain(bounds);
+        self.active
+            .extend(active.map(|(row, side, limit, multiplier)| LimitRow {
+                row,
+                side,
+                limit,
+                multiplier,
+                short: 0.0,
+            }));
     }
 }
 

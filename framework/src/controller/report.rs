@@ -50,41 +50,23 @@ impl FallbackLevel {
     }
 }
 
-/// Since when the controller stands on a level.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct OnLevel {
-    /// Time stamp of the first tick on it, s (of the last usable one where that tick's was not a number).
-    pub since: f64,
-    /// Ticks on it, this one included.
-    pub ticks: u64,
-}
-
-/// A limit among those that contradict one another; none of them can be left out of the contradiction.
+/// A limit of a tick's problem, by number: in the list of those that are active, that contradict one another, or that
+/// were given up.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ConflictRow {
+pub struct LimitRow {
     /// Whose; [`Controller::row`](super::Controller::row) gives the name.
     pub row: RowId,
     /// Which side.
     pub side: Side,
     /// The limit, in the row's unit.
     pub limit: f64,
-    /// Its multiplier in the proof, up to a common factor.
+    /// Of an active limit its price: change of the cost per unit of the row; zero, or next to it, where the optimum
+    /// touches the limit and would not go beyond it. In a conflict the multiplier in its proof, up to a common factor.
+    /// Zero of a limit that was given up.
     pub multiplier: f64,
-    /// By how much this limit alone would have to give for this contradiction to end, in the row's unit.
+    /// How much is missing, in the row's unit: in a conflict by how much this limit alone would have to give for this
+    /// contradiction to end; of a limit that was given up how far beyond it the solution is. Zero of an active limit.
     pub short: f64,
-}
-
-/// A limit that the command does not keep.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RelaxedRow {
-    /// Whose; [`Controller::row`](super::Controller::row) gives the name.
-    pub row: RowId,
-    /// Which side.
-    pub side: Side,
-    /// The limit, in the row's unit.
-    pub limit: f64,
-    /// How far beyond it the solution is, in the row's unit.
-    pub by: f64,
 }
 
 /// The report of a tick, in storage made once.
@@ -94,14 +76,16 @@ pub struct Report {
     pub time: f64,
     /// Where the command comes from.
     pub level: FallbackLevel,
-    /// Since when.
-    pub on_level: OnLevel,
+    /// Time stamp of the first tick on this level, s (of the last usable one where that tick's was not a number).
+    pub level_since: f64,
+    /// Ticks on this level, this one included.
+    pub level_ticks: u64,
     /// Why the command is not this tick's optimum; [`Controller::explain`](super::Controller::explain) says it by name.
     pub fault: Option<Fault>,
-    /// An irreducible set of limits that contradict one another, if that is why.
-    pub conflict: Vec<ConflictRow>,
+    /// An irreducible set of limits that contradict one another, if that is why: none of them can be left out.
+    pub conflict: Vec<LimitRow>,
     /// The limits that were given up and that the command is beyond.
-    pub relaxed: Vec<RelaxedRow>,
+    pub relaxed: Vec<LimitRow>,
     /// The first effort of which the last gate cut off more than rounding, whatever the level; nothing in an ordinary
     /// tick.
     pub cut: Option<CutEffort>,
@@ -126,7 +110,7 @@ pub struct Report {
     /// All inequality rows and bounds that are active: at a limit, within 1e-9 of it (of one unit where it is smaller
     /// than that), or next to it with a multiplier that says that the solver holds it. Limits that were given up are in
     /// [`Report::relaxed`] instead.
-    pub active: Vec<ActiveRow>,
+    pub active: Vec<LimitRow>,
     /// Index of the first entry (tasks, then constraints) that wrote a block it had not declared.
     pub undeclared: Option<usize>,
     /// Weight of the regularisation row.
@@ -171,7 +155,8 @@ impl Report {
         let Self {
             time,
             level,
-            on_level,
+            level_since,
+            level_ticks,
             fault,
             conflict,
             relaxed,
@@ -195,7 +180,8 @@ impl Report {
         } = self;
         *time = other.time;
         *level = other.level;
-        *on_level = other.on_level;
+        *level_since = other.level_since;
+        *level_ticks = other.level_ticks;
         *fault = other.fault;
         conflict.clone_from(&other.conflict);
         relaxed.clone_from(&other.relaxed);
@@ -231,7 +217,8 @@ impl Report {
         Self {
             time: 0.0,
             level: FallbackLevel::Safe,
-            on_level: OnLevel::default(),
+            level_since: 0.0,
+            level_ticks: 0,
             fault: None,
             conflict: Vec::with_capacity(capacity.vars + capacity.rows + 1),
             relaxed: Vec::with_capacity(limits),
@@ -254,13 +241,14 @@ impl Report {
             contacts: world
                 .contacts
                 .iter()
-                .map(|_| ContactReport {
+                .map(|contact| ContactReport {
                     on: false,
                     alpha: 0.0,
                     task: None,
                     solution: Vector6::zeros(),
                     measured: Vector6::zeros(),
                     position: Vector3::zeros(),
+                    friction: contact.friction,
                 })
                 .collect(),
             active: Vec::with_capacity(2 * capacity.vars + capacity.rows),
@@ -302,6 +290,8 @@ pub struct ContactReport {
     pub measured: Vector6<f64>,
     /// Contact point on the robot according to the measured state, m, surface coordinates; also while it is off.
     pub position: Vector3<f64>,
+    /// Friction coefficient assumed.
+    pub friction: f64,
 }
 
 /// The side of a limit.
@@ -321,16 +311,4 @@ impl Side {
             Self::Upper => "upper",
         }
     }
-}
-
-/// A row or bound at its limit.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ActiveRow {
-    /// Whose; [`Controller::row`](super::Controller::row) gives the name.
-    pub row: RowId,
-    /// Which side.
-    pub side: Side,
-    /// The price of the limit: change of the cost per unit of the row; zero, or next to it, where the optimum touches
-    /// the limit and would not go beyond it.
-    pub multiplier: f64,
 }

@@ -10,7 +10,6 @@ use nalgebra::DVector;
 use super::{
     Command, Controller, Measurement, Report,
     entry_id::{EntryId, EntryRef},
-    entry_view::EntryView,
     error::RequestError,
     explanation::Explanation,
     names::Names,
@@ -25,7 +24,7 @@ use crate::{
     error::BindError,
     fault::Fault,
     plugin::{AnyReference, EntryState, Layout, PerRow, Sample, Setup},
-    problem::{BoundEntry, RowInfo, VarInfo},
+    problem::{BoundEntry, Named},
     qp::{Qp, RowId, Solution, VarId},
     settings::{MeasurementLimits, Settings},
     stopwatch::Stopwatch,
@@ -201,15 +200,27 @@ impl Controller {
             .map(|g| g.name.as_str())
     }
 
-    /// All tasks, then all constraints.
-    pub fn entries(&self) -> impl Iterator<Item = EntryView<'_>> {
-        self.entries.iter().map(|entry| EntryView {
-            name: &entry.name,
-            is_task: entry.is_task,
-            layout: &entry.layout,
-            weight: entry.weight.wanted(),
-            is_on: entry.switch.is_wanted(),
-        })
+    /// Names of all tasks, then of all constraints.
+    pub fn entry_names(&self) -> impl Iterator<Item = &str> {
+        self.entries.iter().map(|entry| entry.name.as_str())
+    }
+
+    /// The weight of each row that a task or constraint has or, during a ramp, goes to; none of bounds and hard limits.
+    ///
+    /// # Errors
+    /// [`RequestError`] if there is no such entry.
+    pub fn weight<'a>(&self, entry: impl Into<EntryRef<'a>>) -> Result<&[f64], RequestError> {
+        let index = self.find(entry.into())?;
+        Ok(self.entries[index].weight.wanted())
+    }
+
+    /// Whether a task or constraint is on or, during a ramp, goes on.
+    ///
+    /// # Errors
+    /// [`RequestError`] if there is no such entry.
+    pub fn is_on<'a>(&self, entry: impl Into<EntryRef<'a>>) -> Result<bool, RequestError> {
+        let index = self.find(entry.into())?;
+        Ok(self.entries[index].switch.is_wanted())
     }
 
     /// Whether a contact is on or, during a ramp, goes on.
@@ -527,12 +538,12 @@ impl Controller {
     }
 
     /// Name and unit of a row.
-    pub fn row(&self, row: RowId) -> Option<&RowInfo> {
+    pub fn row(&self, row: RowId) -> Option<&Named> {
         self.table.rows.get(row.index())
     }
 
     /// Name and unit of a variable.
-    pub fn variable(&self, var: VarId) -> Option<&VarInfo> {
+    pub fn variable(&self, var: VarId) -> Option<&Named> {
         self.table.vars.get(var.index())
     }
 

@@ -1,10 +1,9 @@
 //! What a tick took and gave, copied.
-#![allow(non_snake_case)]
 
-use nalgebra::{Rotation3, Vector3, Vector6};
+use nalgebra::Vector6;
 
 use super::{Command, Controller, Measurement, Report, running::RunningPlugin};
-use crate::{contact::ContactState, plugin::Sample};
+use crate::{contact::SurfaceMotion, plugin::Sample};
 use wbqp_robot_model::RobotModel;
 
 /// What a tick took and gave, copied without allocation: for a log or a view that another thread writes.
@@ -31,31 +30,10 @@ pub struct Snapshot {
     pub command: Command,
     /// What it says of itself.
     pub report: Report,
-    /// Where each contact's surface is, in the configuration's order.
-    pub surfaces: Vec<ContactSurface>,
+    /// Where each contact's surface is and how it moves, in the configuration's order.
+    pub surfaces: Vec<SurfaceMotion>,
     /// What each task followed, one sample for each of its references.
     pub references: Vec<Vec<Sample>>,
-}
-
-/// A contact's surface as the controller has it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ContactSurface {
-    /// Its orientation in the world; z is the outward normal.
-    pub R_WC: Rotation3<f64>,
-    /// Origin of surface coordinates, m, world.
-    pub p_WS: Vector3<f64>,
-    /// Friction coefficient assumed.
-    pub friction: f64,
-}
-
-impl ContactSurface {
-    fn of(contact: &ContactState) -> Self {
-        Self {
-            R_WC: contact.R_WC,
-            p_WS: contact.p_WS,
-            friction: contact.friction,
-        }
-    }
 }
 
 impl Snapshot {
@@ -70,12 +48,7 @@ impl Snapshot {
             measurement: controller.measurement(),
             command: controller.command.clone(),
             report: controller.report.with_room(),
-            surfaces: controller
-                .world
-                .contacts
-                .iter()
-                .map(ContactSurface::of)
-                .collect(),
+            surfaces: controller.world.bindings.iter().map(|b| b.motion).collect(),
             references: tasks.map(samples).collect(),
         }
     }
@@ -86,8 +59,8 @@ impl Snapshot {
         self.measurement.copy_from(measurement);
         self.command.copy_from(&controller.command);
         self.report.copy_from(&controller.report);
-        for (out, contact) in self.surfaces.iter_mut().zip(&controller.world.contacts) {
-            *out = ContactSurface::of(contact);
+        for (out, binding) in self.surfaces.iter_mut().zip(&controller.world.bindings) {
+            *out = binding.motion;
         }
         for (out, plugin) in self.references.iter_mut().zip(&controller.plugins) {
             for (out, followed) in out.iter_mut().zip(&plugin.references) {

@@ -93,7 +93,8 @@ impl Controller {
         self.fallback.on_level.step(changed, measurement, last);
         self.fallback.level = level;
         self.report.level = level;
-        self.report.on_level = self.fallback.on_level;
+        self.report.level_since = self.fallback.on_level.since;
+        self.report.level_ticks = self.fallback.on_level.ticks;
         if self.recorder.is_some() {
             record_outcome(self, changed && !is_first);
         }

@@ -111,11 +111,11 @@ pub enum Hardness {
 
 /// How far the plug-in's entry is switched on.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EntryState {
+pub(crate) struct EntryState {
     /// Ramp from 0 (off) to 1 (on); the framework has applied it to the weight already.
-    pub alpha: f64,
+    pub(crate) alpha: f64,
     /// Time of the tick of the last switch, s; −∞ before.
-    pub since: f64,
+    pub(crate) since: f64,
 }
 
 impl EntryState {

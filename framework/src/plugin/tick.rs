@@ -10,8 +10,8 @@ use nalgebra::{UnitQuaternion, Vector3, Vector6};
 use crate::{
     contact::{ContactId, ContactState},
     plugin::{
-        EntryState, FrameHandle, Reference, RotationReference, RotationSample, Sample, Start,
-        VectorReference, VectorSample,
+        FrameHandle, Reference, RotationReference, RotationSample, Sample, Start, VectorReference,
+        VectorSample,
         followed::{Bound, Followed, Measured, RunningReference},
     },
 };
@@ -40,8 +40,10 @@ pub struct Tick<'a> {
     /// Estimate of the wrench on a floating base that the model does not have, `[force; moment]` about the base's
     /// origin, world axes, N and N·m; zero without an [observer](crate::settings::Observer).
     pub disturbance: Vector6<f64>,
-    /// The plug-in's own switch.
-    pub entry: EntryState,
+    /// Ramp of the plug-in's own entry, from 0 (off) to 1 (on); the framework has applied it to the weight already.
+    pub alpha: f64,
+    /// Time of the tick in which its entry was switched last, s; −∞ before.
+    pub since: f64,
     pub(crate) frames: &'a [FrameKinematics],
     pub(crate) contacts: &'a [ContactState],
     /// The plug-in's own.

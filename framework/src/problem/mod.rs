@@ -58,9 +58,9 @@ pub(crate) use relaxation::{Form, Relaxation};
 use rows::{Context, NaturalRows};
 use solution::Asked;
 pub(crate) use solution::Solved;
+pub use table::Named;
 pub(crate) use table::Table;
 use table::TorqueRow;
-pub use table::{RowInfo, VarInfo};
 
 use nalgebra::Vector6;
 

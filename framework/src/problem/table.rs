@@ -3,35 +3,19 @@
 use super::{Partition, Problem};
 use crate::qp::{RowId, VarId};
 
-/// A row of the problem: its owner, what it is of the owner's, and the unit of its value.
+/// A row of the problem, a decision variable or an error, by name: displayed as `owner.label`.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct RowInfo {
-    /// Name of the entry (or `dynamics`).
+pub struct Named {
+    /// Of a row the entry's name, or `dynamics`; of a variable `acceleration`, or the name of the actuator, the contact
+    /// or the soft entry.
     pub owner: String,
     /// Axis or quantity.
     pub label: String,
-    /// Unit of the row's value.
+    /// Unit of its value.
     pub unit: String,
 }
 
-impl std::fmt::Display for RowInfo {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{}.{}", self.owner, self.label)
-    }
-}
-
-/// A decision variable.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct VarInfo {
-    /// `acceleration`, the actuator's, the contact's or the soft entry's name.
-    pub owner: String,
-    /// Axis or quantity.
-    pub label: String,
-    /// Its unit.
-    pub unit: String,
-}
-
-impl std::fmt::Display for VarInfo {
+impl std::fmt::Display for Named {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{}.{}", self.owner, self.label)
     }
@@ -40,13 +24,13 @@ impl std::fmt::Display for VarInfo {
 /// All rows and variables that can ever appear, made once.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Table {
-    pub(crate) rows: Vec<RowInfo>,
-    pub(crate) vars: Vec<VarInfo>,
+    pub(crate) rows: Vec<Named>,
+    pub(crate) vars: Vec<Named>,
 }
 
 impl Table {
     pub(crate) fn add_row(&mut self, owner: &str, label: &str, unit: &str) -> RowId {
-        self.rows.push(RowInfo {
+        self.rows.push(Named {
             owner: owner.to_owned(),
             label: label.to_owned(),
             unit: unit.to_owned(),
@@ -55,7 +39,7 @@ impl Table {
     }
 
     pub(crate) fn add_var(&mut self, owner: &str, label: &str, unit: &str) -> VarId {
-        self.vars.push(VarInfo {
+        self.vars.push(Named {
             owner: owner.to_owned(),
             label: label.to_owned(),
             unit: unit.to_owned(),

@@ -328,7 +328,7 @@ impl Running {
         let memory = self.memory.get();
         let seen = &self.seen;
         let write = |block: &Block, values: &[f64]| memory.write(block.at, values);
-        let scalars = [tick.time, tick.period, tick.elapsed, tick.entry.alpha];
+        let scalars = [tick.time, tick.period, tick.elapsed, tick.alpha];
         write(&seen.scalars, &scalars);
         write(&seen.position, tick.state.p_WR.as_slice());
         let [x, y, z, w] = tick.state.R_WR.coords.into();

@@ -330,9 +330,7 @@ impl<'a> Text<'a> {
             change::apply(&mut root, varied.get_ref(), Whose::Variation(&left_out))
                 .map_err(|e| self.refusal(e))?;
             let mut set = case.set.clone();
-            for each in variation.overrides() {
-                set.push(each.target.clone(), &each.key, each.value.clone());
-            }
+            set.append(variation.overrides());
             let file = CaseFile {
                 name: case.name.clone(),
                 is_changed: own.is_some(),

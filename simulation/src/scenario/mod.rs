@@ -122,10 +122,7 @@ impl Scenario {
             source,
         })?;
         let directory = path.parent().unwrap_or(Path::new(""));
-        let source = SourceFile {
-            name,
-            contents,
-        };
+        let source = SourceFile { name, contents };
         Self::new(source, directory, variation.clone(), note)
     }
 

@@ -80,10 +80,7 @@ impl Variation {
     /// This one, then another.
     pub fn then(mut self, other: &Self) -> Self {
         merge(&mut self.change, &other.change);
-        for each in &other.set {
-            self.set
-                .push(each.target.clone(), &each.key, each.value.clone());
-        }
+        self.set.append(&other.set);
         self
     }
 

@@ -192,7 +192,7 @@ impl Task for ContactForce {
         let [target, ..] = tick.vector(running.reference).component(0);
         let now = Now {
             contact: contact.alpha,
-            task: tick.entry.alpha,
+            task: tick.alpha,
             target,
             measured,
             solution,

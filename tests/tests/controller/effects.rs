@@ -89,7 +89,7 @@ fn effects_are_derivatives_by_the_logarithm() {
         let effect = found(&effects, owner, "weight");
         assert_eq!(effect.kind, ParameterKind::Weight);
         let by = difference(|c, factor| {
-            let weights = c.entries().find(|e| e.name == owner).unwrap().weight;
+            let weights = c.weight(owner).unwrap();
             let weights = weights.iter().map(|w| factor * w).collect();
             c.reweight(owner, PerRow::Each(weights)).unwrap();
         });

@@ -203,9 +203,7 @@ fn perturb(
     };
     match parameter.kind {
         ParameterKind::Weight => {
-            let view = c.entries().find(|e| e.name == parameter.owner);
-            let view = view.expect("exists");
-            let mut weights = view.weight.to_vec();
+            let mut weights = c.weight(&*parameter.owner).expect("exists").to_vec();
             weights[index] += by;
             c.reweight(&parameter.owner, PerRow::Each(weights)).is_ok()
         }
@@ -308,13 +306,13 @@ fn compare(case: &Case) -> (BTreeMap<String, f64>, [usize; 2]) {
     let positions = positions(parameters);
     let mut groups: Vec<Vec<usize>> = Vec::new();
     let tied: Vec<&str> = controller
-        .entries()
+        .entry_names()
         .enumerate()
         .filter(|(entry, _)| {
             let note = Note::LargestWeight { entry: *entry };
             sensitivity.notes().contains(&note)
         })
-        .map(|(_, view)| view.name)
+        .map(|(_, name)| name)
         .collect();
     let largest = |owner: &str| {
         let own = parameters
@@ -782,11 +780,11 @@ fn who_does_not_say_what_it_remembers_is_not_asked() {
 #[test]
 fn weights_are_ranked_by_what_they_do() {
     let (controller, sensitivity) = push(Formulation::Condensed, &[AT_ONCE]).differentiated();
-    let names: Vec<&str> = controller.entries().map(|e| e.name).collect();
-    let ranking = sensitivity.ranking();
-    let weighted = controller.entries().filter(|e| {
+    let mut ranking = sensitivity.effects();
+    ranking.retain(|effect| effect.kind == ParameterKind::Weight);
+    let weighted = controller.entry_names().filter(|name| {
         let mut weights = sensitivity.parameters().iter();
-        weights.any(|p| p.kind == ParameterKind::Weight && p.owner == e.name)
+        weights.any(|p| p.kind == ParameterKind::Weight && p.owner == *name)
     });
     assert_eq!(ranking.len(), weighted.count());
     assert!(
@@ -795,10 +793,10 @@ fn weights_are_ranked_by_what_they_do() {
             .all(|pair| pair[0].effort >= pair[1].effort)
     );
     let nv = controller.report().vdot.len();
-    for influence in ranking {
+    for influence in &ranking {
         let mut sum = vec![0.0; controller.command().effort.len()];
         for (j, p) in sensitivity.parameters().iter().enumerate() {
-            if p.kind == ParameterKind::Weight && p.owner == names[influence.entry] {
+            if p.kind == ParameterKind::Weight && p.owner == influence.owner {
                 for (i, sum) in sum.iter_mut().enumerate() {
                     *sum += p.value * sensitivity.derivatives()[(nv + i, j)];
                 }

@@ -128,7 +128,7 @@ fn every_command_is_finite_and_within_bounds_and_every_rung_is_reached() {
                 report.fault.is_none(),
                 report.level == FallbackLevel::Optimal
             );
-            assert!(report.on_level.ticks > 0 && report.on_level.since.is_finite());
+            assert!(report.level_ticks > 0 && report.level_since.is_finite());
             assert!(report.level == FallbackLevel::Relaxed || report.relaxed.is_empty());
             let limits = report.conflict.iter().all(|c| c.short > 0.0);
             assert!(limits, "{}", context());

@@ -207,8 +207,8 @@ fn given_up(controller: &Controller) -> Vec<(String, f64)> {
     for relaxed in &controller.report().relaxed {
         let owner = controller.row(relaxed.row).expect("exists").owner.clone();
         match all.iter_mut().find(|(name, _)| *name == owner) {
-            Some((_, by)) => *by = by.max(relaxed.by),
-            None => all.push((owner, relaxed.by)),
+            Some((_, by)) => *by = by.max(relaxed.short),
+            None => all.push((owner, relaxed.short)),
         }
     }
     all
@@ -301,17 +301,17 @@ fn as_soon_as_it_is_feasible_the_optimum_is_back() {
         tick(&mut a, &mut b);
         let report = a.report();
         assert_eq!(
-            (report.level, report.on_level.ticks),
+            (report.level, report.level_ticks),
             (FallbackLevel::Relaxed, expected)
         );
-        assert_eq!(report.on_level.since, 0.004);
+        assert_eq!(report.level_since, 0.004);
         assert_eq!(report.status, Status::Infeasible);
     }
     a.deactivate("most").expect("exists");
     tick(&mut a, &mut b);
     let report = a.report();
     assert_eq!((report.level, report.fault), (FallbackLevel::Optimal, None));
-    assert_eq!((report.on_level.ticks, report.resolves), (1, 0));
+    assert_eq!((report.level_ticks, report.resolves), (1, 0));
     assert!(report.relaxed.is_empty() && report.conflict.is_empty() && a.explain().is_none());
     for (a, b) in a.command().effort.iter().zip(&b.command().effort) {
         assert!((a - b).abs() < 1e-9, "{a} {b}");
@@ -337,8 +337,8 @@ fn without_a_solution_the_last_is_carried_on_and_then_the_safe_law_takes_over() 
         let report = controller.tick(&measurement).1;
         levels.push(report.level);
         if tick == 10 {
-            assert_eq!(report.on_level.ticks, 3);
-            assert!((report.on_level.since - 0.032).abs() < 1e-12);
+            assert_eq!(report.level_ticks, 3);
+            assert!((report.level_since - 0.032).abs() < 1e-12);
             let text = controller.explain().expect("is not optimal").to_string();
             assert_eq!(text, "safe: measurement not finite: velocities");
         }

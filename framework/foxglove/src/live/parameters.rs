@@ -68,9 +68,8 @@ impl Parameters {
             tables: BTreeMap::new(),
             tasks: controller.task_names().map(str::to_owned).collect(),
         };
-        for entry in controller.entries() {
-            let name = entry.name;
-            let weights = entry.weight;
+        for name in controller.entry_names() {
+            let weights = controller.weight(name).unwrap_or_default();
             let is_uniform = weights.windows(2).all(|pair| pair[0] == pair[1]);
             let weight = match weights.first() {
                 Some(first) if is_uniform => Value::Number(*first),
@@ -81,7 +80,7 @@ impl Parameters {
                 let what = What::Weight(name.to_owned());
                 parameters.add(format!("{name}.weight"), what, weight);
             }
-            let active = Value::Switch(entry.is_on);
+            let active = Value::Switch(controller.is_on(name).unwrap_or_default());
             parameters.add(
                 format!("{name}.active"),
                 What::Entry(name.to_owned()),

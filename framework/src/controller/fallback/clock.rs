@@ -13,10 +13,7 @@
 //! are functions of the stamps.
 
 use super::Fallback;
-use crate::controller::{
-    Measurement,
-    report::{FallbackLevel, OnLevel},
-};
+use crate::controller::{Measurement, report::FallbackLevel};
 
 /// For how many ticks after a contradiction the next one is looked for before the optimum.
 const ALERT: u32 = 50;
@@ -88,6 +85,15 @@ impl Fallback {
     pub(in super::super) fn calm(&mut self) {
         self.since_proof = self.since_proof.saturating_add(1);
     }
+}
+
+/// Since when the controller stands on a level.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(in super::super) struct OnLevel {
+    /// As [`Report::level_since`](crate::controller::Report::level_since).
+    pub(in super::super) since: f64,
+    /// Ticks on it.
+    pub(in super::super) ticks: u64,
 }
 
 impl OnLevel {

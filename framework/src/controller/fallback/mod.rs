@@ -13,10 +13,7 @@ mod unsolved;
 
 pub(super) use clock::{Age, Clock, elapsed};
 
-use super::{
-    names::Owner,
-    report::{FallbackLevel, OnLevel},
-};
+use super::{names::Owner, report::FallbackLevel};
 use crate::{
     plugin::BoundFallbackLaw,
     problem::Relaxation,
@@ -28,7 +25,7 @@ use crate::{
 pub(super) struct Fallback {
     /// Where the last tick ended, and since when.
     pub(super) level: FallbackLevel,
-    pub(super) on_level: OnLevel,
+    pub(super) on_level: clock::OnLevel,
     pub(super) relaxation: Relaxation,
     pub(super) solver: ActiveSet,
     pub(super) solution: Solution,

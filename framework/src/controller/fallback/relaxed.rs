@@ -24,7 +24,7 @@ use super::Fallback;
 use crate::{
     controller::{
         explanation::{is_proof, write_conflict},
-        report::{RelaxedRow, Report, Side},
+        report::{LimitRow, Report, Side},
     },
     fault::Fault,
     problem::{BoundEntry, DynamicsTerms, Form, Problem},
@@ -185,11 +185,12 @@ impl Fallback {
     fn report_exceeded(&self, problem: &Problem, qp: &Qp, report: &mut Report) {
         for (row, side, limit, by) in self.relaxation.exceeded(problem, qp, &self.solution.x) {
             if report.relaxed.len() < report.relaxed.capacity() {
-                report.relaxed.push(RelaxedRow {
+                report.relaxed.push(LimitRow {
                     row,
                     side: if side < 0.0 { Side::Lower } else { Side::Upper },
                     limit,
-                    by,
+                    multiplier: 0.0,
+                    short: by,
                 });
             }
         }

@@ -81,8 +81,8 @@ impl Sensitivity {
         };
         let matters = |note: &&Note| match note {
             Note::LargestWeight { entry } => {
-                let owner = controller.entries().nth(*entry);
-                owner.is_some_and(|owner| has(ParameterKind::Weight, owner.name, "weight"))
+                let owner = controller.entry_names().nth(*entry);
+                owner.is_some_and(|owner| has(ParameterKind::Weight, owner, "weight"))
             }
             Note::Kink { parameter } => {
                 let parameter = self.parameters().get(*parameter);

@@ -32,7 +32,7 @@ mod workspace;
 pub use effect::Effect;
 pub use notes::{Note, SensitivityError};
 pub use parameters::{Parameter, ParameterKind};
-pub use table::{Influence, Sensitivity};
+pub use table::Sensitivity;
 
 pub(super) use before::Before;
 
@@ -119,7 +119,6 @@ impl Sensitivity {
         self.notes
             .extend(unknown.map(|entry| Note::Unknown { entry }));
         self.time = Some(controller.report.time);
-        self.rank();
         Ok(())
     }
 }

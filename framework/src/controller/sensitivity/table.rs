@@ -9,7 +9,7 @@ use super::{
     Before, Note, Parameter, ParameterKind, Workspace,
     parameters::{self, Change},
 };
-use crate::problem::VarInfo;
+use crate::problem::Named;
 
 /// Derivatives of a tick's optimum, in storage made once for a controller and filled by
 /// [`Controller::sensitivity`](crate::Controller::sensitivity). Displayed as a table, a line per parameter.
@@ -21,10 +21,10 @@ pub struct Sensitivity {
     pub(super) work: Workspace,
     /// The tick's time stamp.
     pub(super) time: Option<f64>,
-    pub(super) outputs: Vec<VarInfo>,
+    pub(super) outputs: Vec<Named>,
     pub(super) parameters: Vec<Parameter>,
     pub(super) derivatives: DMatrix<f64>,
-    pub(super) error_rows: Vec<VarInfo>,
+    pub(super) error_rows: Vec<Named>,
     pub(super) errors: DMatrix<f64>,
     pub(super) notes: Vec<Note>,
     pub(super) mismatch: f64,
@@ -34,21 +34,6 @@ pub struct Sensitivity {
     rows: Vec<String>,
     /// Accelerations and efforts.
     counts: [usize; 2],
-    ranking: Vec<Influence>,
-    /// Room for one entry's.
-    sum: Vec<f64>,
-}
-
-/// How much the weight of a task, or of a softened constraint, moves the efforts.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Influence {
-    /// Position among all entries: tasks, then constraints.
-    pub entry: usize,
-    /// `‖∂u/∂ ln w‖`, all its rows' weights growing by the same factor: a weight that is 1 % larger moves the efforts
-    /// by a hundredth of that, N and N·m.
-    pub effort: f64,
-    /// The actuator that moves most.
-    pub strongest: usize,
 }
 
 impl Sensitivity {
@@ -62,12 +47,11 @@ impl Sensitivity {
         controller.before = Some(before);
         let physical = work.columns.physical;
         let counts = [work.columns.nv, work.columns.nu];
-        let entries = controller.entries.len();
         let rows = controller.table.rows.iter().map(ToString::to_string);
         let tasks = controller.entries.iter().filter(|entry| entry.is_task);
-        let error_rows: Vec<VarInfo> = tasks
+        let error_rows: Vec<Named> = tasks
             .flat_map(|task| {
-                task.layout.rows.iter().map(|row| VarInfo {
+                task.layout.rows.iter().map(|row| Named {
                     owner: task.name.clone(),
                     label: row.label.clone(),
                     unit: task.layout.error_unit.clone(),
@@ -90,8 +74,6 @@ impl Sensitivity {
             entries: controller.entries.iter().map(|e| e.name.clone()).collect(),
             rows: rows.collect(),
             counts,
-            ranking: Vec::with_capacity(entries),
-            sum: vec![0.0; counts[1]],
         };
         made.reserve();
         made
@@ -117,48 +99,8 @@ impl Sensitivity {
     pub(super) fn forget(&mut self) {
         self.time = None;
         self.notes.clear();
-        self.ranking.clear();
         self.derivatives.fill(0.0);
         self.errors.fill(0.0);
-    }
-
-    /// Sorts entries by what their weights do.
-    pub(super) fn rank(&mut self) {
-        self.ranking.clear();
-        let [nv, nu] = self.counts;
-        for entry in 0..self.entries.len() {
-            self.sum.fill(0.0);
-            let mut is_there = false;
-            for (j, change) in self.work.changes.iter().enumerate() {
-                let Change::Weight { entry: owner, .. } = change else {
-                    continue;
-                };
-                if *owner != entry {
-                    continue;
-                }
-                is_there = true;
-                let column = self.derivatives.column(j);
-                for (sum, slope) in self.sum.iter_mut().zip(column.rows(nv, nu).iter()) {
-                    *sum += self.parameters[j].value * slope;
-                }
-            }
-            if !is_there {
-                continue;
-            }
-            let mut strongest = 0;
-            for (i, slope) in self.sum.iter().enumerate() {
-                if slope.abs() > self.sum[strongest].abs() {
-                    strongest = i;
-                }
-            }
-            self.ranking.push(Influence {
-                entry,
-                effort: self.sum.iter().map(|x| x * x).sum::<f64>().sqrt(),
-                strongest,
-            });
-        }
-        self.ranking
-            .sort_unstable_by(|a, b| b.effort.total_cmp(&a.effort).then(a.entry.cmp(&b.entry)));
     }
 
     /// Time stamp of the tick that it is of, s; nothing before the first, and after an error.
@@ -168,7 +110,7 @@ impl Sensitivity {
 
     /// What is differentiated, a row each: accelerations, then efforts, then the constrained components of all
     /// contacts' forces, those of contacts that are off included.
-    pub fn outputs(&self) -> &[VarInfo] {
+    pub fn outputs(&self) -> &[Named] {
         &self.outputs
     }
 
@@ -200,7 +142,7 @@ impl Sensitivity {
     }
 
     /// The errors of all tasks, a row each, in their order.
-    pub fn error_rows(&self) -> &[VarInfo] {
+    pub fn error_rows(&self) -> &[Named] {
         &self.error_rows
     }
 
@@ -219,11 +161,6 @@ impl Sensitivity {
     /// Where the optimum is not differentiable.
     pub fn notes(&self) -> &[Note] {
         &self.notes
-    }
-
-    /// Which weights matter in this tick: tasks and softened constraints, those that move the efforts most first.
-    pub fn ranking(&self) -> &[Influence] {
-        &self.ranking
     }
 
     /// The largest difference between the optimum that the derivatives are taken at and that of the tick, as a share
@@ -257,7 +194,7 @@ impl Sensitivity {
     }
 
     /// The row in which a column's number is largest, among some rows.
-    fn largest(&self, column: usize, rows: std::ops::Range<usize>) -> Option<(f64, &VarInfo)> {
+    fn largest(&self, column: usize, rows: std::ops::Range<usize>) -> Option<(f64, &Named)> {
         let numbers = rows.map(|i| (self.derivatives[(i, column)], &self.outputs[i]));
         let found = numbers.max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
         found.filter(|(slope, _)| *slope != 0.0)
@@ -280,18 +217,11 @@ impl fmt::Display for Sensitivity {
         }
         writeln!(f, "  weight of, by |∂u/∂ ln w|:")?;
         let [nv, nu] = self.counts;
-        for Influence {
-            entry,
-            effort,
-            strongest,
-        } in &self.ranking
-        {
-            let most = self.outputs.get(nv + strongest).map_or("", |o| &o.owner);
-            writeln!(
-                f,
-                "    {:<24} {effort:>11.4e}  most: {most}",
-                self.entries[*entry]
-            )?;
+        let weights = self.effects().into_iter();
+        for effect in weights.filter(|effect| effect.kind == ParameterKind::Weight) {
+            let most = effect.strongest[1].map_or("", |(output, _)| &self.outputs[output].owner);
+            let (owner, effort) = (&effect.owner, effect.effort);
+            writeln!(f, "    {owner:<24} {effort:>11.4e}  most: {most}")?;
         }
         let total = self.outputs.len();
         let blocks = [("v̇", 0..nv), ("u", nv..nv + nu), ("f", nv + nu..total)];
