@@ -1,6 +1,6 @@
 //! The registry as a page of the documentation.
 
-use wbqp::registry::{Listing, Parameter, PluginInfo};
+use wbqp::registry::{Parameter, PluginInfo};
 // The plug-ins that the page is about.
 use wbqp_robots as _;
 use wbqp_tasks as _;
@@ -26,30 +26,33 @@ const KINDS: [(&str, &str); 6] = [
 ];
 
 /// The page.
-pub fn markdown(listing: &Listing) -> String {
+pub fn markdown(plugins: &[PluginInfo]) -> String {
     let mut page = HEAD.to_owned();
     for (kind, title) in KINDS {
         page.push_str(&format!("\n## {title}\n\n"));
-        let has_equations = listing
-            .of_kind(kind)
-            .any(|plugin| plugin.equations().next().is_some());
-        page.push_str(&overview(listing, kind, has_equations));
-        for plugin in listing.of_kind(kind) {
+        let has_equations =
+            of_kind(plugins, kind).any(|plugin| plugin.equations().next().is_some());
+        page.push_str(&overview(plugins, kind, has_equations));
+        for plugin in of_kind(plugins, kind) {
             page.push_str(&section(plugin));
         }
     }
     page
 }
 
+fn of_kind<'a>(plugins: &'a [PluginInfo], kind: &'a str) -> impl Iterator<Item = &'a PluginInfo> {
+    plugins.iter().filter(move |plugin| plugin.kind == kind)
+}
+
 /// One row per plug-in.
-fn overview(listing: &Listing, kind: &str, has_equations: bool) -> String {
+fn overview(plugins: &[PluginInfo], kind: &str, has_equations: bool) -> String {
     let (head, line) = if has_equations {
         ("| `type` | | equations |", "|---|---|---|")
     } else {
         ("| `type` | |", "|---|---|")
     };
     let mut table = format!("{head}\n{line}\n");
-    for plugin in listing.of_kind(kind) {
+    for plugin in of_kind(plugins, kind) {
         let tag = plugin.tag;
         table.push_str(&format!(
             "| [`{tag}`](#{tag}) | {} |",

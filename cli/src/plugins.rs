@@ -30,7 +30,7 @@ impl Arguments {
         let listing = wbqp::registry();
         let text = match self.format {
             Format::Markdown => plugin_table::markdown(&listing),
-            Format::Text => listing.to_string(),
+            Format::Text => listing.iter().map(ToString::to_string).collect(),
         };
         write!(std::io::stdout(), "{text}")?;
         Ok(())

@@ -30,7 +30,7 @@ impl Arguments {
     /// A file that is no dump, a tick that it does not have, a configuration that is refused.
     pub fn run(&self) -> Result<ExitCode> {
         let dump = wbqp_replay::load(&self.file)?;
-        let last = dump.records.len();
+        let last = dump.len();
         let tick = self.tick.unwrap_or(last);
         let index = tick.checked_sub(1).filter(|&i| i < last);
         let index =

@@ -42,7 +42,7 @@ pub use crate::{
     plugin::{
         AnyReference, Constraint, ConstraintLayout, ConstraintRows, Displacement, FallbackLaw,
         FrameHandle, Layout, MotionRow, PerRow, Reference, Remembered, RotationReference, Rows,
-        Sample, Setup, Slopes, Space, Start, Task, Tick, VectorReference,
+        Sample, Setup, Slopes, Space, Task, Tick, VectorReference,
     },
 };
 pub use wbqp_dynamics::{

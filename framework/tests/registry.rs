@@ -23,7 +23,7 @@ impl Reference for First {
     fn bind(&self, _: Space) -> Result<(), BindError> {
         Ok(())
     }
-    fn start(&self, (): &mut (), _: &Start<'_>) {}
+    fn start(&self, (): &mut (), _: f64, _: &Sample) {}
     fn sample(&self, (): &mut (), _: &Tick<'_>, _: &mut Sample) {}
 }
 
@@ -32,7 +32,7 @@ impl Reference for Second {
     fn bind(&self, _: Space) -> Result<(), BindError> {
         Ok(())
     }
-    fn start(&self, (): &mut (), _: &Start<'_>) {}
+    fn start(&self, (): &mut (), _: f64, _: &Sample) {}
     fn sample(&self, (): &mut (), _: &Tick<'_>, _: &mut Sample) {}
 }
 

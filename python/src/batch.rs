@@ -11,10 +11,7 @@ use pyo3::{
     types::{PyDict, PyEllipsis},
 };
 use rayon::prelude::*;
-use wbqp::{
-    config::ControllerError,
-    controller::{FallbackLevel, RequestError},
-};
+use wbqp::controller::{FallbackLevel, RequestError};
 
 use crate::{
     config::{self, Source},
@@ -213,10 +210,7 @@ impl Batch {
         let robot = first.robot().clone();
         let more = py.detach(|| {
             let one = |_| {
-                let config = source
-                    .load()
-                    .map_err(ControllerError::from)?
-                    .without_record();
+                let config = source.load()?.without_record();
                 wbqp::Controller::with_robot(config, robot.clone())
             };
             threads.install(|| {

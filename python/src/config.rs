@@ -10,7 +10,7 @@ use pyo3::{
 };
 use wbqp::{
     ControllerConfig,
-    config::{ConfigErrors, ControllerError, Overrides},
+    config::{ConfigErrors, Overrides},
     plugin::{AnyReference, PerRow},
 };
 
@@ -207,8 +207,7 @@ impl Source {
     pub(crate) fn controller(&self, py: Python<'_>) -> PyResult<wbqp::Controller> {
         // What nobody asked for until now is of something else.
         let _ = plugin::cause();
-        let config = self.load().map_err(ControllerError::from);
-        let controller = config.and_then(wbqp::Controller::new);
+        let controller = self.load().and_then(wbqp::Controller::new);
         controller.map_err(|error| refused(py, &error))
     }
 }
@@ -247,12 +246,8 @@ pub(crate) fn reference(reference: &Bound<'_, PyAny>) -> PyResult<Box<dyn AnyRef
 }
 
 /// `ConfigError` with everything that is wrong.
-pub(crate) fn refused(py: Python<'_>, error: &ControllerError) -> PyErr {
-    let errors = match error {
-        ControllerError::Config(errors) => list(py, errors),
-        other => lines(py, &other.to_string()),
-    };
-    errors
+pub(crate) fn refused(py: Python<'_>, errors: &ConfigErrors) -> PyErr {
+    list(py, errors)
         .and_then(|errors| raise(py, &errors))
         .unwrap_or_else(|error| error)
 }

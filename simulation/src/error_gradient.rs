@@ -21,7 +21,7 @@
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use wbqp::{
-    controller::{Controller, ParameterKind, Sensitivity, SensitivityError, Snapshot},
+    controller::{Controller, ParameterKind, RequestError, Sensitivity, Snapshot},
     model::Base,
 };
 use wbqp_log::{LogError, LogSink, TrueContact};
@@ -176,11 +176,7 @@ impl Along {
     }
 
     /// What the tick's errors say, with the states as far as they have moved; then moves them on.
-    fn tick(
-        &mut self,
-        controller: &mut Controller,
-        rows: &[usize],
-    ) -> Result<Tick, SensitivityError> {
+    fn tick(&mut self, controller: &mut Controller, rows: &[usize]) -> Result<Tick, RequestError> {
         controller.sensitivity(&mut self.sensitivity)?;
         let (all, errors) = (self.sensitivity.derivatives(), self.sensitivity.errors());
         let report = controller.report();

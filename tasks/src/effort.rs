@@ -28,7 +28,7 @@ impl Efforts {
         let desired = tick.vector(self.reference);
         for (k, actuator) in self.actuators.iter().enumerate() {
             let [wanted, ..] = desired.component(k);
-            let sent = tick.last.effort.get(actuator.index());
+            let sent = tick.last_effort.get(actuator.index());
             rows.b()[k] = wanted;
             rows.error()[k] = sent.copied().unwrap_or(0.0) - wanted;
         }

@@ -1,7 +1,7 @@
 //! What matters in a tick: which weights and gains move the command, which limits hold it.
 
 use wbqp::{
-    controller::{Controller, Effect, LimitRow, Sensitivity, SensitivityError},
+    controller::{Controller, Effect, LimitRow, RequestError, Sensitivity},
     serde_json::{Value, json},
 };
 
@@ -21,7 +21,7 @@ const NEGLIGIBLE: f64 = 1e-6;
 /// * `notes`: where the optimum is not differentiable, in words
 pub(crate) fn tell(controller: &mut Controller, sensitivity: &mut Sensitivity) -> Value {
     let refused = match controller.sensitivity(sensitivity) {
-        Ok(()) | Err(SensitivityError::NotKept) => None,
+        Ok(()) | Err(RequestError::NotKept) => None,
         Err(error) => Some(error.to_string()),
     };
     let mut effects = sensitivity.effects();

@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::Result;
 use wbqp::{
     ControllerConfig,
-    config::{ControllerError, Overrides, Plan},
+    config::{ConfigError, ConfigErrorKind, ConfigErrors, Overrides, Plan},
     controller::Memory,
     robot::RobotModel,
 };
@@ -146,7 +146,7 @@ fn with_config(
             });
         }
         // The robot is sound, there is only nothing that a controller could do.
-        Err(ControllerError::Config(errors)) if kind == Subject::Urdf => {
+        Err(errors) if kind == Subject::Urdf => {
             let messages = errors.iter().map(|error| error.message.clone());
             examination.remark = Some(messages.collect::<Vec<_>>().join("; "));
         }
@@ -168,10 +168,13 @@ fn lines(error: &impl std::fmt::Display) -> Vec<String> {
 }
 
 /// Errors of a robot's own files stand alone; where a controller names them, its place is told too.
-fn robot_lines(error: &ControllerError, kind: Subject) -> Vec<String> {
-    match error {
-        ControllerError::Robot { source, .. } if kind == Subject::Urdf => lines(source),
-        other => lines(other),
+fn robot_lines(errors: &ConfigErrors, kind: Subject) -> Vec<String> {
+    let is_own = |error: &ConfigError| error.kind == ConfigErrorKind::Robot;
+    if kind == Subject::Urdf && errors.iter().all(is_own) {
+        let messages = errors.iter().flat_map(|error| error.message.lines());
+        messages.map(str::to_owned).collect()
+    } else {
+        lines(errors)
     }
 }
 

@@ -37,9 +37,9 @@ impl Reference for FigureEight {
         Ok(Begin::default())
     }
 
-    fn start(&self, begin: &mut Begin, start: &Start<'_>) {
-        if let Sample::Vector(from) = start.from {
-            begin.time = start.time;
+    fn start(&self, begin: &mut Begin, time: f64, from: &Sample) {
+        if let Sample::Vector(from) = from {
+            begin.time = time;
             begin.centre = from.value3();
         }
     }

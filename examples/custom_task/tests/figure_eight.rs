@@ -1,12 +1,12 @@
 //! The reference, as a task follows it: the measured position is held, so the task's error is where the figure is not.
 
 use pointing as _;
-use wbqp::{Controller, ControllerConfig, Measurement, config::ControllerError};
+use wbqp::{Controller, ControllerConfig, Measurement, config::ConfigErrors};
 use {wbqp_robots as _, wbqp_tasks as _};
 
 const PERIOD: f64 = 4.0;
 
-fn controller(task: &str, reference: &str) -> Result<Controller, ControllerError> {
+fn controller(task: &str, reference: &str) -> Result<Controller, ConfigErrors> {
     let text = format!(
         "[controller]\nrate = 250.0\n[robot]\ntype = 'othex'\n\
          [[task]]\nname = 'base'\ntype = '{task}'\nweight = 1.0\nkp = 9.0\nkd = 6.0\n\

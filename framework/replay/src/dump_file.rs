@@ -3,7 +3,7 @@
 use std::{fs, io, path::Path};
 
 use wbqp::{
-    config::{ConfigErrors, ControllerError},
+    config::ConfigErrors,
     controller::{Dump, RequestError},
     input,
 };
@@ -38,10 +38,10 @@ pub enum DumpError {
     },
     /// The configuration in it is refused, by a program that does not link its plug-ins for example.
     #[error("the dump's configuration: {0}")]
-    Refused(#[from] ConfigErrors),
+    Refused(ConfigErrors),
     /// The controller cannot be made.
     #[error("the dump's controller: {0}")]
-    Controller(#[from] ControllerError),
+    Controller(ConfigErrors),
     /// The controller cannot record its ticks.
     #[error(transparent)]
     Unrecordable(#[from] RequestError),

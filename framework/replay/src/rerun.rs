@@ -2,10 +2,7 @@
 
 use std::{collections::BTreeMap, fmt, path::Path};
 
-use wbqp::{
-    Controller, ControllerConfig,
-    controller::{Dump, Record},
-};
+use wbqp::{Controller, ControllerConfig, controller::Dump};
 
 use crate::DumpError;
 
@@ -47,37 +44,37 @@ impl fmt::Display for Difference {
 /// [`DumpError`] if the controller cannot be made from what is in the dump, or the record does not fit it.
 pub fn rerun(dump: &Dump, index: usize, directory: Option<&Path>) -> Result<Replayed, DumpError> {
     let misfit = |what: String| DumpError::Misfit { index, what };
-    let record = dump.records.get(index).ok_or_else(|| {
+    let recorded = dump.outcome(index).ok_or_else(|| {
         misfit(format!(
             "there are {} records, it does not fit the configuration",
-            dump.records.len()
+            dump.len()
         ))
     })?;
-    let config = ControllerConfig::from_dump(dump, directory)?;
-    let mut controller = Controller::new(config)?.with_recorder(1)?;
+    let config = ControllerConfig::from_dump(dump, directory).map_err(DumpError::Refused)?;
+    let controller = Controller::new(config).map_err(DumpError::Controller)?;
+    let mut controller = controller.with_recorder(1)?;
     for (is, was) in controller.robot().sources.iter().zip(&dump.robot) {
         if is.contents != was.contents {
             return Err(DumpError::OtherRobot(was.name.clone()));
         }
     }
     controller
-        .rerun(record)
+        .rerun(dump, index)
         .map_err(|error| misfit(error.to_string()))?;
-    let again = controller.dump().map(|dump| dump.records);
-    let differences = match again.as_deref() {
-        Some([again]) => differences(record, again),
-        _ => Vec::new(),
-    };
+    let again = controller.dump().and_then(|dump| dump.outcome(0));
+    let differences = again.map_or_else(Vec::new, |again| differences(recorded, again));
     Ok(Replayed {
         controller,
         differences,
     })
 }
 
+type Outcome = Vec<(String, String)>;
+
 /// Numbers and words by name; what only one of the two has counts as none.
-fn differences(recorded: &Record, again: &Record) -> Vec<Difference> {
-    let again: BTreeMap<String, String> = again.outcome().into_iter().collect();
-    let pairs = recorded.outcome().into_iter().filter_map(|(what, was)| {
+fn differences(recorded: Outcome, again: Outcome) -> Vec<Difference> {
+    let again: BTreeMap<String, String> = again.into_iter().collect();
+    let pairs = recorded.into_iter().filter_map(|(what, was)| {
         let is = again.get(&what).filter(|is| **is != was)?;
         Some(Difference {
             what,

@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
-use super::{ControllerConfig, ControllerError, Keeping, origin::Origin};
+use super::{
+    ConfigError, ConfigErrorKind, ConfigErrors, ControllerConfig, Keeping, origin::Origin,
+};
 use crate::controller::{Bound, Controller, MadeFrom, Memory, Misfit, Parts};
 use wbqp_robot_model::{RobotError, RobotModel};
 
@@ -10,29 +12,31 @@ impl ControllerConfig {
     /// Loads the robot.
     ///
     /// # Errors
-    /// [`ControllerError::Robot`] with the place in the configuration's file, if there is one.
-    pub fn load_robot(&self) -> Result<RobotModel, ControllerError> {
+    /// Everything that is wrong with it, each with the place of its cause in the configuration's file: the key, or the
+    /// table `[robot]`.
+    pub fn load_robot(&self) -> Result<RobotModel, ConfigErrors> {
         self.robot.load(&self.directory).map_err(|error| {
             let origin = Origin::new(self.source.clone(), self.overrides.clone());
-            let places = match &error {
-                RobotError::Several { errors } => {
-                    errors.iter().map(|e| origin.robot_place(e)).collect()
-                }
-                one => vec![origin.robot_place(one)],
+            let errors = match error {
+                RobotError::Several { errors } => errors,
+                one => vec![one],
             };
-            ControllerError::Robot {
-                tag: self.robot.typetag_name().to_owned(),
-                places,
-                source: Box::new(error),
-            }
+            let tag = self.robot.typetag_name();
+            let of_robot = |error: &RobotError| ConfigError {
+                kind: ConfigErrorKind::Robot,
+                place: origin.robot_place(error),
+                subject: format!("robot ({tag})"),
+                message: error.to_string(),
+            };
+            ConfigErrors::new(errors.iter().map(of_robot).collect())
         })
     }
 
     /// Makes the controller; the same as [`Controller::new`].
     ///
     /// # Errors
-    /// [`ControllerError`]: everything that is wrong, as for a file, by name and key instead of line.
-    pub fn build(self) -> Result<Controller, ControllerError> {
+    /// Everything that is wrong, as for a file, by name and key instead of line.
+    pub fn build(self) -> Result<Controller, ConfigErrors> {
         Controller::new(self)
     }
 
@@ -52,16 +56,16 @@ impl Controller {
     /// Makes the controller that a file describes.
     ///
     /// # Errors
-    /// [`ControllerError`]: all mistakes of the file, the robot, or everything that does not fit it.
-    pub fn from_file(path: impl AsRef<Path>) -> Result<Self, ControllerError> {
+    /// All mistakes of the file, the robot, or everything that does not fit it.
+    pub fn from_file(path: impl AsRef<Path>) -> Result<Self, ConfigErrors> {
         Self::new(ControllerConfig::from_file(path)?)
     }
 
     /// Makes a controller. This is where everything is allocated.
     ///
     /// # Errors
-    /// [`ControllerError`]: the robot, or everything that does not fit it.
-    pub fn new(config: ControllerConfig) -> Result<Self, ControllerError> {
+    /// What is wrong with the robot, or everything that does not fit it.
+    pub fn new(config: ControllerConfig) -> Result<Self, ConfigErrors> {
         let robot = config.load_robot()?;
         Self::with_robot(config, robot)
     }
@@ -73,11 +77,8 @@ impl Controller {
     /// lowest of them touches.
     ///
     /// # Errors
-    /// [`ControllerError::Config`]: everything that does not fit the robot.
-    pub fn with_robot(
-        config: ControllerConfig,
-        robot: RobotModel,
-    ) -> Result<Self, ControllerError> {
+    /// Everything that does not fit the robot.
+    pub fn with_robot(config: ControllerConfig, robot: RobotModel) -> Result<Self, ConfigErrors> {
         Plan::new(config, robot)?.make()
     }
 }
@@ -95,9 +96,9 @@ impl Plan {
     /// Binds tasks and constraints to a robot that is there already; the configuration's own is not loaded.
     ///
     /// # Errors
-    /// [`ControllerError::Config`]: everything that does not fit the robot, and what takes more than
+    /// Everything that does not fit the robot, and what takes more than
     /// [`Settings::max_memory`](crate::settings::Settings::max_memory).
-    pub fn new(config: ControllerConfig, mut robot: RobotModel) -> Result<Self, ControllerError> {
+    pub fn new(config: ControllerConfig, mut robot: RobotModel) -> Result<Self, ConfigErrors> {
         let made_from = config.made_from();
         robot.diagnostics.extend(config.warnings);
         let parts = Parts {
@@ -126,13 +127,13 @@ impl Plan {
     /// Makes the controller. This is where everything is allocated.
     ///
     /// # Errors
-    /// [`ControllerError::Config`]: a solver that refuses, a robot that does not hover.
-    pub fn make(self) -> Result<Controller, ControllerError> {
+    /// A solver that refuses, a robot that does not hover.
+    pub fn make(self) -> Result<Controller, ConfigErrors> {
         let Self { bound, origin } = self;
         bound.make().map_err(|misfits| refused(&origin, misfits))
     }
 }
 
-fn refused(origin: &Origin, misfits: Vec<Misfit>) -> ControllerError {
-    origin.errors(misfits).into()
+fn refused(origin: &Origin, misfits: Vec<Misfit>) -> ConfigErrors {
+    origin.errors(misfits)
 }

@@ -46,6 +46,8 @@ pub enum ConfigErrorKind {
     Override,
     /// What does not fit the robot in another way.
     Misfit,
+    /// The robot's own files or options are refused.
+    Robot,
     /// Nothing carries the robot at the start, or its rotors cannot.
     Hover,
     /// The linked plug-ins contradict one another or the framework: a mistake in code, not in the file.

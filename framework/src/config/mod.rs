@@ -29,7 +29,6 @@
 
 mod build;
 mod compose;
-mod controller_error;
 mod document;
 mod entry;
 mod error;
@@ -55,7 +54,6 @@ use crate::{
 use wbqp_robot_model::{Diagnostic, Robot, SourceFile};
 
 pub use build::Plan;
-pub use controller_error::ControllerError;
 pub use error::{ConfigError, ConfigErrorKind, ConfigErrors};
 pub use expand::{ImpliedValue, expand};
 pub use overrides::Overrides;

@@ -9,7 +9,7 @@
 //! contact whose `force_max` is larger is taken at its word.
 
 use super::Measurement;
-use crate::{contact::ContactSpec, fault::Implausible, settings::MeasurementLimits};
+use crate::{contact::ContactSpec, fault::Fault, settings::MeasurementLimits};
 use wbqp_dynamics::{
     actuator::ActuatorKind,
     model::{Joint, JointKind, Model},
@@ -149,7 +149,7 @@ impl Plausible {
     }
 
     /// What of the speeds and forces is not plausible.
-    pub(super) fn in_itself(&self, measurement: &Measurement) -> Option<Implausible> {
+    pub(super) fn in_itself(&self, measurement: &Measurement) -> Option<Fault> {
         self.speeds(measurement)
             .or_else(|| self.forces(measurement))
     }

@@ -2,6 +2,7 @@
 
 use std::any::type_name;
 
+use super::FallbackLevel;
 use crate::error::BindError;
 
 /// Why a running controller could not do what was asked.
@@ -30,9 +31,19 @@ pub enum RequestError {
         /// The Rust type asked for, without its path.
         asked: &'static str,
     },
-    /// The id was made by another controller.
-    #[error("this id of an entry is another controller's")]
+    /// An id, or storage for derivatives, was made by another controller.
+    #[error("this was made for another controller")]
     OtherController,
+    /// No derivatives: there was no tick since [`Sensitivity::new`](super::Sensitivity::new).
+    #[error("there was no tick since what it begins with is kept")]
+    NotKept,
+    /// No derivatives: the last tick has no optimum, or the command is not it.
+    #[error("the last tick did not end with an optimum: its level is `{}`", .0.as_str())]
+    NoOptimum(FallbackLevel),
+    /// No derivatives: the lines that are active do not determine the optimum, several limits come together in one
+    /// place.
+    #[error("the active limits do not determine the optimum")]
+    Degenerate,
     /// The controller's configuration cannot be written as TOML, so that its ticks cannot be run again.
     #[error("the configuration cannot be saved: {problem}")]
     Unrecordable {

@@ -19,7 +19,7 @@ use nalgebra::{UnitQuaternion, Vector6};
 use super::bounds::Plausible;
 use crate::{
     contact::ContactId,
-    fault::{Fault, Implausible, Measured, Quantity},
+    fault::{Fault, Quantity},
 };
 use wbqp_dynamics::{model::JointId, state::State};
 use wbqp_robot_model::RobotModel;
@@ -100,9 +100,7 @@ impl Plausible {
         if fault.is_none() {
             self.seen.gap = 0.0;
         }
-        fault
-            .or_else(|| self.forces(measurement))
-            .map(Fault::Implausible)
+        fault.or_else(|| self.forces(measurement))
     }
 
     /// Takes down that the robot is seen now; for how long it was not since the last usable measurement, if there was
@@ -113,33 +111,33 @@ impl Plausible {
         Some(self.seen.gap.max(self.period))
     }
 
-    pub(super) fn speeds(&self, measurement: &Measurement) -> Option<Implausible> {
+    pub(super) fn speeds(&self, measurement: &Measurement) -> Option<Fault> {
         let v = measurement.state.v.as_slice();
         let (base, joints) = split(v, measurement.state.q.len());
         let base = base.and_then(|[linear, angular]| {
-            let fault = beyond(Measured::LinearVelocity, norm(linear), self.velocity[0]);
-            fault.or_else(|| beyond(Measured::AngularVelocity, norm(angular), self.velocity[1]))
+            let fault = beyond(Quantity::LinearVelocity, norm(linear), self.velocity[0]);
+            fault.or_else(|| beyond(Quantity::AngularVelocity, norm(angular), self.velocity[1]))
         });
         if base.is_some() {
             return base;
         }
         let joints = joints.iter().zip(&self.joints).enumerate();
         let mut joints = joints.filter_map(|(i, (v, bounds))| {
-            let joint = Measured::JointVelocity(JointId::new(i));
+            let joint = Quantity::JointVelocity(JointId::new(i));
             beyond(joint, v.abs(), bounds.velocity)
         });
         joints.next()
     }
 
-    pub(super) fn forces(&self, measurement: &Measurement) -> Option<Implausible> {
+    pub(super) fn forces(&self, measurement: &Measurement) -> Option<Fault> {
         let wrenches = measurement.wrenches.iter().zip(&self.wrenches).enumerate();
         let mut wrenches = wrenches.filter_map(|(i, (wrench, [most_force, most_moment]))| {
             let contact = ContactId(i as u32);
             let [fx, fy, fz, mx, my, mz] = <[f64; 6]>::from(*wrench);
             let force = norm([fx, fy, fz]);
-            beyond(Measured::Force(contact), force, *most_force).or_else(|| {
+            beyond(Quantity::Force(contact), force, *most_force).or_else(|| {
                 let moment = norm([mx, my, mz]);
-                beyond(Measured::Moment(contact), moment, *most_moment)
+                beyond(Quantity::Moment(contact), moment, *most_moment)
             })
         });
         wrenches.next()
@@ -147,7 +145,7 @@ impl Plausible {
 
     /// What has changed too much since a state that is `passed` seconds old, of which the robot was not seen for so
     /// many.
-    fn since(&self, now: &State, last: &State, [unseen, passed]: [f64; 2]) -> Option<Implausible> {
+    fn since(&self, now: &State, last: &State, [unseen, passed]: [f64; 2]) -> Option<Fault> {
         let periods = unseen / self.period;
         // Nothing in an ordinary tick.
         let seen = 2.0 * (passed - unseen);
@@ -158,9 +156,9 @@ impl Plausible {
             self.jump[i] * periods + seen * now.max(before)
         };
         let jump = norm((now.p_WR - last.p_WR).into());
-        let fault = beyond(Measured::PositionJump, jump, most(0)).or_else(|| {
+        let fault = beyond(Quantity::PositionJump, jump, most(0)).or_else(|| {
             let now = UnitQuaternion::new_normalize(*now.R_WR);
-            beyond(Measured::RotationJump, last.R_WR.angle_to(&now), most(1))
+            beyond(Quantity::RotationJump, last.R_WR.angle_to(&now), most(1))
         });
         if fault.is_some() {
             return fault;
@@ -171,9 +169,9 @@ impl Plausible {
         let fault = joints.find_map(|(i, (((q, q_before), (v, v_before)), bounds))| {
             let joint = JointId::new(i);
             let most = bounds.jump * periods + seen * v.abs().max(v_before.abs());
-            beyond(Measured::JointJump(joint), (q - q_before).abs(), most).or_else(|| {
+            beyond(Quantity::JointJump(joint), (q - q_before).abs(), most).or_else(|| {
                 let rate = (v - v_before).abs() / passed;
-                let joint = Measured::JointAcceleration(joint);
+                let joint = Quantity::JointAcceleration(joint);
                 beyond(joint, rate, bounds.acceleration)
             })
         });
@@ -181,14 +179,14 @@ impl Plausible {
             return fault;
         };
         let rate = |i: usize| norm(from_fn(|k| base[i][k] - base_before[i][k])) / passed;
-        let linear = || beyond(Measured::LinearAcceleration, rate(0), self.acceleration[0]);
-        let angular = || beyond(Measured::AngularAcceleration, rate(1), self.acceleration[1]);
+        let linear = || beyond(Quantity::LinearAcceleration, rate(0), self.acceleration[0]);
+        let angular = || beyond(Quantity::AngularAcceleration, rate(1), self.acceleration[1]);
         fault.or_else(linear).or_else(angular)
     }
 }
 
-fn beyond(quantity: Measured, value: f64, limit: f64) -> Option<Implausible> {
-    (value > limit).then_some(Implausible {
+fn beyond(quantity: Quantity, value: f64, limit: f64) -> Option<Fault> {
+    (value > limit).then_some(Fault::Implausible {
         quantity,
         value,
         limit,

@@ -44,9 +44,9 @@ pub use memory::Memory;
 pub use names::Names;
 pub use planned_force::PlannedForce;
 pub use probe::{Probe, ProbeInputs, WrittenRows};
-pub use record::{Dump, Record};
+pub use record::Dump;
 pub use report::{ContactReport, FallbackLevel, LimitRow, Report, Side, TaskReport};
-pub use sensitivity::{Effect, Note, Parameter, ParameterKind, Sensitivity, SensitivityError};
+pub use sensitivity::{Effect, Note, Parameter, ParameterKind, Sensitivity};
 pub use snapshot::Snapshot;
 
 pub(crate) use bind::{Bound, Parts};

@@ -78,11 +78,15 @@ impl Names {
                 let name = self.contacts.get(contact.index());
                 name.map(|name| format!("measurement not finite: wrench of contact `{name}`"))
             }
-            Fault::Implausible(implausible) => {
+            Fault::Implausible {
+                quantity,
+                value,
+                limit,
+            } => {
                 let contact = |contact: crate::contact::ContactId| {
                     self.contacts.get(contact.index()).map(String::as_str)
                 };
-                Some(implausible.text(&self.model, contact))
+                Some(quantity.beyond([*value, *limit], &self.model, contact))
             }
             Fault::CutEffort(actuator) => {
                 let cut = report.cut.map_or_else(String::new, |cut| {

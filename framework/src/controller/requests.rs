@@ -16,7 +16,7 @@ use super::{
     planned_force::{PlannedForce, planned_forces},
     record::{Dump, Record, Recorder, blank_record},
     running::RunningPlugin,
-    sensitivity::{Before, Sensitivity, SensitivityError},
+    sensitivity::{Before, Sensitivity},
     snapshot::Snapshot,
 };
 use crate::{
@@ -358,7 +358,7 @@ impl Controller {
             return Err(fault);
         }
         if let Some(implausible) = self.plausible.in_itself(measurement) {
-            return Err(Fault::Implausible(implausible));
+            return Err(implausible);
         }
         let (stamp, period) = (measurement.time, self.world.period);
         // As if it had been measured a period ago, so that a tick may take the same measurement.
@@ -416,7 +416,7 @@ impl Controller {
     /// hundred to a thousand ticks.
     ///
     /// ```no_run
-    /// # fn run(mut controller: wbqp::Controller) -> Result<(), wbqp::controller::SensitivityError> {
+    /// # fn run(mut controller: wbqp::Controller) -> Result<(), wbqp::controller::RequestError> {
     /// use wbqp::controller::Sensitivity;
     ///
     /// let mut sensitivity = Sensitivity::new(&mut controller);
@@ -428,8 +428,8 @@ impl Controller {
     /// ```
     ///
     /// # Errors
-    /// [`SensitivityError`]; what is in the storage is of no tick then.
-    pub fn sensitivity(&mut self, out: &mut Sensitivity) -> Result<(), SensitivityError> {
+    /// [`RequestError`]; what is in the storage is of no tick then.
+    pub fn sensitivity(&mut self, out: &mut Sensitivity) -> Result<(), RequestError> {
         out.fill(self)
     }
 

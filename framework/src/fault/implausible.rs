@@ -1,49 +1,11 @@
 //! What of a measurement cannot be true of the robot, in words.
 
+use super::Quantity;
 use crate::contact::ContactId;
 use wbqp_dynamics::model::{JointId, JointKind, Model};
 
-/// What is not plausible.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Implausible {
-    /// What was measured.
-    pub quantity: Measured,
-    /// Its size: m, rad, N or N·m, of speeds per second, of accelerations per second squared.
-    pub value: f64,
-    /// The largest that is plausible, in the same unit.
-    pub limit: f64,
-}
-
-/// A measured quantity that has a bound.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Measured {
-    /// Speed of the base.
-    LinearVelocity,
-    /// Angular speed of the base.
-    AngularVelocity,
-    /// Speed of a joint.
-    JointVelocity(JointId),
-    /// Change of the base's velocity since the last usable measurement, by time.
-    LinearAcceleration,
-    /// Change of the base's angular velocity, by time.
-    AngularAcceleration,
-    /// Change of a joint's velocity, by time.
-    JointAcceleration(JointId),
-    /// Change of the base's position since the last usable measurement.
-    PositionJump,
-    /// Angle that the base has turned.
-    RotationJump,
-    /// Change of a joint's position.
-    JointJump(JointId),
-    /// Force at a contact.
-    Force(ContactId),
-    /// Moment at a contact.
-    Moment(ContactId),
-}
-
-impl Measured {
-    /// The key of `[measurement]`.
+impl Quantity {
+    /// The key of its bound in `[measurement]`; of what has none, nothing.
     pub fn key(self) -> &'static str {
         match self {
             Self::LinearVelocity => "max_linear_velocity",
@@ -57,6 +19,7 @@ impl Measured {
             Self::JointJump(_) => "max_joint_jump",
             Self::Force(_) => "max_force",
             Self::Moment(_) => "max_moment",
+            _ => "",
         }
     }
 
@@ -76,7 +39,7 @@ impl Measured {
         }
     }
 
-    fn what(self) -> &'static str {
+    pub(super) fn what(self) -> &'static str {
         match self {
             Self::LinearVelocity => "speed of the base",
             Self::AngularVelocity => "angular speed of the base",
@@ -89,6 +52,7 @@ impl Measured {
             Self::JointJump(_) => "jump of joint",
             Self::Force(_) => "force at contact",
             Self::Moment(_) => "moment at contact",
+            _ => "",
         }
     }
 
@@ -102,43 +66,43 @@ impl Measured {
             (Self::RotationJump | Self::JointJump(_), _) => "rad",
             (Self::Force(_), _) => "N",
             (Self::Moment(_), _) => "N·m",
+            _ => "",
         }
     }
 }
 
-impl Implausible {
-    /// In words; `contact` gives the names of contacts.
-    pub(crate) fn text<'a>(
-        &self,
+impl Quantity {
+    /// Why its value is a fault, in words; `contact` gives the names of contacts.
+    pub(crate) fn beyond<'a>(
+        self,
+        [value, limit]: [f64; 2],
         model: &Model,
         contact: impl Fn(ContactId) -> Option<&'a str>,
     ) -> String {
-        let Self {
-            quantity,
-            value,
-            limit,
-        } = *self;
-        let joint = quantity.joint();
+        let joint = self.joint();
         let joint = joint.and_then(|joint| model.joints().get(joint.index()));
         let name = joint.map(|joint| joint.name.as_str());
-        let name = name.or_else(|| quantity.contact().and_then(contact));
+        let name = name.or_else(|| self.contact().and_then(contact));
         let name = name.map_or_else(String::new, |name| format!(" `{name}`"));
         let prismatic = joint.is_some_and(|joint| joint.kind == JointKind::Prismatic);
-        let unit = quantity.unit(prismatic);
-        let (what, key) = (quantity.what(), quantity.key());
+        let unit = self.unit(prismatic);
+        let (what, key) = (self.what(), self.key());
         let (value, limit) = (short(value), short(limit));
         format!(
             "measurement not plausible: {what}{name} is {value} {unit}, more than `{key}` in [measurement] = {limit} \
              {unit}"
         )
     }
-}
 
-impl std::fmt::Display for Implausible {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let index = self.quantity.joint().map(JointId::index);
-        let index = index.or_else(|| self.quantity.contact().map(ContactId::index));
-        let (what, value, limit) = (self.quantity.what(), short(self.value), short(self.limit));
+    /// The same with numbers in place of names, and without units.
+    pub(super) fn write_beyond(
+        self,
+        [value, limit]: [f64; 2],
+        f: &mut std::fmt::Formatter<'_>,
+    ) -> std::fmt::Result {
+        let index = self.joint().map(JointId::index);
+        let index = index.or_else(|| self.contact().map(ContactId::index));
+        let (what, value, limit) = (self.what(), short(value), short(limit));
         write!(f, "measurement not plausible: {what}")?;
         if let Some(index) = index {
             write!(f, " {index}")?;

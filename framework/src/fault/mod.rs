@@ -2,8 +2,6 @@
 
 mod implausible;
 
-pub use implausible::{Implausible, Measured};
-
 use crate::contact::ContactId;
 use wbqp_dynamics::{actuator::ActuatorId, model::JointId};
 
@@ -21,7 +19,14 @@ pub enum Fault {
     NotARotation,
     /// A measured number, or its change since the last usable measurement, is beyond what the table `[measurement]`
     /// allows.
-    Implausible(Implausible),
+    Implausible {
+        /// What was measured, or how it has changed.
+        quantity: Quantity,
+        /// Its size: m, rad, N or N·m, of speeds per second, of accelerations per second squared.
+        value: f64,
+        /// The largest that is plausible, in the same unit.
+        limit: f64,
+    },
     /// In the first tick the error of this task (its position among the tasks) is larger than `max_first_error` of the
     /// settings allows: nothing moves, and the next tick counts as the first.
     FirstError(usize),
@@ -42,7 +47,7 @@ pub enum Fault {
     CutVelocity(JointId),
 }
 
-/// A measured quantity.
+/// A measured quantity: a part of a measurement, or a size or a change that has a bound in `[measurement]`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Quantity {
@@ -62,6 +67,28 @@ pub enum Quantity {
     Wrenches,
     /// One contact's wrench.
     Wrench(ContactId),
+    /// Speed of the base.
+    LinearVelocity,
+    /// Angular speed of the base.
+    AngularVelocity,
+    /// Speed of a joint.
+    JointVelocity(JointId),
+    /// Change of the base's velocity since the last usable measurement, by time.
+    LinearAcceleration,
+    /// Change of the base's angular velocity, by time.
+    AngularAcceleration,
+    /// Change of a joint's velocity, by time.
+    JointAcceleration(JointId),
+    /// Change of the base's position since the last usable measurement.
+    PositionJump,
+    /// Angle that the base has turned.
+    RotationJump,
+    /// Change of a joint's position.
+    JointJump(JointId),
+    /// Force at a contact.
+    Force(ContactId),
+    /// Moment at a contact.
+    Moment(ContactId),
 }
 
 impl Fault {
@@ -69,11 +96,8 @@ impl Fault {
     pub(crate) fn is_of_a_wrench(self) -> bool {
         match self {
             Self::NotFinite(quantity) => matches!(quantity, Quantity::Wrench(_)),
-            Self::Implausible(implausible) => {
-                matches!(
-                    implausible.quantity,
-                    Measured::Force(_) | Measured::Moment(_)
-                )
+            Self::Implausible { quantity, .. } => {
+                matches!(quantity, Quantity::Force(_) | Quantity::Moment(_))
             }
             _ => false,
         }
@@ -89,7 +113,11 @@ impl std::fmt::Display for Fault {
             Self::NotARotation => {
                 f.write_str("measurement: the base orientation is not a unit quaternion")
             }
-            Self::Implausible(implausible) => implausible.fmt(f),
+            Self::Implausible {
+                quantity,
+                value,
+                limit,
+            } => quantity.write_beyond([*value, *limit], f),
             Self::FirstError(task) => write!(
                 f,
                 "the error of task {task} in the first tick is larger than `max_first_error` allows"
@@ -124,6 +152,7 @@ impl std::fmt::Display for Quantity {
             Self::Velocities => f.write_str("velocities"),
             Self::Wrenches => f.write_str("list of wrenches"),
             Self::Wrench(c) => write!(f, "wrench of contact {}", c.index()),
+            other => f.write_str(other.what()),
         }
     }
 }

@@ -8,7 +8,7 @@ use nalgebra::UnitQuaternion;
 use crate::{
     contact::ContactId,
     error::BindError,
-    plugin::{AnyReference, Reference, Sample, Space, Start, Tick},
+    plugin::{AnyReference, Reference, Sample, Space, Tick},
 };
 
 /// A task's reference, and where it stands.
@@ -48,7 +48,7 @@ pub(crate) enum Measured {
 pub struct BoundReference(pub(super) Box<dyn RunningReference>);
 
 pub(super) trait RunningReference: Debug + Send {
-    fn start(&mut self, start: &Start<'_>);
+    fn start(&mut self, time: f64, from: &Sample);
     fn sample(&mut self, tick: &Tick<'_>, out: &mut Sample);
 }
 
@@ -71,8 +71,8 @@ impl BoundReference {
     }
 
     /// Takes over, as [`Reference::start`].
-    pub fn start(&mut self, start: &Start<'_>) {
-        self.0.start(start);
+    pub fn start(&mut self, time: f64, from: &Sample) {
+        self.0.start(time, from);
     }
 }
 
@@ -101,10 +101,7 @@ impl Followed {
     }
 
     pub(super) fn start(&mut self, time: f64) {
-        self.reference.start(&Start {
-            time,
-            from: &self.sample,
-        });
+        self.reference.start(time, &self.sample);
     }
 
     /// Starts where the robot stands at home.

@@ -29,11 +29,12 @@ pub trait Reference: Clone + Debug + Send + 'static {
     /// [`BindError`] when lengths or numbers do not fit.
     fn bind(&self, space: Space) -> Result<Self::Running, BindError>;
 
-    /// Takes over where another one, or the robot, stands; any number of times. Called after
+    /// Takes over where another one, or the robot, stands; any number of times. It begins at `time`, s, from which times
+    /// in its configuration count; `from` is what the task followed until then, at the start what was measured. Called after
     /// [`bind`](Reference::bind), with zero or the identity and then with the home posture's value, in the first tick
     /// with what was measured if the robot stands elsewhere, and for one that replaces another. No allocation, no
     /// panic.
-    fn start(&self, running: &mut Self::Running, start: &Start<'_>);
+    fn start(&self, running: &mut Self::Running, time: f64, from: &Sample);
 
     /// Writes the sample for this tick, which is of the space it was bound to. No allocation, no panic.
     fn sample(&self, running: &mut Self::Running, tick: &Tick<'_>, out: &mut Sample);
@@ -114,15 +115,6 @@ pub enum Space {
     /// Orientations. Configurations give them as roll, pitch, yaw in rad (rotations about world x, then y,
     /// then z, that is `R_z(yaw) R_y(pitch) R_x(roll)`); rates and accelerations are in world axes.
     Rotation,
-}
-
-/// Where a reference takes over: given to [`Reference::start`].
-#[derive(Clone, Copy, Debug)]
-pub struct Start<'a> {
-    /// Time at which the reference begins, s. Times in its configuration count from here.
-    pub time: f64,
-    /// What the task followed until now; at the start, what was measured.
-    pub from: &'a Sample,
 }
 
 impl Sample {

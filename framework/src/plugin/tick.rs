@@ -5,12 +5,12 @@
 //! W world (z up), R base, F a named frame, C a contact frame (z along the surface's outward normal). Frame
 //! Jacobians are world-aligned, contact Jacobians in C axes; both linear first.
 
-use nalgebra::{UnitQuaternion, Vector3, Vector6};
+use nalgebra::{DVector, UnitQuaternion, Vector3, Vector6};
 
 use crate::{
     contact::{ContactId, ContactState},
     plugin::{
-        FrameHandle, Reference, RotationReference, RotationSample, Sample, Start, VectorReference,
+        FrameHandle, Reference, RotationReference, RotationSample, Sample, VectorReference,
         VectorSample,
         followed::{Bound, Followed, Measured, RunningReference},
     },
@@ -35,8 +35,14 @@ pub struct Tick<'a> {
     pub state: &'a State,
     /// `M`, `h`, gravity, centre of mass for that state.
     pub dynamics: &'a Data,
-    /// Solution of the last tick that had one, and the efforts that the last tick sent.
-    pub last: &'a PreviousSolution,
+    /// Generalised acceleration of the last tick with a solution, size nv.
+    pub last_vdot: &'a DVector<f64>,
+    /// What tasks asked of `v̇` in that tick, size nv: for each component the virtual input `a*` of the live tasks whose
+    /// rows are that component alone, their mean by weight if there are several, the hard one's if one is hard. Zero
+    /// where no task asks, and before the first tick.
+    pub last_virtual_input: &'a DVector<f64>,
+    /// Efforts that the last tick sent, within limits, N or N·m, size nu. Before the first tick, the hover.
+    pub last_effort: &'a DVector<f64>,
     /// Estimate of the wrench on a floating base that the model does not have, `[force; moment]` about the base's
     /// origin, world axes, N and N·m; zero without an [observer](crate::settings::Observer).
     pub disturbance: Vector6<f64>,
@@ -50,17 +56,12 @@ pub struct Tick<'a> {
     pub(crate) references: &'a [Followed],
 }
 
-/// The accelerations of the last solved tick, what was asked of them, and the efforts sent last.
+/// What a tick keeps for plug-ins in the next one, as they see it there.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct PreviousSolution {
-    /// What tasks asked of `v̇`, size nv: for each component the virtual input `a*` of the live tasks whose rows are
-    /// that component alone, their mean by weight if there are several, the hard one's if one is hard. Zero where
-    /// no task asks, and before the first tick.
-    pub virtual_input: nalgebra::DVector<f64>,
-    /// Generalised acceleration, size nv.
-    pub vdot: nalgebra::DVector<f64>,
-    /// Actuator efforts as sent, within limits, N or N·m, size nu. Before the first tick, the hover.
-    pub effort: nalgebra::DVector<f64>,
+pub(crate) struct PreviousSolution {
+    pub(crate) virtual_input: DVector<f64>,
+    pub(crate) vdot: DVector<f64>,
+    pub(crate) effort: DVector<f64>,
 }
 
 impl<'a> Tick<'a> {
@@ -183,8 +184,8 @@ impl Measured {
 }
 
 impl<R: Reference> RunningReference for Bound<R> {
-    fn start(&mut self, start: &Start<'_>) {
-        self.parameters.start(&mut self.running, start);
+    fn start(&mut self, time: f64, from: &Sample) {
+        self.parameters.start(&mut self.running, time, from);
     }
 
     fn sample(&mut self, tick: &Tick<'_>, out: &mut Sample) {

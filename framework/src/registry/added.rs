@@ -79,7 +79,7 @@ pub enum AddError {
 /// # impl Reference for Rest {
 /// #     type Running = ();
 /// #     fn bind(&self, _: Space) -> Result<(), BindError> { Ok(()) }
-/// #     fn start(&self, (): &mut (), _: &Start<'_>) {}
+/// #     fn start(&self, (): &mut (), _: f64, _: &Sample) {}
 /// #     fn sample(&self, (): &mut (), _: &Tick<'_>, _: &mut Sample) {}
 /// # }
 /// let new = || NewPlugin::<dyn AnyReference> {

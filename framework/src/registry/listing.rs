@@ -11,7 +11,7 @@ use schemars::Schema;
 use serde_json::Value;
 
 use super::{
-    Duplicate, PluginKind, duplicates,
+    PluginKind,
     schema::{CRITICAL, Node, WEIGHT},
 };
 use crate::{
@@ -19,16 +19,6 @@ use crate::{
     qp::Solver,
 };
 use wbqp_robot_model::Robot;
-
-/// What a configuration can name, see [`list`].
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct Listing {
-    /// Tasks, constraints, references, robots, solvers; each kind sorted by tag.
-    pub plugins: Vec<PluginInfo>,
-    /// Tags that are claimed more than once: no configuration loads while there are any.
-    pub duplicates: Vec<Duplicate>,
-}
 
 /// A plug-in in words.
 #[derive(Clone, Debug, PartialEq)]
@@ -66,15 +56,17 @@ pub struct Parameter {
     pub description: String,
 }
 
-/// All linked plug-ins of all kinds with their parameters.
+/// All linked plug-ins with their parameters: tasks, constraints, references, robots, solvers, laws of last resort; each
+/// kind sorted by tag.
 ///
 /// ```
-/// let solver = wbqp::registry().find("solver", "active_set").cloned().expect("comes with the framework");
+/// let mut all = wbqp::registry().into_iter();
+/// let solver = all.find(|p| p.kind == "solver" && p.tag == "active_set").expect("comes with the framework");
 /// let tolerance = solver.parameters.iter().find(|p| p.key == "tolerance").expect("it has one");
 /// assert_eq!(tolerance.expected, "number");
 /// assert!(!tolerance.is_required && tolerance.default.is_some());
 /// ```
-pub fn list() -> Listing {
+pub fn list() -> Vec<PluginInfo> {
     let mut plugins = Vec::new();
     of_kind::<dyn AnyTask>(&mut plugins);
     of_kind::<dyn AnyConstraint>(&mut plugins);
@@ -82,24 +74,7 @@ pub fn list() -> Listing {
     of_kind::<dyn Robot>(&mut plugins);
     of_kind::<dyn Solver>(&mut plugins);
     of_kind::<dyn AnyFallbackLaw>(&mut plugins);
-    Listing {
-        plugins,
-        duplicates: duplicates(),
-    }
-}
-
-impl Listing {
-    /// The plug-ins of a kind.
-    pub fn of_kind(&self, kind: &str) -> impl Iterator<Item = &PluginInfo> {
-        self.plugins
-            .iter()
-            .filter(move |plugin| plugin.kind == kind)
-    }
-
-    /// A plug-in by kind and tag.
-    pub fn find(&self, kind: &str, tag: &str) -> Option<&PluginInfo> {
-        self.of_kind(kind).find(|plugin| plugin.tag == tag)
-    }
+    plugins
 }
 
 impl PluginInfo {
@@ -123,28 +98,26 @@ impl PluginInfo {
     }
 }
 
-/// One line per plug-in, then one per parameter.
-impl fmt::Display for Listing {
+/// One line, then one per parameter.
+impl fmt::Display for PluginInfo {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for plugin in &self.plugins {
-            let PluginInfo {
-                kind, tag, origin, ..
-            } = plugin;
-            writeln!(f, "{kind} {tag} ({origin}): {}", one_line(plugin.summary()))?;
-            if let Some(weight) = &plugin.weight {
-                writeln!(f, "  weight: default {weight}")?;
-            }
-            for parameter in &plugin.parameters {
-                let Parameter { key, expected, .. } = parameter;
-                let unit = parameter.unit.as_deref().unwrap_or("-");
-                let default = match (&parameter.default, parameter.is_required) {
-                    (_, true) => "required".to_owned(),
-                    (Some(default), _) => format!("default {default}"),
-                    (None, _) => "optional".to_owned(),
-                };
-                let about = one_line(&parameter.description);
-                writeln!(f, "  {key}: {expected} [{unit}], {default}: {about}")?;
-            }
+        let Self {
+            kind, tag, origin, ..
+        } = self;
+        writeln!(f, "{kind} {tag} ({origin}): {}", one_line(self.summary()))?;
+        if let Some(weight) = &self.weight {
+            writeln!(f, "  weight: default {weight}")?;
+        }
+        for parameter in &self.parameters {
+            let Parameter { key, expected, .. } = parameter;
+            let unit = parameter.unit.as_deref().unwrap_or("-");
+            let default = match (&parameter.default, parameter.is_required) {
+                (_, true) => "required".to_owned(),
+                (Some(default), _) => format!("default {default}"),
+                (None, _) => "optional".to_owned(),
+            };
+            let about = one_line(&parameter.description);
+            writeln!(f, "  {key}: {expected} [{unit}], {default}: {about}")?;
         }
         Ok(())
     }
@@ -329,8 +302,10 @@ mod tests {
     #[cfg(feature = "clarabel")]
     #[test]
     fn solvers_of_the_framework_are_listed_with_their_parameters() {
-        let listing = list();
-        let clarabel = listing.find("solver", "clarabel").expect("is linked");
+        let mut all = list().into_iter();
+        let clarabel = all
+            .find(|plugin| plugin.tag == "clarabel")
+            .expect("is linked");
         assert!(clarabel.origin.starts_with("wbqp "), "{}", clarabel.origin);
         assert!(
             clarabel
@@ -338,11 +313,11 @@ mod tests {
                 .iter()
                 .all(|p| !p.description.is_empty())
         );
-        let text = listing.to_string();
+        let text = clarabel.to_string();
         assert!(
             text.contains("\n  max_iterations: integer [-], default 200: "),
             "{text}"
         );
-        assert!(listing.duplicates.is_empty());
+        assert!(crate::registry::duplicates().is_empty());
     }
 }

@@ -21,7 +21,7 @@
 //!         Ok(())
 //!     }
 //!
-//!     fn start(&self, (): &mut (), _: &Start<'_>) {}
+//!     fn start(&self, (): &mut (), _: f64, _: &Sample) {}
 //!
 //!     fn sample(&self, (): &mut (), _: &Tick<'_>, out: &mut Sample) {
 //!         match out {
@@ -45,7 +45,7 @@
 //! # impl Reference for Drift {
 //! #     type Running = ();
 //! #     fn bind(&self, _: Space) -> Result<(), BindError> { Ok(()) }
-//! #     fn start(&self, (): &mut (), _: &Start<'_>) {}
+//! #     fn start(&self, (): &mut (), _: f64, _: &Sample) {}
 //! #     fn sample(&self, (): &mut (), _: &Tick<'_>, _: &mut Sample) {}
 //! # }
 //! ```
@@ -56,7 +56,7 @@
 //! # impl Reference for Drift {
 //! #     type Running = ();
 //! #     fn bind(&self, _: Space) -> Result<(), BindError> { Ok(()) }
-//! #     fn start(&self, (): &mut (), _: &Start<'_>) {}
+//! #     fn start(&self, (): &mut (), _: f64, _: &Sample) {}
 //! #     fn sample(&self, (): &mut (), _: &Tick<'_>, _: &mut Sample) {}
 //! # }
 //! ```
@@ -83,7 +83,7 @@ use crate::{
 use wbqp_robot_model::Robot;
 
 pub use added::{AddError, NewPlugin, add};
-pub use listing::{Listing, Parameter, PluginInfo, list};
+pub use listing::{Parameter, PluginInfo, list};
 
 /// Makes a plug-in from its own keys.
 pub type Load<P> = dyn Fn(ValueDeserializer<'_>) -> Result<Box<P>, toml::de::Error> + Sync;

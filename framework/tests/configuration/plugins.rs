@@ -125,7 +125,7 @@ impl Reference for Ramp {
     fn bind(&self, _: Space) -> Result<(), BindError> {
         Ok(())
     }
-    fn start(&self, (): &mut (), _: &Start<'_>) {}
+    fn start(&self, (): &mut (), _: f64, _: &Sample) {}
     fn sample(&self, (): &mut (), _: &Tick<'_>, _: &mut Sample) {}
 }
 

@@ -4,7 +4,7 @@ use pyo3::{exceptions::PyValueError, prelude::*, types::PyTuple};
 use serde::{Serialize, Serializer};
 use wbqp::{
     error::BindError,
-    plugin::{AnyReference, BoundReference, Reference, Sample, Space, Start, Tick},
+    plugin::{AnyReference, BoundReference, Reference, Sample, Space, Tick},
 };
 
 use super::{
@@ -78,15 +78,15 @@ impl Reference for PythonReference {
         })
     }
 
-    fn start(&self, running: &mut RunningReference, start: &Start<'_>) {
+    fn start(&self, running: &mut RunningReference, time: f64, from: &Sample) {
         Python::attach(|py| {
-            let [value, rate, _] = numbers(start.from);
+            let [value, rate, _] = numbers(from);
             let object = running.object.bind(py);
             let done = match object.getattr_opt("start") {
                 Ok(Some(begin)) => {
                     let value = of_vector(py, &value);
                     let rate = of_vector(py, &rate);
-                    begin.call1((start.time, value, rate)).map(drop)
+                    begin.call1((time, value, rate)).map(drop)
                 }
                 Ok(None) => Ok(()),
                 Err(error) => Err(error),

@@ -359,8 +359,8 @@ impl Running {
             &seen.com_bias,
             tick.dynamics.center_of_mass_bias().as_slice(),
         );
-        write(&seen.last_vdot, tick.last.vdot.as_slice());
-        write(&seen.last_effort, tick.last.effort.as_slice());
+        write(&seen.last_vdot, tick.last_vdot.as_slice());
+        write(&seen.last_effort, tick.last_effort.as_slice());
         for (handle, [position, rotation, velocity, J, Jdot_v]) in
             self.frames.iter().zip(&seen.frames)
         {

@@ -190,7 +190,7 @@ impl Case {
             ScenarioError::Config {
                 file: self.file.clone(),
                 case: self.name.clone(),
-                source: Box::new(errors),
+                source: errors,
             }
         })
     }

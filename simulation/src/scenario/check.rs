@@ -11,7 +11,7 @@ use std::{
 };
 
 use wbqp::{
-    config::{ControllerConfig, ControllerError, Plan},
+    config::{ConfigErrors, ControllerConfig, Plan},
     contact::ContactSpec,
     controller::{Controller, Memory},
     robot::RobotModel,
@@ -208,7 +208,7 @@ pub(super) struct Robots(Mutex<Vec<(String, RobotModel)>>);
 
 impl Robots {
     /// The robot of a configuration.
-    pub(super) fn load(&self, config: &ControllerConfig) -> Result<RobotModel, ControllerError> {
+    pub(super) fn load(&self, config: &ControllerConfig) -> Result<RobotModel, ConfigErrors> {
         let key = serde_json::to_string(&(&config.robot, &config.directory)).ok();
         let known = |key: &String| {
             let robots = locked(&self.0);

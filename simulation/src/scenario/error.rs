@@ -1,6 +1,6 @@
 //! What can be wrong with a scenario or stop a run.
 
-use wbqp::config::{ConfigErrors, ControllerError};
+use wbqp::config::ConfigErrors;
 use wbqp_log::LogError;
 use wbqp_replay::DumpError;
 
@@ -42,7 +42,7 @@ pub enum ScenarioError {
         /// The case, whose own values count.
         case: String,
         /// Everything that is wrong.
-        source: Box<ConfigErrors>,
+        source: ConfigErrors,
     },
     /// The controller does not fit the robot.
     #[error("{source}\nin case `{case}` of {file}")]
@@ -52,7 +52,7 @@ pub enum ScenarioError {
         /// The case, whose own values count.
         case: String,
         /// What is wrong.
-        source: Box<ControllerError>,
+        source: ConfigErrors,
     },
     /// Something is wrong in one case.
     #[error("{source}\nin case `{case}` of {file}")]

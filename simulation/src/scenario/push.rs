@@ -3,7 +3,7 @@
 use crate::statics::{Load, Push, largest_push};
 use nalgebra::{UnitQuaternion, Vector6};
 use wbqp::{
-    config::{ControllerConfig, ControllerError},
+    config::{ConfigErrors, ControllerConfig},
     contact::ContactSpec,
     controller::Controller,
     robot::RobotModel,
@@ -176,11 +176,11 @@ impl Case {
         Ok(())
     }
 
-    pub(super) fn controller_error(&self, source: ControllerError) -> ScenarioError {
+    pub(super) fn controller_error(&self, source: ConfigErrors) -> ScenarioError {
         ScenarioError::Controller {
             file: self.file().to_owned(),
             case: self.name().to_owned(),
-            source: Box::new(source),
+            source: source,
         }
     }
 }

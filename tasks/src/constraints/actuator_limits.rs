@@ -52,7 +52,7 @@ impl Constraint for ActuatorLimits {
     }
 
     fn update(&self, limits: &mut Self::Running, tick: &Tick<'_>, rows: &mut ConstraintRows<'_>) {
-        let sent = tick.last.effort.iter();
+        let sent = tick.last_effort.iter();
         for ((index, [lower, upper, slew]), sent) in limits.iter().enumerate().zip(sent) {
             let change = slew * tick.slew_time;
             rows.bound(index, lower.max(sent - change), upper.min(sent + change));

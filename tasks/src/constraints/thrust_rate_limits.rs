@@ -73,7 +73,7 @@ impl Constraint for ThrustRateLimits {
 
     fn update(&self, limited: &mut Self::Running, tick: &Tick<'_>, rows: &mut ConstraintRows<'_>) {
         for (k, limited) in limited.iter().enumerate() {
-            let sent = tick.last.effort.get(limited.rotor.index());
+            let sent = tick.last_effort.get(limited.rotor.index());
             let sent = sent.copied().unwrap_or(0.0);
             let [fall, rise] = [limited.fall, limited.rise].map(|rate| rate * tick.slew_time);
             rows.bound(k, sent - fall, sent + rise);

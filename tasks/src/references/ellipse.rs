@@ -173,9 +173,9 @@ impl Reference for Ellipse {
         Ok(Begin { time: 0.0, from })
     }
 
-    fn start(&self, begin: &mut Begin, start: &Start<'_>) {
-        begin.time = start.time + self.start;
-        if let (None, Sample::Vector(from)) = (&self.from, start.from) {
+    fn start(&self, begin: &mut Begin, time: f64, from: &Sample) {
+        begin.time = time + self.start;
+        if let (None, Sample::Vector(from)) = (&self.from, from) {
             begin.from.stand_at(from);
         }
     }

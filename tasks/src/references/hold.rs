@@ -38,9 +38,9 @@ impl Reference for Hold {
         leg::knot_or_room(space, "value", self.value.as_deref())
     }
 
-    fn start(&self, held: &mut Sample, start: &Start<'_>) {
+    fn start(&self, held: &mut Sample, _: f64, from: &Sample) {
         if self.value.is_none() {
-            held.stand_at(start.from);
+            held.stand_at(from);
         }
     }
 

@@ -118,7 +118,7 @@ pub(crate) mod testing {
         from: &Sample,
     ) -> Result<R::Running, BindError> {
         let mut running = reference.bind(from.space())?;
-        reference.start(&mut running, &Start { time, from });
+        reference.start(&mut running, time, from);
         Ok(running)
     }
 

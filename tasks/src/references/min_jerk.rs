@@ -68,10 +68,10 @@ impl Reference for MinJerk {
         })
     }
 
-    fn start(&self, leg: &mut Leg, start: &Start<'_>) {
-        leg.begin = start.time + self.start;
+    fn start(&self, leg: &mut Leg, time: f64, from: &Sample) {
+        leg.begin = time + self.start;
         if self.from.is_none() {
-            leg.from.stand_at(start.from);
+            leg.from.stand_at(from);
         }
     }
 

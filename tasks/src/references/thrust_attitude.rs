@@ -45,7 +45,7 @@ use crate::check;
 /// `F = m (a_R* − g) − Σ_c R_WC f_c^d − f̂`, `z_R = F/‖F‖`, with F low-passed and the tilt limited.
 ///
 /// Nothing has to be named: `a_R*` is the
-/// [virtual input](wbqp::plugin::PreviousSolution::virtual_input) of whatever task moves the base, and
+/// [virtual input](wbqp::plugin::Tick::last_virtual_input) of whatever task moves the base, and
 /// [`f_c^d`](wbqp::contact::ContactState::set_point) that of every contact with a force task, both of the tick before.
 /// It begins with the attitude where it takes over, apart from the yaw.
 ///
@@ -184,7 +184,7 @@ fn facing(z: &Vector3<f64>, yaw: f64) -> UnitQuaternion<f64> {
 
 /// `m (a_R* − g) − Σ_c R_WC f_c^d − f̂`, N, world axes.
 fn needed_force(tick: &Tick<'_>) -> Vector3<f64> {
-    let asked = Vector3::from_fn(|i, _| tick.last.virtual_input[i]);
+    let asked = Vector3::from_fn(|i, _| tick.last_virtual_input[i]);
     let inertial = (asked - tick.model.gravity()) * tick.model.mass();
     let unknown = tick.disturbance.fixed_rows::<3>(0);
     let contacts = tick.contacts().iter();
@@ -221,8 +221,8 @@ impl Reference for ThrustAttitude {
         })
     }
 
-    fn start(&self, filter: &mut Filter, start: &Start<'_>) {
-        if let Sample::Rotation(from) = start.from {
+    fn start(&self, filter: &mut Filter, _: f64, from: &Sample) {
+        if let Sample::Rotation(from) = from {
             let (_, _, yaw) = from.rotation.euler_angles();
             *filter = Filter {
                 heading: self.yaw.unwrap_or(yaw),

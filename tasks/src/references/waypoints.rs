@@ -103,14 +103,14 @@ impl Reference for Waypoints {
         Ok(Legs(legs))
     }
 
-    fn start(&self, legs: &mut Legs, start: &Start<'_>) {
+    fn start(&self, legs: &mut Legs, time: f64, from: &Sample) {
         let mut free = 0.0;
         for (leg, point) in legs.0.iter_mut().zip(&self.points) {
-            leg.begin = start.time + free;
+            leg.begin = time + free;
             free = point.at + point.dwell;
         }
         if let Some(first) = legs.0.first_mut() {
-            first.from.stand_at(start.from);
+            first.from.stand_at(from);
         }
     }
 

@@ -120,7 +120,7 @@ impl Task for BasePosition {
             desired.acceleration3() - self.kd.times(&rate) - self.kp.times(&error);
         for i in 0..3 {
             let law = self.integral_settings().law(i);
-            let given = tick.last.vdot[i];
+            let given = tick.last_vdot[i];
             let integral = &mut running.integral;
             acceleration[i] -= integral.step(i, law, error[i], given, tick.elapsed);
             integral.ask(i, acceleration[i]);

@@ -244,7 +244,7 @@ impl Task for FreeMotion {
             let error = contact.p_SC[i] - base[i] - value;
             let rate = contact.V[i] - rate;
             let row = contact.J.row(i);
-            let given = row.iter().zip(&tick.last.vdot).map(|(j, a)| j * a).sum();
+            let given = row.iter().zip(tick.last_vdot).map(|(j, a)| j * a).sum();
             let integral = &mut running.integral;
             let xi = integral.step(k, settings.law(k), error, given, tick.elapsed);
             let wanted = acceleration - self.kd.row(k) * rate - self.kp.row(k) * error - xi

@@ -49,7 +49,7 @@ impl Task for PropellerRegularisation {
     }
 
     fn update(&self, rotors: &mut Vec<ActuatorId>, tick: &Tick<'_>, rows: &mut Rows<'_>) {
-        let thrust = |id: ActuatorId| tick.last.effort.get(id.index()).copied().unwrap_or(0.0);
+        let thrust = |id: ActuatorId| tick.last_effort.get(id.index()).copied().unwrap_or(0.0);
         let mut effort = rows.effort();
         for (k, pair) in rotors.windows(2).enumerate() {
             effort[(k, pair[0].index())] = 1.0;

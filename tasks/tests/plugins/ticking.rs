@@ -75,7 +75,7 @@ fn home() -> Measurement {
 fn tick(controller: &mut Controller, measurement: &Measurement) -> Report {
     let mut measurement = measurement.clone();
     let last = controller.report();
-    if last.on_level.ticks > 0 && measurement.time <= last.time {
+    if last.level_ticks > 0 && measurement.time <= last.time {
         measurement.time = last.time + 1e-13;
     }
     let (_, report) = controller.tick(&measurement);

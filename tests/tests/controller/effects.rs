@@ -2,7 +2,7 @@
 
 use wbqp::{
     Controller, ControllerConfig, Measurement,
-    controller::{Effect, ParameterKind, Sensitivity, SensitivityError},
+    controller::{Effect, ParameterKind, RequestError, Sensitivity},
     nalgebra::{DVector, UnitQuaternion, Vector3},
     plugin::PerRow,
     toml,
@@ -105,6 +105,6 @@ fn without_beginnings_there_are_no_derivatives() {
     controller.sensitivity(&mut sensitivity).unwrap();
     controller.forget_beginnings();
     let refused = controller.sensitivity(&mut sensitivity);
-    assert_eq!(refused, Err(SensitivityError::NotKept));
+    assert_eq!(refused, Err(RequestError::NotKept));
     assert!(sensitivity.effects().is_empty());
 }

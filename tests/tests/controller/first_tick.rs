@@ -215,7 +215,7 @@ fn a_refused_tick_is_no_first_one() {
         );
     }
     let dump: Dump = controller.dump().expect("ticks were recorded");
-    for index in 0..dump.records.len() {
+    for index in 0..dump.len() {
         let replayed = wbqp_replay::rerun(&dump, index, None).expect("fits");
         assert!(
             replayed.differences.is_empty(),

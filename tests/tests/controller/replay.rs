@@ -100,7 +100,7 @@ fn every_tick_is_the_same_to_the_bit() {
         let path = folder.file("x.tick.toml");
         wbqp_replay::save(&dump, &path).expect("can be written");
         let loaded = wbqp_replay::load(&path).expect("was written");
-        assert_eq!(loaded.records.len(), TICKS);
+        assert_eq!(loaded.len(), TICKS);
         for index in 0..TICKS {
             let replayed = wbqp_replay::rerun(&loaded, index, None).expect("fits");
             assert!(
@@ -233,8 +233,8 @@ fn a_change_of_the_level_writes_a_bounded_number_of_files() {
     // Down, up, down; then it is enough.
     assert_eq!(written, [9, 10, 19]);
     let dump = wbqp_replay::load(&dumps.written()[0]).expect("was written");
-    assert_eq!(dump.records.len(), 5);
-    assert_eq!(dump.records[4].time, 0.004 * 9.0);
+    assert_eq!(dump.len(), 5);
+    assert_eq!(dump.time(4), Some(0.004 * 9.0));
     let replayed = wbqp_replay::rerun(&dump, 4, None).expect("fits");
     assert_eq!(replayed.differences, []);
     assert_eq!(

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use wbqp::{
     Controller, ControllerConfig, Measurement,
     controller::{
-        FallbackLevel, Note, Parameter, ParameterKind, Report, Sensitivity, SensitivityError,
+        FallbackLevel, Note, Parameter, ParameterKind, Report, RequestError, Sensitivity,
     },
     nalgebra::{DVector, Quaternion, Vector6},
     plugin::{Entry, PerRow, RotationSample, VectorSample},
@@ -50,7 +50,7 @@ impl Reference for Fixed {
         Ok(())
     }
 
-    fn start(&self, (): &mut (), _: &Start<'_>) {}
+    fn start(&self, (): &mut (), _: f64, _: &Sample) {}
 
     fn sample(&self, (): &mut (), _: &Tick<'_>, out: &mut Sample) {
         match out {
@@ -819,13 +819,10 @@ fn what_has_no_derivatives_says_why() {
     let mut measurement = scene.measurement();
     c.tick(&measurement);
     let mut sensitivity = Sensitivity::new(&mut c);
-    assert_eq!(
-        c.sensitivity(&mut sensitivity),
-        Err(SensitivityError::NotKept)
-    );
+    assert_eq!(c.sensitivity(&mut sensitivity), Err(RequestError::NotKept));
     assert_eq!(
         other.sensitivity(&mut sensitivity),
-        Err(SensitivityError::OtherController)
+        Err(RequestError::OtherController)
     );
     measurement.time += 0.004;
     c.tick(&measurement);
@@ -836,7 +833,7 @@ fn what_has_no_derivatives_says_why() {
     c.tick(&measurement);
     assert_eq!(
         c.sensitivity(&mut sensitivity),
-        Err(SensitivityError::NoOptimum(FallbackLevel::Extrapolated))
+        Err(RequestError::NoOptimum(FallbackLevel::Extrapolated))
     );
     assert_eq!(sensitivity.time(), None);
 }

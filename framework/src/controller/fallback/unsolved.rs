@@ -47,7 +47,7 @@ impl Fallback {
             if !effort.is_finite() {
                 *effort = self.hover[i];
             }
-            let (sent, most) = (tick.last.effort[i], actuator.slew * tick.slew_time);
+            let (sent, most) = (tick.last_effort[i], actuator.slew * tick.slew_time);
             let near = effort.max(sent - most).min(sent + most);
             *effort = near.max(actuator.lower).min(actuator.upper);
         }

@@ -25,12 +25,33 @@ pub struct Dump {
     /// The robot's files.
     pub robot: Vec<SourceFile>,
     /// The ticks, oldest first.
-    pub records: Vec<Record>,
+    pub(super) records: Vec<Record>,
 }
 
 impl Dump {
     /// The version of the format that is written and read.
     pub const FORMAT: u32 = 1;
+
+    /// Number of ticks.
+    pub fn len(&self) -> usize {
+        self.records.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.records.is_empty()
+    }
+
+    /// Time stamp of a tick's measurement, s; the oldest tick is 0.
+    pub fn time(&self, tick: usize) -> Option<f64> {
+        self.records.get(tick).map(|record| record.time)
+    }
+
+    /// What came out of a tick, by name, with all digits: `level`, `status`, `iterations`, the solution `x[0]` …, and
+    /// the command, `effort[0]` … `joint_velocity[0]` …, in SI units.
+    pub fn outcome(&self, tick: usize) -> Option<Vec<(String, String)>> {
+        self.records.get(tick).map(Record::outcome)
+    }
 
     pub(crate) fn new(
         directory: &Path,

@@ -7,7 +7,7 @@ mod recording;
 mod tick_record;
 
 pub use dump::Dump;
-pub use tick_record::Record;
+pub(super) use tick_record::Record;
 
 pub(super) use recorder::Recorder;
 pub(crate) use recording::MadeFrom;

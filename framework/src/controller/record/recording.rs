@@ -11,7 +11,8 @@ use super::{
         fallback::{Age, Clock, Fallback},
         world::World,
     },
-    CommandRecord, ContactMemory, EntryRecord, Memory, Outcome, Record, Recorder, StateRecord,
+    CommandRecord, ContactMemory, Dump, EntryRecord, Memory, Outcome, Record, Recorder,
+    StateRecord,
 };
 use crate::qp::WarmStart;
 use wbqp_dynamics::state::State;
@@ -212,12 +213,18 @@ pub(in super::super) fn record_outcome(controller: &mut Controller, changed: boo
 }
 
 impl Controller {
-    /// Runs a recorded tick again: for a controller of [the record's configuration](crate::ControllerConfig::from_dump).
-    /// It remembers what was remembered before that tick, and has the recorded rows in place of those of its plug-ins.
+    /// Runs a recorded tick again, the oldest is 0: for a controller of
+    /// [the dump's configuration](crate::ControllerConfig::from_dump). It remembers what was remembered before that
+    /// tick, and has the recorded rows in place of those of its plug-ins.
     ///
     /// # Errors
-    /// [`RequestError::Misfit`] if the record is not of such a controller; nothing has changed then.
-    pub fn rerun(&mut self, record: &Record) -> Result<(&Command, &Report), RequestError> {
+    /// [`RequestError::Misfit`] if there is no such tick, or it is not of such a controller; nothing has changed then.
+    pub fn rerun(&mut self, dump: &Dump, tick: usize) -> Result<(&Command, &Report), RequestError> {
+        let Some(record) = dump.records.get(tick) else {
+            return Err(RequestError::Misfit {
+                what: "a tick that is not there",
+            });
+        };
         if let Some(what) = misfit(self, record) {
             return Err(RequestError::Misfit { what });
         }

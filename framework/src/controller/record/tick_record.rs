@@ -11,9 +11,9 @@ use crate::{
 /// SI units, frames as in the types that each part comes from.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Record {
+pub(crate) struct Record {
     /// The measurement's time stamp, s.
-    pub time: f64,
+    pub(crate) time: f64,
     pub(crate) measured: StateRecord,
     /// Numbers of joint positions, velocities and wrenches that the measurement had.
     pub(crate) sizes: [usize; 3],
@@ -28,9 +28,8 @@ pub struct Record {
 }
 
 impl Record {
-    /// What came out, by name, with all digits: `level`, `status`, `iterations`, the solution `x[0]` …, and the
-    /// command, `effort[0]` … `joint_velocity[0]` …, in SI units.
-    pub fn outcome(&self) -> Vec<(String, String)> {
+    /// [`Dump::outcome`](super::Dump::outcome).
+    pub(super) fn outcome(&self) -> Vec<(String, String)> {
         let Outcome {
             level,
             status,

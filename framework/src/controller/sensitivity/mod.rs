@@ -30,23 +30,23 @@ mod table;
 mod workspace;
 
 pub use effect::Effect;
-pub use notes::{Note, SensitivityError};
+pub use notes::Note;
 pub use parameters::{Parameter, ParameterKind};
 pub use table::Sensitivity;
 
 pub(super) use before::Before;
 
-use super::{Controller, FallbackLevel};
+use super::{Controller, FallbackLevel, RequestError};
 use crate::qp::Status;
 use shares::Shares;
 use workspace::{Place, Workspace};
 
 impl Sensitivity {
     /// Fills everything from the controller's last tick; [`Controller::sensitivity`].
-    pub(super) fn fill(&mut self, controller: &mut Controller) -> Result<(), SensitivityError> {
+    pub(super) fn fill(&mut self, controller: &mut Controller) -> Result<(), RequestError> {
         self.forget();
         if self.stamp != controller.stamp {
-            return Err(SensitivityError::OtherController);
+            return Err(RequestError::OtherController);
         }
         let report = &controller.report;
         let level = report.level;
@@ -56,8 +56,8 @@ impl Sensitivity {
         let before = controller.before.take();
         let outcome = match &before {
             Some(before) if before.is_whole && is_optimal => self.take(controller, before),
-            Some(_) if !is_optimal && has_ticked => Err(SensitivityError::NoOptimum(level)),
-            _ => Err(SensitivityError::NotKept),
+            Some(_) if !is_optimal && has_ticked => Err(RequestError::NoOptimum(level)),
+            _ => Err(RequestError::NotKept),
         };
         controller.before = before;
         if outcome.is_err() {
@@ -67,11 +67,7 @@ impl Sensitivity {
     }
 
     /// Fills everything from a tick that ended with an optimum.
-    fn take(
-        &mut self,
-        controller: &mut Controller,
-        before: &Before,
-    ) -> Result<(), SensitivityError> {
+    fn take(&mut self, controller: &mut Controller, before: &Before) -> Result<(), RequestError> {
         if self.revision != controller.revision {
             self.list_again(controller, before);
         }

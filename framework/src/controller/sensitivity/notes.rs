@@ -1,8 +1,6 @@
-//! Where a tick's optimum is not differentiable, and why there are no derivatives.
+//! Where a tick's optimum is not differentiable.
 
-use thiserror::Error;
-
-use super::super::{FallbackLevel, Side};
+use super::super::Side;
 use crate::qp::RowId;
 
 /// Where the optimum of a tick is not differentiable, or not all of it is known.
@@ -45,22 +43,4 @@ pub enum Note {
         /// Position among all entries: tasks, then constraints.
         entry: usize,
     },
-}
-
-/// Why there are no derivatives.
-#[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum SensitivityError {
-    /// Made for another controller.
-    #[error("the storage was made for another controller")]
-    OtherController,
-    /// There was no tick since [`Sensitivity::new`](super::Sensitivity::new).
-    #[error("there was no tick since what it begins with is kept")]
-    NotKept,
-    /// The last tick has no optimum, or the command is not it.
-    #[error("the last tick did not end with an optimum: its level is `{}`", .0.as_str())]
-    NoOptimum(FallbackLevel),
-    /// The lines that are active do not determine the optimum: several limits come together in one place.
-    #[error("the active limits do not determine the optimum")]
-    Degenerate,
 }

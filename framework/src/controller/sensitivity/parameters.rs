@@ -341,7 +341,7 @@ fn weights(e: usize, entry: &BoundEntry, all: &mut Vec<(Parameter, Change)>) {
 fn gains(
     controller: &Controller,
     e: usize,
-    listing: &registry::Listing,
+    listing: &[registry::PluginInfo],
     all: &mut Vec<(Parameter, Change)>,
 ) {
     let (entry, plugin) = (&controller.entries[e], &controller.plugins[e]);
@@ -349,7 +349,8 @@ fn gains(
         return;
     };
     let kind = if entry.is_task { "task" } else { "constraint" };
-    let info = listing.find(kind, plugin.tag);
+    let mut listing = listing.iter();
+    let info = listing.find(|info| (info.kind, info.tag) == (kind, plugin.tag));
     let unit = |key: &str| {
         let parameters = info.iter().flat_map(|info| &info.parameters);
         let mut found = parameters.filter(|parameter| parameter.key == key);

@@ -2,7 +2,7 @@
 #![allow(non_snake_case)]
 
 use super::{
-    Before, SensitivityError,
+    Before,
     active::{self, Owner},
     factor::Factor,
     lines::{Block, Columns, Line, Source, Written},
@@ -10,7 +10,7 @@ use super::{
     shares::Shares,
 };
 use crate::{
-    controller::{Controller, Measurement, running::RunningPlugin, world::World},
+    controller::{Controller, Measurement, RequestError, running::RunningPlugin, world::World},
     plugin::{
         Displacement, EntryState, Layout, Sample, Slopes, remembered::Memo, storage::RowStore,
     },
@@ -125,10 +125,10 @@ impl Workspace {
     }
 
     /// Factorises the lines of the optimum, and finds it.
-    pub(super) fn solve(&mut self, controller: &Controller) -> Result<(), SensitivityError> {
+    pub(super) fn solve(&mut self, controller: &Controller) -> Result<(), RequestError> {
         let (n, size) = (self.columns.n, self.columns.n + self.lines.len());
         if !self.factor.reset(size) {
-            return Err(SensitivityError::Degenerate);
+            return Err(RequestError::Degenerate);
         }
         self.optimum[..size].fill(0.0);
         self.diagonal(controller);
@@ -146,13 +146,13 @@ impl Workspace {
             self.optimum[n + i] = d;
         }
         if !self.factor.factorise(n) {
-            return Err(SensitivityError::Degenerate);
+            return Err(RequestError::Degenerate);
         }
         self.factor.solve(&mut self.optimum[..size]);
         if self.optimum[..size].iter().all(|x| x.is_finite()) {
             Ok(())
         } else {
-            Err(SensitivityError::Degenerate)
+            Err(RequestError::Degenerate)
         }
     }
 
