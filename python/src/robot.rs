@@ -90,7 +90,7 @@ impl Robot {
         document.set_item("controller", settings)?;
         document.set_item("robot", table)?;
         let config = Source::dict(&document, directory, None)?.load();
-        let config = config.map_err(|errors| config::refused(py, &errors.into()))?;
+        let config = config.map_err(|errors| config::refused(py, &errors))?;
         let robot = config
             .load_robot()
             .map_err(|error| config::refused(py, &error))?;

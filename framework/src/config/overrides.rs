@@ -84,7 +84,7 @@ impl Overrides {
     }
 
     /// All, in the order in which they were added.
-    pub(super) fn iter(&self) -> std::slice::Iter<'_, Override> {
+    pub(super) fn iter(&self) -> impl Iterator<Item = &Override> {
         self.list.iter()
     }
 

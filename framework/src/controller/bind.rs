@@ -5,7 +5,7 @@ use super::{
     bounds::Plausible,
     command::Gate,
     entry_id::Stamp,
-    fallback::{Age, Clock, Fallback},
+    fallback::{Age, Clock, Fallback, OnLevel},
     first::FirstTick,
     fit::{Sizes, make_entry, unlimited_moments},
     home,
@@ -371,7 +371,7 @@ impl Bound {
         let is_native = (&*solver as &dyn std::any::Any).is::<ActiveSet>();
         let fallback = Fallback {
             level: FallbackLevel::Safe,
-            on_level: Default::default(),
+            on_level: OnLevel::default(),
             law,
             hover: vec![0.0; sizes.nu],
             solution: Solution::new(relaxed),

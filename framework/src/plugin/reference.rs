@@ -29,11 +29,11 @@ pub trait Reference: Clone + Debug + Send + 'static {
     /// [`BindError`] when lengths or numbers do not fit.
     fn bind(&self, space: Space) -> Result<Self::Running, BindError>;
 
-    /// Takes over where another one, or the robot, stands; any number of times. It begins at `time`, s, from which times
-    /// in its configuration count; `from` is what the task followed until then, at the start what was measured. Called after
-    /// [`bind`](Reference::bind), with zero or the identity and then with the home posture's value, in the first tick
-    /// with what was measured if the robot stands elsewhere, and for one that replaces another. No allocation, no
-    /// panic.
+    /// Takes over where another one, or the robot, stands; any number of times. It begins at `time`, s, from which
+    /// times in its configuration count; `from` is what the task followed until then, at the start what was measured.
+    /// Called after [`bind`](Reference::bind), with zero or the identity and then with the home posture's value, in the
+    /// first tick with what was measured if the robot stands elsewhere, and for one that replaces another. No
+    /// allocation, no panic.
     fn start(&self, running: &mut Self::Running, time: f64, from: &Sample);
 
     /// Writes the sample for this tick, which is of the space it was bound to. No allocation, no panic.

@@ -37,9 +37,9 @@ pub struct Tick<'a> {
     pub dynamics: &'a Data,
     /// Generalised acceleration of the last tick with a solution, size nv.
     pub last_vdot: &'a DVector<f64>,
-    /// What tasks asked of `v̇` in that tick, size nv: for each component the virtual input `a*` of the live tasks whose
-    /// rows are that component alone, their mean by weight if there are several, the hard one's if one is hard. Zero
-    /// where no task asks, and before the first tick.
+    /// What tasks asked of `v̇` in that tick, size nv: for each component the virtual input `a*` of the live tasks
+    /// whose rows are that component alone, their mean by weight if there are several, the hard one's if one is
+    /// hard. Zero where no task asks, and before the first tick.
     pub last_virtual_input: &'a DVector<f64>,
     /// Efforts that the last tick sent, within limits, N or N·m, size nu. Before the first tick, the hover.
     pub last_effort: &'a DVector<f64>,

@@ -180,7 +180,7 @@ impl Case {
         ScenarioError::Controller {
             file: self.file().to_owned(),
             case: self.name().to_owned(),
-            source: source,
+            source,
         }
     }
 }

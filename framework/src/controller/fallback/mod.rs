@@ -11,7 +11,7 @@ mod clock;
 mod relaxed;
 mod unsolved;
 
-pub(super) use clock::{Age, Clock, elapsed};
+pub(super) use clock::{Age, Clock, OnLevel, elapsed};
 
 use super::{names::Owner, report::FallbackLevel};
 use crate::{
@@ -25,7 +25,7 @@ use crate::{
 pub(super) struct Fallback {
     /// Where the last tick ended, and since when.
     pub(super) level: FallbackLevel,
-    pub(super) on_level: clock::OnLevel,
+    pub(super) on_level: OnLevel,
     pub(super) relaxation: Relaxation,
     pub(super) solver: ActiveSet,
     pub(super) solution: Solution,
