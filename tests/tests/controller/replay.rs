@@ -146,7 +146,7 @@ fn a_controller_without_limits_is_recorded_without_them() {
 fn changed(dump: &Dump, change: impl FnOnce(&mut toml::Table)) -> Result<Dump, DumpError> {
     let folder = Temporary::new("changed");
     let path = folder.file("x.tick.toml");
-    wbqp_replay::save(&dump, &path).expect("can be written");
+    wbqp_replay::save(dump, &path).expect("can be written");
     let text = fs::read_to_string(&path).expect("was written");
     let mut table: toml::Table = text.parse().expect("is TOML");
     change(&mut table);

@@ -139,10 +139,10 @@ fn of_a_fallen_robot_nothing_is_refused_but_speeds_that_no_joint_has() {
             match quantity {
                 // A hundred times what its file says.
                 Quantity::JointVelocity(_) => {
-                    assert!(value > 500.0, "{seed}: {quantity:?} {value}")
+                    assert!(value > 500.0, "{seed}: {quantity:?} {value}");
                 }
                 Quantity::JointAcceleration(_) => {
-                    assert!(value > 5e5, "{seed}: {quantity:?} {value}")
+                    assert!(value > 5e5, "{seed}: {quantity:?} {value}");
                 }
                 // Where that has brought it.
                 Quantity::JointJump(_) => assert!(was_refused, "{seed}: {quantity:?} {value}"),
