@@ -222,7 +222,7 @@ impl Controller {
     pub fn rerun(&mut self, dump: &Dump, tick: usize) -> Result<(&Command, &Report), RequestError> {
         let Some(record) = dump.records.get(tick) else {
             return Err(RequestError::Misfit {
-                what: "a tick that is not there",
+                what: "a tick beyond the last one recorded",
             });
         };
         if let Some(what) = misfit(self, record) {
