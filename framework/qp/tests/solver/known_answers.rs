@@ -17,7 +17,7 @@ const EXPONENTS: [f64; 3] = [0.0, 4.0, 8.0];
 /// cost bends by the root of rounding, equalities at an angle of 1e-9, a limit violated because others implied it, a
 /// proof of infeasibility that the rounding of its multipliers outweighs, limits at zero that contradicted one another
 /// by rounding and were widened too far or not at all, and equalities that did and hid that the cost falls for ever.
-const ONCE_WRONG: [(Family, u64, f64); 26] = [
+const ONCE_WRONG: [(Family, u64, f64); 27] = [
     (Family::Unbounded, 22034, 4.0),
     (Family::Unbounded, 539, 8.0),
     (Family::Unbounded, 214_994, 8.0),
@@ -35,6 +35,7 @@ const ONCE_WRONG: [(Family, u64, f64); 26] = [
     (Family::NearlyDependent, 8067, 0.0),
     (Family::NearlyDependent, 28611, 4.0),
     (Family::NearlyDependent, 50_026_428, 4.0),
+    (Family::NearlyDependent, 50_261_655, 0.0),
     (Family::AtZero, 91_014_276, 4.0),
     (Family::AtZero, 91_014_276, 8.0),
     (Family::AtZero, 50_052_333, 8.0),
