@@ -5,7 +5,7 @@ use super::{
     vectors::{normal, product, subtract},
 };
 use crate::active_set::{
-    constraint::{add_normal, largest_normal},
+    constraint::{Active, add_normal, largest_normal},
     kernels::{axpy, dot, largest_product},
 };
 
@@ -61,12 +61,30 @@ impl Run<'_, '_> {
         if is_checked && !self.own.is_any_outside {
             return self.verdict();
         }
+        // Where those held nearly depend on one another, a correction has errors of its own.
+        let are_held = self
+            .own
+            .multipliers()
+            .all(|(held, _)| self.gap_of(held) <= NEAR);
+        if !are_held {
+            return Verdict::Rounded;
+        }
         self.point.be_strict();
         self.find_violated(self.limits.tolerance.max(FORGIVEN));
         if !self.own.violated.is_empty() {
             return Verdict::Improved;
         }
         self.verdict()
+    }
+
+    /// How far the point is from a limit that is held, relative to what that is the difference of.
+    fn gap_of(&self, held: Active) -> f64 {
+        let gap = (held.limit - self.point.value(held.index)).abs();
+        // Else exact whatever the magnitude.
+        if gap <= ROUNDED * held.limit.abs() {
+            return 0.0;
+        }
+        gap / (held.limit.abs() + self.point.magnitude(self.qp, held.index))
     }
 
     /// `H x + g + N λ` and, by place, `b − Nᵀ x`; returns the larger of their sizes relative to what they are the
