@@ -20,7 +20,7 @@ All public types, a sentence each: of the crate `wbqp` module by module; of `wbq
 runs recorded ticks again; and of the three crates below `wbqp`, which it has as its modules `robot`, `dynamics` (with
 `actuator`, `model`, `spatial` and `state`) and `qp`. A type that is in several places stands in the first. Left out is
 what only the code of the attributes and the crate `wbqp-testing` name. Written by `python3 tests/interface.py` from the
-documentation of the code. What a program needs first is in [getting started](../README.md), what an author of plug-ins
+documentation of the code. What a program needs first is in the [readme](../README.md), what an author of plug-ins
 needs in [write your own task](write-your-own-task.md): `use wbqp::prelude::*;`.
 """
 CRATES = ["wbqp", "wbqp-replay", "wbqp-robot-model", "wbqp-dynamics", "wbqp-qp"]

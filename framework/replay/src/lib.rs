@@ -2,7 +2,8 @@
 //!
 //! # What a tick is a function of
 //! The configuration, the measurement, the rows that the plug-ins wrote, and what the controller remembers: ramps,
-//! the last solution, velocity references, the level, and the solvers' warm starts. A
+//! filters, the observer, the last solution, velocity references, the level, the memory of the fallback law, and the
+//! solvers' warm starts. A
 //! [`Dump`](wbqp::controller::Dump) holds all of it and what came out. Running it again computes kinematics,
 //! dynamics, problem, solution and command anew, from the recorded state and the recorded rows. The rows are data
 //! because a plug-in may remember things of its own (an integral, a trajectory) that the framework cannot see; a
