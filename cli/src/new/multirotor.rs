@@ -76,8 +76,8 @@ pub(super) fn multirotor(
             rotors = invented(model);
             draft.line("");
             draft.warn(&format!(
-                "no frames of `{}` have `rotor` or `prop` in their names: the number of its rotors, {}, their places \
-                 and their directions are ASSUMED. Put the true ones into the rotors' file.",
+                "no frames of `{}` have `rotor`, `prop` or `motor` in their names: the number of its rotors, {}, their \
+                 places and their directions are ASSUMED. Put the true ones into the rotors' file.",
                 model.name(),
                 rotors.len()
             ));

@@ -41,6 +41,7 @@ impl Controller {
         self.report.status = Status::Unsolved;
         self.report.iterations = 0;
         self.report.objective = 0.0;
+        self.report.undeclared = None;
         self.report.times = StageTimes::default();
         self.fallback.is_proven = false;
         self.fallback.without_solution.pass();
@@ -118,6 +119,7 @@ impl Controller {
     /// Takes the state over from a measurement whose wrenches are not usable, for the law of last resort.
     fn look(&mut self, measurement: &Measurement) {
         self.world.look(measurement, self.fallback.level);
+        self.report.disturbance = self.world.disturbance();
         self.fallback.without_state.renew(measurement.time);
         if !self.first.is_over {
             self.world.origin = None;
@@ -272,7 +274,6 @@ impl Controller {
 
     /// Lets every live plug-in write its rows.
     fn update_rows(&mut self) {
-        self.report.undeclared = None;
         let now = self.world.time;
         let entries = self.entries.iter_mut().zip(&mut self.plugins);
         for (index, (entry, plugin)) in entries.enumerate() {

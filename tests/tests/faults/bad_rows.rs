@@ -123,3 +123,42 @@ fn what_is_not_a_number_is_a_fault_of_its_entry() {
         }
     }
 }
+
+/// Writes coefficients on accelerations, which it has not declared.
+#[wbqp::task("test.trespasser")]
+struct Trespasser {}
+
+impl Task for Trespasser {
+    type Running = ();
+
+    fn bind(&self, setup: &mut Setup<'_>) -> Result<(Layout, ()), BindError> {
+        let first = setup.actuators().map(|(id, _)| id).take(1);
+        Ok((Layout::rows([("a", "N·m")]).effort_unit(first), ()))
+    }
+
+    fn update(&self, (): &mut (), _: &Tick<'_>, rows: &mut Rows<'_>) {
+        rows.vdot()[(0, 0)] = 1.0;
+    }
+}
+
+#[test]
+fn what_was_not_declared_is_said_of_its_own_tick_alone() {
+    let scene = Scene::new(Kind::Othex, 7, 1, 0);
+    let mut config = scene.config();
+    let trespasser = config.tasks.len();
+    let entry: Entry<dyn AnyTask> =
+        Entry::new("trespasser", 1.0, Hardness::Soft, Box::new(Trespasser {}));
+    config.tasks.push(entry);
+    let mut controller = Controller::new(config).expect("the scene is valid");
+    let mut measurement = scene.measurement();
+    assert_eq!(controller.tick(&measurement).1.undeclared, Some(trespasser));
+    measurement.time += 0.004;
+    measurement.wrenches[0][2] = f64::NAN;
+    let report = controller.tick(&measurement).1;
+    let fault = report.fault.map(|fault| fault.to_string());
+    assert_eq!(
+        fault.as_deref(),
+        Some("measurement not finite: wrench of contact 0")
+    );
+    assert_eq!(report.undeclared, None, "no plug-in wrote anything");
+}
