@@ -7,7 +7,7 @@
 //! the accelerations of an explicit formulation, which may have no cost of their own, become definite through their
 //! dynamics.
 
-use std::{array::from_fn, ops::Range};
+use std::ops::Range;
 
 use super::kernels::{LANES, SMALL, add_rows, axpy, dot, dots, padded};
 use crate::Qp;
@@ -305,10 +305,8 @@ impl Hessian {
             let used = padded(starts.partition_point(|start| *start < next));
             let (two, rest) = block.split_at_mut(2 * width);
             let ((r0, r1), (r2, r3)) = (two.split_at_mut(width), rest.split_at_mut(width));
-            let (r0, r1) = (r0[..used].as_chunks_mut().0, r1.as_chunks_mut().0);
-            let (r2, r3) = (r2.as_chunks_mut().0, r3.as_chunks_mut().0);
-            for (((r0, r1), r2), r3) in r0.iter_mut().zip(r1).zip(r2).zip(r3) {
-                [*r0, *r1, *r2, *r3] = transposed_products(inverse, [*r0, *r1, *r2, *r3]);
+            for (((r0, r1), r2), r3) in r0[..used].iter_mut().zip(r1).zip(r2).zip(r3) {
+                [*r0, *r1, *r2, *r3] = transposed_product(inverse, [*r0, *r1, *r2, *r3]);
             }
             let u = &self.u[first * stride..];
             let rows = tail.chunks_exact_mut(width);
@@ -527,22 +525,6 @@ fn transposed_product(inverse: &[[f64; LANES]; LANES], a: [f64; LANES]) -> [f64;
         i0[1] * a[0] + i1[1] * a[1],
         (i0[2] * a[0] + i1[2] * a[1]) + i2[2] * a[2],
         (i0[3] * a[0] + i1[3] * a[1]) + (i2[3] * a[2] + i3[3] * a[3]),
-    ]
-}
-
-/// The same of four columns side by side.
-#[expect(clippy::inline_always, reason = "the numbers stay in registers")]
-#[inline(always)]
-fn transposed_products(
-    inverse: &[[f64; LANES]; LANES],
-    [a0, a1, a2, a3]: [[f64; LANES]; LANES],
-) -> [[f64; LANES]; LANES] {
-    let [i0, i1, i2, i3] = inverse;
-    [
-        from_fn(|l| i0[0] * a0[l]),
-        from_fn(|l| i0[1] * a0[l] + i1[1] * a1[l]),
-        from_fn(|l| (i0[2] * a0[l] + i1[2] * a1[l]) + i2[2] * a2[l]),
-        from_fn(|l| (i0[3] * a0[l] + i1[3] * a1[l]) + (i2[3] * a2[l] + i3[3] * a3[l])),
     ]
 }
 

@@ -4,9 +4,13 @@ use super::{
     Run,
     vectors::{normal, product, subtract},
 };
-use crate::active_set::{
-    constraint::{Active, add_normal, largest_normal},
-    kernels::{axpy, dot, largest_product},
+use crate::{
+    Qp,
+    active_set::{
+        constraint::{add_normal, largest_normal},
+        kernels::{axpy, dot, largest_product},
+        point::Point,
+    },
 };
 
 /// Corrections of one point.
@@ -65,7 +69,7 @@ impl Run<'_, '_> {
         let are_held = self
             .own
             .multipliers()
-            .all(|(held, _)| self.gap_of(held) <= NEAR);
+            .all(|(held, _)| relative_gap(self.point, self.qp, held.index, held.limit) <= NEAR);
         if !are_held {
             return Verdict::Rounded;
         }
@@ -75,16 +79,6 @@ impl Run<'_, '_> {
             return Verdict::Improved;
         }
         self.verdict()
-    }
-
-    /// How far the point is from a limit that is held, relative to what that is the difference of.
-    fn gap_of(&self, held: Active) -> f64 {
-        let gap = (held.limit - self.point.value(held.index)).abs();
-        // Else exact whatever the magnitude.
-        if gap <= ROUNDED * held.limit.abs() {
-            return 0.0;
-        }
-        gap / (held.limit.abs() + self.point.magnitude(self.qp, held.index))
     }
 
     /// `H x + g + N λ` and, by place, `b − Nᵀ x`; returns the larger of their sizes relative to what they are the
@@ -102,13 +96,8 @@ impl Run<'_, '_> {
         axpy(d, 1.0, &qp.g()[..n]);
         let mut primal = 0.0_f64;
         let mut gap = |index: usize, limit: f64| {
-            let gap = limit - point.value(index);
-            // Else exact whatever the magnitude.
-            if gap.abs() > ROUNDED * limit.abs() {
-                let size = limit.abs() + point.magnitude(qp, index);
-                primal = primal.max(gap.abs() / size);
-            }
-            gap
+            primal = primal.max(relative_gap(point, qp, index, limit));
+            limit - point.value(index)
         };
         for (k, held) in own.base.iter().enumerate() {
             add_normal(qp, held.index, own.of_base[k], d);
@@ -194,4 +183,14 @@ impl Run<'_, '_> {
             Verdict::Improved
         }
     }
+}
+
+/// How far a point is from a limit that is held, relative to what that is the difference of.
+fn relative_gap(point: &Point, qp: &Qp, index: usize, limit: f64) -> f64 {
+    let gap = (limit - point.value(index)).abs();
+    // Exact whatever the magnitude; a NaN is not.
+    if gap <= ROUNDED * limit.abs() {
+        return 0.0;
+    }
+    gap / (limit.abs() + point.magnitude(qp, index))
 }

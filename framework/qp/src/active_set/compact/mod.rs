@@ -2,7 +2,7 @@
 //! and go, no more digits than products of normals have.
 //!
 //! It goes the way of [`dual`](super::dual), but for a few things that small ordinary problems can do without. The
-//! inequalities, once they come and go, are in a [`Tableau`], where a change is one pivot and shows what it does to all
+//! inequalities, once they come and go, are in a [`Tableau`], where a change is one sweep and shows what it does to all
 //! candidates, so that all constraints are computed only where none of these is violated any more. Several constraints
 //! are never held at once. Where nothing feasible is in sight, or what comes out is not exact after a few corrections,
 //! the method gives up, and `dual` goes on from what is held. So its answers are optima that were checked in the
@@ -239,6 +239,7 @@ impl Run<'_, '_> {
         let mut corrections = 0;
         for _ in 0..patience {
             if self.limits.are_used_up(*self.iterations) {
+                // The multipliers of the base may not be known yet.
                 self.tabulate::<S, EXACT>();
                 self.find_point::<S>();
                 return End::Budget;
@@ -435,7 +436,7 @@ impl Run<'_, '_> {
 mod tests {
     use super::{Compact, End};
     use crate::{
-        Held, Qp,
+        ActiveSet, Budget, Held, Qp, QpSolver, Solution, Status,
         active_set::{
             constraint::{add_normal, limits},
             hessian::Hessian,
@@ -523,6 +524,33 @@ mod tests {
             }
         }
         assert!(changes > 1000, "{changes} changes: nothing happens");
+    }
+
+    /// Without equalities, where several are violated at first: these, or all, become candidates at once.
+    #[test]
+    fn candidates_that_come_together_lead_to_the_optimum_of_reflections() {
+        let mut together = 0;
+        for n in 4..=32 {
+            for seed in 0..10 {
+                let qp = problem(n, seed);
+                let free = (vec![f64::NEG_INFINITY; qp.m()], vec![0.2; qp.m()]);
+                let bounds = (qp.lower(), qp.upper());
+                let qp = Qp::dense(qp.h(), qp.g(), qp.a(), (&free.0, &free.1), bounds);
+                let qp = qp.expect("the shapes fit");
+                let mut compact = Compact::new(qp.capacity());
+                let found = solve(&qp, &mut compact, &mut Vec::with_capacity(n));
+                together += usize::from(!compact.together.is_empty());
+                let mut other = ActiveSet::by_reflections();
+                other.bind(qp.capacity()).expect("has room");
+                let mut expected = Solution::new(qp.capacity());
+                let status = other.solve(&qp, Budget::Configured, &mut expected);
+                assert_eq!(status, Ok(Status::Optimal), "{n} {seed}");
+                assert_eq!(found.0, End::Optimal, "{n} {seed}");
+                let apart = found.1.iter().zip(&expected.x).map(|(a, b)| (a - b).abs());
+                assert!(apart.fold(0.0, f64::max) < 1e-11, "{n} {seed}");
+            }
+        }
+        assert!(together > 100, "{together}: none came together");
     }
 
     #[test]

@@ -9,8 +9,8 @@
 //! ```
 //! with `c` the values where no inequality is held. The tableau is G, swept on K ([`Symmetric`]): `[−P, Bᵀ; B, S]`,
 //! `B = G_JK P` and the Schur complement `S = G_JJ − B G_KJ`; beside it stands `(λ_K, s_J)`. To hold an inequality, or
-//! to let it go, is a sweep on its diagonal entry (a principal pivot: R. W. Cottle, J.-S. Pang, R. E. Stone, *The Linear
-//! Complementarity Problem*, 1992, section 2.3). It costs half the square of the number of candidates, whatever the
+//! to let it go, is a sweep on its diagonal entry (a principal pivot: R. W. Cottle, J.-S. Pang, R. E. Stone, *The
+//! Linear Complementarity Problem*, 1992, section 2.3). It costs half the square of the number of candidates, whatever the
 //! number of variables and rows, and says of all candidates by how much they would be violated.
 
 use std::{array::from_fn, ops::Range};
@@ -243,18 +243,9 @@ impl Tableau {
         self.places.extend(all);
         for (k, place) in self.places.iter().enumerate() {
             self.place_of[place.index] = k as u32;
+            self.u[k] = place.value;
         }
-        for (k, four) in self.places.as_chunks::<LANES>().0.iter().enumerate() {
-            let first = k * LANES;
-            write(&mut self.u, first, from_fn(|l| four[l].value));
-            let [lower, upper] = &mut self.limits;
-            write(lower, first, from_fn(|l| four[l].lower - four[l].rounding));
-            write(upper, first, from_fn(|l| four[l].upper + four[l].rounding));
-        }
-        for k in self.places.len() / LANES * LANES..self.places.len() {
-            self.u[k] = self.places[k].value;
-            self.set_limits(k);
-        }
+        (0..self.places.len()).for_each(|k| self.set_limits(k));
         self.t.gram(normals, starts);
         for k in 0..self.places.len() {
             self.set_square(k, self.t.diagonal(k));
@@ -585,11 +576,6 @@ pub(super) fn beyond(value: f64, lower: f64, upper: f64) -> (f64, f64, f64) {
 /// The first, if it is larger; a NaN is not.
 fn larger(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
-}
-
-/// Writes a lane at once.
-fn write(to: &mut [f64], first: usize, lane: [f64; LANES]) {
-    to[first..first + LANES].copy_from_slice(&lane);
 }
 
 fn lanes(a: &[f64]) -> &[[f64; LANES]] {

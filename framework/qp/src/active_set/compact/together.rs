@@ -1,16 +1,11 @@
 //! Several inequalities as candidates at once, where nothing is held: their normals and products come out of a few long
 //! loops. They are those violated or, where there are few, all, so that no point has to be computed before the last.
 
-use std::array::from_fn;
-
 use super::{
     Run,
     tableau::{Place, most},
 };
-use crate::active_set::{
-    constraint::limits,
-    kernels::{LANES, padded},
-};
+use crate::active_set::{constraint::limits, kernels::padded};
 
 /// The most of them.
 pub(super) const MOST: usize = 64;
@@ -65,31 +60,16 @@ impl Run<'_, '_> {
         let own = &mut *self.own;
         let width = padded(own.together.len());
         let normals = &mut own.normals[..S * width];
-        // Four side by side: whole lanes are written, since they are read at once.
-        for (block, four) in own.together.chunks(LANES).enumerate() {
-            let (a, zeros) = (self.qp.a(), [0.0; S]);
-            let row = |place: &Place| match place.index.checked_sub(m) {
-                None => &a[place.index * n..][..n],
-                Some(_) => &zeros[..n],
-            };
-            let rows: [&[f64]; LANES] = from_fn(|l| four.get(l).map_or(&zeros[..n], row));
-            let lanes = normals.as_chunks_mut::<LANES>().0;
-            for (j, normals) in lanes
-                .iter_mut()
-                .skip(block)
-                .step_by(width / LANES)
-                .enumerate()
-            {
-                *normals = if j < n {
-                    rows.map(|row| row[j])
-                } else {
-                    [0.0; LANES]
-                };
-            }
-        }
+        normals.fill(0.0);
         for (k, place) in own.together.iter().enumerate() {
-            if let Some(j) = place.index.checked_sub(m) {
-                normals[j * width + k] = 1.0;
+            match place.index.checked_sub(m) {
+                None => {
+                    let row = &self.qp.a()[place.index * n..][..n];
+                    for (normals, a) in normals.chunks_exact_mut(width).zip(row) {
+                        normals[k] = *a;
+                    }
+                }
+                Some(j) => normals[j * width + k] = 1.0,
             }
         }
         self.hessian.solve_transposed_columns(normals, &own.starts);

@@ -45,8 +45,8 @@ const ROUNDED_RATE: f64 = 1e-13;
 const VIOLATION: f64 = 1e-12;
 /// The same of a constraint that depends on those held.
 const IMPLIED: f64 = 1e-11;
-/// The same beside the largest variable, in units near one: rounding of numbers with twice as many digits, however small
-/// the constraint's own terms are.
+/// The same beside the largest variable, in units near one: rounding of numbers with twice as many digits, however
+/// small the constraint's own terms are.
 const ROUNDED_TERMS: f64 = 1e-25;
 /// Limits that contradict one another by rounding are taken to be so much wider, relative to the limit and the terms:
 /// less than a solution may violate them.
