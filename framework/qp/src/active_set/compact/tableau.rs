@@ -10,8 +10,8 @@
 //! with `c` the values where no inequality is held. The tableau is G, swept on K ([`Symmetric`]): `[−P, Bᵀ; B, S]`,
 //! `B = G_JK P` and the Schur complement `S = G_JJ − B G_KJ`; beside it stands `(λ_K, s_J)`. To hold an inequality, or
 //! to let it go, is a sweep on its diagonal entry (a principal pivot: R. W. Cottle, J.-S. Pang, R. E. Stone, *The
-//! Linear Complementarity Problem*, 1992, section 2.3). It costs half the square of the number of candidates, whatever the
-//! number of variables and rows, and says of all candidates by how much they would be violated.
+//! Linear Complementarity Problem*, 1992, section 2.3). It costs half the square of the number of candidates, whatever
+//! the number of variables and rows, and says of all candidates by how much they would be violated.
 
 use std::{array::from_fn, ops::Range};
 
