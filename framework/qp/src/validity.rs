@@ -1,5 +1,10 @@
 //! Whether a problem makes sense at all.
 
+#![allow(
+    clippy::inline_always,
+    reason = "what is inlined has the vector instructions of where it is called"
+)]
+
 use std::array::from_fn;
 
 use crate::{Defect, Qp};
@@ -11,12 +16,19 @@ impl Qp {
     /// The first entry that makes the problem meaningless: a number that is not finite, limits that are no interval, an
     /// H that is not symmetric or has a negative diagonal entry. Crossed limits are not meaningless but infeasible.
     pub fn defect(&self) -> Option<Defect> {
+        self.first_defect()
+    }
+
+    /// The same, inlined.
+    #[inline(always)]
+    pub(crate) fn first_defect(&self) -> Option<Defect> {
         self.hessian_defect()
             .or_else(|| self.gradient_defect())
             .or_else(|| self.row_defect())
             .or_else(|| self.limit_defect())
     }
 
+    #[inline(always)]
     fn hessian_defect(&self) -> Option<Defect> {
         let (n, h) = (self.n(), self.h());
         let is_sound = match n {
@@ -55,10 +67,12 @@ impl Qp {
             .map(|(row, column)| Defect::Asymmetric { row, column })
     }
 
+    #[inline(always)]
     fn gradient_defect(&self) -> Option<Defect> {
         first_not_finite(self.g()).map(|variable| Defect::Gradient { variable })
     }
 
+    #[inline(always)]
     fn row_defect(&self) -> Option<Defect> {
         let n = self.n();
         first_not_finite(self.a()).map(|at| Defect::Coefficient {
@@ -67,6 +81,7 @@ impl Qp {
         })
     }
 
+    #[inline(always)]
     fn limit_defect(&self) -> Option<Defect> {
         let row = first_not_interval(self.row_lower(), self.row_upper());
         let bound = || first_not_interval(self.lower(), self.upper());
@@ -77,6 +92,7 @@ impl Qp {
 
 /// Whether all entries are finite, none on the diagonal is negative, and no two differ by more than is allowed beside
 /// the smallest on the diagonal, for which no root is needed, and nothing to decide on the way. False may be a mistake.
+#[inline(always)]
 fn is_nearly_symmetric(h: &[f64], n: usize) -> bool {
     let h = &h[..n * n];
     let mut differences = [0.0; 4];
@@ -108,6 +124,7 @@ fn is_nearly_symmetric(h: &[f64], n: usize) -> bool {
 }
 
 /// The same by blocks of four rows and columns.
+#[inline(always)]
 fn is_nearly_symmetric_in_blocks<const N: usize>(h: &[f64]) -> bool {
     let rows = h.as_chunks::<N>().0;
     let block = |row: usize, column: usize| -> [[f64; 4]; 4] {
@@ -143,7 +160,9 @@ fn is_nearly_symmetric_in_blocks<const N: usize>(h: &[f64]) -> bool {
     smallest >= 0.0 && differences <= ASYMMETRY * smallest && trace < f64::INFINITY
 }
 
-fn first_not_finite(a: &[f64]) -> Option<usize> {
+/// The first number that is not finite.
+#[inline(always)]
+pub(crate) fn first_not_finite(a: &[f64]) -> Option<usize> {
     // A number that is not finite never leaves a sum: eight side by side, and nothing to decide on the way. One that
     // overflows is looked at again.
     let (blocks, rest) = a.as_chunks::<8>();
@@ -159,6 +178,7 @@ fn first_not_finite(a: &[f64]) -> Option<usize> {
     a.iter().position(|a| !a.is_finite())
 }
 
+#[inline(always)]
 fn first_not_interval(lower: &[f64], upper: &[f64]) -> Option<usize> {
     // `!(… < …)`: NaN is no limit.
     let is_interval = |lower: f64, upper: f64| lower < f64::INFINITY && upper > f64::NEG_INFINITY;

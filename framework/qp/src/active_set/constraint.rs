@@ -93,6 +93,7 @@ pub(super) fn all_hold(qp: &Qp, x: &[f64]) -> bool {
 
 /// A constraint that nothing satisfies: its lower limit is above its upper one by more than rounding, or it has no
 /// coefficients, and limits that zero is not between.
+#[inline(always)]
 pub(super) fn impossible(qp: &Qp) -> Option<Active> {
     let (rows, bounds) = ((qp.row_lower(), qp.row_upper()), (qp.lower(), qp.upper()));
     let crossing = |lower: f64, upper: f64| lower - upper;
@@ -111,12 +112,13 @@ pub(super) fn impossible(qp: &Qp) -> Option<Active> {
     })
 }
 
+#[inline(always)]
 fn larger(a: f64, b: f64) -> f64 {
     if b > a { b } else { a }
 }
 
 /// The largest of what is computed from limits: four at a time, and nothing is decided on the way.
-#[inline]
+#[inline(always)]
 fn largest_of((lower, upper): (&[f64], &[f64]), of: impl Fn(f64, f64) -> f64) -> f64 {
     let ((lowers, lower_rest), (uppers, upper_rest)) =
         (lower.as_chunks::<LANES>(), upper.as_chunks::<LANES>());
@@ -188,6 +190,7 @@ pub(super) fn copy_normal(qp: &Qp, index: usize, out: &mut [f64]) {
 }
 
 /// `out += α a`.
+#[inline(always)]
 pub(super) fn add_normal(qp: &Qp, index: usize, alpha: f64, out: &mut [f64]) {
     match index.checked_sub(qp.m()) {
         None => super::kernels::axpy(out, alpha, qp.row(index)),

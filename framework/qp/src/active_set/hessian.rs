@@ -9,7 +9,10 @@
 
 use std::ops::Range;
 
-use super::kernels::{LANES, SMALL, add_rows, axpy, dot, dots, padded};
+use super::{
+    kernels::{LANES, SMALL, add_rows, axpy, dot, dots, padded},
+    simd::{Simd, with_simd},
+};
 use crate::Qp;
 
 /// A pivot below this part of its diagonal entry is rounding: Cholesky's own error is of the order n ε.
@@ -21,6 +24,7 @@ const WEAK: f64 = 1e-13;
 /// touched: the cost of a whole-body problem falls apart into accelerations, inputs and forces.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Hessian {
+    simd: Simd,
     n: usize,
     /// n with padding.
     stride: usize,
@@ -43,9 +47,10 @@ pub(super) struct Hessian {
 }
 
 impl Hessian {
-    pub(super) fn new(n: usize) -> Self {
+    pub(super) fn new(n: usize, simd: Simd) -> Self {
         let stride = padded(n);
         Self {
+            simd,
             u: vec![0.0; stride * stride],
             columns: vec![(0, 0); stride / LANES],
             ends: vec![0; stride / LANES],
@@ -58,19 +63,21 @@ impl Hessian {
 
     /// Factorises; false if H is not definite, or has no finite factor.
     pub(super) fn factorise(&mut self, qp: &Qp) -> bool {
-        self.n = qp.n();
-        self.stride = padded(self.n);
-        self.is_shifted = false;
-        self.load(qp);
-        if self.eliminate() {
-            return true;
-        }
-        if !has_equalities(qp) {
-            return false;
-        }
-        self.load(qp);
-        self.add_equalities(qp);
-        self.eliminate()
+        with_simd!(self.simd, {
+            self.n = qp.n();
+            self.stride = padded(self.n);
+            self.is_shifted = false;
+            self.load(qp);
+            if self.eliminate() {
+                return true;
+            }
+            if !has_equalities(qp) {
+                return false;
+            }
+            self.load(qp);
+            self.add_equalities(qp);
+            self.eliminate()
+        })
     }
 
     /// Whether equality rows were added.
@@ -92,6 +99,7 @@ impl Hessian {
         if FULL { stride } else { self.ends[block] }
     }
 
+    #[inline(always)]
     fn load(&mut self, qp: &Qp) {
         let (n, stride) = (self.n, self.stride);
         // Where the first row reaches the last column, elimination leaves few zeros.
@@ -133,6 +141,7 @@ impl Hessian {
     }
 
     /// Loads H of a problem so small that zeros are not worth looking for.
+    #[inline(always)]
     fn load_all(&mut self, qp: &Qp) {
         match self.n {
             8 => self.load_all_with(8, qp),
@@ -199,6 +208,7 @@ impl Hessian {
     }
 
     /// Right-looking Cholesky by blocks of four rows; false at the first weak pivot.
+    #[inline(always)]
     fn eliminate(&mut self) -> bool {
         // Loops of a length that the compiler knows take half the time.
         match (self.stride, self.is_full) {
@@ -295,6 +305,7 @@ impl Hessian {
 
     /// The same for several columns at once, whose first components that may differ from zero ascend; rows of `x` are
     /// that many numbers, padded.
+    #[inline(always)]
     pub(super) fn solve_transposed_columns(&self, x: &mut [f64], starts: &[usize]) {
         let (stride, width) = (self.stride, padded(starts.len()));
         for (b, inverse) in self.inverses[..stride / LANES].iter().enumerate() {
@@ -489,6 +500,7 @@ fn eliminate_within(
     Some(values)
 }
 /// Length without the zeros at the end.
+#[inline(always)]
 fn used(row: &[f64]) -> usize {
     let (lanes, rest) = row.as_chunks::<LANES>();
     if let Some(last) = rest.iter().rposition(|h| *h != 0.0) {
@@ -499,6 +511,7 @@ fn used(row: &[f64]) -> usize {
 }
 
 /// `B⁻¹` of an upper triangle B, given what its diagonal's inverse is.
+#[inline(always)]
 fn inverse_of_triangle(
     u: &[[f64; LANES]; LANES],
     [r0, r1, r2, r3]: [f64; LANES],
@@ -517,7 +530,7 @@ fn inverse_of_triangle(
 }
 
 /// `B⁻ᵀ a`, given `B⁻¹`, an upper triangle.
-#[inline]
+#[inline(always)]
 fn transposed_product(inverse: &[[f64; LANES]; LANES], a: [f64; LANES]) -> [f64; LANES] {
     let [i0, i1, i2, i3] = inverse;
     [
@@ -565,6 +578,7 @@ fn divide_by_roots(
 }
 
 /// Four numbers that follow one another.
+#[inline(always)]
 fn block(a: &[f64], at: usize) -> [f64; LANES] {
     [a[at], a[at + 1], a[at + 2], a[at + 3]]
 }

@@ -10,12 +10,13 @@ pub(super) const LANES: usize = 4;
 pub(super) const SMALL: usize = 16;
 
 /// Length with the padding.
+#[inline(always)]
 pub(super) fn padded(n: usize) -> usize {
     n.next_multiple_of(LANES)
 }
 
 /// `aᵀb` over the shorter length.
-#[inline]
+#[inline(always)]
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     let n = a.len().min(b.len());
     let (a8, a_rest) = a[..n].as_chunks::<8>();
@@ -121,7 +122,7 @@ fn sums(a: &[f64; LANES], b: &[f64; LANES], c: &[f64; LANES], d: &[f64; LANES]) 
 }
 
 /// `y += α x` over the shorter length.
-#[inline]
+#[inline(always)]
 pub(super) fn axpy(y: &mut [f64], alpha: f64, x: &[f64]) {
     let n = y.len().min(x.len());
     // Sixteen at a time, as in `add_rows`.
@@ -142,7 +143,7 @@ pub(super) fn axpy(y: &mut [f64], alpha: f64, x: &[f64]) {
     }
 }
 
-#[inline]
+#[inline(always)]
 fn scale_and_add<const L: usize>(y: &mut [f64; L], alpha: f64, x: &[f64; L]) {
     for l in 0..L {
         y[l] += alpha * x[l];
@@ -206,6 +207,7 @@ fn add_lanes<const L: usize>(
 }
 
 /// Largest magnitude of the products `a_i b_i`, over the shorter length.
+#[inline(always)]
 pub(super) fn largest_product(a: &[f64], b: &[f64]) -> f64 {
     let n = a.len().min(b.len());
     let (a4, a_rest) = a[..n].as_chunks::<LANES>();

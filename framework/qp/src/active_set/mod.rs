@@ -61,6 +61,11 @@
 //! multipliers computed anew in every step, warm starts, and proximal steps. R. T. Rockafellar, *Monotone operators and
 //! the proximal point algorithm*, SIAM J. Control Optim. 14 (1976), for the second method.
 
+#![allow(
+    clippy::inline_always,
+    reason = "`Simd::run` reaches what is inlined into it, and loops are to know their length"
+)]
+
 mod compact;
 mod constraint;
 mod dual;
@@ -72,6 +77,7 @@ mod orthogonal;
 mod point;
 mod proof;
 mod proximal;
+mod simd;
 mod soft;
 mod triangle;
 mod twofold;
@@ -80,6 +86,7 @@ mod workspace;
 
 use crate::{Budget, Capacity, Qp, QpError, QpSolver, Solution, Status, WarmStart};
 use limits::Limits;
+use simd::Simd;
 use working_set::Factorisation;
 use workspace::Workspace;
 
@@ -152,7 +159,7 @@ impl QpSolver for ActiveSet {
             let problem = format!("is {budget}, must be positive and finite");
             return refused("budget", problem);
         }
-        self.workspace = Some(Box::new(Workspace::new(capacity)));
+        self.workspace = Some(Box::new(Workspace::new(capacity, Simd::detect())));
         Ok(())
     }
 

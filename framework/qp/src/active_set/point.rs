@@ -80,6 +80,7 @@ impl Point {
     }
 
     /// For the variables and constraints of a problem.
+    #[inline(always)]
     pub(super) fn reset(&mut self, qp: &Qp) {
         (self.n, self.m) = (qp.n(), qp.m());
         self.most = f64::INFINITY;
@@ -95,26 +96,31 @@ impl Point {
     }
 
     /// The variables, padded.
+    #[inline(always)]
     pub(super) fn x(&self) -> &[f64] {
         &self.x[..padded(self.n)]
     }
 
     /// The variables to fill, padded; [`Point::evaluate`] comes next.
+    #[inline(always)]
     pub(super) fn x_mut(&mut self) -> &mut [f64] {
         &mut self.x[..padded(self.n)]
     }
 
     /// Unit of each variable.
+    #[inline(always)]
     pub(super) fn unit(&self) -> &[f64] {
         &self.unit[..self.n]
     }
 
     /// The largest variable, each in its unit.
+    #[inline(always)]
     pub(super) fn largest(&self) -> f64 {
         self.largest
     }
 
     /// Computes the values of all constraints.
+    #[inline(always)]
     pub(super) fn evaluate(&mut self, qp: &Qp) {
         match self.n {
             // Loops of a length that the compiler knows.
@@ -154,6 +160,7 @@ impl Point {
     }
 
     /// Computes the sizes of the numbers whose rounding the variables carry.
+    #[inline(always)]
     fn weigh(&mut self) {
         let (x, left) = (&self.x[..self.n], LEFT * self.largest.min(self.most));
         for (size, (x, unit)) in self.sizes.iter_mut().zip(x.iter().zip(&self.unit)) {
@@ -162,6 +169,7 @@ impl Point {
     }
 
     /// `aᵀ x` of one constraint.
+    #[inline(always)]
     pub(super) fn value(&self, index: usize) -> f64 {
         match index.checked_sub(self.m) {
             None => self.values[index],
@@ -170,11 +178,13 @@ impl Point {
     }
 
     /// `aᵀ x` of all rows.
+    #[inline(always)]
     pub(super) fn row_values(&self) -> &[f64] {
         &self.values[..self.m]
     }
 
     /// The size of the numbers whose rounding a value carries: `|a|ᵀ` times those of the variables.
+    #[inline(always)]
     pub(super) fn magnitude(&self, qp: &Qp, index: usize) -> f64 {
         match index.checked_sub(self.m) {
             None => dot_magnitudes(qp.row(index), &self.sizes),

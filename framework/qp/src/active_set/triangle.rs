@@ -35,11 +35,13 @@ impl Triangle {
     }
 
     /// The k-th column, down to the diagonal.
+    #[inline(always)]
     pub(super) fn column(&self, k: usize) -> &[f64] {
         &self.r[k * self.stride..=k * self.stride + k]
     }
 
     /// `1/R_kk`.
+    #[inline(always)]
     pub(super) fn reciprocal(&self, k: usize) -> f64 {
         self.reciprocal[k]
     }
@@ -50,6 +52,7 @@ impl Triangle {
     }
 
     /// Appends a column; its last entry is on the diagonal.
+    #[inline(always)]
     pub(super) fn append(&mut self, column: &[f64]) {
         let k = self.reciprocal.len();
         let at = k * self.stride;
@@ -87,6 +90,7 @@ impl Triangle {
     }
 
     /// `t ← R⁻¹ t`.
+    #[inline(always)]
     pub(super) fn solve(&self, t: &mut [f64]) {
         let (r, stride) = (&self.r, self.stride);
         let k = self.reciprocal.len();
@@ -112,6 +116,7 @@ impl Triangle {
     }
 
     /// Solves `Rᵀ z = b`: replaces `z`, which holds b from `known` on and the solution before that.
+    #[inline(always)]
     pub(super) fn solve_transposed(&self, known: usize, z: &mut [f64]) {
         let (rows, stride, k) = (&self.r, self.stride, self.reciprocal.len());
         let mut i = known;

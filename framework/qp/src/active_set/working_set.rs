@@ -497,7 +497,7 @@ mod tests {
     use super::{Factorisation, WorkingSet};
     use crate::{
         Capacity, Qp,
-        active_set::{constraint::Active, hessian::Hessian, kernels::padded},
+        active_set::{constraint::Active, hessian::Hessian, kernels::padded, simd::Simd},
     };
 
     const ROWS: usize = 8;
@@ -537,7 +537,8 @@ mod tests {
                 vars: n,
                 rows: ROWS,
             };
-            let (mut hessian, mut set) = (Hessian::new(n), WorkingSet::new(capacity));
+            let (mut hessian, mut set) =
+                (Hessian::new(n, Simd::detect()), WorkingSet::new(capacity));
             assert!(hessian.factorise(&qp), "H is definite");
             let mut v = vec![0.0; padded(n)];
             v[..n].copy_from_slice(qp.g());

@@ -6,6 +6,7 @@ use super::{
     limits::Limits,
     proof,
     proximal::Proximal,
+    simd::{Simd, with_simd},
     working_set::Factorisation,
 };
 use crate::{Capacity, Qp, Solution, Status, WarmStart};
@@ -17,16 +18,18 @@ const PATIENCE: u32 = 100;
 /// Storage of the method, made once.
 #[derive(Clone, Debug)]
 pub(super) struct Workspace {
+    simd: Simd,
     capacity: Capacity,
     dual: Dual,
     proximal: Proximal,
 }
 
 impl Workspace {
-    pub(super) fn new(capacity: Capacity) -> Self {
+    pub(super) fn new(capacity: Capacity, simd: Simd) -> Self {
         Self {
+            simd,
             capacity,
-            dual: Dual::new(Proximal::capacity(capacity)),
+            dual: Dual::new(Proximal::capacity(capacity), simd),
             proximal: Proximal::new(capacity),
         }
     }
@@ -59,7 +62,7 @@ impl Workspace {
         out: &mut Solution,
     ) {
         out.iterations = 0;
-        out.defect = qp.defect();
+        out.defect = with_simd!(self.simd, qp.first_defect());
         out.status = if out.defect.is_some() {
             clear(qp, out);
             Status::Invalid
@@ -79,7 +82,7 @@ impl Workspace {
         mut limits: Limits<'_>,
         out: &mut Solution,
     ) {
-        out.defect = qp.defect();
+        out.defect = with_simd!(self.simd, qp.first_defect());
         if out.defect.is_some() {
             clear(qp, out);
             out.status = Status::Invalid;

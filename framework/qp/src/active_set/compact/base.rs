@@ -10,6 +10,7 @@ use crate::{
     active_set::{
         constraint::{Active, count, equalities, limits},
         kernels::{axpy, dot},
+        simd::with_simd,
     },
 };
 
@@ -23,39 +24,52 @@ const TWICE: f64 = 0.01;
 impl Run<'_, '_> {
     /// Holds all equality rows and fixed variables; false if they nearly depend on one another.
     pub(super) fn hold_equalities<const S: usize, const EXACT: bool>(&mut self) -> bool {
-        self.own.base.clear();
-        self.own.is_tabulated = false;
-        self.own.r.reset(self.qp.n());
-        self.own.tableau.reset(count(self.qp));
-        equalities(self.qp).all(|constraint| self.append::<S, EXACT>(constraint))
+        with_simd!(self.own.simd, {
+            self.own.base.clear();
+            self.own.is_tabulated = false;
+            self.own.r.reset(self.qp.n());
+            self.own.tableau.reset(count(self.qp));
+            for constraint in equalities(self.qp) {
+                // Not `all`, whose closure would not be inlined.
+                if !self.append::<S, EXACT>(constraint) {
+                    return false;
+                }
+            }
+            true
+        })
     }
 
     /// Holds what was held at the end of the last solve, still exists, and does not depend on what is held.
     pub(super) fn hold_previous<const S: usize, const EXACT: bool>(&mut self, previous: &[Held]) {
-        let qp = self.qp;
-        for held in previous {
-            let found = match held.constraint {
-                ConstraintId::Row(id) => qp.rows().binary_search(&id).ok(),
-                ConstraintId::Bound(id) => qp.vars().binary_search(&id).ok().map(|j| qp.m() + j),
-            };
-            let Some(index) = found else { continue };
-            let (lower, upper) = limits(qp, index);
-            let (side, limit) = if held.side > 0.0 {
-                (1.0, upper)
-            } else {
-                (-1.0, lower)
-            };
-            if lower == upper || !limit.is_finite() || self.own.tableau.is_base(index) {
-                continue;
+        with_simd!(self.own.simd, {
+            let qp = self.qp;
+            for held in previous {
+                let found = match held.constraint {
+                    ConstraintId::Row(id) => qp.rows().binary_search(&id).ok(),
+                    ConstraintId::Bound(id) => {
+                        qp.vars().binary_search(&id).ok().map(|j| qp.m() + j)
+                    }
+                };
+                let Some(index) = found else { continue };
+                let (lower, upper) = limits(qp, index);
+                let (side, limit) = if held.side > 0.0 {
+                    (1.0, upper)
+                } else {
+                    (-1.0, lower)
+                };
+                if lower == upper || !limit.is_finite() || self.own.tableau.is_base(index) {
+                    continue;
+                }
+                let k = self.own.base.len();
+                if self.append::<S, EXACT>(Active { index, side, limit }) {
+                    self.own.of_base[k] = (held.multiplier * side).max(0.0) * side;
+                }
             }
-            let k = self.own.base.len();
-            if self.append::<S, EXACT>(Active { index, side, limit }) {
-                self.own.of_base[k] = (held.multiplier * side).max(0.0) * side;
-            }
-        }
+        });
     }
 
     /// Appends a constraint to the base; false if its normal nearly depends on the others.
+    #[inline(always)]
     fn append<const S: usize, const EXACT: bool>(&mut self, constraint: Active) -> bool {
         let k = self.own.base.len();
         if k == self.qp.n() {
@@ -98,6 +112,7 @@ impl Run<'_, '_> {
 
     /// Whether the minimiser on the base, as long as nothing has changed, has multipliers of the right sign; they are
     /// what the next steps start from if not.
+    #[inline(always)]
     pub(super) fn is_base_right(&mut self) -> bool {
         let own = &mut *self.own;
         let k = own.base.len();
@@ -115,22 +130,24 @@ impl Run<'_, '_> {
         if self.own.is_tabulated {
             return;
         }
-        self.is_base_right();
-        let own = &mut *self.own;
-        own.is_tabulated = true;
-        let is_equality = |held: &&Active| held.side == 0.0;
-        let e = own.base.iter().take_while(is_equality).count();
-        let inequalities = own.base[e..].iter().zip(&own.of_base[e..]);
-        let places = inequalities.enumerate().map(|(i, (held, multiplier))| {
-            let w = normal::<S>(&own.w, held.index);
-            let value = dot(&own.r.column(e + i)[..e], &own.y[..e]) - product(w, &own.v);
-            let limits = limits(self.qp, held.index);
-            let place = Place::new(held.index, limits, value, own.squares[held.index]);
-            let price = (multiplier * held.side).max(0.0);
-            (place.held(held.side, held.limit), own.h[e + i], price)
+        with_simd!(self.own.simd, {
+            self.is_base_right();
+            let own = &mut *self.own;
+            own.is_tabulated = true;
+            let is_equality = |held: &&Active| held.side == 0.0;
+            let e = own.base.iter().take_while(is_equality).count();
+            let inequalities = own.base[e..].iter().zip(&own.of_base[e..]);
+            let places = inequalities.enumerate().map(|(i, (held, multiplier))| {
+                let w = normal::<S>(&own.w, held.index);
+                let value = dot(&own.r.column(e + i)[..e], &own.y[..e]) - product(w, &own.v);
+                let limits = limits(self.qp, held.index);
+                let place = Place::new(held.index, limits, value, own.squares[held.index]);
+                let price = (multiplier * held.side).max(0.0);
+                (place.held(held.side, held.limit), own.h[e + i], price)
+            });
+            own.tableau.begin(&own.r, e, places);
+            own.r.truncate(e);
+            own.base.truncate(e);
         });
-        own.tableau.begin(&own.r, e, places);
-        own.r.truncate(e);
-        own.base.truncate(e);
     }
 }

@@ -10,6 +10,7 @@ use crate::{
         constraint::{add_normal, largest_normal},
         kernels::{axpy, dot, largest_product},
         point::Point,
+        simd::with_simd,
     },
 };
 
@@ -42,47 +43,50 @@ pub(super) enum Verdict {
 impl Run<'_, '_> {
     /// Corrects the point and its multipliers by the residuals of the optimality conditions.
     pub(super) fn correct<const S: usize, const EXACT: bool>(&mut self) -> Verdict {
-        let (mut residual, mut is_checked) = (LOST / GAIN, true);
-        for _ in 0..REFINEMENTS {
-            let before = residual;
-            residual = self.residual::<S, EXACT>();
-            // `!(… ≤ …)`: a NaN is lost.
-            let can_be_corrected = residual <= GAIN * before;
-            if !can_be_corrected {
+        with_simd!(self.own.simd, {
+            let (mut residual, mut is_checked) = (LOST / GAIN, true);
+            for _ in 0..REFINEMENTS {
+                let before = residual;
+                residual = self.residual::<S, EXACT>();
+                // `!(… ≤ …)`: a NaN is lost.
+                let can_be_corrected = residual <= GAIN * before;
+                if !can_be_corrected {
+                    return Verdict::Rounded;
+                }
+                if residual > ROUNDED {
+                    self.step_by_residual::<S>();
+                    is_checked = false;
+                }
+                if residual <= NEAR {
+                    break;
+                }
+            }
+            if residual > NEAR || self.point.largest() > CANCELLED * self.own.pull {
                 return Verdict::Rounded;
             }
-            if residual > ROUNDED {
-                self.step_by_residual::<S>();
-                is_checked = false;
+            if is_checked && !self.own.is_any_outside {
+                return self.verdict();
             }
-            if residual <= NEAR {
-                break;
+            // Where those held nearly depend on one another, a correction has errors of its own.
+            let are_held = self
+                .own
+                .multipliers()
+                .all(|(held, _)| relative_gap(self.point, self.qp, held.index, held.limit) <= NEAR);
+            if !are_held {
+                return Verdict::Rounded;
             }
-        }
-        if residual > NEAR || self.point.largest() > CANCELLED * self.own.pull {
-            return Verdict::Rounded;
-        }
-        if is_checked && !self.own.is_any_outside {
-            return self.verdict();
-        }
-        // Where those held nearly depend on one another, a correction has errors of its own.
-        let are_held = self
-            .own
-            .multipliers()
-            .all(|(held, _)| relative_gap(self.point, self.qp, held.index, held.limit) <= NEAR);
-        if !are_held {
-            return Verdict::Rounded;
-        }
-        self.point.be_strict();
-        self.find_violated(self.limits.tolerance.max(FORGIVEN));
-        if !self.own.violated.is_empty() {
-            return Verdict::Improved;
-        }
-        self.verdict()
+            self.point.be_strict();
+            self.find_violated(self.limits.tolerance.max(FORGIVEN));
+            if !self.own.violated.is_empty() {
+                return Verdict::Improved;
+            }
+            self.verdict()
+        })
     }
 
     /// `H x + g + N λ` and, by place, `b − Nᵀ x`; returns the larger of their sizes relative to what they are the
     /// differences of.
+    #[inline(always)]
     fn residual<const S: usize, const EXACT: bool>(&mut self) -> f64 {
         let (n, qp, own, point) = (self.n::<S, EXACT>(), self.qp, &mut *self.own, &*self.point);
         let d = &mut own.d[..S];
@@ -95,21 +99,18 @@ impl Run<'_, '_> {
             .max(f64::MIN_POSITIVE);
         axpy(d, 1.0, &qp.g()[..n]);
         let mut primal = 0.0_f64;
-        let mut gap = |index: usize, limit: f64| {
-            primal = primal.max(relative_gap(point, qp, index, limit));
-            limit - point.value(index)
-        };
         for (k, held) in own.base.iter().enumerate() {
             add_normal(qp, held.index, own.of_base[k], d);
-            own.h[k] = gap(held.index, held.limit);
+            primal = primal.max(relative_gap(point, qp, held.index, held.limit));
+            own.h[k] = held.limit - point.value(held.index);
         }
         for (k, place) in own.tableau.places().iter().enumerate() {
-            own.products[k] = if place.is_held() {
+            own.products[k] = 0.0;
+            if place.is_held() {
                 add_normal(qp, place.index, own.tableau.multiplier(k), d);
-                gap(place.index, place.limit)
-            } else {
-                0.0
-            };
+                primal = primal.max(relative_gap(point, qp, place.index, place.limit));
+                own.products[k] = place.limit - point.value(place.index);
+            }
         }
         let stationarity = largest_product(d, unit) / own.pull;
         // `max` would hide a NaN.
@@ -121,6 +122,7 @@ impl Run<'_, '_> {
     }
 
     /// Moves point and multipliers by what the residuals ask for.
+    #[inline(always)]
     fn step_by_residual<const S: usize>(&mut self) {
         let own = &mut *self.own;
         let d = &mut own.d[..S];
@@ -170,6 +172,7 @@ impl Run<'_, '_> {
     }
 
     /// Whether any multiplier of a point that violates nothing has the wrong sign by more than is forgiven.
+    #[inline(always)]
     fn verdict(&self) -> Verdict {
         let size = self.own.pull.max(self.point.largest());
         let unit = self.point.unit();
@@ -186,6 +189,7 @@ impl Run<'_, '_> {
 }
 
 /// How far a point is from a limit that is held, relative to what that is the difference of.
+#[inline(always)]
 fn relative_gap(point: &Point, qp: &Qp, index: usize, limit: f64) -> f64 {
     let gap = (limit - point.value(index)).abs();
     // Exact whatever the magnitude; a NaN is not.

@@ -21,6 +21,7 @@ use super::{
     kernels::{LANES, axpy, dot, padded},
     limits::Limits,
     point::Point,
+    simd::{Simd, with_simd},
     triangle::Triangle,
 };
 use crate::{Capacity, ConstraintId, Held, Qp};
@@ -42,6 +43,7 @@ const FAR: [f64; 2] = [0.1, 1.0];
 /// Storage made once.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Compact {
+    simd: Simd,
     /// `w = U⁻ᵀ a` by constraint, where `known` is the number of this solve.
     w: Vec<f64>,
     known: Vec<u64>,
@@ -87,11 +89,12 @@ pub(super) enum End {
 }
 
 impl Compact {
-    pub(super) fn new(capacity: Capacity) -> Self {
+    pub(super) fn new(capacity: Capacity, simd: Simd) -> Self {
         // Larger problems are solved without it, whatever the capacity.
         let (n, m) = (capacity.vars.min(MOST), capacity.rows);
         let (stride, places) = (padded(n), padded(most(n, m)));
         Self {
+            simd,
             w: vec![0.0; stride * (m + n)],
             known: vec![0; m + n],
             squares: vec![0.0; m + n],
@@ -105,7 +108,7 @@ impl Compact {
             of_base: vec![0.0; n],
             h: vec![0.0; n],
             products: vec![0.0; places],
-            tableau: Tableau::new(Capacity { vars: n, rows: m }),
+            tableau: Tableau::new(Capacity { vars: n, rows: m }, simd),
             violated: Vec::with_capacity(m + n),
             together: Vec::with_capacity(together::MOST),
             starts: Vec::with_capacity(together::MOST),
@@ -137,6 +140,7 @@ impl Compact {
         limits: &mut Limits<'_>,
         iterations: &mut u32,
     ) -> End {
+        let simd = self.simd;
         let mut run = Run {
             own: self,
             qp,
@@ -146,19 +150,22 @@ impl Compact {
             far: FAR[usize::from(!previous.is_empty())],
             iterations,
         };
-        let end = match (qp.n(), padded(qp.n())) {
-            (8, _) => run.solve::<8, true>(previous),
-            (12, _) => run.solve::<12, true>(previous),
-            (16, _) => run.solve::<16, true>(previous),
-            (_, 4) => run.solve::<4, false>(previous),
-            (_, 8) => run.solve::<8, false>(previous),
-            (_, 12) => run.solve::<12, false>(previous),
-            (_, 16) => run.solve::<16, false>(previous),
-            (_, 20) => run.solve::<20, false>(previous),
-            (_, 24) => run.solve::<24, false>(previous),
-            (_, 28) => run.solve::<28, false>(previous),
-            (_, _) => run.solve::<32, false>(previous),
-        };
+        let end = with_simd!(
+            simd,
+            match (qp.n(), padded(qp.n())) {
+                (8, _) => run.solve::<8, true>(previous),
+                (12, _) => run.solve::<12, true>(previous),
+                (16, _) => run.solve::<16, true>(previous),
+                (_, 4) => run.solve::<4, false>(previous),
+                (_, 8) => run.solve::<8, false>(previous),
+                (_, 12) => run.solve::<12, false>(previous),
+                (_, 16) => run.solve::<16, false>(previous),
+                (_, 20) => run.solve::<20, false>(previous),
+                (_, 24) => run.solve::<24, false>(previous),
+                (_, 28) => run.solve::<28, false>(previous),
+                (_, _) => run.solve::<32, false>(previous),
+            }
+        );
         // Where another method has to go on, it goes on from here.
         self.remember(qp, previous);
         end
@@ -275,11 +282,13 @@ impl Run<'_, '_> {
         End::Undecided
     }
 
+    #[inline(always)]
     fn n<const S: usize, const EXACT: bool>(&self) -> usize {
         if EXACT { S } else { self.qp.n() }
     }
 
     /// Makes a constraint a candidate; returns its place.
+    #[inline(always)]
     fn consider<const S: usize, const EXACT: bool>(&mut self, index: usize) -> usize {
         if let Some(place) = self.own.tableau.place_of(index) {
             return place;
@@ -308,6 +317,7 @@ impl Run<'_, '_> {
     }
 
     /// Computes the normal of a constraint in the metric of H, if that was not done.
+    #[inline(always)]
     fn know<const S: usize, const EXACT: bool>(&mut self, index: usize) {
         let (n, own) = (self.n::<S, EXACT>(), &mut *self.own);
         if own.known[index] == own.solve {
@@ -333,102 +343,109 @@ impl Run<'_, '_> {
 
     /// The minimiser on what is held, its multipliers, and the values of all constraints.
     fn find_point<const S: usize>(&mut self) {
-        self.know_candidates::<S>(Place::is_held);
-        let own = &mut *self.own;
-        let z = &mut own.z[..S];
-        for (z, v) in z.iter_mut().zip(&own.v) {
-            *z = -v;
-        }
-        let e = own.base.len();
-        // Of Q's columns first.
-        let parts = &mut own.of_base[..e];
-        parts.copy_from_slice(&own.y[..e]);
-        for (k, place) in own.tableau.places().iter().enumerate() {
-            if place.is_held() {
-                let multiplier = own.tableau.multiplier(k);
-                subtract(z, multiplier, normal::<S>(&own.w, place.index));
-                axpy(parts, multiplier, own.tableau.h(k));
+        with_simd!(self.own.simd, {
+            self.know_candidates::<S>(Place::is_held);
+            let own = &mut *self.own;
+            let z = &mut own.z[..S];
+            for (z, v) in z.iter_mut().zip(&own.v) {
+                *z = -v;
             }
-        }
-        for part in &mut *parts {
-            *part = -*part;
-        }
-        subtract_columns::<S>(z, parts, &own.q);
-        if own.is_tabulated {
-            own.r.solve(parts);
-        } else {
-            // Found when their signs were looked at.
-            parts.copy_from_slice(&own.h[..e]);
-        }
-        self.hessian.solve_of::<S>(z);
-        self.point.x_mut()[..S].copy_from_slice(z);
-        self.point.evaluate(self.qp);
+            let e = own.base.len();
+            // Of Q's columns first.
+            let parts = &mut own.of_base[..e];
+            parts.copy_from_slice(&own.y[..e]);
+            for (k, place) in own.tableau.places().iter().enumerate() {
+                if place.is_held() {
+                    let multiplier = own.tableau.multiplier(k);
+                    subtract(z, multiplier, normal::<S>(&own.w, place.index));
+                    axpy(parts, multiplier, own.tableau.h(k));
+                }
+            }
+            for part in &mut *parts {
+                *part = -*part;
+            }
+            subtract_columns::<S>(z, parts, &own.q);
+            if own.is_tabulated {
+                own.r.solve(parts);
+            } else {
+                // Found when their signs were looked at.
+                parts.copy_from_slice(&own.h[..e]);
+            }
+            self.hessian.solve_of::<S>(z);
+            self.point.x_mut()[..S].copy_from_slice(z);
+            self.point.evaluate(self.qp);
+        });
     }
 
     /// Collects the constraints that are not held and violated by more than a tolerance, relative to the numbers that
     /// are added up, with their excess.
     fn find_violated(&mut self, tolerance: f64) {
-        let (qp, own) = (self.qp, &mut *self.own);
-        own.violated.clear();
-        own.is_any_outside = false;
-        let rows = (0, self.point.row_values(), qp.row_lower(), qp.row_upper());
-        let bounds = (qp.m(), self.point.x(), qp.lower(), qp.upper());
-        for (first, values, lower, upper) in [rows, bounds] {
-            for (i, ((value, lower), upper)) in values.iter().zip(lower).zip(upper).enumerate() {
-                if lower <= value && value <= upper {
-                    continue;
-                }
-                let index = first + i;
-                if own.tableau.is_held(index) {
-                    continue;
-                }
-                own.is_any_outside = true;
-                let (excess, _, limit) = beyond(*value, *lower, *upper);
-                // `!(… ≤ …)`: a NaN is violated.
-                let is_within =
-                    excess <= tolerance * (limit.abs() + self.point.magnitude(qp, index));
-                if !is_within {
-                    own.violated.push((excess, index));
+        with_simd!(self.own.simd, {
+            let (qp, own) = (self.qp, &mut *self.own);
+            own.violated.clear();
+            own.is_any_outside = false;
+            let rows = (0, self.point.row_values(), qp.row_lower(), qp.row_upper());
+            let bounds = (qp.m(), self.point.x(), qp.lower(), qp.upper());
+            for (first, values, lower, upper) in [rows, bounds] {
+                for (i, ((value, lower), upper)) in values.iter().zip(lower).zip(upper).enumerate()
+                {
+                    if lower <= value && value <= upper {
+                        continue;
+                    }
+                    let index = first + i;
+                    if own.tableau.is_held(index) {
+                        continue;
+                    }
+                    own.is_any_outside = true;
+                    let (excess, _, limit) = beyond(*value, *lower, *upper);
+                    // `!(… ≤ …)`: a NaN is violated.
+                    let is_within =
+                        excess <= tolerance * (limit.abs() + self.point.magnitude(qp, index));
+                    if !is_within {
+                        own.violated.push((excess, index));
+                    }
                 }
             }
-        }
+        });
     }
 
     /// Makes violated constraints candidates, but for those that are near, and holds the farthest; whether it could.
     fn consider_violated<const S: usize, const EXACT: bool>(&mut self) -> bool {
-        self.tabulate::<S, EXACT>();
-        let is_free = self.own.base.is_empty() && self.own.tableau.places().is_empty();
-        if is_free && self.begin::<S, EXACT>() {
-            return true;
-        }
-        let mut farthest = (0.0, None);
-        for i in 0..self.own.violated.len() {
-            let (excess, index) = self.own.violated[i];
-            self.know::<S, EXACT>(index);
-            let distance = excess * excess / self.own.squares[index];
-            self.own.violated[i].0 = distance;
-            if distance > farthest.0 {
-                farthest = (distance, Some(index));
+        with_simd!(self.own.simd, {
+            self.tabulate::<S, EXACT>();
+            let is_free = self.own.base.is_empty() && self.own.tableau.places().is_empty();
+            if is_free && self.begin::<S, EXACT>() {
+                return true;
             }
-        }
-        let (most, Some(index)) = farthest else {
-            // Rows without coefficients, for which nothing can be done.
-            return false;
-        };
-        for i in 0..self.own.violated.len() {
-            let (distance, index) = self.own.violated[i];
-            if distance >= self.far * self.far * most {
-                let at = self.consider::<S, EXACT>(index);
-                // Without the rounding of many pivots.
-                self.own.tableau.set_value(at, self.point.value(index));
+            let mut farthest = (0.0, None);
+            for i in 0..self.own.violated.len() {
+                let (excess, index) = self.own.violated[i];
+                self.know::<S, EXACT>(index);
+                let distance = excess * excess / self.own.squares[index];
+                self.own.violated[i].0 = distance;
+                if distance > farthest.0 {
+                    farthest = (distance, Some(index));
+                }
             }
-        }
-        let Some(at) = self.own.tableau.place_of(index) else {
-            return false;
-        };
-        let (lower, upper) = limits(self.qp, index);
-        let (_, side, limit) = beyond(self.point.value(index), lower, upper);
-        self.own.tableau.hold_violated(at, side, limit) == Step::Changed
+            let (most, Some(index)) = farthest else {
+                // Rows without coefficients, for which nothing can be done.
+                return false;
+            };
+            for i in 0..self.own.violated.len() {
+                let (distance, index) = self.own.violated[i];
+                if distance >= self.far * self.far * most {
+                    let at = self.consider::<S, EXACT>(index);
+                    // Without the rounding of many pivots.
+                    self.own.tableau.set_value(at, self.point.value(index));
+                }
+            }
+            let Some(at) = self.own.tableau.place_of(index) else {
+                return false;
+            };
+            let (lower, upper) = limits(self.qp, index);
+            let (_, side, limit) = beyond(self.point.value(index), lower, upper);
+            self.own.tableau.hold_violated(at, side, limit) == Step::Changed
+        })
     }
 }
 
@@ -442,6 +459,7 @@ mod tests {
             hessian::Hessian,
             limits::Limits,
             point::Point,
+            simd::Simd,
         },
     };
 
@@ -473,7 +491,10 @@ mod tests {
 
     /// What the compact method finds alone: how it ends, x, and what is held.
     fn solve(qp: &Qp, compact: &mut Compact, previous: &mut Vec<Held>) -> (End, Vec<f64>, u32) {
-        let (mut hessian, mut point) = (Hessian::new(qp.n()), Point::new(qp.capacity()));
+        let (mut hessian, mut point) = (
+            Hessian::new(qp.n(), Simd::detect()),
+            Point::new(qp.capacity()),
+        );
         assert!(hessian.factorise(qp), "H is definite");
         let (mut limits, mut iterations) = (Limits::new(1e-12, 10_000), 0);
         let with = (&hessian, &mut point);
@@ -487,7 +508,7 @@ mod tests {
         for n in 1..=32 {
             for seed in 0..20 {
                 let qp = problem(n, seed);
-                let mut compact = Compact::new(qp.capacity());
+                let mut compact = Compact::new(qp.capacity(), Simd::detect());
                 let mut previous = Vec::with_capacity(n);
                 let (end, x, iterations) = solve(&qp, &mut compact, &mut previous);
                 assert_eq!(end, End::Optimal, "{n} {seed}");
@@ -537,7 +558,7 @@ mod tests {
                 let bounds = (qp.lower(), qp.upper());
                 let qp = Qp::dense(qp.h(), qp.g(), qp.a(), (&free.0, &free.1), bounds);
                 let qp = qp.expect("the shapes fit");
-                let mut compact = Compact::new(qp.capacity());
+                let mut compact = Compact::new(qp.capacity(), Simd::detect());
                 let found = solve(&qp, &mut compact, &mut Vec::with_capacity(n));
                 together += usize::from(!compact.together.is_empty());
                 let mut other = ActiveSet::by_reflections();
@@ -561,7 +582,7 @@ mod tests {
         let h = [1.0, 0.0, 0.0, 1.0];
         let rows = (&low[..], &high[..]);
         let qp = Qp::dense(&h, &[0.0; 2], &ones, rows, (&free.0, &free.1)).expect("fits");
-        let mut compact = Compact::new(qp.capacity());
+        let mut compact = Compact::new(qp.capacity(), Simd::detect());
         let end = solve(&qp, &mut compact, &mut Vec::with_capacity(2)).0;
         assert_eq!(end, End::Undecided);
     }

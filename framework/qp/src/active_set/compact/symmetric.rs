@@ -34,11 +34,13 @@ impl Symmetric {
     }
 
     /// No rows.
+    #[inline(always)]
     pub(super) fn clear(&mut self) {
         self.blocks = 0;
     }
 
     /// Has at least so many rows; new ones are zero.
+    #[inline(always)]
     pub(super) fn grow(&mut self, rows: usize) {
         let blocks = rows.div_ceil(LANES);
         if blocks > self.blocks {
@@ -49,6 +51,7 @@ impl Symmetric {
 
     /// Becomes `Σ aᵀ a` over rows `a`, whose numbers differ from zero from the row on that `starts`, which ascends, has
     /// for each of them.
+    #[inline(always)]
     pub(super) fn gram(&mut self, rows: &[f64], starts: &[usize]) {
         self.clear();
         self.grow(starts.len());
@@ -72,16 +75,19 @@ impl Symmetric {
     }
 
     /// The tiles of a block row.
+    #[inline(always)]
     fn block_row(&self, block: usize) -> &[Tile] {
         &self.tiles[before(block)..][..=block]
     }
 
+    #[inline(always)]
     pub(super) fn diagonal(&self, i: usize) -> f64 {
         let (block, lane) = (i / LANES, i % LANES);
         self.tiles[before(block) + block][lane][lane]
     }
 
     /// Copies the diagonal, of all blocks.
+    #[inline(always)]
     pub(super) fn copy_diagonal(&self, out: &mut [f64]) {
         let out = out.as_chunks_mut::<LANES>().0;
         for (block, out) in out[..self.blocks].iter_mut().enumerate() {
@@ -91,6 +97,7 @@ impl Symmetric {
     }
 
     /// Copies row i, of all blocks.
+    #[inline(always)]
     pub(super) fn copy_row(&self, i: usize, out: &mut [f64]) {
         let (block, lane) = (i / LANES, i % LANES);
         let out = out.as_chunks_mut::<LANES>().0;
@@ -104,6 +111,7 @@ impl Symmetric {
     }
 
     /// Writes row and column i, of all blocks.
+    #[inline(always)]
     pub(super) fn set_row(&mut self, i: usize, row: &[f64]) {
         let (block, lane) = (i / LANES, i % LANES);
         let row = &row.as_chunks::<LANES>().0[..self.blocks];
@@ -120,6 +128,7 @@ impl Symmetric {
     }
 
     /// `y = T x`, of all blocks.
+    #[inline(always)]
     pub(super) fn multiply(&self, x: &[f64], y: &mut [f64]) {
         let x = &x.as_chunks::<LANES>().0[..self.blocks];
         let y = &mut y.as_chunks_mut::<LANES>().0[..self.blocks];
@@ -149,6 +158,7 @@ impl Symmetric {
 
     /// Sweeps on the diagonal entry `at`, whose row is `row`; what it is over the diagonal entry goes to `factors`, and
     /// the reciprocal of that is returned.
+    #[inline(always)]
     pub(super) fn sweep(&mut self, at: usize, row: &mut [f64], factors: &mut [f64]) -> f64 {
         let reciprocal = 1.0 / row[at];
         let row = &mut row.as_chunks_mut::<LANES>().0[..self.blocks];
@@ -160,11 +170,14 @@ impl Symmetric {
         for (block, factors) in factors.iter().enumerate() {
             // In this order: the other takes a tile too many.
             for (row, tile) in row[..=block].iter().zip(tiles.by_ref()) {
+                // Copies: the compiler cannot know that a tile is neither of the two.
+                let (factors, row, mut sums) = (*factors, *row, *tile);
                 for r in 0..LANES {
                     for l in 0..LANES {
-                        tile[r][l] -= factors[r] * row[l];
+                        sums[r][l] -= factors[r] * row[l];
                     }
                 }
+                *tile = sums;
             }
         }
         let size = reciprocal.abs();
@@ -178,6 +191,7 @@ impl Symmetric {
 }
 
 /// Tiles of the block rows before one.
+#[inline(always)]
 fn before(block: usize) -> usize {
     block * (block + 1) / 2
 }

@@ -18,6 +18,7 @@ use std::{array::from_fn, ops::Range};
 use super::{
     super::{
         kernels::{LANES, axpy, dot, padded},
+        simd::{Simd, with_simd},
         triangle::Triangle,
     },
     symmetric::Symmetric,
@@ -72,6 +73,7 @@ impl Place {
     }
 
     /// Held at a limit.
+    #[inline(always)]
     pub(super) fn held(self, side: f64, limit: f64) -> Self {
         Self {
             side,
@@ -80,11 +82,13 @@ impl Place {
         }
     }
 
+    #[inline(always)]
     pub(super) fn is_held(&self) -> bool {
         self.side != 0.0
     }
 
     /// `‖w̃‖²`.
+    #[inline(always)]
     pub(super) fn square(&self) -> f64 {
         self.square
     }
@@ -104,6 +108,7 @@ pub(super) enum Step {
 /// Storage made once.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tableau {
+    simd: Simd,
     /// The most places.
     most: usize,
     t: Symmetric,
@@ -135,10 +140,11 @@ pub(super) struct Tableau {
 }
 
 impl Tableau {
-    pub(super) fn new(Capacity { vars, rows }: Capacity) -> Self {
+    pub(super) fn new(Capacity { vars, rows }: Capacity, simd: Simd) -> Self {
         let most = most(vars, rows);
         let stride = padded(most);
         Self {
+            simd,
             most,
             t: Symmetric::new(most),
             u: vec![0.0; stride],
@@ -159,6 +165,7 @@ impl Tableau {
     }
 
     /// No candidates, of so many constraints.
+    #[inline(always)]
     pub(super) fn reset(&mut self, constraints: usize) {
         self.places.clear();
         self.t.clear();
@@ -166,16 +173,19 @@ impl Tableau {
     }
 
     /// A constraint is held outside of the tableau.
+    #[inline(always)]
     pub(super) fn set_base(&mut self, index: usize) {
         self.place_of[index] = BASE;
     }
 
     /// Whether a constraint is held outside of the tableau.
+    #[inline(always)]
     pub(super) fn is_base(&self, index: usize) -> bool {
         self.place_of[index] == BASE
     }
 
     /// Whether a constraint is held.
+    #[inline(always)]
     pub(super) fn is_held(&self, index: usize) -> bool {
         match self.place_of[index] {
             NONE => false,
@@ -186,6 +196,7 @@ impl Tableau {
 
     /// Takes the inequalities of the base, with their multipliers at the minimiser and their prices: R of all of it,
     /// whose first columns are those of the equalities, has `h` in its columns, and `P = (R_KKᵀ R_KK)⁻¹`.
+    #[inline(always)]
     pub(super) fn begin(
         &mut self,
         r: &Triangle,
@@ -232,6 +243,7 @@ impl Tableau {
 
     /// Makes constraints candidates where there are none, no equality rows, and nothing is held: with their values, and
     /// their normals in columns, with the first component of each that may differ from zero.
+    #[inline(always)]
     pub(super) fn begin_free(
         &mut self,
         (normals, starts): (&[f64], &[usize]),
@@ -253,28 +265,33 @@ impl Tableau {
         self.t.copy_diagonal(&mut self.diagonal);
     }
 
+    #[inline(always)]
     pub(super) fn places(&self) -> &[Place] {
         &self.places
     }
 
     /// The place of a constraint, if it has one.
+    #[inline(always)]
     pub(super) fn place_of(&self, index: usize) -> Option<usize> {
         let place = self.place_of[index];
         (place < BASE).then_some(place as usize)
     }
 
     /// The multiplier of a constraint that is held, at the minimiser.
+    #[inline(always)]
     pub(super) fn multiplier(&self, place: usize) -> f64 {
         self.u[place]
     }
 
     /// `h` of a place.
+    #[inline(always)]
     pub(super) fn h(&self, place: usize) -> &[f64] {
         &self.h[place * self.width..][..self.equalities]
     }
 
     /// Makes a constraint a candidate, with its value where no inequality is held. `products` are those of its normal
     /// `w` with those of all places, of which there may be one more by now.
+    #[inline(always)]
     pub(super) fn add(&mut self, new: Place, value: f64, h: &[f64], products: &mut [f64]) -> usize {
         let at = self.new_place(new);
         let used = self.places.len();
@@ -319,6 +336,7 @@ impl Tableau {
     }
 
     /// A free place, or that of a candidate that is not held.
+    #[inline(always)]
     fn new_place(&mut self, new: Place) -> usize {
         if self.places.len() < self.most {
             return self.push(new);
@@ -332,6 +350,7 @@ impl Tableau {
     }
 
     /// What is beyond the last place counts as one that nothing violates.
+    #[inline(always)]
     fn open(&mut self, range: Range<usize>) {
         self.u[range.clone()].fill(0.0);
         self.sides[range.clone()].fill(0.0);
@@ -343,6 +362,7 @@ impl Tableau {
     }
 
     /// A further place.
+    #[inline(always)]
     fn push(&mut self, new: Place) -> usize {
         let at = self.places.len();
         if at.is_multiple_of(LANES) {
@@ -354,6 +374,7 @@ impl Tableau {
         at
     }
 
+    #[inline(always)]
     fn begin_place(&mut self, at: usize) {
         let place = &self.places[at];
         self.place_of[place.index] = at as u32;
@@ -366,6 +387,7 @@ impl Tableau {
     }
 
     /// `‖w̃‖²` of a place.
+    #[inline(always)]
     fn set_square(&mut self, at: usize, square: f64) {
         self.places[at].square = square;
         self.least[at] = DEPENDENT * square;
@@ -374,44 +396,47 @@ impl Tableau {
     /// One step of the dual method: towards the multipliers of the minimiser on what is held, as far as none changes
     /// its sign; there, to the candidate that is violated most.
     pub(super) fn step(&mut self) -> Step {
-        let used = self.places.len();
-        let length = padded(used);
-        let (u, sides) = (&self.u[..length], &self.sides[..length]);
-        if has_negative(u, sides) {
-            let mut first = (f64::INFINITY, 0);
-            let targets = u.iter().zip(sides).map(|(u, side)| u * side);
-            for (i, (target, price)) in targets.zip(&self.prices).enumerate() {
-                if target < 0.0 {
-                    let part = price / (price - target);
-                    first = if part < first.0 { (part, i) } else { first };
+        with_simd!(self.simd, {
+            let used = self.places.len();
+            let length = padded(used);
+            let (u, sides) = (&self.u[..length], &self.sides[..length]);
+            if has_negative(u, sides) {
+                let mut first = (f64::INFINITY, 0);
+                let targets = u.iter().zip(sides).map(|(u, side)| u * side);
+                for (i, (target, price)) in targets.zip(&self.prices).enumerate() {
+                    if target < 0.0 {
+                        let part = price / (price - target);
+                        first = if part < first.0 { (part, i) } else { first };
+                    }
                 }
-            }
-            let (part, leaving) = first;
-            // A NaN is no part.
-            if part > 1.0 {
-                return Step::Unclear;
+                let (part, leaving) = first;
+                // A NaN is no part.
+                if part > 1.0 {
+                    return Step::Unclear;
+                }
+                for ((price, u), side) in self.prices.iter_mut().zip(u).zip(sides) {
+                    *price += part * (u * side - *price);
+                }
+                self.release(leaving);
+                return Step::Changed;
             }
             for ((price, u), side) in self.prices.iter_mut().zip(u).zip(sides) {
-                *price += part * (u * side - *price);
+                *price = u * side;
             }
-            self.release(leaving);
-            return Step::Changed;
-        }
-        for ((price, u), side) in self.prices.iter_mut().zip(u).zip(sides) {
-            *price = u * side;
-        }
-        match self.farthest() {
-            Some(at) => {
-                let place = &self.places[at];
-                let (_, side, limit) = beyond(self.u[at], place.lower, place.upper);
-                self.hold_violated(at, side, limit)
+            match self.farthest() {
+                Some(at) => {
+                    let place = &self.places[at];
+                    let (_, side, limit) = beyond(self.u[at], place.lower, place.upper);
+                    self.hold_violated(at, side, limit)
+                }
+                None => Step::Settled,
             }
-            None => Step::Settled,
-        }
+        })
     }
 
     /// The candidate whose value is beyond its limits by more than rounding and farthest from them in the metric of H:
     /// by how far the minimiser on what is held has to go if that stays held.
+    #[inline(always)]
     fn farthest(&mut self) -> Option<usize> {
         let length = padded(self.places.len());
         let [lower, upper] = self.limits.each_ref().map(|limits| lanes(limits));
@@ -440,6 +465,7 @@ impl Tableau {
 
     /// Holds a violated candidate. While it depends on those held, one of these leaves: the first whose multiplier
     /// reaches zero as that of the candidate grows.
+    #[inline(always)]
     pub(super) fn hold_violated(&mut self, at: usize, side: f64, limit: f64) -> Step {
         let mut price = 0.0;
         for _ in 0..=self.places.len() {
@@ -467,6 +493,7 @@ impl Tableau {
     }
 
     /// Which of those held leaves first as the multiplier of a candidate, whose row is taken, grows, and when.
+    #[inline(always)]
     fn first_to_leave(&mut self, at: usize, side: f64) -> Option<(f64, usize)> {
         self.t.copy_row(at, &mut self.row);
         let row = &self.row;
@@ -487,6 +514,7 @@ impl Tableau {
         first
     }
 
+    #[inline(always)]
     fn hold(&mut self, at: usize, side: f64, limit: f64, price: f64) {
         let gap = self.u[at] - limit;
         let reciprocal = self.sweep(at, gap);
@@ -497,17 +525,20 @@ impl Tableau {
     }
 
     /// Limits of a constraint that is held do not count.
+    #[inline(always)]
     fn let_go_limits(&mut self, at: usize) {
         let [lower, upper] = &mut self.limits;
         (lower[at], upper[at]) = (f64::NEG_INFINITY, f64::INFINITY);
     }
 
+    #[inline(always)]
     fn set_limits(&mut self, at: usize) {
         let ([lower, upper], place) = (&mut self.limits, &self.places[at]);
         lower[at] = place.lower - place.rounding;
         upper[at] = place.upper + place.rounding;
     }
 
+    #[inline(always)]
     fn release(&mut self, at: usize) {
         let delta = self.u[at];
         let reciprocal = self.sweep(at, delta);
@@ -519,6 +550,7 @@ impl Tableau {
 
     /// Sweeps on a diagonal entry; what stands beside the tableau moves by `−δ` times the column over the entry, whose
     /// reciprocal it returns.
+    #[inline(always)]
     fn sweep(&mut self, at: usize, delta: f64) -> f64 {
         self.t.copy_row(at, &mut self.row);
         let reciprocal = self.t.sweep(at, &mut self.row, &mut self.factors);
@@ -529,11 +561,13 @@ impl Tableau {
     }
 
     /// Takes the value of a candidate at the minimiser as it was found to be.
+    #[inline(always)]
     pub(super) fn set_value(&mut self, at: usize, value: f64) {
         self.u[at] = value;
     }
 
     /// Takes the values of all candidates that are not held as they were found to be.
+    #[inline(always)]
     pub(super) fn set_values(&mut self, value: impl Fn(usize) -> f64) {
         for (u, place) in self.u.iter_mut().zip(&self.places) {
             if !place.is_held() {
@@ -543,6 +577,7 @@ impl Tableau {
     }
 
     /// Replaces `b`, by place, with zeros where nothing is held, by `−P b`, and takes it as a change of multipliers.
+    #[inline(always)]
     pub(super) fn correct(&mut self, b: &mut [f64]) {
         let length = padded(self.places.len());
         let by_place = &mut self.row[..length];
@@ -565,6 +600,7 @@ pub(super) fn most(vars: usize, rows: usize) -> usize {
 }
 
 /// By how much a value is beyond limits, beyond which, and that limit.
+#[inline(always)]
 pub(super) fn beyond(value: f64, lower: f64, upper: f64) -> (f64, f64, f64) {
     if value > upper {
         (value - upper, 1.0, upper)
@@ -574,15 +610,18 @@ pub(super) fn beyond(value: f64, lower: f64, upper: f64) -> (f64, f64, f64) {
 }
 
 /// The first, if it is larger; a NaN is not.
+#[inline(always)]
 fn larger(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
 
+#[inline(always)]
 fn lanes(a: &[f64]) -> &[[f64; LANES]] {
     a.as_chunks().0
 }
 
 /// Whether a product of two numbers side by side is below zero.
+#[inline(always)]
 fn has_negative(a: &[f64], b: &[f64]) -> bool {
     let mut least = [0.0; LANES];
     for (a, b) in lanes(a).iter().zip(lanes(b)) {
@@ -601,7 +640,7 @@ fn has_negative(a: &[f64], b: &[f64]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::{Place, Step, Tableau};
-    use crate::Capacity;
+    use crate::{Capacity, active_set::simd::Simd};
 
     const N: usize = 7;
 
@@ -627,7 +666,7 @@ mod tests {
     impl Problem {
         fn new() -> Self {
             let capacity = Capacity { vars: N, rows: 20 };
-            let mut tableau = Tableau::new(capacity);
+            let mut tableau = Tableau::new(capacity, Simd::detect());
             tableau.reset(N + 20);
             let v = (0..N).map(|j| 3.0 * wave(50 + j)).collect();
             Self { v, tableau }

@@ -18,6 +18,7 @@ const WORTH: usize = 75;
 
 impl Run<'_, '_> {
     /// Makes inequalities candidates where there are none, and no equalities; false if there are too many or few.
+    #[inline(always)]
     pub(super) fn begin<const S: usize, const EXACT: bool>(&mut self) -> bool {
         let (n, m) = (self.n::<S, EXACT>(), self.qp.m());
         let qp = self.qp;
@@ -55,6 +56,7 @@ impl Run<'_, '_> {
         true
     }
 
+    #[inline(always)]
     fn consider_together<const S: usize>(&mut self, n: usize) {
         let m = self.qp.m();
         let own = &mut *self.own;
@@ -78,6 +80,7 @@ impl Run<'_, '_> {
     }
 
     /// Takes normals of candidates out of the columns: those of the ones held, or of all.
+    #[inline(always)]
     pub(super) fn know_candidates<const S: usize>(&mut self, is_wanted: impl Fn(&Place) -> bool) {
         let own = &mut *self.own;
         let width = padded(own.together.len());
@@ -96,6 +99,7 @@ impl Run<'_, '_> {
 }
 
 /// How many have a limit.
+#[inline(always)]
 fn count(lower: &[f64], upper: &[f64]) -> usize {
     let limits = lower.iter().zip(upper);
     limits

@@ -3,11 +3,13 @@
 use crate::active_set::kernels::{LANES, add_rows, dots, dots_of};
 
 /// The normal of a constraint.
+#[inline(always)]
 pub(super) fn normal<const S: usize>(w: &[f64], index: usize) -> &[f64; S] {
     &w.as_chunks::<S>().0[index]
 }
 
 /// `aᵀ b`.
+#[inline(always)]
 pub(super) fn product<const S: usize>(a: &[f64; S], b: &[f64]) -> f64 {
     let mut sums = [0.0; LANES];
     let (a, b) = (a.as_chunks::<LANES>().0, b[..S].as_chunks::<LANES>().0);
@@ -20,6 +22,7 @@ pub(super) fn product<const S: usize>(a: &[f64; S], b: &[f64]) -> f64 {
 }
 
 /// `y −= α x`.
+#[inline(always)]
 pub(super) fn subtract<const S: usize>(y: &mut [f64], alpha: f64, x: &[f64; S]) {
     for (y, x) in y[..S].iter_mut().zip(x) {
         *y -= alpha * x;
@@ -27,6 +30,7 @@ pub(super) fn subtract<const S: usize>(y: &mut [f64], alpha: f64, x: &[f64; S]) 
 }
 
 /// Products of `w` with the normals of a list, four at a time.
+#[inline(always)]
 pub(super) fn multiply<'a, T, const S: usize>(
     list: &[T],
     normal: impl Fn(&T) -> &'a [f64; S],
@@ -44,6 +48,7 @@ pub(super) fn multiply<'a, T, const S: usize>(
 }
 
 /// `h = Qᵀ w`, of as many columns as `h` is long.
+#[inline(always)]
 pub(super) fn project<const S: usize>(q: &[f64], w: &[f64], h: &mut [f64]) {
     let (fours, rest) = h.as_chunks_mut::<LANES>();
     let whole = fours.len() * LANES;
@@ -56,6 +61,7 @@ pub(super) fn project<const S: usize>(q: &[f64], w: &[f64], h: &mut [f64]) {
 }
 
 /// `y −= Q h`, of as many columns as `h` is long.
+#[inline(always)]
 pub(super) fn subtract_columns<const S: usize>(y: &mut [f64], h: &[f64], q: &[f64]) {
     let (fours, rest) = h.as_chunks::<LANES>();
     let whole = fours.len() * LANES;

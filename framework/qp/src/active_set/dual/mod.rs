@@ -14,9 +14,12 @@ use super::{
     kernels::{largest_product, padded},
     limits::Limits,
     point::Point,
+    simd::{Simd, with_simd},
     working_set::{DEPENDENT, Factorisation, WorkingSet},
 };
-use crate::{Capacity, ConstraintId, Held, Qp, Solution, Status, WarmStart};
+use crate::{
+    Capacity, ConstraintId, Held, Qp, Solution, Status, WarmStart, validity::first_not_finite,
+};
 
 /// Residual of the optimality conditions, relative to their terms, that needs no refinement.
 const EXACT: f64 = 1e-14;
@@ -54,6 +57,7 @@ enum End {
 /// Storage of the method, made once.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Dual {
+    simd: Simd,
     hessian: Hessian,
     compact: Compact,
     set: WorkingSet,
@@ -97,11 +101,12 @@ pub(super) struct Dual {
 }
 
 impl Dual {
-    pub(super) fn new(capacity: Capacity) -> Self {
+    pub(super) fn new(capacity: Capacity, simd: Simd) -> Self {
         let Capacity { vars: n, rows: m } = capacity;
         Self {
-            hessian: Hessian::new(n),
-            compact: Compact::new(capacity),
+            simd,
+            hessian: Hessian::new(n, simd),
+            compact: Compact::new(capacity, simd),
             set: WorkingSet::new(capacity),
             v: vec![0.0; padded(n)],
             point: Point::new(capacity),
@@ -150,7 +155,8 @@ impl Dual {
     ) -> Status {
         clear(qp, out);
         self.iterations = iterations;
-        let status = if let Some(Active { index, side, .. }) = impossible(qp) {
+        let impossible = with_simd!(self.simd, impossible(qp));
+        let status = if let Some(Active { index, side, .. }) = impossible {
             // Not a combination of constraints but one alone: its multiplier names it.
             add_multiplier(qp, index, side, out);
             Status::Infeasible
@@ -168,8 +174,8 @@ impl Dual {
         };
         out.iterations = self.iterations;
         let (n, m) = (qp.n(), qp.m());
-        let mut numbers = out.x[..n].iter().chain(&out.y[..m]).chain(&out.z[..n]);
-        if !numbers.all(|v| v.is_finite()) {
+        let numbers = [&out.x[..n], &out.y[..m], &out.z[..n]];
+        if numbers.iter().any(|v| first_not_finite(v).is_some()) {
             clear(qp, out);
             return Status::Stalled;
         }
