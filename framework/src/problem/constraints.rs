@@ -184,6 +184,11 @@ impl Problem {
         Ok(())
     }
 
+    /// What the limits of a row of the problem leave out: the part of the row's value that does not depend on x.
+    pub(crate) fn constant(&self, row: usize) -> f64 {
+        self.constants.get(row).copied().unwrap_or(0.0)
+    }
+
     /// Where a bound is, if what it is on is live.
     pub(super) fn place(&self, target: BoundTarget) -> Option<BoundPlace> {
         let variable = |column: usize| BoundPlace::Variable(column - self.partition.substituted);

@@ -48,8 +48,7 @@ impl Table {
     }
 }
 
-/// Of the problem built last.
-/// A row that is a bound on an eliminated effort.
+/// A row that is a bound on an eliminated effort, of the problem built last.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TorqueRow {
     /// The bound.
@@ -74,11 +73,6 @@ impl Problem {
     /// Whether a row is one of the equations of motion.
     pub(crate) fn is_dynamics(&self, id: RowId) -> bool {
         self.dynamics_rows.contains(&id)
-    }
-
-    /// What the limits of a row of the problem leave out: the part of the row's value that does not depend on x.
-    pub(crate) fn constant(&self, row: usize) -> f64 {
-        self.constants.get(row).copied().unwrap_or(0.0)
     }
 
     /// The row of the problem that is this bound on an eliminated effort, and whose.
