@@ -2,7 +2,7 @@
 
 use super::{
     Run,
-    tableau::Place,
+    tableau::{Place, beyond},
     vectors::{normal, product, project, subtract_columns},
 };
 use crate::{
@@ -66,6 +66,29 @@ impl Run<'_, '_> {
                 }
             }
         });
+    }
+
+    /// Holds a constraint that is violated alone where nothing of the base has changed; whether it does. (Of several, the
+    /// tableau says which.)
+    pub(super) fn append_violated<const S: usize, const EXACT: bool>(&mut self) -> bool {
+        let [(_, index)] = self.own.violated[..] else {
+            return false;
+        };
+        if self.own.is_tabulated {
+            return false;
+        }
+        let (lower, upper) = limits(self.qp, index);
+        let (_, side, limit) = beyond(self.point.value(index), lower, upper);
+        let k = self.own.base.len();
+        let is_held = with_simd!(
+            self.own.simd,
+            self.append::<S, EXACT>(Active { index, side, limit })
+        );
+        if is_held {
+            // What it is held with before the multipliers of the minimiser are found.
+            self.own.of_base[k] = 0.0;
+        }
+        is_held
     }
 
     /// Appends a constraint to the base; false if its normal nearly depends on the others.

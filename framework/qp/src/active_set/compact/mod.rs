@@ -275,7 +275,7 @@ impl Run<'_, '_> {
                     continue;
                 }
             }
-            if !self.consider_violated::<S, EXACT>() {
+            if !self.append_violated::<S, EXACT>() && !self.consider_violated::<S, EXACT>() {
                 return End::Undecided;
             }
         }
