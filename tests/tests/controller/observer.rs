@@ -89,6 +89,34 @@ fn thrusts_that_fall_short_are_an_unknown_wrench() {
     }
 }
 
+/// The observer looks at the state alone: a tick whose wrenches are unusable knows as much as one whose are not.
+#[test]
+fn a_tick_without_wrenches_reports_its_own_estimate() {
+    let folder = scenarios();
+    let file = folder.join("push_with_disturbance.toml");
+    let text = fs::read_to_string(file).expect("ships");
+    let scenario = Scenario::from_text(&text, "push.toml", &folder).expect("is good");
+    let case = scenario.case("robust").expect("ships");
+    let mut twins = [(); 2].map(|()| CaseRun::controller(case).expect("fits").0);
+    let mut plant = ClosedLoop::new(case, &twins[0], 3).expect("fits");
+    for _ in 0..50 {
+        let measurement = plant.measure().clone();
+        let commands = twins
+            .each_mut()
+            .map(|twin| twin.tick(&measurement).0.clone());
+        assert_eq!(commands[0], commands[1]);
+        plant.advance(&commands[0]).expect("is finite");
+    }
+    let before = twins[0].report().disturbance;
+    let mut measurement = plant.measure().clone();
+    let expected = twins[0].tick(&measurement).1.disturbance;
+    measurement.wrenches[0][2] = f64::NAN;
+    let report = twins[1].tick(&measurement).1;
+    assert!(report.fault.is_some(), "the wrench is no number");
+    assert_eq!(report.disturbance, expected);
+    assert!(expected != before, "{before}: noise moves it in every tick");
+}
+
 /// From one tick to the next, where velocities are differences of noisy poses.
 #[test]
 fn thrusts_are_calmer_than_measured_velocities_are() {

@@ -144,8 +144,11 @@ fn of_a_fallen_robot_nothing_is_refused_but_speeds_that_no_joint_has() {
                 Quantity::JointAcceleration(_) => {
                     assert!(value > 5e5, "{seed}: {quantity:?} {value}");
                 }
-                // Where that has brought it.
-                Quantity::JointJump(_) => assert!(was_refused, "{seed}: {quantity:?} {value}"),
+                // Where that has brought it, in a tick of 1 ms if it was over by its end.
+                Quantity::JointJump(_) => {
+                    let is_as_fast = value > 500.0 * 1e-3;
+                    assert!(was_refused || is_as_fast, "{seed}: {quantity:?} {value}");
+                }
                 _ => panic!("{seed}: {quantity:?} {value}"),
             }
             (refused, was_refused) = (refused + 1, true);
