@@ -239,7 +239,9 @@ describe("the page", () => {
       const [time, force, tip] = ["time", "contact/tip/true", "contact/tip/point"].map((name) =>
         window.wbqp.field(name),
       );
-      return time[0] > 11 && { time: time[0], force: -force[0], tip };
+      // The force of one instant may be that of a bounce.
+      const isThere = Math.abs(-force[0] - 5) < 1.5 || time[0] > 11.5;
+      return time[0] > 11 && isThere && { time: time[0], force: -force[0], tip };
     });
     const { time, force, tip } = await seen.jsonValue();
     assert.ok(time < 12, `${time}`);
