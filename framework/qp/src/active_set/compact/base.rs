@@ -68,8 +68,8 @@ impl Run<'_, '_> {
         });
     }
 
-    /// Holds a constraint that is violated alone where nothing of the base has changed; whether it does. (Of several, the
-    /// tableau says which.)
+    /// Holds a constraint that is violated alone where nothing of the base has changed; whether it does. (Of several,
+    /// the tableau says which.)
     pub(super) fn append_violated<const S: usize, const EXACT: bool>(&mut self) -> bool {
         let [(_, index)] = self.own.violated[..] else {
             return false;
