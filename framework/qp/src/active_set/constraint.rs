@@ -1,7 +1,7 @@
 //! Rows and bounds seen as one list of constraints: rows first, then one bound per variable.
 
 use super::kernels::{LANES, dot, largest};
-use crate::Qp;
+use crate::{ConstraintId, Qp, RowId, VarId};
 
 /// Largest violation at an optimum, relative to the limit and the sizes of the terms of the row's value.
 const VIOLATION: f64 = 1e-10;
@@ -19,6 +19,25 @@ pub(super) struct Active {
     pub(super) side: f64,
     /// Value of that limit.
     pub(super) limit: f64,
+}
+
+/// Index of a constraint that may exist.
+#[inline(always)]
+pub(super) fn index_of(qp: &Qp, constraint: ConstraintId) -> Option<usize> {
+    match constraint {
+        ConstraintId::Row(id) => position(qp.rows(), id, RowId::index),
+        ConstraintId::Bound(id) => position(qp.vars(), id, VarId::index).map(|j| qp.m() + j),
+    }
+}
+
+/// Position of an identity among ascending ones, which mostly follow one another.
+#[inline(always)]
+fn position<Id: Copy + Ord>(all: &[Id], id: Id, number: fn(Id) -> usize) -> Option<usize> {
+    let guess = number(id).checked_sub(number(*all.first()?))?;
+    if all.get(guess) == Some(&id) {
+        return Some(guess);
+    }
+    all.binary_search(&id).ok()
 }
 
 /// Number of constraints.

@@ -6,9 +6,9 @@ use super::{
     vectors::{normal, product, project, subtract_columns},
 };
 use crate::{
-    ConstraintId, Held,
+    Held,
     active_set::{
-        constraint::{Active, count, equalities, limits},
+        constraint::{Active, count, equalities, index_of, limits},
         kernels::{axpy, dot},
         simd::with_simd,
     },
@@ -44,13 +44,9 @@ impl Run<'_, '_> {
         with_simd!(self.own.simd, {
             let qp = self.qp;
             for held in previous {
-                let found = match held.constraint {
-                    ConstraintId::Row(id) => qp.rows().binary_search(&id).ok(),
-                    ConstraintId::Bound(id) => {
-                        qp.vars().binary_search(&id).ok().map(|j| qp.m() + j)
-                    }
+                let Some(index) = index_of(qp, held.constraint) else {
+                    continue;
                 };
-                let Some(index) = found else { continue };
                 let (lower, upper) = limits(qp, index);
                 let (side, limit) = if held.side > 0.0 {
                     (1.0, upper)
@@ -137,24 +133,37 @@ impl Run<'_, '_> {
     /// what the next steps start from if not.
     #[inline(always)]
     pub(super) fn is_base_right(&mut self) -> bool {
+        self.find_targets();
+        let mut signs = self.own.base.iter().zip(&self.own.h);
+        signs.all(|(held, target)| target * held.side >= 0.0)
+    }
+
+    /// The multipliers of the minimiser on the base, as long as nothing has changed.
+    #[inline(always)]
+    pub(super) fn find_targets(&mut self) {
         let own = &mut *self.own;
-        let k = own.base.len();
-        let targets = &mut own.h[..k];
+        let targets = &mut own.h[..own.base.len()];
         for (target, y) in targets.iter_mut().zip(&own.y) {
             *target = -y;
         }
         own.r.solve(targets);
-        let mut signs = own.base.iter().zip(&own.h);
-        signs.all(|(held, target)| target * held.side >= 0.0)
     }
 
-    /// Moves the inequalities from the base to the tableau, where they can go.
-    pub(super) fn tabulate<const S: usize, const EXACT: bool>(&mut self) {
+    /// Moves the inequalities from the base to the tableau, where they can go, with the multipliers of a point that was
+    /// found.
+    pub(super) fn tabulate<const S: usize>(&mut self) {
+        let own = &mut *self.own;
+        let k = own.base.len();
+        own.h[..k].copy_from_slice(&own.of_base[..k]);
+        self.move_to_tableau::<S>();
+    }
+
+    /// The same with the targets that were found last.
+    pub(super) fn move_to_tableau<const S: usize>(&mut self) {
         if self.own.is_tabulated {
             return;
         }
         with_simd!(self.own.simd, {
-            self.is_base_right();
             let own = &mut *self.own;
             own.is_tabulated = true;
             let is_equality = |held: &&Active| held.side == 0.0;

@@ -246,14 +246,15 @@ impl Run<'_, '_> {
         let mut corrections = 0;
         for _ in 0..patience {
             if self.limits.are_used_up(*self.iterations) {
-                // The multipliers of the base may not be known yet.
-                self.tabulate::<S, EXACT>();
+                if !self.own.is_tabulated {
+                    self.find_targets();
+                }
                 self.find_point::<S>();
                 return End::Budget;
             }
             *self.iterations += 1;
             if self.own.is_tabulated || !self.is_base_right() {
-                self.tabulate::<S, EXACT>();
+                self.move_to_tableau::<S>();
                 match self.own.tableau.step() {
                     Step::Changed => continue,
                     Step::Unclear => return End::Undecided,
@@ -268,7 +269,7 @@ impl Run<'_, '_> {
                     Verdict::Improved if corrections < CORRECTIONS => corrections += 1,
                     _ => return End::Undecided,
                 }
-                self.tabulate::<S, EXACT>();
+                self.tabulate::<S>();
                 let point = &*self.point;
                 self.own.tableau.set_values(|index| point.value(index));
                 if self.own.violated.is_empty() {
@@ -412,7 +413,7 @@ impl Run<'_, '_> {
     /// Makes violated constraints candidates, but for those that are near, and holds the farthest; whether it could.
     fn consider_violated<const S: usize, const EXACT: bool>(&mut self) -> bool {
         with_simd!(self.own.simd, {
-            self.tabulate::<S, EXACT>();
+            self.tabulate::<S>();
             let is_free = self.own.base.is_empty() && self.own.tableau.places().is_empty();
             if is_free && self.begin::<S, EXACT>() {
                 return true;

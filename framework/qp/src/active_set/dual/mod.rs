@@ -9,7 +9,7 @@ mod refinement;
 
 use super::{
     compact::{self, Compact},
-    constraint::{Active, count, equalities, equality, impossible, is_empty, limits},
+    constraint::{Active, count, equalities, equality, impossible, index_of, is_empty, limits},
     hessian::Hessian,
     kernels::{largest_product, padded},
     limits::Limits,
@@ -357,11 +357,7 @@ impl Dual {
                 side,
                 multiplier,
             } = self.previous[i];
-            let found = match constraint {
-                ConstraintId::Row(id) => qp.rows().binary_search(&id).ok(),
-                ConstraintId::Bound(id) => qp.vars().binary_search(&id).ok().map(|j| qp.m() + j),
-            };
-            let Some(index) = found.filter(|&i| !self.settled[i]) else {
+            let Some(index) = index_of(qp, constraint).filter(|&i| !self.settled[i]) else {
                 continue;
             };
             let (lower, upper) = limits(qp, index);
