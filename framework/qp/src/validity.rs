@@ -22,10 +22,18 @@ impl Qp {
     /// The same, inlined.
     #[inline(always)]
     pub(crate) fn first_defect(&self) -> Option<Defect> {
-        self.hessian_defect()
-            .or_else(|| self.gradient_defect())
-            .or_else(|| self.row_defect())
-            .or_else(|| self.limit_defect())
+        // Not `or_else`, whose closures would not be inlined.
+        let mut defect = self.hessian_defect();
+        if defect.is_none() {
+            defect = self.gradient_defect();
+        }
+        if defect.is_none() {
+            defect = self.row_defect();
+        }
+        if defect.is_none() {
+            defect = self.limit_defect();
+        }
+        defect
     }
 
     #[inline(always)]
@@ -83,10 +91,11 @@ impl Qp {
 
     #[inline(always)]
     fn limit_defect(&self) -> Option<Defect> {
-        let row = first_not_interval(self.row_lower(), self.row_upper());
-        let bound = || first_not_interval(self.lower(), self.upper());
-        row.map(|row| Defect::RowLimit { row })
-            .or_else(|| bound().map(|variable| Defect::Bound { variable }))
+        if let Some(row) = first_not_interval(self.row_lower(), self.row_upper()) {
+            return Some(Defect::RowLimit { row });
+        }
+        let bound = first_not_interval(self.lower(), self.upper());
+        bound.map(|variable| Defect::Bound { variable })
     }
 }
 

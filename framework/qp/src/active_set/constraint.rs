@@ -1,5 +1,7 @@
 //! Rows and bounds seen as one list of constraints: rows first, then one bound per variable.
 
+use std::array::from_fn;
+
 use super::kernels::{LANES, dot, largest};
 use crate::{ConstraintId, Qp, RowId, VarId};
 
@@ -45,6 +47,18 @@ pub(super) fn count(qp: &Qp) -> usize {
     qp.m() + qp.n()
 }
 
+/// Whether any pair of limits is one: all of them, four at a time, without deciding on the way.
+#[inline(always)]
+pub(super) fn any_equal(lower: &[f64], upper: &[f64]) -> bool {
+    let ((lowers, lower_rest), (uppers, upper_rest)) =
+        (lower.as_chunks::<LANES>(), upper.as_chunks::<LANES>());
+    let mut are = [false; LANES];
+    for (lower, upper) in lowers.iter().zip(uppers) {
+        are = from_fn(|l| are[l] | (lower[l] == upper[l]));
+    }
+    are != [false; LANES] || lower_rest.iter().zip(upper_rest).any(|(l, u)| l == u)
+}
+
 /// Equality rows and fixed variables with their values.
 pub(super) fn equalities(qp: &Qp) -> impl Iterator<Item = Active> {
     let rows = qp.row_lower().iter().zip(qp.row_upper());
@@ -57,6 +71,7 @@ pub(super) fn equalities(qp: &Qp) -> impl Iterator<Item = Active> {
 }
 
 /// The constraint that holds a value at its limits, which are equal.
+#[inline(always)]
 pub(super) fn equality(qp: &Qp, index: usize) -> Active {
     Active {
         index,
@@ -66,6 +81,7 @@ pub(super) fn equality(qp: &Qp, index: usize) -> Active {
 }
 
 /// Lower and upper limit.
+#[inline(always)]
 pub(super) fn limits(qp: &Qp, index: usize) -> (f64, f64) {
     match index.checked_sub(qp.m()) {
         None => (qp.row_lower()[index], qp.row_upper()[index]),

@@ -10,6 +10,7 @@
 use std::ops::Range;
 
 use super::{
+    constraint::any_equal,
     kernels::{LANES, SMALL, add_rows, axpy, dot, dots, padded},
     simd::{Simd, with_simd},
 };
@@ -71,7 +72,7 @@ impl Hessian {
             if self.eliminate() {
                 return true;
             }
-            if !has_equalities(qp) {
+            if !any_equal(qp.row_lower(), qp.row_upper()) {
                 return false;
             }
             self.load(qp);
@@ -548,7 +549,13 @@ fn four_rows(rows: &mut [f64], stride: usize, columns: Range<usize>) -> [&mut [[
     let (a, rest) = rows[..LANES * stride].split_at_mut(stride);
     let (b, rest) = rest.split_at_mut(stride);
     let (c, d) = rest.split_at_mut(stride);
-    [a, b, c, d].map(|row| row[columns.clone()].as_chunks_mut().0)
+    let (from, to) = (columns.start, columns.end);
+    [
+        a[from..to].as_chunks_mut().0,
+        b[from..to].as_chunks_mut().0,
+        c[from..to].as_chunks_mut().0,
+        d[from..to].as_chunks_mut().0,
+    ]
 }
 
 /// The rows of U of a block that is eliminated, given its pivots, and the inverse of its diagonal block; nothing if
@@ -581,11 +588,4 @@ fn divide_by_roots(
 #[inline(always)]
 fn block(a: &[f64], at: usize) -> [f64; LANES] {
     [a[at], a[at + 1], a[at + 2], a[at + 3]]
-}
-
-fn has_equalities(qp: &Qp) -> bool {
-    qp.row_lower()
-        .iter()
-        .zip(qp.row_upper())
-        .any(|(l, u)| l == u)
 }

@@ -84,11 +84,11 @@ impl Point {
     pub(super) fn reset(&mut self, qp: &Qp) {
         (self.n, self.m) = (qp.n(), qp.m());
         self.most = f64::INFINITY;
-        let diagonal = qp.h().iter().step_by(self.n + 1);
-        for (per_unit, &h) in self.per_unit.iter_mut().zip(diagonal) {
+        let per_unit = &mut self.per_unit[..self.n];
+        for (j, per_unit) in per_unit.iter_mut().enumerate() {
+            let h = qp.h()[j * self.n + j];
             *per_unit = if h > 0.0 { h } else { 1.0 };
         }
-        let per_unit = &mut self.per_unit[..self.n];
         for (unit, per_unit) in self.unit.iter_mut().zip(per_unit) {
             *per_unit = per_unit.sqrt();
             *unit = 1.0 / *per_unit;

@@ -8,7 +8,7 @@ use super::{
 use crate::{
     Held,
     active_set::{
-        constraint::{Active, count, equalities, index_of, limits},
+        constraint::{Active, any_equal, count, equality, index_of, limits},
         kernels::{axpy, dot},
         simd::with_simd,
     },
@@ -29,10 +29,16 @@ impl Run<'_, '_> {
             self.own.is_tabulated = false;
             self.own.r.reset(self.qp.n());
             self.own.tableau.reset(count(self.qp));
-            for constraint in equalities(self.qp) {
-                // Not `all`, whose closure would not be inlined.
-                if !self.append::<S, EXACT>(constraint) {
-                    return false;
+            let qp = self.qp;
+            let rows = (0, qp.row_lower(), qp.row_upper());
+            for (first, lower, upper) in [rows, (qp.m(), qp.lower(), qp.upper())] {
+                if !any_equal(lower, upper) {
+                    continue;
+                }
+                for (i, (lower, upper)) in lower.iter().zip(upper).enumerate() {
+                    if lower == upper && !self.append::<S, EXACT>(equality(qp, first + i)) {
+                        return false;
+                    }
                 }
             }
             true

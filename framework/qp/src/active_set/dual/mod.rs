@@ -175,7 +175,14 @@ impl Dual {
         out.iterations = self.iterations;
         let (n, m) = (qp.n(), qp.m());
         let numbers = [&out.x[..n], &out.y[..m], &out.z[..n]];
-        if numbers.iter().any(|v| first_not_finite(v).is_some()) {
+        let are_finite = with_simd!(
+            self.simd,
+            first_not_finite(numbers[0])
+                .or(first_not_finite(numbers[1]))
+                .or(first_not_finite(numbers[2]))
+                .is_none()
+        );
+        if !are_finite {
             clear(qp, out);
             return Status::Stalled;
         }
