@@ -41,9 +41,9 @@ impl Qp {
         let (n, h) = (self.n(), self.h());
         let is_sound = match n {
             // Loops of a length that the compiler knows.
-            8 => is_nearly_symmetric_in_blocks::<8>(h),
-            12 => is_nearly_symmetric_in_blocks::<12>(h),
-            16 => is_nearly_symmetric_in_blocks::<16>(h),
+            8 => is_nearly_symmetric(h, 8),
+            12 => is_nearly_symmetric(h, 12),
+            16 => is_nearly_symmetric(h, 16),
             n => is_nearly_symmetric(h, n),
         };
         if is_sound {
@@ -100,10 +100,17 @@ impl Qp {
 }
 
 /// Whether all entries are finite, none on the diagonal is negative, and no two differ by more than is allowed beside
-/// the smallest on the diagonal, for which no root is needed, and nothing to decide on the way. False may be a mistake.
+/// the smallest on the diagonal, for which no root is needed, and nothing to decide on the way; by blocks of four rows
+/// and columns. False may be a mistake.
 #[inline(always)]
 fn is_nearly_symmetric(h: &[f64], n: usize) -> bool {
     let h = &h[..n * n];
+    let block = |row: usize, column: usize| -> [[f64; 4]; 4] {
+        from_fn(|i| {
+            let left = &h[(row + i) * n + column..][..4];
+            [left[0], left[1], left[2], left[3]]
+        })
+    };
     let mut differences = [0.0; 4];
     let (mut smallest, mut trace) = (f64::INFINITY, 0.0);
     for row in 0..n {
@@ -114,47 +121,9 @@ fn is_nearly_symmetric(h: &[f64], n: usize) -> bool {
         } else {
             smallest
         };
-        let (left, left_rest) = h[row * n..row * n + row].as_chunks::<4>();
-        for (c, left) in left.iter().enumerate() {
-            let above = &h[4 * c * n + row..];
-            let above = [above[0], above[n], above[2 * n], above[3 * n]];
-            for l in 0..4 {
-                differences[l] += (left[l] - above[l]).abs();
-            }
-        }
-        let first = row - left_rest.len();
-        for (l, left) in left_rest.iter().enumerate() {
-            differences[l] += (left - h[(first + l) * n + row]).abs();
-        }
     }
-    // A number that is not finite leaves neither sum.
-    let differences = differences.into_iter().sum::<f64>();
-    smallest >= 0.0 && differences <= ASYMMETRY * smallest && trace < f64::INFINITY
-}
-
-/// The same by blocks of four rows and columns.
-#[inline(always)]
-fn is_nearly_symmetric_in_blocks<const N: usize>(h: &[f64]) -> bool {
-    let rows = h.as_chunks::<N>().0;
-    let block = |row: usize, column: usize| -> [[f64; 4]; 4] {
-        from_fn(|i| from_fn(|j| rows[row + i][column + j]))
-    };
-    let mut differences = [0.0; 4];
-    let (mut smallest, mut trace) = (f64::INFINITY, 0.0);
-    for row in (0..N).step_by(4) {
-        let own = block(row, row);
-        for (i, left) in own.iter().enumerate() {
-            let diagonal = left[i];
-            trace += diagonal;
-            smallest = if diagonal < smallest {
-                diagonal
-            } else {
-                smallest
-            };
-            for (j, above) in own.iter().enumerate().take(i) {
-                differences[j] += (left[j] - above[i]).abs();
-            }
-        }
+    let whole = n - n % 4;
+    for row in (0..whole).step_by(4) {
         for column in (0..row).step_by(4) {
             let (left, above) = (block(row, column), block(column, row));
             for (i, left) in left.iter().enumerate() {
@@ -162,6 +131,17 @@ fn is_nearly_symmetric_in_blocks<const N: usize>(h: &[f64]) -> bool {
                     *sum += (left - above[i]).abs();
                 }
             }
+        }
+        let own = block(row, row);
+        for (i, left) in own.iter().enumerate() {
+            for (j, above) in own.iter().enumerate().take(i) {
+                differences[j] += (left[j] - above[i]).abs();
+            }
+        }
+    }
+    for row in whole..n {
+        for (column, left) in h[row * n..row * n + row].iter().enumerate() {
+            differences[column % 4] += (left - h[column * n + row]).abs();
         }
     }
     // A number that is not finite leaves neither sum.

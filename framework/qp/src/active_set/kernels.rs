@@ -4,6 +4,8 @@
 //! Four rows at a time go through one pass over a vector: it is read once for the four, and the long chains of
 //! dependent additions and stores, which a row alone would wait for, overlap.
 
+use std::hint::black_box;
+
 /// Vectors and strides of the workspaces are whole multiples of this, padded with zeros: the loops have no remainder.
 pub(super) const LANES: usize = 4;
 /// Up to this stride zeros are not looked for: loops over all of a stride that the compiler knows are faster.
@@ -103,7 +105,8 @@ pub(super) fn dots_of(rows: [&[f64]; 4], x: &[f64]) -> [f64; 4] {
             s3[l] += d[l] * x[l];
         }
     }
-    let mut out = sums(&s0, &s1, &s2, &s3);
+    // Through memory: if the compiler sees both, it vectorises across the rows, which takes as many shuffles as products.
+    let mut out = black_box([s0, s1, s2, s3]).map(|s| (s[0] + s[2]) + (s[1] + s[3]));
     for (i, x) in x_rest.iter().enumerate() {
         out[0] += a.1[i] * x;
         out[1] += b.1[i] * x;
@@ -111,14 +114,6 @@ pub(super) fn dots_of(rows: [&[f64]; 4], x: &[f64]) -> [f64; 4] {
         out[3] += d.1[i] * x;
     }
     out
-}
-
-/// A call of its own: if the sums are added up where they are made, the compiler vectorises across the rows, which
-/// takes as many shuffles as products.
-#[inline(never)]
-fn sums(a: &[f64; LANES], b: &[f64; LANES], c: &[f64; LANES], d: &[f64; LANES]) -> [f64; 4] {
-    let sum = |s: &[f64; LANES]| (s[0] + s[2]) + (s[1] + s[3]);
-    [sum(a), sum(b), sum(c), sum(d)]
 }
 
 /// `y += α x` over the shorter length.

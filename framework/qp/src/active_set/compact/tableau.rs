@@ -17,7 +17,7 @@ use std::{array::from_fn, ops::Range};
 
 use super::{
     super::{
-        kernels::{LANES, axpy, dot, padded},
+        kernels::{LANES, axpy, dot, dots, padded},
         simd::{Simd, with_simd},
         triangle::Triangle,
     },
@@ -301,9 +301,21 @@ impl Tableau {
             let own = &mut self.h[at * self.width..][..self.width];
             own[..h.len()].copy_from_slice(h);
             own[h.len()..].fill(0.0);
-            let (own, all) = (&self.h[at * self.width..], self.h.chunks_exact(self.width));
-            for (product, h) in products.iter_mut().zip(all) {
-                *product -= dot(h, &own[..h.len()]);
+            let own = &self.h[at * self.width..][..self.width];
+            let (fours, rest) = products.as_chunks_mut::<LANES>();
+            let whole = fours.len() * LANES;
+            for (four, h) in fours
+                .iter_mut()
+                .zip(self.h.chunks_exact(LANES * self.width))
+            {
+                let of_base = dots(h, self.width, own);
+                for (product, of_base) in four.iter_mut().zip(of_base) {
+                    *product -= of_base;
+                }
+            }
+            let last = self.h.chunks_exact(self.width).skip(whole);
+            for (product, h) in rest.iter_mut().zip(last) {
+                *product -= dot(h, own);
             }
         }
         let square = self.places[at].square - dot(h, h);
