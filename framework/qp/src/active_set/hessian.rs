@@ -279,14 +279,17 @@ impl Hessian {
 
     /// Replaces `a` by `w = U⁻ᵀ a`; returns which components of w may differ from zero, in whole lanes.
     pub(super) fn solve_transposed(&self, a: &mut [f64]) -> Range<usize> {
-        match self.stride {
-            8 => self.solve_transposed_of::<8>(0, a),
-            12 => self.solve_transposed_of::<12>(0, a),
-            16 => self.solve_transposed_of::<16>(0, a),
-            32 => self.solve_transposed_of::<32>(0, a),
-            stride if self.is_full => self.solve_transposed_with::<true>(stride, 0, a),
-            stride => self.solve_transposed_with::<false>(stride, 0, a),
-        }
+        with_simd!(
+            self.simd,
+            match self.stride {
+                8 => self.solve_transposed_of::<8>(0, a),
+                12 => self.solve_transposed_of::<12>(0, a),
+                16 => self.solve_transposed_of::<16>(0, a),
+                32 => self.solve_transposed_of::<32>(0, a),
+                stride if self.is_full => self.solve_transposed_with::<true>(stride, 0, a),
+                stride => self.solve_transposed_with::<false>(stride, 0, a),
+            }
+        )
     }
 
     /// The same, where the stride is known, and the first component that may differ from zero.
@@ -363,14 +366,17 @@ impl Hessian {
 
     /// Replaces `z` by `x = U⁻¹ z`.
     pub(super) fn solve(&self, z: &mut [f64]) {
-        match self.stride {
-            8 => self.solve_of::<8>(z),
-            12 => self.solve_of::<12>(z),
-            16 => self.solve_of::<16>(z),
-            32 => self.solve_of::<32>(z),
-            stride if self.is_full => self.solve_with::<true>(stride, z),
-            stride => self.solve_with::<false>(stride, z),
-        }
+        with_simd!(
+            self.simd,
+            match self.stride {
+                8 => self.solve_of::<8>(z),
+                12 => self.solve_of::<12>(z),
+                16 => self.solve_of::<16>(z),
+                32 => self.solve_of::<32>(z),
+                stride if self.is_full => self.solve_with::<true>(stride, z),
+                stride => self.solve_with::<false>(stride, z),
+            }
+        );
     }
 
     /// The same, where the stride is known.
@@ -421,12 +427,15 @@ impl Hessian {
 
     /// `H x`, of H itself.
     pub(super) fn product(&self, qp: &Qp, x: &[f64], hx: &mut [f64]) {
-        match self.n {
-            8 => self.product_with(8, qp, x, hx),
-            12 => self.product_with(12, qp, x, hx),
-            16 => self.product_with(16, qp, x, hx),
-            n => self.product_with(n, qp, x, hx),
-        }
+        with_simd!(
+            self.simd,
+            match self.n {
+                8 => self.product_with(8, qp, x, hx),
+                12 => self.product_with(12, qp, x, hx),
+                16 => self.product_with(16, qp, x, hx),
+                n => self.product_with(n, qp, x, hx),
+            }
+        );
     }
 
     #[expect(

@@ -6,12 +6,14 @@ use super::{
     constraint::{Active, copy_normal, count},
     hessian::Hessian,
     kernels::{LANES, SMALL, add_four, axpy, dot, dots_of, padded},
+    simd::{Simd, with_simd},
 };
 use crate::{Capacity, Qp};
 
 /// `w = U⁻ᵀ a` of the constraints that were asked for: what is violated is often held later.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Normals {
+    simd: Simd,
     /// n with padding.
     stride: usize,
     /// One after the other by the constraints' indices.
@@ -25,8 +27,9 @@ pub(super) struct Normals {
 }
 
 impl Normals {
-    pub(super) fn new(Capacity { vars, rows }: Capacity) -> Self {
+    pub(super) fn new(Capacity { vars, rows }: Capacity, simd: Simd) -> Self {
         Self {
+            simd,
             stride: 0,
             w: vec![0.0; padded(vars) * (rows + vars)],
             ranges: vec![(0, 0); rows + vars],
@@ -82,12 +85,15 @@ impl Normals {
         (range, x): (Range<usize>, &[f64]),
         out: &mut [f64],
     ) {
-        match self.stride {
-            8 => self.products_with(8, of, (range, x), out),
-            12 => self.products_with(12, of, (range, x), out),
-            16 => self.products_with(16, of, (range, x), out),
-            stride => self.products_with(stride, of, (range, x), out),
-        }
+        with_simd!(
+            self.simd,
+            match self.stride {
+                8 => self.products_with(8, of, (range, x), out),
+                12 => self.products_with(12, of, (range, x), out),
+                16 => self.products_with(16, of, (range, x), out),
+                stride => self.products_with(stride, of, (range, x), out),
+            }
+        );
     }
 
     #[expect(clippy::inline_always, reason = "the stride is to be known")]
@@ -116,12 +122,15 @@ impl Normals {
 
     /// `y −= Σ α w` of constraints that are known.
     pub(super) fn subtract(&self, of: &[Active], alpha: &[f64], y: &mut [f64]) {
-        match self.stride {
-            8 => self.subtract_with(8, of, alpha, y),
-            12 => self.subtract_with(12, of, alpha, y),
-            16 => self.subtract_with(16, of, alpha, y),
-            stride => self.subtract_with(stride, of, alpha, y),
-        }
+        with_simd!(
+            self.simd,
+            match self.stride {
+                8 => self.subtract_with(8, of, alpha, y),
+                12 => self.subtract_with(12, of, alpha, y),
+                16 => self.subtract_with(16, of, alpha, y),
+                stride => self.subtract_with(stride, of, alpha, y),
+            }
+        );
     }
 
     #[expect(clippy::inline_always, reason = "the stride is to be known")]

@@ -14,6 +14,7 @@ use std::ops::Range;
 
 use super::{
     kernels::{LANES, SMALL, add_rows, axpy, dot, dots, padded},
+    simd::{Simd, with_simd},
     triangle::rotation,
 };
 
@@ -74,6 +75,7 @@ enum Factor {
 /// The product.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Orthogonal {
+    simd: Simd,
     n: usize,
     /// n with padding.
     stride: usize,
@@ -89,8 +91,9 @@ pub(super) struct Orthogonal {
 impl Orthogonal {
     /// Room for `reflections` in `n` dimensions and as many rotations as `rotations`, and for n runs of them per
     /// reflection.
-    pub(super) fn new(n: usize, reflections: usize, rotations: usize) -> Self {
+    pub(super) fn new(n: usize, reflections: usize, rotations: usize, simd: Simd) -> Self {
         Self {
+            simd,
             n,
             stride: padded(n),
             factors: Vec::with_capacity(5 * reflections),
@@ -150,7 +153,7 @@ impl Orthogonal {
         };
         // ‖v‖² = 2 r (r − first) = −2 r v0.
         let tau = -1.0 / (r * v0);
-        mirror(&self.vectors, span, tau, other);
+        with_simd!(self.simd, mirror(&self.vectors, span, tau, other));
         self.factors.push(Factor::Reflect { span, tau });
         self.draw_together();
     }
@@ -220,12 +223,15 @@ impl Orthogonal {
 
     /// `w ← Qᵀ w`, for a w that is zero outside of a range of whole lanes. Where it is zero, nothing is reflected.
     pub(super) fn transposed(&self, range: Range<usize>, w: &mut [f64]) {
-        match self.stride {
-            8 => self.transposed_with(8, range, w),
-            12 => self.transposed_with(12, range, w),
-            16 => self.transposed_with(16, range, w),
-            stride => self.transposed_with(stride, range, w),
-        }
+        with_simd!(
+            self.simd,
+            match self.stride {
+                8 => self.transposed_with(8, range, w),
+                12 => self.transposed_with(12, range, w),
+                16 => self.transposed_with(16, range, w),
+                stride => self.transposed_with(stride, range, w),
+            }
+        );
     }
 
     #[expect(clippy::inline_always, reason = "the stride is to be known")]
@@ -282,12 +288,15 @@ impl Orthogonal {
 
     /// `z ← Q z`.
     pub(super) fn apply(&self, z: &mut [f64]) {
-        match self.stride {
-            8 => self.apply_with(8, z),
-            12 => self.apply_with(12, z),
-            16 => self.apply_with(16, z),
-            stride => self.apply_with(stride, z),
-        }
+        with_simd!(
+            self.simd,
+            match self.stride {
+                8 => self.apply_with(8, z),
+                12 => self.apply_with(12, z),
+                16 => self.apply_with(16, z),
+                stride => self.apply_with(stride, z),
+            }
+        );
     }
 
     #[expect(clippy::inline_always, reason = "the stride is to be known")]
@@ -335,12 +344,12 @@ fn mirror(vectors: &[f64], span: Span, tau: f64, w: &mut [f64]) {
 
 #[cfg(test)]
 mod tests {
-    use super::Orthogonal;
+    use super::{Orthogonal, Simd};
 
     #[test]
     fn is_orthogonal_and_inverted_by_its_transpose() {
         let n = 12;
-        let mut q = Orthogonal::new(n, 8, 10);
+        let mut q = Orthogonal::new(n, 8, 10, Simd::detect());
         q.reset(n);
         let vector = |seed: usize| (0..n).map(|i| ((7 * i + 13 * seed) as f64).sin()).collect();
         let norm = |w: &[f64]| w.iter().map(|w| w * w).sum::<f64>().sqrt();

@@ -25,6 +25,7 @@ use super::{
     kernels::{dot, padded, squares_after},
     normals::Normals,
     orthogonal::Orthogonal,
+    simd::{Simd, with_simd},
     triangle::{Triangle, rotation},
 };
 use crate::{Capacity, Qp};
@@ -47,6 +48,7 @@ pub(super) enum Factorisation {
 
 #[derive(Clone, Debug, Default)]
 pub(super) struct WorkingSet {
+    simd: Simd,
     n: usize,
     /// n with padding.
     stride: usize,
@@ -84,13 +86,14 @@ pub(super) struct WorkingSet {
 }
 
 impl WorkingSet {
-    pub(super) fn new(capacity: Capacity) -> Self {
+    pub(super) fn new(capacity: Capacity, simd: Simd) -> Self {
         let n = capacity.vars;
         Self {
+            simd,
             active: Vec::with_capacity(n + 1),
-            normals: Normals::new(capacity),
+            normals: Normals::new(capacity, simd),
             r: Triangle::new(n),
-            q: Orthogonal::new(n, n + n / 2 + 4, 8 * n * n + 16),
+            q: Orthogonal::new(n, n + n / 2 + 4, 8 * n * n + 16, simd),
             v: vec![0.0; padded(n)],
             v1: vec![0.0; padded(n)],
             z1: vec![0.0; n],
@@ -318,7 +321,10 @@ impl WorkingSet {
         for (z, held) in new.zip(&self.active[self.known..]) {
             *z = held.limit;
         }
-        self.r.solve_transposed(self.known, &mut self.z1);
+        with_simd!(
+            self.simd,
+            self.r.solve_transposed(self.known, &mut self.z1)
+        );
         self.known = k;
         let (targets, z1) = (&mut self.targets[..k], &self.z1[..k]);
         let v1 = if self.is_orthogonal {
@@ -329,7 +335,7 @@ impl WorkingSet {
         for (t, (z, v)) in targets.iter_mut().zip(z1.iter().zip(v1)) {
             *t = -(z + v);
         }
-        self.r.solve(targets);
+        with_simd!(self.simd, self.r.solve(targets));
     }
 
     /// What [`WorkingSet::find_targets`] or [`WorkingSet::combine`] computed last, per held constraint.
@@ -538,7 +544,7 @@ mod tests {
                 rows: ROWS,
             };
             let (mut hessian, mut set) =
-                (Hessian::new(n, Simd::detect()), WorkingSet::new(capacity));
+                (Hessian::new(n, Simd::detect()), WorkingSet::new(capacity, Simd::detect()));
             assert!(hessian.factorise(&qp), "H is definite");
             let mut v = vec![0.0; padded(n)];
             v[..n].copy_from_slice(qp.g());

@@ -105,7 +105,7 @@ impl Dual {
             self.set.accept_targets();
             if !is_evaluated {
                 self.set.primal(&self.hessian, self.point.x_mut());
-                self.point.evaluate(qp);
+                self.evaluate(qp);
                 if self.set.is_soft() && self.residual_of_held(qp) > OFF {
                     self.come_back(qp);
                     // `!(… <= …)`: a NaN is far away, too.
@@ -159,7 +159,7 @@ impl Dual {
             self.set.find_targets();
             self.set.accept_targets();
             self.set.primal(&self.hessian, self.point.x_mut());
-            self.point.evaluate(qp);
+            self.evaluate(qp);
             self.refine(qp, 0.0);
             if let Some((alpha, j)) = self.blocking_refined(qp, forgiven) {
                 for (m, before) in self.set.multipliers.iter_mut().zip(&self.before) {

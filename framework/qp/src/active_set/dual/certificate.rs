@@ -67,7 +67,7 @@ impl Dual {
     fn accepted_size(&mut self, qp: &Qp, constraint: Active) -> f64 {
         self.set.find_targets();
         self.set.primal(&self.hessian, self.point.x_mut());
-        self.point.evaluate(qp);
+        self.evaluate(qp);
         self.set.take_combination(&self.p[..self.set.len()]);
         constraint.limit.abs() + self.point.magnitude_with_rounding(qp, constraint.index)
     }

@@ -55,7 +55,7 @@ impl Dual {
             self.iterations += 1;
             self.set.find_targets();
             self.set.primal(&self.hessian, self.point.x_mut());
-            self.point.evaluate(qp);
+            self.evaluate(qp);
             let Some((part, event)) = self.next_event(qp, rest, budget.tolerance) else {
                 return Path::Arrived;
             };
@@ -90,7 +90,7 @@ impl Dual {
         }
         self.set
             .primal_of_multipliers(&self.hessian, self.point.x_mut());
-        self.point.evaluate(qp);
+        self.evaluate(qp);
         for index in 0..count(qp) {
             let (value, (lower, upper)) = (self.point.value(index), limits(qp, index));
             self.path[index] = Place {

@@ -107,7 +107,7 @@ impl Dual {
             simd,
             hessian: Hessian::new(n, simd),
             compact: Compact::new(capacity, simd),
-            set: WorkingSet::new(capacity),
+            set: WorkingSet::new(capacity, simd),
             v: vec![0.0; padded(n)],
             point: Point::new(capacity),
             settled: vec![false; m + n],
@@ -193,6 +193,11 @@ impl Dual {
     /// multipliers.
     pub(super) fn soften(&mut self, compliance: &[f64]) {
         self.set.soften(compliance);
+    }
+
+    /// Computes the values of all constraints at the point.
+    fn evaluate(&mut self, qp: &Qp) {
+        with_simd!(self.simd, self.point.evaluate(qp));
     }
 
     /// The constraints held.

@@ -45,7 +45,7 @@ impl Dual {
             axpy(self.point.x_mut(), 1.0, d);
             self.passed = f64::INFINITY;
             axpy(&mut self.set.multipliers, 1.0, p);
-            self.point.evaluate(qp);
+            self.evaluate(qp);
             if !stays_exact {
                 stationarity = self.residual_of_gradient(qp);
             }
@@ -62,7 +62,7 @@ impl Dual {
         self.set.correct(&self.hessian, d, p);
         axpy(self.point.x_mut(), 1.0, d);
         axpy(&mut self.set.multipliers, 1.0, p);
-        self.point.evaluate(qp);
+        self.evaluate(qp);
     }
 
     /// `H x + g + N λ` into `self.gradient`; returns its size relative to what it is the difference of.
