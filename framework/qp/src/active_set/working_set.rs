@@ -321,10 +321,7 @@ impl WorkingSet {
         for (z, held) in new.zip(&self.active[self.known..]) {
             *z = held.limit;
         }
-        with_simd!(
-            self.simd,
-            self.r.solve_transposed(self.known, &mut self.z1)
-        );
+        with_simd!(self.simd, self.r.solve_transposed(self.known, &mut self.z1));
         self.known = k;
         let (targets, z1) = (&mut self.targets[..k], &self.z1[..k]);
         let v1 = if self.is_orthogonal {
@@ -543,8 +540,10 @@ mod tests {
                 vars: n,
                 rows: ROWS,
             };
-            let (mut hessian, mut set) =
-                (Hessian::new(n, Simd::detect()), WorkingSet::new(capacity, Simd::detect()));
+            let (mut hessian, mut set) = (
+                Hessian::new(n, Simd::detect()),
+                WorkingSet::new(capacity, Simd::detect()),
+            );
             assert!(hessian.factorise(&qp), "H is definite");
             let mut v = vec![0.0; padded(n)];
             v[..n].copy_from_slice(qp.g());
