@@ -54,7 +54,8 @@ pub(super) fn any_equal(lower: &[f64], upper: &[f64]) -> bool {
         (lower.as_chunks::<LANES>(), upper.as_chunks::<LANES>());
     let mut are = [false; LANES];
     for (lower, upper) in lowers.iter().zip(uppers) {
-        are = from_fn(|l| are[l] | (lower[l] == upper[l]));
+        let equal: [bool; LANES] = from_fn(|l| lower[l] == upper[l]);
+        are = from_fn(|l| are[l] | equal[l]);
     }
     are != [false; LANES] || lower_rest.iter().zip(upper_rest).any(|(l, u)| l == u)
 }

@@ -2,7 +2,7 @@
 
 use super::{
     Run,
-    tableau::{Place, beyond},
+    place::{Place, beyond},
     vectors::{normal, product, project, subtract_columns},
 };
 use crate::{

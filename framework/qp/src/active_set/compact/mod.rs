@@ -10,6 +10,7 @@
 
 mod base;
 mod correction;
+mod place;
 mod symmetric;
 mod tableau;
 mod together;
@@ -26,7 +27,8 @@ use super::{
 };
 use crate::{Capacity, ConstraintId, Held, Qp};
 use correction::Verdict;
-use tableau::{Place, Step, Tableau, beyond, most};
+use place::{Place, beyond};
+use tableau::{Step, Tableau, most};
 use vectors::{multiply, normal, product, project, subtract, subtract_columns};
 
 /// Largest number of variables, with padding.

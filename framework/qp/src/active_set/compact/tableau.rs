@@ -21,6 +21,7 @@ use super::{
         simd::{Simd, with_simd},
         triangle::Triangle,
     },
+    place::{Place, beyond},
     symmetric::Symmetric,
 };
 use crate::Capacity;
@@ -29,70 +30,12 @@ use crate::Capacity;
 const NONE: u32 = u32::MAX;
 /// Held outside of the tableau.
 const BASE: u32 = u32::MAX - 1;
-/// Rounding of a candidate's value, relative to its limit and to what it is where no inequality is held.
-const ROUNDING: f64 = 1e-9;
 /// Square of the sine of the angle to those held below which a constraint is taken for one that depends on them.
 const DEPENDENT: f64 = 1e-8;
 /// The same, below which nothing of a square is left but rounding.
 const NOTHING: f64 = 1e-13;
 /// Square of a part of a combination of normals, relative to the largest, that is rounding.
 const ROUNDED: f64 = 1e-18;
-
-/// A constraint in the tableau.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Place {
-    /// Of the constraint.
-    pub(super) index: usize,
-    /// +1 if it is held at the upper limit, −1 at the lower one, 0 if it is not.
-    pub(super) side: f64,
-    /// The limit that it is held at.
-    pub(super) limit: f64,
-    lower: f64,
-    upper: f64,
-    /// Where no inequality is held.
-    value: f64,
-    /// `‖w̃‖²`.
-    square: f64,
-    /// What is rounding of its value.
-    rounding: f64,
-}
-
-impl Place {
-    /// A constraint with its limits, its value where no inequality is held, and `‖w‖²`.
-    pub(super) fn new(index: usize, (lower, upper): (f64, f64), value: f64, square: f64) -> Self {
-        let finite = |limit: f64| if limit.is_finite() { limit.abs() } else { 0.0 };
-        Self {
-            index,
-            lower,
-            upper,
-            value,
-            square,
-            rounding: ROUNDING * (value.abs() + finite(lower).max(finite(upper))),
-            ..Self::default()
-        }
-    }
-
-    /// Held at a limit.
-    #[inline(always)]
-    pub(super) fn held(self, side: f64, limit: f64) -> Self {
-        Self {
-            side,
-            limit,
-            ..self
-        }
-    }
-
-    #[inline(always)]
-    pub(super) fn is_held(&self) -> bool {
-        self.side != 0.0
-    }
-
-    /// `‖w̃‖²`.
-    #[inline(always)]
-    pub(super) fn square(&self) -> f64 {
-        self.square
-    }
-}
 
 /// How a step ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -609,16 +552,6 @@ impl Tableau {
 /// room.
 pub(super) fn most(vars: usize, rows: usize) -> usize {
     vars.saturating_add(rows).min(2 * vars + 8)
-}
-
-/// By how much a value is beyond limits, beyond which, and that limit.
-#[inline(always)]
-pub(super) fn beyond(value: f64, lower: f64, upper: f64) -> (f64, f64, f64) {
-    if value > upper {
-        (value - upper, 1.0, upper)
-    } else {
-        (lower - value, -1.0, lower)
-    }
 }
 
 /// The first, if it is larger; a NaN is not.

@@ -1,10 +1,7 @@
 //! Several inequalities as candidates at once, where nothing is held: their normals and products come out of a few long
 //! loops. They are those violated or, where there are few, all, so that no point has to be computed before the last.
 
-use super::{
-    Run,
-    tableau::{Place, most},
-};
+use super::{Run, place::Place, tableau::most};
 use crate::active_set::{constraint::limits, kernels::padded};
 
 /// The most of them.
@@ -92,7 +89,7 @@ impl Run<'_, '_> {
                 for (w, normals) in w.iter_mut().zip(own.normals.chunks_exact(width)) {
                     *w = normals[k];
                 }
-                own.squares[place.index] = place.square();
+                own.squares[place.index] = place.square;
             }
         }
     }
