@@ -186,3 +186,40 @@ fn first_not_interval(lower: &[f64], upper: &[f64]) -> Option<usize> {
         None
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::{Defect, Qp};
+
+    /// What is wrong with a problem that has this H and nothing else.
+    fn defect(h: &[f64], n: usize) -> Option<Defect> {
+        let free = (vec![f64::NEG_INFINITY; n], vec![f64::INFINITY; n]);
+        let qp = Qp::dense(h, &vec![0.0; n], &[], (&[], &[]), (&free.0, &free.1));
+        qp.expect("the shapes fit").defect()
+    }
+
+    /// Whichever block or rest it is in.
+    #[test]
+    fn every_entry_of_h_is_looked_at() {
+        for n in 1..=18 {
+            let mut h = vec![0.1; n * n];
+            (0..n).for_each(|i| h[i * n + i] = 2.0);
+            assert_eq!(defect(&h, n), None);
+            for at in 0..n * n {
+                let (row, column) = (at / n, at % n);
+                let sound = h[at];
+                h[at] = f64::NAN;
+                assert_eq!(defect(&h, n), Some(Defect::Hessian { row, column }));
+                h[at] = if row == column { -1.0 } else { 0.2 };
+                let expected = if row == column {
+                    Defect::Indefinite { variable: row }
+                } else {
+                    let (row, column) = (row.max(column), row.min(column));
+                    Defect::Asymmetric { row, column }
+                };
+                assert_eq!(defect(&h, n), Some(expected), "{n}: {row} {column}");
+                h[at] = sound;
+            }
+        }
+    }
+}

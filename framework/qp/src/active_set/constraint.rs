@@ -233,3 +233,37 @@ pub(super) fn add_normal(qp: &Qp, index: usize, alpha: f64, out: &mut [f64]) {
         Some(j) => out[j] += alpha,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{any_equal, position};
+    use crate::RowId;
+
+    #[test]
+    fn identities_are_found_where_they_are_whatever_is_left_out() {
+        let all: Vec<RowId> = (3..40).map(RowId::new).collect();
+        for step in 1..6 {
+            let some: Vec<RowId> = all.iter().copied().step_by(step).collect();
+            for id in (0..45).map(RowId::new) {
+                let found = position(&some, id, RowId::index);
+                assert_eq!(found, some.binary_search(&id).ok(), "{step} {id:?}");
+            }
+        }
+        assert_eq!(position(&[], RowId::new(0), RowId::index), None);
+    }
+
+    #[test]
+    fn an_equality_is_seen_wherever_it_stands() {
+        for n in 0..11 {
+            let (lower, mut upper) = (vec![-1.0; n], vec![1.0; n]);
+            assert!(!any_equal(&lower, &upper));
+            for i in 0..n {
+                upper[i] = -1.0;
+                assert!(any_equal(&lower, &upper), "{i} of {n}");
+                upper[i] = f64::NAN;
+                assert!(!any_equal(&lower, &upper), "{i} of {n}");
+                upper[i] = 1.0;
+            }
+        }
+    }
+}
