@@ -99,7 +99,7 @@ impl Qp {
     }
 }
 
-/// Whether all entries are finite, none on the diagonal is negative, and no two differ by more than is allowed beside
+/// Whether all entries are finite, none on the diagonal is negative, and the sum of differences is allowed beside
 /// the smallest on the diagonal, for which no root is needed, and nothing to decide on the way; by blocks of four rows
 /// and columns. False may be a mistake.
 #[inline(always)]

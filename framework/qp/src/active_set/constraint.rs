@@ -32,6 +32,15 @@ pub(super) fn index_of(qp: &Qp, constraint: ConstraintId) -> Option<usize> {
     }
 }
 
+/// The identity of a constraint.
+#[inline(always)]
+pub(super) fn id_of(qp: &Qp, index: usize) -> ConstraintId {
+    match index.checked_sub(qp.m()) {
+        None => ConstraintId::Row(qp.rows()[index]),
+        Some(j) => ConstraintId::Bound(qp.vars()[j]),
+    }
+}
+
 /// Position of an identity among ascending ones, which mostly follow one another.
 #[inline(always)]
 fn position<Id: Copy + Ord>(all: &[Id], id: Id, number: fn(Id) -> usize) -> Option<usize> {
@@ -47,7 +56,7 @@ pub(super) fn count(qp: &Qp) -> usize {
     qp.m() + qp.n()
 }
 
-/// Whether any pair of limits is one: all of them, four at a time, without deciding on the way.
+/// Whether any lower limit is the upper one: all of them, four at a time, without deciding on the way.
 #[inline(always)]
 pub(super) fn any_equal(lower: &[f64], upper: &[f64]) -> bool {
     let ((lowers, lower_rest), (uppers, upper_rest)) =

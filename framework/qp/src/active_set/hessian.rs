@@ -324,8 +324,10 @@ impl Hessian {
                 [*r0, *r1, *r2, *r3] = transposed_product(inverse, [*r0, *r1, *r2, *r3]);
             }
             let u = &self.u[first * stride..];
+            // Beyond that there is what was there before.
+            let end = if self.is_full { stride } else { self.ends[b] };
             let rows = tail.chunks_exact_mut(width);
-            for (k, row) in (next..stride).zip(rows) {
+            for (k, row) in (next..end).zip(rows) {
                 let alpha = [0, 1, 2, 3].map(|r| -u[r * stride + k]);
                 add_rows(&mut row[..used], alpha, block, width);
             }
@@ -597,4 +599,54 @@ fn divide_by_roots(
 #[inline(always)]
 fn block(a: &[f64], at: usize) -> [f64; LANES] {
     [a[at], a[at + 1], a[at + 2], a[at + 3]]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Hessian, padded};
+    use crate::{Qp, active_set::simd::Simd};
+
+    /// A definite H with entries beside the diagonal where two variables belong together.
+    fn problem(n: usize, together: impl Fn(usize, usize) -> bool) -> Qp {
+        let entry = |i: usize, j: usize| match (i == j, together(i, j)) {
+            (true, _) => n as f64,
+            (false, true) => ((i + j) as f64).sin(),
+            (false, false) => 0.0,
+        };
+        let h: Vec<f64> = (0..n * n).map(|ij| entry(ij / n, ij % n)).collect();
+        let free = (vec![f64::NEG_INFINITY; n], vec![f64::INFINITY; n]);
+        let qp = Qp::dense(&h, &vec![0.0; n], &[], (&[], &[]), (&free.0, &free.1));
+        qp.expect("the shapes fit")
+    }
+
+    /// Also where the factor before had entries that this one has not.
+    #[test]
+    fn columns_are_solved_as_each_alone() {
+        for n in [9, 17, 24, 31] {
+            let dense = problem(n, |_, _| true);
+            let in_two = problem(n, |i, j| (i < n / 2) == (j < n / 2));
+            let mut hessian = Hessian::new(n, Simd::detect());
+            for qp in [&dense, &in_two] {
+                assert!(hessian.factorise(qp), "H is definite");
+                let (stride, starts) = (padded(n), [0, 1, n / 2, n - 1]);
+                let entry = |i: usize, k: usize| {
+                    if i < starts[k] || i >= n {
+                        0.0
+                    } else {
+                        ((3 * i + k) as f64).cos()
+                    }
+                };
+                let mut columns: Vec<f64> =
+                    (0..stride * 4).map(|ik| entry(ik / 4, ik % 4)).collect();
+                hessian.solve_transposed_columns(&mut columns, &starts);
+                for k in 0..4 {
+                    let mut alone: Vec<f64> = (0..stride).map(|i| entry(i, k)).collect();
+                    hessian.solve_transposed(&mut alone);
+                    for (i, alone) in alone.iter().enumerate() {
+                        assert!((columns[4 * i + k] - alone).abs() < 1e-13, "{n}: {i} {k}");
+                    }
+                }
+            }
+        }
+    }
 }

@@ -212,7 +212,7 @@ impl WorkingSet {
         let (range, w) = self.normals.get(index);
         let column = &mut self.column[..=k];
         self.normals.products(&self.active, (range, w), column);
-        self.r.solve_transposed(0, column);
+        with_simd!(self.simd, self.r.solve_transposed(0, column));
         let size = self.normals.square(index);
         let beyond = size - dot(&column[..k], &column[..k]);
         // `!(beyond > …)`: a NaN is small, too.
@@ -344,7 +344,7 @@ impl WorkingSet {
     pub(super) fn combine(&mut self) {
         let k = self.len();
         self.targets[..k].copy_from_slice(&self.column[..k]);
-        self.r.solve(&mut self.targets[..k]);
+        with_simd!(self.simd, self.r.solve(&mut self.targets[..k]));
     }
 
     /// How the part of `a` along the held constraints combines from them, after a constraint was not pushed; `a` is
@@ -358,7 +358,7 @@ impl WorkingSet {
         if self.is_soft {
             let column = &mut self.column[..self.active.len()];
             self.normals.products(&self.active, (range, a), column);
-            self.r.solve_transposed(0, column);
+            with_simd!(self.simd, self.r.solve_transposed(0, column));
         } else {
             self.q.transposed(range, a);
             self.column[..self.stride].copy_from_slice(a);
@@ -439,18 +439,18 @@ impl WorkingSet {
                 *rest = -p;
             }
         }
-        self.r.solve_transposed(0, p);
+        with_simd!(self.simd, self.r.solve_transposed(0, p));
         if self.is_orthogonal {
             self.q.transposed(range, d);
             targets.copy_from_slice(&d[..k]);
         } else {
             self.normals.products(&self.active, (range, d), targets);
-            self.r.solve_transposed(0, targets);
+            with_simd!(self.simd, self.r.solve_transposed(0, targets));
         }
         for (t, p) in targets.iter_mut().zip(&*p) {
             *t = -(p + *t);
         }
-        self.r.solve(targets);
+        with_simd!(self.simd, self.r.solve(targets));
         for d in &mut *d {
             *d = -*d;
         }
@@ -482,7 +482,7 @@ impl WorkingSet {
             self.normals.subtract(&self.active, &self.multipliers, v);
             let v1 = &mut self.v1[..k];
             self.normals.products(&self.active, (0..stride, v), v1);
-            self.r.solve_transposed(0, v1);
+            with_simd!(self.simd, self.r.solve_transposed(0, v1));
         }
         self.known = 0;
     }

@@ -31,6 +31,7 @@ impl Run<'_, '_> {
             self.own.tableau.reset(count(self.qp));
             let qp = self.qp;
             let rows = (0, qp.row_lower(), qp.row_upper());
+            // Not `equalities`, whose closures would not be inlined.
             for (first, lower, upper) in [rows, (qp.m(), qp.lower(), qp.upper())] {
                 if !any_equal(lower, upper) {
                     continue;
@@ -140,7 +141,7 @@ impl Run<'_, '_> {
     #[inline(always)]
     pub(super) fn is_base_right(&mut self) -> bool {
         self.find_targets();
-        let mut signs = self.own.base.iter().zip(&self.own.h);
+        let mut signs = self.own.base.iter().zip(&self.own.targets);
         signs.all(|(held, target)| target * held.side >= 0.0)
     }
 
@@ -148,7 +149,7 @@ impl Run<'_, '_> {
     #[inline(always)]
     pub(super) fn find_targets(&mut self) {
         let own = &mut *self.own;
-        let targets = &mut own.h[..own.base.len()];
+        let targets = &mut own.targets[..own.base.len()];
         for (target, y) in targets.iter_mut().zip(&own.y) {
             *target = -y;
         }
@@ -160,11 +161,11 @@ impl Run<'_, '_> {
     pub(super) fn tabulate<const S: usize>(&mut self) {
         let own = &mut *self.own;
         let k = own.base.len();
-        own.h[..k].copy_from_slice(&own.of_base[..k]);
+        own.targets[..k].copy_from_slice(&own.of_base[..k]);
         self.move_to_tableau::<S>();
     }
 
-    /// The same with the targets that were found last.
+    /// The same with those that [`Run::find_targets`] found.
     pub(super) fn move_to_tableau<const S: usize>(&mut self) {
         if self.own.is_tabulated {
             return;
@@ -181,7 +182,7 @@ impl Run<'_, '_> {
                 let limits = limits(self.qp, held.index);
                 let place = Place::new(held.index, limits, value, own.squares[held.index]);
                 let price = (multiplier * held.side).max(0.0);
-                (place.held(held.side, held.limit), own.h[e + i], price)
+                (place.held(held.side, held.limit), own.targets[e + i], price)
             });
             own.tableau.begin(&own.r, e, places);
             own.r.truncate(e);

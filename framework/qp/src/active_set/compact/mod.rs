@@ -17,7 +17,7 @@ mod together;
 mod vectors;
 
 use super::{
-    constraint::{Active, limits},
+    constraint::{Active, id_of, limits},
     hessian::Hessian,
     kernels::{LANES, axpy, dot, padded},
     limits::Limits,
@@ -25,7 +25,7 @@ use super::{
     simd::{Simd, with_simd},
     triangle::Triangle,
 };
-use crate::{Capacity, ConstraintId, Held, Qp};
+use crate::{Capacity, Held, Qp};
 use correction::Verdict;
 use place::{Place, beyond};
 use tableau::{Step, Tableau, most};
@@ -64,6 +64,8 @@ pub(super) struct Compact {
     y: Vec<f64>,
     /// Multipliers of the base.
     of_base: Vec<f64>,
+    /// Those of the minimiser on it.
+    targets: Vec<f64>,
     is_tabulated: bool,
     h: Vec<f64>,
     products: Vec<f64>,
@@ -108,6 +110,7 @@ impl Compact {
             r: Triangle::new(n),
             y: vec![0.0; n],
             of_base: vec![0.0; n],
+            targets: vec![0.0; n],
             h: vec![0.0; n],
             products: vec![0.0; places],
             tableau: Tableau::new(Capacity { vars: n, rows: m }, simd),
@@ -169,23 +172,25 @@ impl Compact {
             }
         );
         // Where another method has to go on, it goes on from here.
-        self.remember(qp, previous);
+        self.remember(qp, previous, end);
         end
     }
 
-    fn remember(&self, qp: &Qp, previous: &mut Vec<Held>) {
+    /// Takes down what is held: with the multipliers of the minimiser or, for another method that is to go on from here,
+    /// with those so far, which have the right signs.
+    fn remember(&self, qp: &Qp, previous: &mut Vec<Held>, end: End) {
         previous.clear();
-        for (held, multiplier) in self.multipliers() {
+        let held = self.held(|tableau, k| match end {
+            End::Undecided => tableau.price(k) * tableau.places()[k].side,
+            End::Optimal | End::Budget => tableau.multiplier(k),
+        });
+        for (held, multiplier) in held {
             if held.side == 0.0 || previous.len() == previous.capacity() {
                 continue;
             }
-            let constraint = match held.index.checked_sub(qp.m()) {
-                None => ConstraintId::Row(qp.rows()[held.index]),
-                Some(j) => ConstraintId::Bound(qp.vars()[j]),
-            };
             let is_right = multiplier * held.side > 0.0;
             previous.push(Held {
-                constraint,
+                constraint: id_of(qp, held.index),
                 side: held.side,
                 multiplier: if is_right { multiplier } else { 0.0 },
             });
@@ -199,15 +204,20 @@ impl Compact {
 
     /// The constraints held with their multipliers.
     pub(super) fn multipliers(&self) -> impl Iterator<Item = (Active, f64)> {
+        self.held(Tableau::multiplier)
+    }
+
+    /// The constraints held, those of the base with their multipliers, the others with what is asked of their places.
+    fn held(&self, of: impl Fn(&Tableau, usize) -> f64) -> impl Iterator<Item = (Active, f64)> {
         let base = self.base.iter().zip(&self.of_base);
         let base = base.map(|(held, multiplier)| (*held, *multiplier));
         let places = self.tableau.places().iter().enumerate();
         let held = places.filter(|(_, place)| place.is_held());
-        base.chain(held.map(|(k, place)| {
+        base.chain(held.map(move |(k, place)| {
             let Place {
                 index, side, limit, ..
             } = *place;
-            (Active { index, side, limit }, self.tableau.multiplier(k))
+            (Active { index, side, limit }, of(&self.tableau, k))
         }))
     }
 }
@@ -371,8 +381,8 @@ impl Run<'_, '_> {
             if own.is_tabulated {
                 own.r.solve(parts);
             } else {
-                // Found when their signs were looked at.
-                parts.copy_from_slice(&own.h[..e]);
+                // Found by `find_targets`.
+                parts.copy_from_slice(&own.targets[..e]);
             }
             self.hessian.solve_of::<S>(z);
             self.point.x_mut()[..S].copy_from_slice(z);

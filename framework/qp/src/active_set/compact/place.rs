@@ -16,7 +16,7 @@ pub(super) struct Place {
     pub(super) upper: f64,
     /// Where no inequality is held.
     pub(super) value: f64,
-    /// `‖w̃‖²`.
+    /// `‖w̃‖²`, once it has its place; before that `‖w‖²`, if it is known.
     pub(super) square: f64,
     /// What is rounding of its value.
     pub(super) rounding: f64,

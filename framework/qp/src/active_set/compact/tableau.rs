@@ -226,6 +226,11 @@ impl Tableau {
         self.u[place]
     }
 
+    /// What a constraint that is held is held with so far, times its side.
+    pub(super) fn price(&self, place: usize) -> f64 {
+        self.prices[place]
+    }
+
     /// `h` of a place.
     #[inline(always)]
     pub(super) fn h(&self, place: usize) -> &[f64] {

@@ -9,7 +9,9 @@ mod refinement;
 
 use super::{
     compact::{self, Compact},
-    constraint::{Active, count, equalities, equality, impossible, index_of, is_empty, limits},
+    constraint::{
+        Active, count, equalities, equality, id_of, impossible, index_of, is_empty, limits,
+    },
     hessian::Hessian,
     kernels::{largest_product, padded},
     limits::Limits,
@@ -17,9 +19,7 @@ use super::{
     simd::{Simd, with_simd},
     working_set::{DEPENDENT, Factorisation, WorkingSet},
 };
-use crate::{
-    Capacity, ConstraintId, Held, Qp, Solution, Status, WarmStart, validity::first_not_finite,
-};
+use crate::{Capacity, Held, Qp, Solution, Status, WarmStart, validity::first_not_finite};
 
 /// Residual of the optimality conditions, relative to their terms, that needs no refinement.
 const EXACT: f64 = 1e-14;
@@ -428,12 +428,8 @@ impl Dual {
 }
 
 fn identified(qp: &Qp, Active { index, side, .. }: Active, multiplier: f64) -> Held {
-    let constraint = match index.checked_sub(qp.m()) {
-        None => ConstraintId::Row(qp.rows()[index]),
-        Some(j) => ConstraintId::Bound(qp.vars()[j]),
-    };
     Held {
-        constraint,
+        constraint: id_of(qp, index),
         side,
         multiplier,
     }
