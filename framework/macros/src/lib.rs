@@ -22,7 +22,7 @@ use proc_macro::TokenStream;
 /// | `#[wbqp(unit = "1/s²")]` | its unit |
 /// | `#[wbqp(critical = "kp")]` | may be left out of a file: critical damping for that stiffness, `2 √kp` |
 ///
-/// and of the struct by `#[wbqp::task("tag", weight = 100.0)]`, the weight that examples give to its entry.
+/// and of the struct by `#[wbqp::task("tag", weight = 100.0)]`, the default weight of its entries.
 #[proc_macro_attribute]
 pub fn task(arguments: TokenStream, item: TokenStream) -> TokenStream {
     parameters::plugin("Task", arguments, item)

@@ -83,8 +83,8 @@ impl Measurement {
 }
 
 impl Plausible {
-    /// What of a measurement is not plausible, if anything; all its numbers are finite. `last` is the last usable
-    /// state, and `stamp` its time.
+    /// What of a measurement is not plausible, if anything; all numbers of its state are finite. `last` is the last
+    /// usable state, and `stamp` its time.
     pub(super) fn fault(
         &mut self,
         measurement: &Measurement,

@@ -191,7 +191,6 @@ impl FreeMotion {
     }
 }
 
-/// The contact point in the home posture, m, surface coordinates.
 impl Task for FreeMotion {
     type Running = RunningFreeMotion;
 

@@ -43,7 +43,7 @@
 //! the numbers that were added up, dependence is an angle, and the choice of constraints is in the metric of H.
 //!
 //! # Cost
-//! For n variables and k held constraints a warm solve is a Cholesky factorisation (n³/3 multiplications and additions
+//! For n variables and k held constraints a warm solve is a Cholesky factorisation (n³/6 multiplications and additions
 //! each), `W = U⁻ᵀ N` (k n²/2), the triangle of its products (k² (n + k/3)/2; by reflections k² (n − k/3), several
 //! times slower to step through), and a few products of the order n². All of them run in blocks of four rows, and skip
 //! the blocks of zeros of a cost that falls apart, and of constraints on a part of the variables. The order of every

@@ -5,8 +5,9 @@
 //! each the last declared first; `problem::relaxation` says what is never given up. A contradiction is made void by
 //! giving up the first in this order among the limits that contradict one another; if others are left, again. So a
 //! limit goes only if it contradicts limits that are to be kept longer. After [`RESOLVES`] − 1 of them everything goes
-//! at once, which ends it: a tick solves at most [`RESOLVES`] + 2 problems (its own, its own again by the active-set
-//! method if another solver gave no proof, and those, each once more if it stalls with rows that give).
+//! at once, which ends it: a tick solves at most 2 [`RESOLVES`] + 4 problems (its own, its own again by the active-set
+//! method if another solver gave no proof, one for the proof before each of these, and those relaxed, each once more
+//! if it stalls with rows that give).
 //!
 //! # From one tick to the next
 //! A contradiction mostly lasts. For some ticks after one, the next tick begins with the proof: a problem with the
