@@ -1,5 +1,5 @@
 //! The solver: problems whose answers are known by construction, the smallest that were ever answered wrongly,
-//! independence of units, and problems put together wrongly.
+//! independence of units and of problems solved before, and problems put together wrongly.
 
 mod families;
 mod judge;
@@ -8,3 +8,4 @@ mod misuse;
 mod smallest_cases;
 mod soft;
 mod units;
+mod used_storage;
