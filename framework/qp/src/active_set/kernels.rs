@@ -105,8 +105,8 @@ pub(super) fn dots_of(rows: [&[f64]; 4], x: &[f64]) -> [f64; 4] {
             s3[l] += d[l] * x[l];
         }
     }
-    // Through memory, as far as `black_box` is heeded: a compiler that sees products and sums together vectorises across
-    // the rows, which takes as many shuffles as products. The bits do not depend on it.
+    // Through memory, as far as `black_box` is heeded: a compiler that sees products and sums together vectorises
+    // across the rows, which takes as many shuffles as products. The bits do not depend on it.
     let mut out = black_box([s0, s1, s2, s3]).map(|s| (s[0] + s[2]) + (s[1] + s[3]));
     for (i, x) in x_rest.iter().enumerate() {
         out[0] += a.1[i] * x;

@@ -1,6 +1,9 @@
 //! An upper triangle that grows and shrinks by columns: `Wᵀ W = Rᵀ R`.
 
-use super::kernels::{LANES, add_rows, axpy, dot, dots, padded};
+use super::{
+    kernels::{LANES, add_rows, axpy, dot, dots, padded},
+    simd::{Simd, with_simd},
+};
 
 /// R, in storage made once.
 #[derive(Clone, Debug, Default)]
@@ -87,6 +90,16 @@ impl Triangle {
             let v = &mut *other;
             (v[i], v[i + 1]) = (c * v[i] + s * v[i + 1], c * v[i + 1] - s * v[i]);
         }
+    }
+
+    /// [`Triangle::solve`] in vectors, as a call of its own.
+    pub(super) fn solve_in(&self, simd: Simd, t: &mut [f64]) {
+        with_simd!(simd, self.solve(t));
+    }
+
+    /// [`Triangle::solve_transposed`] in vectors, as a call of its own.
+    pub(super) fn solve_transposed_in(&self, simd: Simd, known: usize, z: &mut [f64]) {
+        with_simd!(simd, self.solve_transposed(known, z));
     }
 
     /// `t ← R⁻¹ t`.

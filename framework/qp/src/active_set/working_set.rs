@@ -25,7 +25,7 @@ use super::{
     kernels::{dot, padded, squares_after},
     normals::Normals,
     orthogonal::Orthogonal,
-    simd::{Simd, with_simd},
+    simd::Simd,
     triangle::{Triangle, rotation},
 };
 use crate::{Capacity, Qp};
@@ -212,7 +212,7 @@ impl WorkingSet {
         let (range, w) = self.normals.get(index);
         let column = &mut self.column[..=k];
         self.normals.products(&self.active, (range, w), column);
-        with_simd!(self.simd, self.r.solve_transposed(0, column));
+        self.r.solve_transposed_in(self.simd, 0, column);
         let size = self.normals.square(index);
         let beyond = size - dot(&column[..k], &column[..k]);
         // `!(beyond > …)`: a NaN is small, too.
@@ -321,7 +321,8 @@ impl WorkingSet {
         for (z, held) in new.zip(&self.active[self.known..]) {
             *z = held.limit;
         }
-        with_simd!(self.simd, self.r.solve_transposed(self.known, &mut self.z1));
+        self.r
+            .solve_transposed_in(self.simd, self.known, &mut self.z1);
         self.known = k;
         let (targets, z1) = (&mut self.targets[..k], &self.z1[..k]);
         let v1 = if self.is_orthogonal {
@@ -332,7 +333,7 @@ impl WorkingSet {
         for (t, (z, v)) in targets.iter_mut().zip(z1.iter().zip(v1)) {
             *t = -(z + v);
         }
-        with_simd!(self.simd, self.r.solve(targets));
+        self.r.solve_in(self.simd, targets);
     }
 
     /// What [`WorkingSet::find_targets`] or [`WorkingSet::combine`] computed last, per held constraint.
@@ -344,7 +345,7 @@ impl WorkingSet {
     pub(super) fn combine(&mut self) {
         let k = self.len();
         self.targets[..k].copy_from_slice(&self.column[..k]);
-        with_simd!(self.simd, self.r.solve(&mut self.targets[..k]));
+        self.r.solve_in(self.simd, &mut self.targets[..k]);
     }
 
     /// How the part of `a` along the held constraints combines from them, after a constraint was not pushed; `a` is
@@ -358,7 +359,7 @@ impl WorkingSet {
         if self.is_soft {
             let column = &mut self.column[..self.active.len()];
             self.normals.products(&self.active, (range, a), column);
-            with_simd!(self.simd, self.r.solve_transposed(0, column));
+            self.r.solve_transposed_in(self.simd, 0, column);
         } else {
             self.q.transposed(range, a);
             self.column[..self.stride].copy_from_slice(a);
@@ -439,18 +440,18 @@ impl WorkingSet {
                 *rest = -p;
             }
         }
-        with_simd!(self.simd, self.r.solve_transposed(0, p));
+        self.r.solve_transposed_in(self.simd, 0, p);
         if self.is_orthogonal {
             self.q.transposed(range, d);
             targets.copy_from_slice(&d[..k]);
         } else {
             self.normals.products(&self.active, (range, d), targets);
-            with_simd!(self.simd, self.r.solve_transposed(0, targets));
+            self.r.solve_transposed_in(self.simd, 0, targets);
         }
         for (t, p) in targets.iter_mut().zip(&*p) {
             *t = -(p + *t);
         }
-        with_simd!(self.simd, self.r.solve(targets));
+        self.r.solve_in(self.simd, targets);
         for d in &mut *d {
             *d = -*d;
         }
@@ -482,7 +483,7 @@ impl WorkingSet {
             self.normals.subtract(&self.active, &self.multipliers, v);
             let v1 = &mut self.v1[..k];
             self.normals.products(&self.active, (0..stride, v), v1);
-            with_simd!(self.simd, self.r.solve_transposed(0, v1));
+            self.r.solve_transposed_in(self.simd, 0, v1);
         }
         self.known = 0;
     }

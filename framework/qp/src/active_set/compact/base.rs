@@ -160,6 +160,9 @@ impl Run<'_, '_> {
     /// found.
     pub(super) fn tabulate<const S: usize>(&mut self) {
         let own = &mut *self.own;
+        if own.is_tabulated {
+            return;
+        }
         let k = own.base.len();
         own.targets[..k].copy_from_slice(&own.of_base[..k]);
         self.move_to_tableau::<S>();

@@ -176,8 +176,8 @@ impl Compact {
         end
     }
 
-    /// Takes down what is held: with the multipliers of the minimiser or, for another method that is to go on from here,
-    /// with those so far, which have the right signs.
+    /// Takes down what is held: with the multipliers of the minimiser or, for another method that is to go on from
+    /// here, with those so far, which have the right signs.
     fn remember(&self, qp: &Qp, previous: &mut Vec<Held>, end: End) {
         previous.clear();
         let held = self.held(|tableau, k| match end {

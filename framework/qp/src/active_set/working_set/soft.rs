@@ -9,10 +9,7 @@
 //! seminormal equations are about as accurate as reflections).
 
 use super::WorkingSet;
-use crate::active_set::{
-    kernels::{axpy, dot},
-    simd::with_simd,
-};
+use crate::active_set::kernels::{axpy, dot};
 
 /// Square of the sine of an angle below which a column is computed with a correction.
 const SMALL: f64 = 1e-7;
@@ -26,7 +23,7 @@ impl WorkingSet {
         let (range, w) = self.normals.get(index);
         let column = &mut self.column[..k];
         self.normals.products(&self.active, (range, w), column);
-        with_simd!(self.simd, self.r.solve_transposed(0, column));
+        self.r.solve_transposed_in(self.simd, 0, column);
         let size = self.normals.square(index);
         let v = &self.v[..self.stride];
         let mut beyond = size - dot(column, column);
@@ -74,8 +71,8 @@ impl WorkingSet {
             let c = self.compliance.get(held.index).unwrap_or(&0.0);
             *residual += value - c * t;
         }
-        with_simd!(self.simd, self.r.solve_transposed(0, residual));
-        with_simd!(self.simd, self.r.solve(residual));
+        self.r.solve_transposed_in(self.simd, 0, residual);
+        self.r.solve_in(self.simd, residual);
         axpy(targets, 1.0, residual);
         self.normals.subtract(&self.active, residual, z);
     }
@@ -89,7 +86,7 @@ impl WorkingSet {
         let residual = &mut self.residual[..k];
         let rest = &mut self.rest[..self.stride];
         r.copy_from_slice(&self.column[..k]);
-        with_simd!(self.simd, self.r.solve(r));
+        self.r.solve_in(self.simd, r);
         for correction in 0..=CORRECTIONS {
             rest.copy_from_slice(w);
             self.normals.subtract(&self.active, r, rest);
@@ -101,9 +98,9 @@ impl WorkingSet {
             for ((residual, r), held) in residual.iter_mut().zip(&*r).zip(&self.active) {
                 *residual -= self.compliance.get(held.index).unwrap_or(&0.0) * r;
             }
-            with_simd!(self.simd, self.r.solve_transposed(0, residual));
+            self.r.solve_transposed_in(self.simd, 0, residual);
             axpy(&mut self.column[..k], 1.0, residual);
-            with_simd!(self.simd, self.r.solve(residual));
+            self.r.solve_in(self.simd, residual);
             axpy(r, 1.0, residual);
         }
         let given = r.iter().zip(&self.active).map(|(r, held)| {
