@@ -273,7 +273,7 @@ impl Controller {
 
     /// Why the last tick did not end with the optimum of its problem, in words; `None` if it did.
     fn explain(&self) -> PyResult<Option<String>> {
-        Ok(self.lock()?.controller.explain().map(|why| why.to_string()))
+        Ok(self.lock()?.controller.explain())
     }
 
     /// Derivatives of the last tick's optimum, accelerations, efforts and contact forces, with respect to weights,

@@ -85,7 +85,7 @@ impl Sensitivity {
             ranking: weights
                 .map(|effect| (effect.owner, effect.effort))
                 .collect(),
-            notes: of.notes().iter().map(|note| of.say(note)).collect(),
+            notes: of.notes(),
             mismatch: of.mismatch(),
             names,
             text: of.to_string(),

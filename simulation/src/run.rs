@@ -305,7 +305,7 @@ impl CaseRun {
     /// A log that cannot be written.
     pub fn finish(mut self, sink: &mut dyn LogSink) -> Result<Summary, RunError> {
         self.timeline.write(sink)?;
-        self.summary.why = self.controller.explain().map(|why| why.to_string());
+        self.summary.why = self.controller.explain();
         Ok(self.summary)
     }
 }

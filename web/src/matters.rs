@@ -29,8 +29,7 @@ pub(crate) fn tell(controller: &mut Controller, sensitivity: &mut Sensitivity) -
     let least = effects.first().map_or(0.0, |most| 1e-10 * most.effort);
     effects.retain(|effect| effect.effort > least);
     effects.truncate(MOST);
-    let notes = sensitivity.notes_on(controller, &effects).into_iter();
-    let notes: Vec<String> = notes.map(|note| sensitivity.say(note)).collect();
+    let notes = sensitivity.notes_on(&effects);
     let effects = effects.iter().map(|effect| of_effect(effect, sensitivity));
     let effects: Vec<Value> = effects.collect();
     json!({

@@ -226,7 +226,7 @@ impl Session {
 
     /// What there is to be told in words: the level, why it is not the optimum, why the run ended.
     pub fn words(&self) -> Value {
-        let explanation = self.controller.explain().map(|why| why.to_string());
+        let explanation = self.controller.explain();
         wbqp::serde_json::json!({
             "time": self.time(),
             "level": self.level.as_str(),
@@ -326,7 +326,7 @@ impl Session {
         }
         self.level = report.level;
         if report.level != FallbackLevel::Optimal {
-            let why = self.controller.explain().map(|why| why.to_string());
+            let why = self.controller.explain();
             self.why = Some((self.time(), why.unwrap_or_default()));
         }
     }

@@ -163,7 +163,7 @@ impl Holding {
             level: level.as_str(),
             why: match level {
                 FallbackLevel::Optimal => None,
-                _ => controller.explain().map(|why| why.to_string()),
+                _ => controller.explain(),
             },
             falls: (stands && controller.robot().model.base() == Base::Floating)
                 .then_some(acceleration)

@@ -20,7 +20,7 @@ pub(super) fn tick(file: &Path) -> Result<(), String> {
         measurement.time = tick as f64 * period;
         let (_, report) = controller.tick(&measurement);
         if report.level != FallbackLevel::Optimal {
-            let why = controller.explain().map(|why| why.to_string());
+            let why = controller.explain();
             return Err(format!(
                 "tick {} from home is not optimal: {}",
                 tick + 1,

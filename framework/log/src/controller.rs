@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 use wbqp::{
-    controller::{Controller, Names, Snapshot},
+    controller::{Controller, Snapshot},
     robot::RobotModel,
 };
 
@@ -34,7 +34,6 @@ use crate::{
 #[derive(Debug)]
 pub struct ControllerLog {
     robot: RobotModel,
-    names: Names,
     state: ChannelId,
     command: ChannelId,
     qp: ChannelId,
@@ -96,7 +95,6 @@ impl ControllerLog {
         }
         Ok(Self {
             robot: robot.clone(),
-            names: controller.names(),
             state,
             command,
             qp,
@@ -134,7 +132,7 @@ impl ControllerLog {
             command_fields(&self.robot, &snapshot.command, o);
         })?;
         write_message(sink, (self.qp, time), (text, DIGITS), |o| {
-            qp_fields(&self.names, report, o);
+            qp_fields(report, o);
         })?;
         if !report.level.is_solved() {
             return Ok(());

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use crate::{Fields, TrueContact, schema, state::joint_unit};
 use wbqp::{
     actuator::ActuatorKind,
-    controller::{Command, Names, Report, Side, TaskReport},
+    controller::{Command, Report, Side, TaskReport},
     plugin::{Layout, RotationSample, Sample},
     robot::RobotModel,
 };
@@ -358,16 +358,16 @@ pub(super) fn qp_schema() -> Value {
     )
 }
 
-pub(super) fn qp_fields(names: &Names, report: &Report, o: &mut dyn Fields) {
+pub(super) fn qp_fields(report: &Report, o: &mut dyn Fields) {
     o.text("status", report.status.as_str());
     o.text("level", report.level.as_str());
     o.number("level_since", report.level_since);
     o.integer("level_ticks", report.level_ticks);
-    if let Some(why) = names.explain(report) {
-        o.text("fault", &why.fault);
+    if let Some(why) = report.why() {
+        o.text("fault", &why);
     }
     let short = |o: &mut dyn Fields, row, side: Side, limit: f64, short: f64| {
-        if let Some(row) = names.row(row) {
+        if let Some(row) = report.row(row) {
             o.display("row", row);
         }
         o.text("side", side.as_str());
@@ -395,7 +395,7 @@ pub(super) fn qp_fields(names: &Names, report: &Report, o: &mut dyn Fields) {
         }
     });
     o.list("active", &report.active, |o, active| {
-        if let Some(row) = names.row(active.row) {
+        if let Some(row) = report.row(active.row) {
             o.display("row", row);
         }
         o.text("side", active.side.as_str());

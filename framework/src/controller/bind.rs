@@ -12,7 +12,7 @@ use super::{
     hover::{hover, missing_wrench, must_hover},
     memory::{Memory, Need, Stored},
     misfits::{Misfit, Misfits},
-    names::owners,
+    names::Names,
     observer::Observer,
     record::MadeFrom,
     report::{FallbackLevel, Report},
@@ -367,7 +367,6 @@ impl Bound {
         let relaxed = relaxation.qp.capacity();
         misfits.solver("active_set", native.bind(relaxed).map_err(BindError::from));
         let tags: Vec<&'static str> = plugins.iter().map(|plugin| plugin.tag).collect();
-        let contact_names: Vec<&str> = contacts.iter().map(|c| c.name.as_str()).collect();
         let is_native = (&*solver as &dyn std::any::Any).is::<ActiveSet>();
         let fallback = Fallback {
             level: FallbackLevel::Safe,
@@ -381,24 +380,29 @@ impl Bound {
             is_proven: false,
             solver: native,
             is_native,
-            owners: owners(&table, &entries, &tags, &contact_names),
             without_solution: Age::default(),
             without_state: Age::default(),
             clock: Clock::default(),
             relaxation,
         };
-        let stamp = Stamp::next();
+        let first = FirstTick::new(
+            settings.max_first_error,
+            &entries[..task_count],
+            &world.model,
+        );
         let report = Report::new(
             &entries[..task_count],
             &world,
             capacity,
             fallback.relaxation.limits(),
-            stamp,
-        );
-        let first = FirstTick::new(
-            settings.max_first_error,
-            &entries[..task_count],
-            &world.model,
+            Names::new(
+                &robot,
+                &world.bindings,
+                &entries,
+                &table,
+                &tags,
+                first.clone(),
+            ),
         );
         let mut controller = Controller {
             settings,
@@ -422,7 +426,7 @@ impl Bound {
             recorder: None,
             hover_residual: nalgebra::DVector::zeros(sizes.nv),
             stopwatch: Box::new(NoStopwatch),
-            stamp,
+            stamp: Stamp::next(),
             before: None,
             revision: 0,
             robot,

@@ -1,6 +1,7 @@
 //! The command of a tick, and what its last gate keeps.
 
-use wbqp_dynamics::{actuator::ActuatorId, model::JointId};
+use crate::fault::Fault;
+use wbqp_dynamics::model::JointId;
 use wbqp_robot_model::RobotModel;
 
 /// The command of a tick, in storage made once.
@@ -28,21 +29,11 @@ impl Command {
     }
 }
 
-/// What the last gate did to an effort.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CutEffort {
-    /// Whose.
-    pub actuator: ActuatorId,
-    /// What would have been sent, N or N·m.
-    pub asked: f64,
-    /// What was sent, N or N·m.
-    pub sent: f64,
-}
-
 /// What the gate changed by more than rounding, the first of each kind.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cut {
-    pub(super) effort: Option<CutEffort>,
+    /// [`Fault::CutEffort`].
+    pub(super) effort: Option<Fault>,
     pub(super) velocity: Option<JointId>,
 }
 

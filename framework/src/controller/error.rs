@@ -31,7 +31,7 @@ pub enum RequestError {
         /// The Rust type asked for, without its path.
         asked: &'static str,
     },
-    /// An id, or storage for derivatives, was made by another controller.
+    /// Storage for derivatives was made by another controller.
     #[error("this was made for another controller")]
     OtherController,
     /// No derivatives: there was no tick since [`Sensitivity::new`](super::Sensitivity::new).

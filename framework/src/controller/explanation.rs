@@ -13,11 +13,11 @@
 //! configured.
 //!
 //! In a tick only numbers are kept ([`LimitRow`]); names are looked up afterwards, by
-//! [`Controller::explain`](super::Controller::explain).
+//! [`Report::explain`](super::Report::explain).
 
 use std::fmt;
 
-use super::report::{FallbackLevel, LimitRow, Side};
+use super::report::{LimitRow, Side};
 use crate::{
     problem::Problem,
     qp::{Qp, RowId, Solution, Status},
@@ -160,62 +160,6 @@ pub(super) fn write_conflict(
     }
 }
 
-/// Why the last tick did not end with the optimum of its problem, in words:
-/// [`Controller::explain`](super::Controller::explain).
-#[derive(Clone, Debug, PartialEq)]
-pub struct Explanation {
-    /// Where the command comes from.
-    pub level: FallbackLevel,
-    /// What happened.
-    pub fault: String,
-    /// An irreducible set of limits that contradict one another, if that is why.
-    pub conflict: Vec<Limit>,
-    /// The limits that the command does not keep, and by how much.
-    pub relaxed: Vec<Limit>,
-}
-
-/// A limit by name.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Limit {
-    /// Whose: ``friction pyramid of `tip` (`cone`)``.
-    pub owner: String,
-    /// What of the owner's.
-    pub label: String,
-    /// Whether it is an equality.
-    pub is_equality: bool,
-    /// Which side.
-    pub side: Side,
-    /// The limit, in `unit`.
-    pub limit: f64,
-    /// How much is missing: what this limit alone would have to give, or has given.
-    pub short: f64,
-    /// Unit of both.
-    pub unit: String,
-}
-
-impl fmt::Display for Limit {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self {
-            owner,
-            label,
-            limit,
-            short,
-            unit,
-            ..
-        } = self;
-        let side = match (self.is_equality, self.side) {
-            (true, _) => "value",
-            (false, Side::Lower) => "lower limit",
-            (false, Side::Upper) => "upper limit",
-        };
-        let (limit, short) = (Rounded(*limit), Rounded(*short));
-        write!(
-            f,
-            "{owner}, {label}: {side} {limit} {unit}, short by {short} {unit}"
-        )
-    }
-}
-
 /// With about four significant digits and at least one decimal.
 pub(super) struct Rounded(pub(super) f64);
 
@@ -230,25 +174,6 @@ impl fmt::Display for Rounded {
             ((self.0 * scale).round() / scale - self.0).abs() <= 5e-4 * size
         });
         write!(f, "{:.*}", decimals.unwrap_or(6).max(1) as usize, self.0)
-    }
-}
-
-impl fmt::Display for Explanation {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: {}", self.level.as_str(), self.fault)?;
-        if !self.conflict.is_empty() {
-            f.write_str("\nany one of these would have to give:")?;
-            for limit in &self.conflict {
-                write!(f, "\n  {limit}")?;
-            }
-        }
-        if !self.relaxed.is_empty() {
-            f.write_str("\ngiven up:")?;
-            for limit in &self.relaxed {
-                write!(f, "\n  {limit}")?;
-            }
-        }
-        Ok(())
     }
 }
 

@@ -35,18 +35,16 @@ mod tick;
 mod world;
 
 pub use change::Change;
-pub use command::{Command, CutEffort};
-pub use entry_id::{EntryId, EntryRef};
+pub use command::Command;
+pub use entry_id::EntryId;
 pub use error::RequestError;
-pub use explanation::{Explanation, Limit};
 pub use measurement::Measurement;
 pub use memory::Memory;
-pub use names::Names;
 pub use planned_force::PlannedForce;
 pub use probe::{Probe, ProbeInputs, WrittenRows};
 pub use record::Dump;
 pub use report::{ContactReport, FallbackLevel, LimitRow, Report, Side, TaskReport};
-pub use sensitivity::{Effect, Note, Parameter, ParameterKind, Sensitivity};
+pub use sensitivity::{Effect, Parameter, ParameterKind, Sensitivity};
 pub use snapshot::Snapshot;
 
 pub(crate) use bind::{Bound, Parts};

@@ -3,18 +3,19 @@
 use std::sync::Arc;
 
 use wbqp_dynamics::model::Model;
+use wbqp_robot_model::RobotModel;
 
-use super::{Controller, Explanation, Limit, Report, Side, explanation::Rounded, first::FirstTick};
+use super::{LimitRow, Report, Side, explanation::Rounded, first::FirstTick};
 use crate::{
+    contact::ContactBinding,
     fault::{Fault, Quantity},
     problem::{BoundEntry, Named, Table},
     qp::RowId,
 };
 
-/// The names that a controller's reports refer to by number: with them a copied [`Report`] can be read without the
-/// controller, in another thread for example. They stay the same for the controller's life.
+/// The names that a controller's reports refer to by number. They stay the same for the controller's life.
 #[derive(Clone, Debug)]
-pub struct Names {
+pub(super) struct Names {
     model: Arc<Model>,
     actuators: Vec<String>,
     contacts: Vec<String>,
@@ -26,44 +27,43 @@ pub struct Names {
 }
 
 impl Names {
-    pub(super) fn of(controller: &Controller) -> Self {
-        let robot = &controller.robot;
-        let bindings = controller.world.bindings.iter();
-        let entries = controller.entries.iter();
+    pub(super) fn new(
+        robot: &RobotModel,
+        bindings: &[ContactBinding],
+        entries: &[BoundEntry],
+        table: &Table,
+        tags: &[&'static str],
+        first: FirstTick,
+    ) -> Self {
+        let contacts: Vec<&str> = bindings.iter().map(|b| b.spec.name.as_str()).collect();
         Self {
             model: Arc::clone(&robot.model),
             actuators: robot.actuators.iter().map(|a| a.name.clone()).collect(),
-            contacts: bindings.map(|b| b.spec.name.clone()).collect(),
-            entries: entries.map(|entry| entry.name.clone()).collect(),
-            rows: controller.table.rows.clone(),
-            owners: controller.fallback.owners.clone(),
-            first: controller.first.clone(),
+            entries: entries.iter().map(|entry| entry.name.clone()).collect(),
+            rows: table.rows.clone(),
+            owners: owners(table, entries, tags, &contacts),
+            contacts: contacts.into_iter().map(str::to_owned).collect(),
+            first,
         }
     }
 
+    /// The position of a task or constraint.
+    pub(super) fn entry(&self, name: &str) -> Option<usize> {
+        self.entries.iter().position(|n| n == name)
+    }
+
+    /// The position of a contact.
+    pub(super) fn contact(&self, name: &str) -> Option<usize> {
+        self.contacts.iter().position(|n| n == name)
+    }
+
     /// Name and unit of a row.
-    pub fn row(&self, row: RowId) -> Option<&Named> {
+    pub(super) fn row(&self, row: RowId) -> Option<&Named> {
         self.rows.get(row.index())
     }
 
-    /// Why the tick of this report did not end with the optimum of its problem; nothing if it did. Allocates: not for
-    /// inside the loop.
-    pub fn explain(&self, report: &Report) -> Option<Explanation> {
-        let fault = report.fault.as_ref()?;
-        let conflict = report.conflict.iter();
-        let conflict = conflict.filter_map(|c| self.limit(c.row, c.side, c.limit, c.short));
-        let relaxed = report.relaxed.iter();
-        let relaxed = relaxed.filter_map(|r| self.limit(r.row, r.side, r.limit, r.short));
-        Some(Explanation {
-            level: report.level,
-            fault: self.fault(report, fault),
-            conflict: conflict.collect(),
-            relaxed: relaxed.collect(),
-        })
-    }
-
     /// A fault with the names of the entries and contacts that it counts.
-    fn fault(&self, report: &Report, fault: &Fault) -> String {
+    pub(super) fn fault(&self, report: &Report, fault: &Fault) -> String {
         let named = match fault {
             Fault::FirstError(task) => {
                 let name = self.entries.get(*task);
@@ -88,14 +88,17 @@ impl Names {
                 };
                 Some(quantity.beyond([*value, *limit], &self.model, contact))
             }
-            Fault::CutEffort(actuator) => {
-                let cut = report.cut.map_or_else(String::new, |cut| {
-                    let (asked, sent) = (Rounded(cut.asked), Rounded(cut.sent));
-                    format!(": {asked} asked, {sent} sent")
-                });
+            Fault::CutEffort {
+                actuator,
+                asked,
+                sent,
+            } => {
+                let (asked, sent) = (Rounded(*asked), Rounded(*sent));
                 let name = self.actuators.get(actuator.index());
                 name.map(|name| {
-                    format!("the effort of actuator `{name}` had to be cut to its limits{cut}")
+                    format!(
+                        "the effort of actuator `{name}` had to be cut to its limits: {asked} asked, {sent} sent"
+                    )
                 })
             }
             Fault::CutVelocity(joint) => {
@@ -110,34 +113,33 @@ impl Names {
         named.unwrap_or_else(|| fault.to_string())
     }
 
-    /// A limit by name.
-    fn limit(&self, row: RowId, side: Side, limit: f64, short: f64) -> Option<Limit> {
-        let info = self.row(row)?;
-        let (owner, is_equality) = match self.owners.get(row.index()) {
-            Some(owner) => (owner.text.clone(), owner.is_equality),
-            None => (format!("`{}`", info.owner), false),
+    /// A limit by name, and how much is missing: what this limit alone would have to give, or has given.
+    pub(super) fn limit(&self, limit: &LimitRow) -> Option<String> {
+        let row = self.row(limit.row)?;
+        let of_entry = self.owners.get(limit.row.index());
+        let owner = of_entry.map_or_else(|| format!("`{}`", row.owner), |of| of.text.clone());
+        let side = match (of_entry.is_some_and(|of| of.is_equality), limit.side) {
+            (true, _) => "value",
+            (false, Side::Lower) => "lower limit",
+            (false, Side::Upper) => "upper limit",
         };
-        Some(Limit {
-            owner,
-            label: info.label.clone(),
-            is_equality,
-            side,
-            limit,
-            short,
-            unit: info.unit.clone(),
-        })
+        let (label, unit) = (&row.label, &row.unit);
+        let (limit, short) = (Rounded(limit.limit), Rounded(limit.short));
+        Some(format!(
+            "{owner}, {label}: {side} {limit} {unit}, short by {short} {unit}"
+        ))
     }
 }
 
 /// Whose a row is, in words.
 #[derive(Clone, Debug)]
-pub(super) struct Owner {
+struct Owner {
     text: String,
     is_equality: bool,
 }
 
 /// Whose each row and bound is: of an entry the type of its plug-in, its contact if it has one, and its name.
-pub(super) fn owners(
+fn owners(
     table: &Table,
     entries: &[BoundEntry],
     tags: &[&'static str],

@@ -24,7 +24,7 @@
 //! limit) was not rounding: that command is not the optimum, whatever the solver said, and the tick says so.
 
 use super::{
-    Command, ContactReport, CutEffort, LimitRow, Report, Side, TaskReport,
+    Command, ContactReport, LimitRow, Report, Side, TaskReport,
     command::{Cut, Gate},
     world::World,
 };
@@ -92,8 +92,7 @@ pub(super) const NEGLIGIBLE: f64 = 1e-9;
 
 impl Cut {
     pub(super) fn fault(&self) -> Option<Fault> {
-        let effort = self.effort.map(|cut| Fault::CutEffort(cut.actuator));
-        effort.or(self.velocity.map(Fault::CutVelocity))
+        self.effort.or(self.velocity.map(Fault::CutVelocity))
     }
 }
 
@@ -107,12 +106,12 @@ impl Gate {
         }
     }
 
-    /// The first effort of which more than rounding would be cut off.
-    pub(super) fn first_cut(&self, robot: &RobotModel, efforts: &[f64]) -> Option<CutEffort> {
+    /// [`Fault::CutEffort`] of the first effort of which more than rounding would be cut off.
+    pub(super) fn first_cut(&self, robot: &RobotModel, efforts: &[f64]) -> Option<Fault> {
         let each = robot.actuators.iter().zip(efforts).enumerate();
         let mut cuts = each.map(|(i, (actuator, &asked))| {
             let sent = self.effort(i, &actuator.kind, asked);
-            is_cut(actuator.upper - actuator.lower, asked, sent).then_some(CutEffort {
+            is_cut(actuator.upper - actuator.lower, asked, sent).then_some(Fault::CutEffort {
                 actuator: ActuatorId::new(i),
                 asked,
                 sent,

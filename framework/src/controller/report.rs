@@ -1,17 +1,15 @@
 //! What a tick says about itself: status, residuals, forces, active rows, times.
 
+use std::sync::Arc;
+
 use nalgebra::{DVector, Vector3, Vector6};
 use serde::{Deserialize, Serialize};
 
-use super::{
-    CutEffort,
-    entry_id::{EntryRef, Stamp},
-    world::World,
-};
+use super::{names::Names, world::World};
 use crate::{
     fault::Fault,
     plugin::ForceReport,
-    problem::BoundEntry,
+    problem::{BoundEntry, Named},
     qp::{Capacity, RowId, Status},
     stopwatch::StageTimes,
 };
@@ -80,15 +78,15 @@ pub struct Report {
     pub level_since: f64,
     /// Ticks on this level, this one included.
     pub level_ticks: u64,
-    /// Why the command is not this tick's optimum; [`Controller::explain`](super::Controller::explain) says it by name.
+    /// Why the command is not this tick's optimum; [`Report::explain`] says it by name.
     pub fault: Option<Fault>,
     /// An irreducible set of limits that contradict one another, if that is why: none of them can be left out.
     pub conflict: Vec<LimitRow>,
     /// The limits that were given up and that the command is beyond.
     pub relaxed: Vec<LimitRow>,
-    /// The first effort of which the last gate cut off more than rounding, whatever the level; nothing in an ordinary
-    /// tick.
-    pub cut: Option<CutEffort>,
+    /// [`Fault::CutEffort`] of the first effort of which the last gate cut off more than rounding, whatever the level
+    /// and whatever else was wrong; nothing in an ordinary tick.
+    pub cut: Option<Fault>,
     /// Relaxed problems that were solved.
     pub resolves: u32,
     /// How the solver ended on the tick's own problem.
@@ -117,28 +115,52 @@ pub struct Report {
     pub regularisation: f64,
     /// Time per stage.
     pub times: StageTimes,
-    task_names: Vec<String>,
-    contact_names: Vec<String>,
-    controller: Stamp,
+    /// The controller's, for as long as it lives.
+    names: Arc<Names>,
 }
 
 impl Report {
-    /// What became of a task: by name, which is looked for, or by id. Nothing for a constraint, or if there is none.
-    pub fn task<'a>(&self, task: impl Into<EntryRef<'a>>) -> Option<&TaskReport> {
-        match task.into() {
-            EntryRef::Name(name) => {
-                let found = self.task_names.iter().position(|n| n == name)?;
-                self.tasks.get(found)
-            }
-            EntryRef::Id(id) if id.controller == self.controller => self.tasks.get(id.index()),
-            EntryRef::Id(_) => None,
-        }
+    /// What became of the task of that name, nothing for a constraint; by id, it is [`Report::tasks`] at its index.
+    pub fn task(&self, name: &str) -> Option<&TaskReport> {
+        self.tasks.get(self.names.entry(name)?)
     }
 
     /// The forces of the contact of that name; by id, they are [`Report::contacts`] at its index.
     pub fn contact(&self, name: &str) -> Option<&ContactReport> {
-        let found = self.contact_names.iter().position(|n| n == name)?;
-        self.contacts.get(found)
+        self.contacts.get(self.names.contact(name)?)
+    }
+
+    /// Name and unit of a row.
+    pub fn row(&self, row: RowId) -> Option<&Named> {
+        self.names.row(row)
+    }
+
+    /// The fault in one line, with the names of entries, contacts and actuators; nothing after an optimum. Allocates.
+    pub fn why(&self) -> Option<String> {
+        let fault = self.fault.as_ref()?;
+        Some(self.names.fault(self, fault))
+    }
+
+    /// Why the tick did not end with the optimum of its problem: the level, the fault, the limits that contradict one
+    /// another, and those that the command does not keep, a line each; nothing if it did. A copy of the report says it,
+    /// too. Allocates: not for inside the loop.
+    pub fn explain(&self) -> Option<String> {
+        let mut text = format!("{}: {}", self.level.as_str(), self.why()?);
+        let lists = [
+            ("any one of these would have to give:", &self.conflict),
+            ("given up:", &self.relaxed),
+        ];
+        for (title, limits) in lists {
+            if !limits.is_empty() {
+                text += "\n";
+                text += title;
+            }
+            for limit in limits.iter().filter_map(|limit| self.names.limit(limit)) {
+                text += "\n  ";
+                text += &limit;
+            }
+        }
+        Some(text)
     }
 
     /// A copy with room for all that a later tick may say.
@@ -173,10 +195,7 @@ impl Report {
             undeclared,
             regularisation,
             times,
-            // They are the controller's, and stay.
-            task_names: _,
-            contact_names: _,
-            controller: _,
+            names: _,
         } = self;
         *time = other.time;
         *level = other.level;
@@ -211,7 +230,7 @@ impl Report {
         world: &World,
         capacity: Capacity,
         limits: usize,
-        controller: Stamp,
+        names: Names,
     ) -> Self {
         let zeros = |g: &BoundEntry| vec![0.0; g.layout.len()];
         Self {
@@ -255,9 +274,7 @@ impl Report {
             undeclared: None,
             regularisation: 0.0,
             times: StageTimes::default(),
-            task_names: tasks.iter().map(|task| task.name.clone()).collect(),
-            controller,
-            contact_names: world.bindings.iter().map(|b| b.spec.name.clone()).collect(),
+            names: Arc::new(names),
         }
     }
 }

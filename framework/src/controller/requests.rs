@@ -9,10 +9,8 @@ use nalgebra::DVector;
 
 use super::{
     Command, Controller, Measurement, Report,
-    entry_id::{EntryId, EntryRef},
+    entry_id::EntryId,
     error::RequestError,
-    explanation::Explanation,
-    names::Names,
     planned_force::{PlannedForce, planned_forces},
     record::{Dump, Record, Recorder, blank_record},
     running::RunningPlugin,
@@ -32,17 +30,14 @@ use crate::{
 use wbqp_robot_model::RobotModel;
 
 impl Controller {
-    /// A task or constraint by name, resolved once: for requests in every period without looking for the name.
+    /// The task or constraint of that name: where it is in lists of them, [`Report::tasks`] for one.
     ///
     /// # Errors
     /// [`RequestError::Absent`].
     pub fn entry(&self, name: &str) -> Result<EntryId, RequestError> {
         let names = || self.entries.iter().map(|g| g.name.as_str());
         match names().position(|n| n == name) {
-            Some(index) => Ok(EntryId {
-                index: index as u32,
-                controller: self.stamp,
-            }),
+            Some(index) => Ok(EntryId(index as u32)),
             None => Err(RequestError::absent("entry", name, names())),
         }
     }
@@ -51,8 +46,8 @@ impl Controller {
     ///
     /// # Errors
     /// [`RequestError`] if there is no such entry.
-    pub fn activate<'a>(&mut self, entry: impl Into<EntryRef<'a>>) -> Result<(), RequestError> {
-        let index = self.find(entry.into())?;
+    pub fn activate(&mut self, entry: &str) -> Result<(), RequestError> {
+        let index = self.entry(entry)?.index();
         self.entries[index].switch.turn(true);
         Ok(())
     }
@@ -61,8 +56,8 @@ impl Controller {
     ///
     /// # Errors
     /// [`RequestError`] if there is no such entry.
-    pub fn deactivate<'a>(&mut self, entry: impl Into<EntryRef<'a>>) -> Result<(), RequestError> {
-        let index = self.find(entry.into())?;
+    pub fn deactivate(&mut self, entry: &str) -> Result<(), RequestError> {
+        let index = self.entry(entry)?.index();
         self.entries[index].switch.turn(false);
         Ok(())
     }
@@ -110,12 +105,12 @@ impl Controller {
     /// # Errors
     /// [`RequestError`] if the task does not exist, follows nothing, or the trajectory does not fit; the old
     /// one is kept then.
-    pub fn follow<'a>(
+    pub fn follow(
         &mut self,
-        task: impl Into<EntryRef<'a>>,
+        task: &str,
         reference: impl Into<Box<dyn AnyReference>>,
     ) -> Result<(), RequestError> {
-        let index = self.find_task(task.into())?;
+        let index = self.find_task(task)?;
         let begin = self.world.next_time();
         let name = &self.entries[index].name;
         let Some(followed) = self.plugins[index].references.first_mut() else {
@@ -130,8 +125,8 @@ impl Controller {
     ///
     /// # Errors
     /// [`RequestError`] if the task does not exist or follows nothing.
-    pub fn followed<'a>(&self, task: impl Into<EntryRef<'a>>) -> Result<&Sample, RequestError> {
-        let index = self.find_task(task.into())?;
+    pub fn followed(&self, task: &str) -> Result<&Sample, RequestError> {
+        let index = self.find_task(task)?;
         match self.plugins[index].references.first() {
             Some(followed) => Ok(&followed.sample),
             None => Err(RequestError::NoReference {
@@ -158,12 +153,8 @@ impl Controller {
     ///
     /// # Errors
     /// [`RequestError`] if the entry does not exist or the weight does not fit its rows.
-    pub fn reweight<'a>(
-        &mut self,
-        entry: impl Into<EntryRef<'a>>,
-        weight: impl Into<PerRow>,
-    ) -> Result<(), RequestError> {
-        let index = self.find(entry.into())?;
+    pub fn reweight(&mut self, entry: &str, weight: impl Into<PerRow>) -> Result<(), RequestError> {
+        let index = self.entry(entry)?.index();
         let entry = &mut self.entries[index];
         let changed = entry.reweight(&weight.into());
         changed.map_err(|problem| {
@@ -209,8 +200,8 @@ impl Controller {
     ///
     /// # Errors
     /// [`RequestError`] if there is no such entry.
-    pub fn weight<'a>(&self, entry: impl Into<EntryRef<'a>>) -> Result<&[f64], RequestError> {
-        let index = self.find(entry.into())?;
+    pub fn weight(&self, entry: &str) -> Result<&[f64], RequestError> {
+        let index = self.entry(entry)?.index();
         Ok(self.entries[index].weight.wanted())
     }
 
@@ -218,8 +209,8 @@ impl Controller {
     ///
     /// # Errors
     /// [`RequestError`] if there is no such entry.
-    pub fn is_on<'a>(&self, entry: impl Into<EntryRef<'a>>) -> Result<bool, RequestError> {
-        let index = self.find(entry.into())?;
+    pub fn is_on(&self, entry: &str) -> Result<bool, RequestError> {
+        let index = self.entry(entry)?.index();
         Ok(self.entries[index].switch.is_wanted())
     }
 
@@ -237,11 +228,8 @@ impl Controller {
     ///
     /// # Errors
     /// [`RequestError`] if there is no such entry, or its parameters cannot be written in TOML.
-    pub fn parameters<'a>(
-        &self,
-        entry: impl Into<EntryRef<'a>>,
-    ) -> Result<toml::Table, RequestError> {
-        let index = self.find(entry.into())?;
+    pub fn parameters(&self, entry: &str) -> Result<toml::Table, RequestError> {
+        let index = self.entry(entry)?.index();
         let parameters = self.plugins[index].parameters();
         parameters.map_err(|source| RequestError::value(&self.entries[index].name, source))
     }
@@ -268,12 +256,12 @@ impl Controller {
     /// # Errors
     /// [`RequestError`] if there is no such entry, it is of another type, or refuses what it would have become; the old
     /// parameters are kept then.
-    pub fn change<'a, T: Any>(
+    pub fn change<T: Any>(
         &mut self,
-        entry: impl Into<EntryRef<'a>>,
+        entry: &str,
         change: impl FnOnce(&mut T),
     ) -> Result<(), RequestError> {
-        let index = self.find(entry.into())?;
+        let index = self.entry(entry)?.index();
         self.revision += 1;
         let contacts: Vec<ContactSpec> =
             self.world.bindings.iter().map(|b| b.spec.clone()).collect();
@@ -308,12 +296,8 @@ impl Controller {
     /// # Errors
     /// [`RequestError`] if there is no such entry, or it has no such key or refuses what it would have become; the old
     /// parameters are kept then.
-    pub fn set<'a>(
-        &mut self,
-        entry: impl Into<EntryRef<'a>>,
-        keys: toml::Table,
-    ) -> Result<(), RequestError> {
-        let index = self.find(entry.into())?;
+    pub fn set(&mut self, entry: &str, keys: toml::Table) -> Result<(), RequestError> {
+        let index = self.entry(entry)?.index();
         self.revision += 1;
         let contacts: Vec<ContactSpec> =
             self.world.bindings.iter().map(|b| b.spec.clone()).collect();
@@ -330,11 +314,8 @@ impl Controller {
     ///
     /// # Errors
     /// [`RequestError`] if there is no such entry or it is of another type.
-    pub fn parameters_mut<'a, T: Any>(
-        &mut self,
-        entry: impl Into<EntryRef<'a>>,
-    ) -> Result<&mut T, RequestError> {
-        let index = self.find(entry.into())?;
+    pub fn parameters_mut<T: Any>(&mut self, entry: &str) -> Result<&mut T, RequestError> {
+        let index = self.entry(entry)?.index();
         self.revision += 1;
         let (name, tag) = (&self.entries[index].name, self.plugins[index].tag);
         let parameters = self.plugins[index].plugin.parameters_mut();
@@ -409,7 +390,7 @@ impl Controller {
     /// They are those of the tick alone: of what it would have computed from other numbers with the same past. Filters,
     /// the observer and integrals are in it as far as this tick moves them. References are parameters of their own, and
     /// stay what they were when the state is moved, also those that look at it. The command's rounding into its limits
-    /// and its velocity references are not part of it. [`Note`](super::Note) says where they do not exist.
+    /// and its velocity references are not part of it. [`Sensitivity::notes`] says where they do not exist.
     ///
     /// Does not allocate, unless keys of an entry were changed since the last call. Nothing of the controller
     /// changes: the next tick is the same to the bit. Not for inside a real-time loop: it takes as long as a
@@ -433,21 +414,14 @@ impl Controller {
         out.fill(self)
     }
 
-    /// Why the last tick did not end with the optimum of its problem; nothing if it did. Allocates: not for inside the
-    /// loop.
-    pub fn explain(&self) -> Option<Explanation> {
-        self.report.fault?;
-        self.names().explain(&self.report)
+    /// Why the last tick did not end with the optimum of its problem, by name: [`Report::explain`].
+    pub fn explain(&self) -> Option<String> {
+        self.report.explain()
     }
 
     /// A copy of what the last tick gave, to be filled again after later ones. Allocates.
     pub fn snapshot(&self) -> Snapshot {
         Snapshot::of(self)
-    }
-
-    /// The names that reports refer to by number. Allocates.
-    pub fn names(&self) -> Names {
-        Names::of(self)
     }
 
     /// Records the last `ticks` ticks, at least one. Costs a copy of the rows per tick.
@@ -539,7 +513,7 @@ impl Controller {
 
     /// Name and unit of a row.
     pub fn row(&self, row: RowId) -> Option<&Named> {
-        self.table.rows.get(row.index())
+        self.report.row(row)
     }
 
     /// Name and unit of a variable.
@@ -553,23 +527,9 @@ impl Controller {
         self
     }
 
-    /// The position of an entry.
-    fn find(&self, entry: EntryRef<'_>) -> Result<usize, RequestError> {
-        match entry {
-            EntryRef::Name(name) => Ok(self.entry(name)?.index()),
-            EntryRef::Id(id) if id.controller == self.stamp => Ok(id.index()),
-            EntryRef::Id(_) => Err(RequestError::OtherController),
-        }
-    }
-
-    /// The position of a task; an error about a name knows tasks alone.
-    fn find_task(&self, task: EntryRef<'_>) -> Result<usize, RequestError> {
-        match task {
-            EntryRef::Name(name) => {
-                let found = self.task_names().position(|n| n == name);
-                found.ok_or_else(|| RequestError::absent("task", name, self.task_names()))
-            }
-            EntryRef::Id(_) => self.find(task),
-        }
+    /// The position of a task; an error knows tasks alone.
+    fn find_task(&self, name: &str) -> Result<usize, RequestError> {
+        let found = self.task_names().position(|n| n == name);
+        found.ok_or_else(|| RequestError::absent("task", name, self.task_names()))
     }
 }

@@ -7,7 +7,7 @@ use crate::{contact::SurfaceMotion, plugin::Sample};
 use wbqp_robot_model::RobotModel;
 
 /// What a tick took and gave, copied without allocation: for a log or a view that another thread writes.
-/// [`Names`](super::Names) says what the numbers in it stand for.
+/// The numbers in its report have their names there ([`Report::row`], [`Report::explain`]).
 ///
 /// ```no_run
 /// # fn send(_: &wbqp::controller::Snapshot) {}

@@ -116,7 +116,7 @@ impl Controller {
         }
     }
 
-    /// Takes the state over from a measurement whose wrenches are not usable, for the law of last resort.
+    /// Takes the state over from a measurement whose wrenches are not usable, for the fallback law.
     fn look(&mut self, measurement: &Measurement) {
         self.world.look(measurement, self.fallback.level);
         self.report.disturbance = self.world.disturbance();
@@ -234,7 +234,7 @@ impl Controller {
             return Err(Fault::Dynamics);
         }
         let cut = self.gate.first_cut(&self.robot, effort);
-        let fault = fault.or(cut.map(|cut| Fault::CutEffort(cut.actuator)));
+        let fault = fault.or(cut);
         let level = fault.map_or(FallbackLevel::Optimal, |_| FallbackLevel::Relaxed);
         let tasks = &self.entries[..self.task_count];
         self.world.remember(&mut self.problem, tasks);

@@ -40,9 +40,16 @@ pub enum Fault {
     Infeasible,
     /// The solver gave no usable solution; its status is in the report.
     Solver,
-    /// The solution's effort of this actuator is not what was sent: beyond its limits, or further from the last one
-    /// than its `slew` allows. By how much is in the report ([`Report::cut`](crate::controller::Report::cut)).
-    CutEffort(ActuatorId),
+    /// The solution's effort of an actuator is not what was sent: beyond its limits, or further from the last one than
+    /// its `slew` allows.
+    CutEffort {
+        /// Whose.
+        actuator: ActuatorId,
+        /// What would have been sent, N or N·m.
+        asked: f64,
+        /// What was sent, N or N·m.
+        sent: f64,
+    },
     /// The velocity reference of this joint was not a number, and stays what it was.
     CutVelocity(JointId),
 }
@@ -127,7 +134,7 @@ impl std::fmt::Display for Fault {
             Self::Dynamics => f.write_str("the equations of motion are not finite at this state"),
             Self::Infeasible => f.write_str("limits contradict one another"),
             Self::Solver => f.write_str("the solver gave no usable solution"),
-            Self::CutEffort(actuator) => write!(
+            Self::CutEffort { actuator, .. } => write!(
                 f,
                 "the effort of actuator {} had to be cut to its limits",
                 actuator.index()

@@ -252,7 +252,7 @@ pub(crate) fn no_rung_allocates() {
         let mut controller = controller.with_recorder(4).expect("can be saved");
         let good = scene.measurement();
         let mut measurement = good.clone();
-        let (mut snapshot, names) = (controller.snapshot(), controller.names());
+        let mut snapshot = controller.snapshot();
         let (mut inside, mut outage) = (0, 0_u32);
         let mut levels = [0_u32; 4];
         let ticks = (f64::from(total) * share) as u32;
@@ -284,7 +284,7 @@ pub(crate) fn no_rung_allocates() {
             snapshot.take(&controller, &measurement);
             inside += allocations() - before;
             assert_copied(&snapshot, &controller, &measurement);
-            let told = names.explain(&snapshot.report);
+            let told = snapshot.report.explain();
             assert_eq!(told, controller.explain(), "tick {tick}");
             let position = FallbackLevel::ALL.iter().position(|r| *r == level);
             levels[position.expect("is one of all")] += 1;

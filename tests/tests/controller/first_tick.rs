@@ -131,7 +131,7 @@ fn home_says_otherwise_and_far_from_home_nothing_moves() {
     assert_eq!(report.level, FallbackLevel::Safe);
     assert_eq!(report.fault, Some(Fault::FirstError(0)));
     assert!(command.joint_velocity.iter().all(|v| *v == 0.0));
-    let said = controller.explain().expect("there is a fault").to_string();
+    let said = controller.explain().expect("there is a fault");
     assert!(
         said.contains(
             "task `position` is 3.905 m from its reference in the first tick, more than \

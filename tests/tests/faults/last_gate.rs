@@ -164,12 +164,15 @@ fn check(controller: &Controller, before: &Command, context: &dyn Fn() -> String
     let is_optimal = report.level == FallbackLevel::Optimal;
     assert_eq!(is_optimal, report.fault.is_none(), "{}", context());
     if let Some(cut) = report.cut {
-        let actuator = &robot.actuators[cut.actuator.index()];
+        let Fault::CutEffort { actuator, sent, .. } = cut else {
+            panic!("{cut:?} is no cut: {}", context());
+        };
         assert!(!is_optimal, "{}", context());
-        assert_eq!(cut.sent, command.effort[cut.actuator.index()]);
-        if let Some(Fault::CutEffort(named)) = report.fault {
-            assert_eq!(named, cut.actuator);
-            let text = controller.explain().expect("a fault").to_string();
+        assert_eq!(sent, command.effort[actuator.index()]);
+        let actuator = &robot.actuators[actuator.index()];
+        if let Some(Fault::CutEffort { .. }) = report.fault {
+            assert_eq!(report.fault, report.cut);
+            let text = controller.explain().expect("a fault");
             assert!(text.contains(&format!("`{}`", actuator.name)), "{text}");
         }
     }
@@ -289,11 +292,18 @@ fn an_effort_that_is_cut_is_a_fault_with_its_actuators_name() {
     controller.tick(&scene.measurement());
     let report = controller.report();
     assert_eq!(report.level, FallbackLevel::Relaxed);
-    let cut = report.cut.expect("something was cut");
-    assert_eq!(report.fault, Some(Fault::CutEffort(cut.actuator)));
-    assert!(cut.asked.abs() > 1e-3 && cut.sent.abs() == 1e-3);
-    let name = &controller.robot().actuators[cut.actuator.index()].name;
-    let text = controller.explain().expect("a fault").to_string();
+    assert_eq!(report.fault, report.cut);
+    let Some(Fault::CutEffort {
+        actuator,
+        asked,
+        sent,
+    }) = report.cut
+    else {
+        panic!("{:?}: nothing was cut", report.fault);
+    };
+    assert!(asked.abs() > 1e-3 && sent.abs() == 1e-3);
+    let name = &controller.robot().actuators[actuator.index()].name;
+    let text = controller.explain().expect("a fault");
     let said = format!("relaxed: the effort of actuator `{name}` had to be cut to its limits");
     assert!(text.starts_with(&said), "{text}");
 }

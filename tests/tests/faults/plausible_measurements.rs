@@ -75,7 +75,7 @@ fn a_flying_robot_stays_up_when_its_speed_is_nonsense() {
         if let Some(found) = found {
             assert_eq!(found.quantity, Quantity::LinearVelocity);
             assert!((found.value / 1e12 - 1.0).abs() < 1e-9 && found.limit < 1e3);
-            let text = running.controller.explain().expect("a fault").fault;
+            let text = running.controller.report().why().expect("a fault");
             assert!(text.contains("speed of the base is 1.000e12 m/s"), "{text}");
         }
         lowest = lowest.min(running.plant.state().p_WR.z);
@@ -201,7 +201,7 @@ fn each_bound_is_where_the_file_says_and_names_itself() {
                 assert_eq!(found.quantity, quantity);
                 assert!((found.value - by).abs() <= 1e-9 * by && found.limit == limit);
                 assert_eq!(controller.report().level, FallbackLevel::Extrapolated);
-                let text = controller.explain().expect("a fault").to_string();
+                let text = controller.explain().expect("a fault");
                 let key = format!("`{}` in [measurement] = {limit}", quantity.key());
                 assert!(text.contains(&key), "{text}");
                 let fault = controller.report().fault.expect("a fault");

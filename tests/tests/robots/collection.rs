@@ -241,7 +241,7 @@ fn run(controller: &mut Controller) -> Result<(), String> {
             .all(|x| x.is_finite());
         if report.level != FallbackLevel::Optimal || report.status != Status::Optimal || !finite {
             let status = report.status;
-            let why = controller.explain().map(|e| e.to_string());
+            let why = controller.explain();
             return Err(format!(
                 "tick {tick}: {status:?}: {}",
                 why.unwrap_or_default()

@@ -3,7 +3,7 @@
 //! | level | when | command |
 //! |---|---|---|
 //! | optimal | | the optimum |
-//! | relaxed | limits contradict one another, or the solver failed | the optimum with limits given up in the declared order |
+//! | relaxed | limits contradict one another, or the solver failed | the optimum, limits given up in declared order |
 //! | extrapolated | no solution, for as long as `extrapolation` says | the last efforts, kept |
 //! | safe | no solution for longer, or never one | a [law](crate::plugin::FallbackLaw) that needs no solver |
 
@@ -13,7 +13,7 @@ mod unsolved;
 
 pub(super) use clock::{Age, Clock, OnLevel, elapsed};
 
-use super::{names::Owner, report::FallbackLevel};
+use super::report::FallbackLevel;
 use crate::{
     plugin::BoundFallbackLaw,
     problem::Relaxation,
@@ -42,8 +42,6 @@ pub(super) struct Fallback {
     pub(super) law: BoundFallbackLaw,
     /// The efforts that come nearest to holding the home posture.
     pub(super) hover: Vec<f64>,
-    /// Whose each row is, in words, for explanations.
-    pub(super) owners: Vec<Owner>,
     /// Since the last solution and the last usable measurement.
     pub(super) without_solution: Age,
     pub(super) without_state: Age,

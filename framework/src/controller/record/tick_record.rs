@@ -107,7 +107,7 @@ pub(crate) struct Memory {
     pub(crate) seen: Option<f64>,
     #[serde(default)]
     pub(crate) unseen: f64,
-    /// What the law of last resort remembers.
+    /// What the fallback law remembers.
     pub(crate) held: Vec<f64>,
     pub(crate) warm: WarmStart,
     pub(crate) relaxed_warm: WarmStart,

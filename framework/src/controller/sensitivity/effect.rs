@@ -1,6 +1,6 @@
 //! What each weight and gain does, in numbers that can be compared with one another.
 
-use super::{Controller, Note, Parameter, ParameterKind, Sensitivity};
+use super::{Parameter, ParameterKind, Sensitivity};
 
 /// What is smaller than this share of what moves most is rounding: a force that a limit holds, for example.
 const ROUNDING: f64 = 1e-10;
@@ -71,33 +71,8 @@ impl Sensitivity {
     }
 }
 
-impl Sensitivity {
-    /// The notes that matter to who looks at some effects and at references: those about other weights and gains, and
-    /// about kinks in what is measured, are left out. Allocates.
-    pub fn notes_on(&self, controller: &Controller, effects: &[Effect]) -> Vec<&Note> {
-        let has = |kind: ParameterKind, owner: &str, key: &str| {
-            let mut effects = effects.iter();
-            effects.any(|e| e.kind == kind && e.owner == owner && e.key == key)
-        };
-        let matters = |note: &&Note| match note {
-            Note::LargestWeight { entry } => {
-                let owner = controller.entry_names().nth(*entry);
-                owner.is_some_and(|owner| has(ParameterKind::Weight, owner, "weight"))
-            }
-            Note::Kink { parameter } => {
-                let parameter = self.parameters().get(*parameter);
-                parameter.is_some_and(|p| {
-                    p.kind == ParameterKind::Reference || has(p.kind, &p.owner, key(p))
-                })
-            }
-            _ => true,
-        };
-        self.notes().iter().filter(matters).collect()
-    }
-}
-
 /// The label without the row or the index.
-fn key(parameter: &Parameter) -> &str {
+pub(super) fn key(parameter: &Parameter) -> &str {
     let label = parameter.label.as_str();
     let list = label.strip_suffix(']').and_then(|l| l.rsplit_once('['));
     list.map_or(label, |(key, _)| key)

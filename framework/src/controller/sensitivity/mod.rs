@@ -30,11 +30,11 @@ mod table;
 mod workspace;
 
 pub use effect::Effect;
-pub use notes::Note;
 pub use parameters::{Parameter, ParameterKind};
 pub use table::Sensitivity;
 
 pub(super) use before::Before;
+use notes::Note;
 
 use super::{Controller, FallbackLevel, RequestError};
 use crate::qp::Status;

@@ -29,9 +29,9 @@ pub struct Sensitivity {
     pub(super) notes: Vec<Note>,
     pub(super) mismatch: f64,
     /// Names of all entries.
-    entries: Vec<String>,
+    pub(super) entries: Vec<String>,
     /// Names of notes' rows, by identity.
-    rows: Vec<String>,
+    pub(super) rows: Vec<String>,
     /// Accelerations and efforts.
     counts: [usize; 2],
 }
@@ -158,39 +158,10 @@ impl Sensitivity {
         self.parameters.iter().position(is_it)
     }
 
-    /// Where the optimum is not differentiable.
-    pub fn notes(&self) -> &[Note] {
-        &self.notes
-    }
-
     /// The largest difference between the optimum that the derivatives are taken at and that of the tick, as a share
     /// of the largest acceleration, effort or force: how well the solver found it.
     pub fn mismatch(&self) -> f64 {
         self.mismatch
-    }
-
-    /// A note in words.
-    pub fn say(&self, note: &Note) -> String {
-        let name = |names: &[String], index: usize| names.get(index).cloned().unwrap_or_default();
-        match note {
-            Note::Touching { row, side } => format!(
-                "`{}` touches its {} limit without a multiplier",
-                name(&self.rows, row.index()),
-                side.as_str()
-            ),
-            Note::Kink { parameter } => match self.parameters.get(*parameter) {
-                Some(parameter) => format!("a kink at this value of `{parameter}`"),
-                None => String::new(),
-            },
-            Note::LargestWeight { entry } => format!(
-                "the regularisation follows the weight of `{}` and of others",
-                name(&self.entries, *entry)
-            ),
-            Note::Unknown { entry } => format!(
-                "`{}` does not say what it remembers: its rows count as constant",
-                name(&self.entries, *entry)
-            ),
-        }
     }
 
     /// The row in which a column's number is largest, among some rows.
@@ -212,8 +183,8 @@ impl fmt::Display for Sensitivity {
             return f.write_str("no tick yet");
         };
         writeln!(f, "the optimum at {time} s")?;
-        for note in &self.notes {
-            writeln!(f, "  not differentiable: {}", self.say(note))?;
+        for note in self.notes() {
+            writeln!(f, "  not differentiable: {note}")?;
         }
         writeln!(f, "  weight of, by |∂u/∂ ln w|:")?;
         let [nv, nu] = self.counts;

@@ -162,8 +162,7 @@ fn tell(controller: &mut Controller, sensitivity: &mut Sensitivity) -> Told {
     let least = effects.first().map_or(0.0, |most| 1e-10 * most.effort);
     effects.retain(|effect| effect.effort > least);
     effects.truncate(MOST);
-    let notes = sensitivity.notes_on(controller, &effects).into_iter();
-    let notes = notes.map(|note| sensitivity.say(note)).collect();
+    let notes = sensitivity.notes_on(&effects);
     let effects = effects.iter().map(|effect| Line {
         name: format!("{} {}", effect.owner, effect.key),
         effort: effect.effort,
