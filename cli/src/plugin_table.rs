@@ -22,7 +22,7 @@ const KINDS: [(&str, &str); 6] = [
     ("reference", "References"),
     ("robot", "Robots"),
     ("solver", "Solvers"),
-    ("fallback", "Laws of last resort"),
+    ("fallback", "Fallback laws"),
 ];
 
 /// The page.

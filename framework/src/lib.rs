@@ -153,7 +153,7 @@
 //! | write a task | [`plugin::Task`], [`Layout`], [`plugin::Setup`], [`plugin::Tick`], [`plugin::Rows`] |
 //! | write a constraint | [`plugin::Constraint`], [`plugin::ConstraintRows`] |
 //! | write a trajectory | [`plugin::Reference`] |
-//! | write a law of last resort | [`plugin::FallbackLaw`] |
+//! | write a fallback law | [`plugin::FallbackLaw`] |
 //! | describe a robot | [`robot::Robot`], [`robot::RobotModel`], [`model::ModelBuilder`], [`actuator::Actuator`] |
 //! | describe a contact | [`contact::ContactSpec`], [`contact::Detector`] |
 //! | use the dynamics alone | the crate `wbqp-dynamics`: [`dynamics::Data`], [`dynamics::FrameKinematics`] |

@@ -1,4 +1,4 @@
-"""Laws of last resort.
+"""Fallback laws.
 
 Made from the registry: one class for each plug-in, with its keys as keyword arguments.
 """

@@ -22,7 +22,7 @@ class Othex(Plugin):
     Parameters
     ----------
     thrust_max : float, optional
-        Largest thrust of every rotor, N, instead of the side-car's.
+        Largest thrust of every rotor, N, instead of the rotor parameter file's.
     """
     def __init__(
         self,
@@ -36,7 +36,7 @@ class OthexVertical(Plugin):
     Parameters
     ----------
     thrust_max : float, optional
-        Largest thrust of every rotor, N, instead of the side-car's.
+        Largest thrust of every rotor, N, instead of the rotor parameter file's.
     """
     def __init__(
         self,
@@ -91,7 +91,7 @@ class Tree(Plugin):
     ) -> None: ...
 
 class Urdf(Plugin):
-    """Any URDF, with a rotor side-car if it flies.
+    """Any URDF, with a rotor parameter file if it flies.
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ class Urdf(Plugin):
     root : str, optional
         The link that is the base; as in `options`.
     rotors : str, optional
-        The rotor side-car.
+        The rotor parameter file.
     srdf : str, optional
         An SRDF file with named postures.
     strict : bool, optional

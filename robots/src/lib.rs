@@ -1,6 +1,6 @@
 //! URDF and rotor descriptions for wbqp, and the robots that ship with it.
 //!
-//! A robot is a URDF file, which any vendor's tool can write, and, if it flies, a side-car file that says
+//! A robot is a URDF file, which any vendor's tool can write, and, if it flies, a rotor parameter file that says
 //! which of its frames carry rotors. [`from_files`] reads both into a
 //! [`RobotModel`](wbqp::robot::RobotModel); [`othex`], [`othex_vertical`], [`quadruped`] and [`humanoid`]
 //! need no files.
@@ -17,7 +17,7 @@
 //! What has no meaning is refused, all of a file's errors at once; [`Options::strict`] refuses the rest too.
 //!
 //! * [`urdf`]: what is read from a URDF and what is refused
-//! * [`rotors`]: the side-car's keys
+//! * [`rotors`]: the keys of a rotor parameter file
 //! * [`tree`]: a robot as plain data, for programs that read other formats
 //! * [`visuals`]: what a robot looks like, for programs that draw it
 //! * [`Options`]: what neither file says: floating or fixed, servoed joints, home posture

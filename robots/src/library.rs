@@ -16,10 +16,10 @@ use crate::{
     urdf,
 };
 
-/// Reads a URDF file and, for a robot that flies, its rotor side-car.
+/// Reads a URDF file and, for a robot that flies, its rotor parameter file.
 ///
-/// Actuators are the rotors in the side-car's order, then the motors of all joints that are not passive in
-/// the model's order.
+/// Actuators are the rotors in that file's order, then the motors of all joints that are not passive in the
+/// model's order.
 ///
 /// # Errors
 /// A file that cannot be read, and everything in files or options that is wrong.

@@ -15,7 +15,7 @@ use crate::{BaseKind, Options, RobotFiles, library};
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Othex {
-    /// Largest thrust of every rotor, N, instead of the side-car's.
+    /// Largest thrust of every rotor, N, instead of the rotor parameter file's.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "N"))]
     pub thrust_max: Option<f64>,
@@ -32,7 +32,7 @@ impl Robot for Othex {
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct OthexVertical {
-    /// Largest thrust of every rotor, N, instead of the side-car's.
+    /// Largest thrust of every rotor, N, instead of the rotor parameter file's.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "N"))]
     pub thrust_max: Option<f64>,
@@ -71,13 +71,13 @@ impl Robot for Humanoid {
     }
 }
 
-/// Any URDF, with a rotor side-car if it flies.
+/// Any URDF, with a rotor parameter file if it flies.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Urdf {
     /// The URDF file; relative paths count from the configuration's folder.
     pub file: PathBuf,
-    /// The rotor side-car.
+    /// The rotor parameter file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rotors: Option<PathBuf>,
     /// An SRDF file with named postures.

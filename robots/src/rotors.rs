@@ -1,4 +1,4 @@
-//! The rotor side-car: which frames of a robot carry rotors, and their constants.
+//! The rotor parameter file: which frames of a robot carry rotors, and their constants.
 //!
 //! URDF has no word for a rotor. A TOML file beside it names, per rotor, a frame of the robot: the rotor's
 //! axis is the frame's z axis and its thrust is along +z. Where the URDF has no such frame, `position` and `axis` place
@@ -90,8 +90,8 @@ struct Lag {
     fall: f64,
 }
 
-/// Reads the text of a side-car into actuators, in the file's order; `file` is its name, for messages. The model gets a
-/// frame for each rotor that is placed by `position` or `axis`.
+/// Reads the text of a rotor parameter file into actuators, in the file's order; `file` is its name, for messages. The
+/// model gets a frame for each rotor that is placed by `position` or `axis`.
 ///
 /// # Errors
 /// The first thing that is wrong: an unknown key, a key that neither the rotor nor `[defaults]` has, a frame

@@ -40,7 +40,7 @@ pub fn reference(arguments: TokenStream, item: TokenStream) -> TokenStream {
     parameters::plugin("Reference", arguments, item)
 }
 
-/// Makes a struct the parameters of a law of last resort, registered under a tag, as [`macro@task`] does.
+/// Makes a struct the parameters of a fallback law, registered under a tag, as [`macro@task`] does.
 #[proc_macro_attribute]
 pub fn fallback_law(arguments: TokenStream, item: TokenStream) -> TokenStream {
     parameters::plugin("FallbackLaw", arguments, item)

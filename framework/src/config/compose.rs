@@ -107,7 +107,7 @@ impl ControllerConfig {
         self
     }
 
-    /// Another law of last resort.
+    /// Another fallback law.
     pub fn with_fallback(mut self, law: impl AnyFallbackLaw) -> Self {
         self.fallback = Box::new(law);
         self

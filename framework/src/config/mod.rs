@@ -67,7 +67,7 @@ pub struct ControllerConfig {
     pub robot: Box<dyn Robot>,
     /// The solver.
     pub solver: Box<dyn Solver>,
-    /// The law of last resort.
+    /// The fallback law.
     pub fallback: Box<dyn AnyFallbackLaw>,
     /// What a measurement may be.
     pub measurement: MeasurementLimits,

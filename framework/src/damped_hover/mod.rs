@@ -1,4 +1,4 @@
-//! A law of last resort: damped hover with the joints held, without any optimisation that can fail.
+//! A fallback law: damped hover with the joints held, without any optimisation that can fail.
 //!
 //! # Notation
 //! W world, R base, all vectors in world axes unless said. `up` is the axis of the base that points up in the home

@@ -1,4 +1,4 @@
-//! Laws of last resort: what a tick sends when there is no solution to send.
+//! Fallback laws: what a tick sends when there is no solution to send.
 
 use std::{any::Any, fmt::Debug};
 
@@ -42,7 +42,7 @@ pub trait FallbackLaw: Clone + Debug + Send + 'static {
     );
 }
 
-/// Any law of last resort. Implemented by the attribute [`fallback_law`](macro@crate::fallback_law).
+/// Any fallback law. Implemented by the attribute [`fallback_law`](macro@crate::fallback_law).
 #[typetag::serde(tag = "type")]
 pub trait AnyFallbackLaw: Any + Send + Debug {
     /// Binds the law, as [`FallbackLaw::bind`].

@@ -1,5 +1,5 @@
-//! What plug-ins are, and what they speak: tasks, constraints, references and laws of last resort, the rows that they
-//! write, and what they see.
+//! What plug-ins are, and what they speak: tasks, constraints, references and fallback laws, the rows that they write,
+//! and what they see.
 //!
 //! A plug-in is *bound* once ([`Setup`]: names to resolve, frames to ask for; it answers with its [`Layout`]) and
 //! *updated* in every tick ([`Tick`]: what is known; [`Rows`] or [`ConstraintRows`]: what it writes). An [`Entry`] is

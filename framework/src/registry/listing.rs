@@ -56,8 +56,8 @@ pub struct Parameter {
     pub description: String,
 }
 
-/// All linked plug-ins with their parameters: tasks, constraints, references, robots, solvers, laws of last resort;
-/// each kind sorted by tag.
+/// All linked plug-ins with their parameters: tasks, constraints, references, robots, solvers, fallback laws; each
+/// kind sorted by tag.
 ///
 /// ```
 /// let mut all = wbqp::registry().into_iter();

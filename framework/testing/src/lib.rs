@@ -57,26 +57,30 @@
 //! # What is checked
 //! Of every plug-in
 //!
-//! | check | what must hold |
-//! |---|---|
-//! | [`Form`](Check::Form) | it loads; load → save → load → save gives the same, in TOML and JSON; no key is lost; no key belongs to the framework |
-//! | [`UnknownKeys`](Check::UnknownKeys) | an unknown key is refused, in the table and in every table inside |
-//! | [`Schema`](Check::Schema) | every key is in the schema, with a description |
-//! | [`Panic`](Check::Panic) | `bind` and `update` do not panic |
-//! | [`RowSemantics`](Check::RowSemantics) | inequality rows on `v̇` come with their [`RowSemantics`], since none can be assumed |
-//! | [`Layout`](Check::Layout) | rows have labels (all different) and units; only declared blocks are written; every `b`, error, limit and bound is written; what is declared exists |
-//! | [`Finite`](Check::Finite) | coefficients, `b` and errors are finite; limits are numbers in order |
-//! | [`Coefficients`](Check::Coefficients) | they depend on the configuration and on time alone: not on velocities, measured forces, the last solution or the states before |
-//! | [`Allocation`](Check::Allocation) | `update` does not allocate, if a counter is given: see [`PluginTest::counting`] |
+//! * [`Form`](Check::Form): it loads; load → save → load → save gives the same, in TOML and JSON; no key is lost; no key
+//!   belongs to the framework
+//! * [`UnknownKeys`](Check::UnknownKeys): an unknown key is refused, in the table and in every table inside
+//! * [`Schema`](Check::Schema): every key is in the schema, with a description
+//! * [`Panic`](Check::Panic): `bind` and `update` do not panic
+//! * [`RowSemantics`](Check::RowSemantics): inequality rows on `v̇` come with their [`RowSemantics`], since none can be
+//!   assumed
+//! * [`Layout`](Check::Layout): rows have labels (all different) and units; only declared blocks are written; every `b`,
+//!   error, limit and bound is written; what is declared exists
+//! * [`Finite`](Check::Finite): coefficients, `b` and errors are finite; limits are numbers in order
+//! * [`Coefficients`](Check::Coefficients): they depend on the configuration and on time alone: not on velocities,
+//!   measured forces, the last solution or the states before
+//! * [`Allocation`](Check::Allocation): `update` does not allocate, if a counter is given: see [`PluginTest::counting`]
 //!
 //! What else is checked depends on what the rows mean, their [`RowSemantics`]. With `J` the coefficients on `v̇`,
 //! `J̇v` their bias and `e` the error, a row `J v̇ = b` asks for `ë = J v̇ + J̇v = a*`, so `b = a* − J̇v`:
 //!
-//! | check | [`Position`](RowSemantics::Position) | [`Velocity`](RowSemantics::Velocity) | [`Motion`](RowSemantics::Motion) | [`Barrier`](RowSemantics::Barrier) | [`Affine`](RowSemantics::Affine) |
-//! |---|---|---|---|---|---|
-//! | [`Jacobian`](Check::Jacobian) | `ė = J v` | `∂e/∂v = J` | – | limit at rest: gradient `−c J` | error affine in efforts and forces, with slope `A` |
-//! | [`Bias`](Check::Bias) | yes | yes | yes | yes | – |
-//! | [`Feedback`](Check::Feedback) | opposes `e` and `J v` | opposes `J v` | opposes `J v` | opposes `J v` | – |
+//! | rows are | [`Jacobian`](Check::Jacobian) | [`Bias`](Check::Bias) | [`Feedback`](Check::Feedback) |
+//! |---|---|---|---|
+//! | [`Position`](RowSemantics::Position) | `ė = J v` | yes | opposes `e` and `J v` |
+//! | [`Velocity`](RowSemantics::Velocity) | `∂e/∂v = J` | yes | opposes `J v` |
+//! | [`Motion`](RowSemantics::Motion) | – | yes | opposes `J v` |
+//! | [`Barrier`](RowSemantics::Barrier) | limit at rest: gradient `−c J` | yes | opposes `J v` |
+//! | [`Affine`](RowSemantics::Affine) | error affine in efforts and forces, with slope `A` | – | – |
 //!
 //! * **Jacobian.** The error is differentiated by central differences along random velocity directions on the
 //!   manifold, the base turned by the exponential. A rotation error has `ė = J v` only where it is zero. The

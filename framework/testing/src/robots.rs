@@ -21,7 +21,7 @@ use JointKind::{Prismatic, Revolute};
 /// | `flyer` | floating | three revolute ones | six tilted rotors and the joints |
 /// | `arm` | fixed | three revolute ones with armatures | the joints |
 /// | `gantry` | fixed | two prismatic ones, then a revolute one | the joints |
-/// | `walker` | floating | revolute, prismatic, revolute; a second branch `hip` | all joints but `hip`, which is passive |
+/// | `walker` | floating | revolute, prismatic, revolute; a second branch `hip` | all joints but the passive `hip` |
 ///
 /// All have the joints `shoulder`, `elbow` and `wrist` with the bodies `upper`, `fore` and `hand` after the body
 /// `base`, and the frame `tool` on the hand, displaced and turned.

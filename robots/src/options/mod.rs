@@ -1,4 +1,4 @@
-//! What neither the URDF nor the rotor side-car says.
+//! What neither the URDF nor the rotor parameter file says.
 
 mod inertia;
 mod joints;
@@ -72,7 +72,7 @@ pub struct Options {
     pub friction: BTreeMap<String, f64>,
     /// Mass, centre of mass and rotational inertia per link, instead of the URDF's.
     pub inertia: BTreeMap<String, LinkInertia>,
-    /// Largest thrust of every rotor, N, instead of the side-car's.
+    /// Largest thrust of every rotor, N, instead of the rotor parameter file's.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "N"))]
     pub thrust_max: Option<f64>,

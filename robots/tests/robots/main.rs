@@ -1,5 +1,5 @@
-//! URDFs and rotor side-cars: what loads is what the file says, what strict mode refuses, what habits of real files
-//! are read, and that no file makes the loader panic.
+//! URDFs and rotor parameter files: what loads is what the file says, what strict mode refuses, what habits of real
+//! files are read, and that no file makes the loader panic.
 
 mod loaded;
 mod never_panics;

@@ -1,4 +1,4 @@
-//! One test per way a rotor side-car can be wrong.
+//! One test per way a rotor parameter file can be wrong.
 
 use wbqp::robot::{RobotError, RobotModel, SourceFile};
 use wbqp_robots::{Options, from_sources};

@@ -707,7 +707,8 @@ fn a_planar_joint_is_two_slides_and_a_turn() {
 #[test]
 fn a_state_of_the_srdf_is_home_and_places_the_base() {
     let srdf = r#"<robot name="r"><group_state name="ready" group="all">
-        <joint name="root_joint" value="0 0 1.5 0 0 0 1"/><joint name="elbow" value="0.5"/><joint name="tail" value="1"/>
+        <joint name="root_joint" value="0 0 1.5 0 0 0 1"/><joint name="elbow" value="0.5"/>
+        <joint name="tail" value="1"/>
         </group_state></robot>"#;
     let files = |srdf: Option<&str>| RobotFiles {
         urdf: source("r.urdf", &arm("revolute", LIMIT)),

@@ -247,14 +247,19 @@ fn urdf() {
 }
 
 #[test]
-fn rotor_side_cars() {
+fn rotor_parameter_files() {
     let urdf = &corpus("robots/files/othex", ".urdf")[0];
     let texts = corpus("robots/files/othex", ".rotors.toml");
-    fuzz("rotor side-car", cases(120_000, 600), &texts, |text| {
-        let rotors = source("r.rotors.toml", text);
-        let options = Options::default();
-        robot(from_sources(source("r.urdf", urdf), Some(rotors), &options))
-    });
+    fuzz(
+        "rotor parameter file",
+        cases(120_000, 600),
+        &texts,
+        |text| {
+            let rotors = source("r.rotors.toml", text);
+            let options = Options::default();
+            robot(from_sources(source("r.urdf", urdf), Some(rotors), &options))
+        },
+    );
 }
 
 /// A robot that was accepted can be controlled.

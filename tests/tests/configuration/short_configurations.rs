@@ -261,6 +261,10 @@ fn mistakes_of_short_contacts_say_what_to_do() {
         "a contact of kind `point` has no sole",
     );
     refused(
+        &format!("{contact}motion = \"hard\"\nkind = \"sole\"\nsize = [0.2, 0.1]\n"),
+        "x.toml:7:10: contact[0] `fl_foot`: size: a contact of kind `sole` has no sole",
+    );
+    refused(
         "[[contact]]\nframes = [\"fl_foot\"]\nname = \"left\"\nmotion = \"hard\"\n",
         "x.toml:7:8: contact[0] `left`: name: each contact of `frames` is called by its frame",
     );

@@ -335,10 +335,10 @@ impl FallbackLaw for Counting {
     }
 }
 
-/// A contact is off, and then nothing is measured for long: what the law of last resort stands on, and what it
-/// remembers, is recorded.
+/// A contact is off, and then nothing is measured for long: what the fallback law stands on, and what it remembers, is
+/// recorded.
 #[test]
-fn ticks_of_a_law_of_last_resort_are_the_same_to_the_bit() {
+fn ticks_of_a_fallback_law_are_the_same_to_the_bit() {
     let scene = Scene::new(Kind::Quadruped, 3, 0b11, 0b11);
     let counting = scene.config().with_fallback(Counting {});
     for (config, name) in [(scene.config(), "damped_hover"), (counting, "counting")] {

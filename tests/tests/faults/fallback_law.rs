@@ -1,4 +1,4 @@
-//! Laws of last resort: the parameters of the one that comes with the framework, and others.
+//! Fallback laws: the parameters of the one that comes with the framework, and others.
 
 use std::path::Path;
 

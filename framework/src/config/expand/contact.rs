@@ -13,6 +13,10 @@
 
 use std::collections::HashSet;
 
+use serde::{
+    Deserialize,
+    de::value::{Error, StrDeserializer},
+};
 use toml::{Spanned, de::DeValue};
 
 use super::{List, Notes, Reading, Span, Texts, names, value};
@@ -24,7 +28,7 @@ use crate::{
         report::{At, Report},
         table::Section,
     },
-    contact::Motion,
+    contact::{ContactKind, Motion},
     plugin::AnyConstraint,
     registry,
     suggestion::suggestion,
@@ -253,8 +257,9 @@ fn contact(
     let kind = value::string(section, "kind")
         .unwrap_or_default()
         .to_owned();
-    let has_moments = ["full", "normal_tilt"].contains(&kind.as_str());
-    if has_size && !has_moments {
+    // A word that is no kind is refused when the contact is read.
+    let known = kind_of(&kind);
+    if has_size && !known.is_some_and(ContactKind::has_moments) {
         let message = format!(
             "a contact of kind `{kind}` has no sole: leave `size` out, or make it of kind `full`"
         );
@@ -273,16 +278,21 @@ fn contact(
             motion: if tag == MOTION { motion } else { Motion::Hard },
         });
     };
-    match half {
-        Some(half) => bring(WRENCH, Some(half)),
-        None if kind == "point" => bring(PYRAMID, None),
+    match (half, known) {
+        (Some(half), _) => bring(WRENCH, Some(half)),
+        (None, Some(ContactKind::Point)) => bring(PYRAMID, None),
         // Without a sole's size its moments have to be limited by an entry of its own.
-        None => {}
+        (None, Some(ContactKind::Full | ContactKind::Normal | ContactKind::NormalTilt) | None) => {}
     }
     if motion != Motion::Free {
         bring(MOTION, None);
     }
     true
+}
+
+/// The kind that a word names, if it names one.
+fn kind_of(word: &str) -> Option<ContactKind> {
+    ContactKind::deserialize(StrDeserializer::<Error>::new(word)).ok()
 }
 
 fn read_motion(value: &DeValue<'_>) -> Option<Motion> {
