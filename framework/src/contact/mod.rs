@@ -16,7 +16,7 @@ mod spec;
 mod state;
 mod update;
 
-pub use detector::{ContactEvent, Detector};
+pub use detector::Detector;
 pub use kind::{ContactId, ContactKind};
 pub(crate) use short::Motion;
 pub use short::ShortContact;
