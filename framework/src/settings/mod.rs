@@ -13,7 +13,7 @@ use crate::error::BindError;
 pub use formulation::Formulation;
 pub use measurement::MeasurementLimits;
 pub use observer::{ContactForces, Observer};
-pub use target::Target;
+pub(crate) use target::Target;
 
 /// The `[controller]` table.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
