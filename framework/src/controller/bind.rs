@@ -395,11 +395,7 @@ impl Bound {
             fallback.relaxation.limits(),
             stamp,
         );
-        let first = FirstTick::new(
-            settings.max_first_error,
-            &entries[..task_count],
-            &world.model,
-        );
+        let first = FirstTick::new(&settings, &entries[..task_count], &world.model);
         let mut controller = Controller {
             settings,
             first,
