@@ -83,7 +83,7 @@ use crate::{
 use wbqp_robot_model::Robot;
 
 pub use added::add;
-pub use listing::{Parameter, PluginInfo, list};
+pub use listing::{Key, PluginInfo, list};
 
 /// Makes a plug-in from its own keys.
 pub type Load<P> = dyn Fn(ValueDeserializer<'_>) -> Result<Box<P>, toml::de::Error> + Sync;
