@@ -3,7 +3,10 @@
 use std::str::FromStr;
 
 use anyhow::{Context, Result, bail};
-use wbqp::{config::Overrides, suggestion::suggestion};
+use wbqp::{
+    config::{Overrides, key_path},
+    suggestion::suggestion,
+};
 use wbqp_sim::Variation;
 
 /// One `key=value`.
@@ -18,18 +21,6 @@ pub struct Assignment {
     value: toml::Value,
 }
 
-/// Tables of a controller's file.
-const OF_A_CONTROLLER: [&str; 8] = [
-    "controller",
-    "robot",
-    "solver",
-    "fallback",
-    "measurement",
-    "contact",
-    "task",
-    "constraint",
-];
-
 const OF_A_SCENARIO: &str = "change.";
 
 impl FromStr for Assignment {
@@ -40,17 +31,14 @@ impl FromStr for Assignment {
             return Err("must be KEY=VALUE".to_owned());
         };
         let (key, value) = (key.trim(), value.trim());
-        let line = format!("{key} = 0");
-        if key.contains('\n') || line.parse::<toml::Table>().is_err() {
-            return Err(format!("`{key}` is not a key of a TOML file"));
-        }
-        let first = key.split('.').next().unwrap_or_default();
-        if !key.starts_with(OF_A_SCENARIO) && !OF_A_CONTROLLER.contains(&first) {
+        let keys = key_path(key).ok_or_else(|| format!("`{key}` is not a key of a TOML file"))?;
+        let first = keys.first().map_or("", String::as_str);
+        if !key.starts_with(OF_A_SCENARIO) && !Overrides::TABLES.contains(&first) {
             let hint = match first {
                 "duration" | "initial" | "plant" | "sensors" | "detector" | "event" => {
                     format!("; what is the scenario's begins with `change.`: `change.{key}`")
                 }
-                _ => suggestion(first, &OF_A_CONTROLLER),
+                _ => suggestion(first, &Overrides::TABLES),
             };
             return Err(format!("a controller's file has no table `{first}`{hint}"));
         }
@@ -126,8 +114,6 @@ impl Assignment {
 
 #[cfg(test)]
 mod tests {
-    use wbqp::settings::Target;
-
     use super::*;
 
     fn read(text: &str) -> Assignment {
@@ -143,14 +129,12 @@ mod tests {
             read("task.force.feedback=off"),
         ];
         let expected = Variation::new()
-            .set(Target::Task("com".into()), "kp", 60)
+            .set("task.com.kp", 60)
             .change("duration", 2)
-            .set(Target::Task("force".into()), "feedback", "off");
+            .set("task.force.feedback", "off");
         let found = Assignment::variation(&list).unwrap();
         // An override that is replaced stays in the list, so they are compared as they are applied.
-        let twice = Variation::new()
-            .set(Target::Task("com".into()), "kp", 50)
-            .then(&expected);
+        let twice = Variation::new().set("task.com.kp", 50).then(&expected);
         assert_eq!(found, twice);
         assert!(Assignment::overrides(&list).is_err());
     }

@@ -1,6 +1,6 @@
 //! The registry as a page of the documentation.
 
-use wbqp::registry::{Parameter, PluginInfo};
+use wbqp::registry::{Key, PluginInfo};
 // The plug-ins that the page is about.
 use wbqp_robots as _;
 use wbqp_tasks as _;
@@ -93,7 +93,7 @@ fn section(plugin: &PluginInfo) -> String {
     text
 }
 
-fn row(parameter: &Parameter) -> String {
+fn row(parameter: &Key) -> String {
     let default = match (&parameter.default, parameter.is_required) {
         (_, true) => "–".to_owned(),
         (Some(default), _) => format!("`{default}`"),

@@ -1,8 +1,9 @@
-//! What is wrong with a parameter: the error of everything that is bound to a robot.
+//! What is wrong with a parameter or a plug-in: the error of everything that is bound to a robot.
 
 use crate::suggestion;
 
-/// Why a plug-in could not be bound to a robot. The framework adds the entry's name and type.
+/// Why a plug-in could not be bound to a robot; the framework adds the entry's name and type. Or why it could not be
+/// [added](crate::registry::add) to those that are linked.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum BindError {

@@ -55,8 +55,7 @@ impl Names {
         let robot = controller.robot();
         let velocities = velocities(robot);
         let layouts = controller.task_layouts();
-        let labels = layouts
-            .map(|layout| tuple(py, layout.row_specs().iter().map(|row| row.label.as_str())));
+        let labels = layouts.map(|layout| tuple(py, layout.row_labels().map(|(label, _)| label)));
         let rows = (0..).map_while(|i| controller.row(RowId::new(i)));
         Ok(Self {
             joints: tuple(py, robot.model.joints().iter().map(|j| j.name.as_str()))?,

@@ -7,10 +7,7 @@ use pyo3::{
     prelude::*,
     types::{PyDict, PyList},
 };
-use wbqp::{
-    contact::ContactEvent,
-    serde_json::{self, json},
-};
+use wbqp::serde_json::{self, json};
 use wbqp_sim::{ClosedLoop, Requests};
 
 use crate::{arrays::of_rows, simulate};
@@ -67,14 +64,13 @@ pub(crate) fn _record(
             let name = detector.contact.clone();
             let contact = controller.contact(&name).map_err(|e| wrong(&e))?;
             let normal = controller.report().contacts[contact.index()].measured[2];
-            let (key, done) = match detector.update(m.time, normal) {
-                Some(ContactEvent::Made) => {
-                    ("activate_contact", controller.activate_contact(&name))
-                }
-                Some(ContactEvent::Lost) => {
-                    ("deactivate_contact", controller.deactivate_contact(&name))
-                }
-                None => continue,
+            if !detector.update(m.time, normal) {
+                continue;
+            }
+            let (key, done) = if detector.is_touching() {
+                ("activate_contact", controller.activate_contact(&name))
+            } else {
+                ("deactivate_contact", controller.deactivate_contact(&name))
             };
             done.map_err(|e| wrong(&e))?;
             asked.push(json!({ key: [name] }));

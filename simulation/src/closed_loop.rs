@@ -3,7 +3,7 @@
 
 use nalgebra::Vector6;
 use wbqp::{
-    contact::{ContactEvent, Detector},
+    contact::Detector,
     controller::{Command, Controller, Measurement},
     robot::RobotModel,
 };
@@ -218,10 +218,13 @@ impl Requests {
                 continue;
             };
             let normal = controller.report().contacts[contact.index()].measured[2];
-            let _ = match detector.update(measurement.time, normal) {
-                Some(ContactEvent::Made) => controller.activate_contact(&detector.contact),
-                Some(ContactEvent::Lost) => controller.deactivate_contact(&detector.contact),
-                None => Ok(()),
+            if !detector.update(measurement.time, normal) {
+                continue;
+            }
+            let _ = if detector.is_touching() {
+                controller.activate_contact(&detector.contact)
+            } else {
+                controller.deactivate_contact(&detector.contact)
             };
         }
     }

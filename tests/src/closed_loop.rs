@@ -1,7 +1,7 @@
 //! A controller on a plant, period by period, for tests that look into both.
 
 use wbqp::{
-    contact::{ContactEvent, Detector},
+    contact::Detector,
     controller::{Controller, Measurement},
     state::State,
 };
@@ -98,12 +98,14 @@ impl ClosedLoop {
             return;
         }
         let normal = self.controller.report().contacts[0].measured[2];
-        let touch = detector.update(self.measurement.time, normal);
+        if !detector.update(self.measurement.time, normal) {
+            return;
+        }
         let contact = detector.contact.as_str();
-        let switched = match touch {
-            Some(ContactEvent::Made) => self.controller.activate_contact(contact),
-            Some(ContactEvent::Lost) => self.controller.deactivate_contact(contact),
-            None => Ok(()),
+        let switched = if detector.is_touching() {
+            self.controller.activate_contact(contact)
+        } else {
+            self.controller.deactivate_contact(contact)
         };
         switched.expect("the detector's contact exists");
     }

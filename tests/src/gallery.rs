@@ -3,7 +3,6 @@
 
 use std::path::{Path, PathBuf};
 
-use wbqp::settings::Target;
 use wbqp_sim::{Scenario, ScenarioError, Variation};
 
 use crate::{collection::RobotFile, files::workspace};
@@ -138,11 +137,11 @@ impl Exhibit {
         let urdf = collection.iter().find(|robot| robot.file == self.urdf);
         let urdf = &urdf.expect("is in the package").path;
         let path = |path: &Path| path.display().to_string();
-        let mut variation = Variation::new().set(Target::Robot, "file", path(urdf));
+        let mut variation = Variation::new().set("robot.file", path(urdf));
         if let Some(srdf) = self.srdf {
             let folders = Path::new(self.urdf).components().count();
             let root = urdf.ancestors().nth(folders).expect("is in the package");
-            variation = variation.set(Target::Robot, "srdf", path(&root.join(srdf)));
+            variation = variation.set("robot.srdf", path(&root.join(srdf)));
         }
         let file = workspace(&format!("examples/robots/{}.toml", self.name));
         Scenario::from_file_with(&file, &variation)

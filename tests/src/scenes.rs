@@ -9,12 +9,12 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use wbqp::{
     config::ControllerConfig,
-    contact::{ContactKind, ContactSpec, FreeForce, Surface},
+    contact::{ContactKind, ContactSpec, Surface},
     controller::{Controller, Measurement},
     nalgebra,
     plugin::{AnyTask, Entry, Hardness, PerRow},
     robot::{Robot, RobotModel},
-    settings::{ContactForces, FirstError, Formulation, Hover, Observer, Settings, StartFrom},
+    settings::{ContactForces, Formulation, Hover, Observer, Settings, StartFrom},
     state::State,
 };
 use wbqp_robots::{BaseKind, Options, Othex, OthexVertical, Urdf};
@@ -202,7 +202,6 @@ impl Scene {
                     } else {
                         15.0
                     },
-                    free_force: FreeForce::Measured,
                     free_force_limit: 5.0,
                     free_force_cutoff: 15.0,
                     active: self.contacts >> i & 1 == 1,
@@ -292,7 +291,8 @@ impl Scene {
             hover,
             // A random state is no start, but one tick out of the middle of a run.
             start: StartFrom::Home,
-            max_first_error: FirstError::ANY,
+            max_first_position_error: f64::INFINITY,
+            max_first_rotation_error: f64::INFINITY,
             ..Settings::at_rate(250.0)
         };
         let mut config = ControllerConfig::new(settings, self.robot_plugin());

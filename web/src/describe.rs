@@ -53,9 +53,9 @@ pub(crate) fn run(
         let Some(entry) = entries.iter_mut().find(|e| e["name"] == name) else {
             continue;
         };
-        let rows = layout.row_specs().iter();
-        entry["rows"] = rows
-            .map(|row| json!({ "label": row.label, "unit": row.unit }))
+        entry["rows"] = layout
+            .row_labels()
+            .map(|(label, unit)| json!({ "label": label, "unit": unit }))
             .collect();
         entry["error_unit"] = layout.unit_of_error().into();
         entry["reference"] = match controller.followed(name) {

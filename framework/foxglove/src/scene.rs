@@ -86,8 +86,8 @@ impl Scene {
         let mut rotations = Vec::new();
         for (task, (layout, references)) in followed {
             // The unit of a row is that of its acceleration.
-            let is_length = layout.row_specs().first();
-            let is_length = is_length.is_some_and(|row| row.unit == "m/s²");
+            let mut units = layout.row_labels().map(|(_, unit)| unit);
+            let is_length = units.next() == Some("m/s²");
             for (k, reference) in references.iter().enumerate() {
                 match reference {
                     Sample::Vector(at) if is_length && at.value.len() == 3 => {

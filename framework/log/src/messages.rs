@@ -47,12 +47,12 @@ pub(super) fn observer_fields(report: &Report, o: &mut dyn Fields) {
 /// Labels with a number behind the second, third, … of the same name.
 pub(super) fn unique_labels(layout: &Layout) -> Vec<String> {
     let mut labels: Vec<String> = Vec::new();
-    for row in layout.row_specs() {
-        let mut label = row.label.clone();
+    for (name, _) in layout.row_labels() {
+        let mut label = name.to_owned();
         let mut count = 1;
         while labels.contains(&label) {
             count += 1;
-            label = format!("{} {count}", row.label);
+            label = format!("{name} {count}");
         }
         labels.push(label);
     }
@@ -204,10 +204,10 @@ pub(super) fn contact_fields(
 pub(super) fn task_schema(layout: &Layout, labels: &[String], references: &[Sample]) -> Value {
     let unit = layout.unit_of_error();
     let followed = row_references(references, labels).len();
-    let rows = layout.row_specs().iter().zip(labels).zip(0..);
-    let rows = rows.map(|((row, label), k)| {
+    let rows = layout.row_labels().zip(labels).zip(0..);
+    let rows = rows.map(|(((_, row_unit), label), k)| {
         let desired = (k < followed).then(|| ("reference", schema::number(unit, "Desired")));
-        let residual = schema::number(&row.unit, "A x − b of the solution");
+        let residual = schema::number(row_unit, "A x − b of the solution");
         let fields = [
             ("error", schema::number(unit, "Actual minus desired")),
             ("residual", residual),

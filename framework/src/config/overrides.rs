@@ -1,9 +1,9 @@
 //! Values that replace those of a file, one by one: what a scenario's case changes.
 
-use std::{borrow::Cow, collections::BTreeMap};
+use std::{borrow::Cow, collections::BTreeMap, fmt};
 
 use schemars::{JsonSchema, Schema, SchemaGenerator};
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, Serializer};
 use toml::{
     Spanned, Table, Value,
     de::{DeTable, DeValue},
@@ -41,46 +41,73 @@ impl Override {
 ///
 /// Deserialises from, and serialises to, a table in the shape of the file with names as keys:
 /// ```
-/// use wbqp::{config::Overrides, settings::Target, toml};
+/// use wbqp::{config::Overrides, toml};
 ///
 /// let from_text: Overrides = toml::from_str("controller.rate = 500\ntask.force.feedback = 'off'")?;
 /// let from_code = Overrides::new()
-///     .with(Target::Controller, "rate", 500)
-///     .with(Target::Task("force".into()), "feedback", "off");
+///     .with("controller.rate", 500)
+///     .with("task.force.feedback", "off");
 /// assert_eq!(from_text, from_code);
 /// # Ok::<(), toml::de::Error>(())
 /// ```
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(from = "Tables", into = "Tables")]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(from = "Tables")]
 pub struct Overrides {
     list: Vec<Override>,
+    /// Those with a path that no file has: an error of whatever they are applied to.
+    refused: Vec<Refused>,
+}
+
+/// An override whose path leads nowhere.
+#[derive(Clone, Debug, PartialEq)]
+struct Refused {
+    path: String,
+    message: String,
+}
+
+impl fmt::Display for Refused {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "override {}: {}", self.path, self.message)
+    }
 }
 
 impl Overrides {
+    /// The tables of a controller's file, where every path begins.
+    pub const TABLES: [&str; 8] = [
+        "controller",
+        "robot",
+        "solver",
+        "fallback",
+        "measurement",
+        "contact",
+        "task",
+        "constraint",
+    ];
+
     /// None.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Adds one.
+    /// Adds one, named by a [path](key_path) such as `controller.rate`, `task.force.feedback` or
+    /// `contact."left foot".friction`; of two for the same key the later counts. A path that is none, or of a table
+    /// that no file has, is an error of the configuration that the overrides are applied to.
     #[must_use]
-    pub fn with(mut self, target: Target, key: &str, value: impl Into<Value>) -> Self {
-        self.push(target, key, value);
+    pub fn with(mut self, path: &str, value: impl Into<Value>) -> Self {
+        match of_path(path, value.into()) {
+            Ok(one) => self.append(&one),
+            Err(message) => self.refused.push(Refused {
+                path: path.to_owned(),
+                message,
+            }),
+        }
         self
-    }
-
-    /// Adds one; of two for the same key the later counts.
-    pub fn push(&mut self, target: Target, key: &str, value: impl Into<Value>) {
-        self.list.push(Override {
-            target,
-            key: key.to_owned(),
-            value: value.into(),
-        });
     }
 
     /// Adds those of another list behind its own.
     pub fn append(&mut self, other: &Self) {
         self.list.extend_from_slice(&other.list);
+        self.refused.extend_from_slice(&other.refused);
     }
 
     /// All, in the order in which they were added.
@@ -90,7 +117,59 @@ impl Overrides {
 
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
-        self.list.is_empty()
+        self.list.is_empty() && self.refused.is_empty()
+    }
+}
+
+/// The keys of a dotted path, each a bare word or quoted, as TOML has them; nothing if the text is none.
+///
+/// ```
+/// use wbqp::config::key_path;
+///
+/// let keys = |path| key_path(path).unwrap_or_default();
+/// assert_eq!(keys("task.force.feedback"), ["task", "force", "feedback"]);
+/// assert_eq!(keys("task.'left arm'.kp"), ["task", "left arm", "kp"]);
+/// assert_eq!(key_path("task.left arm.kp"), None);
+/// ```
+pub fn key_path(path: &str) -> Option<Vec<String>> {
+    if path.contains('\n') {
+        return None;
+    }
+    let mut table: Table = format!("{path} = 0").parse().ok()?;
+    let mut keys = Vec::new();
+    loop {
+        let (key, value) = table.into_iter().next()?;
+        keys.push(key);
+        match value {
+            Value::Table(inner) => table = inner,
+            _ => return Some(keys),
+        }
+    }
+}
+
+/// What a path and a value say in a file; or what is wrong with the path.
+fn of_path(path: &str, value: Value) -> Result<Overrides, String> {
+    let keys = key_path(path).ok_or(
+        "is no path of keys, such as `task.force.feedback`; a name with other characters than letters, digits, `_` \
+         and `-` is quoted",
+    )?;
+    if let Some(first) = keys.first()
+        && !Overrides::TABLES.contains(&first.as_str())
+    {
+        let hint = suggestion(first, &Overrides::TABLES);
+        return Err(format!("a controller's file has no table `{first}`{hint}"));
+    }
+    let in_table = |value: Value, key: String| Table::from_iter([(key, value)]).into();
+    let file = keys.into_iter().rev().fold(value, in_table);
+    Overrides::deserialize(file).map_err(|error| error.message().to_owned())
+}
+
+impl Serialize for Overrides {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self.refused.first() {
+            Some(refused) => Err(serde::ser::Error::custom(refused)),
+            None => Tables::from(self.list.clone()).serialize(serializer),
+        }
     }
 }
 
@@ -145,7 +224,8 @@ impl From<Tables> for Overrides {
         let mut overrides = Self::new();
         let mut push = |target: &Target, table: Table| {
             for (key, value) in table {
-                overrides.push(target.clone(), &key, value);
+                let target = target.clone();
+                overrides.list.push(Override { target, key, value });
             }
         };
         push(&Target::Controller, tables.controller);
@@ -166,8 +246,8 @@ impl From<Tables> for Overrides {
     }
 }
 
-impl From<Overrides> for Tables {
-    fn from(overrides: Overrides) -> Self {
+impl From<Vec<Override>> for Tables {
+    fn from(overrides: Vec<Override>) -> Self {
         let mut tables = Self {
             controller: Table::new(),
             robot: Table::new(),
@@ -178,7 +258,7 @@ impl From<Overrides> for Tables {
             task: BTreeMap::new(),
             constraint: BTreeMap::new(),
         };
-        for Override { target, key, value } in overrides.list {
+        for Override { target, key, value } in overrides {
             let table = match target {
                 Target::Controller => &mut tables.controller,
                 Target::Robot => &mut tables.robot,
@@ -241,6 +321,10 @@ impl OverrideText {
         report: &mut Report<'_>,
     ) -> Vec<Pending<'t>> {
         let mut pending = Vec::new();
+        for Refused { path, message } in &overrides.refused {
+            let at = At::subject(format!("override {path}"));
+            report.add(Kind::Override, None, &at, message.as_str());
+        }
         let mut values = match DeTable::parse(&self.text) {
             Ok(values) => values.into_inner(),
             Err(error) => {

@@ -38,15 +38,6 @@ fn default_dwell() -> f64 {
     0.02
 }
 
-/// A change of mind.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ContactEvent {
-    /// The surface has been touched.
-    Made,
-    /// The surface has been left.
-    Lost,
-}
-
 impl Detector {
     /// With the default thresholds: on at 1.0 N, off at 0.3 N, after 20 ms.
     pub fn new(contact: &str) -> Self {
@@ -81,8 +72,10 @@ impl Detector {
         self.touching
     }
 
-    /// Takes a measured normal force (N) at a time (s) and says whether the answer has changed.
-    pub fn update(&mut self, time: f64, normal_force: f64) -> Option<ContactEvent> {
+    /// Takes a measured normal force (N) at a time (s) and says whether the answer of
+    /// [`is_touching`](Self::is_touching) has changed.
+    #[must_use]
+    pub fn update(&mut self, time: f64, normal_force: f64) -> bool {
         let beyond = if self.touching {
             normal_force < self.off
         } else {
@@ -90,26 +83,22 @@ impl Detector {
         };
         if !beyond {
             self.beyond_since = None;
-            return None;
+            return false;
         }
         let since = *self.beyond_since.get_or_insert(time);
         // Half a nanosecond of slack: sums of sampling periods are not exact.
         if time - since + 5e-10 < self.dwell {
-            return None;
+            return false;
         }
         self.beyond_since = None;
         self.touching = !self.touching;
-        Some(if self.touching {
-            ContactEvent::Made
-        } else {
-            ContactEvent::Lost
-        })
+        true
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{ContactEvent, Detector};
+    use super::Detector;
 
     #[test]
     fn a_short_peak_is_no_contact_and_hysteresis_holds() {
@@ -125,13 +114,10 @@ mod tests {
             _ => 0.0,
         };
         for k in 0..200 {
-            if let Some(change) = d.update(k as f64 * period, force(k)) {
-                changes.push((k, change));
+            if d.update(k as f64 * period, force(k)) {
+                changes.push((k, d.is_touching()));
             }
         }
-        assert_eq!(
-            changes,
-            [(25, ContactEvent::Made), (155, ContactEvent::Lost)]
-        );
+        assert_eq!(changes, [(25, true), (155, false)]);
     }
 }

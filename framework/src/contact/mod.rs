@@ -16,11 +16,11 @@ mod spec;
 mod state;
 mod update;
 
-pub use detector::{ContactEvent, Detector};
+pub use detector::Detector;
 pub use kind::{ContactId, ContactKind};
 pub(crate) use short::Motion;
 pub use short::ShortContact;
-pub use spec::{ContactSpec, FreeForce, Surface};
+pub use spec::{ContactSpec, Surface};
 pub(crate) use state::{ContactBinding, SensorZero};
 pub use state::{ContactState, SurfaceMotion};
 pub(crate) use update::low_pass;

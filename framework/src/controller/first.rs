@@ -3,7 +3,7 @@
 use crate::{
     plugin::{Layout, layout::VdotBlock},
     problem::BoundEntry,
-    settings::FirstError,
+    settings::Settings,
 };
 use wbqp_dynamics::model::{Base, Model};
 
@@ -14,7 +14,8 @@ pub(super) struct FirstTick {
     pub(super) is_over: bool,
     /// Whether one was refused.
     pub(super) was_refused: bool,
-    pub(super) limits: FirstError,
+    /// Of the settings; infinite for any.
+    pub(super) limits: Distance,
     /// How the errors of each task count, row by row.
     pub(super) errors: Vec<Vec<Counts>>,
 }
@@ -47,12 +48,15 @@ pub(super) struct Distance {
 }
 
 impl FirstTick {
-    pub(super) fn new(limits: FirstError, tasks: &[BoundEntry], model: &Model) -> Self {
+    pub(super) fn new(settings: &Settings, tasks: &[BoundEntry], model: &Model) -> Self {
         let errors = tasks.iter().map(|entry| counts(&entry.layout, model));
         Self {
             is_over: false,
             was_refused: false,
-            limits,
+            limits: Distance {
+                position: settings.max_first_position_error,
+                rotation: settings.max_first_rotation_error,
+            },
             errors: errors.collect(),
         }
     }
@@ -68,7 +72,7 @@ impl FirstTick {
         };
         format!(
             "task `{name}` is {error:.3} {unit} from its reference in the first tick, more than \
-             `max_first_error.{key}` = {limit} {unit} in [controller] allows: nothing moves until it is nearer"
+             `max_first_{key}_error` = {limit} {unit} in [controller] allows: nothing moves until it is nearer"
         )
     }
 }
@@ -114,7 +118,7 @@ mod tests {
         FirstTick {
             is_over: false,
             was_refused: false,
-            limits: FirstError::default(),
+            limits: Distance::default(),
             errors: vec![rows],
         }
     }

@@ -116,14 +116,14 @@ impl Layout {
         })
     }
 
-    /// Labels and units of the rows.
-    pub fn row_specs(&self) -> &[RowSpec] {
-        &self.rows
+    /// Label of each row, for example `x`, `pitch`, `normal lower`, and unit of its value, for example `m/s²`.
+    pub fn row_labels(&self) -> impl Iterator<Item = (&str, &str)> {
+        self.rows.iter().map(RowSpec::label_and_unit)
     }
 
-    /// Labels and units of the bounds.
-    pub fn bound_specs(&self) -> impl Iterator<Item = &RowSpec> {
-        self.bounds.iter().map(|(spec, _)| spec)
+    /// Label of each bound and unit of its value, likewise.
+    pub fn bound_labels(&self) -> impl Iterator<Item = (&str, &str)> {
+        self.bounds.iter().map(|(spec, _)| spec.label_and_unit())
     }
 
     /// Whether the rows of a constraint are equalities.

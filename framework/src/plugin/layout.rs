@@ -50,11 +50,17 @@ impl Layout {
 
 /// One scalar row: its label among its owner's rows and the unit of its value.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct RowSpec {
+pub(crate) struct RowSpec {
     /// Axis or quantity, for example `x`, `pitch`, `normal lower`.
-    pub label: String,
+    pub(crate) label: String,
     /// Unit of the row's value, for example `m/s²`.
-    pub unit: String,
+    pub(crate) unit: String,
+}
+
+impl RowSpec {
+    pub(crate) fn label_and_unit(&self) -> (&str, &str) {
+        (&self.label, &self.unit)
+    }
 }
 
 /// The block of rows on the accelerations `v̇`.

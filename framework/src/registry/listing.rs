@@ -35,13 +35,13 @@ pub struct PluginInfo {
     /// The weight of an entry that does not say one: a number, or a list with one per row.
     pub weight: Option<Value>,
     /// Its keys, sorted, those of nested tables behind the table.
-    pub parameters: Vec<Parameter>,
+    pub parameters: Vec<Key>,
 }
 
 /// A key of a plug-in.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
-pub struct Parameter {
+pub struct Key {
     /// The key; `options.base` in a table, `points[].at` in a list of tables.
     pub key: String,
     /// What the value must be, in words.
@@ -109,7 +109,7 @@ impl fmt::Display for PluginInfo {
             writeln!(f, "  weight: default {weight}")?;
         }
         for parameter in &self.parameters {
-            let Parameter { key, expected, .. } = parameter;
+            let Key { key, expected, .. } = parameter;
             let unit = parameter.unit.as_deref().unwrap_or("-");
             let default = match (&parameter.default, parameter.is_required) {
                 (_, true) => "required".to_owned(),
@@ -144,12 +144,12 @@ fn of_kind<P: PluginKind + ?Sized>(all: &mut Vec<PluginInfo>) {
     }));
 }
 
-fn collect(table: Node<'_>, prefix: &str, all: &mut Vec<Parameter>) {
+fn collect(table: Node<'_>, prefix: &str, all: &mut Vec<Key>) {
     let required = table.value().get("required").and_then(Value::as_array);
     for (key, about) in table.properties().into_iter().flatten() {
         let node = table.at(about);
         let path = format!("{prefix}{key}");
-        all.push(Parameter {
+        all.push(Key {
             expected: expected(node),
             unit: about
                 .get("x-unit")

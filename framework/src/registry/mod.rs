@@ -82,21 +82,24 @@ use crate::{
 };
 use wbqp_robot_model::Robot;
 
-pub use added::{AddError, NewPlugin, add};
-pub use listing::{Parameter, PluginInfo, list};
+pub use added::add;
+pub use listing::{Key, PluginInfo, list};
 
 /// Makes a plug-in from its own keys.
 pub type Load<P> = dyn Fn(ValueDeserializer<'_>) -> Result<Box<P>, toml::de::Error> + Sync;
 
-/// A registered plug-in of one kind.
+/// A plug-in of one kind: registered by its attribute, or to be [added](add).
 pub struct Plugin<P: ?Sized + 'static> {
     /// What `type` must be.
     pub tag: &'static str,
-    /// Crate, file and line of the registration.
+    /// Crate, file and line of the registration, for messages.
     pub origin: &'static str,
-    /// The definition of a plug-in that was [added](add) and may be [replaced](NewPlugin::definition).
+    /// What defines one that is [added](add), such as a class's qualified name, if it may be defined anew: it takes the
+    /// place of an earlier one with the same tag and definition, for controllers that are made afterwards. Without it,
+    /// and in place of one that has none or another, it is refused.
     pub definition: Option<&'static str>,
-    /// Makes the JSON Schema of the plug-in's own keys; [`Plugin::described`] does so once.
+    /// Makes the JSON Schema of the plug-in's own keys, an object with `properties`, `required` and
+    /// `additionalProperties = false`; [`Plugin::described`] does so once.
     pub schema: &'static (dyn Fn() -> Schema + Sync),
     /// Makes the plug-in from its own keys.
     pub load: &'static Load<P>,

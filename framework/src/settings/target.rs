@@ -3,9 +3,8 @@
 use std::fmt;
 
 /// A table of a configuration: what an override, or an error, is about.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-#[non_exhaustive]
-pub enum Target {
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Target {
     /// `[controller]`.
     Controller,
     /// `[robot]`.

@@ -12,6 +12,7 @@ use crate::{
     report::Report,
     scatter::Scatter,
     subject::Subject,
+    written::label,
 };
 
 const TOLERANCE: f64 = 1e-9;
@@ -55,7 +56,7 @@ pub(crate) fn check<P: Subject + ?Sized>(
     }
     for k in 0..layout.len() {
         let scale = TOLERANCE * (1.0 + start.amax() + slope.amax());
-        let name = format!("row {k} `{}`", layout.row_specs()[k].label);
+        let name = format!("row {k} `{}`", label(layout, k));
         if ((&twice - &once)[k] - slope[k]).abs() > scale {
             let message = format!("{name}: the error is not affine in efforts and forces");
             report.fail(Check::Jacobian, bench.name(), message);

@@ -30,8 +30,8 @@ const DIRECTIONS: usize = 3;
 /// Number and label of a row.
 fn row<P: Subject + ?Sized>(bench: &Bench<'_>, k: usize) -> String {
     let layout = bench.layout::<P>();
-    let label = layout.iter().find_map(|layout| layout.row_specs().get(k));
-    format!("row {k} `{}`", label.map_or("", |row| row.label.as_str()))
+    let row = layout.iter().find_map(|layout| layout.row_labels().nth(k));
+    format!("row {k} `{}`", row.map_or("", |(label, _)| label))
 }
 
 /// What to do if the units say that a row is the first derivative of its error, not the second.
@@ -39,9 +39,9 @@ fn unit_hint<P: Subject + ?Sized>(bench: &Bench<'_>, k: usize) -> String {
     let Ok(layout) = bench.layout::<P>() else {
         return String::new();
     };
-    let (error, row) = (layout.unit_of_error(), layout.row_specs().get(k));
-    match row.map(|row| &row.unit) {
-        Some(row) if *row == format!("{error}/s") || *row == format!("{error}²") => format!(
+    let (error, row) = (layout.unit_of_error(), layout.row_labels().nth(k));
+    match row {
+        Some((_, row)) if row == format!("{error}/s") || row == format!("{error}²") => format!(
             "; the row is in {row}, the error in {error}: if the row is the error's first derivative, say so with \
              `.semantics(RowSemantics::Velocity)`"
         ),

@@ -20,22 +20,18 @@ pub(crate) fn check_layout<P: Subject + ?Sized>(
     report: &mut Report,
 ) {
     let mut fail = |message: String| report.fail(Check::Layout, bench.name(), message);
-    let bounds: Vec<_> = layout.bound_specs().collect();
-    for (what, list) in [
-        ("row", layout.row_specs().iter().collect()),
-        ("bound", bounds),
-    ] {
-        for (k, row) in list.iter().enumerate() {
-            if row.label.is_empty() || row.unit.is_empty() {
+    let rows: Vec<_> = layout.row_labels().collect();
+    let bounds: Vec<_> = layout.bound_labels().collect();
+    for (what, list) in [("row", rows), ("bound", bounds)] {
+        for (k, &(label, unit)) in list.iter().enumerate() {
+            if label.is_empty() || unit.is_empty() {
                 fail(format!(
-                    "{what} {k} has the label `{}` and the unit `{}`",
-                    row.label, row.unit
+                    "{what} {k} has the label `{label}` and the unit `{unit}`"
                 ));
             }
-            if let Some(first) = list[..k].iter().position(|other| other.label == row.label) {
+            if let Some(first) = list[..k].iter().position(|&(other, _)| other == label) {
                 fail(format!(
-                    "{what}s {first} and {k} have the same label, `{}`",
-                    row.label
+                    "{what}s {first} and {k} have the same label, `{label}`"
                 ));
             }
         }
@@ -43,7 +39,7 @@ pub(crate) fn check_layout<P: Subject + ?Sized>(
     if P::IS_TASK && layout.unit_of_error().is_empty() {
         fail("the error has no unit".into());
     }
-    if layout.is_empty() && layout.bound_specs().next().is_none() {
+    if layout.is_empty() && layout.bound_labels().next().is_none() {
         fail("it declares neither rows nor bounds".into());
     }
 }
@@ -105,9 +101,14 @@ pub(crate) fn check_rows<P: Subject + ?Sized>(
     sound
 }
 
+/// The label of a row.
+pub(crate) fn label(layout: &Layout, k: usize) -> &str {
+    layout.row_labels().nth(k).map_or("", |(label, _)| label)
+}
+
 /// The first number that cannot be.
 fn fault<P: Subject + ?Sized>(layout: &Layout, w: &Written) -> Option<(Check, String)> {
-    let row = |k: usize| format!("row {k} `{}`", layout.row_specs()[k].label);
+    let row = |k: usize| format!("row {k} `{}`", label(layout, k));
     let blocks = [("v̇", w.vdot.as_ref()), ("u", w.effort.as_ref())].into_iter();
     let blocks = blocks.chain(w.forces.iter().map(|(_, block)| ("f", Some(block))));
     for (what, block) in blocks {
@@ -140,9 +141,8 @@ fn fault<P: Subject + ?Sized>(layout: &Layout, w: &Written) -> Option<(Check, St
             return Some((Check::Finite, format!("{}: {problem}", row(k))));
         }
     }
-    for (k, spec) in layout.bound_specs().enumerate() {
+    for (k, (label, _)) in layout.bound_labels().enumerate() {
         let (lower, upper) = (w.bound_lower[k], w.bound_upper[k]);
-        let label = &spec.label;
         if WrittenRows::is_unwritten(lower) || WrittenRows::is_unwritten(upper) {
             return Some((Check::Layout, format!("bound {k} `{label}` is not written")));
         }
@@ -170,7 +170,7 @@ fn different(layout: &Layout, a: &Written, b: &Written) -> Option<String> {
         let (a, b) = (a?, b?);
         let scale = SAME * (1.0 + a.amax());
         let (k, j) = position(&(a - b), |x| x.abs() > scale)?;
-        let label = &layout.row_specs()[k].label;
+        let label = label(layout, k);
         Some(format!(
             "row {k} `{label}`: coefficient {j} on {what} changes"
         ))

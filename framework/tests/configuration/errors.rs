@@ -3,7 +3,6 @@
 use wbqp::{
     config::{ConfigErrorKind, ControllerConfig, Overrides},
     plugin::{Hardness, PerRow},
-    settings::Target,
     toml,
 };
 
@@ -125,8 +124,8 @@ fn settings() {
             "x.toml:3:15: controller: formulation: unknown value `dense`, expected one of `auto`, `condensed`, \
              `torque_eliminated`, `explicit`",
             "x.toml:4:1: controller: unknown key `regularization`; did you mean `regularisation`? \
-             (known: extrapolation, formulation, hover, max_first_error, max_memory, observer, rate, \
-             regularisation, start, velocity_leak)",
+             (known: extrapolation, formulation, hover, max_first_position_error, max_first_rotation_error, \
+             max_memory, observer, rate, regularisation, start, velocity_leak)",
         ]
     );
     assert_eq!(
@@ -309,8 +308,8 @@ fn contacts() {
             "x.toml:10:8: contact[0] `wall`: kind: unknown value `pont`, \
              expected one of `full`, `point`, `normal`, `normal_tilt`",
             "x.toml:11:1: contact[0] `wall`: unknown key `frictoin`; did you mean `friction`? (known: active, \
-             force_max, force_min, frame, frames, free_force, free_force_cutoff, free_force_limit, friction, kind, \
-             motion, name, offset, size, surface, transition)",
+             force_max, force_min, frame, frames, free_force_cutoff, free_force_limit, friction, kind, motion, name, \
+             offset, size, surface, transition)",
             "x.toml:12:22: contact[0] `wall`: surface.normal: invalid length 2, expected a list of length 3",
             "x.toml:12:46: contact[0] `wall`: surface.x_axis[2]: invalid type: string \"a\", expected a number",
             "x.toml:12:52: contact[0] `wall`: surface: unknown key `orgin`; did you mean `origin`? \
@@ -510,21 +509,18 @@ fn overrides_replace_and_add() {
 #[test]
 fn overrides_can_mend_a_value() {
     let broken = format!("{HEAD}{}", TASK.replace("gain = 1", "gain = \"x\""));
-    let task = || Target::Task("arm".to_owned());
-    assert!(with_overrides(&broken, &Overrides::new().with(task(), "gain", 2)).is_ok());
+    assert!(with_overrides(&broken, &Overrides::new().with("task.arm.gain", 2)).is_ok());
 }
 
 #[test]
 fn an_override_of_type_replaces_the_plug_in() {
-    let task = || Target::Task("arm".to_owned());
     let reference: toml::Value =
         toml::from_str::<toml::Table>("type = 'test.ramp'\nto = [1]\nduration = 1")
             .expect("is a table")
             .into();
-    let overrides =
-        Overrides::new()
-            .with(task(), "reference", reference)
-            .with(task(), "type", "test.follow");
+    let overrides = Overrides::new()
+        .with("task.arm.reference", reference)
+        .with("task.arm.type", "test.follow");
     let config = with_overrides(&format!("{HEAD}{TASK}"), &overrides).expect("loads");
     assert_eq!(config.tasks[0].weight, PerRow::Uniform(1.0));
     assert!(
@@ -537,15 +533,18 @@ fn an_override_of_type_replaces_the_plug_in() {
 
 #[test]
 fn refused_overrides() {
-    let task = || Target::Task("arm".to_owned());
     let overrides = Overrides::new()
-        .with(task(), "gain", "off")
-        .with(task(), "gian", 2)
-        .with(task(), "name", "leg")
-        .with(task(), "weight", f64::NAN)
-        .with(Target::Task("amr".to_owned()), "gain", 2)
-        .with(Target::Contact("wall".to_owned()), "friction", 2)
-        .with(Target::Controller, "rate", -1);
+        .with("task.arm.gain", "off")
+        .with("task.arm.gian", 2)
+        .with("task.arm.name", "leg")
+        .with("task.arm.weight", f64::NAN)
+        .with("task.amr.gain", 2)
+        .with("contact.wall.friction", 2)
+        .with("controller.rate", -1)
+        .with("tsk.arm.gain", 2)
+        .with("task.the arm.gain", 2)
+        .with("task.'the arm'.gain", 2)
+        .with("task.arm", 2);
     let errors =
         with_overrides(&format!("{HEAD}{TASK}bad = 1\n"), &overrides).expect_err("refused");
     let messages: Vec<_> = errors.iter().map(ToString::to_string).collect();
@@ -553,6 +552,11 @@ fn refused_overrides() {
     assert_eq!(
         messages,
         [
+            "x.toml: override tsk.arm.gain: a controller's file has no table `tsk`; did you mean `task`? (known: \
+             controller, robot, solver, fallback, measurement, contact, task, constraint)",
+            "x.toml: override task.the arm.gain: is no path of keys, such as `task.force.feedback`; a name with other \
+             characters than letters, digits, `_` and `-` is quoted",
+            "x.toml: override task.arm: invalid type: integer `2`, expected a map",
             &format!("x.toml:12:1: task[0] `arm` (test.hold): unknown key `bad` {known}"),
             "x.toml: override task `arm`.`gain`: invalid type: string \"off\", expected a number",
             &format!(
@@ -563,10 +567,16 @@ fn refused_overrides() {
             "x.toml: override task `amr`.`gain`: no task has this name; did you mean `arm`? (known: arm)",
             "x.toml: override contact `wall`.`friction`: no contact has this name (known: none)",
             "x.toml: override controller.`rate`: must be finite and positive, is -1",
+            "x.toml: override task `the arm`.`gain`: no task has this name (known: arm)",
         ]
     );
-    let errors = with_overrides("", &Overrides::new().with(Target::Robot, "file", "x"))
-        .expect_err("refused");
+    let error = toml::to_string(&overrides).expect_err("leads nowhere, and cannot be written");
+    assert!(
+        error.to_string().contains("override tsk.arm.gain: "),
+        "{error}"
+    );
+    let errors =
+        with_overrides("", &Overrides::new().with("robot.file", "x")).expect_err("refused");
     assert!(
         errors
             .to_string()
@@ -581,7 +591,7 @@ fn overridden_reference() {
                   reference = { type = \"test.ramp\", to = [1], duration = 1 }\n";
     let value: toml::Table =
         toml::from_str("type = 'test.ramp'\nto = 'x'\nduratio = 1").expect("is a table");
-    let overrides = Overrides::new().with(Target::Task("arm".to_owned()), "reference", value);
+    let overrides = Overrides::new().with("task.arm.reference", value);
     let errors = with_overrides(&format!("{HEAD}{follow}"), &overrides).expect_err("refused");
     let mut messages: Vec<_> = errors.iter().map(ToString::to_string).collect();
     messages.sort();

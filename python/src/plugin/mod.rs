@@ -23,10 +23,11 @@ use std::{
 use pyo3::{exceptions::PyValueError, prelude::*};
 use wbqp::{
     plugin::{AnyConstraint, AnyReference, AnyTask},
-    registry::{self, NewPlugin},
+    registry::{self, Load, Plugin},
     schemars::Schema,
     serde::Deserialize,
     serde_json::Value,
+    toml::{self, de::ValueDeserializer},
 };
 
 use constraint::PythonConstraint;
@@ -52,12 +53,19 @@ fn lasting(tag: &str) -> &'static str {
     tag
 }
 
+/// What makes a plug-in, for as long as the program.
+fn leaked<P: ?Sized + 'static>(
+    load: impl Fn(ValueDeserializer<'_>) -> Result<Box<P>, toml::de::Error> + Sync + 'static,
+) -> &'static Load<P> {
+    Box::leak(Box::new(load))
+}
+
 /// Registers a class: `kind` is `task`, `constraint` or `reference`. One with the same `definition`, the qualified name
 /// of a class, takes the place of an earlier one.
 #[pyfunction]
 pub(crate) fn _register(
     kind: &str,
-    tag: String,
+    tag: &str,
     class_: Py<PyAny>,
     schema: &str,
     origin: String,
@@ -67,12 +75,14 @@ pub(crate) fn _register(
         .map_err(|error| PyValueError::new_err(error.to_string()))?;
     let schema = Schema::try_from(schema).map_err(|e| PyValueError::new_err(e.to_string()))?;
     let class = Arc::new(class_);
-    let name = lasting(&tag);
-    let definition = Some(definition);
-    let parameters = move |value: wbqp::toml::de::ValueDeserializer<'_>| {
+    let tag = lasting(tag);
+    let origin = origin.leak();
+    let definition = Some(&*definition.leak());
+    let schema = Box::leak(Box::new(move || schema.clone()));
+    let parameters = move |value: ValueDeserializer<'_>| {
         let keys = Arc::new(toml::Table::deserialize(value)?);
         let parameters = Parameters {
-            tag: name,
+            tag,
             class: Arc::clone(&class),
             keys,
         };
@@ -86,26 +96,30 @@ pub(crate) fn _register(
         }
     };
     let added = match kind {
-        "task" => registry::add(NewPlugin::<dyn AnyTask> {
+        "task" => registry::add(Plugin {
             tag,
             origin,
             definition,
             schema,
-            load: Box::new(move |value| Ok(Box::new(PythonTask(parameters(value)?)))),
+            load: leaked::<dyn AnyTask>(move |value| Ok(Box::new(PythonTask(parameters(value)?)))),
         }),
-        "constraint" => registry::add(NewPlugin::<dyn AnyConstraint> {
+        "constraint" => registry::add(Plugin {
             tag,
             origin,
             definition,
             schema,
-            load: Box::new(move |value| Ok(Box::new(PythonConstraint(parameters(value)?)))),
+            load: leaked::<dyn AnyConstraint>(move |value| {
+                Ok(Box::new(PythonConstraint(parameters(value)?)))
+            }),
         }),
-        _ => registry::add(NewPlugin::<dyn AnyReference> {
+        _ => registry::add(Plugin {
             tag,
             origin,
             definition,
             schema,
-            load: Box::new(move |value| Ok(Box::new(PythonReference(parameters(value)?)))),
+            load: leaked::<dyn AnyReference>(move |value| {
+                Ok(Box::new(PythonReference(parameters(value)?)))
+            }),
         }),
     };
     added.map_err(|error| PyValueError::new_err(error.to_string()))

@@ -93,7 +93,8 @@ impl Perturbation {
                 let sensors = found.sensors().force_torque.iter();
                 sensors.fold(none, |variation, sensor| {
                     let biased = sensor.force_bias.map(|own| Value::from(own + bias));
-                    let path = format!("sensors.force_torque.{}.force_bias", sensor.frame);
+                    let frame = Value::from(sensor.frame.as_str());
+                    let path = format!("sensors.force_torque.{frame}.force_bias");
                     variation.change(&path, Value::Array(biased.to_vec()))
                 })
             }
@@ -107,7 +108,7 @@ impl Perturbation {
                 .change("sensors.base.velocity_cutoff", cutoff)
                 .change("sensors.joints.velocity_cutoff", cutoff),
             Self::Wall(stiffness) => plant.walls.iter().fold(none, |variation, wall| {
-                let path = format!("plant.wall.{}.stiffness", wall.name);
+                let path = format!("plant.wall.{}.stiffness", Value::from(wall.name.as_str()));
                 variation.change(&path, stiffness)
             }),
             Self::Servo(scale) => {

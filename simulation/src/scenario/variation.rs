@@ -2,14 +2,16 @@
 
 use serde::{Deserialize, Serialize};
 use toml::{Table, Value};
-use wbqp::{config::Overrides, robot::SourceFile, settings::Target};
+use wbqp::{
+    config::{Overrides, key_path},
+    robot::SourceFile,
+};
 
 use super::ScenarioError;
 
 /// Changes on top of every case, in the form that a case has: `change` for the scenario, `set` for the controller.
 ///
 /// ```
-/// use wbqp::settings::Target;
 /// use wbqp_sim::Variation;
 ///
 /// let from_text = Variation::from_toml(
@@ -17,7 +19,7 @@ use super::ScenarioError;
 /// )?;
 /// let from_code = Variation::new()
 ///     .change("plant.mismatch.mass_scale", 1.05)
-///     .set(Target::Task("base_orientation".into()), "kp", 60.0);
+///     .set("task.base_orientation.kp", 60.0);
 /// assert_eq!(from_text, from_code);
 /// # Ok::<(), wbqp_sim::ScenarioError>(())
 /// ```
@@ -47,14 +49,15 @@ impl Variation {
         toml::from_str(text).map_err(|error| super::file::syntax(&error, NAME, text))
     }
 
-    /// Changes a value of the scenario, named by a path such as `plant.wall.NAME.friction`. Of two for the same path
-    /// the later counts.
+    /// Changes a value of the scenario, named by a [path](key_path) such as `plant.wall.NAME.friction`. Of two for the
+    /// same path the later counts. What is no path is refused as a key that the scenario's file does not have.
     pub fn change(mut self, path: &str, value: impl Into<Value>) -> Self {
+        let keys = key_path(path).unwrap_or_else(|| vec![path.to_owned()]);
+        let mut keys = keys.into_iter().peekable();
         let mut table = &mut self.change;
-        let mut keys = path.split('.').peekable();
         while let Some(key) = keys.next() {
             if keys.peek().is_none() {
-                table.insert(key.to_owned(), value.into());
+                table.insert(key, value.into());
                 break;
             }
             let inner = table
@@ -72,8 +75,8 @@ impl Variation {
     }
 
     /// Changes a value of the controller, as [`Overrides::with`].
-    pub fn set(mut self, target: Target, key: &str, value: impl Into<Value>) -> Self {
-        self.set.push(target, key, value);
+    pub fn set(mut self, path: &str, value: impl Into<Value>) -> Self {
+        self.set = self.set.with(path, value);
         self
     }
 

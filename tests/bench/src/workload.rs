@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::Result;
 use clap::ValueEnum;
 use serde::Serialize;
-use wbqp::{Controller, Measurement, settings::Target, stopwatch::Stopwatch};
+use wbqp::{Controller, Measurement, stopwatch::Stopwatch};
 use wbqp_sim::{ClosedLoop, Plant, Requests, Scenario, Variation, scenario::Case};
 use wbqp_terminal::scenario_file;
 
@@ -89,10 +89,10 @@ impl Workload {
     ) -> Result<Self> {
         let mut variation = Variation::new();
         if let Some(solver) = solver {
-            variation = variation.set(Target::Solver, "type", solver);
+            variation = variation.set("solver.type", solver);
         }
         if let Some(formulation) = formulation {
-            variation = variation.set(Target::Controller, "formulation", formulation);
+            variation = variation.set("controller.formulation", formulation);
         }
         let mut scenario = Scenario::from_file(file)?;
         if !variation.is_empty() {

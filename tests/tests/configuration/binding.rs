@@ -6,7 +6,7 @@ use wbqp::{
     controller::Controller,
     plugin::{Entry, Hardness},
     robot::Robot as _,
-    settings::{Settings, Target},
+    settings::Settings,
 };
 use wbqp_robots::Othex;
 use wbqp_tasks::{BasePosition, Posture};
@@ -96,13 +96,13 @@ weight = 1
 fn a_value_that_was_overridden_is_called_by_the_override() {
     let task = "[[task]]\nname = \"arm\"\ntype = \"posture\"\nweight = 1\nkp = 1\nkd = 1\n";
     let overrides = Overrides::new()
-        .with(Target::Task("arm".to_owned()), "kp", -1)
-        .with(Target::Robot, "thrust_max", 9.0);
+        .with("task.arm.kp", -1)
+        .with("robot.thrust_max", 9.0);
     assert_eq!(
         refusal(task, &overrides),
         "x.toml: override task `arm`.`kp`: is -1, must be finite and not negative"
     );
-    let overrides = Overrides::new().with(Target::Robot, "thrust_max", 0.0);
+    let overrides = Overrides::new().with("robot.thrust_max", 0.0);
     assert_eq!(
         refusal(task, &overrides),
         "x.toml: robot (othex): option `thrust_max`: is 0 N, must be finite and not below the least thrust of rotor \

@@ -167,8 +167,8 @@ fn what_may_be_a_mistake_is_said_and_taken() {
 
 #[test]
 fn an_override_is_called_by_its_name() {
-    use wbqp::{config::Overrides, settings::Target};
-    let overrides = Overrides::new().with(Target::Task("posture".into()), "kp", 1e300);
+    use wbqp::config::Overrides;
+    let overrides = Overrides::new().with("task.posture.kp", 1e300);
     let error = ControllerConfig::from_str_with(STAND, "x.toml", "", &overrides);
     let error = error.expect_err("is refused").to_string();
     assert!(

@@ -1,6 +1,6 @@
 //! What cases and variations change of a scenario, and how what they get wrong is refused.
 
-use wbqp::{controller::Controller, settings::Target, toml};
+use wbqp::{controller::Controller, toml};
 use wbqp_log::MemoryLog;
 use wbqp_robots as _;
 use wbqp_sim::{Scenario, Variation};
@@ -256,8 +256,8 @@ fn a_variation_is_on_top_of_every_case() {
         .change("plant.mismatch.mass_scale", 1.02)
         .change("plant.wall.wall.friction", 0.4)
         .change("event.late.at", 0.6)
-        .set(Target::Robot, "thrust_max", 9.5)
-        .set(Target::Task("base_orientation".into()), "kp", 60.0);
+        .set("robot.thrust_max", 9.5)
+        .set("task.base_orientation.kp", 60.0);
     let same = Variation::from_toml(
         "change.plant.mismatch.mass_scale = 1.02\n\
          change.plant.wall.wall.friction = 0.4\n\

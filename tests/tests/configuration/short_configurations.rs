@@ -8,7 +8,7 @@ use wbqp::{
     contact::ShortContact,
     controller::FallbackLevel,
     plugin::Entry,
-    settings::{Settings, Target},
+    settings::Settings,
 };
 use wbqp_robots::Quadruped;
 use wbqp_sim::{ClosedLoop, Scenario};
@@ -143,14 +143,10 @@ fn a_contact_in_code_brings_what_it_brings_in_a_file() {
 #[test]
 fn what_a_contact_brings_can_be_overridden_by_name() {
     let overrides = Overrides::new()
-        .with(Target::Contact("hl_foot".into()), "friction", 0.2)
-        .with(Target::Contact("hr_foot".into()), "motion", "free")
-        .with(
-            Target::Constraint("fl_foot_friction_pyramid".into()),
-            "sides",
-            8,
-        )
-        .with(Target::Task("com".into()), "kp", 25.0);
+        .with("contact.hl_foot.friction", 0.2)
+        .with("contact.hr_foot.motion", "free")
+        .with("constraint.fl_foot_friction_pyramid.sides", 8)
+        .with("task.com.kp", 25.0);
     let config = ControllerConfig::from_file_with(workspace(SHORT[0].1), &overrides)
         .unwrap_or_else(|errors| panic!("{errors}"));
     let text = config.to_toml().expect("can be written");
@@ -322,7 +318,7 @@ fn everything_that_goes_without_saying_is_listed() {
     let config = ControllerConfig::from_file(workspace(SHORT[0].1)).expect("loads");
     let text = listed(&config);
     for line in [
-        "controller: max_first_error = { position = 0.5, rotation = 0.5 } (default)",
+        "controller: max_first_rotation_error = 0.5 (default)",
         "solver: type = \"active_set\" (default)",
         "contact[1] `fr_foot`: kind = \"point\" (it has no `size`)",
         "contact[3] `hr_foot`: active = true (it has `motion`)",
@@ -338,7 +334,7 @@ fn everything_that_goes_without_saying_is_listed() {
     }
     assert!(!text.contains("friction ="), "the file says it: {text}");
     // What an override says is said.
-    let overrides = Overrides::new().with(Target::Task("com".into()), "weight", 5.0);
+    let overrides = Overrides::new().with("task.com.weight", 5.0);
     let config = ControllerConfig::from_file_with(workspace(SHORT[0].1), &overrides);
     let text = listed(&config.expect("loads"));
     assert!(!text.contains("(com): weight"), "{text}");

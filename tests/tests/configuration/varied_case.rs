@@ -2,7 +2,6 @@
 
 use std::{fs, path::Path};
 
-use wbqp::settings::Target;
 use wbqp_robots as _;
 use wbqp_sim::{ClosedLoop, Scenario, Variation, scenario::Case};
 use wbqp_tasks as _;
@@ -34,7 +33,7 @@ fn it_is_the_case_of_the_varied_scenario() {
         .change("plant.mismatch.mass_scale", 1.03)
         .change("sensors.force_torque.tool.force_bias", vec![0.1, 0.0, 0.0])
         .change("event.approach.at", 0.2)
-        .set(Target::Task("contact_force".into()), "weight", 3.0);
+        .set("task.contact_force.weight", 3.0);
     for scenario in [&scenario, &scenario.varied(&first).expect("is good")] {
         for name in ["with_ft", "no_ft", "robust"] {
             let whole = scenario.varied(&variation).expect("is good");
@@ -70,15 +69,17 @@ fn it_is_refused_as_the_varied_scenario_is() {
         ("event.approach.at", 1e3),
         ("duration", 0.0),
         ("plant.no_such_key", 0.0),
+        ("plant.no path", 0.0),
         ("name", 0.0),
     ];
     let mut variations: Vec<Variation> = numbers
         .iter()
         .map(|(path, value)| Variation::new().change(path, *value))
         .collect();
-    variations.push(Variation::new().set(Target::Task("contact_force".into()), "weight", -1.0));
-    variations.push(Variation::new().set(Target::Task("no_such_task".into()), "weight", 1.0));
-    variations.push(Variation::new().set(Target::Robot, "no_such_key", 1.0));
+    variations.push(Variation::new().set("task.contact_force.weight", -1.0));
+    variations.push(Variation::new().set("task.no_such_task.weight", 1.0));
+    variations.push(Variation::new().set("robot.no_such_key", 1.0));
+    variations.push(Variation::new().set("robots.thrust_max", 9.0));
     for variation in variations {
         let whole = scenario.varied(&variation).expect_err("is refused");
         let one = scenario.varied_case("with_ft", &variation);

@@ -1,6 +1,6 @@
 //! A contact that comes and goes: by time, by measured force, with and without a ramp.
 
-use wbqp::{config::Overrides, contact::Detector, controller::Controller, settings::Target};
+use wbqp::{config::Overrides, contact::Detector, controller::Controller};
 use wbqp_robots as _;
 use wbqp_sim::plant;
 use wbqp_tasks::MinJerk;
@@ -15,8 +15,7 @@ use wbqp_tests::{
 const FORCE_MAX: f64 = 20.0;
 /// About to approach, with this transition of the contact.
 fn approaching(transition: f64) -> ClosedLoop {
-    let tip = Target::Contact("tip".into());
-    approach::approaching(&Overrides::new().with(tip, "transition", transition))
+    approach::approaching(&Overrides::new().with("contact.tip.transition", transition))
 }
 
 /// What one tick says of the contact.

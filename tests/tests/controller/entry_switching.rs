@@ -1,6 +1,6 @@
 //! Tasks that are switched, weighted and given references while a contact is on: with a ramp nothing jumps.
 
-use wbqp::{config::Overrides, controller::Controller, plugin::AnyReference, settings::Target};
+use wbqp::{config::Overrides, controller::Controller, plugin::AnyReference};
 use wbqp_robots as _;
 use wbqp_tasks::{Hold, MinJerk};
 use wbqp_tests::{approach::approaching, closed_loop::ClosedLoop, runs::logged, said::scenario};
@@ -51,11 +51,10 @@ fn steps(running: &mut ClosedLoop, seconds: f64) -> Jumps {
 
 /// In contact, at rest, with the force task on or off.
 fn in_contact(transition: f64, force_task: bool) -> ClosedLoop {
-    let entry = |name: &str| Target::Task(name.into());
     let overrides = Overrides::new()
-        .with(entry("contact_force"), "active", force_task)
-        .with(entry("contact_force"), "transition", transition)
-        .with(entry("base_position"), "transition", transition);
+        .with("task.contact_force.active", force_task)
+        .with("task.contact_force.transition", transition)
+        .with("task.base_position.transition", transition);
     let mut running = approaching(&overrides);
     steps(&mut running, 2.4);
     running.controller.activate_contact("tip").expect("exists");

@@ -9,7 +9,6 @@ use wbqp::{
     model::Inertia,
     nalgebra::{DVector, UnitQuaternion, Vector3, Vector6},
     robot::RobotModel,
-    settings::Target,
     state::State,
     toml,
 };
@@ -260,8 +259,8 @@ fn an_under_actuated_scenario_loads() {
             ("value".to_owned(), toml::Value::from(vec![force])),
         ]);
         let variation = Variation::new()
-            .set(Target::Robot, "type", "othex_vertical")
-            .set(Target::Task("contact_force".into()), "reference", hold);
+            .set("robot.type", "othex_vertical")
+            .set("task.contact_force.reference", hold);
         let file = scenarios().join("push_with_disturbance.toml");
         Scenario::from_file(&file)
             .expect("ships")

@@ -22,7 +22,6 @@ use wbqp::{
     controller::Controller,
     dynamics::{Data, FrameKinematics},
     nalgebra::{DVector, Vector3},
-    settings::Target,
     toml,
 };
 use wbqp_robots as _;
@@ -44,7 +43,7 @@ fn closed_loop() -> ClosedLoop {
     let text = fs::read_to_string(file.with_extension("toml")).expect("ships");
     let scenario: toml::Table = toml::from_str(&text).expect("is TOML");
     let mut plant: PlantConfig = scenario["plant"].clone().try_into().expect("is a plant");
-    let overrides = Overrides::new().with(Target::Task("contact_force".into()), "feedback", "off");
+    let overrides = Overrides::new().with("task.contact_force.feedback", "off");
     let config =
         ControllerConfig::from_file_with(file.with_extension("controller.toml"), &overrides)
             .expect("ships");

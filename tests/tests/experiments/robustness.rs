@@ -2,7 +2,7 @@
 //! asked for most of what that plant can push.
 
 use serde_json::Value;
-use wbqp::{settings::Target, toml};
+use wbqp::toml;
 use wbqp_measures::experiments;
 use wbqp_sim::{Scenario, Variation};
 use wbqp_tests::{files::scenarios, listener::Listener};
@@ -34,7 +34,7 @@ fn pushing_with(force: f64) -> Variation {
         ("type".to_owned(), toml::Value::from("hold")),
         ("value".to_owned(), toml::Value::from(vec![force])),
     ]);
-    other_plant().set(Target::Task("contact_force".into()), "reference", hold)
+    other_plant().set("task.contact_force.reference", hold)
 }
 
 #[test]

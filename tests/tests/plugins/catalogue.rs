@@ -6,13 +6,13 @@ use std::path::Path;
 
 use wbqp::{
     Controller, ControllerConfig, Measurement,
-    contact::{ContactKind, ContactSpec, FreeForce, Surface},
+    contact::{ContactKind, ContactSpec, Surface},
     controller::FallbackLevel,
     dynamics::{Data, frame_motion},
     nalgebra::{DVector, Vector3},
     plugin::{AnyConstraint, AnyTask, Entry, Hardness, PerRow},
     robot::{Robot, RobotModel},
-    settings::{FirstError, Settings},
+    settings::Settings,
 };
 use wbqp_robots::{BaseKind, Options, Othex, OthexVertical, Urdf};
 use wbqp_tasks::{
@@ -62,7 +62,8 @@ impl Loop {
 fn config(robot: Box<dyn Robot>) -> ControllerConfig {
     // Limits are tried by asking for far too much from the first tick on.
     let settings = Settings {
-        max_first_error: FirstError::ANY,
+        max_first_position_error: f64::INFINITY,
+        max_first_rotation_error: f64::INFINITY,
         ..Settings::at_rate(1.0 / PERIOD)
     };
     let config = ControllerConfig::new(settings, robot);
@@ -270,8 +271,7 @@ fn sole(side: &str) -> ContactSpec {
         friction: 0.6,
         force_min: 10.0,
         force_max: 2000.0,
-        free_force: FreeForce::Zero,
-        free_force_limit: 20.0,
+        free_force_limit: 0.0,
         free_force_cutoff: 15.0,
         active: true,
         transition: 0.0,

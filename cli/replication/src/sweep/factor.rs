@@ -3,7 +3,6 @@
 use anyhow::{Context, Result};
 use serde::{Deserialize, Serialize};
 use toml::{Table, Value};
-use wbqp::settings::Target;
 use wbqp_sim::{Scenario, Variation};
 
 /// A quantity that is scaled.
@@ -84,17 +83,18 @@ impl Nominal {
     /// Adds a factor to a variation.
     pub(super) fn scaled(&self, variation: Variation, factor: Factor, scale: f64) -> Variation {
         match factor {
-            Factor::ThrustMax => {
-                variation.set(Target::Robot, "thrust_max", scale * self.thrust_max)
-            }
+            Factor::ThrustMax => variation.set("robot.thrust_max", scale * self.thrust_max),
             Factor::Friction => self.friction.iter().fold(variation, |v, (wall, friction)| {
-                v.change(&format!("plant.wall.{wall}.friction"), scale * friction)
+                v.change(
+                    &format!("plant.wall.{}.friction", quoted(wall)),
+                    scale * friction,
+                )
             }),
             Factor::RotationGain => self
                 .rotation_gain
                 .iter()
                 .fold(variation, |v, (task, gain)| {
-                    v.set(Target::Task(task.clone()), "kp", times(gain, scale))
+                    v.set(&format!("task.{}.kp", quoted(task)), times(gain, scale))
                 }),
             Factor::Mass => variation.change("plant.mismatch.mass_scale", scale * self.mass_scale),
         }
@@ -103,6 +103,11 @@ impl Nominal {
 
 /// The task that turns the base.
 const ROTATION: &str = "base_orientation";
+
+/// A name as a key of a path, whatever characters it has.
+fn quoted(name: &str) -> Value {
+    Value::from(name)
+}
 
 fn times(value: &Value, scale: f64) -> Value {
     match value {
