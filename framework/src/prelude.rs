@@ -40,9 +40,9 @@ pub use crate::{
     contact::ContactId,
     error::BindError,
     plugin::{
-        AnyReference, Constraint, ConstraintLayout, ConstraintRows, Displacement, FallbackLaw,
-        FrameHandle, Layout, MotionRow, PerRow, Reference, Remembered, RotationReference, Rows,
-        Sample, Setup, Slopes, Space, Task, Tick, VectorReference,
+        AnyReference, Constraint, ConstraintLayout, ConstraintRows, FallbackLaw, FrameHandle,
+        Layout, MotionRow, PerRow, Reference, Remembered, RotationReference, Rows, Sample, Setup,
+        Space, Task, Tick, VectorReference,
     },
 };
 pub use wbqp_dynamics::{

@@ -8,8 +8,8 @@ use std::{
 use crate::{
     error::BindError,
     plugin::{
-        AnyConstraint, AnyTask, Constraint, Displacement, Layout, Remembered, Setup, Slopes, Task,
-        Tick, storage::RowStore,
+        AnyConstraint, AnyTask, Constraint, Layout, Remembered, Setup, Task, Tick,
+        storage::RowStore,
     },
 };
 
@@ -126,13 +126,6 @@ mod any {
 pub(crate) trait Parametrised: Debug + Send {
     /// Shows what is remembered from one update to the next.
     fn remembered(&mut self, numbers: &mut Remembered<'_>);
-    /// Adds by how much rows change along a displacement of the state; false if the plug-in does not say.
-    fn differentiate(
-        &mut self,
-        tick: &Tick<'_>,
-        moved: &Displacement,
-        slopes: &mut Slopes<'_>,
-    ) -> bool;
     /// Swaps the parameters for others of the same type, unchecked; nothing happens if they are of another.
     fn exchange(&mut self, parameters: &mut dyn Any);
     fn parameters_mut(&mut self) -> &mut dyn Any;
@@ -162,16 +155,6 @@ macro_rules! parametrised {
         impl<P: $plugin + $any> Parametrised for $running<P> {
             fn remembered(&mut self, numbers: &mut Remembered<'_>) {
                 self.parameters.remembered(&mut self.running, numbers);
-            }
-
-            fn differentiate(
-                &mut self,
-                tick: &Tick<'_>,
-                moved: &Displacement,
-                slopes: &mut Slopes<'_>,
-            ) -> bool {
-                self.parameters
-                    .differentiate(&mut self.running, tick, moved, slopes)
             }
 
             fn exchange(&mut self, parameters: &mut dyn Any) {

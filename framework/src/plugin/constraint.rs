@@ -4,10 +4,7 @@ use std::{any::Any, fmt::Debug};
 
 use crate::{
     error::BindError,
-    plugin::{
-        BoundPlugin, ConstraintLayout, ConstraintRows, Displacement, Remembered, Setup, Slopes,
-        Tick,
-    },
+    plugin::{BoundPlugin, ConstraintLayout, ConstraintRows, Remembered, Setup, Tick},
 };
 
 /// A constraint demands `lower ≤ A_v v̇ + A_u u + Σ A_c f_c ≤ upper`, or `A x = b` if its layout says
@@ -47,22 +44,6 @@ pub trait Constraint: Clone + Debug + Send + 'static {
         if size_of::<Self::Running>() > 0 {
             numbers.unknown();
         }
-    }
-
-    /// Adds by how much the rows of this tick change when the state is displaced, to first order, and returns true: for
-    /// [`Controller::sensitivity`](crate::Controller::sensitivity), which otherwise, and by default, takes central
-    /// differences of [`update`](Constraint::update). For rows that depend on nothing measured but the state: what
-    /// is given is taken for all that measurements do to them. References do not move. Linear in `moved`; no
-    /// allocation, no panic.
-    fn differentiate(
-        &self,
-        running: &mut Self::Running,
-        tick: &Tick<'_>,
-        moved: &Displacement,
-        slopes: &mut Slopes<'_>,
-    ) -> bool {
-        let _ = (running, tick, moved, slopes);
-        false
     }
 }
 

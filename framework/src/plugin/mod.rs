@@ -18,7 +18,6 @@ pub(crate) mod reference;
 pub(crate) mod remembered;
 pub(crate) mod rows;
 pub(crate) mod setup;
-pub(crate) mod slopes;
 pub(crate) mod storage;
 pub(crate) mod task;
 pub(crate) mod tick;
@@ -39,7 +38,6 @@ pub use reference::{AnyReference, Reference, RotationSample, Sample, Space, Vect
 pub use remembered::Remembered;
 pub use rows::{ConstraintRows, RowMajorMut, Rows};
 pub use setup::{FrameHandle, RotationReference, Setup, VectorReference};
-pub use slopes::{Displacement, Slopes};
 pub use task::{AnyTask, Task};
 pub(crate) use tick::PreviousSolution;
 pub use tick::{AT_HOME, Tick};

@@ -4,7 +4,7 @@ use std::{any::Any, fmt::Debug};
 
 use crate::{
     error::BindError,
-    plugin::{BoundPlugin, Displacement, Layout, Remembered, Rows, Setup, Slopes, Tick},
+    plugin::{BoundPlugin, Layout, Remembered, Rows, Setup, Tick},
 };
 
 /// A task adds `Σ_k w_k (A x − b)_k²` to the cost, with `A x = A_v v̇ + A_u u + Σ A_c f_c`.
@@ -46,22 +46,6 @@ pub trait Task: Clone + Debug + Send + 'static {
         if size_of::<Self::Running>() > 0 {
             numbers.unknown();
         }
-    }
-
-    /// Adds by how much the rows of this tick change when the state is displaced, to first order, and returns true: for
-    /// [`Controller::sensitivity`](crate::Controller::sensitivity), which otherwise, and by default, takes central
-    /// differences of [`update`](Task::update). For rows that depend on nothing measured but the state: what
-    /// is given is taken for all that measurements do to them. References do not move. Linear in `moved`; no
-    /// allocation, no panic.
-    fn differentiate(
-        &self,
-        running: &mut Self::Running,
-        tick: &Tick<'_>,
-        moved: &Displacement,
-        slopes: &mut Slopes<'_>,
-    ) -> bool {
-        let _ = (running, tick, moved, slopes);
-        false
     }
 }
 

@@ -130,19 +130,4 @@ impl Task for Posture {
     }
 
     fn remembered(&self, _: &mut Self::Running, _: &mut Remembered<'_>) {}
-
-    fn differentiate(
-        &self,
-        running: &mut RunningPosture,
-        _: &Tick<'_>,
-        moved: &Displacement,
-        slopes: &mut Slopes<'_>,
-    ) -> bool {
-        for (k, &(joint, velocity)) in running.joints.iter().enumerate() {
-            let (error, rate) = (moved.q[joint.index()], moved.v[velocity]);
-            slopes.target(k, -self.kd.row(k) * rate - self.kp.row(k) * error);
-            slopes.error(k, error);
-        }
-        true
-    }
 }

@@ -603,11 +603,9 @@ fn what_is_remembered_counts() {
     check(&case, 70);
 }
 
-/// A curved row on the first joint, whose derivatives it gives itself, times `share`.
+/// A row on the first joint that is curved in the state.
 #[wbqp::task("test.curved")]
-struct Curved {
-    share: f64,
-}
+struct Curved {}
 
 impl Task for Curved {
     type Running = VelocityId;
@@ -627,53 +625,24 @@ impl Task for Curved {
     }
 
     fn remembered(&self, _: &mut VelocityId, _: &mut Remembered<'_>) {}
-
-    fn differentiate(
-        &self,
-        first: &mut VelocityId,
-        tick: &Tick<'_>,
-        moved: &Displacement,
-        slopes: &mut Slopes<'_>,
-    ) -> bool {
-        let (q, v) = (tick.state.q[0], tick.state.v[*first]);
-        let (dq, dv) = (self.share * moved.q[0], self.share * moved.v[*first]);
-        slopes.vdot(0, first.index(), 0.5 * q.cos() * dq);
-        let bias = -0.5 * q.sin() * v * v * dq + q.cos() * v * dv;
-        slopes.target(0, -6.0 * v * dv - 20.0 * q.cos() * dq - bias);
-        slopes.error(0, q.cos() * dq);
-        true
-    }
 }
 
 #[test]
-fn derivatives_that_a_plugin_gives_are_taken() {
-    let with = |share: f64| {
-        let start = Scene::new(Kind::Othex, 11, u32::MAX, 0).measurement();
-        let make = move |formulation| {
-            let scene = Scene::new(Kind::Othex, 11, u32::MAX, 0);
-            let mut config = scene.config();
-            config.settings.formulation = formulation;
-            let entry = Entry::task("curved", 0.7, Curved { share });
-            Controller::new(config.with_task(entry)).expect("is valid")
-        };
-        let prepare = move |m: &mut Measurement, _| {
-            m.state.copy_from(&start.state);
-            m.wrenches.copy_from_slice(&start.wrenches);
-        };
-        Case::new(
-            format!("curved, {share}"),
-            make,
-            Formulation::Explicit,
-            4,
-            prepare,
-        )
+fn rows_that_are_curved_in_the_state_have_derivatives() {
+    let start = Scene::new(Kind::Othex, 11, u32::MAX, 0).measurement();
+    let make = |formulation| {
+        let scene = Scene::new(Kind::Othex, 11, u32::MAX, 0);
+        let mut config = scene.config();
+        config.settings.formulation = formulation;
+        let entry = Entry::task("curved", 0.7, Curved {});
+        Controller::new(config.with_task(entry)).expect("is valid")
     };
-    check(&with(1.0), 30);
-    let (shares, _) = compare(&with(0.5));
-    assert!(
-        shares["state v̇"] > 1e-3 && shares["state e"] > 1e-3,
-        "{shares:?}"
-    );
+    let prepare = |m: &mut Measurement, _| {
+        m.state.copy_from(&start.state);
+        m.wrenches.copy_from_slice(&start.wrenches);
+    };
+    let case = Case::new("curved", make, Formulation::Explicit, 4, prepare);
+    check(&case, 30);
 }
 
 /// A limit on the first actuator, N or N·m.

@@ -10,10 +10,8 @@ use super::{
     shares::Shares,
 };
 use crate::{
-    controller::{Controller, Measurement, RequestError, running::RunningPlugin, world::World},
-    plugin::{
-        Displacement, EntryState, Layout, Sample, Slopes, remembered::Memo, storage::RowStore,
-    },
+    controller::{Controller, Measurement, RequestError, world::World},
+    plugin::{EntryState, Sample, remembered::Memo, storage::RowStore},
     problem::{BoundEntry, Treatment},
 };
 
@@ -33,8 +31,6 @@ pub(super) struct Workspace {
     pub(super) changes: Vec<Change>,
     pub(super) world: World,
     pub(super) measurement: Measurement,
-    /// From the tick's state to that of `world`.
-    moved: Displacement,
     pub(super) stores: Vec<RowStore>,
     /// What plug-ins remember after the tick.
     pub(super) after: Vec<Memo>,
@@ -73,7 +69,6 @@ impl Workspace {
             changes,
             world: controller.world.clone(),
             measurement: controller.measurement(),
-            moved: Displacement::none(&controller.world.state),
             stores: controller.entries.iter().map(|e| e.store.clone()).collect(),
             after: before.plugins.clone(),
             lines: Vec::with_capacity(lines),
@@ -107,21 +102,6 @@ impl Workspace {
         before.plugins[entry].restore(|numbers| plugin.plugin.remembered(numbers));
         let state = entry_state(bound);
         plugin.write(&self.world, state, &bound.layout, &mut self.stores[entry]);
-    }
-
-    /// Makes an entry's rows those of the moved state: by the derivatives that its plug-in gives, or written again.
-    fn rewrite_moved(&mut self, controller: &mut Controller, before: &Before, entry: usize) {
-        let bound = &controller.entries[entry];
-        if !bound.live || !before.plugins[entry].is_known() {
-            return;
-        }
-        let (plugin, store) = (&mut controller.plugins[entry], &mut self.stores[entry]);
-        store.copy_from(&bound.store);
-        let rows = (&bound.layout, &mut *store);
-        if !plugin.differentiate(&controller.world, entry_state(bound), &self.moved, rows) {
-            store.copy_from(&bound.store);
-            self.rewrite(controller, before, entry);
-        }
     }
 
     /// Factorises the lines of the optimum, and finds it.
@@ -408,10 +388,9 @@ impl Workspace {
                     self.measurement.copy_from(&before.measurement);
                     parameters::measure(&mut self.measurement, *what, sign * step);
                     self.measure(controller, before);
-                    self.moved
-                        .between(&controller.world.state, &self.world.state);
                     for e in 0..controller.entries.len() {
-                        self.rewrite_moved(controller, before, e);
+                        self.stores[e].copy_from(&controller.entries[e].store);
+                        self.rewrite(controller, before, e);
                         self.note_errors(controller, before, e, 0.5 * sign / step);
                     }
                     self.write(place, &controller.entries, before, None);
@@ -432,20 +411,4 @@ impl Workspace {
 fn sample_of(controller: &mut Controller, entry: usize, reference: usize) -> Option<&mut Sample> {
     let followed = controller.plugins[entry].references.get_mut(reference)?;
     Some(&mut followed.sample)
-}
-
-impl RunningPlugin {
-    /// Lets the plug-in add to its rows what a displacement of the state does to them; false if it does not say.
-    fn differentiate(
-        &mut self,
-        world: &World,
-        entry: EntryState,
-        moved: &Displacement,
-        (layout, store): (&Layout, &mut RowStore),
-    ) -> bool {
-        let mut tick = world.tick(entry);
-        tick.references = &self.references;
-        let mut slopes = Slopes::new(layout, store);
-        self.plugin.differentiate(&tick, moved, &mut slopes)
-    }
 }
