@@ -5,8 +5,8 @@ use std::sync::PoisonError;
 use super::{Plugin, PluginKind, schema::Node};
 use crate::error::BindError;
 
-/// Adds a plug-in, from now on as if it were linked. It is never freed, also if another takes its place: controllers that
-/// were made from it keep it. What of it is made while the program runs is leaked (`Box::leak`).
+/// Adds a plug-in, from now on as if it were linked. It is never freed, also if another takes its place: controllers
+/// that were made from it keep it. What of it is made while the program runs is leaked (`Box::leak`).
 ///
 /// ```
 /// use wbqp::{plugin::AnyReference, registry::{self, Plugin}, schemars::json_schema};
@@ -41,8 +41,8 @@ use crate::error::BindError;
 /// ```
 ///
 /// # Errors
-/// [`BindError::Other`]: the tag is taken, and not by the same [definition](Plugin::definition); it is empty or has other
-/// characters than letters, digits, `_`, `-` and `.`; or a key of the schema belongs to the framework.
+/// [`BindError::Other`]: the tag is taken, and not by the same [definition](Plugin::definition); it is empty or has
+/// other characters than letters, digits, `_`, `-` and `.`; or a key of the schema belongs to the framework.
 pub fn add<P: PluginKind + ?Sized>(plugin: Plugin<P>) -> Result<(), BindError> {
     let (kind, tag) = (P::NAME, plugin.tag);
     let refuse = |problem: String| Err(BindError::Other(problem));

@@ -57,15 +57,15 @@
 //! # What is checked
 //! Of every plug-in
 //!
-//! * [`Form`](Check::Form): it loads; load → save → load → save gives the same, in TOML and JSON; no key is lost; no key
-//!   belongs to the framework
+//! * [`Form`](Check::Form): it loads; load → save → load → save gives the same, in TOML and JSON; no key is lost; no
+//!   key belongs to the framework
 //! * [`UnknownKeys`](Check::UnknownKeys): an unknown key is refused, in the table and in every table inside
 //! * [`Schema`](Check::Schema): every key is in the schema, with a description
 //! * [`Panic`](Check::Panic): `bind` and `update` do not panic
 //! * [`RowSemantics`](Check::RowSemantics): inequality rows on `v̇` come with their [`RowSemantics`], since none can be
 //!   assumed
-//! * [`Layout`](Check::Layout): rows have labels (all different) and units; only declared blocks are written; every `b`,
-//!   error, limit and bound is written; what is declared exists
+//! * [`Layout`](Check::Layout): rows have labels (all different) and units; only declared blocks are written; every
+//!   `b`, error, limit and bound is written; what is declared exists
 //! * [`Finite`](Check::Finite): coefficients, `b` and errors are finite; limits are numbers in order
 //! * [`Coefficients`](Check::Coefficients): they depend on the configuration and on time alone: not on velocities,
 //!   measured forces, the last solution or the states before

@@ -28,8 +28,8 @@ use crate::{Hold, check};
 ///
 /// One row per constrained component of the contact, N or N·m, in the contact's order: `normal` for kind `normal`;
 /// `x`, `y`, `normal` for `point`; `normal`, `moment x`, `moment y` for `normal_tilt`; `x`, `y`, `normal`, `moment x`,
-/// `moment y`, `moment z` for `full`. Per-row weights of the entry are in this order. Feedback acts on the normal alone;
-/// moments are asked to be zero.
+/// `moment y`, `moment z` for `full`. Per-row weights of the entry are in this order. Feedback acts on the normal
+/// alone; moments are asked to be zero.
 ///
 /// # Switching
 /// When the contact or the task comes on, the set point starts at the measured force and goes to `f^d` with the ramp,
