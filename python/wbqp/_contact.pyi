@@ -20,10 +20,12 @@ class Contact(Plugin):
         Frame E of the robot that touches.
     frames : Sequence[str], optional
         A contact at each of these frames, called by its frame; in place of `frame` and `name`.
+    free_force : Literal['zero', 'measured'], default "zero"
+        What is assumed of the force in the free directions.
     free_force_cutoff : float, default 15.0
         Cut-off of the first-order low-pass on the measured free force, Hz; `inf` for no filter.
-    free_force_limit : float, default 0.0
-        Clip of the measured force in the free directions that is put into the dynamics (`f_f` of (5a)), N, per axis: low-passed, and translations only, for a measured moment is mostly noise. At 0 nothing is put in.
+    free_force_limit : float, default 20.0
+        Clip of the measured free force, N, per axis.
     friction : float, default 0.5
         Coulomb friction coefficient that the controller assumes. [1]
     kind : Literal['full', 'point', 'normal', 'normal_tilt'], optional
@@ -49,6 +51,7 @@ class Contact(Plugin):
         force_min: float | None = ...,
         frame: str | None = ...,
         frames: Sequence[str] | None = ...,
+        free_force: Literal['zero', 'measured'] | None = ...,
         free_force_cutoff: float | None = ...,
         free_force_limit: float | None = ...,
         friction: float | None = ...,

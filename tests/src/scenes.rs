@@ -9,7 +9,7 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use wbqp::{
     config::ControllerConfig,
-    contact::{ContactKind, ContactSpec, Surface},
+    contact::{ContactKind, ContactSpec, FreeForce, Surface},
     controller::{Controller, Measurement},
     nalgebra,
     plugin::{AnyTask, Entry, Hardness, PerRow},
@@ -202,6 +202,7 @@ impl Scene {
                     } else {
                         15.0
                     },
+                    free_force: FreeForce::Measured,
                     free_force_limit: 5.0,
                     free_force_cutoff: 15.0,
                     active: self.contacts >> i & 1 == 1,

@@ -20,7 +20,7 @@ pub use detector::Detector;
 pub use kind::{ContactId, ContactKind};
 pub(crate) use short::Motion;
 pub use short::ShortContact;
-pub use spec::{ContactSpec, Surface};
+pub use spec::{ContactSpec, FreeForce, Surface};
 pub(crate) use state::{ContactBinding, SensorZero};
 pub use state::{ContactState, SurfaceMotion};
 pub(crate) use update::low_pass;

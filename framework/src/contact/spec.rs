@@ -8,6 +8,17 @@ use serde::{Deserialize, Serialize};
 use super::ContactKind;
 use crate::error::BindError;
 
+/// What is put into the dynamics for the forces in the free directions (`f_f` of (5a)).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum FreeForce {
+    /// Nothing. Right where the free directions are moments, whose measurement is mostly noise.
+    #[default]
+    Zero,
+    /// The measured force, translations only, low-passed and clipped to `free_force_limit`.
+    Measured,
+}
+
 /// The surface's frame C.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -84,8 +95,10 @@ pub struct ContactSpec {
     #[serde(default = "default_force_max")]
     #[schemars(extend("x-unit" = "N"))]
     pub force_max: f64,
-    /// Clip of the measured force in the free directions that is put into the dynamics (`f_f` of (5a)), N, per axis:
-    /// low-passed, and translations only, for a measured moment is mostly noise. At 0 nothing is put in.
+    /// What is assumed of the force in the free directions.
+    #[serde(default)]
+    pub free_force: FreeForce,
+    /// Clip of the measured free force, N, per axis.
     #[serde(default = "default_free_force_limit")]
     #[schemars(extend("x-unit" = "N"))]
     pub free_force_limit: f64,
@@ -115,7 +128,7 @@ fn default_free_force_cutoff() -> f64 {
     15.0
 }
 fn default_free_force_limit() -> f64 {
-    0.0
+    20.0
 }
 
 impl ContactSpec {
@@ -130,6 +143,7 @@ impl ContactSpec {
             friction: default_friction(),
             force_min: default_force_min(),
             force_max: default_force_max(),
+            free_force: FreeForce::default(),
             free_force_limit: default_free_force_limit(),
             free_force_cutoff: default_free_force_cutoff(),
             active: false,

@@ -12,7 +12,7 @@
 
 use nalgebra::{Vector3, Vector6};
 
-use super::{ContactBinding, ContactState, SensorZero, SurfaceMotion};
+use super::{ContactBinding, ContactState, FreeForce, SensorZero, SurfaceMotion};
 use wbqp_dynamics::{Data, elementary, model::Model};
 
 impl ContactBinding {
@@ -99,9 +99,8 @@ impl ContactBinding {
         c.live = self.switch.is_live(time);
         c.since = self.switch.since();
         c.free_force = Vector6::zeros();
-        let limit = self.spec.free_force_limit;
-        // A limit of 0 would clip to zeros of either sign.
-        if c.live && limit > 0.0 {
+        if c.live && self.spec.free_force == FreeForce::Measured {
+            let limit = self.spec.free_force_limit;
             for &direction in self.spec.kind.free().iter().filter(|&&d| d < 3) {
                 c.free_force[direction] = c.alpha * self.filtered[direction].clamp(-limit, limit);
             }

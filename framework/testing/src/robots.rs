@@ -6,7 +6,7 @@ use nalgebra::{Isometry3, Matrix3, Translation3, Unit, UnitQuaternion, Vector3};
 
 use wbqp::{
     actuator::{Actuator, ActuatorKind, Drive, JointMotor, Reaction, Rotor},
-    contact::{ContactKind, ContactSpec, Surface},
+    contact::{ContactKind, ContactSpec, FreeForce, Surface},
     model::{Base, Inertia, Joint, JointKind, JointLimits, ModelBuilder, ModelError},
     robot::RobotModel,
     state::State,
@@ -73,7 +73,8 @@ pub fn built_in_contacts() -> Vec<ContactSpec> {
         friction: 0.6,
         force_min: 0.5,
         force_max: 40.0,
-        free_force_limit: 0.0,
+        free_force: FreeForce::Zero,
+        free_force_limit: 20.0,
         free_force_cutoff: 15.0,
         active: true,
         transition: 0.0,

@@ -308,8 +308,8 @@ fn contacts() {
             "x.toml:10:8: contact[0] `wall`: kind: unknown value `pont`, \
              expected one of `full`, `point`, `normal`, `normal_tilt`",
             "x.toml:11:1: contact[0] `wall`: unknown key `frictoin`; did you mean `friction`? (known: active, \
-             force_max, force_min, frame, frames, free_force_cutoff, free_force_limit, friction, kind, motion, name, \
-             offset, size, surface, transition)",
+             force_max, force_min, frame, frames, free_force, free_force_cutoff, free_force_limit, friction, kind, \
+             motion, name, offset, size, surface, transition)",
             "x.toml:12:22: contact[0] `wall`: surface.normal: invalid length 2, expected a list of length 3",
             "x.toml:12:46: contact[0] `wall`: surface.x_axis[2]: invalid type: string \"a\", expected a number",
             "x.toml:12:52: contact[0] `wall`: surface: unknown key `orgin`; did you mean `origin`? \

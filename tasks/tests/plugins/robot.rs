@@ -5,7 +5,7 @@ use std::{path::Path, sync::Arc};
 
 use wbqp::{
     actuator::{Actuator, ActuatorKind, Drive, JointMotor, Reaction, Rotor},
-    contact::{ContactKind, ContactSpec, Surface},
+    contact::{ContactKind, ContactSpec, FreeForce, Surface},
     model::{Base, Inertia, Joint, JointKind, JointLimits, ModelBuilder},
     nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3},
     robot::{Robot, RobotError, RobotModel},
@@ -121,7 +121,8 @@ pub(crate) fn contacts() -> Vec<ContactSpec> {
         friction: 0.5,
         force_min: 0.1,
         force_max: 20.0,
-        free_force_limit: 0.0,
+        free_force: FreeForce::Zero,
+        free_force_limit: 20.0,
         free_force_cutoff: 15.0,
         active: false,
         transition: 0.0,

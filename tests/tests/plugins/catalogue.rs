@@ -6,7 +6,7 @@ use std::path::Path;
 
 use wbqp::{
     Controller, ControllerConfig, Measurement,
-    contact::{ContactKind, ContactSpec, Surface},
+    contact::{ContactKind, ContactSpec, FreeForce, Surface},
     controller::FallbackLevel,
     dynamics::{Data, frame_motion},
     nalgebra::{DVector, Vector3},
@@ -271,7 +271,8 @@ fn sole(side: &str) -> ContactSpec {
         friction: 0.6,
         force_min: 10.0,
         force_max: 2000.0,
-        free_force_limit: 0.0,
+        free_force: FreeForce::Zero,
+        free_force_limit: 20.0,
         free_force_cutoff: 15.0,
         active: true,
         transition: 0.0,

@@ -9,7 +9,7 @@ use serde_json::Value;
 use wbqp::{
     Controller, ControllerConfig, Layout, Measurement,
     actuator::{Actuator, ActuatorKind, Drive, JointMotor, Reaction, Rotor},
-    contact::{ContactId, ContactKind, ContactSpec, Surface},
+    contact::{ContactId, ContactKind, ContactSpec, FreeForce, Surface},
     controller::FallbackLevel,
     error::BindError,
     model::{Base, Inertia, Joint, JointKind, JointLimits, ModelBuilder},
@@ -137,7 +137,8 @@ fn controller() -> Controller {
         friction: 0.5,
         force_min: 0.0,
         force_max: 20.0,
-        free_force_limit: 0.0,
+        free_force: FreeForce::Zero,
+        free_force_limit: 20.0,
         free_force_cutoff: 15.0,
         active: true,
         transition: 0.0,
