@@ -391,7 +391,7 @@ def test_a_users_own_arm_reaches_its_posture(actuators: str) -> None:
     wanted = [0.5, -0.7]
     posture = {"type": "posture", "kp": 40.0, "reference": {"type": "hold", "value": wanted}, "weight": 1.0}
     limits = {"type": "actuator_limits"}
-    tables = {"tasks": [posture], "constraints": [limits], "max_first_rotation_error": 2.0}
+    tables = {"tasks": [posture], "constraints": [limits], "max_first_error": {"rotation": 2.0}}
     controller = wbqp.Controller(robot=robot, rate=500.0, **tables)
     between = bridge.Bridge(model, controller)
     data = mujoco.MjData(model)

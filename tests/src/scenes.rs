@@ -14,7 +14,7 @@ use wbqp::{
     nalgebra,
     plugin::{AnyTask, Entry, Hardness, PerRow},
     robot::{Robot, RobotModel},
-    settings::{ContactForces, Formulation, Hover, Observer, Settings, StartFrom},
+    settings::{ContactForces, FirstError, Formulation, Hover, Observer, Settings, StartFrom},
     state::State,
 };
 use wbqp_robots::{BaseKind, Options, Othex, OthexVertical, Urdf};
@@ -292,8 +292,7 @@ impl Scene {
             hover,
             // A random state is no start, but one tick out of the middle of a run.
             start: StartFrom::Home,
-            max_first_position_error: f64::INFINITY,
-            max_first_rotation_error: f64::INFINITY,
+            max_first_error: FirstError::ANY,
             ..Settings::at_rate(250.0)
         };
         let mut config = ControllerConfig::new(settings, self.robot_plugin());

@@ -385,7 +385,11 @@ impl Bound {
             clock: Clock::default(),
             relaxation,
         };
-        let first = FirstTick::new(&settings, &entries[..task_count], &world.model);
+        let first = FirstTick::new(
+            settings.max_first_error,
+            &entries[..task_count],
+            &world.model,
+        );
         let report = Report::new(
             &entries[..task_count],
             &world,

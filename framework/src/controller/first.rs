@@ -3,7 +3,7 @@
 use crate::{
     plugin::{Layout, layout::VdotBlock},
     problem::BoundEntry,
-    settings::Settings,
+    settings::FirstError,
 };
 use wbqp_dynamics::model::{Base, Model};
 
@@ -14,8 +14,7 @@ pub(super) struct FirstTick {
     pub(super) is_over: bool,
     /// Whether one was refused.
     pub(super) was_refused: bool,
-    /// Of the settings; infinite for any.
-    pub(super) limits: Distance,
+    pub(super) limits: FirstError,
     /// How the errors of each task count, row by row.
     pub(super) errors: Vec<Vec<Counts>>,
 }
@@ -48,15 +47,12 @@ pub(super) struct Distance {
 }
 
 impl FirstTick {
-    pub(super) fn new(settings: &Settings, tasks: &[BoundEntry], model: &Model) -> Self {
+    pub(super) fn new(limits: FirstError, tasks: &[BoundEntry], model: &Model) -> Self {
         let errors = tasks.iter().map(|entry| counts(&entry.layout, model));
         Self {
             is_over: false,
             was_refused: false,
-            limits: Distance {
-                position: settings.max_first_position_error,
-                rotation: settings.max_first_rotation_error,
-            },
+            limits,
             errors: errors.collect(),
         }
     }
@@ -72,7 +68,7 @@ impl FirstTick {
         };
         format!(
             "task `{name}` is {error:.3} {unit} from its reference in the first tick, more than \
-             `max_first_{key}_error` = {limit} {unit} in [controller] allows: nothing moves until it is nearer"
+             `max_first_error.{key}` = {limit} {unit} in [controller] allows: nothing moves until it is nearer"
         )
     }
 }
@@ -118,7 +114,7 @@ mod tests {
         FirstTick {
             is_over: false,
             was_refused: false,
-            limits: Distance::default(),
+            limits: FirstError::default(),
             errors: vec![rows],
         }
     }

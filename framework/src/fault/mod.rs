@@ -27,9 +27,8 @@ pub enum Fault {
         /// The largest that is plausible, in the same unit.
         limit: f64,
     },
-    /// In the first tick the error of this task (its position among the tasks) is larger than
-    /// `max_first_position_error` or `max_first_rotation_error` of the settings allows: nothing moves, and the next
-    /// tick counts as the first.
+    /// In the first tick the error of this task (its position among the tasks) is larger than `max_first_error` of the
+    /// settings allows: nothing moves, and the next tick counts as the first.
     FirstError(usize),
     /// A plug-in wrote a coefficient or a limit that is not a number; the index counts tasks, then constraints.
     Rows(usize),
@@ -128,8 +127,7 @@ impl std::fmt::Display for Fault {
             } => quantity.write_beyond([*value, *limit], f),
             Self::FirstError(task) => write!(
                 f,
-                "the error of task {task} in the first tick is larger than `max_first_position_error` or \
-                 `max_first_rotation_error` allows"
+                "the error of task {task} in the first tick is larger than `max_first_error` allows"
             ),
             Self::Rows(entry) => write!(f, "entry {entry} wrote a number that is not finite"),
             Self::MassMatrix => f.write_str("the mass matrix is not positive definite"),

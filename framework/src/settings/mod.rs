@@ -46,16 +46,10 @@ pub struct Settings {
     /// Where references begin that have no value of their own.
     #[serde(default)]
     pub start: StartFrom,
-    /// The largest error of tasks whose error is a length in the first tick: its norm, of prismatic joints the largest,
-    /// m; `inf` for any. Beyond it the tick is a fault, and nothing moves until one is plausible.
-    #[serde(default = "default_max_first_error")]
-    #[schemars(extend("x-unit" = "m"))]
-    pub max_first_position_error: f64,
-    /// The largest error of tasks whose error is an angle in the first tick, likewise: its norm, of revolute joints the
-    /// largest, rad; `inf` for any.
-    #[serde(default = "default_max_first_error")]
-    #[schemars(extend("x-unit" = "rad"))]
-    pub max_first_rotation_error: f64,
+    /// The largest error of a task in the first tick: beyond it the tick is a fault, and nothing moves until one is
+    /// plausible.
+    #[serde(default)]
+    pub max_first_error: FirstError,
     /// The most memory that the problem of a tick and its solvers may take, MiB. What they take is known from the
     /// numbers of variables and rows; a controller that needs more is refused before any of it is allocated.
     #[serde(default = "default_max_memory")]
@@ -79,6 +73,35 @@ pub enum StartFrom {
     Home,
 }
 
+/// How far a task may be from its reference in the first tick; `inf` for any distance.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct FirstError {
+    /// Of tasks whose error is a length: its norm, of prismatic joints the largest, m.
+    #[schemars(extend("x-unit" = "m"))]
+    pub position: f64,
+    /// Of tasks whose error is an angle: its norm, of revolute joints the largest, rad.
+    #[schemars(extend("x-unit" = "rad"))]
+    pub rotation: f64,
+}
+
+impl Default for FirstError {
+    fn default() -> Self {
+        Self {
+            position: 0.5,
+            rotation: 0.5,
+        }
+    }
+}
+
+impl FirstError {
+    /// Any error is taken.
+    pub const ANY: Self = Self {
+        position: f64::INFINITY,
+        rotation: f64::INFINITY,
+    };
+}
+
 /// Whether a robot must be able to hover.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
@@ -96,10 +119,6 @@ fn default_regularisation() -> f64 {
 }
 fn default_extrapolation() -> f64 {
     0.02
-}
-/// m, and rad.
-fn default_max_first_error() -> f64 {
-    0.5
 }
 fn default_max_memory() -> f64 {
     1024.0
@@ -119,8 +138,7 @@ impl Settings {
             extrapolation: default_extrapolation(),
             hover: Hover::default(),
             start: StartFrom::default(),
-            max_first_position_error: default_max_first_error(),
-            max_first_rotation_error: default_max_first_error(),
+            max_first_error: FirstError::default(),
             max_memory: default_max_memory(),
             observer: None,
         }
@@ -179,9 +197,10 @@ impl Settings {
     }
 
     fn first_error_problems(&self) -> impl Iterator<Item = (&'static str, String)> {
+        let FirstError { position, rotation } = self.max_first_error;
         [
-            ("max_first_position_error", self.max_first_position_error),
-            ("max_first_rotation_error", self.max_first_rotation_error),
+            ("max_first_error.position", position),
+            ("max_first_error.rotation", rotation),
         ]
         .into_iter()
         .filter(|(_, value)| value.is_nan() || *value <= 0.0)

@@ -124,8 +124,8 @@ fn settings() {
             "x.toml:3:15: controller: formulation: unknown value `dense`, expected one of `auto`, `condensed`, \
              `torque_eliminated`, `explicit`",
             "x.toml:4:1: controller: unknown key `regularization`; did you mean `regularisation`? \
-             (known: extrapolation, formulation, hover, max_first_position_error, max_first_rotation_error, \
-             max_memory, observer, rate, regularisation, start, velocity_leak)",
+             (known: extrapolation, formulation, hover, max_first_error, max_memory, observer, rate, \
+             regularisation, start, velocity_leak)",
         ]
     );
     assert_eq!(

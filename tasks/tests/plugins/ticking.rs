@@ -6,7 +6,7 @@ use wbqp::{
     controller::FallbackLevel,
     nalgebra::{Vector3, Vector6},
     plugin::{AnyConstraint, AnyTask, Entry, Hardness, PerRow},
-    settings::{Settings, StartFrom},
+    settings::{FirstError, Settings, StartFrom},
     spatial,
 };
 use wbqp_tasks::{
@@ -25,8 +25,7 @@ impl Setting {
     fn new() -> Self {
         let settings = Settings {
             start: StartFrom::Home,
-            max_first_position_error: f64::INFINITY,
-            max_first_rotation_error: f64::INFINITY,
+            max_first_error: FirstError::ANY,
             ..Settings::at_rate(250.0)
         };
         let mut config = ControllerConfig::new(settings, Box::new(Small {}));

@@ -1,6 +1,6 @@
 //! Three controllers that tick: what `tests/spine.py` looks at.
 
-use wbqp::{Controller, ControllerConfig, controller::FallbackLevel};
+use wbqp::{Controller, ControllerConfig, controller::FallbackLevel, settings::FirstError};
 use wbqp_tests::files::scenarios;
 use {wbqp_robots as _, wbqp_tasks as _}; // plug-ins are registered by linking
 
@@ -8,8 +8,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for name in ["push_with_disturbance", "quadruped_stand", "humanoid_stand"] {
         let file = scenarios().join(format!("{name}.controller.toml"));
         let mut config = ControllerConfig::from_file(file)?;
-        config.settings.max_first_position_error = f64::INFINITY;
-        config.settings.max_first_rotation_error = f64::INFINITY;
+        config.settings.max_first_error = FirstError::ANY;
         let mut controller = Controller::new(config)?;
         let mut measurement = controller.measurement();
         for _ in 0..3 {

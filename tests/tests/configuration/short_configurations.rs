@@ -318,7 +318,7 @@ fn everything_that_goes_without_saying_is_listed() {
     let config = ControllerConfig::from_file(workspace(SHORT[0].1)).expect("loads");
     let text = listed(&config);
     for line in [
-        "controller: max_first_rotation_error = 0.5 (default)",
+        "controller: max_first_error = { position = 0.5, rotation = 0.5 } (default)",
         "solver: type = \"active_set\" (default)",
         "contact[1] `fr_foot`: kind = \"point\" (it has no `size`)",
         "contact[3] `hr_foot`: active = true (it has `motion`)",

@@ -7,7 +7,7 @@ use wbqp::{
     fault::Fault,
     nalgebra::{UnitQuaternion, Vector3},
     plugin::{AT_HOME, Entry},
-    settings::{Settings, StartFrom},
+    settings::{FirstError, Settings, StartFrom},
 };
 use wbqp_robots::{Humanoid, Othex, Quadruped, Urdf};
 use wbqp_tasks::{
@@ -135,13 +135,12 @@ fn home_says_otherwise_and_far_from_home_nothing_moves() {
     assert!(
         said.contains(
             "task `position` is 3.905 m from its reference in the first tick, more than \
-             `max_first_position_error` = 0.5 m"
+             `max_first_error.position` = 0.5 m"
         ),
         "{said}"
     );
     let any = Settings {
-        max_first_position_error: f64::INFINITY,
-        max_first_rotation_error: f64::INFINITY,
+        max_first_error: FirstError::ANY,
         ..at_home
     };
     let mut controller = everywhere(any).build().expect("fits");
@@ -232,7 +231,10 @@ fn errors_of_joints_count_by_themselves_and_those_of_entries_that_are_off_not_at
     let config = |limit: f64| {
         let settings = Settings {
             start: StartFrom::Home,
-            max_first_rotation_error: limit,
+            max_first_error: FirstError {
+                rotation: limit,
+                ..FirstError::default()
+            },
             ..Settings::at_rate(1000.0)
         };
         let foot = |frame: &str| ContactSpec {
@@ -331,25 +333,27 @@ fn a_home_that_nothing_places_stands_on_its_contacts() {
 fn limits_of_the_first_error_are_checked() {
     for (text, expected) in [
         (
-            "max_first_position_error = 0",
-            "controller: max_first_position_error: must be positive, `inf` for any, is 0",
+            "{ position = 0 }",
+            "controller: max_first_error.position: must be positive, `inf` for any, is 0",
         ),
         (
-            "max_first_rotation_error = nan",
-            "max_first_rotation_error: must be positive",
+            "{ rotation = nan }",
+            "max_first_error.rotation: must be positive",
         ),
         (
-            "max_first_rotaton_error = 1",
-            "unknown key `max_first_rotaton_error`; did you mean `max_first_rotation_error`?",
+            "{ rotaton = 1 }",
+            "max_first_error: unknown key `rotaton`; did you mean `rotation`?",
         ),
     ] {
-        let text = format!("[controller]\nrate = 250\n{text}\n[robot]\ntype = \"othex\"\n");
+        let text = format!(
+            "[controller]\nrate = 250\nmax_first_error = {text}\n[robot]\ntype = \"othex\"\n"
+        );
         let errors = ControllerConfig::from_str(&text, "x.toml", "").expect_err("is refused");
         assert!(errors.to_string().contains(expected), "{errors}");
     }
-    let text = "[controller]\nrate = 250\nstart = \"home\"\nmax_first_position_error = inf\n[robot]\n\
+    let text = "[controller]\nrate = 250\nstart = \"home\"\nmax_first_error = { position = inf }\n[robot]\n\
                 type = \"othex\"\n";
     let config = ControllerConfig::from_str(text, "x.toml", "").expect("loads");
     assert_eq!(config.settings.start, StartFrom::Home);
-    assert_eq!(config.settings.max_first_rotation_error, 0.5);
+    assert_eq!(config.settings.max_first_error.rotation, 0.5);
 }

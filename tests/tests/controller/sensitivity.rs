@@ -420,7 +420,7 @@ type Replace = &'static [(&'static str, &'static str)];
 const HIGHER: (&str, &str) = ("[-0.5, 0.0, 1.258]", "[-0.5, 0.0, 2.4]");
 const FROM_ANYWHERE: (&str, &str) = (
     "rate = 250.0",
-    "rate = 250.0\nmax_first_position_error = 10.0\nmax_first_rotation_error = 3.0",
+    "rate = 250.0\nmax_first_error = { position = 10.0, rotation = 3.0 }",
 );
 const AT_ONCE: (&str, &str) = ("transition = 1.0", "transition = 0.0");
 

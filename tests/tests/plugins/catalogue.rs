@@ -12,7 +12,7 @@ use wbqp::{
     nalgebra::{DVector, Vector3},
     plugin::{AnyConstraint, AnyTask, Entry, Hardness, PerRow},
     robot::{Robot, RobotModel},
-    settings::Settings,
+    settings::{FirstError, Settings},
 };
 use wbqp_robots::{BaseKind, Options, Othex, OthexVertical, Urdf};
 use wbqp_tasks::{
@@ -62,8 +62,7 @@ impl Loop {
 fn config(robot: Box<dyn Robot>) -> ControllerConfig {
     // Limits are tried by asking for far too much from the first tick on.
     let settings = Settings {
-        max_first_position_error: f64::INFINITY,
-        max_first_rotation_error: f64::INFINITY,
+        max_first_error: FirstError::ANY,
         ..Settings::at_rate(1.0 / PERIOD)
     };
     let config = ControllerConfig::new(settings, robot);
