@@ -191,8 +191,8 @@ impl Arguments {
         if self.expand {
             write!(out, "{}", config.to_toml()?)?;
         } else {
-            for value in config.implied() {
-                writeln!(out, "{value}")?;
+            for line in config.implied() {
+                writeln!(out, "{line}")?;
             }
         }
         Ok(ExitCode::SUCCESS)

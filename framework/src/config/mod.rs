@@ -55,7 +55,7 @@ use wbqp_robot_model::{Diagnostic, Robot, SourceFile};
 
 pub use build::Plan;
 pub use error::{ConfigError, ConfigErrorKind, ConfigErrors};
-pub use expand::{ImpliedValue, expand};
+pub use expand::expand;
 pub use overrides::{Overrides, key_path};
 
 /// Everything a controller is made of.

@@ -40,7 +40,6 @@ pub use entry_id::EntryId;
 pub use error::RequestError;
 pub use measurement::Measurement;
 pub use memory::Memory;
-pub use planned_force::PlannedForce;
 pub use probe::{Probe, ProbeInputs, WrittenRows};
 pub use record::Dump;
 pub use report::{ContactReport, FallbackLevel, LimitRow, Report, Side, TaskReport};

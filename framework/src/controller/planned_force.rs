@@ -7,23 +7,12 @@ use crate::{
     problem::BoundEntry,
 };
 
-/// The set point of a normal force.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PlannedForce<'a> {
-    /// The task.
-    pub task: &'a str,
-    /// The contact.
-    pub contact: ContactId,
-    /// What its reference says, N.
-    pub normal: f64,
-}
-
 /// The set points of the tasks that push, are switched on and have a weight.
 pub(super) fn planned_forces<'a>(
     tick: &Tick<'_>,
     entries: &'a [BoundEntry],
     plugins: &mut [RunningPlugin],
-) -> Vec<PlannedForce<'a>> {
+) -> Vec<(&'a str, ContactId, f64)> {
     let mut planned = Vec::new();
     for (bound, plugin) in entries.iter().zip(plugins) {
         if !bound.switch.is_wanted() || bound.weight.wanted().iter().all(|w| *w == 0.0) {
@@ -36,11 +25,7 @@ pub(super) fn planned_forces<'a>(
             if let Sample::Vector(sample) = reference.look(tick)
                 && let Some(&normal) = sample.value.first()
             {
-                planned.push(PlannedForce {
-                    task: &bound.name,
-                    contact,
-                    normal,
-                });
+                planned.push((bound.name.as_str(), contact, normal));
             }
         }
     }

@@ -11,7 +11,7 @@ use super::{
     Command, Controller, Measurement, Report,
     entry_id::EntryId,
     error::RequestError,
-    planned_force::{PlannedForce, planned_forces},
+    planned_force::planned_forces,
     record::{Dump, Record, Recorder, blank_record},
     running::RunningPlugin,
     sensitivity::{Before, Sensitivity},
@@ -359,11 +359,12 @@ impl Controller {
         Ok(())
     }
 
-    /// The set points, at a time in s, of the tasks that push, are switched on and have a weight.
+    /// The set points, at a time in s, of the tasks that push, are switched on and have a weight: of each its name, the
+    /// contact, and the normal force that its reference says, N.
     ///
     /// For a controller that is only looked at: it has not run and will not. What is asked of it afterwards
     /// ([`follow`](Controller::follow) and so on) counts from one period after that time.
-    pub fn planned_forces(&mut self, time: f64) -> Vec<PlannedForce<'_>> {
+    pub fn planned_forces(&mut self, time: f64) -> Vec<(&str, ContactId, f64)> {
         self.world.time = time;
         self.world.origin = Some(0.0);
         let tick = self.world.tick(EntryState::ON);

@@ -111,17 +111,17 @@ impl Case {
         let period = 1.0 / controller.settings().rate;
         let mut asked: Vec<Asked> = Vec::new();
         let mut look = |controller: &mut Controller, time: f64| {
-            for planned in controller.planned_forces(time) {
-                let contact = planned.contact.index();
+            for (task, contact, normal) in controller.planned_forces(time) {
+                let contact = contact.index();
                 let known = asked
                     .iter_mut()
-                    .find(|known| known.task == planned.task && known.contact == contact);
+                    .find(|known| known.task == task && known.contact == contact);
                 match known {
-                    Some(known) => known.normal = known.normal.max(planned.normal),
+                    Some(known) => known.normal = known.normal.max(normal),
                     None => asked.push(Asked {
-                        task: planned.task.to_owned(),
+                        task: task.to_owned(),
                         contact,
-                        normal: planned.normal,
+                        normal,
                     }),
                 }
             }

@@ -309,8 +309,7 @@ fn what_only_the_robot_shows_is_where_the_short_form_says_it() {
 }
 
 fn listed(config: &ControllerConfig) -> String {
-    let lines: Vec<String> = config.implied().iter().map(ToString::to_string).collect();
-    lines.join("\n")
+    config.implied().join("\n")
 }
 
 #[test]
@@ -340,8 +339,5 @@ fn everything_that_goes_without_saying_is_listed() {
     assert!(!text.contains("(com): weight"), "{text}");
     // The long form leaves nothing to short forms.
     let long = long(&workspace(SHORT[0].1)).implied();
-    assert!(
-        long.iter().all(|value| !value.why.contains("brings")),
-        "{long:?}"
-    );
+    assert!(long.iter().all(|line| !line.contains("brings")), "{long:?}");
 }

@@ -1,7 +1,5 @@
 //! What a file does not say: every value that stands in for it, and why.
 
-use std::fmt;
-
 use serde_json::Value as Json;
 
 use super::{List, Notes, Reading, Texts, read, value};
@@ -23,36 +21,12 @@ use crate::{
 };
 use wbqp_robot_model::Robot;
 
-/// A value that a file leaves to a default; displayed as `section: key = value (why)`.
-#[derive(Clone, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub struct ImpliedValue {
-    /// Whose it is, such as ``task[0] `com` (com)``; lists are counted as they are written out.
-    pub section: String,
-    /// The key; `surface.origin` in a table.
-    pub key: String,
-    /// The value as TOML; nothing if only words say what happens without one.
-    pub value: Option<String>,
-    /// Why that value: `critically damped: 2 sqrt(kp)`, `default`.
-    pub why: String,
-}
-
-impl fmt::Display for ImpliedValue {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self {
-            section, key, why, ..
-        } = self;
-        match &self.value {
-            Some(value) => write!(f, "{section}: {key} = {value} ({why})"),
-            None => write!(f, "{section}: {key}: {why}"),
-        }
-    }
-}
-
 impl ControllerConfig {
     /// Every value that the file, and the overrides, do not say: what short forms bring, and the defaults of all keys,
-    /// also of plug-ins, in the order of the file's tables. Empty for a configuration that was made in code.
-    pub fn implied(&self) -> Vec<ImpliedValue> {
+    /// also of plug-ins, in the order of the file's tables. A line each, `section: key = value (why)`, or
+    /// `section: key: what happens without it`; lists are counted as they are written out. Empty for a configuration
+    /// that was made in code.
+    pub fn implied(&self) -> Vec<String> {
         let Some(source) = &self.source else {
             return Vec::new();
         };
@@ -74,10 +48,10 @@ impl ControllerConfig {
         let mut lister = Lister {
             notes: &notes,
             is_said: &is_said,
-            values: Vec::new(),
+            lines: Vec::new(),
         };
         lister.document(&document);
-        lister.values
+        lister.lines
     }
 }
 
@@ -87,7 +61,7 @@ const ENTRY: [(&str, &str); 2] = [("active", "true"), ("transition", "0.0")];
 struct Lister<'a> {
     notes: &'a Notes,
     is_said: &'a dyn Fn(&Span) -> bool,
-    values: Vec<ImpliedValue>,
+    lines: Vec<String>,
 }
 
 impl Lister<'_> {
@@ -145,11 +119,9 @@ impl Lister<'_> {
     }
 
     fn add(&mut self, section: &str, key: &str, value: Option<String>, why: &str) {
-        self.values.push(ImpliedValue {
-            section: section.to_owned(),
-            key: key.to_owned(),
-            value,
-            why: why.to_owned(),
+        self.lines.push(match value {
+            Some(value) => format!("{section}: {key} = {value} ({why})"),
+            None => format!("{section}: {key}: {why}"),
         });
     }
 

@@ -24,7 +24,6 @@ use super::{
 
 pub(super) use contact::{Listed, write_out as write_out_contacts};
 pub(super) use defaults::fill as fill_defaults;
-pub use implied::ImpliedValue;
 pub use long::expand;
 pub(super) use names::{fill as fill_names, remedy};
 
