@@ -455,8 +455,7 @@ impl Batch {
     fn explain(&self, of: isize) -> PyResult<Option<String>> {
         let at = self.index(of)?;
         let inner = self.lock()?;
-        let why = inner.get(at).and_then(|one| one.controller.explain());
-        Ok(why.map(|why| why.to_string()))
+        Ok(inner.get(at).and_then(|one| one.controller.explain()))
     }
 
     /// Error of a task in the last tick, actual minus desired, a new array of shape (n, rows).

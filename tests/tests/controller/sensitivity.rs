@@ -201,7 +201,7 @@ fn perturb(
     };
     match parameter.kind {
         ParameterKind::Weight => {
-            let mut weights = c.weight(&*parameter.owner).expect("exists").to_vec();
+            let mut weights = c.weight(&parameter.owner).expect("exists").to_vec();
             weights[index] += by;
             c.reweight(&parameter.owner, PerRow::Each(weights)).is_ok()
         }
