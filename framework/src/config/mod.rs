@@ -1,7 +1,7 @@
 //! The configuration of a controller: what a TOML file says, or what code puts together.
 //!
-//! A file has the tables `[controller]` ([`Settings`]), `[robot]`, `[solver]` and `[measurement]`
-//! ([`MeasurementLimits`]; both optional), and any number of `[[contact]]` ([`ContactSpec`]), `[[task]]` and
+//! A file has the tables `[controller]` ([`Settings`]), `[robot]`, `[solver]`, `[fallback]` and `[measurement]`
+//! ([`MeasurementLimits`]; these three are optional), and any number of `[[contact]]` ([`ContactSpec`]), `[[task]]` and
 //! `[[constraint]]`:
 //! ```toml
 //! [[task]]

@@ -101,7 +101,7 @@ pub struct Controller {
     hover_residual: DVector<f64>,
     stopwatch: Box<dyn Stopwatch>,
     first: FirstTick,
-    /// What ids of tasks must have.
+    /// What a [`Sensitivity`] of this controller must have.
     stamp: Stamp,
     /// What the last tick began with, if that is kept.
     before: Option<Box<Before>>,

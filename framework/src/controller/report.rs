@@ -52,7 +52,7 @@ impl FallbackLevel {
 /// were given up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LimitRow {
-    /// Whose; [`Controller::row`](super::Controller::row) gives the name.
+    /// Whose; [`Report::row`] gives the name.
     pub row: RowId,
     /// Which side.
     pub side: Side,

@@ -420,7 +420,8 @@ impl Controller {
         self.report.explain()
     }
 
-    /// A copy of what the last tick gave, to be filled again after later ones. Allocates.
+    /// Room for a copy of what a tick took and gave, to be filled after each by [`Snapshot::take`]; until then it has
+    /// the last tick's command and report, and the home measurement. Allocates.
     pub fn snapshot(&self) -> Snapshot {
         Snapshot::of(self)
     }

@@ -37,7 +37,7 @@ pub struct Snapshot {
 }
 
 impl Snapshot {
-    /// Of the last tick, with room for all that a later one may say.
+    /// Command and report of the last tick, with room for all that a later one may say; the measurement is home.
     pub(super) fn of(controller: &Controller) -> Self {
         let tasks = controller.plugins[..controller.task_count].iter();
         let samples = |plugin: &RunningPlugin| {

@@ -24,7 +24,7 @@ use wbqp_robot_model::Robot;
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct PluginInfo {
-    /// `task`, `constraint`, `reference`, `robot` or `solver`.
+    /// `task`, `constraint`, `reference`, `robot`, `solver` or `fallback`.
     pub kind: &'static str,
     /// What `type` must be.
     pub tag: &'static str,
@@ -56,7 +56,7 @@ pub struct Key {
     pub description: String,
 }
 
-/// All linked plug-ins with their parameters: tasks, constraints, references, robots, solvers, fallback laws; each
+/// All plug-ins, linked or added, with their parameters: tasks, constraints, references, robots, solvers, fallback laws; each
 /// kind sorted by tag.
 ///
 /// ```

@@ -170,7 +170,7 @@ impl<P: ?Sized + 'static> Shelf<P> {
     }
 }
 
-/// The linked plug-in of that tag, if there is one; of several with the same tag the first by origin.
+/// The plug-in of that tag, linked or added, if there is one; of several with the same tag the first by origin.
 pub fn find<P: PluginKind + ?Sized>(tag: &str) -> Option<&'static Plugin<P>> {
     let all = P::plugins();
     let first = all.partition_point(|plugin| plugin.tag < tag);
