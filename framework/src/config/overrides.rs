@@ -130,19 +130,23 @@ impl Overrides {
 /// assert_eq!(keys("task.force.feedback"), ["task", "force", "feedback"]);
 /// assert_eq!(keys("task.'left arm'.kp"), ["task", "left arm", "kp"]);
 /// assert_eq!(key_path("task.left arm.kp"), None);
+/// assert_eq!(key_path("controller.rate = 500 #"), None);
 /// ```
 pub fn key_path(path: &str) -> Option<Vec<String>> {
     if path.contains('\n') {
         return None;
     }
-    let mut table: Table = format!("{path} = 0").parse().ok()?;
+    let line = format!("{path} = 0");
+    let mut table = DeTable::parse(&line).ok()?.into_inner();
     let mut keys = Vec::new();
     loop {
         let (key, value) = table.into_iter().next()?;
-        keys.push(key);
-        match value {
-            Value::Table(inner) => table = inner,
-            _ => return Some(keys),
+        keys.push(key.into_inner().into_owned());
+        let begin = value.span().start;
+        match value.into_inner() {
+            DeValue::Table(inner) => table = inner,
+            // Elsewhere the path has a value of its own, and the rest is a comment.
+            _ => return (begin + 1 == line.len()).then_some(keys),
         }
     }
 }

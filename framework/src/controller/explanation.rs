@@ -15,8 +15,6 @@
 //! In a tick only numbers are kept ([`LimitRow`]); names are looked up afterwards, by
 //! [`Report::explain`](super::Report::explain).
 
-use std::fmt;
-
 use super::report::{LimitRow, Side};
 use crate::{
     problem::Problem,
@@ -156,43 +154,6 @@ pub(super) fn write_conflict(
         };
         if let Some(row) = owner {
             push(row, side, limit, multiplier, gap / multiplier.abs());
-        }
-    }
-}
-
-/// With about four significant digits and at least one decimal.
-pub(super) struct Rounded(pub(super) f64);
-
-impl fmt::Display for Rounded {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let size = self.0.abs();
-        if size != 0.0 && !(1e-3..1e6).contains(&size) {
-            return write!(f, "{:.2e}", self.0);
-        }
-        let decimals = (0..6).find(|&d| {
-            let scale = 10_f64.powi(d);
-            ((self.0 * scale).round() / scale - self.0).abs() <= 5e-4 * size
-        });
-        write!(f, "{:.*}", decimals.unwrap_or(6).max(1) as usize, self.0)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::Rounded;
-
-    #[test]
-    fn numbers_are_short_and_never_zero_for_something() {
-        for (value, text) in [
-            (2.0, "2.0"),
-            (1.3, "1.3"),
-            (0.0, "0.0"),
-            (-9.80665, "-9.81"),
-            (0.034567, "0.03457"),
-            (1.2345e-7, "1.23e-7"),
-            (f64::INFINITY, "inf"),
-        ] {
-            assert_eq!(Rounded(value).to_string(), text);
         }
     }
 }

@@ -1,11 +1,11 @@
 //! What the numbers of a report stand for.
 
-use std::sync::Arc;
+use std::{fmt, sync::Arc};
 
 use wbqp_dynamics::model::Model;
 use wbqp_robot_model::RobotModel;
 
-use super::{LimitRow, Report, Side, explanation::Rounded, first::FirstTick};
+use super::{LimitRow, Report, Side, first::FirstTick};
 use crate::{
     contact::ContactBinding,
     fault::{Fault, Quantity},
@@ -171,4 +171,41 @@ fn owners(
         }
     }
     owners
+}
+
+/// With about four significant digits and at least one decimal.
+struct Rounded(f64);
+
+impl fmt::Display for Rounded {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let size = self.0.abs();
+        if size != 0.0 && !(1e-3..1e6).contains(&size) {
+            return write!(f, "{:.2e}", self.0);
+        }
+        let decimals = (0..6).find(|&d| {
+            let scale = 10_f64.powi(d);
+            ((self.0 * scale).round() / scale - self.0).abs() <= 5e-4 * size
+        });
+        write!(f, "{:.*}", decimals.unwrap_or(6).max(1) as usize, self.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Rounded;
+
+    #[test]
+    fn numbers_are_short_and_never_zero_for_something() {
+        for (value, text) in [
+            (2.0, "2.0"),
+            (1.3, "1.3"),
+            (0.0, "0.0"),
+            (-9.80665, "-9.81"),
+            (0.034567, "0.03457"),
+            (1.2345e-7, "1.23e-7"),
+            (f64::INFINITY, "inf"),
+        ] {
+            assert_eq!(Rounded(value).to_string(), text);
+        }
+    }
 }

@@ -56,8 +56,8 @@ pub struct Key {
     pub description: String,
 }
 
-/// All plug-ins, linked or added, with their parameters: tasks, constraints, references, robots, solvers, fallback laws;
-/// each kind sorted by tag.
+/// All plug-ins, linked or added, with their parameters: tasks, constraints, references, robots, solvers, fallback
+/// laws; each kind sorted by tag.
 ///
 /// ```
 /// let mut all = wbqp::registry().into_iter();
