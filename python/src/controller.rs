@@ -278,7 +278,7 @@ impl Controller {
 
     /// Derivatives of the last tick's optimum, accelerations, efforts and contact forces, with respect to weights,
     /// gains, references, and the measured state and wrenches. Nothing of the controller changes. It takes as long as
-    /// a hundred to a thousand ticks. Plug-ins in Python are not asked again: their rows count as constant, and `notes`
+    /// fifty to a thousand ticks. Plug-ins in Python are not asked again: their rows count as constant, and `notes`
     /// says so.
     ///
     /// Returns

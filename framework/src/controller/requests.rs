@@ -394,8 +394,8 @@ impl Controller {
     /// and its velocity references are not part of it. [`Sensitivity::notes`] says where they do not exist.
     ///
     /// Does not allocate, unless keys of an entry were changed since the last call. Nothing of the controller
-    /// changes: the next tick is the same to the bit. Not for inside a real-time loop: it takes as long as a
-    /// hundred to a thousand ticks.
+    /// changes: the next tick is the same to the bit. Not for inside a real-time loop: it takes as long as fifty
+    /// to a thousand ticks.
     ///
     /// ```no_run
     /// # fn run(mut controller: wbqp::Controller) -> Result<(), wbqp::controller::RequestError> {
