@@ -4,7 +4,7 @@ use pyo3::{
     prelude::*,
     types::{PyString, PyTuple},
 };
-use wbqp::{Controller, qp::RowId, robot::RobotModel};
+use wbqp::{Controller, robot::RobotModel};
 
 /// Names of a controller's parts, in the order of the arrays.
 pub(crate) struct Names {
@@ -16,8 +16,6 @@ pub(crate) struct Names {
     pub(crate) tasks: Vec<String>,
     /// Per task, the labels of its rows.
     pub(crate) task_rows: Vec<Py<PyTuple>>,
-    /// Owner, label and unit of every row, by the row's id.
-    pub(crate) rows: Vec<[String; 3]>,
 }
 
 /// A tuple of texts.
@@ -56,7 +54,6 @@ impl Names {
         let velocities = velocities(robot);
         let layouts = controller.task_layouts();
         let labels = layouts.map(|layout| tuple(py, layout.row_labels().map(|(label, _)| label)));
-        let rows = (0..).map_while(|i| controller.row(RowId::new(i)));
         Ok(Self {
             joints: tuple(py, robot.model.joints().iter().map(|j| j.name.as_str()))?,
             velocities: tuple(py, velocities.iter().map(String::as_str))?,
@@ -65,9 +62,6 @@ impl Names {
             contact_list: controller.contact_names().map(str::to_owned).collect(),
             tasks: controller.task_names().map(str::to_owned).collect(),
             task_rows: labels.collect::<PyResult<_>>()?,
-            rows: rows
-                .map(|row| [row.owner.clone(), row.label.clone(), row.unit.clone()])
-                .collect(),
         })
     }
 }

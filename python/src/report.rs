@@ -8,8 +8,6 @@ use pyo3::{
 };
 use wbqp::{
     controller::{LimitRow, Report as Inner},
-    qp::{RowId, Status},
-    stopwatch::StageTimes,
 };
 
 use crate::{
@@ -26,30 +24,17 @@ const CONTACT: usize = 25;
 pub(crate) struct Report {
     memory: Py<Memory>,
     names: Arc<Names>,
-    scalars: Mutex<Scalars>,
+    last: Mutex<Last>,
     vdot: Py<PyAny>,
     tasks: Py<PyMappingProxy>,
     contacts: Py<PyMappingProxy>,
 }
 
-/// What is no array.
-#[derive(Clone, Default)]
-struct Scalars {
-    time: f64,
-    level: &'static str,
-    since: f64,
-    ticks: u64,
-    fault: Option<wbqp::fault::Fault>,
+/// What is no array is asked of the tick's own report.
+#[derive(Clone)]
+struct Last {
+    report: Inner,
     traceback: Option<String>,
-    status: Status,
-    iterations: u32,
-    resolves: u32,
-    objective: f64,
-    disturbance: [f64; 6],
-    times: StageTimes,
-    active: Vec<LimitRow>,
-    conflict: Vec<LimitRow>,
-    relaxed: Vec<LimitRow>,
 }
 
 /// What became of a task in the last tick.
@@ -74,7 +59,12 @@ fn cells(names: &Names, velocities: usize, rows: &[usize]) -> usize {
 }
 
 impl Report {
-    fn over(py: Python<'_>, memory: Py<Memory>, names: Arc<Names>) -> PyResult<Self> {
+    fn over(
+        py: Python<'_>,
+        memory: Py<Memory>,
+        names: Arc<Names>,
+        last: Last,
+    ) -> PyResult<Self> {
         let bound = memory.bind(py);
         let read = |at, shape: &[usize]| array(bound, at, shape, Access::Read).map(Bound::into_any);
         let velocities = names.velocities.bind(py).len();
@@ -112,7 +102,7 @@ impl Report {
             at += CONTACT;
         }
         Ok(Self {
-            scalars: Mutex::default(),
+            last: Mutex::new(last),
             vdot,
             tasks: PyMappingProxy::new(py, tasks.as_mapping()).unbind(),
             contacts: PyMappingProxy::new(py, contacts.as_mapping()).unbind(),
@@ -124,13 +114,17 @@ impl Report {
     pub(crate) fn new(py: Python<'_>, inner: &Inner, names: Arc<Names>) -> PyResult<Self> {
         let rows: Vec<usize> = inner.tasks.iter().map(|task| task.error.len()).collect();
         let memory = Memory::new(cells(&names, inner.vdot.len(), &rows));
-        let this = Self::over(py, Py::new(py, memory)?, names)?;
+        let last = Last {
+            report: inner.clone(),
+            traceback: None,
+        };
+        let this = Self::over(py, Py::new(py, memory)?, names, last)?;
         this.write(inner, None);
         Ok(this)
     }
 
-    fn scalars(&self) -> MutexGuard<'_, Scalars> {
-        self.scalars.lock().unwrap_or_else(PoisonError::into_inner)
+    fn last(&self) -> MutexGuard<'_, Last> {
+        self.last.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Takes over a report of the same sizes. Allocates only where more limits are active than ever before.
@@ -163,27 +157,9 @@ impl Report {
             memory.write(at + 22, contact.position.as_slice());
             at += CONTACT;
         }
-        let mut scalars = self.scalars();
-        scalars.time = inner.time;
-        scalars.level = inner.level.as_str();
-        scalars.since = inner.level_since;
-        scalars.ticks = inner.level_ticks;
-        scalars.fault = inner.fault;
-        scalars.traceback = traceback;
-        scalars.status = inner.status;
-        scalars.iterations = inner.iterations;
-        scalars.resolves = inner.resolves;
-        scalars.objective = inner.objective;
-        scalars.disturbance = inner.disturbance.into();
-        scalars.times = inner.times;
-        scalars.active.clone_from(&inner.active);
-        scalars.conflict.clone_from(&inner.conflict);
-        scalars.relaxed.clone_from(&inner.relaxed);
-    }
-
-    fn row_name(&self, row: RowId) -> (String, String, String) {
-        let found = self.names.rows.get(row.index()).cloned();
-        found.unwrap_or_default().into()
+        let mut last = self.last();
+        last.report.copy_from(inner);
+        last.traceback = traceback;
     }
 }
 
@@ -192,68 +168,74 @@ impl Report {
     /// Time of the measurement, s.
     #[getter]
     fn time(&self) -> f64 {
-        self.scalars().time
+        self.last().report.time
     }
 
     /// Where the command comes from: `"optimal"`, `"relaxed"`, `"extrapolated"` or `"safe"`.
     #[getter]
     fn level(&self) -> &'static str {
-        self.scalars().level
+        self.last().report.level.as_str()
     }
 
     /// Time stamp of the first tick on this level, s.
     #[getter]
     fn level_since(&self) -> f64 {
-        self.scalars().since
+        self.last().report.level_since
     }
 
     /// Ticks on this level, this one included.
     #[getter]
     fn level_ticks(&self) -> u64 {
-        self.scalars().ticks
+        self.last().report.level_ticks
     }
 
-    /// Why the command is not this tick's optimum, in words; `None` if it is. `Controller.explain()` says more.
+    /// Why the command is not this tick's optimum, in one line; `None` if it is. `explain()` says more.
     #[getter]
     fn fault(&self) -> Option<String> {
-        self.scalars().fault.map(|fault| fault.to_string())
+        self.last().report.why()
+    }
+
+    /// Why the command is not this tick's optimum, by name: the level, the fault, the limits that contradict one
+    /// another, and those that the command does not keep, a line each; `None` if it is.
+    fn explain(&self) -> Option<String> {
+        self.last().report.explain()
     }
 
     /// What a plug-in written in Python raised in this tick, with its traceback; `None` if none did.
     #[getter]
     fn traceback(&self) -> Option<String> {
-        self.scalars().traceback.clone()
+        self.last().traceback.clone()
     }
 
     /// How the solver ended on the tick's own problem, such as `"optimal"` or `"infeasible"`.
     #[getter]
     fn status(&self) -> &'static str {
-        self.scalars().status.as_str()
+        self.last().report.status.as_str()
     }
 
     /// The solver's iterations.
     #[getter]
     fn iterations(&self) -> u32 {
-        self.scalars().iterations
+        self.last().report.iterations
     }
 
     /// Relaxed problems that were solved.
     #[getter]
     fn resolves(&self) -> u32 {
-        self.scalars().resolves
+        self.last().report.resolves
     }
 
     /// The optimum's cost.
     #[getter]
     fn objective(&self) -> f64 {
-        self.scalars().objective
+        self.last().report.objective
     }
 
     /// Estimate of the wrench on the base that the model does not have, force then moment about the base's origin,
     /// world axes, N and N·m, shape (6,), a copy; zeros without an observer.
     #[getter]
     fn disturbance<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
-        of_vector(py, &self.scalars().disturbance)
+        of_vector(py, self.last().report.disturbance.as_slice())
     }
 
     /// Generalised acceleration that the solution predicts, shape (nv,).
@@ -274,13 +256,12 @@ impl Report {
         self.contacts.clone_ref(py)
     }
 
-    /// Limits that are active: a list of dicts with `owner`, `label`, `unit`, `side` and `multiplier`.
+    /// Limits that are active: a list of dicts with `owner`, `label`, `unit`, `side`, `limit` and `multiplier`.
     #[getter]
     fn active<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
-        let rows = self.scalars().active.clone();
+        let rows = self.last().report.active.clone();
         let dict = |row: &LimitRow| {
-            let dict = self.named_row(py, row.row)?;
-            dict.set_item("side", row.side.as_str())?;
+            let dict = self.named_row(py, row)?;
             dict.set_item("multiplier", row.multiplier)?;
             Ok(dict)
         };
@@ -291,11 +272,9 @@ impl Report {
     /// `multiplier` and `short`, by how much this one alone would have to give.
     #[getter]
     fn conflict<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
-        let rows = self.scalars().conflict.clone();
+        let rows = self.last().report.conflict.clone();
         let dict = |row: &LimitRow| {
-            let dict = self.named_row(py, row.row)?;
-            dict.set_item("side", row.side.as_str())?;
-            dict.set_item("limit", row.limit)?;
+            let dict = self.named_row(py, row)?;
             dict.set_item("multiplier", row.multiplier)?;
             dict.set_item("short", row.short)?;
             Ok(dict)
@@ -306,11 +285,9 @@ impl Report {
     /// Limits that were given up: a list of dicts with `owner`, `label`, `unit`, `side`, `limit` and `by`.
     #[getter]
     fn relaxed<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
-        let rows = self.scalars().relaxed.clone();
+        let rows = self.last().report.relaxed.clone();
         let dict = |row: &LimitRow| {
-            let dict = self.named_row(py, row.row)?;
-            dict.set_item("side", row.side.as_str())?;
-            dict.set_item("limit", row.limit)?;
+            let dict = self.named_row(py, row)?;
             dict.set_item("by", row.short)?;
             Ok(dict)
         };
@@ -320,30 +297,34 @@ impl Report {
     /// A report that no tick changes.
     fn copy(&self, py: Python<'_>) -> PyResult<Self> {
         let memory = Py::new(py, self.memory.get().duplicate())?;
-        let copy = Self::over(py, memory, Arc::clone(&self.names))?;
-        *copy.scalars() = self.scalars().clone();
-        Ok(copy)
+        Self::over(py, memory, Arc::clone(&self.names), self.last().clone())
     }
 
     fn __repr__(&self) -> String {
-        let scalars = self.scalars();
-        let fault = scalars
-            .fault
-            .map_or_else(String::new, |fault| format!(", fault: {fault}"));
+        let last = self.last();
+        let report = &last.report;
+        let fault = report
+            .why()
+            .map_or_else(String::new, |why| format!(", fault: {why}"));
         format!(
             "<wbqp.Report at {} s: {}, {} iterations{fault}>",
-            scalars.time, scalars.level, scalars.iterations
+            report.time,
+            report.level.as_str(),
+            report.iterations
         )
     }
 }
 
 impl Report {
-    fn named_row<'py>(&self, py: Python<'py>, row: RowId) -> PyResult<Bound<'py, PyDict>> {
-        let (owner, label, unit) = self.row_name(row);
+    fn named_row<'py>(&self, py: Python<'py>, row: &LimitRow) -> PyResult<Bound<'py, PyDict>> {
+        let last = self.last();
+        let named = last.report.row(row.row);
         let dict = PyDict::new(py);
-        dict.set_item("owner", owner)?;
-        dict.set_item("label", label)?;
-        dict.set_item("unit", unit)?;
+        dict.set_item("owner", named.map_or("", |named| &named.owner))?;
+        dict.set_item("label", named.map_or("", |named| &named.label))?;
+        dict.set_item("unit", named.map_or("", |named| &named.unit))?;
+        dict.set_item("side", row.side.as_str())?;
+        dict.set_item("limit", row.limit)?;
         Ok(dict)
     }
 }

@@ -162,7 +162,7 @@ fn entry_keys(default: Hardness) -> Value {
             },
             "weight": about(
                 schema_of::<PerRow>(),
-                "Weight, a number or one per row, 0 or more: a row costs weight × residual². Needed unless hard.",
+                "Weight, a number or one per row, 0 or more: a row costs weight × residual². A hard entry needs none.",
             ),
             "active": { "type": "boolean", "default": true, "description": "Whether it is on at the start." },
             "transition": {
@@ -170,7 +170,7 @@ fn entry_keys(default: Hardness) -> Value {
                 "minimum": 0,
                 "default": 0.0,
                 "x-unit": "s",
-                "description": "Duration of the ramp when it is switched, s.",
+                "description": "Duration of the ramp when it is switched or gets another weight, s.",
             },
             "hardness": about(schema_of::<Hardness>(), "\"hard\", \"soft\" or { exact = λ }."),
         }

@@ -172,8 +172,9 @@ impl Report {
         copy
     }
 
-    /// Copies another report of the same controller into one that has room for it, without allocating.
-    pub(super) fn copy_from(&mut self, other: &Self) {
+    /// Copies another report of the same controller, in its storage: allocates only where more limits are listed than
+    /// ever before.
+    pub fn copy_from(&mut self, other: &Self) {
         let Self {
             time,
             level,

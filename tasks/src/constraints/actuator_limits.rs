@@ -10,7 +10,7 @@ use wbqp::{actuator::ActuatorKind, model::JointKind, prelude::*};
 /// input ω²; here the variable is the thrust itself, and so are its bounds. Where an actuator has a `slew`, the effort
 /// also stays within `slew` × T of the last one that was sent, where T is the time since then, at most a period.
 ///
-/// Bounds on single variables, no rows; they are hard whatever the entry says.
+/// Bounds on single variables, no rows; they are always hard, and another `hardness` is refused.
 #[wbqp::constraint("actuator_limits")]
 #[derive(Default)]
 pub struct ActuatorLimits {}

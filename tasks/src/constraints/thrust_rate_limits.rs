@@ -12,7 +12,7 @@ use crate::{check, tasks::chosen_rotors};
 /// given are the robot's own (`slew`), which [`ActuatorLimits`](crate::ActuatorLimits) keeps as well. Thrusts are sent
 /// within the actuators' limits, so with those the bounds always leave something.
 ///
-/// Bounds on single variables, no rows; they are hard whatever the entry says.
+/// Bounds on single variables, no rows; they are always hard, and another `hardness` is refused.
 #[wbqp::constraint("thrust_rate_limits")]
 #[derive(Default)]
 pub struct ThrustRateLimits {

@@ -184,7 +184,7 @@ impl fmt::Display for Sensitivity {
         };
         writeln!(f, "the optimum at {time} s")?;
         for note in self.notes() {
-            writeln!(f, "  not differentiable: {note}")?;
+            writeln!(f, "  note: {note}")?;
         }
         writeln!(f, "  weight of, by |∂u/∂ ln w|:")?;
         let [nv, nu] = self.counts;
