@@ -6,9 +6,7 @@ use pyo3::{
     prelude::*,
     types::{PyDict, PyMappingProxy},
 };
-use wbqp::{
-    controller::{LimitRow, Report as Inner},
-};
+use wbqp::controller::{LimitRow, Report as Inner};
 
 use crate::{
     arrays::of_vector,
@@ -59,12 +57,7 @@ fn cells(names: &Names, velocities: usize, rows: &[usize]) -> usize {
 }
 
 impl Report {
-    fn over(
-        py: Python<'_>,
-        memory: Py<Memory>,
-        names: Arc<Names>,
-        last: Last,
-    ) -> PyResult<Self> {
+    fn over(py: Python<'_>, memory: Py<Memory>, names: Arc<Names>, last: Last) -> PyResult<Self> {
         let bound = memory.bind(py);
         let read = |at, shape: &[usize]| array(bound, at, shape, Access::Read).map(Bound::into_any);
         let velocities = names.velocities.bind(py).len();

@@ -12,7 +12,7 @@ use std::ops::Range;
 use super::{
     constraint::any_equal,
     kernels::{LANES, SMALL, add_rows, axpy, dot, dots, padded},
-    simd::{Simd, with_simd},
+    simd::{Simd, Vectors, with_simd},
 };
 use crate::Qp;
 
@@ -64,21 +64,32 @@ impl Hessian {
 
     /// Factorises; false if H is not definite, or has no finite factor.
     pub(super) fn factorise(&mut self, qp: &Qp) -> bool {
-        with_simd!(self.simd, {
-            self.n = qp.n();
-            self.stride = padded(self.n);
-            self.is_shifted = false;
+        // What is rare, machines without vectors, has code for any size.
+        match self.simd.wide() {
+            Some(wide) => with_simd!(wide, self.factorise_with::<true>(qp)),
+            None => self.factorise_with::<false>(qp),
+        }
+    }
+
+    /// `SIZED` says that there is code for the usual sizes.
+    #[inline(always)]
+    fn factorise_with<const SIZED: bool>(&mut self, qp: &Qp) -> bool {
+        self.n = qp.n();
+        self.stride = padded(self.n);
+        self.is_shifted = false;
+        loop {
             self.load(qp);
-            if self.eliminate() {
+            if self.is_shifted {
+                self.add_equalities(qp);
+            }
+            if self.eliminate::<SIZED>() {
                 return true;
             }
-            if !any_equal(qp.row_lower(), qp.row_upper()) {
+            if self.is_shifted || !any_equal(qp.row_lower(), qp.row_upper()) {
                 return false;
             }
-            self.load(qp);
-            self.add_equalities(qp);
-            self.eliminate()
-        })
+            self.is_shifted = true;
+        }
     }
 
     /// Whether equality rows were added.
@@ -175,7 +186,6 @@ impl Hessian {
     fn add_equalities(&mut self, qp: &Qp) {
         let n = self.n;
         self.shift[..n].fill(0.0);
-        self.is_shifted = true;
         for i in (0..qp.m()).filter(|&i| qp.row_lower()[i] == qp.row_upper()[i]) {
             let (a, b) = (qp.row(i), qp.row_lower()[i]);
             // Of the size of a unit diagonal after Jacobi scaling.
@@ -210,13 +220,13 @@ impl Hessian {
 
     /// Right-looking Cholesky by blocks of four rows; false at the first weak pivot.
     #[inline(always)]
-    fn eliminate(&mut self) -> bool {
+    fn eliminate<const SIZED: bool>(&mut self) -> bool {
         // Loops of a length that the compiler knows take half the time.
         match (self.stride, self.is_full) {
-            (8, true) => self.eliminate_with::<true>(8),
-            (12, true) => self.eliminate_with::<true>(12),
-            (16, true) => self.eliminate_with::<true>(16),
-            (32, true) => self.eliminate_with::<true>(32),
+            (8, true) if SIZED => self.eliminate_with::<true>(8),
+            (12, true) if SIZED => self.eliminate_with::<true>(12),
+            (16, true) if SIZED => self.eliminate_with::<true>(16),
+            (32, true) if SIZED => self.eliminate_with::<true>(32),
             (stride, true) => self.eliminate_with::<true>(stride),
             (stride, false) => self.eliminate_with::<false>(stride),
         }
@@ -279,31 +289,35 @@ impl Hessian {
 
     /// Replaces `a` by `w = U⁻ᵀ a`; returns which components of w may differ from zero, in whole lanes.
     pub(super) fn solve_transposed(&self, a: &mut [f64]) -> Range<usize> {
-        with_simd!(
-            self.simd,
-            match self.stride {
-                8 => self.solve_transposed_of::<8>(0, a),
-                12 => self.solve_transposed_of::<12>(0, a),
-                16 => self.solve_transposed_of::<16>(0, a),
-                32 => self.solve_transposed_of::<32>(0, a),
-                stride if self.is_full => self.solve_transposed_with::<true>(stride, 0, a),
-                stride => self.solve_transposed_with::<false>(stride, 0, a),
-            }
-        )
+        match self.simd.wide() {
+            Some(wide) => with_simd!(
+                wide,
+                match self.stride {
+                    8 => self.solve_transposed_of(8, 0, a),
+                    12 => self.solve_transposed_of(12, 0, a),
+                    16 => self.solve_transposed_of(16, 0, a),
+                    32 => self.solve_transposed_of(32, 0, a),
+                    stride => self.solve_transposed_of(stride, 0, a),
+                }
+            ),
+            None => self.solve_transposed_of(self.stride, 0, a),
+        }
     }
 
     /// The same, where the stride is known, and the first component that may differ from zero.
     #[expect(clippy::inline_always, reason = "the stride is to be known")]
     #[inline(always)]
-    pub(super) fn solve_transposed_of<const S: usize>(
+    pub(super) fn solve_transposed_of(
         &self,
+        stride: usize,
         first: usize,
         a: &mut [f64],
     ) -> Range<usize> {
-        if self.is_full {
-            self.solve_transposed_with::<true>(S, first, a)
+        // Small ones are full, always.
+        if stride <= SMALL || self.is_full {
+            self.solve_transposed_with::<true>(stride, first, a)
         } else {
-            self.solve_transposed_with::<false>(S, first, a)
+            self.solve_transposed_with::<false>(stride, first, a)
         }
     }
 
@@ -368,27 +382,30 @@ impl Hessian {
 
     /// Replaces `z` by `x = U⁻¹ z`.
     pub(super) fn solve(&self, z: &mut [f64]) {
-        with_simd!(
-            self.simd,
-            match self.stride {
-                8 => self.solve_of::<8>(z),
-                12 => self.solve_of::<12>(z),
-                16 => self.solve_of::<16>(z),
-                32 => self.solve_of::<32>(z),
-                stride if self.is_full => self.solve_with::<true>(stride, z),
-                stride => self.solve_with::<false>(stride, z),
-            }
-        );
+        match self.simd.wide() {
+            Some(wide) => with_simd!(
+                wide,
+                match self.stride {
+                    8 => self.solve_of(8, z),
+                    12 => self.solve_of(12, z),
+                    16 => self.solve_of(16, z),
+                    32 => self.solve_of(32, z),
+                    stride => self.solve_of(stride, z),
+                }
+            ),
+            None => self.solve_of(self.stride, z),
+        }
     }
 
     /// The same, where the stride is known.
     #[expect(clippy::inline_always, reason = "the stride is to be known")]
     #[inline(always)]
-    pub(super) fn solve_of<const S: usize>(&self, z: &mut [f64]) {
-        if self.is_full {
-            self.solve_with::<true>(S, z);
+    pub(super) fn solve_of(&self, stride: usize, z: &mut [f64]) {
+        // Small ones are full, always.
+        if stride <= SMALL || self.is_full {
+            self.solve_with::<true>(stride, z);
         } else {
-            self.solve_with::<false>(S, z);
+            self.solve_with::<false>(stride, z);
         }
     }
 

@@ -4,9 +4,26 @@
 /// vector, or none beyond the portable ones. As sums are added up in an order that the code fixes (`kernels`) and
 /// nothing is fused, both give the same bits.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Simd(#[cfg(all(target_arch = "x86_64", feature = "simd"))] Option<pulp::x86::V3>);
+pub(super) struct Simd(#[cfg(all(target_arch = "x86_64", feature = "simd"))] Option<Wide>);
 
-/// The value of an expression, computed with the instructions of a [`Simd`]. They reach what is inlined into it and
+/// Vector instructions that code is compiled for, where it is not compiled for all.
+pub(super) trait Vectors: Copy {
+    /// Calls a closure with these instructions: the part of `with_simd!` that is not syntax.
+    fn run<T>(self, f: impl FnOnce() -> T) -> T;
+}
+
+/// Those that every machine of its architecture has.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Portable;
+
+impl Vectors for Portable {
+    #[inline(always)]
+    fn run<T>(self, f: impl FnOnce() -> T) -> T {
+        f()
+    }
+}
+
+/// The value of an expression, computed with the instructions of a [`Simd`] or of [`Vectors`]. They reach what is inlined into it and
 /// nothing else: functions that it calls have to be `#[inline(always)]`, as far as that matters.
 macro_rules! with_simd {
     ($simd:expr, $value:expr) => {
@@ -18,16 +35,20 @@ macro_rules! with_simd {
 }
 pub(super) use with_simd;
 
+/// Those that most machines have.
 #[cfg(all(target_arch = "x86_64", feature = "simd"))]
-impl Simd {
-    /// Of this machine.
-    pub(super) fn detect() -> Self {
-        Self(pulp::x86::V3::try_new())
-    }
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Wide(pulp::x86::V3);
 
-    /// Calls a closure with these instructions: the part of `with_simd!` that is not syntax.
+/// Those that most machines have: the portable ones, which have the width of their vectors, or nothing else was asked
+/// for.
+#[cfg(not(all(target_arch = "x86_64", feature = "simd")))]
+pub(super) type Wide = Portable;
+
+#[cfg(all(target_arch = "x86_64", feature = "simd"))]
+impl Vectors for Wide {
     #[inline(always)]
-    pub(super) fn run<T>(self, f: impl FnOnce() -> T) -> T {
+    fn run<T>(self, f: impl FnOnce() -> T) -> T {
         struct Op<F>(F);
         impl<T, F: FnOnce() -> T> pulp::NullaryFnOnce for Op<F> {
             type Output = T;
@@ -37,25 +58,47 @@ impl Simd {
                 (self.0)()
             }
         }
-        match self.0 {
-            Some(v3) => v3.vectorize(Op(f)),
-            None => f(),
-        }
+        self.0.vectorize(Op(f))
+    }
+}
+
+#[cfg(all(target_arch = "x86_64", feature = "simd"))]
+impl Simd {
+    /// Of this machine.
+    pub(super) fn detect() -> Self {
+        Self(pulp::x86::V3::try_new().map(Wide))
+    }
+
+    /// What most machines have, if this one has it.
+    #[inline(always)]
+    pub(super) fn wide(self) -> Option<Wide> {
+        self.0
     }
 }
 
 #[cfg(not(all(target_arch = "x86_64", feature = "simd")))]
 impl Simd {
-    /// Of this machine: the portable ones have the width of its vectors, or nothing else was asked for.
+    /// Of this machine.
     pub(super) fn detect() -> Self {
         Self()
     }
 
-    /// Calls a closure: the part of `with_simd!` that is not syntax.
+    /// What most machines have.
+    #[inline(always)]
+    pub(super) fn wide(self) -> Option<Wide> {
+        let Self() = self;
+        Some(Portable)
+    }
+}
+
+impl Simd {
+    /// Calls a closure with these instructions: the part of `with_simd!` that is not syntax.
     #[inline(always)]
     pub(super) fn run<T>(self, f: impl FnOnce() -> T) -> T {
-        let Self() = self;
-        f()
+        match self.wide() {
+            Some(wide) => wide.run(f),
+            None => f(),
+        }
     }
 }
 

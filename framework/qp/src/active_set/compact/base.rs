@@ -3,6 +3,7 @@
 use super::{
     Run,
     place::{Place, beyond},
+    size::Size,
     vectors::{normal, product, project, subtract_columns},
 };
 use crate::{
@@ -10,7 +11,8 @@ use crate::{
     active_set::{
         constraint::{Active, any_equal, count, equality, index_of, limits},
         kernels::{axpy, dot},
-        simd::with_simd,
+        simd::{Vectors, with_simd},
+        triangle::rotation,
     },
 };
 
@@ -21,10 +23,10 @@ const NEARLY: f64 = 1e-8;
 /// *The Symmetric Eigenvalue Problem*, 1980, section 6.9).
 const TWICE: f64 = 0.01;
 
-impl Run<'_, '_> {
+impl<V: Vectors, Z: Size> Run<'_, '_, V, Z> {
     /// Holds all equality rows and fixed variables; false if they nearly depend on one another.
-    pub(super) fn hold_equalities<const S: usize, const EXACT: bool>(&mut self) -> bool {
-        with_simd!(self.own.simd, {
+    pub(super) fn hold_equalities(&mut self) -> bool {
+        with_simd!(self.vectors, {
             self.own.base.clear();
             self.own.is_tabulated = false;
             self.own.r.reset(self.qp.n());
@@ -37,7 +39,7 @@ impl Run<'_, '_> {
                     continue;
                 }
                 for (i, (lower, upper)) in lower.iter().zip(upper).enumerate() {
-                    if lower == upper && !self.append::<S, EXACT>(equality(qp, first + i)) {
+                    if lower == upper && !self.append(equality(qp, first + i)) {
                         return false;
                     }
                 }
@@ -47,8 +49,8 @@ impl Run<'_, '_> {
     }
 
     /// Holds what was held at the end of the last solve, still exists, and does not depend on what is held.
-    pub(super) fn hold_previous<const S: usize, const EXACT: bool>(&mut self, previous: &[Held]) {
-        with_simd!(self.own.simd, {
+    pub(super) fn hold_previous(&mut self, previous: &[Held]) {
+        with_simd!(self.vectors, {
             let qp = self.qp;
             for held in previous {
                 let Some(index) = index_of(qp, held.constraint) else {
@@ -64,7 +66,7 @@ impl Run<'_, '_> {
                     continue;
                 }
                 let k = self.own.base.len();
-                if self.append::<S, EXACT>(Active { index, side, limit }) {
+                if self.append(Active { index, side, limit }) {
                     self.own.of_base[k] = (held.multiplier * side).max(0.0) * side;
                 }
             }
@@ -73,7 +75,7 @@ impl Run<'_, '_> {
 
     /// Holds a constraint that is violated alone where nothing of the base has changed; whether it does. (Of several,
     /// the tableau says which.)
-    pub(super) fn append_violated<const S: usize, const EXACT: bool>(&mut self) -> bool {
+    pub(super) fn append_violated(&mut self) -> bool {
         let [(_, index)] = self.own.violated[..] else {
             return false;
         };
@@ -83,10 +85,7 @@ impl Run<'_, '_> {
         let (lower, upper) = limits(self.qp, index);
         let (_, side, limit) = beyond(self.point.value(index), lower, upper);
         let k = self.own.base.len();
-        let is_held = with_simd!(
-            self.own.simd,
-            self.append::<S, EXACT>(Active { index, side, limit })
-        );
+        let is_held = with_simd!(self.vectors, self.append(Active { index, side, limit }));
         if is_held {
             // What it is held with before the multipliers of the minimiser are found.
             self.own.of_base[k] = 0.0;
@@ -94,28 +93,73 @@ impl Run<'_, '_> {
         is_held
     }
 
+    /// Lets go what stands in the way of the minimiser's multipliers, on the base as long as it is not in the tableau:
+    /// the constraint whose multiplier is the first to reach zero. False if that is unclear.
+    pub(super) fn let_go_of_base(&mut self) -> bool {
+        with_simd!(self.vectors, {
+            let stride = self.size.stride();
+            let own = &mut *self.own;
+            let mut first = (f64::INFINITY, 0);
+            let multipliers = own.of_base.iter().zip(&own.targets);
+            for (i, (held, (so_far, target))) in own.base.iter().zip(multipliers).enumerate() {
+                let (price, target) = ((so_far * held.side).max(0.0), target * held.side);
+                if target < 0.0 {
+                    let part = price / (price - target);
+                    first = if part < first.0 { (part, i) } else { first };
+                }
+            }
+            let (part, leaving) = first;
+            // A NaN is no part.
+            if part > 1.0 {
+                return false;
+            }
+            let k = own.base.len();
+            let multipliers = own.of_base[..k].iter_mut().zip(&own.targets);
+            for (so_far, target) in multipliers {
+                *so_far += part * (target - *so_far);
+            }
+            own.of_base[leaving..k].rotate_left(1);
+            let mut columns = own.q[leaving * stride..k * stride].chunks_exact_mut(stride);
+            let mut left = columns.next();
+            own.r.remove(leaving, &mut own.y, |a, b| {
+                let (c, s, r) = rotation(a, b);
+                if let (Some(a), Some(b)) = (left.take(), columns.next()) {
+                    for (a, b) in a.iter_mut().zip(&mut *b) {
+                        (*a, *b) = (c * *a + s * *b, c * *b - s * *a);
+                    }
+                    left = Some(b);
+                }
+                (c, s, r)
+            });
+            let gone = own.base.remove(leaving);
+            own.tableau.clear_base(gone.index);
+            true
+        })
+    }
+
     /// Appends a constraint to the base; false if its normal nearly depends on the others.
     #[inline(always)]
-    fn append<const S: usize, const EXACT: bool>(&mut self, constraint: Active) -> bool {
+    fn append(&mut self, constraint: Active) -> bool {
         let k = self.own.base.len();
         if k == self.qp.n() {
             return false;
         }
-        self.know::<S, EXACT>(constraint.index);
+        self.know(constraint.index);
+        let stride = self.size.stride();
         let own = &mut *self.own;
         let (h, square) = (&mut own.h[..=k], own.squares[constraint.index]);
-        let (q, rest) = own.q.split_at_mut(k * S);
-        let rest = &mut rest[..S];
-        let w = normal::<S>(&own.w, constraint.index);
+        let (q, rest) = own.q.split_at_mut(k * stride);
+        let rest = &mut rest[..stride];
+        let w = normal(&own.w, stride, constraint.index);
         rest.copy_from_slice(w);
-        project::<S>(q, w, &mut h[..k]);
-        subtract_columns::<S>(rest, &h[..k], q);
+        project(q, w, &mut h[..k]);
+        subtract_columns(rest, &h[..k], q);
         let mut beyond = dot(rest, rest);
         if beyond < TWICE * square {
             // What rounding has left along Q.
             let again = &mut own.products[..k];
-            project::<S>(q, rest, again);
-            subtract_columns::<S>(rest, again, q);
+            project(q, rest, again);
+            subtract_columns(rest, again, q);
             axpy(&mut h[..k], 1.0, again);
             beyond = dot(rest, rest);
         }
@@ -156,36 +200,24 @@ impl Run<'_, '_> {
         own.r.solve(targets);
     }
 
-    /// Moves the inequalities from the base to the tableau, where they can go, with the multipliers of a point that was
-    /// found.
-    pub(super) fn tabulate<const S: usize>(&mut self) {
-        let own = &mut *self.own;
-        if own.is_tabulated {
-            return;
-        }
-        let k = own.base.len();
-        own.targets[..k].copy_from_slice(&own.of_base[..k]);
-        self.move_to_tableau::<S>();
-    }
-
-    /// The same with those that [`Run::find_targets`] found.
-    pub(super) fn move_to_tableau<const S: usize>(&mut self) {
+    /// Moves the inequalities from the base to the tableau, where they come and go, with the multipliers of the point.
+    pub(super) fn tabulate(&mut self) {
         if self.own.is_tabulated {
             return;
         }
-        with_simd!(self.own.simd, {
+        with_simd!(self.vectors, {
+            let stride = self.size.stride();
             let own = &mut *self.own;
             own.is_tabulated = true;
             let is_equality = |held: &&Active| held.side == 0.0;
             let e = own.base.iter().take_while(is_equality).count();
             let inequalities = own.base[e..].iter().zip(&own.of_base[e..]);
             let places = inequalities.enumerate().map(|(i, (held, multiplier))| {
-                let w = normal::<S>(&own.w, held.index);
+                let w = normal(&own.w, stride, held.index);
                 let value = dot(&own.r.column(e + i)[..e], &own.y[..e]) - product(w, &own.v);
                 let limits = limits(self.qp, held.index);
                 let place = Place::new(held.index, limits, value, own.squares[held.index]);
-                let price = (multiplier * held.side).max(0.0);
-                (place.held(held.side, held.limit), own.targets[e + i], price)
+                (place.held(held.side, held.limit), *multiplier)
             });
             own.tableau.begin(&own.r, e, places);
             own.r.truncate(e);

@@ -2,6 +2,7 @@
 
 use super::{
     Run,
+    size::Size,
     vectors::{normal, product, subtract},
 };
 use crate::{
@@ -10,7 +11,7 @@ use crate::{
         constraint::{add_normal, largest_normal},
         kernels::{axpy, dot, largest_product},
         point::Point,
-        simd::with_simd,
+        simd::{Vectors, with_simd},
     },
 };
 
@@ -40,21 +41,21 @@ pub(super) enum Verdict {
     Rounded,
 }
 
-impl Run<'_, '_> {
+impl<V: Vectors, Z: Size> Run<'_, '_, V, Z> {
     /// Corrects the point and its multipliers by the residuals of the optimality conditions.
-    pub(super) fn correct<const S: usize, const EXACT: bool>(&mut self) -> Verdict {
-        with_simd!(self.own.simd, {
+    pub(super) fn correct(&mut self) -> Verdict {
+        with_simd!(self.vectors, {
             let (mut residual, mut is_checked) = (LOST / GAIN, true);
             for _ in 0..REFINEMENTS {
                 let before = residual;
-                residual = self.residual::<S, EXACT>();
+                residual = self.residual();
                 // `!(… ≤ …)`: a NaN is lost.
                 let can_be_corrected = residual <= GAIN * before;
                 if !can_be_corrected {
                     return Verdict::Rounded;
                 }
                 if residual > ROUNDED {
-                    self.step_by_residual::<S>();
+                    self.step_by_residual();
                     is_checked = false;
                 }
                 if residual <= NEAR {
@@ -87,9 +88,10 @@ impl Run<'_, '_> {
     /// `H x + g + N λ` and, by place, `b − Nᵀ x`; returns the larger of their sizes relative to what they are the
     /// differences of.
     #[inline(always)]
-    fn residual<const S: usize, const EXACT: bool>(&mut self) -> f64 {
-        let (n, qp, own, point) = (self.n::<S, EXACT>(), self.qp, &mut *self.own, &*self.point);
-        let d = &mut own.d[..S];
+    fn residual(&mut self) -> f64 {
+        let (n, stride) = (self.size.n(), self.size.stride());
+        let (qp, own, point) = (self.qp, &mut *self.own, &*self.point);
+        let d = &mut own.d[..stride];
         self.hessian.product_with(n, qp, point.x(), d);
         d[n..].fill(0.0);
         let unit = point.unit();
@@ -123,22 +125,23 @@ impl Run<'_, '_> {
 
     /// Moves point and multipliers by what the residuals ask for.
     #[inline(always)]
-    fn step_by_residual<const S: usize>(&mut self) {
+    fn step_by_residual(&mut self) {
+        let stride = self.size.stride();
         let own = &mut *self.own;
-        let d = &mut own.d[..S];
-        self.hessian.solve_transposed_of::<S>(0, d);
+        let d = &mut own.d[..stride];
+        self.hessian.solve_transposed_of(stride, 0, d);
         let used = own.tableau.places().len();
         own.products[used..].fill(0.0);
         let e = own.base.len();
         if e > 0 {
             for (h, held) in own.h.iter_mut().zip(&own.base) {
-                *h += product(normal::<S>(&own.w, held.index), d);
+                *h += product(normal(&own.w, stride, held.index), d);
             }
             own.r.solve_transposed(0, &mut own.h[..e]);
         }
         for (k, place) in own.tableau.places().iter().enumerate() {
             if place.is_held() {
-                own.products[k] += product(normal::<S>(&own.w, place.index), d);
+                own.products[k] += product(normal(&own.w, stride, place.index), d);
                 if e > 0 {
                     own.products[k] -= dot(own.tableau.h(k), &own.h[..e]);
                 }
@@ -150,7 +153,7 @@ impl Run<'_, '_> {
         }
         for (k, place) in own.tableau.places().iter().enumerate() {
             if place.is_held() {
-                subtract(d, own.products[k], normal::<S>(&own.w, place.index));
+                subtract(d, own.products[k], normal(&own.w, stride, place.index));
                 if e > 0 {
                     axpy(&mut own.h[..e], own.products[k], own.tableau.h(k));
                 }
@@ -161,11 +164,11 @@ impl Run<'_, '_> {
             let multipliers = own.of_base.iter_mut().zip(&own.h);
             for ((multiplier, h), held) in multipliers.zip(&own.base) {
                 *multiplier -= h;
-                subtract(d, -h, normal::<S>(&own.w, held.index));
+                subtract(d, -h, normal(&own.w, stride, held.index));
             }
         }
-        self.hessian.solve_of::<S>(d);
-        for (x, d) in self.point.x_mut()[..S].iter_mut().zip(d) {
+        self.hessian.solve_of(stride, d);
+        for (x, d) in self.point.x_mut()[..stride].iter_mut().zip(d) {
             *x += *d;
         }
         self.point.evaluate(self.qp);

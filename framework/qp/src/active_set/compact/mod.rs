@@ -11,6 +11,7 @@
 mod base;
 mod correction;
 mod place;
+mod size;
 mod symmetric;
 mod tableau;
 mod together;
@@ -22,12 +23,13 @@ use super::{
     kernels::{LANES, axpy, dot, padded},
     limits::Limits,
     point::Point,
-    simd::{Simd, with_simd},
+    simd::{Portable, Simd, Vectors, with_simd},
     triangle::Triangle,
 };
 use crate::{Capacity, Held, Qp};
 use correction::Verdict;
 use place::{Place, beyond};
+use size::{Any, Exactly, Padded, Size};
 use tableau::{Step, Tableau, most};
 use vectors::{multiply, normal, product, project, subtract, subtract_columns};
 
@@ -145,8 +147,8 @@ impl Compact {
         limits: &mut Limits<'_>,
         iterations: &mut u32,
     ) -> End {
-        let simd = self.simd;
-        let mut run = Run {
+        let (simd, n) = (self.simd, qp.n());
+        let run = Run {
             own: self,
             qp,
             hessian,
@@ -154,23 +156,20 @@ impl Compact {
             limits,
             far: FAR[usize::from(!previous.is_empty())],
             iterations,
+            vectors: (),
+            size: (),
         };
-        let end = with_simd!(
-            simd,
-            match (qp.n(), padded(qp.n())) {
-                (8, _) => run.solve::<8, true>(previous),
-                (12, _) => run.solve::<12, true>(previous),
-                (16, _) => run.solve::<16, true>(previous),
-                (_, 4) => run.solve::<4, false>(previous),
-                (_, 8) => run.solve::<8, false>(previous),
-                (_, 12) => run.solve::<12, false>(previous),
-                (_, 16) => run.solve::<16, false>(previous),
-                (_, 20) => run.solve::<20, false>(previous),
-                (_, 24) => run.solve::<24, false>(previous),
-                (_, 28) => run.solve::<28, false>(previous),
-                (_, _) => run.solve::<32, false>(previous),
-            }
-        );
+        // What is rare, other sizes and machines without vectors, has code for any size.
+        let end = match (simd.wide(), padded(n)) {
+            (Some(wide), 12) if n == 12 => run.solve_with(wide, Exactly::<12>, previous),
+            (Some(wide), 8) => run.solve_with(wide, Padded::<8>(n), previous),
+            (Some(wide), 12) => run.solve_with(wide, Padded::<12>(n), previous),
+            (Some(wide), 16) => run.solve_with(wide, Padded::<16>(n), previous),
+            (Some(wide), 24) => run.solve_with(wide, Padded::<24>(n), previous),
+            (Some(wide), 32) => run.solve_with(wide, Padded::<32>(n), previous),
+            (Some(wide), _) => run.solve_with(wide, Any(n), previous),
+            (None, _) => run.solve_with(Portable, Any(n), previous),
+        };
         // Where another method has to go on, it goes on from here.
         self.remember(qp, previous, end);
         end
@@ -222,8 +221,8 @@ impl Compact {
     }
 }
 
-/// A solve with all that it uses.
-struct Run<'a, 'b> {
+/// A solve with all that it uses, by vector instructions and size.
+struct Run<'a, 'b, V, Z> {
     own: &'a mut Compact,
     qp: &'a Qp,
     hessian: &'a Hessian,
@@ -232,95 +231,114 @@ struct Run<'a, 'b> {
     /// Of [`FAR`].
     far: f64,
     iterations: &'a mut u32,
+    vectors: V,
+    size: Z,
 }
 
-impl Run<'_, '_> {
-    /// `S` is the number of variables with padding, and `EXACT` says that there is none.
+impl Run<'_, '_, (), ()> {
+    fn solve_with<V: Vectors, Z: Size>(self, vectors: V, size: Z, previous: &[Held]) -> End {
+        let mut run = Run {
+            own: self.own,
+            qp: self.qp,
+            hessian: self.hessian,
+            point: self.point,
+            limits: self.limits,
+            far: self.far,
+            iterations: self.iterations,
+            vectors,
+            size,
+        };
+        with_simd!(vectors, run.solve(previous))
+    }
+}
+
+impl<V: Vectors, Z: Size> Run<'_, '_, V, Z> {
     #[expect(
         clippy::inline_always,
         reason = "the compiler forgets the length of calls otherwise"
     )]
     #[inline(always)]
-    fn solve<const S: usize, const EXACT: bool>(&mut self, previous: &[Held]) -> End {
-        let n = self.n::<S, EXACT>();
+    fn solve(&mut self, previous: &[Held]) -> End {
+        let (n, stride) = (self.size.n(), self.size.stride());
         self.own.solve += 1;
         self.own.together.clear();
-        let v = &mut self.own.v[..S];
+        let v = &mut self.own.v[..stride];
         v[..n].copy_from_slice(&self.qp.g()[..n]);
         v[n..].fill(0.0);
-        self.hessian.solve_transposed_of::<S>(0, v);
-        if !self.hold_equalities::<S, EXACT>() {
+        self.hessian.solve_transposed_of(stride, 0, v);
+        if !self.hold_equalities() {
             return End::Undecided;
         }
-        self.hold_previous::<S, EXACT>(previous);
+        self.hold_previous(previous);
         self.point.reset(self.qp);
-        let patience = PATIENCE + STEPS * S as u32;
+        let patience = PATIENCE + STEPS * stride as u32;
         let mut corrections = 0;
         for _ in 0..patience {
             if self.limits.are_used_up(*self.iterations) {
                 if !self.own.is_tabulated {
                     self.find_targets();
                 }
-                self.find_point::<S>();
+                self.find_point();
                 return End::Budget;
             }
             *self.iterations += 1;
-            if self.own.is_tabulated || !self.is_base_right() {
-                self.move_to_tableau::<S>();
+            if !self.own.is_tabulated && !self.is_base_right() {
+                if !self.let_go_of_base() {
+                    return End::Undecided;
+                }
+                continue;
+            }
+            if self.own.is_tabulated {
                 match self.own.tableau.step() {
                     Step::Changed => continue,
                     Step::Unclear => return End::Undecided,
                     Step::Settled => {}
                 }
             }
-            self.find_point::<S>();
+            self.find_point();
             self.find_violated(self.limits.tolerance);
             if self.own.violated.is_empty() {
-                match self.correct::<S, EXACT>() {
+                match self.correct() {
                     Verdict::Optimal => return End::Optimal,
                     Verdict::Improved if corrections < CORRECTIONS => corrections += 1,
                     _ => return End::Undecided,
                 }
-                self.tabulate::<S>();
+                self.tabulate();
                 let point = &*self.point;
                 self.own.tableau.set_values(|index| point.value(index));
                 if self.own.violated.is_empty() {
                     continue;
                 }
             }
-            if !self.append_violated::<S, EXACT>() && !self.consider_violated::<S, EXACT>() {
+            if !self.append_violated() && !self.consider_violated() {
                 return End::Undecided;
             }
         }
         End::Undecided
     }
 
-    #[inline(always)]
-    fn n<const S: usize, const EXACT: bool>(&self) -> usize {
-        if EXACT { S } else { self.qp.n() }
-    }
-
     /// Makes a constraint a candidate; returns its place.
     #[inline(always)]
-    fn consider<const S: usize, const EXACT: bool>(&mut self, index: usize) -> usize {
+    fn consider(&mut self, index: usize) -> usize {
         if let Some(place) = self.own.tableau.place_of(index) {
             return place;
         }
-        self.know_candidates::<S>(|_| true);
-        self.know::<S, EXACT>(index);
+        self.know_candidates(|_| true);
+        self.know(index);
+        let stride = self.size.stride();
         let own = &mut *self.own;
-        let w = normal::<S>(&own.w, index);
+        let w = normal(&own.w, stride, index);
         let e = own.base.len();
         let h = &mut own.h[..e];
         let mut value = -product(w, &own.v);
         if e > 0 {
-            project::<S>(&own.q, w, h);
+            project(&own.q, w, h);
             value += dot(h, &own.y[..e]);
         }
         let places = own.tableau.places();
         multiply(
             places,
-            |place| normal::<S>(&own.w, place.index),
+            |place| normal(&own.w, stride, place.index),
             w,
             &mut own.products,
         );
@@ -331,35 +349,37 @@ impl Run<'_, '_> {
 
     /// Computes the normal of a constraint in the metric of H, if that was not done.
     #[inline(always)]
-    fn know<const S: usize, const EXACT: bool>(&mut self, index: usize) {
-        let (n, own) = (self.n::<S, EXACT>(), &mut *self.own);
+    fn know(&mut self, index: usize) {
+        let (n, stride) = (self.size.n(), self.size.stride());
+        let own = &mut *self.own;
         if own.known[index] == own.solve {
             return;
         }
         own.known[index] = own.solve;
-        let w = &mut own.w[index * S..][..S];
+        let w = &mut own.w[index * stride..][..stride];
         match index.checked_sub(self.qp.m()) {
             None => {
                 w[..n].copy_from_slice(&self.qp.a()[index * n..][..n]);
                 w[n..].fill(0.0);
-                self.hessian.solve_transposed_of::<S>(0, w);
+                self.hessian.solve_transposed_of(stride, 0, w);
             }
             Some(j) => {
                 w.fill(0.0);
                 w[j] = 1.0;
-                self.hessian.solve_transposed_of::<S>(j, w);
+                self.hessian.solve_transposed_of(stride, j, w);
             }
         }
-        let w: &[f64; S] = normal::<S>(&own.w, index);
+        let w = normal(&own.w, stride, index);
         own.squares[index] = product(w, w);
     }
 
     /// The minimiser on what is held, its multipliers, and the values of all constraints.
-    fn find_point<const S: usize>(&mut self) {
-        with_simd!(self.own.simd, {
-            self.know_candidates::<S>(Place::is_held);
+    fn find_point(&mut self) {
+        with_simd!(self.vectors, {
+            self.know_candidates(Place::is_held);
+            let stride = self.size.stride();
             let own = &mut *self.own;
-            let z = &mut own.z[..S];
+            let z = &mut own.z[..stride];
             for (z, v) in z.iter_mut().zip(&own.v) {
                 *z = -v;
             }
@@ -370,22 +390,22 @@ impl Run<'_, '_> {
             for (k, place) in own.tableau.places().iter().enumerate() {
                 if place.is_held() {
                     let multiplier = own.tableau.multiplier(k);
-                    subtract(z, multiplier, normal::<S>(&own.w, place.index));
+                    subtract(z, multiplier, normal(&own.w, stride, place.index));
                     axpy(parts, multiplier, own.tableau.h(k));
                 }
             }
             for part in &mut *parts {
                 *part = -*part;
             }
-            subtract_columns::<S>(z, parts, &own.q);
+            subtract_columns(z, parts, &own.q);
             if own.is_tabulated {
                 own.r.solve(parts);
             } else {
                 // Found by `find_targets`.
                 parts.copy_from_slice(&own.targets[..e]);
             }
-            self.hessian.solve_of::<S>(z);
-            self.point.x_mut()[..S].copy_from_slice(z);
+            self.hessian.solve_of(stride, z);
+            self.point.x_mut()[..stride].copy_from_slice(z);
             self.point.evaluate(self.qp);
         });
     }
@@ -393,7 +413,7 @@ impl Run<'_, '_> {
     /// Collects the constraints that are not held and violated by more than a tolerance, relative to the numbers that
     /// are added up, with their excess.
     fn find_violated(&mut self, tolerance: f64) {
-        with_simd!(self.own.simd, {
+        with_simd!(self.vectors, {
             let (qp, own) = (self.qp, &mut *self.own);
             own.violated.clear();
             own.is_any_outside = false;
@@ -423,17 +443,17 @@ impl Run<'_, '_> {
     }
 
     /// Makes violated constraints candidates, but for those that are near, and holds the farthest; whether it could.
-    fn consider_violated<const S: usize, const EXACT: bool>(&mut self) -> bool {
-        with_simd!(self.own.simd, {
-            self.tabulate::<S>();
+    fn consider_violated(&mut self) -> bool {
+        with_simd!(self.vectors, {
+            self.tabulate();
             let is_free = self.own.base.is_empty() && self.own.tableau.places().is_empty();
-            if is_free && self.begin::<S, EXACT>() {
+            if is_free && self.begin() {
                 return true;
             }
             let mut farthest = (0.0, None);
             for i in 0..self.own.violated.len() {
                 let (excess, index) = self.own.violated[i];
-                self.know::<S, EXACT>(index);
+                self.know(index);
                 let distance = excess * excess / self.own.squares[index];
                 self.own.violated[i].0 = distance;
                 if distance > farthest.0 {
@@ -447,7 +467,7 @@ impl Run<'_, '_> {
             for i in 0..self.own.violated.len() {
                 let (distance, index) = self.own.violated[i];
                 if distance >= self.far * self.far * most {
-                    let at = self.consider::<S, EXACT>(index);
+                    let at = self.consider(index);
                     // Without the rounding of many pivots.
                     self.own.tableau.set_value(at, self.point.value(index));
                 }

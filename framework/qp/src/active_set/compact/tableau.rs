@@ -121,6 +121,12 @@ impl Tableau {
         self.place_of[index] = BASE;
     }
 
+    /// A constraint is not held outside of the tableau any more.
+    #[inline(always)]
+    pub(super) fn clear_base(&mut self, index: usize) {
+        self.place_of[index] = NONE;
+    }
+
     /// Whether a constraint is held outside of the tableau.
     #[inline(always)]
     pub(super) fn is_base(&self, index: usize) -> bool {
@@ -137,21 +143,21 @@ impl Tableau {
         }
     }
 
-    /// Takes the inequalities of the base, with their multipliers at the minimiser and their prices: R of all of it,
-    /// whose first columns are those of the equalities, has `h` in its columns, and `P = (R_KKᵀ R_KK)⁻¹`.
+    /// Takes the inequalities of the base, with their multipliers at the minimiser, which have the right signs: R of all
+    /// of it, whose first columns are those of the equalities, has `h` in its columns, and `P = (R_KKᵀ R_KK)⁻¹`.
     #[inline(always)]
     pub(super) fn begin(
         &mut self,
         r: &Triangle,
         equalities: usize,
-        places: impl Iterator<Item = (Place, f64, f64)>,
+        places: impl Iterator<Item = (Place, f64)>,
     ) {
         let e = equalities;
         (self.equalities, self.width) = (e, padded(e));
-        for (place, multiplier, price) in places {
+        for (place, multiplier) in places {
             let k = self.push(place);
             self.u[k] = multiplier;
-            self.prices[k] = price;
+            self.prices[k] = (multiplier * place.side).max(0.0);
             let column = r.column(e + k);
             let h = &mut self.h[k * self.width..][..self.width];
             h[..e].copy_from_slice(&column[..e]);

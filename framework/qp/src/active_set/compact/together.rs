@@ -1,8 +1,8 @@
 //! Several inequalities as candidates at once, where nothing is held: their normals and products come out of a few long
 //! loops. They are those violated or, where there are few, all, so that no point has to be computed before the last.
 
-use super::{Run, place::Place, tableau::most};
-use crate::active_set::{constraint::limits, kernels::padded};
+use super::{Run, place::Place, size::Size, tableau::most};
+use crate::active_set::{constraint::limits, kernels::padded, simd::Vectors};
 
 /// The most of them.
 pub(super) const MOST: usize = 64;
@@ -13,11 +13,11 @@ const FEW: usize = 7;
 /// no more inequalities than variables, what is held stays held, mostly, and there is nothing to save.)
 const WORTH: usize = 75;
 
-impl Run<'_, '_> {
+impl<V: Vectors, Z: Size> Run<'_, '_, V, Z> {
     /// Makes inequalities candidates where there are none, and no equalities; false if there are too many or few.
     #[inline(always)]
-    pub(super) fn begin<const S: usize, const EXACT: bool>(&mut self) -> bool {
-        let (n, m) = (self.n::<S, EXACT>(), self.qp.m());
+    pub(super) fn begin(&mut self) -> bool {
+        let (n, m) = (self.size.n(), self.qp.m());
         let qp = self.qp;
         let room = MOST.min(most(n, m));
         let own = &mut *self.own;
@@ -49,16 +49,16 @@ impl Run<'_, '_> {
                 list(*index, limits(qp, *index));
             }
         }
-        self.consider_together::<S>(n);
+        self.consider_together(n);
         true
     }
 
     #[inline(always)]
-    fn consider_together<const S: usize>(&mut self, n: usize) {
-        let m = self.qp.m();
+    fn consider_together(&mut self, n: usize) {
+        let (m, stride) = (self.qp.m(), self.size.stride());
         let own = &mut *self.own;
         let width = padded(own.together.len());
-        let normals = &mut own.normals[..S * width];
+        let normals = &mut own.normals[..stride * width];
         normals.fill(0.0);
         for (k, place) in own.together.iter().enumerate() {
             match place.index.checked_sub(m) {
@@ -78,14 +78,15 @@ impl Run<'_, '_> {
 
     /// Takes normals of candidates out of the columns: those of the ones held, or of all.
     #[inline(always)]
-    pub(super) fn know_candidates<const S: usize>(&mut self, is_wanted: impl Fn(&Place) -> bool) {
+    pub(super) fn know_candidates(&mut self, is_wanted: impl Fn(&Place) -> bool) {
+        let stride = self.size.stride();
         let own = &mut *self.own;
         let width = padded(own.together.len());
         let places = own.tableau.places().iter().take(own.together.len());
         for (k, place) in places.enumerate() {
             if is_wanted(place) && own.known[place.index] != own.solve {
                 own.known[place.index] = own.solve;
-                let w = &mut own.w[place.index * S..][..S];
+                let w = &mut own.w[place.index * stride..][..stride];
                 for (w, normals) in w.iter_mut().zip(own.normals.chunks_exact(width)) {
                     *w = normals[k];
                 }
