@@ -21,7 +21,9 @@ refuse() {
 version=$(sed -n '/^name = "wasm-bindgen"$/{n;s/version = "\(.*\)"/\1/p}' Cargo.lock)
 bindgen=target/tools/bin/wasm-bindgen
 if ! test -x $bindgen || test "$($bindgen --version)" != "wasm-bindgen $version"; then
-    install=(cargo install wasm-bindgen-cli --version "$version" --root target/tools --target-dir target/tools-build)
+    # It runs for seconds: fully optimised it would take minutes longer to compile.
+    install=(env CARGO_PROFILE_RELEASE_OPT_LEVEL=1 CARGO_PROFILE_RELEASE_LTO=off CARGO_PROFILE_RELEASE_CODEGEN_UNITS=16
+        cargo install wasm-bindgen-cli --version "$version" --root target/tools --target-dir target/tools-build)
     "${install[@]}" --locked || "${install[@]}" || refuse 3 "\`${install[*]}\` does not work here"
     rm -rf target/tools-build
 fi

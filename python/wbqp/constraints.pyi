@@ -14,7 +14,7 @@ class ActuatorLimits(Plugin):
     input ω²; here the variable is the thrust itself, and so are its bounds. Where an actuator has a `slew`, the effort
     also stays within `slew` × T of the last one that was sent, where T is the time since then, at most a period.
 
-    Bounds on single variables, no rows; they are hard whatever the entry says.
+    Bounds on single variables, no rows; they are always hard, and another `hardness` is refused.
 
     Parameters
     ----------
@@ -25,9 +25,9 @@ class ActuatorLimits(Plugin):
     name : str, optional
         Unique name: how logs, reports, errors and events call it. Default: `<frame>_<type>`, `<contact>_<type>` or `<type>`.
     transition : float, default 0.0
-        Duration of the ramp when it is switched, s.
+        Duration of the ramp when it is switched or gets another weight, s.
     weight : float | Sequence[float], optional
-        Weight, a number or one per row, 0 or more: a row costs weight × residual². Needed unless hard.
+        Weight, a number or one per row, 0 or more: a row costs weight × residual². A hard entry needs none.
     """
     def __init__(
         self,
@@ -65,9 +65,9 @@ class ContactMotion(Plugin):
     name : str, optional
         Unique name: how logs, reports, errors and events call it. Default: `<frame>_<type>`, `<contact>_<type>` or `<type>`.
     transition : float, default 0.0
-        Duration of the ramp when it is switched, s.
+        Duration of the ramp when it is switched or gets another weight, s.
     weight : float | Sequence[float], default 10000.0
-        Weight, a number or one per row, 0 or more: a row costs weight × residual². Needed unless hard.
+        Weight, a number or one per row, 0 or more: a row costs weight × residual². A hard entry needs none.
     """
     def __init__(
         self,
@@ -125,9 +125,9 @@ class ContactWrench(Plugin):
         Torsional friction `μ_t`, m: largest moment about the normal per newton of normal force. Default:
         `μ (l_x + l_y)/3`, which a uniform pressure bears.
     transition : float, default 0.0
-        Duration of the ramp when it is switched, s.
+        Duration of the ramp when it is switched or gets another weight, s.
     weight : float | Sequence[float], optional
-        Weight, a number or one per row, 0 or more: a row costs weight × residual². Needed unless hard.
+        Weight, a number or one per row, 0 or more: a row costs weight × residual². A hard entry needs none.
     """
     def __init__(
         self,
@@ -174,9 +174,9 @@ class FrictionPyramid(Plugin):
     sides : int, default 4
         Number of sides N, 3 to 64.
     transition : float, default 0.0
-        Duration of the ramp when it is switched, s.
+        Duration of the ramp when it is switched or gets another weight, s.
     weight : float | Sequence[float], optional
-        Weight, a number or one per row, 0 or more: a row costs weight × residual². Needed unless hard.
+        Weight, a number or one per row, 0 or more: a row costs weight × residual². A hard entry needs none.
     """
     def __init__(
         self,
@@ -227,9 +227,9 @@ class JointLimits(Plugin):
     name : str, optional
         Unique name: how logs, reports, errors and events call it. Default: `<frame>_<type>`, `<contact>_<type>` or `<type>`.
     transition : float, default 0.0
-        Duration of the ramp when it is switched, s.
+        Duration of the ramp when it is switched or gets another weight, s.
     weight : float | Sequence[float], optional
-        Weight, a number or one per row, 0 or more: a row costs weight × residual². Needed unless hard.
+        Weight, a number or one per row, 0 or more: a row costs weight × residual². A hard entry needs none.
     """
     def __init__(
         self,
@@ -278,9 +278,9 @@ class PlaneDistance(Plugin):
     offset : Sequence[float], default [0.0, 0.0, 0.0]
         The point in the frame, m.
     transition : float, default 0.0
-        Duration of the ramp when it is switched, s.
+        Duration of the ramp when it is switched or gets another weight, s.
     weight : float | Sequence[float], optional
-        Weight, a number or one per row, 0 or more: a row costs weight × residual². Needed unless hard.
+        Weight, a number or one per row, 0 or more: a row costs weight × residual². A hard entry needs none.
     """
     def __init__(
         self,
@@ -308,7 +308,7 @@ class ThrustRateLimits(Plugin):
     given are the robot's own (`slew`), which `ActuatorLimits` keeps as well. Thrusts are sent
     within the actuators' limits, so with those the bounds always leave something.
 
-    Bounds on single variables, no rows; they are hard whatever the entry says.
+    Bounds on single variables, no rows; they are always hard, and another `hardness` is refused.
 
     Parameters
     ----------
@@ -325,9 +325,9 @@ class ThrustRateLimits(Plugin):
     rotors : Sequence[str], optional
         Which rotors, by name. Default: all.
     transition : float, default 0.0
-        Duration of the ramp when it is switched, s.
+        Duration of the ramp when it is switched or gets another weight, s.
     weight : float | Sequence[float], optional
-        Weight, a number or one per row, 0 or more: a row costs weight × residual². Needed unless hard.
+        Weight, a number or one per row, 0 or more: a row costs weight × residual². A hard entry needs none.
     """
     def __init__(
         self,
@@ -374,9 +374,9 @@ class TiltLimit(Plugin):
     sides : int, default 8
         Number of directions N, 3 to 64.
     transition : float, default 0.0
-        Duration of the ramp when it is switched, s.
+        Duration of the ramp when it is switched or gets another weight, s.
     weight : float | Sequence[float], optional
-        Weight, a number or one per row, 0 or more: a row costs weight × residual². Needed unless hard.
+        Weight, a number or one per row, 0 or more: a row costs weight × residual². A hard entry needs none.
     """
     def __init__(
         self,

@@ -37,9 +37,9 @@ class BaseOrientation(Plugin):
         Where to go: orientation of the base in the world, `[roll, pitch, yaw]` in rad. Default: hold what is
         measured at the start.
     transition : float, default 0.0
-        Duration of the ramp when it is switched, s.
+        Duration of the ramp when it is switched or gets another weight, s.
     weight : float | Sequence[float], default 10.0
-        Weight, a number or one per row, 0 or more: a row costs weight × residual². Needed unless hard.
+        Weight, a number or one per row, 0 or more: a row costs weight × residual². A hard entry needs none.
     """
     def __init__(
         self,
@@ -91,9 +91,9 @@ class BasePosition(Plugin):
     reference : Plugin | dict[str, Any], default {"type": "hold"}
         Where to go: position of the base's origin in the world, m. Default: hold what is measured at the start.
     transition : float, default 0.0
-        Duration of the ramp when it is switched, s.
+        Duration of the ramp when it is switched or gets another weight, s.
     weight : float | Sequence[float], default 100.0
-        Weight, a number or one per row, 0 or more: a row costs weight × residual². Needed unless hard.
+        Weight, a number or one per row, 0 or more: a row costs weight × residual². A hard entry needs none.
     """
     def __init__(
         self,
@@ -140,9 +140,9 @@ class CentroidalAngularMomentum(Plugin):
     reference : Plugin | dict[str, Any], default {"type": "hold"}
         The momentum wanted: three numbers, kg·m²/s, world axes. Default: none, as in the home posture at rest.
     transition : float, default 0.0
-        Duration of the ramp when it is switched, s.
+        Duration of the ramp when it is switched or gets another weight, s.
     weight : float | Sequence[float], optional
-        Weight, a number or one per row, 0 or more: a row costs weight × residual². Needed unless hard.
+        Weight, a number or one per row, 0 or more: a row costs weight × residual². A hard entry needs none.
     """
     def __init__(
         self,
@@ -187,9 +187,9 @@ class Com(Plugin):
     reference : Plugin | dict[str, Any], default {"type": "hold"}
         Where to go: one position per axis, m, world. Default: hold what is measured at the start.
     transition : float, default 0.0
-        Duration of the ramp when it is switched, s.
+        Duration of the ramp when it is switched or gets another weight, s.
     weight : float | Sequence[float], default 100.0
-        Weight, a number or one per row, 0 or more: a row costs weight × residual². Needed unless hard.
+        Weight, a number or one per row, 0 or more: a row costs weight × residual². A hard entry needs none.
     """
     def __init__(
         self,
@@ -237,9 +237,9 @@ class ConstantForce(Plugin):
     tangential : Sequence[float], default [0.0, 0.0]
         Tangential force along the surface's x and y, N; zero where the contact leaves that direction free.
     transition : float, default 0.0
-        Duration of the ramp when it is switched, s.
+        Duration of the ramp when it is switched or gets another weight, s.
     weight : float | Sequence[float], optional
-        Weight, a number or one per row, 0 or more: a row costs weight × residual². Needed unless hard.
+        Weight, a number or one per row, 0 or more: a row costs weight × residual². A hard entry needs none.
     """
     def __init__(
         self,
@@ -303,9 +303,9 @@ class ContactForce(Plugin):
     tangential : Literal['zero', 'measured'], default "zero"
         What is asked of the tangential forces, where the contact constrains them.
     transition : float, default 0.0
-        Duration of the ramp when it is switched, s.
+        Duration of the ramp when it is switched or gets another weight, s.
     weight : float | Sequence[float], optional
-        Weight, a number or one per row, 0 or more: a row costs weight × residual². Needed unless hard.
+        Weight, a number or one per row, 0 or more: a row costs weight × residual². A hard entry needs none.
     """
     def __init__(
         self,
@@ -359,9 +359,9 @@ class FrameOrientation(Plugin):
         Where to go: orientation of the frame in the world, `[roll, pitch, yaw]` in rad. Default: hold what is
         measured at the start.
     transition : float, default 0.0
-        Duration of the ramp when it is switched, s.
+        Duration of the ramp when it is switched or gets another weight, s.
     weight : float | Sequence[float], default 10.0
-        Weight, a number or one per row, 0 or more: a row costs weight × residual². Needed unless hard.
+        Weight, a number or one per row, 0 or more: a row costs weight × residual². A hard entry needs none.
     """
     def __init__(
         self,
@@ -414,9 +414,9 @@ class FramePose(Plugin):
     position : Plugin | dict[str, Any], default {"type": "hold"}
         Where to go: position of the frame's origin in the world, m. Default: hold what is measured at the start.
     transition : float, default 0.0
-        Duration of the ramp when it is switched, s.
+        Duration of the ramp when it is switched or gets another weight, s.
     weight : float | Sequence[float], default [100.0, 100.0, 100.0, 10.0, 10.0, 10.0]
-        Weight, a number or one per row, 0 or more: a row costs weight × residual². Needed unless hard.
+        Weight, a number or one per row, 0 or more: a row costs weight × residual². A hard entry needs none.
     """
     def __init__(
         self,
@@ -465,9 +465,9 @@ class FramePosition(Plugin):
     reference : Plugin | dict[str, Any], default {"type": "hold"}
         Where to go: one position per axis, m, world. Default: hold what is measured at the start.
     transition : float, default 0.0
-        Duration of the ramp when it is switched, s.
+        Duration of the ramp when it is switched or gets another weight, s.
     weight : float | Sequence[float], default 100.0
-        Weight, a number or one per row, 0 or more: a row costs weight × residual². Needed unless hard.
+        Weight, a number or one per row, 0 or more: a row costs weight × residual². A hard entry needs none.
     """
     def __init__(
         self,
@@ -535,9 +535,9 @@ class FreeMotion(Plugin):
     reference : Plugin | dict[str, Any], default {"type": "hold"}
         Where to go: one position per axis, m, from `origin`. Default: hold.
     transition : float, default 0.0
-        Duration of the ramp when it is switched, s.
+        Duration of the ramp when it is switched or gets another weight, s.
     weight : float | Sequence[float], optional
-        Weight, a number or one per row, 0 or more: a row costs weight × residual². Needed unless hard.
+        Weight, a number or one per row, 0 or more: a row costs weight × residual². A hard entry needs none.
     """
     def __init__(
         self,
@@ -585,9 +585,9 @@ class JointTorqueRegularisation(Plugin):
     reference : Plugin | dict[str, Any], default {"type": "hold"}
         The torques wanted: one per joint, N·m or N. Default: zero.
     transition : float, default 0.0
-        Duration of the ramp when it is switched, s.
+        Duration of the ramp when it is switched or gets another weight, s.
     weight : float | Sequence[float], optional
-        Weight, a number or one per row, 0 or more: a row costs weight × residual². Needed unless hard.
+        Weight, a number or one per row, 0 or more: a row costs weight × residual². A hard entry needs none.
     """
     def __init__(
         self,
@@ -627,9 +627,9 @@ class Posture(Plugin):
     reference : Plugin | dict[str, Any], default {"type": "hold"}
         Where to go: one position per joint, rad or m. Default: hold what is measured at the start.
     transition : float, default 0.0
-        Duration of the ramp when it is switched, s.
+        Duration of the ramp when it is switched or gets another weight, s.
     weight : float | Sequence[float], default 0.01
-        Weight, a number or one per row, 0 or more: a row costs weight × residual². Needed unless hard.
+        Weight, a number or one per row, 0 or more: a row costs weight × residual². A hard entry needs none.
     """
     def __init__(
         self,
@@ -670,9 +670,9 @@ class PropellerRegularisation(Plugin):
     name : str, optional
         Unique name: how logs, reports, errors and events call it. Default: `<frame>_<type>`, `<contact>_<type>` or `<type>`.
     transition : float, default 0.0
-        Duration of the ramp when it is switched, s.
+        Duration of the ramp when it is switched or gets another weight, s.
     weight : float | Sequence[float], optional
-        Weight, a number or one per row, 0 or more: a row costs weight × residual². Needed unless hard.
+        Weight, a number or one per row, 0 or more: a row costs weight × residual². A hard entry needs none.
     """
     def __init__(
         self,
@@ -724,9 +724,9 @@ class RelativePose(Plugin):
     position : Plugin | dict[str, Any], default {"type": "hold"}
         Where to go: position of B's origin in A, m. Default: hold what is measured at the start.
     transition : float, default 0.0
-        Duration of the ramp when it is switched, s.
+        Duration of the ramp when it is switched or gets another weight, s.
     weight : float | Sequence[float], default [100.0, 100.0, 100.0, 10.0, 10.0, 10.0]
-        Weight, a number or one per row, 0 or more: a row costs weight × residual². Needed unless hard.
+        Weight, a number or one per row, 0 or more: a row costs weight × residual². A hard entry needs none.
     """
     def __init__(
         self,
@@ -771,9 +771,9 @@ class ThrustRegularisation(Plugin):
     rotors : Sequence[str], optional
         Which rotors, by name; rows and reference are in this order. Default: all, in the order of the actuators.
     transition : float, default 0.0
-        Duration of the ramp when it is switched, s.
+        Duration of the ramp when it is switched or gets another weight, s.
     weight : float | Sequence[float], optional
-        Weight, a number or one per row, 0 or more: a row costs weight × residual². Needed unless hard.
+        Weight, a number or one per row, 0 or more: a row costs weight × residual². A hard entry needs none.
     """
     def __init__(
         self,
