@@ -57,6 +57,23 @@ def test_an_observer_finds_what_the_model_does_not_have(hover: wbqp.Controller) 
     assert report.disturbance[2] < -0.9
 
 
+def test_a_report_says_by_name_what_is_wrong_and_so_does_its_copy(hover: wbqp.Controller) -> None:
+    m = hover.measurement()
+    hover.tick(m)
+    m.time += 0.004
+    m.q["arm_pitch2"] += 50.0
+    _, report = hover.tick(m)
+    kept = report.copy()
+    assert "arm_pitch2" in (report.fault or "") and "arm_pitch2" in repr(report)
+    said = hover.explain()
+    assert said is not None and said == report.explain()
+    # Later ticks do not change what is kept.
+    m.time += 0.004
+    m.q["arm_pitch2"] -= 50.0
+    hover.tick(m)
+    assert kept.explain() == said and report.explain() != said
+
+
 def test_names_and_arrays_see_the_same_numbers(hover: wbqp.Controller) -> None:
     m = hover.measurement()
     m.q["arm_pitch1"] = 0.3

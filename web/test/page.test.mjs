@@ -211,7 +211,7 @@ describe("the page", () => {
 
   test("the wall is dragged, along its normal, and a robot that pushes follows it", async () => {
     // Nothing else pulls at it, so that it does not matter how slow the pictures are.
-    const calm = varied(["change.plant.disturbance.base_link.force", [0, 0, 0]], ["change.duration", 60]);
+    const calm = varied(["change.plant.disturbance.disturbance.force", [0, 0, 0]], ["change.duration", 60]);
     const { page, errors } = await open(chrome, `${host.address}${B}${calm}&speed=10`);
     const wall = "wall";
     await page.click("#play");
