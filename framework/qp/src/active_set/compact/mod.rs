@@ -1,8 +1,9 @@
 //! The dual method for problems of few variables: loops whose length the compiler knows, and, where constraints come
 //! and go, no more digits than products of normals have.
 //!
-//! It goes the way of [`dual`](super::dual), but for a few things that small ordinary problems can do without. The
-//! inequalities, once they come and go, are in a [`Tableau`], where a change is one sweep and shows what it does to all
+//! It goes the way of [`dual`](super::dual), but for a few things that small ordinary problems can do without. What a
+//! solve begins with has an orthogonal factor, which constraints leave, and a single one joins. Where several are
+//! violated the inequalities are in a [`Tableau`], where a change is one sweep and shows what it does to all
 //! candidates, so that all constraints are computed only where none of these is violated any more. Several constraints
 //! are never held at once. Where nothing feasible is in sight, or what comes out is not exact after a few corrections,
 //! the method gives up, and `dual` goes on from what is held. So its answers are optima that were checked in the
