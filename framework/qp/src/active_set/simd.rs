@@ -23,8 +23,8 @@ impl Vectors for Portable {
     }
 }
 
-/// The value of an expression, computed with the instructions of a [`Simd`] or of [`Vectors`]. They reach what is inlined into it and
-/// nothing else: functions that it calls have to be `#[inline(always)]`, as far as that matters.
+/// The value of an expression, computed with the instructions of a [`Simd`] or of [`Vectors`]. They reach what is
+/// inlined into it and nothing else: functions that it calls have to be `#[inline(always)]`, as far as that matters.
 macro_rules! with_simd {
     ($simd:expr, $value:expr) => {
         $simd.run(

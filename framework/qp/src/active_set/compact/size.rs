@@ -1,5 +1,5 @@
 //! How much the compiler knows of a problem's size: loops of a length that it knows take half the time (of factorising
-//! H), and each such length costs six seconds of compiling.
+//! H), and each such length costs seconds of compiling.
 
 use crate::active_set::kernels::padded;
 

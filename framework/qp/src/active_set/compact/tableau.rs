@@ -143,8 +143,8 @@ impl Tableau {
         }
     }
 
-    /// Takes the inequalities of the base, with their multipliers at the minimiser, which have the right signs: R of all
-    /// of it, whose first columns are those of the equalities, has `h` in its columns, and `P = (R_KKᵀ R_KK)⁻¹`.
+    /// Takes the inequalities of the base, with their multipliers at the minimiser, which have the right signs: R of
+    /// all of it, whose first columns are those of the equalities, has `h` in its columns, and `P = (R_KKᵀ R_KK)⁻¹`.
     #[inline(always)]
     pub(super) fn begin(
         &mut self,
