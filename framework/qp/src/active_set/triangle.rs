@@ -37,23 +37,6 @@ impl Triangle {
         self.reciprocal.clear();
     }
 
-    /// The k-th column, down to the diagonal.
-    #[inline(always)]
-    pub(super) fn column(&self, k: usize) -> &[f64] {
-        &self.r[k * self.stride..=k * self.stride + k]
-    }
-
-    /// `1/R_kk`.
-    #[inline(always)]
-    pub(super) fn reciprocal(&self, k: usize) -> f64 {
-        self.reciprocal[k]
-    }
-
-    /// Leaves the first columns only.
-    pub(super) fn truncate(&mut self, columns: usize) {
-        self.reciprocal.truncate(columns);
-    }
-
     /// Appends a column; its last entry is on the diagonal.
     #[inline(always)]
     pub(super) fn append(&mut self, column: &[f64]) {

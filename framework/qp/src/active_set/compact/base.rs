@@ -17,11 +17,15 @@ use crate::{
 };
 
 /// Square of the sine of the angle to the rest of the base below which a normal nearly depends on it.
-const NEARLY: f64 = 1e-8;
+const NEARLY: f64 = 1e-10;
 
 /// Square of the sine below which a normal is made orthogonal to the rest once more (twice is enough: B. N. Parlett,
 /// *The Symmetric Eigenvalue Problem*, 1980, section 6.9).
 const TWICE: f64 = 0.01;
+
+/// Square of a part of a combination of normals, relative to the largest, that is rounding.
+const ROUNDED: f64 = 1e-18;
+
 
 impl<V: Vectors, Z: Size> Run<'_, '_, V, Z> {
     /// Holds all equality rows and fixed variables; false if they nearly depend on one another.
@@ -73,31 +77,73 @@ impl<V: Vectors, Z: Size> Run<'_, '_, V, Z> {
         });
     }
 
-    /// Holds a constraint that is violated alone where nothing of the base has changed; whether it does. (Of several,
-    /// the tableau says which.)
+    /// Whether what is violated is to join the base, one after the other. The tableau is for many that come, to where
+    /// nothing is held.
+    pub(super) fn prefers_base(&self) -> bool {
+        let own = &*self.own;
+        let has_inequality = own.base.last().is_some_and(|held| held.side != 0.0);
+        !own.is_tabulated && (has_inequality || own.violated.len() == 1)
+    }
+
+    /// Holds the violated constraint that is farthest in the metric of H; whether it could.
     pub(super) fn append_violated(&mut self) -> bool {
-        let [(_, index)] = self.own.violated[..] else {
-            return false;
-        };
-        if self.own.is_tabulated {
-            return false;
+        with_simd!(self.vectors, {
+            let Some((_, index)) = self.farthest_violated() else {
+                return false;
+            };
+            let (lower, upper) = limits(self.qp, index);
+            let (_, side, limit) = beyond(self.point.value(index), lower, upper);
+            let constraint = Active { index, side, limit };
+            let mut price = 0.0;
+            for _ in 0..=self.own.base.len() {
+                let k = self.own.base.len();
+                if self.append(constraint) {
+                    // What it is held with before the multipliers of the minimiser are found.
+                    self.own.of_base[k] = price * side;
+                    return true;
+                }
+                let Some((step, leaving)) = self.first_to_leave(index, side) else {
+                    return false;
+                };
+                price += step;
+                self.remove(leaving);
+            }
+            false
+        })
+    }
+
+    /// Which of the base, on which the normal of a constraint depends, leaves first as the multiplier of that
+    /// constraint grows, and when; the multipliers are those of then.
+    #[inline(always)]
+    fn first_to_leave(&mut self, index: usize, side: f64) -> Option<(f64, usize)> {
+        let stride = self.size.stride();
+        let own = &mut *self.own;
+        let e = own.base.len();
+        let rates = &mut own.h[..e];
+        project(&own.q, normal(&own.w, stride, index), rates);
+        own.r.solve(rates);
+        let parts = || own.base.iter().zip(&own.h[..e]);
+        let size = |(held, rate): (&Active, &f64)| rate * rate * own.squares[held.index] * held.side.abs();
+        let largest = parts().map(size).fold(0.0, f64::max);
+        let mut first: Option<(f64, usize)> = None;
+        for (i, (part, multiplier)) in parts().zip(&own.of_base).enumerate() {
+            let rate = side * part.1 * part.0.side;
+            if rate > 0.0 && size(part) > ROUNDED * largest {
+                let step = (multiplier * part.0.side).max(0.0) / rate;
+                if first.is_none_or(|(s, _)| step < s) {
+                    first = Some((step, i));
+                }
+            }
         }
-        let (lower, upper) = limits(self.qp, index);
-        let (_, side, limit) = beyond(self.point.value(index), lower, upper);
-        let k = self.own.base.len();
-        let is_held = with_simd!(self.vectors, self.append(Active { index, side, limit }));
-        if is_held {
-            // What it is held with before the multipliers of the minimiser are found.
-            self.own.of_base[k] = 0.0;
-        }
-        is_held
+        let (step, _) = first?;
+        axpy(&mut own.of_base[..e], -step * side, &own.h[..e]);
+        first
     }
 
     /// Lets go what stands in the way of the minimiser's multipliers, on the base as long as it is not in the tableau:
     /// the constraint whose multiplier is the first to reach zero. False if that is unclear.
     pub(super) fn let_go_of_base(&mut self) -> bool {
         with_simd!(self.vectors, {
-            let stride = self.size.stride();
             let own = &mut *self.own;
             let mut first = (f64::INFINITY, 0);
             let multipliers = own.of_base.iter().zip(&own.targets);
@@ -118,23 +164,32 @@ impl<V: Vectors, Z: Size> Run<'_, '_, V, Z> {
             for (so_far, target) in multipliers {
                 *so_far += part * (target - *so_far);
             }
-            own.of_base[leaving..k].rotate_left(1);
-            let mut columns = own.q[leaving * stride..k * stride].chunks_exact_mut(stride);
-            let mut left = columns.next();
-            own.r.remove(leaving, &mut own.y, |a, b| {
-                let (c, s, r) = rotation(a, b);
-                if let (Some(a), Some(b)) = (left.take(), columns.next()) {
-                    for (a, b) in a.iter_mut().zip(&mut *b) {
-                        (*a, *b) = (c * *a + s * *b, c * *b - s * *a);
-                    }
-                    left = Some(b);
-                }
-                (c, s, r)
-            });
-            let gone = own.base.remove(leaving);
-            own.tableau.clear_base(gone.index);
+            self.remove(leaving);
             true
         })
+    }
+
+    /// Takes a constraint out of the base.
+    #[inline(always)]
+    fn remove(&mut self, leaving: usize) {
+        let stride = self.size.stride();
+        let own = &mut *self.own;
+        let k = own.base.len();
+        own.of_base[leaving..k].rotate_left(1);
+        let mut columns = own.q[leaving * stride..k * stride].chunks_exact_mut(stride);
+        let mut left = columns.next();
+        own.r.remove(leaving, &mut own.y, |a, b| {
+            let (c, s, r) = rotation(a, b);
+            if let (Some(a), Some(b)) = (left.take(), columns.next()) {
+                for (a, b) in a.iter_mut().zip(&mut *b) {
+                    (*a, *b) = (c * *a + s * *b, c * *b - s * *a);
+                }
+                left = Some(b);
+            }
+            (c, s, r)
+        });
+        let gone = own.base.remove(leaving);
+        own.tableau.clear_base(gone.index);
     }
 
     /// Appends a constraint to the base; false if its normal nearly depends on the others.
@@ -200,28 +255,24 @@ impl<V: Vectors, Z: Size> Run<'_, '_, V, Z> {
         own.r.solve(targets);
     }
 
-    /// Moves the inequalities from the base to the tableau, where they come and go, with the multipliers of the point.
-    pub(super) fn tabulate(&mut self) {
-        if self.own.is_tabulated {
-            return;
-        }
+    /// Moves what is held from the tableau to the base, whose factor is orthogonal to the last digit, with what it is
+    /// held with so far. What nearly depends on the others is not held any more.
+    pub(super) fn leave_tableau(&mut self) {
         with_simd!(self.vectors, {
-            let stride = self.size.stride();
-            let own = &mut *self.own;
-            own.is_tabulated = true;
-            let is_equality = |held: &&Active| held.side == 0.0;
-            let e = own.base.iter().take_while(is_equality).count();
-            let inequalities = own.base[e..].iter().zip(&own.of_base[e..]);
-            let places = inequalities.enumerate().map(|(i, (held, multiplier))| {
-                let w = normal(&own.w, stride, held.index);
-                let value = dot(&own.r.column(e + i)[..e], &own.y[..e]) - product(w, &own.v);
-                let limits = limits(self.qp, held.index);
-                let place = Place::new(held.index, limits, value, own.squares[held.index]);
-                (place.held(held.side, held.limit), *multiplier)
-            });
-            own.tableau.begin(&own.r, e, places);
-            own.r.truncate(e);
-            own.base.truncate(e);
+            self.know_candidates(Place::is_held);
+            self.own.is_tabulated = false;
+            for place in 0..self.own.tableau.places().len() {
+                let Place {
+                    index, side, limit, ..
+                } = self.own.tableau.places()[place];
+                let price = self.own.tableau.price(place);
+                self.own.tableau.clear_base(index);
+                let k = self.own.base.len();
+                if side != 0.0 && self.append(Active { index, side, limit }) {
+                    self.own.of_base[k] = price * side;
+                }
+            }
+            self.own.tableau.clear();
         });
     }
 }

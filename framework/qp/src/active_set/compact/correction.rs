@@ -69,11 +69,7 @@ impl<V: Vectors, Z: Size> Run<'_, '_, V, Z> {
                 return self.verdict();
             }
             // Where those held nearly depend on one another, a correction has errors of its own.
-            let are_held = self
-                .own
-                .multipliers()
-                .all(|(held, _)| relative_gap(self.point, self.qp, held.index, held.limit) <= NEAR);
-            if !are_held {
+            if !is_checked && self.residual() > NEAR {
                 return Verdict::Rounded;
             }
             self.point.be_strict();

@@ -41,9 +41,8 @@ const STEPS: u32 = 6;
 const PATIENCE: u32 = 20;
 /// Times that a corrected point may turn out to violate a constraint.
 const CORRECTIONS: u32 = 4;
-/// Part of the farthest violation's distance that makes another violated constraint a candidate: from nothing many are
-/// held in the end, and where something was held before, few others come.
-const FAR: [f64; 2] = [0.1, 1.0];
+/// Part of the farthest violation's distance that makes another violated constraint a candidate.
+const FAR: f64 = 0.1;
 
 /// Storage made once.
 #[derive(Clone, Debug, Default)]
@@ -155,7 +154,6 @@ impl Compact {
             hessian,
             point,
             limits,
-            far: FAR[usize::from(!previous.is_empty())],
             iterations,
             vectors: (),
             size: (),
@@ -229,8 +227,6 @@ struct Run<'a, 'b, V, Z> {
     hessian: &'a Hessian,
     point: &'a mut Point,
     limits: &'a mut Limits<'b>,
-    /// Of [`FAR`].
-    far: f64,
     iterations: &'a mut u32,
     vectors: V,
     size: Z,
@@ -244,7 +240,6 @@ impl Run<'_, '_, (), ()> {
             hessian: self.hessian,
             point: self.point,
             limits: self.limits,
-            far: self.far,
             iterations: self.iterations,
             vectors,
             size,
@@ -283,18 +278,20 @@ impl<V: Vectors, Z: Size> Run<'_, '_, V, Z> {
                 return End::Budget;
             }
             *self.iterations += 1;
-            if !self.own.is_tabulated && !self.is_base_right() {
+            if self.own.is_tabulated {
+                match self.own.tableau.step() {
+                    Step::Changed => continue,
+                    Step::Unclear => {
+                        self.leave_tableau();
+                        continue;
+                    }
+                    Step::Settled => {}
+                }
+            } else if !self.is_base_right() {
                 if !self.let_go_of_base() {
                     return End::Undecided;
                 }
                 continue;
-            }
-            if self.own.is_tabulated {
-                match self.own.tableau.step() {
-                    Step::Changed => continue,
-                    Step::Unclear => return End::Undecided,
-                    Step::Settled => {}
-                }
             }
             self.find_point();
             self.find_violated(self.limits.tolerance);
@@ -302,16 +299,19 @@ impl<V: Vectors, Z: Size> Run<'_, '_, V, Z> {
                 match self.correct() {
                     Verdict::Optimal => return End::Optimal,
                     Verdict::Improved if corrections < CORRECTIONS => corrections += 1,
+                    _ if self.own.is_tabulated => {
+                        self.leave_tableau();
+                        continue;
+                    }
                     _ => return End::Undecided,
                 }
-                self.tabulate();
                 let point = &*self.point;
                 self.own.tableau.set_values(|index| point.value(index));
                 if self.own.violated.is_empty() {
                     continue;
                 }
             }
-            if !self.append_violated() && !self.consider_violated() {
+            if !self.hold_violated() {
                 return End::Undecided;
             }
         }
@@ -443,31 +443,51 @@ impl<V: Vectors, Z: Size> Run<'_, '_, V, Z> {
         });
     }
 
+    /// Holds what is violated, or some of it; whether it could.
+    fn hold_violated(&mut self) -> bool {
+        if self.prefers_base() {
+            self.append_violated()
+        } else {
+            self.consider_violated()
+        }
+    }
+
+    /// The violated constraint that is farthest in the metric of H, with the square of its distance; all of them get
+    /// theirs in place of their excess.
+    #[inline(always)]
+    fn farthest_violated(&mut self) -> Option<(f64, usize)> {
+        let mut farthest = (0.0, None);
+        for i in 0..self.own.violated.len() {
+            let (excess, index) = self.own.violated[i];
+            self.know(index);
+            let distance = excess * excess / self.own.squares[index];
+            self.own.violated[i].0 = distance;
+            if distance > farthest.0 {
+                farthest = (distance, Some(index));
+            }
+        }
+        let (distance, index) = farthest;
+        index.map(|index| (distance, index))
+    }
+
     /// Makes violated constraints candidates, but for those that are near, and holds the farthest; whether it could.
     fn consider_violated(&mut self) -> bool {
         with_simd!(self.vectors, {
-            self.tabulate();
+            if !self.own.is_tabulated {
+                self.own.is_tabulated = true;
+                self.own.tableau.begin(self.own.base.len());
+            }
             let is_free = self.own.base.is_empty() && self.own.tableau.places().is_empty();
             if is_free && self.begin() {
                 return true;
             }
-            let mut farthest = (0.0, None);
-            for i in 0..self.own.violated.len() {
-                let (excess, index) = self.own.violated[i];
-                self.know(index);
-                let distance = excess * excess / self.own.squares[index];
-                self.own.violated[i].0 = distance;
-                if distance > farthest.0 {
-                    farthest = (distance, Some(index));
-                }
-            }
-            let (most, Some(index)) = farthest else {
+            let Some((most, index)) = self.farthest_violated() else {
                 // Rows without coefficients, for which nothing can be done.
                 return false;
             };
             for i in 0..self.own.violated.len() {
                 let (distance, index) = self.own.violated[i];
-                if distance >= self.far * self.far * most {
+                if distance >= FAR * FAR * most {
                     let at = self.consider(index);
                     // Without the rounding of many pivots.
                     self.own.tableau.set_value(at, self.point.value(index));

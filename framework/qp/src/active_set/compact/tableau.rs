@@ -19,7 +19,6 @@ use super::{
     super::{
         kernels::{LANES, axpy, dot, dots, padded},
         simd::{Simd, with_simd},
-        triangle::Triangle,
     },
     place::{Place, beyond},
     symmetric::Symmetric,
@@ -78,8 +77,6 @@ pub(super) struct Tableau {
     h: Vec<f64>,
     row: Vec<f64>,
     factors: Vec<f64>,
-    /// Of R, by rows.
-    inverse: Vec<f64>,
 }
 
 impl Tableau {
@@ -102,7 +99,6 @@ impl Tableau {
             h: vec![0.0; padded(vars) * most],
             row: vec![0.0; stride],
             factors: vec![0.0; stride],
-            inverse: vec![0.0; padded(vars) * vars],
             ..Self::default()
         }
     }
@@ -110,9 +106,15 @@ impl Tableau {
     /// No candidates, of so many constraints.
     #[inline(always)]
     pub(super) fn reset(&mut self, constraints: usize) {
+        self.clear();
+        self.place_of[..constraints].fill(NONE);
+    }
+
+    /// No candidates, where none has a place any more.
+    #[inline(always)]
+    pub(super) fn clear(&mut self) {
         self.places.clear();
         self.t.clear();
-        self.place_of[..constraints].fill(NONE);
     }
 
     /// A constraint is held outside of the tableau.
@@ -121,7 +123,7 @@ impl Tableau {
         self.place_of[index] = BASE;
     }
 
-    /// A constraint is not held outside of the tableau any more.
+    /// A constraint has no place, and is not held outside of the tableau.
     #[inline(always)]
     pub(super) fn clear_base(&mut self, index: usize) {
         self.place_of[index] = NONE;
@@ -143,51 +145,10 @@ impl Tableau {
         }
     }
 
-    /// Takes the inequalities of the base, with their multipliers at the minimiser, which have the right signs: R of
-    /// all of it, whose first columns are those of the equalities, has `h` in its columns, and `P = (R_KKᵀ R_KK)⁻¹`.
+    /// There are no candidates yet, and so many equality rows.
     #[inline(always)]
-    pub(super) fn begin(
-        &mut self,
-        r: &Triangle,
-        equalities: usize,
-        places: impl Iterator<Item = (Place, f64)>,
-    ) {
-        let e = equalities;
-        (self.equalities, self.width) = (e, padded(e));
-        for (place, multiplier) in places {
-            let k = self.push(place);
-            self.u[k] = multiplier;
-            self.prices[k] = (multiplier * place.side).max(0.0);
-            let column = r.column(e + k);
-            let h = &mut self.h[k * self.width..][..self.width];
-            h[..e].copy_from_slice(&column[..e]);
-            h[e..].fill(0.0);
-            self.set_square(k, place.square - dot(&column[..e], &column[..e]));
-        }
-        let used = self.places.len();
-        let stride = padded(used);
-        // X = R_KK⁻¹, row by row from the last.
-        for i in (0..used).rev() {
-            let (head, tail) = self.inverse.split_at_mut((i + 1) * stride);
-            let x = &mut head[i * stride..];
-            x.fill(0.0);
-            for (l, below) in (i + 1..used).zip(tail.chunks_exact(stride)) {
-                axpy(x, -r.column(e + l)[e + i], below);
-            }
-            x[i] = 1.0;
-            for x in &mut x[i..] {
-                *x *= r.reciprocal(e + i);
-            }
-        }
-        // −P = −X Xᵀ.
-        for i in 0..used {
-            let x = &self.inverse[i * stride..][..used];
-            for (j, row) in self.row[..=i].iter_mut().enumerate() {
-                *row = -dot(&x[i..], &self.inverse[j * stride + i..][..used - i]);
-            }
-            self.row[i + 1..stride].fill(0.0);
-            self.t.set_row(i, &self.row);
-        }
+    pub(super) fn begin(&mut self, equalities: usize) {
+        (self.equalities, self.width) = (equalities, padded(equalities));
     }
 
     /// Makes constraints candidates where there are none, no equality rows, and nothing is held: with their values, and
