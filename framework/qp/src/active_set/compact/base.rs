@@ -1,8 +1,16 @@
-//! What a solve begins with: the equalities and what was held last, factorised together.
+//! What is held, in an orthogonal factor: the equalities, what was held last, and what comes and goes since.
+//!
+//! # Mathematics
+//! `W = Q R` of the normals held, in the metric of H. A constraint that comes appends a column, what is left of its
+//! normal beside Q; one that goes is rotated out. If nothing is left, as at a vertex, the normal is `W r`, `R r = Qᵀ w`:
+//! as the multiplier μ of the new constraint grows those of the others move by `−r μ`, and the first that reaches zero
+//! makes room (D. Goldfarb, A. Idnani, *A numerically stable dual method for solving strictly convex quadratic
+//! programs*, Mathematical Programming 27 (1983)). Q is orthogonal to the last digit whatever the angles are.
 
 use super::{
     Run,
     place::{Place, beyond},
+    ratio::{first_to_zero, rate_to},
     size::Size,
     vectors::{normal, product, project, subtract_columns},
 };
@@ -25,7 +33,6 @@ const TWICE: f64 = 0.01;
 
 /// Square of a part of a combination of normals, relative to the largest, that is rounding.
 const ROUNDED: f64 = 1e-18;
-
 
 impl<V: Vectors, Z: Size> Run<'_, '_, V, Z> {
     /// Holds all equality rows and fixed variables; false if they nearly depend on one another.
@@ -85,7 +92,8 @@ impl<V: Vectors, Z: Size> Run<'_, '_, V, Z> {
         !own.is_tabulated && (has_inequality || own.violated.len() == 1)
     }
 
-    /// Holds the violated constraint that is farthest in the metric of H; whether it could.
+    /// Holds the violated constraint that is farthest in the metric of H. Of those that it depends on one leaves. False
+    /// if none can.
     pub(super) fn append_violated(&mut self) -> bool {
         with_simd!(self.vectors, {
             let Some((_, index)) = self.farthest_violated() else {
@@ -123,42 +131,41 @@ impl<V: Vectors, Z: Size> Run<'_, '_, V, Z> {
         project(&own.q, normal(&own.w, stride, index), rates);
         own.r.solve(rates);
         let parts = || own.base.iter().zip(&own.h[..e]);
-        let size = |(held, rate): (&Active, &f64)| rate * rate * own.squares[held.index] * held.side.abs();
+        let size = |(held, rate): (&Active, &f64)| {
+            let part = rate * held.side.abs();
+            part * part * own.squares[held.index]
+        };
         let largest = parts().map(size).fold(0.0, f64::max);
-        let mut first: Option<(f64, usize)> = None;
-        for (i, (part, multiplier)) in parts().zip(&own.of_base).enumerate() {
-            let rate = side * part.1 * part.0.side;
-            if rate > 0.0 && size(part) > ROUNDED * largest {
-                let step = (multiplier * part.0.side).max(0.0) / rate;
-                if first.is_none_or(|(s, _)| step < s) {
-                    first = Some((step, i));
-                }
-            }
-        }
+        let first = first_to_zero(parts().zip(&own.of_base).map(|(part, multiplier)| {
+            let (held, rate) = part;
+            let is_rounding = size(part) <= ROUNDED * largest;
+            let rate = if is_rounding {
+                0.0
+            } else {
+                side * rate * held.side
+            };
+            ((multiplier * held.side).max(0.0), rate)
+        }));
         let (step, _) = first?;
         axpy(&mut own.of_base[..e], -step * side, &own.h[..e]);
         first
     }
 
-    /// Lets go what stands in the way of the minimiser's multipliers, on the base as long as it is not in the tableau:
-    /// the constraint whose multiplier is the first to reach zero. False if that is unclear.
+    /// Moves towards the multipliers of the minimiser on the base, which do not all have the right sign, and lets the
+    /// constraint go whose multiplier is the first to reach zero. False if that is unclear.
     pub(super) fn let_go_of_base(&mut self) -> bool {
         with_simd!(self.vectors, {
             let own = &mut *self.own;
-            let mut first = (f64::INFINITY, 0);
             let multipliers = own.of_base.iter().zip(&own.targets);
-            for (i, (held, (so_far, target))) in own.base.iter().zip(multipliers).enumerate() {
-                let (price, target) = ((so_far * held.side).max(0.0), target * held.side);
-                if target < 0.0 {
-                    let part = price / (price - target);
-                    first = if part < first.0 { (part, i) } else { first };
-                }
-            }
-            let (part, leaving) = first;
-            // A NaN is no part.
-            if part > 1.0 {
+            let first = first_to_zero(own.base.iter().zip(multipliers).map(
+                |(held, (so_far, target))| {
+                    let price = (so_far * held.side).max(0.0);
+                    (price, rate_to(target * held.side, price))
+                },
+            ));
+            let Some((part, leaving)) = first else {
                 return false;
-            }
+            };
             let k = own.base.len();
             let multipliers = own.of_base[..k].iter_mut().zip(&own.targets);
             for (so_far, target) in multipliers {
@@ -235,8 +242,7 @@ impl<V: Vectors, Z: Size> Run<'_, '_, V, Z> {
         is_far
     }
 
-    /// Whether the minimiser on the base, as long as nothing has changed, has multipliers of the right sign; they are
-    /// what the next steps start from if not.
+    /// Whether the minimiser on the base has multipliers of the right sign.
     #[inline(always)]
     pub(super) fn is_base_right(&mut self) -> bool {
         self.find_targets();
@@ -244,7 +250,7 @@ impl<V: Vectors, Z: Size> Run<'_, '_, V, Z> {
         signs.all(|(held, target)| target * held.side >= 0.0)
     }
 
-    /// The multipliers of the minimiser on the base, as long as nothing has changed.
+    /// The multipliers of the minimiser on the base.
     #[inline(always)]
     pub(super) fn find_targets(&mut self) {
         let own = &mut *self.own;
@@ -273,6 +279,7 @@ impl<V: Vectors, Z: Size> Run<'_, '_, V, Z> {
                 }
             }
             self.own.tableau.clear();
+            self.own.together.clear();
         });
     }
 }

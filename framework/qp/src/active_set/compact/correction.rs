@@ -18,7 +18,7 @@ use crate::{
 /// Corrections of one point.
 const REFINEMENTS: u32 = 8;
 /// Residual of the optimality conditions, relative to their terms, that needs no correction.
-const ROUNDED: f64 = 2e-13;
+const ROUNDED: f64 = 1e-12;
 /// Residual that one correction makes exact; more is looked at again.
 const NEAR: f64 = 1e-11;
 /// Residual that cannot be made exact.
@@ -69,7 +69,11 @@ impl<V: Vectors, Z: Size> Run<'_, '_, V, Z> {
                 return self.verdict();
             }
             // Where those held nearly depend on one another, a correction has errors of its own.
-            if !is_checked && self.residual() > NEAR {
+            let are_held = self
+                .own
+                .multipliers()
+                .all(|(held, _)| relative_gap(self.point, self.qp, held.index, held.limit) <= NEAR);
+            if !are_held {
                 return Verdict::Rounded;
             }
             self.point.be_strict();

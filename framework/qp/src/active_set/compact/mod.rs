@@ -1,17 +1,19 @@
 //! The dual method for problems of few variables: loops whose length the compiler knows, and, where constraints come
 //! and go, no more digits than products of normals have.
 //!
-//! It goes the way of [`dual`](super::dual), but for a few things that small ordinary problems can do without. What a
-//! solve begins with has an orthogonal factor, which constraints leave, and a single one joins. Where several are
-//! violated the inequalities are in a [`Tableau`], where a change is one sweep and shows what it does to all
-//! candidates, so that all constraints are computed only where none of these is violated any more. Several constraints
-//! are never held at once. Where nothing feasible is in sight, or what comes out is not exact after a few corrections,
-//! the method gives up, and `dual` goes on from what is held. So its answers are optima that were checked in the
-//! problem's own numbers, and there are no others.
+//! It goes the way of [`dual`](super::dual), but for a few things that small ordinary problems can do without. Where
+//! something is held, from the solve before or because it was violated alone, constraints come and go one by one in an
+//! orthogonal factor ([`base`]), which has all digits at any vertex. From nothing, where several are violated, the
+//! inequalities are in a [`Tableau`], where a change is one sweep and shows what it does to all candidates, so that all
+//! constraints are computed only where none of these is violated any more; a tableau has no more digits than products of
+//! normals, and where these run out what it holds goes to the factor. Where nothing feasible is in sight, or what comes
+//! out is not exact after a few corrections, the method gives up, and `dual` goes on from what is held. So its answers
+//! are optima that were checked in the problem's own numbers, and there are no others.
 
 mod base;
 mod correction;
 mod place;
+mod ratio;
 mod size;
 mod symmetric;
 mod tableau;
@@ -57,7 +59,7 @@ pub(super) struct Compact {
     v: Vec<f64>,
     z: Vec<f64>,
     d: Vec<f64>,
-    /// The equality rows, and as long as nothing has changed the inequalities as well: `W = Q R`.
+    /// The equality rows, and the inequalities held unless these are in the tableau: `W = Q R`.
     base: Vec<Active>,
     /// Q by columns.
     q: Vec<f64>,
@@ -268,7 +270,7 @@ impl<V: Vectors, Z: Size> Run<'_, '_, V, Z> {
         self.hold_previous(previous);
         self.point.reset(self.qp);
         let patience = PATIENCE + STEPS * stride as u32;
-        let mut corrections = 0;
+        let (mut corrections, mut has_digits) = (0, true);
         for _ in 0..patience {
             if self.limits.are_used_up(*self.iterations) {
                 if !self.own.is_tabulated {
@@ -282,6 +284,7 @@ impl<V: Vectors, Z: Size> Run<'_, '_, V, Z> {
                 match self.own.tableau.step() {
                     Step::Changed => continue,
                     Step::Unclear => {
+                        has_digits = false;
                         self.leave_tableau();
                         continue;
                     }
@@ -300,6 +303,7 @@ impl<V: Vectors, Z: Size> Run<'_, '_, V, Z> {
                     Verdict::Optimal => return End::Optimal,
                     Verdict::Improved if corrections < CORRECTIONS => corrections += 1,
                     _ if self.own.is_tabulated => {
+                        has_digits = false;
                         self.leave_tableau();
                         continue;
                     }
@@ -311,8 +315,17 @@ impl<V: Vectors, Z: Size> Run<'_, '_, V, Z> {
                     continue;
                 }
             }
-            if !self.hold_violated() {
-                return End::Undecided;
+            let is_on_the_way = if has_digits && !self.prefers_base() {
+                self.consider_violated()
+            } else {
+                self.append_violated()
+            };
+            if !is_on_the_way {
+                if !self.own.is_tabulated {
+                    return End::Undecided;
+                }
+                has_digits = false;
+                self.leave_tableau();
             }
         }
         End::Undecided
@@ -441,15 +454,6 @@ impl<V: Vectors, Z: Size> Run<'_, '_, V, Z> {
                 }
             }
         });
-    }
-
-    /// Holds what is violated, or some of it; whether it could.
-    fn hold_violated(&mut self) -> bool {
-        if self.prefers_base() {
-            self.append_violated()
-        } else {
-            self.consider_violated()
-        }
     }
 
     /// The violated constraint that is farthest in the metric of H, with the square of its distance; all of them get

@@ -37,16 +37,6 @@ impl Place {
         }
     }
 
-    /// Held at a limit.
-    #[inline(always)]
-    pub(super) fn held(self, side: f64, limit: f64) -> Self {
-        Self {
-            side,
-            limit,
-            ..self
-        }
-    }
-
     #[inline(always)]
     pub(super) fn is_held(&self) -> bool {
         self.side != 0.0

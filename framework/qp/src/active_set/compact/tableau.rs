@@ -21,6 +21,7 @@ use super::{
         simd::{Simd, with_simd},
     },
     place::{Place, beyond},
+    ratio::{first_to_zero, rate_to},
     symmetric::Symmetric,
 };
 use crate::Capacity;
@@ -328,19 +329,13 @@ impl Tableau {
             let length = padded(used);
             let (u, sides) = (&self.u[..length], &self.sides[..length]);
             if has_negative(u, sides) {
-                let mut first = (f64::INFINITY, 0);
                 let targets = u.iter().zip(sides).map(|(u, side)| u * side);
-                for (i, (target, price)) in targets.zip(&self.prices).enumerate() {
-                    if target < 0.0 {
-                        let part = price / (price - target);
-                        first = if part < first.0 { (part, i) } else { first };
-                    }
-                }
-                let (part, leaving) = first;
-                // A NaN is no part.
-                if part > 1.0 {
+                let targets = targets.zip(&self.prices);
+                let first =
+                    first_to_zero(targets.map(|(target, price)| (*price, rate_to(target, *price))));
+                let Some((part, leaving)) = first else {
                     return Step::Unclear;
-                }
+                };
                 for ((price, u), side) in self.prices.iter_mut().zip(u).zip(sides) {
                     *price += part * (u * side - *price);
                 }
@@ -428,17 +423,10 @@ impl Tableau {
         let size = |(place, b): (&Place, &f64)| b * b * place.square * place.side.abs();
         let parts = || self.places.iter().zip(row);
         let largest = parts().map(size).fold(0.0, f64::max);
-        let mut first: Option<(f64, usize)> = None;
-        for (k, part) in parts().enumerate() {
-            let rate = rate(part);
-            if rate > 0.0 && size(part) > ROUNDED * largest {
-                let step = self.prices[k].max(0.0) / rate;
-                if first.is_none_or(|(s, _)| step < s) {
-                    first = Some((step, k));
-                }
-            }
-        }
-        first
+        first_to_zero(parts().zip(&self.prices).map(|(part, price)| {
+            let is_rounding = size(part) <= ROUNDED * largest;
+            (price.max(0.0), if is_rounding { 0.0 } else { rate(part) })
+        }))
     }
 
     #[inline(always)]
