@@ -76,7 +76,7 @@ impl Face {
         self.curvature
     }
 
-    /// The direction that [`Face::slope`] found.
+    /// The direction that [`Face::ray`] or [`Face::step`] found.
     pub(super) fn direction(&self) -> &[f64] {
         &self.direction[..self.n]
     }
