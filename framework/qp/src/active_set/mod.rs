@@ -22,9 +22,9 @@
 //! corrected with the factors at hand. If the refined pair is no optimum after all, the iteration goes on; should that
 //! happen again, with every pair refined, so that rounding cannot lead it in circles.
 //!
-//! Problems of four to 32 variables go the same way in a shorter form first (`compact`), which keeps what every change
-//! does to the multipliers and to the constraints violated before, instead of computing all of it anew. It vouches for
-//! optima alone: where it comes to no end, this method (`dual`) goes on from what is held.
+//! Problems of four to 32 variables go the same way in a shorter form first (`compact`), which updates what it knows of
+//! the constraints held, or of those violated before, with every change. It vouches for optima alone: where it comes to
+//! no end, this method (`dual`) goes on from what is held.
 //!
 //! What that does not bring to an end that it can vouch for goes to a second method (`proximal`): an H that is not
 //! definite, variables so large that they may be the quotient of g and rounding, residuals that stay too large, too

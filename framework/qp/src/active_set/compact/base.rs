@@ -10,7 +10,7 @@
 use super::{
     Run,
     place::{Place, beyond},
-    ratio::{first_to_zero, rate_to},
+    ratio::{first_of_combination, first_to_zero, rate_to},
     size::Size,
     vectors::{normal, product, project, subtract_columns},
 };
@@ -24,6 +24,9 @@ use crate::{
     },
 };
 
+/// No constraint.
+const NONE: usize = usize::MAX;
+
 /// Square of the sine of the angle to the rest of the base below which a normal nearly depends on it.
 const NEARLY: f64 = 1e-10;
 
@@ -31,15 +34,16 @@ const NEARLY: f64 = 1e-10;
 /// *The Symmetric Eigenvalue Problem*, 1980, section 6.9).
 const TWICE: f64 = 0.01;
 
-/// Square of a part of a combination of normals, relative to the largest, that is rounding.
-const ROUNDED: f64 = 1e-18;
+/// The same, below which nothing of a normal is left but rounding.
+const NOTHING: f64 = 1e-13;
 
 impl<V: Vectors, Z: Size> Run<'_, '_, V, Z> {
     /// Holds all equality rows and fixed variables; false if they nearly depend on one another.
     pub(super) fn hold_equalities(&mut self) -> bool {
         with_simd!(self.vectors, {
             self.own.base.clear();
-            self.own.is_tabulated = false;
+            (self.own.is_tabulated, self.own.has_left) = (false, false);
+            self.own.newest = NONE;
             self.own.r.reset(self.qp.n());
             self.own.tableau.reset(count(self.qp));
             let qp = self.qp;
@@ -50,7 +54,7 @@ impl<V: Vectors, Z: Size> Run<'_, '_, V, Z> {
                     continue;
                 }
                 for (i, (lower, upper)) in lower.iter().zip(upper).enumerate() {
-                    if lower == upper && !self.append(equality(qp, first + i)) {
+                    if lower == upper && self.append(equality(qp, first + i)).is_err() {
                         return false;
                     }
                 }
@@ -77,23 +81,23 @@ impl<V: Vectors, Z: Size> Run<'_, '_, V, Z> {
                     continue;
                 }
                 let k = self.own.base.len();
-                if self.append(Active { index, side, limit }) {
+                if self.append(Active { index, side, limit }).is_ok() {
                     self.own.of_base[k] = (held.multiplier * side).max(0.0) * side;
                 }
             }
         });
     }
 
-    /// Whether what is violated is to join the base, one after the other. The tableau is for many that come, to where
-    /// nothing is held.
+    /// Whether what is violated is to join the base, one after the other. The tableau is for several that come to where
+    /// no inequality is held.
     pub(super) fn prefers_base(&self) -> bool {
         let own = &*self.own;
         let has_inequality = own.base.last().is_some_and(|held| held.side != 0.0);
-        !own.is_tabulated && (has_inequality || own.violated.len() == 1)
+        !own.is_tabulated && (has_inequality || own.has_left || own.violated.len() == 1)
     }
 
     /// Holds the violated constraint that is farthest in the metric of H. Of those that it depends on one leaves. False
-    /// if none can.
+    /// if none can, or if that needs more digits.
     pub(super) fn append_violated(&mut self) -> bool {
         with_simd!(self.vectors, {
             let Some((_, index)) = self.farthest_violated() else {
@@ -105,14 +109,22 @@ impl<V: Vectors, Z: Size> Run<'_, '_, V, Z> {
             let mut price = 0.0;
             for _ in 0..=self.own.base.len() {
                 let k = self.own.base.len();
-                if self.append(constraint) {
+                let Err(left) = self.append(constraint) else {
                     // What it is held with before the multipliers of the minimiser are found.
                     self.own.of_base[k] = price * side;
+                    self.own.newest = index;
                     return true;
-                }
-                let Some((step, leaving)) = self.first_to_leave(index, side) else {
+                };
+                let Some((step, leaving)) = self.first_to_leave(constraint) else {
                     return false;
                 };
+                let is_rounding = left <= NOTHING * self.own.squares[index];
+                if !is_rounding && self.excess(constraint) < step * left {
+                    // It would be held before, at too small an angle.
+                    return false;
+                }
+                let own = &mut *self.own;
+                axpy(&mut own.of_base[..k], -step * side, &own.h[..k]);
                 price += step;
                 self.remove(leaving);
             }
@@ -120,35 +132,29 @@ impl<V: Vectors, Z: Size> Run<'_, '_, V, Z> {
         })
     }
 
-    /// Which of the base, on which the normal of a constraint depends, leaves first as the multiplier of that
-    /// constraint grows, and when; the multipliers are those of then.
+    /// Which of the base leaves first, and when, as the multiplier of a constraint grows that could not be appended, and
+    /// those of the base with it, by the rates that are in `h` then.
     #[inline(always)]
-    fn first_to_leave(&mut self, index: usize, side: f64) -> Option<(f64, usize)> {
-        let stride = self.size.stride();
+    fn first_to_leave(&mut self, Active { side, .. }: Active) -> Option<(f64, usize)> {
         let own = &mut *self.own;
-        let e = own.base.len();
-        let rates = &mut own.h[..e];
-        project(&own.q, normal(&own.w, stride, index), rates);
+        let rates = &mut own.h[..own.base.len()];
+        own.parts[..rates.len()].copy_from_slice(rates);
         own.r.solve(rates);
-        let parts = || own.base.iter().zip(&own.h[..e]);
-        let size = |(held, rate): (&Active, &f64)| {
-            let part = rate * held.side.abs();
-            part * part * own.squares[held.index]
-        };
-        let largest = parts().map(size).fold(0.0, f64::max);
-        let first = first_to_zero(parts().zip(&own.of_base).map(|(part, multiplier)| {
-            let (held, rate) = part;
-            let is_rounding = size(part) <= ROUNDED * largest;
-            let rate = if is_rounding {
-                0.0
-            } else {
-                side * rate * held.side
-            };
-            ((multiplier * held.side).max(0.0), rate)
-        }));
-        let (step, _) = first?;
-        axpy(&mut own.of_base[..e], -step * side, &own.h[..e]);
-        first
+        let parts = own.base.iter().zip(&*rates).zip(&own.of_base);
+        first_of_combination(parts.map(|((held, rate), multiplier)| {
+            let price = (multiplier * held.side).max(0.0);
+            (price, side * rate * held.side, own.squares[held.index])
+        }))
+    }
+
+    /// By how much a constraint that could not be appended is violated at the minimiser on the base.
+    #[inline(always)]
+    fn excess(&self, Active { index, side, limit }: Active) -> f64 {
+        let (stride, own) = (self.size.stride(), &*self.own);
+        let k = own.base.len();
+        let value =
+            dot(&own.parts[..k], &own.y[..k]) - product(normal(&own.w, stride, index), &own.v);
+        side * (value - limit)
     }
 
     /// Moves towards the multipliers of the minimiser on the base, which do not all have the right sign, and lets the
@@ -166,6 +172,10 @@ impl<V: Vectors, Z: Size> Run<'_, '_, V, Z> {
             let Some((part, leaving)) = first else {
                 return false;
             };
+            if part == 0.0 && own.base[leaving].index == own.newest {
+                // It came for nothing: the point that violates it, and its own multiplier, are rounding.
+                return false;
+            }
             let k = own.base.len();
             let multipliers = own.of_base[..k].iter_mut().zip(&own.targets);
             for (so_far, target) in multipliers {
@@ -174,6 +184,14 @@ impl<V: Vectors, Z: Size> Run<'_, '_, V, Z> {
             self.remove(leaving);
             true
         })
+    }
+
+    /// Lets go what has a multiplier of the wrong sign since the multipliers were corrected. False if nothing has.
+    pub(super) fn let_go_of_corrected(&mut self) -> bool {
+        let own = &mut *self.own;
+        let e = own.base.len();
+        own.targets[..e].copy_from_slice(&own.of_base[..e]);
+        self.let_go_of_base()
     }
 
     /// Takes a constraint out of the base.
@@ -199,47 +217,51 @@ impl<V: Vectors, Z: Size> Run<'_, '_, V, Z> {
         own.tableau.clear_base(gone.index);
     }
 
-    /// Appends a constraint to the base; false if its normal nearly depends on the others.
+    /// Appends a constraint to the base. If its normal nearly depends on the others: the square of what is left of it
+    /// beside them, whose parts are in `h` then.
     #[inline(always)]
-    fn append(&mut self, constraint: Active) -> bool {
+    fn append(&mut self, constraint: Active) -> Result<(), f64> {
         let k = self.own.base.len();
-        if k == self.qp.n() {
-            return false;
-        }
         self.know(constraint.index);
         let stride = self.size.stride();
         let own = &mut *self.own;
-        let (h, square) = (&mut own.h[..=k], own.squares[constraint.index]);
+        let square = own.squares[constraint.index];
+        let w = normal(&own.w, stride, constraint.index);
+        if k == self.qp.n() {
+            project(&own.q, w, &mut own.h[..k]);
+            return Err(0.0);
+        }
+        let h = &mut own.h[..=k];
         let (q, rest) = own.q.split_at_mut(k * stride);
         let rest = &mut rest[..stride];
-        let w = normal(&own.w, stride, constraint.index);
         rest.copy_from_slice(w);
         project(q, w, &mut h[..k]);
         subtract_columns(rest, &h[..k], q);
-        let mut beyond = dot(rest, rest);
-        if beyond < TWICE * square {
+        let mut left = dot(rest, rest);
+        if left < TWICE * square {
             // What rounding has left along Q.
             let again = &mut own.products[..k];
             project(q, rest, again);
             subtract_columns(rest, again, q);
             axpy(&mut h[..k], 1.0, again);
-            beyond = dot(rest, rest);
+            left = dot(rest, rest);
         }
         // `!(… > …)`: a NaN depends, too.
-        let is_far = beyond > NEARLY * square;
-        if is_far {
-            h[k] = beyond.sqrt();
-            let reciprocal = 1.0 / h[k];
-            for rest in rest {
-                *rest *= reciprocal;
-            }
-            let known = dot(&h[..k], &own.y[..k]);
-            own.y[k] = (constraint.limit + product(w, &own.v) - known) * reciprocal;
-            own.r.append(h);
-            own.base.push(constraint);
-            own.tableau.set_base(constraint.index);
+        let is_far = left > NEARLY * square;
+        if !is_far {
+            return Err(left);
         }
-        is_far
+        h[k] = left.sqrt();
+        let reciprocal = 1.0 / h[k];
+        for rest in rest {
+            *rest *= reciprocal;
+        }
+        let known = dot(&h[..k], &own.y[..k]);
+        own.y[k] = (constraint.limit + product(w, &own.v) - known) * reciprocal;
+        own.r.append(h);
+        own.base.push(constraint);
+        own.tableau.set_base(constraint.index);
+        Ok(())
     }
 
     /// Whether the minimiser on the base has multipliers of the right sign.
@@ -262,11 +284,11 @@ impl<V: Vectors, Z: Size> Run<'_, '_, V, Z> {
     }
 
     /// Moves what is held from the tableau to the base, whose factor is orthogonal to the last digit, with what it is
-    /// held with so far. What nearly depends on the others is not held any more.
+    /// held with so far, for the rest of the solve. What nearly depends on the others is not held any more.
     pub(super) fn leave_tableau(&mut self) {
         with_simd!(self.vectors, {
             self.know_candidates(Place::is_held);
-            self.own.is_tabulated = false;
+            (self.own.is_tabulated, self.own.has_left) = (false, true);
             for place in 0..self.own.tableau.places().len() {
                 let Place {
                     index, side, limit, ..
@@ -274,12 +296,11 @@ impl<V: Vectors, Z: Size> Run<'_, '_, V, Z> {
                 let price = self.own.tableau.price(place);
                 self.own.tableau.clear_base(index);
                 let k = self.own.base.len();
-                if side != 0.0 && self.append(Active { index, side, limit }) {
+                if side != 0.0 && self.append(Active { index, side, limit }).is_ok() {
                     self.own.of_base[k] = price * side;
                 }
             }
             self.own.tableau.clear();
-            self.own.together.clear();
         });
     }
 }

@@ -17,7 +17,8 @@ use crate::{
 
 /// Corrections of one point.
 const REFINEMENTS: u32 = 8;
-/// Residual of the optimality conditions, relative to their terms, that needs no correction.
+/// Residual of the optimality conditions, relative to their terms, that needs no correction, unless the solver's
+/// tolerance is smaller.
 const ROUNDED: f64 = 1e-12;
 /// Residual that one correction makes exact; more is looked at again.
 const NEAR: f64 = 1e-11;
@@ -45,6 +46,7 @@ impl<V: Vectors, Z: Size> Run<'_, '_, V, Z> {
     /// Corrects the point and its multipliers by the residuals of the optimality conditions.
     pub(super) fn correct(&mut self) -> Verdict {
         with_simd!(self.vectors, {
+            let rounded = ROUNDED.min(self.limits.tolerance);
             let (mut residual, mut is_checked) = (LOST / GAIN, true);
             for _ in 0..REFINEMENTS {
                 let before = residual;
@@ -54,7 +56,7 @@ impl<V: Vectors, Z: Size> Run<'_, '_, V, Z> {
                 if !can_be_corrected {
                     return Verdict::Rounded;
                 }
-                if residual > ROUNDED {
+                if residual > rounded {
                     self.step_by_residual();
                     is_checked = false;
                 }

@@ -1,14 +1,14 @@
-//! The dual method for problems of few variables: loops whose length the compiler knows, and, where constraints come
-//! and go, no more digits than products of normals have.
+//! The dual method for problems of few variables, in loops whose length the compiler knows.
 //!
-//! It goes the way of [`dual`](super::dual), but for a few things that small ordinary problems can do without. Where
-//! something is held, from the solve before or because it was violated alone, constraints come and go one by one in an
-//! orthogonal factor ([`base`]), which has all digits at any vertex. From nothing, where several are violated, the
+//! It goes the way of [`dual`](super::dual), but for a few things that small ordinary problems can do without. Where an
+//! inequality is held, from the solve before or because it was violated alone, constraints come and go one by one in an
+//! orthogonal factor ([`base`]), which has all digits also at vertices. Where none is, and several are violated, the
 //! inequalities are in a [`Tableau`], where a change is one sweep and shows what it does to all candidates, so that all
 //! constraints are computed only where none of these is violated any more; a tableau has no more digits than products of
-//! normals, and where these run out what it holds goes to the factor. Where nothing feasible is in sight, or what comes
-//! out is not exact after a few corrections, the method gives up, and `dual` goes on from what is held. So its answers
-//! are optima that were checked in the problem's own numbers, and there are no others.
+//! normals, and where these run out what it holds goes to the factor. Where nothing feasible is in sight, normals are at
+//! angles below 1e-5, or what comes out is not exact after a few corrections, the method gives up, and `dual` goes on
+//! from what is held. So its answers are optima that were checked in the problem's own numbers, and there are no others,
+//! but for what there is when a budget ends.
 
 mod base;
 mod correction;
@@ -71,6 +71,12 @@ pub(super) struct Compact {
     /// Those of the minimiser on it.
     targets: Vec<f64>,
     is_tabulated: bool,
+    /// Whether they have left the tableau, in this solve.
+    has_left: bool,
+    /// The constraint that joined the base last because it was violated.
+    newest: usize,
+    /// The parts along Q of the normal that could not be appended.
+    parts: Vec<f64>,
     h: Vec<f64>,
     products: Vec<f64>,
     tableau: Tableau,
@@ -116,6 +122,7 @@ impl Compact {
             of_base: vec![0.0; n],
             targets: vec![0.0; n],
             h: vec![0.0; n],
+            parts: vec![0.0; n],
             products: vec![0.0; places],
             tableau: Tableau::new(Capacity { vars: n, rows: m }, simd),
             violated: Vec::with_capacity(m + n),
@@ -264,13 +271,14 @@ impl<V: Vectors, Z: Size> Run<'_, '_, V, Z> {
         v[..n].copy_from_slice(&self.qp.g()[..n]);
         v[n..].fill(0.0);
         self.hessian.solve_transposed_of(stride, 0, v);
-        if !self.hold_equalities() {
+        let are_independent = self.hold_equalities();
+        self.hold_previous(previous);
+        if !are_independent {
             return End::Undecided;
         }
-        self.hold_previous(previous);
         self.point.reset(self.qp);
         let patience = PATIENCE + STEPS * stride as u32;
-        let (mut corrections, mut has_digits) = (0, true);
+        let mut corrections = 0;
         for _ in 0..patience {
             if self.limits.are_used_up(*self.iterations) {
                 if !self.own.is_tabulated {
@@ -284,7 +292,6 @@ impl<V: Vectors, Z: Size> Run<'_, '_, V, Z> {
                 match self.own.tableau.step() {
                     Step::Changed => continue,
                     Step::Unclear => {
-                        has_digits = false;
                         self.leave_tableau();
                         continue;
                     }
@@ -303,8 +310,8 @@ impl<V: Vectors, Z: Size> Run<'_, '_, V, Z> {
                     Verdict::Optimal => return End::Optimal,
                     Verdict::Improved if corrections < CORRECTIONS => corrections += 1,
                     _ if self.own.is_tabulated => {
-                        has_digits = false;
                         self.leave_tableau();
+                        corrections = 0;
                         continue;
                     }
                     _ => return End::Undecided,
@@ -312,19 +319,21 @@ impl<V: Vectors, Z: Size> Run<'_, '_, V, Z> {
                 let point = &*self.point;
                 self.own.tableau.set_values(|index| point.value(index));
                 if self.own.violated.is_empty() {
+                    if !self.own.is_tabulated && !self.let_go_of_corrected() {
+                        return End::Undecided;
+                    }
                     continue;
                 }
             }
-            let is_on_the_way = if has_digits && !self.prefers_base() {
-                self.consider_violated()
-            } else {
+            let is_on_the_way = if self.prefers_base() {
                 self.append_violated()
+            } else {
+                self.consider_violated()
             };
             if !is_on_the_way {
                 if !self.own.is_tabulated {
                     return End::Undecided;
                 }
-                has_digits = false;
                 self.leave_tableau();
             }
         }
@@ -486,7 +495,7 @@ impl<V: Vectors, Z: Size> Run<'_, '_, V, Z> {
                 return true;
             }
             let Some((most, index)) = self.farthest_violated() else {
-                // Rows without coefficients, for which nothing can be done.
+                // No distance is a number.
                 return false;
             };
             for i in 0..self.own.violated.len() {
@@ -630,6 +639,62 @@ mod tests {
             }
         }
         assert!(together > 100, "{together}: none came together");
+    }
+
+    /// As many constraints are active as there are variables, and from one problem to the next others: each that comes
+    /// depends on those held.
+    #[test]
+    fn from_vertex_to_vertex_constraints_take_the_place_of_others() {
+        let (mut changes, mut vertices) = (0, 0);
+        for n in 4..=16 {
+            let mut compact: Option<Compact> = None;
+            let mut previous = Vec::with_capacity(n);
+            for seed in 0..30 {
+                let qp = problem(n, n);
+                // Nearly a linear cost, which turns.
+                let g: Vec<f64> = (0..n)
+                    .map(|j| 1e3 * (wave(j) + 0.2 * (seed * (j + 1)) as f64).sin())
+                    .collect();
+                let limits_of_rows = (qp.row_lower(), qp.row_upper());
+                let ends = (vec![-0.5; n], vec![0.5; n]);
+                let qp = Qp::dense(qp.h(), &g, qp.a(), limits_of_rows, (&ends.0, &ends.1));
+                let qp = qp.expect("the shapes fit");
+                let compact =
+                    compact.get_or_insert_with(|| Compact::new(qp.capacity(), Simd::detect()));
+                let (end, x, iterations) = solve(&qp, compact, &mut previous);
+                assert_eq!(end, End::Optimal, "{n} {seed}");
+                changes += iterations - 1;
+                vertices += usize::from(compact.multipliers().count() == n);
+                let mut other = ActiveSet::by_reflections();
+                other.bind(qp.capacity()).expect("has room");
+                let mut expected = Solution::new(qp.capacity());
+                let status = other.solve(&qp, Budget::Configured, &mut expected);
+                assert_eq!(status, Ok(Status::Optimal), "{n} {seed}");
+                let apart = x.iter().zip(&expected.x).map(|(a, b)| (a - b).abs());
+                assert!(apart.fold(0.0, f64::max) < 1e-10, "{n} {seed}");
+            }
+        }
+        assert!(vertices > 300 && changes > 1000, "{vertices} {changes}");
+    }
+
+    /// Two normals at an angle of 3e-5, both active: the tableau has no digits for that, the orthogonal factor has.
+    #[test]
+    fn what_the_tableau_has_no_digits_for_goes_to_the_factor() {
+        let n = 4;
+        let h: Vec<f64> = (0..n * n)
+            .map(|i| f64::from(u8::from(i % (n + 1) == 0)))
+            .collect();
+        let a = [1.0, 0.0, 0.0, 0.0, 1.0, 3e-5, 0.0, 0.0];
+        let (low, high) = ([f64::NEG_INFINITY; 2], [1.0; 2]);
+        let free = ([f64::NEG_INFINITY; 4], [f64::INFINITY; 4]);
+        let g = [-10.0, -6e-5, 0.0, 0.0];
+        let qp = Qp::dense(&h, &g, &a, (&low, &high), (&free.0, &free.1)).expect("fits");
+        let mut compact = Compact::new(qp.capacity(), Simd::detect());
+        let (end, x, _) = solve(&qp, &mut compact, &mut Vec::with_capacity(n));
+        assert_eq!(end, End::Optimal);
+        assert!((x[0] - 1.0).abs() < 1e-12 && x[1].abs() < 1e-10, "{x:?}");
+        let multipliers: Vec<f64> = compact.multipliers().map(|(_, y)| y).collect();
+        assert!(multipliers.len() == 2 && multipliers.iter().all(|y| (1.9..7.1).contains(y)));
     }
 
     #[test]

@@ -1,19 +1,34 @@
 //! The ratio test of a dual method: which multiplier reaches zero first.
 
+/// Square of a part of a combination of normals, relative to the largest, that is rounding.
+const ROUNDED: f64 = 1e-18;
+
 /// Of multipliers' sizes, and the rates at which they shrink, the first to reach zero: when, and which. Those of a rate
 /// that is not positive never do; nor does a NaN.
 #[inline(always)]
 pub(super) fn first_to_zero(of: impl Iterator<Item = (f64, f64)>) -> Option<(f64, usize)> {
-    let mut first: Option<(f64, usize)> = None;
+    let (mut earliest, mut which) = (f64::INFINITY, None);
     for (i, (size, rate)) in of.enumerate() {
-        if rate > 0.0 {
-            let when = size / rate;
-            if first.is_none_or(|(earliest, _)| when < earliest) {
-                first = Some((when, i));
-            }
+        if rate > 0.0 && size / rate < earliest {
+            (earliest, which) = (size / rate, Some(i));
         }
     }
-    first
+    which.map(|i| (earliest, i))
+}
+
+/// The same of multipliers that shrink as that of a combination of their normals grows: of their sizes, rates and the
+/// squares of their normals. Parts of the combination that are rounding beside the largest do not count.
+#[inline(always)]
+pub(super) fn first_of_combination(
+    of: impl Iterator<Item = (f64, f64, f64)> + Clone,
+) -> Option<(f64, usize)> {
+    let part = |rate: f64, square: f64| rate * rate * square;
+    let parts = of.clone().map(|(_, rate, square)| part(rate, square));
+    let least = ROUNDED * parts.fold(0.0, f64::max);
+    first_to_zero(of.map(|(size, rate, square)| {
+        let counts = part(rate, square) > least;
+        (size, if counts { rate } else { 0.0 })
+    }))
 }
 
 /// The rate of a size that moves to a target within one unit of time, if it passes zero on the way.
@@ -24,23 +39,22 @@ pub(super) fn rate_to(target: f64, size: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{first_to_zero, rate_to};
+    use super::{first_of_combination, first_to_zero, rate_to};
 
     #[test]
     fn the_smallest_ratio_of_those_that_shrink_is_first() {
         let of = [
+            (f64::NAN, 0.1),
             (1.0, -1.0),
             (1.0, 0.5),
             (3.0, 2.0),
             (0.0, 0.0),
-            (f64::NAN, 0.1),
             (2.0, f64::NAN),
         ];
-        assert_eq!(
-            first_to_zero(of.into_iter().filter(|(size, _)| !size.is_nan())),
-            Some((1.5, 2))
-        );
+        assert_eq!(first_to_zero(of.into_iter()), Some((1.5, 3)));
         assert_eq!(first_to_zero([(1.0, 0.0)].into_iter()), None);
+        let parts = [(1e-9, 1e-10, 1.0), (2.0, 1.0, 1.0), (1.0, 0.25, 1.0)];
+        assert_eq!(first_of_combination(parts.into_iter()), Some((2.0, 1)));
         assert_eq!((rate_to(-1.0, 3.0), rate_to(1.0, 3.0)), (4.0, 0.0));
     }
 }

@@ -21,7 +21,7 @@ use super::{
         simd::{Simd, with_simd},
     },
     place::{Place, beyond},
-    ratio::{first_to_zero, rate_to},
+    ratio::{first_of_combination, first_to_zero, rate_to},
     symmetric::Symmetric,
 };
 use crate::Capacity;
@@ -34,8 +34,6 @@ const BASE: u32 = u32::MAX - 1;
 const DEPENDENT: f64 = 1e-8;
 /// The same, below which nothing of a square is left but rounding.
 const NOTHING: f64 = 1e-13;
-/// Square of a part of a combination of normals, relative to the largest, that is rounding.
-const ROUNDED: f64 = 1e-18;
 
 /// How a step ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -306,12 +304,8 @@ impl Tableau {
     fn begin_place(&mut self, at: usize) {
         let place = &self.places[at];
         self.place_of[place.index] = at as u32;
-        (self.sides[at], self.prices[at]) = (place.side, 0.0);
-        if place.is_held() {
-            self.let_go_limits(at);
-        } else {
-            self.set_limits(at);
-        }
+        (self.sides[at], self.prices[at]) = (0.0, 0.0);
+        self.set_limits(at);
     }
 
     /// `‖w̃‖²` of a place.
@@ -418,15 +412,10 @@ impl Tableau {
     #[inline(always)]
     fn first_to_leave(&mut self, at: usize, side: f64) -> Option<(f64, usize)> {
         self.t.copy_row(at, &mut self.row);
-        let row = &self.row;
-        let rate = |(place, b): (&Place, &f64)| place.side * side * b;
-        let size = |(place, b): (&Place, &f64)| b * b * place.square * place.side.abs();
-        let parts = || self.places.iter().zip(row);
-        let largest = parts().map(size).fold(0.0, f64::max);
-        first_to_zero(parts().zip(&self.prices).map(|(part, price)| {
-            let is_rounding = size(part) <= ROUNDED * largest;
-            (price.max(0.0), if is_rounding { 0.0 } else { rate(part) })
-        }))
+        let parts = self.places.iter().zip(&self.row).zip(&self.prices);
+        first_of_combination(
+            parts.map(|((place, b), price)| (price.max(0.0), place.side * side * b, place.square)),
+        )
     }
 
     #[inline(always)]
@@ -436,12 +425,7 @@ impl Tableau {
         self.u[at] = gap * reciprocal;
         (self.sides[at], self.prices[at]) = (side, price);
         (self.places[at].side, self.places[at].limit) = (side, limit);
-        self.let_go_limits(at);
-    }
-
-    /// Limits of a constraint that is held do not count.
-    #[inline(always)]
-    fn let_go_limits(&mut self, at: usize) {
+        // Limits of a constraint that is held do not count.
         let [lower, upper] = &mut self.limits;
         (lower[at], upper[at]) = (f64::NEG_INFINITY, f64::INFINITY);
     }
