@@ -132,8 +132,8 @@ impl<V: Vectors, Z: Size> Run<'_, '_, V, Z> {
         })
     }
 
-    /// Which of the base leaves first, and when, as the multiplier of a constraint grows that could not be appended, and
-    /// those of the base with it, by the rates that are in `h` then.
+    /// Which of the base leaves first, and when, as the multiplier of a constraint grows that could not be appended. The
+    /// rates at which those of the base shrink are in `h` then, the parts of the normal along Q in `parts`.
     #[inline(always)]
     fn first_to_leave(&mut self, Active { side, .. }: Active) -> Option<(f64, usize)> {
         let own = &mut *self.own;
