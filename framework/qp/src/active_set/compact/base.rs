@@ -2,15 +2,15 @@
 //!
 //! # Mathematics
 //! `W = Q R` of the normals held, in the metric of H. A constraint that comes appends a column, what is left of its
-//! normal beside Q; one that goes is rotated out. If nothing is left, as at a vertex, the normal is `W r`, `R r = Qᵀ w`:
-//! as the multiplier μ of the new constraint grows those of the others move by `−r μ`, and the first that reaches zero
-//! makes room (D. Goldfarb, A. Idnani, *A numerically stable dual method for solving strictly convex quadratic
+//! normal beside Q; one that goes is rotated out. If nothing is left, as at a vertex, the normal is `W r` with `R r = Qᵀ
+//! w`: as the multiplier μ of the new constraint grows those of the others move by `−r μ`, and the first that reaches
+//! zero makes room (D. Goldfarb, A. Idnani, *A numerically stable dual method for solving strictly convex quadratic
 //! programs*, Mathematical Programming 27 (1983)). Q is orthogonal to the last digit whatever the angles are.
 
 use super::{
     Run,
     place::{Place, beyond},
-    ratio::{first_of_combination, first_to_zero, rate_to},
+    ratio::{first_of_combination, first_to_zero, rate_to, would_be_held},
     size::Size,
     vectors::{normal, product, project, subtract_columns},
 };
@@ -33,9 +33,6 @@ const NEARLY: f64 = 1e-10;
 /// Square of the sine below which a normal is made orthogonal to the rest once more (twice is enough: B. N. Parlett,
 /// *The Symmetric Eigenvalue Problem*, 1980, section 6.9).
 const TWICE: f64 = 0.01;
-
-/// The same, below which nothing of a normal is left but rounding.
-const NOTHING: f64 = 1e-13;
 
 impl<V: Vectors, Z: Size> Run<'_, '_, V, Z> {
     /// Holds all equality rows and fixed variables; false if they nearly depend on one another.
@@ -118,9 +115,8 @@ impl<V: Vectors, Z: Size> Run<'_, '_, V, Z> {
                 let Some((step, leaving)) = self.first_to_leave(constraint) else {
                     return false;
                 };
-                let is_rounding = left <= NOTHING * self.own.squares[index];
-                if !is_rounding && self.excess(constraint) < step * left {
-                    // It would be held before, at too small an angle.
+                let square = self.own.squares[index];
+                if would_be_held(left, square, self.excess(constraint), step) {
                     return false;
                 }
                 let own = &mut *self.own;
@@ -132,8 +128,8 @@ impl<V: Vectors, Z: Size> Run<'_, '_, V, Z> {
         })
     }
 
-    /// Which of the base leaves first, and when, as the multiplier of a constraint grows that could not be appended. The
-    /// rates at which those of the base shrink are in `h` then, the parts of the normal along Q in `parts`.
+    /// Which of the base leaves first, and when, as the multiplier of a constraint grows that could not be appended. In
+    /// `h` are then the rates at which those of the base shrink, in `parts` those of the normal along Q.
     #[inline(always)]
     fn first_to_leave(&mut self, Active { side, .. }: Active) -> Option<(f64, usize)> {
         let own = &mut *self.own;

@@ -4,11 +4,11 @@
 //! inequality is held, from the solve before or because it was violated alone, constraints come and go one by one in an
 //! orthogonal factor ([`base`]), which has all digits also at vertices. Where none is, and several are violated, the
 //! inequalities are in a [`Tableau`], where a change is one sweep and shows what it does to all candidates, so that all
-//! constraints are computed only where none of these is violated any more; a tableau has no more digits than products of
-//! normals, and where these run out what it holds goes to the factor. Where nothing feasible is in sight, normals are at
-//! angles below 1e-5, or what comes out is not exact after a few corrections, the method gives up, and `dual` goes on
-//! from what is held. So its answers are optima that were checked in the problem's own numbers, and there are no others,
-//! but for what there is when a budget ends.
+//! constraints are computed only where none of these is violated any more; a tableau has no more digits than products
+//! of normals, and where these run out what it holds goes to the factor. Where nothing feasible is in sight, normals
+//! are at angles below 1e-5, or what comes out is not exact after a few corrections, the method gives up, and `dual`
+//! goes on from what is held. So its answers are optima that were checked in the problem's own numbers, and there are
+//! no others, but for what there is when a budget ends.
 
 mod base;
 mod correction;

@@ -21,7 +21,7 @@ use super::{
         simd::{Simd, with_simd},
     },
     place::{Place, beyond},
-    ratio::{first_of_combination, first_to_zero, rate_to},
+    ratio::{first_of_combination, first_to_zero, rate_to, would_be_held},
     symmetric::Symmetric,
 };
 use crate::Capacity;
@@ -32,8 +32,6 @@ const NONE: u32 = u32::MAX;
 const BASE: u32 = u32::MAX - 1;
 /// Square of the sine of the angle to those held below which a constraint is taken for one that depends on them.
 const DEPENDENT: f64 = 1e-8;
-/// The same, below which nothing of a square is left but rounding.
-const NOTHING: f64 = 1e-13;
 
 /// How a step ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -394,8 +392,7 @@ impl Tableau {
                 return Step::Unclear;
             };
             let (pivot, excess) = (self.diagonal[at], side * (self.u[at] - limit));
-            if pivot > NOTHING * self.places[at].square && excess < step * pivot {
-                // It would be held before: with digits that products of normals do not have.
+            if would_be_held(pivot, self.places[at].square, excess, step) {
                 return Step::Unclear;
             }
             let row = &self.row;
