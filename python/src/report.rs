@@ -275,13 +275,14 @@ impl Report {
         rows.iter().map(dict).collect()
     }
 
-    /// Limits that were given up: a list of dicts with `owner`, `label`, `unit`, `side`, `limit` and `by`.
+    /// Limits that were given up: a list of dicts with `owner`, `label`, `unit`, `side`, `limit` and `short`, by
+    /// how much the solution is beyond it.
     #[getter]
     fn relaxed<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
         let rows = self.last().report.relaxed.clone();
         let dict = |row: &LimitRow| {
             let dict = self.named_row(py, row)?;
-            dict.set_item("by", row.short)?;
+            dict.set_item("short", row.short)?;
             Ok(dict)
         };
         rows.iter().map(dict).collect()

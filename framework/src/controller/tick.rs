@@ -162,71 +162,11 @@ impl Controller {
             }
         }
         let written = self.stopwatch.now();
-        let terms = self.world.terms();
-        let is_alert = self.fallback.is_alert();
-        let assembled = if is_alert {
-            // Rows that hold by substitution are part of a contradiction like all others.
-            self.problem
-                .build_with_all_rows(&terms, &self.entries, &mut self.qp)
-        } else {
-            self.problem.build(&terms, &self.entries, &mut self.qp)
-        };
-        let mut built = self.stopwatch.now();
-        assembled?;
-        let is_proven = is_alert
-            && self
-                .fallback
-                .is_still_infeasible(&self.qp, &mut self.solution);
-        if is_alert && !is_proven {
-            self.problem.build(&terms, &self.entries, &mut self.qp)?;
-            built = self.stopwatch.now();
-        }
-        if !self.fallback.level.is_solved() {
-            // What was active some time ago is no good guess.
-            self.solver.reset();
-        }
-        let budget = match recorded {
-            None => Budget::Clock(&mut *self.stopwatch),
-            Some(record) => Budget::Iterations(record.outcome.solved_in),
-        };
-        let status = if is_proven {
-            Status::Infeasible
-        } else {
-            self.solver
-                .solve(&self.qp, budget, &mut self.solution)
-                .unwrap_or_default()
-        };
-        if let Some(recorder) = &mut self.recorder {
-            recorder.solved_in(self.solution.iterations);
-        }
-        self.report.status = status;
-        self.report.iterations = self.solution.iterations;
-        self.report.regularisation = self.problem.regularisation_weight;
-        let mut n = self.qp.n();
-        let finite = self.solution.x[..n].iter().all(|x| x.is_finite());
-        let fault = if status == Status::Optimal && finite {
-            self.fallback.calm();
-            None
-        } else {
-            if !status.was_cut_short() && self.problem.has_determined() {
-                // Rows that hold by substitution are part of a contradiction like all others, and may be given up.
-                self.problem
-                    .build_with_all_rows(&terms, &self.entries, &mut self.qp)?;
-                self.solution.status = Status::Unsolved;
-                n = self.qp.n();
-            }
-            self.fallback.relaxation.bind_efforts(&self.gate.window);
-            Some(self.fallback.relax(
-                &self.problem,
-                &terms,
-                &self.entries,
-                &self.qp,
-                &mut self.solution,
-                &mut self.report,
-            )?)
-        };
+        self.assemble()?;
+        let built = self.stopwatch.now();
+        let fault = self.optimise(recorded)?;
         let solved = self.stopwatch.now();
-        let x = &self.solution.x[..n];
+        let x = &self.solution.x[..self.qp.n()];
         self.problem.recover(&self.entries, x);
         let Solved { vdot, effort, .. } = &self.problem.solved;
         if !vdot.iter().chain(effort).all(|x| x.is_finite()) {
@@ -252,6 +192,74 @@ impl Controller {
             output: done - solved,
         };
         Ok(fault)
+    }
+
+    /// Builds the problem.
+    fn assemble(&mut self) -> Result<(), Fault> {
+        let terms = self.world.terms();
+        if self.fallback.is_alert() {
+            // Rows that hold by substitution are part of a contradiction like all others.
+            self.problem
+                .build_with_all_rows(&terms, &self.entries, &mut self.qp)
+        } else {
+            self.problem.build(&terms, &self.entries, &mut self.qp)
+        }
+    }
+
+    /// The optimum; or, with the fault that made it that, the one with limits given up.
+    fn optimise(&mut self, recorded: Option<&Record>) -> Result<Option<Fault>, Fault> {
+        let is_alert = self.fallback.is_alert();
+        let is_proven = is_alert
+            && self
+                .fallback
+                .is_still_infeasible(&self.qp, &mut self.solution);
+        if is_alert && !is_proven {
+            let terms = self.world.terms();
+            self.problem.build(&terms, &self.entries, &mut self.qp)?;
+        }
+        if !self.fallback.level.is_solved() {
+            // What was active some time ago is no good guess.
+            self.solver.reset();
+        }
+        let budget = match recorded {
+            None => Budget::Clock(&mut *self.stopwatch),
+            Some(record) => Budget::Iterations(record.outcome.solved_in),
+        };
+        let status = if is_proven {
+            Status::Infeasible
+        } else {
+            self.solver
+                .solve(&self.qp, budget, &mut self.solution)
+                .unwrap_or_default()
+        };
+        if let Some(recorder) = &mut self.recorder {
+            recorder.solved_in(self.solution.iterations);
+        }
+        self.report.status = status;
+        self.report.iterations = self.solution.iterations;
+        self.report.regularisation = self.problem.regularisation_weight;
+        let x = &self.solution.x[..self.qp.n()];
+        if status == Status::Optimal && x.iter().all(|x| x.is_finite()) {
+            self.fallback.calm();
+            return Ok(None);
+        }
+        let terms = self.world.terms();
+        if !status.was_cut_short() && self.problem.has_determined() {
+            // Rows that hold by substitution are part of a contradiction like all others, and may be given up.
+            self.problem
+                .build_with_all_rows(&terms, &self.entries, &mut self.qp)?;
+            self.solution.status = Status::Unsolved;
+        }
+        self.fallback.relaxation.bind_efforts(&self.gate.window);
+        let fault = self.fallback.relax(
+            &self.problem,
+            &terms,
+            &self.entries,
+            &self.qp,
+            &mut self.solution,
+            &mut self.report,
+        )?;
+        Ok(Some(fault))
     }
 
     /// Takes the solution's efforts and velocity references.
