@@ -175,7 +175,7 @@
 //! # Re-exports
 //! A crate of plug-ins depends on `wbqp` alone. [`nalgebra`] is the linear algebra of the interfaces; [`serde`],
 //! [`schemars`], [`serde_json`] and [`toml`] are what configurations are read with, and derives find them by
-//! `crate = "wbqp::serde"` and `crate = "wbqp::schemars"`, as those of the robot in the example. [`inventory`] and
+//! `#[serde(crate = "wbqp::serde")]` and `#[schemars(crate = "wbqp::schemars")]`. [`inventory`] and
 //! [`typetag`] are there for the code that the attributes [`task`](macro@task), [`constraint`](macro@constraint),
 //! [`reference`](macro@reference), [`fallback_law`](macro@fallback_law), [`robot`](macro@robot) and
 //! [`solver`](macro@solver) expand to.

@@ -212,12 +212,24 @@ fn assumed(model: &Model) -> Vec<Rotor> {
     rotors
 }
 
+/// How many rotors a robot has whose name, in small letters, says so; else four.
+fn count_by_name(name: &str) -> u32 {
+    // There are `tilthex` and `omnioct`, but `tri` is part of many words.
+    let is_tri = name
+        .split(|c: char| !c.is_alphanumeric())
+        .any(|word| word.starts_with("tri"));
+    match () {
+        () if name.contains("hex") => 6,
+        () if name.contains("oct") => 8,
+        () if is_tri => 3,
+        () => 4,
+    }
+}
+
 /// On a circle around the base's centre of mass; tilted if the robot's name says so.
 fn invented(model: &Model) -> Vec<Rotor> {
     let name = model.name().to_lowercase();
-    let counts = [("tri", 3), ("hex", 6), ("oct", 8)];
-    let count = counts.iter().find(|(word, _)| name.contains(word));
-    let count = count.map_or(4, |(_, count)| *count);
+    let count = count_by_name(&name);
     let tilt = if name.contains("tilt") { TILT } else { 0.0 };
     let base = model.bodies().first();
     let middle = base.map_or(Vector3::zeros(), |body| body.inertia.com());
@@ -340,6 +352,14 @@ mod tests {
         assert_eq!(stem("iris__rotor_0"), stem("iris__rotor_3"));
         assert_eq!(stem("front_left_prop"), stem("rear_right_prop"));
         assert_ne!(stem("rotor_0"), stem("rotor_0_guard"));
+    }
+
+    #[test]
+    fn names_say_how_many_rotors_there_are() {
+        let of = ["tilthex", "my_octorotor", "tricopter_v2", "x tri"].map(count_by_name);
+        assert_eq!(of, [6, 8, 3, 3]);
+        let of = ["electric_octo", "matrice", "quad"].map(count_by_name);
+        assert_eq!(of, [8, 4, 4], "`tri` within a word is no number");
     }
 
     #[test]

@@ -50,7 +50,7 @@ pub(super) struct JointBounds {
 /// When the robot was seen.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Seen {
-    /// Stamp of the last measurement whose speeds and forces were plausible; nothing if there is none to compare with.
+    /// Stamp of the last measurement whose speeds were plausible; nothing if there is none to compare with.
     pub(super) last: Option<f64>,
     /// The longest time between two of them since the last usable one, s.
     pub(super) gap: f64,

@@ -6,7 +6,7 @@
 //! not seen, and while it was seen by twice what its speed explains. Velocities may have changed by a bound for all the
 //! time in between.
 //!
-//! A robot is seen by every measurement whose speeds and forces are plausible, also by one that has jumped. So after an
+//! A robot is seen by every measurement whose speeds are plausible, also by one that has jumped. So after an
 //! outage the robot may be as far away as it could have come in that time, and a blow too hard to be believed is over
 //! when it is over; but where measurements go on regularly, and lie elsewhere than their own speeds could have brought
 //! the robot, waiting does not make the jump plausible: it has to be said that it is meant

@@ -10,7 +10,7 @@
 //!              the dynamics, where nothing is substituted from them                 (10d)
 //! ```
 //! The rows and bounds of (10b), (10c), (10e) and the tasks of (11) are plug-ins': `tasks/`, linked by name in
-//! docs/paper-to-code.md.
+//! docs/paper-to-code.md; but for the limits of each contact's normal force, which are the framework's own bounds.
 //!
 //! Four ways of counting: by *velocity*, as in `v̇`; by *column* of y, the natural variables; by variable of the
 //! problem, x; and by *position* among the columns that a row has. [`variables`] says which accelerations and efforts

@@ -45,7 +45,7 @@ impl ContactBinding {
         };
     }
 
-    /// What an earlier tick at this time knew of the contact, for a state that is there again.
+    /// What is known of the contact without its wrench: where it is, and how far it is switched on.
     pub(crate) fn place_again(
         &mut self,
         time: f64,
