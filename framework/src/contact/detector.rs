@@ -73,9 +73,13 @@ impl Detector {
     }
 
     /// Takes a measured normal force (N) at a time (s) and says whether the answer of
-    /// [`is_touching`](Self::is_touching) has changed.
+    /// [`is_touching`](Self::is_touching) has changed. After a time that is earlier than the last one `dwell` counts
+    /// anew; one that is not a number is passed over.
     #[must_use]
     pub fn update(&mut self, time: f64, normal_force: f64) -> bool {
+        if !time.is_finite() {
+            return false;
+        }
         let beyond = if self.touching {
             normal_force < self.off
         } else {
@@ -85,7 +89,8 @@ impl Detector {
             self.beyond_since = None;
             return false;
         }
-        let since = *self.beyond_since.get_or_insert(time);
+        let since = self.beyond_since.filter(|since| *since <= time);
+        let since = *self.beyond_since.insert(since.unwrap_or(time));
         // Half a nanosecond of slack: sums of sampling periods are not exact.
         if time - since + 5e-10 < self.dwell {
             return false;
@@ -119,5 +124,13 @@ mod tests {
             }
         }
         assert_eq!(changes, [(25, true), (155, false)]);
+    }
+
+    #[test]
+    fn a_clock_that_was_set_back_counts_from_there() {
+        let mut d = Detector::new("tip");
+        assert!(!d.update(1000.0, 5.0) && !d.update(f64::NAN, 5.0));
+        let touch = (0..10).find(|k| d.update(900.0 + 0.004 * f64::from(*k), 5.0));
+        assert_eq!(touch, Some(5), "20 ms after the first one of the new clock");
     }
 }

@@ -36,7 +36,8 @@ pub struct ContactState {
     pub J: Matrix6xX<f64>,
     /// Bias acceleration `J̇ v` of the contact point.
     pub Jdot_v: Vector6<f64>,
-    /// Acceleration of a moving surface at the contact point; zero for a wall.
+    /// Acceleration of a moving surface at the contact point, with what a point that slides on a turning surface has
+    /// besides: with it [`V`](Self::V) stays as it is. Zero for a wall.
     pub surface_acceleration: Vector6<f64>,
     /// Friction coefficient assumed.
     pub friction: f64,
@@ -44,7 +45,7 @@ pub struct ContactState {
     pub force_limits: [f64; 2],
     /// Measured wrench on the robot about the contact point, N and N·m.
     pub measured: Vector6<f64>,
-    /// Measured wrench in the tick in which the contact was last switched on.
+    /// Measured wrench in the tick in which the contact was last switched on; zero if it was on from the start.
     pub measured_at_switch: Vector6<f64>,
     /// Wrench put into the dynamics for the free directions.
     pub free_force: Vector6<f64>,

@@ -5,6 +5,10 @@
 //! of the surface, C the surface's frame at the contact point.
 //!
 //! # Mathematics
+//! For the velocity relative to the surface to stay the same in C axes, the contact point has to be accelerated as the
+//! material point of the surface under it, and by `2 w_WC × v` and `w_WC × w_WE` besides (Coriolis). That is the
+//! *surface's acceleration* here.
+//!
 //! A first-order low-pass follows what is read in the free directions. Another one, with a time constant of 0.25 s,
 //! follows the reading m, `m̄ += (m − m̄) s`, and [`SensorZero::take`] makes it the zero m₀: from then on `m − m₀`
 //! counts as the wrench.
@@ -27,10 +31,22 @@ impl ContactBinding {
                 self.filtered = Vector3::new(c.measured[0], c.measured[1], c.measured[2]);
             }
             Some(false) => {
-                self.exit_force = c.solution[2];
+                self.exit_force = self.normal_force(c);
                 self.exit_alpha = exit_alpha;
             }
             None => {}
+        }
+    }
+
+    /// The normal force that the contact has: the last solution's; before the first one what is measured, or as much as
+    /// there may be.
+    fn normal_force(&self, c: &ContactState) -> f64 {
+        if c.solution != Vector6::zeros() {
+            c.solution[2]
+        } else if c.measured[2] > 0.0 {
+            c.measured[2]
+        } else {
+            self.spec.force_max
         }
     }
 
@@ -49,8 +65,12 @@ impl ContactBinding {
             stack(&linear, &angular)
         };
         let velocity = stack(&k.v_WF, &k.w_WF);
-        c.V = rotate(&(velocity - self.motion.velocity_at(&k.p_WF)));
-        c.surface_acceleration = rotate(&self.motion.acceleration_at(&k.p_WF));
+        let relative = velocity - self.motion.velocity_at(&k.p_WF);
+        c.V = rotate(&relative);
+        let w = &self.motion.w_WC;
+        let sliding = Vector3::new(relative[0], relative[1], relative[2]);
+        let turning = stack(&(2.0 * w.cross(&sliding)), &w.cross(&k.w_WF));
+        c.surface_acceleration = rotate(&(self.motion.acceleration_at(&k.p_WF) + turning));
         c.Jdot_v = rotate(&k.Jdot_v);
         let (columns, _) = k.J.as_slice().as_chunks::<6>();
         let (rotated, _) = c.J.as_mut_slice().as_chunks_mut::<6>();
@@ -98,13 +118,7 @@ impl ContactBinding {
         c.alpha = self.switch.alpha(time);
         c.live = self.switch.is_live(time);
         c.since = self.switch.since();
-        c.free_force = Vector6::zeros();
-        if c.live && self.spec.free_force == FreeForce::Measured {
-            let limit = self.spec.free_force_limit;
-            for &direction in self.spec.kind.free().iter().filter(|&&d| d < 3) {
-                c.free_force[direction] = c.alpha * self.filtered[direction].clamp(-limit, limit);
-            }
-        }
+        c.free_force = self.free_force(c);
         c.force_limits = if self.switch.is_on() {
             [c.alpha * self.spec.force_min, c.alpha * self.spec.force_max]
         } else {
@@ -117,6 +131,20 @@ impl ContactBinding {
             c.solution = Vector6::zeros();
             c.set_point = Vector3::zeros();
         }
+    }
+}
+
+impl ContactBinding {
+    /// What is measured in the free directions, as far as it counts.
+    pub(crate) fn free_force(&self, c: &ContactState) -> Vector6<f64> {
+        let mut force = Vector6::zeros();
+        if c.live && self.spec.free_force == FreeForce::Measured {
+            let limit = self.spec.free_force_limit;
+            for &direction in self.spec.kind.free().iter().filter(|&&d| d < 3) {
+                force[direction] = c.alpha * self.filtered[direction].clamp(-limit, limit);
+            }
+        }
+        force
     }
 }
 

@@ -22,6 +22,8 @@ const MARGIN: f64 = 10.0;
 const FASTEST: f64 = 1000.0;
 /// Time within which anything may reach its largest speed, s.
 const REACTION: f64 = 0.001;
+/// Time without a measurement that is taken for an outage and not for a wrong stamp, s.
+const GAP: f64 = 10.0;
 /// Gravity where there is none, m/s².
 const GRAVITY: f64 = 9.81;
 
@@ -36,6 +38,8 @@ pub(super) struct Plausible {
     pub(super) joints: Vec<JointBounds>,
     /// Force and moment of each contact.
     pub(super) wrenches: Vec<[f64; 2]>,
+    /// Of the time between two measurements, s.
+    pub(super) gap: f64,
     pub(super) period: f64,
     pub(super) seen: Seen,
 }
@@ -116,6 +120,7 @@ impl Plausible {
             ),
             joints,
             wrenches: contacts.iter().map(wrench).collect(),
+            gap: limits.max_gap.unwrap_or(GAP),
             period,
             seen: Seen::default(),
         }
@@ -126,6 +131,7 @@ impl Plausible {
         let joint = |of: fn(&JointBounds) -> f64| self.joints.iter().map(of).reduce(f64::max);
         let wrench = |i: usize| self.wrenches.iter().map(|w| w[i]).reduce(f64::max);
         MeasurementLimits {
+            max_gap: Some(self.gap),
             max_linear_velocity: Some(self.velocity[0]),
             max_angular_velocity: Some(self.velocity[1]),
             max_joint_velocity: joint(|j| j.velocity),

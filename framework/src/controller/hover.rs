@@ -104,6 +104,10 @@ pub(super) fn hover(controller: &mut Controller) -> bool {
     controller.solver.reset();
     let _ = controller.qp.reset([]);
     controller.world.origin = None;
+    // No sensor has been read yet.
+    for contact in &mut controller.world.bindings {
+        contact.zero.mean = None;
+    }
     is_solved
 }
 

@@ -1,7 +1,7 @@
 //! What the sensors say at the beginning of a tick, and whether it can be true of the robot.
 //!
 //! # What is compared
-//! Speeds and forces with a bound each ([`bounds`](super::bounds)). Positions and velocities, besides, with those of
+//! The time since the last usable measurement, speeds and forces with a bound each ([`bounds`](super::bounds)). Positions and velocities, besides, with those of
 //! the last usable measurement. Positions may have changed by a bound per period, for as many periods as the robot was
 //! not seen, and while it was seen by twice what its speed explains. Velocities may have changed by a bound for all the
 //! time in between.
@@ -92,6 +92,9 @@ impl Plausible {
         stamp: Option<f64>,
     ) -> Option<Fault> {
         let now = measurement.time;
+        if let Some(fault) = stamp.and_then(|last| beyond(Quantity::Gap, now - last, self.gap)) {
+            return Some(fault);
+        }
         let fault = self.speeds(measurement).or_else(|| {
             let unseen = self.see(now)?;
             let passed = stamp.map_or(unseen, |stamp| unseen.max(now - stamp));

@@ -98,10 +98,10 @@ impl Observer {
             }
             for contact in contacts {
                 let force = match self.settings.forces {
-                    ContactForces::Measured => &contact.measured,
-                    ContactForces::Planned => &contact.solution,
+                    ContactForces::Measured => contact.measured,
+                    ContactForces::Planned => contact.solution + contact.free_force,
                 };
-                *push += contact.J.column(i).dot(force);
+                *push += contact.J.column(i).dot(&force);
             }
         }
         let own: Matrix6<f64> = mass.fixed_view::<6, 6>(0, 0).into();

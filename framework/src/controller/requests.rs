@@ -246,8 +246,8 @@ impl Controller {
 
     /// Changes parameters of a task or constraint between two ticks, and checks them as those of a file are checked.
     /// They hold from the next tick on, at once. Nothing else follows them: a damping that was critical stays what it
-    /// was. What was resolved when the controller was made stays: frames and joints that are named, and references,
-    /// which [`Controller::follow`] replaces. Allocates.
+    /// was. What was resolved when the controller was made stays: frames and joints that are named, references, which
+    /// [`Controller::follow`] replaces, and where these count from (`origin` of `free_motion`). Allocates.
     ///
     /// ```text
     /// controller.change("arm", |arm: &mut Posture| arm.kp = 40.0.into())?;
@@ -328,8 +328,8 @@ impl Controller {
     /// carried, a simulation was set back, an estimator has found out where it is. The next measurement is compared
     /// with this one.
     ///
-    /// Velocity references start at these velocities, filters of forces at these forces, and the solver without a warm
-    /// start. What is wanted stays: references, ramps, integrals and switches go on, and so does the controller's time,
+    /// Velocity references start at these velocities, filters of forces at these forces, the fallback law takes over
+    /// from here if it is at work, and the solver starts without a warm start. What is wanted stays: references, ramps, integrals and switches go on, and so does the controller's time,
     /// also if the stamp is an earlier one. Efforts stay within `slew` of the last ones. Does not allocate.
     ///
     /// # Errors
@@ -355,6 +355,9 @@ impl Controller {
         self.world.restart(measurement);
         self.plausible.restart(before);
         self.command.engage(&self.robot.model, &self.world.state);
+        if self.fallback.level == super::FallbackLevel::Safe {
+            self.fallback.law.engage(&self.world.tick(EntryState::ON));
+        }
         self.solver.reset();
         Ok(())
     }

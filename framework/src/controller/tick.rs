@@ -3,7 +3,7 @@
 
 use super::{
     Command, Controller, FallbackLevel, Measurement, Report,
-    fallback::elapsed,
+    fallback::{elapsed, is_continuous},
     record::{Record, recall_rows, record_inputs, record_outcome, record_rows},
 };
 use crate::{
@@ -49,13 +49,15 @@ impl Controller {
         let mut last = self.fallback.without_state.time();
         let period = self.world.period;
         let since_last_tick = elapsed(measurement.time, self.fallback.clock.previous, period);
-        if self.fallback.clock.was_set(measurement.time, last, period) {
+        let bounds = [period, self.plausible.gap];
+        if self.fallback.clock.was_set(measurement.time, last, bounds) {
             self.world.rebase(measurement.time);
             let unseen = self.fallback.without_state.seconds(f64::NAN, period);
             self.plausible.restart(measurement.time - unseen);
             last = None;
         }
         self.world.elapsed = elapsed(measurement.time, last, period);
+        self.world.is_continuous = is_continuous(measurement.time, last, period);
         self.world.slew_time = since_last_tick.min(period);
         self.gate
             .open(&self.robot, &self.command, self.world.slew_time);
@@ -209,10 +211,7 @@ impl Controller {
     /// The optimum; or, with the fault that made it that, the one with limits given up.
     fn optimise(&mut self, recorded: Option<&Record>) -> Result<Option<Fault>, Fault> {
         let is_alert = self.fallback.is_alert();
-        let is_proven = is_alert
-            && self
-                .fallback
-                .is_still_infeasible(&self.qp, &mut self.solution);
+        let is_proven = is_alert && self.fallback.prove_again(&self.qp, &mut self.solution);
         if is_alert && !is_proven {
             let terms = self.world.terms();
             self.problem.build(&terms, &self.entries, &mut self.qp)?;

@@ -21,7 +21,9 @@
 //! A floating base **without rotors** stands on its contacts: the same allocation distributes the base's part of τ
 //! over the forces of the contacts that are on, normals not below zero and tangential forces dear, and joints get
 //! `τ − Σ J_cᵀ f`. There the joints are held with the inertia that they feel through the contact, a share of the
-//! robot's; damping by as much as a joint whose contact lets go can bear at this rate.
+//! robot's; damping by as much as a joint whose contact lets go can bear at this rate. With no contact on nothing holds
+//! the base, which falls with `v̇_R` such that no wrench is needed on it: `M_RR v̇_R = −g_R − M_RJ q̈`. What holds the
+//! joints then is not their weight.
 //!
 //! The state may be old: the feedback fades linearly within `fading` of the last usable measurement, over which no
 //! damping here overshoots (half its rate times that time is less than one), and what is left is plain gravity
@@ -32,7 +34,7 @@ mod allocation;
 
 use std::sync::Arc;
 
-use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, Matrix6, Vector3, Vector6};
 
 use crate::{
     contact::ContactState,
@@ -136,6 +138,8 @@ enum Column {
 pub struct RunningDampedHover {
     model: Arc<Model>,
     actuators: Vec<Actuator>,
+    /// By velocity: what of the effort on it each of its motors gives.
+    shares: Vec<f64>,
     actuation: Actuation,
     rotors: Vec<usize>,
     /// The axis of the base that is up at home, base axes.
@@ -171,6 +175,7 @@ impl FallbackLaw for DampedHover {
         let mut running = RunningDampedHover {
             model: model.clone(),
             actuators: robot.actuators.clone(),
+            shares: shares(model, &robot.actuators),
             actuation: Actuation::new(model, &robot.actuators),
             up: robot.home.R_WR.inverse() * Vector3::z(),
             leans: false,
@@ -210,6 +215,9 @@ impl FallbackLaw for DampedHover {
     ) {
         let feedback = (1.0 - age / self.fading).clamp(0.0, 1.0);
         running.accelerate(self, tick, feedback, posture);
+        if running.falls(tick) {
+            running.fall(tick);
+        }
         let offset = running.model.joint_offset();
         running.force.copy_from(tick.dynamics.gravity());
         let mass_matrix = tick.dynamics.mass_matrix();
@@ -248,7 +256,8 @@ impl FallbackLaw for DampedHover {
         }
         for (i, actuator) in running.actuators.iter().enumerate() {
             if let ActuatorKind::Joint(motor) = &actuator.kind {
-                efforts[i] = running.force[running.model.velocity_index(motor.joint).index()];
+                let velocity = running.model.velocity_index(motor.joint).index();
+                efforts[i] = running.force[velocity] * running.shares[velocity];
             }
         }
     }
@@ -316,9 +325,7 @@ impl RunningDampedHover {
         let offset = model.joint_offset();
         let state = tick.state;
         self.vdot.fill(0.0);
-        let stands = offset == 6 && self.rotors.is_empty();
-        let live = tick.contacts().iter().filter(|c| c.live).count();
-        if offset == 6 && !(stands && live == 0) {
+        if offset == 6 && !self.falls(tick) {
             let v = Vector3::new(state.v[0], state.v[1], state.v[2]);
             let w = Vector3::new(state.v[3], state.v[4], state.v[5]);
             let mut linear = (-law.damping * v).cap_magnitude(law.max_linear);
@@ -363,6 +370,29 @@ impl RunningDampedHover {
             let asked = -k * k * error - 2.0 * k * state.v[offset + i];
             self.vdot[offset + i] = feedback * asked;
         }
+    }
+
+    /// Whether nothing holds the base.
+    fn falls(&self, tick: &Tick<'_>) -> bool {
+        let is_floating = self.model.joint_offset() == 6;
+        is_floating && self.rotors.is_empty() && !tick.contacts().iter().any(|c| c.live)
+    }
+
+    /// The base's acceleration, on which nothing but gravity and the joints act.
+    fn fall(&mut self, tick: &Tick<'_>) {
+        let (mass, gravity) = (tick.dynamics.mass_matrix(), tick.dynamics.gravity());
+        let mut wrench = tick.disturbance;
+        for (i, wrench) in wrench.iter_mut().enumerate() {
+            *wrench -= gravity[i];
+            for j in 6..self.vdot.len() {
+                *wrench -= mass[(i, j)] * self.vdot[j];
+            }
+        }
+        let own: Matrix6<f64> = mass.fixed_view::<6, 6>(0, 0).into();
+        let acceleration = own
+            .cholesky()
+            .map_or_else(Vector6::zeros, |own| own.solve(&wrench));
+        self.vdot.fixed_rows_mut::<6>(0).copy_from(&acceleration);
     }
 
     /// The inertia that joints feel through the contacts they stand on: a share of the robot's mass at the end of each.
@@ -439,6 +469,17 @@ impl RunningDampedHover {
         }
         problem.b = turned(std::array::from_fn(|i| self.force[i]));
     }
+}
+
+/// By velocity: one over the number of motors on it.
+fn shares(model: &Model, actuators: &[Actuator]) -> Vec<f64> {
+    let mut motors = vec![0.0; model.nv()];
+    for actuator in actuators {
+        if let ActuatorKind::Joint(motor) = &actuator.kind {
+            motors[model.velocity_index(motor.joint).index()] += 1.0;
+        }
+    }
+    motors.iter().map(|n: &f64| 1.0 / n.max(1.0)).collect()
 }
 
 /// A wrench about the base's origin, world axes, as one about the centre of mass, base axes.

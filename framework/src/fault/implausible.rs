@@ -8,6 +8,7 @@ impl Quantity {
     /// The key of its bound in `[measurement]`; of what has none, nothing.
     pub fn key(self) -> &'static str {
         match self {
+            Self::Gap => "max_gap",
             Self::LinearVelocity => "max_linear_velocity",
             Self::AngularVelocity => "max_angular_velocity",
             Self::JointVelocity(_) => "max_joint_velocity",
@@ -41,6 +42,7 @@ impl Quantity {
 
     pub(super) fn what(self) -> &'static str {
         match self {
+            Self::Gap => "time since the last measurement",
             Self::LinearVelocity => "speed of the base",
             Self::AngularVelocity => "angular speed of the base",
             Self::JointVelocity(_) => "speed of joint",
@@ -58,6 +60,7 @@ impl Quantity {
 
     fn unit(self, prismatic: bool) -> &'static str {
         match (self, prismatic) {
+            (Self::Gap, _) => "s",
             (Self::LinearVelocity, _) | (Self::JointVelocity(_), true) => "m/s",
             (Self::AngularVelocity | Self::JointVelocity(_), _) => "rad/s",
             (Self::LinearAcceleration, _) | (Self::JointAcceleration(_), true) => "m/s²",

@@ -13,7 +13,8 @@ pub enum Fault {
     NotFinite(Quantity),
     /// A measured list has the wrong size.
     WrongSize(Quantity),
-    /// The time stamp is not later than that of the last usable measurement.
+    /// The time stamp is not later than that of the last usable measurement. (One that is too much later is
+    /// implausible.)
     NotLater,
     /// The base's quaternion is not of unit length, nor near it.
     NotARotation,
@@ -22,7 +23,7 @@ pub enum Fault {
     Implausible {
         /// What was measured, or how it has changed.
         quantity: Quantity,
-        /// Its size: m, rad, N or N·m, of speeds per second, of accelerations per second squared.
+        /// Its size: s, m, rad, N or N·m, of speeds per second, of accelerations per second squared.
         value: f64,
         /// The largest that is plausible, in the same unit.
         limit: f64,
@@ -74,6 +75,8 @@ pub enum Quantity {
     Wrenches,
     /// One contact's wrench.
     Wrench(ContactId),
+    /// Time since the last usable measurement.
+    Gap,
     /// Speed of the base.
     LinearVelocity,
     /// Angular speed of the base.

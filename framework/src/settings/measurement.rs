@@ -10,6 +10,11 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct MeasurementLimits {
+    /// Longest time from one measurement to the next, s: a later stamp is a fault until the clock goes on from there.
+    /// Default: 10 s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-unit" = "s"))]
+    pub max_gap: Option<f64>,
     /// Largest speed of a floating base, m/s. Default: ten times the speed of a limb's end, at least 100.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "m/s"))]
@@ -62,6 +67,7 @@ pub struct MeasurementLimits {
 impl MeasurementLimits {
     /// Everything that is finite is taken.
     pub const ANY: Self = Self {
+        max_gap: Some(f64::INFINITY),
         max_linear_velocity: Some(f64::INFINITY),
         max_angular_velocity: Some(f64::INFINITY),
         max_joint_velocity: Some(f64::INFINITY),
@@ -78,6 +84,7 @@ impl MeasurementLimits {
     /// Keys with what is wrong with them.
     pub(crate) fn problems(&self) -> impl Iterator<Item = (&'static str, String)> {
         [
+            ("max_gap", self.max_gap),
             ("max_linear_velocity", self.max_linear_velocity),
             ("max_angular_velocity", self.max_angular_velocity),
             ("max_joint_velocity", self.max_joint_velocity),

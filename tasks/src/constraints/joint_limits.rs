@@ -7,7 +7,10 @@
 //! acceleration/torque control of robot manipulators*, IEEE RA-L 3(1), 2018: its algorithms 1 (positions) and 2
 //! (viability), with what it leaves open, states beyond a limit, brought back with A.
 
-use wbqp::{model::JointKind, prelude::*};
+use wbqp::{
+    model::{self, JointKind},
+    prelude::*,
+};
 
 use crate::{check, effort::chosen};
 
@@ -42,12 +45,11 @@ pub struct JointLimits {
     pub joints: Option<Vec<String>>,
 }
 
-/// A joint and its limits.
+/// Where a joint is in the state.
 #[derive(Clone, Debug)]
 pub struct LimitedJoint {
     joint: JointId,
     velocity: VelocityId,
-    range: Range,
 }
 
 /// What a joint can do.
@@ -66,6 +68,16 @@ impl JointLimits {
             acceleration: acceleration.into(),
             margin: 0.0,
             joints: None,
+        }
+    }
+
+    /// What the `k`-th of the joints may do, which has these limits.
+    fn range(&self, k: usize, limits: &model::JointLimits) -> Range {
+        Range {
+            lower: limits.lower + self.margin,
+            upper: limits.upper - self.margin,
+            speed: limits.velocity,
+            acceleration: self.acceleration.row(k),
         }
     }
 
@@ -159,12 +171,7 @@ impl Constraint for JointLimits {
         let mut limited = Vec::new();
         for (k, joint) in joints.into_iter().enumerate() {
             let about = &model.joints()[joint.index()];
-            let range = Range {
-                lower: about.limits.lower + self.margin,
-                upper: about.limits.upper - self.margin,
-                speed: about.limits.velocity,
-                acceleration: self.acceleration.row(k),
-            };
+            let range = self.range(k, &about.limits);
             if range.lower > range.upper {
                 let problem = format!(
                     "is {}, which leaves joint `{}` no range",
@@ -176,7 +183,6 @@ impl Constraint for JointLimits {
             limited.push(LimitedJoint {
                 joint,
                 velocity: setup.velocity(joint),
-                range,
             });
         }
         let rows = limited.iter().map(|limited| {
@@ -194,7 +200,8 @@ impl Constraint for JointLimits {
         for (k, limited) in limited.iter().enumerate() {
             let q = tick.state.q[limited.joint.index()];
             let v = tick.state.v[limited.velocity];
-            let [lower, upper] = limited.range.bounds(q, v, tick.period);
+            let limits = &tick.model.joints()[limited.joint.index()].limits;
+            let [lower, upper] = self.range(k, limits).bounds(q, v, tick.period);
             rows.limit(k, lower, upper);
         }
     }

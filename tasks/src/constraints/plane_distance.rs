@@ -42,14 +42,6 @@ pub struct PlaneDistance {
     pub a2: f64,
 }
 
-/// The frame, and the plane's normal.
-#[derive(Debug)]
-pub struct Plane {
-    frame: FrameHandle,
-    /// Unit length, world axes.
-    normal: Vector3<f64>,
-}
-
 impl PlaneDistance {
     /// Keeps the origin of a frame on the side of a plane where the normal points.
     pub fn new(frame: impl Into<String>, point: [f64; 3], normal: [f64; 3]) -> Self {
@@ -78,9 +70,9 @@ impl PlaneDistance {
 }
 
 impl Constraint for PlaneDistance {
-    type Running = Plane;
+    type Running = FrameHandle;
 
-    fn bind(&self, setup: &mut Setup<'_>) -> Result<(ConstraintLayout, Plane), BindError> {
+    fn bind(&self, setup: &mut Setup<'_>) -> Result<(ConstraintLayout, FrameHandle), BindError> {
         let frame = setup.frame(&self.frame)?;
         check::finite("offset", &self.offset)?;
         check::finite("point", &self.point)?;
@@ -88,15 +80,15 @@ impl Constraint for PlaneDistance {
         check::finite("margin", &[self.margin])?;
         validate_rate("a1", self.a1, setup.period())?;
         validate_rate("a2", self.a2, setup.period())?;
-        let normal = Vector3::from(self.normal)
-            .try_normalize(1e-9)
-            .ok_or_else(|| BindError::value("normal", "is zero"))?;
+        if Vector3::from(self.normal).try_normalize(1e-9).is_none() {
+            return Err(BindError::value("normal", "is zero"));
+        }
         let layout = Layout::rows([("distance", "m/s²")]).vdot_dense();
-        Ok((layout.limits(), Plane { frame, normal }))
+        Ok((layout.limits(), frame))
     }
 
-    fn update(&self, plane: &mut Plane, tick: &Tick<'_>, rows: &mut ConstraintRows<'_>) {
-        let (frame, n) = (tick.frame(plane.frame), plane.normal);
+    fn update(&self, frame: &mut FrameHandle, tick: &Tick<'_>, rows: &mut ConstraintRows<'_>) {
+        let (frame, n) = (tick.frame(*frame), Vector3::from(self.normal).normalize());
         let o = frame.R_WF * Vector3::from(self.offset);
         let w = frame.w_WF;
         let h = n.dot(&(frame.p_WF + o - Vector3::from(self.point))) - self.margin;

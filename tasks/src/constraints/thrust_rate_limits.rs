@@ -30,10 +30,8 @@ pub struct ThrustRateLimits {
 #[derive(Clone, Debug)]
 pub struct LimitedRotor {
     rotor: ActuatorId,
-    /// N/s.
-    fall: f64,
-    /// N/s.
-    rise: f64,
+    /// What its own file says, N/s.
+    slew: f64,
 }
 
 impl ThrustRateLimits {
@@ -66,7 +64,8 @@ impl Constraint for ThrustRateLimits {
                 )));
             }
             layout = layout.bound_effort(rotor, &about.name, "N");
-            limited.push(LimitedRotor { rotor, fall, rise });
+            let slew = about.slew;
+            limited.push(LimitedRotor { rotor, slew });
         }
         Ok((layout, limited))
     }
@@ -75,7 +74,8 @@ impl Constraint for ThrustRateLimits {
         for (k, limited) in limited.iter().enumerate() {
             let sent = tick.last_effort.get(limited.rotor.index());
             let sent = sent.copied().unwrap_or(0.0);
-            let [fall, rise] = [limited.fall, limited.rise].map(|rate| rate * tick.slew_time);
+            let rates = [self.fall, self.rise].map(|rate| rate.unwrap_or(limited.slew));
+            let [fall, rise] = rates.map(|rate| rate * tick.slew_time);
             rows.bound(k, sent - fall, sent + rise);
         }
     }

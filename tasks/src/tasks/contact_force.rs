@@ -169,6 +169,14 @@ impl Task for ContactForce {
         }
         check::not_negative("ki", self.ki)?;
         check::not_negative("anti_windup", self.anti_windup)?;
+        if self.anti_windup * setup.period() >= 1.0 {
+            let most = 1.0 / setup.period();
+            let problem = format!(
+                "is {}, must be below the rate of {most} Hz",
+                self.anti_windup
+            );
+            return Err(BindError::value("anti_windup", problem));
+        }
         check::positive("clamp", self.clamp)?;
         let running = RunningContactForce {
             contact,

@@ -103,12 +103,13 @@ pub enum Origin {
     Touch,
 }
 
-/// What `bind` resolved, and where the contact was made.
 /// What runs of a [`FreeMotion`].
 #[derive(Debug)]
 pub struct RunningFreeMotion {
     contact: ContactId,
     axes: Vec<SurfaceAxis>,
+    /// Where the reference was bound to count from.
+    origin: Origin,
     reference: VectorReference,
     integral: Integral,
     /// Position that the reference counts from, m, surface coordinates; unknown until the first update.
@@ -222,6 +223,7 @@ impl Task for FreeMotion {
         let running = RunningFreeMotion {
             contact,
             axes,
+            origin: self.origin,
             reference,
             integral: Integral::new(n),
             base: None,
@@ -232,7 +234,7 @@ impl Task for FreeMotion {
     fn update(&self, running: &mut RunningFreeMotion, tick: &Tick<'_>, rows: &mut Rows<'_>) {
         let contact = tick.contact(running.contact);
         let desired = tick.vector(running.reference);
-        let base = *running.base.get_or_insert(match self.origin {
+        let base = *running.base.get_or_insert(match running.origin {
             Origin::Surface => Vector3::zeros(),
             Origin::Touch => contact.p_SC,
         });

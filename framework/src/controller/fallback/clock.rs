@@ -20,9 +20,9 @@ const ALERT: u32 = 50;
 
 /// Tells a stamp that is out of order from a clock that was set.
 ///
-/// A stamp that is not later than the last usable one is a fault. A clock that goes on regularly from an earlier time,
-/// for [`Clock::STEADY`] ticks, was set: it is used again from there, and the controller's own time goes on without a
-/// jump.
+/// A stamp that is not later than the last usable one is a fault, and so is one that is later by more than a bound
+/// (`max_gap`). A clock that goes on regularly from there, for [`Clock::STEADY`] ticks, was set: it is used again from
+/// there, and the controller's own time goes on without a jump.
 #[derive(Clone, Copy, Debug, Default)]
 pub(in super::super) struct Clock {
     pub(in super::super) previous: Option<f64>,
@@ -33,14 +33,19 @@ impl Clock {
     const STEADY: u32 = 10;
 
     /// Takes a stamp; true if the clock was set. `last` is the last usable stamp.
-    pub(in super::super) fn was_set(&mut self, stamp: f64, last: Option<f64>, period: f64) -> bool {
+    pub(in super::super) fn was_set(
+        &mut self,
+        stamp: f64,
+        last: Option<f64>,
+        [period, max_gap]: [f64; 2],
+    ) -> bool {
         let goes_on = self.previous.is_some_and(|previous| {
             let step = stamp - previous;
             step > 0.0 && step < 10.0 * period
         });
         self.previous = Some(stamp);
-        let is_early = last.is_some_and(|last| stamp <= last);
-        let was_perhaps_set = goes_on && is_early;
+        let is_off = last.is_some_and(|last| stamp <= last || stamp - last > max_gap);
+        let was_perhaps_set = goes_on && is_off;
         self.steady = if was_perhaps_set { self.steady + 1 } else { 0 };
         if self.steady < Self::STEADY {
             return false;
@@ -55,16 +60,26 @@ impl Clock {
 pub(in super::super) struct Age {
     /// Time stamp and ticks since; nothing if it never was.
     pub(in super::super) last: Option<(f64, u64)>,
+    /// Whether it is in this tick, and never was before.
+    pub(in super::super) is_first: bool,
 }
 
 impl Age {
+    /// It was at a time stamp, so many ticks ago; or never.
+    pub(in super::super) fn since(last: Option<(f64, u64)>) -> Self {
+        let is_first = false;
+        Self { last, is_first }
+    }
+
     /// It is in this tick.
     pub(in super::super) fn renew(&mut self, time: f64) {
+        self.is_first |= self.last.is_none();
         self.last = Some((time, 0));
     }
 
     /// A tick has begun.
     pub(in super::super) fn pass(&mut self) {
+        self.is_first = false;
         if let Some((_, ticks)) = &mut self.last {
             *ticks = ticks.saturating_add(1);
         }
@@ -140,6 +155,12 @@ pub(in super::super) fn elapsed(now: f64, last: Option<f64>, period: f64) -> f64
     } else {
         step.min(LONGEST * period)
     }
+}
+
+/// Whether what happened since the last usable measurement was seen: no more time has passed than a tick stands for,
+/// and the clock was not set.
+pub(in super::super) fn is_continuous(now: f64, last: Option<f64>, period: f64) -> bool {
+    last.is_some_and(|last| now - last <= (LONGEST + ROUNDING) * period)
 }
 
 #[cfg(test)]

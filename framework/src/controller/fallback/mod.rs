@@ -11,7 +11,7 @@ mod clock;
 mod relaxed;
 mod unsolved;
 
-pub(super) use clock::{Age, Clock, OnLevel, elapsed};
+pub(super) use clock::{Age, Clock, OnLevel, elapsed, is_continuous};
 
 use super::report::FallbackLevel;
 use crate::{

@@ -56,7 +56,7 @@ impl Fallback {
             return Err(Fault::Solver);
         }
         if !(self.is_proven || self.is_native && is_proof(qp, solution)) {
-            if !self.is_still_infeasible(qp, solution) {
+            if !self.prove_again(qp, solution) {
                 self.solver.reset();
                 let solved = self
                     .solver
@@ -152,13 +152,9 @@ impl Fallback {
         self.solution.status
     }
 
-    /// Whether limits contradict one another as they did last; if so, the proof is in the solution. Begins with the
-    /// last proof, and does not look for an optimum. False says nothing.
-    pub(in super::super) fn is_still_infeasible(
-        &mut self,
-        qp: &Qp,
-        solution: &mut Solution,
-    ) -> bool {
+    /// Looks for a proof that limits contradict one another as they did last, and not for an optimum; whether there is
+    /// one, in the solution then. Begins with the last proof. False says nothing.
+    pub(in super::super) fn prove_again(&mut self, qp: &Qp, solution: &mut Solution) -> bool {
         if self.proof.iter().next().is_none() {
             return false;
         }

@@ -37,7 +37,8 @@ impl Fallback {
             return level;
         }
         let tick = world.tick(EntryState::ON);
-        if changed {
+        if changed || self.without_state.is_first {
+            // Until then it did not know where the robot is.
             self.law.engage(&tick);
         }
         let age = self.without_state.seconds(time, period);

@@ -9,17 +9,16 @@ use wbqp_dynamics::{Data, model::Model};
 
 impl ContactBinding {
     /// Writes what is remembered from one tick to the next.
-    pub(crate) fn remember(&self, out: &mut ContactMemory) {
+    pub(crate) fn remember(&self, c: &ContactState, out: &mut ContactMemory) {
         out.switch = self.switch;
         out.exit_force = self.exit_force;
         out.exit_alpha = self.exit_alpha;
         out.filtered = self.filtered.into();
         out.mean_reading = self.zero.mean.map(Into::into);
         out.sensor_zero = self.zero.offset.into();
-        for (out, r) in out.rotation.iter_mut().zip(self.motion.R_WC.matrix()) {
-            *out = *r;
-        }
         let m = &self.motion;
+        out.rotation = columns(&m.R_WC);
+        out.last_placed = Some((columns(&c.R_WC), c.p_WS.into()));
         out.motion = [m.p_WS, m.v_WS, m.w_WC, m.a_WS, m.alpha_WC].map(Into::into);
     }
 
@@ -34,9 +33,8 @@ impl ContactBinding {
             offset: memory.sensor_zero.into(),
         };
         let [p_WS, v_WS, w_WC, a_WS, alpha_WC] = memory.motion.map(Vector3::from);
-        let rotation = Matrix3::from_column_slice(&memory.rotation);
         self.motion = SurfaceMotion {
-            R_WC: Rotation3::from_matrix_unchecked(rotation),
+            R_WC: rotation(&memory.rotation),
             p_WS,
             v_WS,
             w_WC,
@@ -57,5 +55,34 @@ impl ContactBinding {
         c.alpha = self.switch.alpha(time);
         c.live = self.switch.is_live(time);
         c.since = self.switch.since();
+        c.free_force = self.free_force(c);
     }
+
+    /// The same where the surface was in the tick that is remembered; it may have moved since.
+    pub(crate) fn place_as_then(
+        &mut self,
+        time: f64,
+        model: &Model,
+        data: &Data,
+        memory: &ContactMemory,
+        c: &mut ContactState,
+    ) {
+        let now = self.motion;
+        if let Some((R_WC, p_WS)) = &memory.last_placed {
+            (self.motion.R_WC, self.motion.p_WS) = (rotation(R_WC), (*p_WS).into());
+        }
+        self.place_again(time, model, data, c);
+        self.motion = now;
+    }
+}
+
+/// A rotation's columns, one after the other.
+fn columns(rotation: &Rotation3<f64>) -> [f64; 9] {
+    let mut out = [0.0; 9];
+    out.copy_from_slice(rotation.matrix().as_slice());
+    out
+}
+
+fn rotation(columns: &[f64; 9]) -> Rotation3<f64> {
+    Rotation3::from_matrix_unchecked(Matrix3::from_column_slice(columns))
 }

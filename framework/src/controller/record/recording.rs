@@ -88,7 +88,7 @@ pub(in super::super) fn remember_world(world: &World, before: &mut Memory) {
     write_state(&world.state, &mut before.state);
     let contacts = world.contacts.iter().zip(&world.bindings);
     for (out, (contact, binding)) in before.contacts.iter_mut().zip(contacts) {
-        binding.remember(out);
+        binding.remember(contact, out);
         out.measured = contact.measured.into();
         out.measured_at_switch = contact.measured_at_switch.into();
         out.set_point = contact.set_point.into();
@@ -108,9 +108,10 @@ pub(in super::super) fn recall_world(world: &mut World, before: &Memory) {
     world.time = before.time;
     world.refresh();
     recall_filters(world, before);
+    let (time, model, data) = (world.time, &world.model, &world.data);
     let contacts = world.contacts.iter_mut().zip(&mut world.bindings);
-    for (contact, binding) in contacts {
-        binding.place_again(world.time, &world.model, &world.data, contact);
+    for ((contact, binding), memory) in contacts.zip(&before.contacts) {
+        binding.place_as_then(time, model, data, memory, contact);
     }
 }
 
@@ -338,12 +339,8 @@ impl Fallback {
     }
 
     fn recall(&mut self, memory: &Memory) {
-        self.without_solution = Age {
-            last: memory.solved,
-        };
-        self.without_state = Age {
-            last: memory.measured,
-        };
+        self.without_solution = Age::since(memory.solved);
+        self.without_state = Age::since(memory.measured);
         self.clock = Clock {
             previous: memory.stamp,
             steady: memory.steady,

@@ -139,6 +139,9 @@ pub(crate) struct ContactMemory {
     pub(crate) sensor_zero: [f64; 6],
     /// `R_WC`, column by column.
     pub(crate) rotation: [f64; 9],
+    /// The same and `p_WS` of the last tick, whose forces are in these axes; not in older records.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) last_placed: Option<([f64; 9], [f64; 3])>,
     /// Position, velocity, angular velocity, acceleration, angular acceleration of the surface.
     pub(crate) motion: [[f64; 3]; 5],
     pub(crate) measured: [f64; 6],

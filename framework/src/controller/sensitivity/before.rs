@@ -16,6 +16,8 @@ pub(in super::super) struct Before {
     /// Time that the tick stood for, and for which `slew` counted, s.
     elapsed: f64,
     slew_time: f64,
+    /// Whether what happened since the last usable measurement was seen.
+    is_continuous: bool,
     /// Of the tick before.
     level: FallbackLevel,
     pub(super) measurement: Measurement,
@@ -32,6 +34,7 @@ impl Before {
             is_whole: false,
             elapsed: 0.0,
             slew_time: 0.0,
+            is_continuous: false,
             level: FallbackLevel::default(),
             measurement: controller.measurement(),
             world: blank_memory(&controller.world),
@@ -54,6 +57,7 @@ impl Before {
         self.measurement.copy_from(measurement);
         self.level = level;
         (self.elapsed, self.slew_time) = (world.elapsed, world.slew_time);
+        self.is_continuous = world.is_continuous;
         remember_world(world, &mut self.world);
     }
 
@@ -78,6 +82,7 @@ impl Before {
             recall_filters(world, &self.world);
         }
         (world.elapsed, world.slew_time) = (self.elapsed, self.slew_time);
+        world.is_continuous = self.is_continuous;
         world.measure(measurement, self.level);
     }
 }

@@ -34,6 +34,8 @@ pub(crate) struct World {
     pub(crate) period: f64,
     /// Time that this tick stands for, s, see [`elapsed`](super::fallback::elapsed).
     pub(crate) elapsed: f64,
+    /// Whether what happened since the last usable measurement was seen.
+    pub(crate) is_continuous: bool,
     /// Time for which `slew` counts in this tick, s.
     pub(crate) slew_time: f64,
     /// Time since the first tick, s.
@@ -82,7 +84,9 @@ impl World {
     fn take_state(&mut self, m: &Measurement, level: FallbackLevel) {
         let is_first = self.origin.is_none();
         self.time = m.time - *self.origin.get_or_insert(m.time);
-        let observer = self.observer.as_mut().filter(|_| !is_first);
+        // After a gap, as in the first tick, velocities are the measured ones: what they would have become is unknown.
+        let can_predict = !is_first && self.is_continuous;
+        let observer = self.observer.as_mut().filter(|_| can_predict);
         if let Some(observer) = observer {
             let elapsed = self.elapsed;
             let (data, contacts) = (&self.data, &self.contacts);

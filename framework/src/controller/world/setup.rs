@@ -20,6 +20,7 @@ impl World {
         Self {
             period,
             elapsed: period,
+            is_continuous: false,
             slew_time: period,
             time: 0.0,
             origin: None,

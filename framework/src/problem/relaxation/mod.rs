@@ -194,7 +194,7 @@ impl Relaxation {
     }
 
     /// Gives up the level of a contradiction that is the first to go, from the multipliers that prove it. False if
-    /// nothing in it can be given up, or was given up before. `owners` are those of the bounds of `qp`.
+    /// nothing in it can be given up that is not. `owners` are those of the bounds of `qp`.
     fn give_up_first(
         &mut self,
         problem: &Problem,
@@ -203,7 +203,11 @@ impl Relaxation {
         owners: impl Fn(usize) -> [Option<RowId>; 2],
         proof: &Solution,
     ) -> bool {
-        let level_of = |id: RowId| self.level_of.get(id.index()).copied().flatten();
+        // What is given up has no part in a contradiction: a multiplier of it is rounding.
+        let level_of = |id: RowId| {
+            let level = self.level_of.get(id.index()).copied().flatten();
+            level.filter(|level| !self.given_up[*level])
+        };
         let mut first = self.levels.len();
         for (i, (y, id)) in proof.y.iter().zip(qp.rows()).enumerate() {
             let is_asked = *y != 0.0
@@ -234,10 +238,8 @@ impl Relaxation {
                 first = first.min(level_of(owner).unwrap_or(first));
             }
         }
-        match self.given_up.get_mut(first) {
-            Some(given_up) => !std::mem::replace(given_up, true),
-            None => false,
-        }
+        let given_up = self.given_up.get_mut(first);
+        given_up.map(|given_up| *given_up = true).is_some()
     }
 
     /// Like [`Relaxation::give_up_first`] for the tick's problem.

@@ -107,7 +107,9 @@ impl Relaxation {
         let n = base.n();
         let wide = self.qp.n();
         let (h, g) = self.qp.cost_mut();
-        for (to, from) in h.chunks_exact_mut(wide).zip(base.h().chunks_exact(n)) {
+        // A problem may be without variables: lengths of chunks are never zero.
+        let rows = h.chunks_exact_mut(wide.max(1));
+        for (to, from) in rows.zip(base.h().chunks_exact(n.max(1))) {
             to[..n].copy_from_slice(from);
         }
         g[..n].copy_from_slice(base.g());

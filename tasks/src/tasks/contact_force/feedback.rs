@@ -37,7 +37,9 @@ impl Loop {
     ) -> f64 {
         let error = measured - set_point;
         let shortfall = self.asked.map_or(0.0, |asked| asked - solution);
-        let next = self.xi + period * (settings.ki * error + settings.anti_windup * shortfall);
+        // A tick that stands for several periods takes no more back than was too much.
+        let anti_windup = settings.anti_windup.min(1.0 / period);
+        let next = self.xi + period * (settings.ki * error + anti_windup * shortfall);
         if next.is_finite() {
             self.clamped = next.abs() >= settings.clamp;
             self.xi = next.min(settings.clamp).max(-settings.clamp);
