@@ -45,7 +45,8 @@ class ContactMotion(Plugin):
 
     `J_c v̇ = −k_d V − J̇_c v + a_S`, m/s² or rad/s²,
 
-    V the velocity relative to the surface and `a_S` the surface's acceleration, both in the constrained directions.
+    V the velocity relative to the surface and `a_S` the surface's acceleration, with Coriolis', both in the constrained
+    directions.
     The printed (10e) has `J_c v` for the bias `J̇_c v`.
 
     An entry with `hardness = "soft"` and a large weight is the paper's section IV-A: a task instead of a constraint.

@@ -494,7 +494,7 @@ class FreeMotion(Plugin):
 
     `J_f` is made of rows of the contact's Jacobian in C axes. The paper turns the Jacobian with the end effector
     instead, which lets the normal direction leak into this task when the tool tilts, and its (8) prints `J_f v` for
-    the bias `J̇_f v`. `a_S` is the acceleration of a moving surface.
+    the bias `J̇_f v`. `a_S` is the acceleration of a moving surface, with Coriolis'.
 
     The integral ξ is not in the paper and off by default; it removes what a wrong mass or thrust leaves. It is clamped
     per axis and starts at zero whenever the contact or the task is switched on. Its second part is back-calculation

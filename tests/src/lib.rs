@@ -22,3 +22,4 @@ pub mod robots_page;
 pub mod runs;
 pub mod said;
 pub mod scenes;
+pub mod small;

@@ -15,7 +15,7 @@ pub struct State {
     pub p_WR: Vector3<f64>,
     /// Orientation of the base in the world.
     pub R_WR: UnitQuaternion<f64>,
-    /// Joint positions in the model's order, rad or m.
+    /// Joint positions in the model's order, rad or m. Those of joints without a range go on beyond ±π.
     pub q: DVector<f64>,
     /// Generalised velocity, `[v_WR; w_WR; q̇]` (floating base) or `q̇` (fixed), size nv.
     pub v: DVector<f64>,

@@ -73,13 +73,21 @@ impl Controller {
         let mut level = match outcome {
             Ok(None) => FallbackLevel::Optimal,
             Ok(Some(_)) => FallbackLevel::Relaxed,
-            Err(_) => self.fallback.command(
-                &self.robot,
-                &self.settings,
-                &self.world,
-                [measurement.time, since_last_tick],
-                &mut self.command,
-            ),
+            Err(fault) => {
+                let says_nothing = fault.is_of_the_stamp();
+                let stamp = if says_nothing {
+                    f64::NAN
+                } else {
+                    measurement.time
+                };
+                self.fallback.command(
+                    &self.robot,
+                    &self.settings,
+                    &self.world,
+                    [stamp, since_last_tick],
+                    &mut self.command,
+                )
+            }
         };
         let cut = self.gate.pass(&self.robot, &mut self.command);
         self.world.last.effort.copy_from_slice(&self.command.effort);

@@ -102,6 +102,16 @@ pub enum Quantity {
 }
 
 impl Fault {
+    /// Whether it is about the time stamp, which then says nothing of how much time has passed.
+    pub(crate) fn is_of_the_stamp(self) -> bool {
+        match self {
+            Self::NotFinite(quantity) | Self::Implausible { quantity, .. } => {
+                matches!(quantity, Quantity::Time | Quantity::Gap)
+            }
+            _ => false,
+        }
+    }
+
     /// Whether it is about a measured wrench: the state is usable.
     pub(crate) fn is_of_a_wrench(self) -> bool {
         match self {

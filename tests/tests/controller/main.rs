@@ -2,6 +2,7 @@
 //! and that the same measurements give the same bits.
 
 mod contact_switching;
+mod contacts;
 mod effects;
 mod entry_switching;
 mod first_tick;

@@ -10,6 +10,7 @@ use wbqp_sim::{CaseRun, ClosedLoop, Scenario};
 use wbqp_tests::{
     files::scenarios,
     scenes::{Kind, Scene, observer},
+    small::controller_of,
 };
 
 const SECONDS: usize = 8;
@@ -203,4 +204,49 @@ fn what_overflowed_is_forgotten() {
         optimal += i32::from(tick > 8 && report.fault.is_none());
     }
     assert_eq!(optimal, 11, "{:?}", controller.report().fault);
+}
+
+/// Hovers with damping alone, one contact at its tool.
+fn damped(forces: &str, free_force: &str) -> Controller {
+    controller_of(&format!(
+        "[controller]\nrate = 250.0\nobserver = {{ velocity = 3.0, wrench = 0.25, max_force = 8.0, max_moment = 1.5, \
+         forces = {forces:?} }}\n[robot]\ntype = \"othex\"\n[[contact]]\nname = \"tip\"\nframe = \"tool\"\n\
+         kind = \"normal\"\nsurface = {{ normal = [-1.0, 0.0, 0.0], x_axis = [0.0, 0.0, 1.0] }}\nactive = true\n\
+         free_force = {free_force:?}\n[[task]]\ntype = \"base_position\"\nkp = 1e-3\nkd = 6.0\n[[task]]\n\
+         type = \"base_orientation\"\nkp = 20.0\n[[task]]\ntype = \"posture\"\nkp = 20.0\n[[task]]\n\
+         type = \"constant_force\"\ncontact = \"tip\"\nnormal = 0.0\nweight = 100.0\n[[constraint]]\n\
+         type = \"friction_pyramid\"\ncontact = \"tip\"\n"
+    ))
+}
+
+/// What nobody saw is not explained by a force: after a gap velocities are the measured ones, and the force stays.
+#[test]
+fn a_gap_is_no_force() {
+    let mut controller = damped("measured", "zero");
+    let mut measurement = controller.measurement();
+    for k in 0..100 {
+        measurement.time = 0.004 * f64::from(k);
+        controller.tick(&measurement);
+    }
+    let before = controller.report().disturbance;
+    measurement.time += 3.0;
+    measurement.state.v[0] = 0.5;
+    let (_, report) = controller.tick(&measurement);
+    assert_eq!(report.disturbance, before);
+    assert!((report.vdot[0] + 3.0).abs() < 0.1, "{}", report.vdot[0]);
+}
+
+/// What is measured in the free directions is in the problem already, and no unknown wrench.
+#[test]
+fn a_free_force_that_is_measured_is_not_unknown_beside_planned_ones() {
+    let mut controller = damped("planned", "measured");
+    let mut measurement = controller.measurement();
+    // 1 N along the wall on a robot that stays where it is: efforts are such that nothing moves.
+    measurement.wrenches[0] = Vector6::new(0.0, 1.0, 0.0, 0.0, 0.0, 0.0);
+    for k in 0..1000 {
+        measurement.time = 0.004 * f64::from(k);
+        controller.tick(&measurement);
+    }
+    let unknown = controller.report().disturbance;
+    assert!(unknown.norm() < 0.05, "{unknown}");
 }

@@ -1,4 +1,5 @@
 //! Recorded ticks run again to the bit, from a file, on every level.
+#![allow(non_snake_case)]
 
 use std::{collections::BTreeSet, fs, path::Path};
 
@@ -6,7 +7,9 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use wbqp::{
     Controller, ControllerConfig, Measurement,
+    contact::SurfaceMotion,
     controller::{Dump, FallbackLevel},
+    nalgebra::Rotation3,
     plugin::Entry,
     prelude::*,
     settings::Settings,
@@ -56,6 +59,9 @@ fn eventful(kind: Kind, seed: u64) -> Controller {
     let mut controller = controller.with_recorder(TICKS).expect("can be saved");
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut measurement = scene.measurement();
+    let contact = controller.contact("contact_0").expect("is there");
+    let state = controller.contact_state(contact);
+    let (R_WC, p_WS) = (state.R_WC, state.p_WS);
     for k in 0..TICKS {
         measurement.time = 0.004 * k as f64;
         for v in measurement.state.v.iter_mut() {
@@ -81,6 +87,14 @@ fn eventful(kind: Kind, seed: u64) -> Controller {
             150 => spoiled.time = 0.1,
             _ => {}
         }
+        // The surface turns: forces of the last tick are in other axes than those of this one.
+        let turned = Rotation3::from_axis_angle(&Vector3::z_axis(), 1e-3 * k as f64);
+        let surface = SurfaceMotion {
+            w_WC: Vector3::new(0.0, 0.0, 0.25),
+            ..SurfaceMotion::fixed(turned * R_WC, p_WS)
+        };
+        let moved = controller.move_surface("contact_0", &surface);
+        moved.expect("is there");
         controller.tick(&spoiled);
     }
     controller

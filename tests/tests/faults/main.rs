@@ -10,3 +10,4 @@ mod last_gate;
 mod plausible_measurements;
 mod relaxed_in_time;
 mod safe_law;
+mod small_robots;

@@ -14,6 +14,7 @@ use wbqp_tests::{
     approach::{experiment, simulated},
     closed_loop::ClosedLoop,
     scenes::{KINDS, Kind, Scene},
+    small,
 };
 
 const PERIOD: f64 = 0.004;
@@ -324,7 +325,7 @@ fn a_robot_that_was_not_seen_may_be_as_far_away_as_it_can_have_come() {
 fn reset_takes_a_clock_that_was_set_and_refuses_what_is_not_plausible() {
     let (mut controller, mut m) = started(Kind::Othex, |_| ());
     for tick in 1..100 {
-        m.time = 10.0 + f64::from(tick) * PERIOD;
+        m.time = 5.0 + f64::from(tick) * PERIOD;
         controller.tick(&m);
         assert_eq!(controller.report().level, FallbackLevel::Optimal);
     }
@@ -447,4 +448,39 @@ fn the_table_of_a_file_is_read_checked_and_saved() {
         let errors = read(keys).expect_err("is wrong").to_string();
         assert!(errors.contains(said), "{errors}");
     }
+}
+
+/// One stamp that is far ahead is no reason for references to be over; a clock that goes on from there was set.
+#[test]
+fn a_stamp_far_ahead_is_a_fault_until_the_clock_goes_on_from_there() {
+    let task = "[[task]]\ntype = \"posture\"\nkp = 100.0\nreference = { type = \"min_jerk\", to = [1.0], duration = 10.0 }";
+    let mut controller = small::controller(small::PENDULUM, "", "base = \"fixed\"", task);
+    let mut measurement = controller.measurement();
+    let mut efforts = Vec::new();
+    for k in 0..60 {
+        let stamp = PERIOD * f64::from(k);
+        measurement.time = if k == 20 { 1e6 } else { stamp };
+        let (command, report) = controller.tick(&measurement);
+        if k == 20 {
+            let fault = implausible(&controller).expect("is one");
+            assert_eq!((fault.quantity, fault.limit), (Quantity::Gap, 10.0));
+            continue;
+        }
+        assert_eq!(report.level, FallbackLevel::Optimal, "tick {k}");
+        efforts.push(command.effort[0]);
+    }
+    let steps = efforts.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+    assert!(steps.fold(0.0, f64::max) < 0.5, "{efforts:?}");
+    // The clock is set, and the reference goes on where it was.
+    let mut levels = Vec::new();
+    for k in 0..20 {
+        measurement.time = 1e6 + PERIOD * f64::from(k);
+        controller.tick(&measurement);
+        levels.push(controller.report().level);
+    }
+    assert_eq!(levels[0], FallbackLevel::Extrapolated);
+    assert_eq!(levels[19], FallbackLevel::Optimal, "{levels:?}");
+    let after = controller.command().effort[0];
+    let before = efforts[efforts.len() - 1];
+    assert!((after - before).abs() < 2.0, "{before} {after}");
 }

@@ -2,4 +2,5 @@
 //! them passes the authors' kit is checked in `allocation`, where allocations are counted.
 
 mod catalogue;
+mod changed;
 mod plugin_table;
