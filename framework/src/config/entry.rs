@@ -15,7 +15,7 @@ use super::{
 };
 use crate::{
     plugin::{Entry, Hardness, PerRow},
-    registry::PluginKind,
+    registry::{self, PluginKind},
 };
 use wbqp_robot_model::SourceLocation;
 
@@ -30,6 +30,11 @@ pub(super) fn read<P: PluginKind + ?Sized>(
     let at = At::subject(subject(P::NAME, Some(index), &section));
     let header = section.span.clone();
     let remedy = expand::remedy(&section);
+    // Of a type that is not known it is not known either what it can do without.
+    let is_known = match expand::value::string(&section, "type") {
+        Some(tag) => registry::find::<P>(tag).is_some(),
+        None => true,
+    };
     let mut take = |key: &str| section.take(key);
 
     // Without a type, of which the plug-in tells, there is no name either.
@@ -47,12 +52,15 @@ pub(super) fn read<P: PluginKind + ?Sized>(
             Some(PerRow::Uniform(1.0))
         }
         None => {
-            report.add(
-                Kind::MissingKey,
-                Some(header),
-                &at,
-                "key `weight` is missing",
-            );
+            if is_known {
+                let message = match hardness {
+                    Some(Hardness::Exact(_)) => {
+                        "key `weight` is missing, the price w of `w s² + λ s`: `weight = 1.0`, for example"
+                    }
+                    _ => "key `weight` is missing",
+                };
+                report.add(Kind::MissingKey, Some(header), &at, message);
+            }
             None
         }
     };

@@ -56,6 +56,20 @@ pub struct ContactState {
     pub solution: Vector6<f64>,
 }
 
+impl ContactState {
+    /// The normal force that the contact has, N: the last solution's; before the first one what is measured, or as much
+    /// as there may be.
+    pub(super) fn normal_force(&self, most: f64) -> f64 {
+        if self.solution != Vector6::zeros() {
+            self.solution[2]
+        } else if self.measured[2] > 0.0 {
+            self.measured[2]
+        } else {
+            most
+        }
+    }
+}
+
 /// Pose, twist and acceleration of a surface, given to
 /// [`Controller::move_surface`](crate::controller::Controller::move_surface).
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -31,22 +31,10 @@ impl ContactBinding {
                 self.filtered = Vector3::new(c.measured[0], c.measured[1], c.measured[2]);
             }
             Some(false) => {
-                self.exit_force = self.normal_force(c);
+                self.exit_force = c.normal_force(self.spec.force_max);
                 self.exit_alpha = exit_alpha;
             }
             None => {}
-        }
-    }
-
-    /// The normal force that the contact has: the last solution's; before the first one what is measured, or as much as
-    /// there may be.
-    fn normal_force(&self, c: &ContactState) -> f64 {
-        if c.solution != Vector6::zeros() {
-            c.solution[2]
-        } else if c.measured[2] > 0.0 {
-            c.measured[2]
-        } else {
-            self.spec.force_max
         }
     }
 
@@ -132,9 +120,7 @@ impl ContactBinding {
             c.set_point = Vector3::zeros();
         }
     }
-}
 
-impl ContactBinding {
     /// What is measured in the free directions, as far as it counts.
     pub(crate) fn free_force(&self, c: &ContactState) -> Vector6<f64> {
         let mut force = Vector6::zeros();

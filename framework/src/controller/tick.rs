@@ -49,8 +49,8 @@ impl Controller {
         let mut last = self.fallback.without_state.time();
         let period = self.world.period;
         let since_last_tick = elapsed(measurement.time, self.fallback.clock.previous, period);
-        let bounds = [period, self.plausible.gap];
-        if self.fallback.clock.was_set(measurement.time, last, bounds) {
+        let clock = &mut self.fallback.clock;
+        if clock.was_set(measurement.time, last, [period, self.plausible.gap]) {
             self.world.rebase(measurement.time);
             let unseen = self.fallback.without_state.seconds(f64::NAN, period);
             self.plausible.restart(measurement.time - unseen);
@@ -73,21 +73,14 @@ impl Controller {
         let mut level = match outcome {
             Ok(None) => FallbackLevel::Optimal,
             Ok(Some(_)) => FallbackLevel::Relaxed,
-            Err(fault) => {
-                let says_nothing = fault.is_of_the_stamp();
-                let stamp = if says_nothing {
-                    f64::NAN
-                } else {
-                    measurement.time
-                };
-                self.fallback.command(
-                    &self.robot,
-                    &self.settings,
-                    &self.world,
-                    [stamp, since_last_tick],
-                    &mut self.command,
-                )
-            }
+            Err(fault) => self.fallback.command(
+                fault,
+                &self.robot,
+                &self.settings,
+                &self.world,
+                [measurement.time, since_last_tick],
+                &mut self.command,
+            ),
         };
         let cut = self.gate.pass(&self.robot, &mut self.command);
         self.world.last.effort.copy_from_slice(&self.command.effort);
@@ -250,19 +243,12 @@ impl Controller {
             self.fallback.calm();
             return Ok(None);
         }
-        let terms = self.world.terms();
-        if !status.was_cut_short() && self.problem.has_determined() {
-            // Rows that hold by substitution are part of a contradiction like all others, and may be given up.
-            self.problem
-                .build_with_all_rows(&terms, &self.entries, &mut self.qp)?;
-            self.solution.status = Status::Unsolved;
-        }
         self.fallback.relaxation.bind_efforts(&self.gate.window);
         let fault = self.fallback.relax(
-            &self.problem,
-            &terms,
+            &mut self.problem,
+            &self.world.terms(),
             &self.entries,
-            &self.qp,
+            &mut self.qp,
             &mut self.solution,
             &mut self.report,
         )?;

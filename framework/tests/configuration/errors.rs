@@ -185,6 +185,17 @@ fn unknown_type() {
 }
 
 #[test]
+fn of_an_unknown_type_nothing_else_is_missing() {
+    check_task(
+        "type = \"test.hald\"",
+        &[
+            "x.toml:9:8: task[0] `arm` (test.hald): unknown task type `test.hald`; \
+             did you mean `test.hold`? (known: test.follow, test.hold, test.many)",
+        ],
+    );
+}
+
+#[test]
 fn type_missing_or_no_string() {
     check_task(
         "weight = 1",
@@ -253,7 +264,10 @@ fn weight_is_needed_unless_hard() {
     check_task("type = \"test.hold\"\ngain = 1\nhardness = \"hard\"", &[]);
     check_task(
         "type = \"test.hold\"\ngain = 1\nhardness = { exact = 5 }",
-        &["x.toml:7:1: task[0] `arm` (test.hold): key `weight` is missing"],
+        &[
+            "x.toml:7:1: task[0] `arm` (test.hold): key `weight` is missing, the price w of `w s² + λ s`: \
+             `weight = 1.0`, for example",
+        ],
     );
     check(
         "[[constraint]]\nname = \"a\"\ntype = \"test.limit\"\nupper = 1\n",

@@ -224,15 +224,16 @@ fn contact(
         return false;
     };
     let span = motion.span();
-    let Some(motion) = read_motion(motion.get_ref()) else {
+    let motion = read_motion(motion.get_ref()).unwrap_or_else(|| {
         let hint = match motion.get_ref().as_str() {
             Some(word) => suggestion(word, &["free", "hard", "soft"]),
             None => String::new(),
         };
         let message = format!("must be \"hard\", \"soft\" or \"free\"{hint}");
-        report.add(Kind::Value, Some(span), &at.key("motion"), message);
-        return true;
-    };
+        report.add(Kind::Value, Some(span.clone()), &at.key("motion"), message);
+        // The file is refused; what any motion brings is not missing besides.
+        Motion::Hard
+    });
     let has_size = size.is_some();
     let half = size.and_then(|size| {
         let numbers = value::numbers(size.get_ref()).unwrap_or_default();

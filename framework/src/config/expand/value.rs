@@ -90,6 +90,6 @@ pub(super) fn put<'t>(section: &mut Section<'t>, key: &'static str, value: Spann
 }
 
 /// The string of a key, if it is one.
-pub(super) fn string<'a>(section: &'a Section<'_>, key: &str) -> Option<&'a str> {
+pub(in super::super) fn string<'a>(section: &'a Section<'_>, key: &str) -> Option<&'a str> {
     section.keys.get(key)?.get_ref().as_str()
 }

@@ -65,12 +65,6 @@ pub(in super::super) struct Age {
 }
 
 impl Age {
-    /// It was at a time stamp, so many ticks ago; or never.
-    pub(in super::super) fn since(last: Option<(f64, u64)>) -> Self {
-        let is_first = false;
-        Self { last, is_first }
-    }
-
     /// It is in this tick.
     pub(in super::super) fn renew(&mut self, time: f64) {
         self.is_first |= self.last.is_none();

@@ -43,18 +43,23 @@ impl Fallback {
     /// says why there is none.
     pub(in super::super) fn relax(
         &mut self,
-        problem: &Problem,
+        problem: &mut Problem,
         terms: &DynamicsTerms<'_>,
         entries: &[BoundEntry],
-        qp: &Qp,
+        qp: &mut Qp,
         solution: &mut Solution,
         report: &mut Report,
     ) -> Result<Fault, Fault> {
-        let (n, m) = (qp.n(), qp.m());
         let goes_on = self.is_alert();
         if solution.status.was_cut_short() {
             return Err(Fault::Solver);
         }
+        if problem.has_determined() {
+            // Rows that hold by substitution are part of a contradiction like all others, and may be given up.
+            problem.build_with_all_rows(terms, entries, qp)?;
+            solution.status = Status::Unsolved;
+        }
+        let (n, m) = (qp.n(), qp.m());
         if !(self.is_proven || self.is_native && is_proof(qp, solution)) {
             if !self.prove_again(qp, solution) {
                 self.solver.reset();

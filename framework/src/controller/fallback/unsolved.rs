@@ -3,6 +3,7 @@
 use super::{Age, Fallback};
 use crate::{
     controller::{Command, output::leaked, report::FallbackLevel, world::World},
+    fault::Fault,
     plugin::EntryState,
     settings::Settings,
 };
@@ -10,9 +11,11 @@ use wbqp_dynamics::{model::Model, state::State};
 use wbqp_robot_model::RobotModel;
 
 impl Fallback {
-    /// Writes a command for a tick at a time stamp, so many seconds after the last one; says from which level.
+    /// Writes a command for a tick with a fault at a time stamp, so many seconds after the last one; says from which
+    /// level.
     pub(in super::super) fn command(
         &mut self,
+        fault: Fault,
         robot: &RobotModel,
         settings: &Settings,
         world: &World,
@@ -20,6 +23,11 @@ impl Fallback {
         command: &mut Command,
     ) -> FallbackLevel {
         let period = world.period;
+        let time = if fault.is_of_the_stamp() {
+            f64::NAN
+        } else {
+            time
+        };
         let age = self.without_solution.seconds(time, period);
         // Periods do not add up exactly.
         let level = if age <= settings.extrapolation + 1e-6 * period {

@@ -339,8 +339,12 @@ impl Fallback {
     }
 
     fn recall(&mut self, memory: &Memory) {
-        self.without_solution = Age::since(memory.solved);
-        self.without_state = Age::since(memory.measured);
+        let since = |last| Age {
+            last,
+            ..Age::default()
+        };
+        self.without_solution = since(memory.solved);
+        self.without_state = since(memory.measured);
         self.clock = Clock {
             previous: memory.stamp,
             steady: memory.steady,
