@@ -56,7 +56,7 @@ impl ContactBinding {
         let relative = velocity - self.motion.velocity_at(&k.p_WF);
         c.V = rotate(&relative);
         let w = &self.motion.w_WC;
-        let sliding = Vector3::new(relative[0], relative[1], relative[2]);
+        let sliding = relative.fixed_rows::<3>(0);
         let turning = stack(&(2.0 * w.cross(&sliding)), &w.cross(&k.w_WF));
         c.surface_acceleration = rotate(&(self.motion.acceleration_at(&k.p_WF) + turning));
         c.Jdot_v = rotate(&k.Jdot_v);

@@ -136,17 +136,6 @@ impl Sample {
         Self::Rotation(RotationSample::at_rest(rotation))
     }
 
-    /// Stands still at another one's value, if both are of the same space. Does not allocate.
-    pub fn stand_at(&mut self, other: &Self) {
-        match (self, other) {
-            (Self::Vector(sample), Self::Vector(other)) => sample.stand_at(other),
-            (Self::Rotation(sample), Self::Rotation(other)) => {
-                *sample = RotationSample::at_rest(other.rotation);
-            }
-            _ => {}
-        }
-    }
-
     /// The space that it is of.
     pub fn space(&self) -> Space {
         match self {
@@ -157,15 +146,6 @@ impl Sample {
 }
 
 impl VectorSample {
-    /// Stands still at another one's value, as far as there is room. Does not allocate.
-    pub fn stand_at(&mut self, other: &Self) {
-        for (value, other) in self.value.iter_mut().zip(&other.value) {
-            *value = *other;
-        }
-        self.rate.fill(0.0);
-        self.acceleration.fill(0.0);
-    }
-
     /// This value, standing still.
     pub fn at_rest(value: impl IntoIterator<Item = f64>) -> Self {
         let value: Vec<f64> = value.into_iter().collect();

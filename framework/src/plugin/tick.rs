@@ -105,12 +105,34 @@ impl<'a> Tick<'a> {
     }
 }
 
+impl Sample {
+    /// Stands still at another one's value, if both are of the same space. Does not allocate.
+    pub fn stand_at(&mut self, other: &Self) {
+        match (self, other) {
+            (Self::Vector(sample), Self::Vector(other)) => sample.stand_at(other),
+            (Self::Rotation(sample), Self::Rotation(other)) => {
+                *sample = RotationSample::at_rest(other.rotation);
+            }
+            _ => {}
+        }
+    }
+}
+
 impl VectorSample {
     /// Value, rate and acceleration of a component; zeros for one that is missing.
     #[inline]
     pub fn component(&self, index: usize) -> [f64; 3] {
         [&self.value, &self.rate, &self.acceleration]
             .map(|numbers| numbers.get(index).copied().unwrap_or(0.0))
+    }
+
+    /// Stands still at another one's value, as far as there is room. Does not allocate.
+    pub fn stand_at(&mut self, other: &Self) {
+        for (value, other) in self.value.iter_mut().zip(&other.value) {
+            *value = *other;
+        }
+        self.rate.fill(0.0);
+        self.acceleration.fill(0.0);
     }
 
     /// Value as a 3-vector; missing components are zero.

@@ -43,15 +43,6 @@ impl ContactElimination {
         changed
     }
 
-    /// Substitutes none; true if some were.
-    pub(crate) fn keep_all(&mut self) -> bool {
-        let mut changed = false;
-        for motion in &mut self.list {
-            changed |= std::mem::replace(&mut motion.live, false);
-        }
-        changed
-    }
-
     /// Whether an entry's rows hold by substitution.
     pub(crate) fn hold(&self, entry: usize) -> bool {
         self.list.iter().any(|m| m.live && m.entry == entry)

@@ -100,6 +100,15 @@ impl ContactElimination {
     pub(crate) fn sizes(&self) -> impl ExactSizeIterator<Item = usize> {
         self.list.iter().map(|motion| motion.directions.len())
     }
+
+    /// Substitutes none; true if some were.
+    pub(crate) fn keep_all(&mut self) -> bool {
+        let mut changed = false;
+        for motion in &mut self.list {
+            changed |= std::mem::replace(&mut motion.live, false);
+        }
+        changed
+    }
 }
 
 impl EliminatedContact {

@@ -29,6 +29,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use wbqp::{
     dynamics::elementary,
+    model::Base,
     nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3},
     plugin::RotationSample,
     prelude::*,
@@ -184,7 +185,11 @@ fn facing(z: &Vector3<f64>, yaw: f64) -> UnitQuaternion<f64> {
 
 /// `m (a_R* − g) − Σ_c R_WC f_c^d − f̂`, N, world axes.
 fn needed_force(tick: &Tick<'_>) -> Vector3<f64> {
-    let asked = Vector3::from_fn(|i, _| tick.last_virtual_input[i]);
+    // Without a base that moves nothing is asked of it.
+    let asked = match tick.model.base() {
+        Base::Floating => tick.last_virtual_input.fixed_rows::<3>(0).into_owned(),
+        Base::Fixed => Vector3::zeros(),
+    };
     let inertial = (asked - tick.model.gravity()) * tick.model.mass();
     let unknown = tick.disturbance.fixed_rows::<3>(0);
     let contacts = tick.contacts().iter();

@@ -161,3 +161,17 @@ fn limits_go_in_the_order_that_is_declared() {
         }
     }
 }
+
+/// A reference for the attitude of a base that flies, where there is none: level, and no base to look at.
+#[test]
+fn a_thrust_attitude_without_a_base_that_moves_is_level() {
+    let task = "[[task]]\ntype = \"frame_orientation\"\nframe = \"arm\"\nkp = 9.0\n\
+                reference = { type = \"thrust_attitude\" }";
+    let mut controller = controller(PENDULUM, "", "base = \"fixed\"", task);
+    let mut measurement = controller.measurement();
+    for _ in 0..50 {
+        let (_, report) = controller.tick(&measurement);
+        assert_eq!(report.level, FallbackLevel::Optimal);
+        measurement.time += 0.004;
+    }
+}

@@ -32,13 +32,9 @@ pub(in super::super) struct Clock {
 impl Clock {
     const STEADY: u32 = 10;
 
-    /// Takes a stamp; true if the clock was set. `last` is the last usable stamp.
-    pub(in super::super) fn was_set(
-        &mut self,
-        stamp: f64,
-        last: Option<f64>,
-        [period, max_gap]: [f64; 2],
-    ) -> bool {
+    /// Takes a stamp; true if the clock was set. `last` is the last usable stamp, `bounds` the period and `max_gap`.
+    pub(crate) fn was_set(&mut self, stamp: f64, last: Option<f64>, bounds: [f64; 2]) -> bool {
+        let [period, max_gap] = bounds;
         let goes_on = self.previous.is_some_and(|previous| {
             let step = stamp - previous;
             step > 0.0 && step < 10.0 * period

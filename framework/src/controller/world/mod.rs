@@ -82,10 +82,9 @@ impl World {
 
     /// `level` is that of the last tick.
     fn take_state(&mut self, m: &Measurement, level: FallbackLevel) {
-        let is_first = self.origin.is_none();
-        self.time = m.time - *self.origin.get_or_insert(m.time);
         // After a gap, as in the first tick, velocities are the measured ones: what they would have become is unknown.
-        let can_predict = !is_first && self.is_continuous;
+        let can_predict = self.origin.is_some() && self.is_continuous;
+        self.time = m.time - *self.origin.get_or_insert(m.time);
         let observer = self.observer.as_mut().filter(|_| can_predict);
         if let Some(observer) = observer {
             let elapsed = self.elapsed;
