@@ -6,9 +6,9 @@ use std::{
 };
 
 use pyo3::{
-    exceptions::{PyIndexError, PyKeyError, PyRuntimeError, PyValueError},
+    exceptions::{PyIndexError, PyKeyError, PyRuntimeError, PyTypeError, PyValueError},
     prelude::*,
-    types::{PyDict, PyEllipsis},
+    types::{PyBool, PyDict, PyEllipsis},
 };
 use rayon::prelude::*;
 use wbqp::controller::{FallbackLevel, RequestError};
@@ -50,6 +50,8 @@ use crate::{
 pub(crate) struct Batch {
     inner: Mutex<Vec<Inner>>,
     threads: rayon::ThreadPool,
+    /// Whose threads they are.
+    process: u32,
     names: Names,
     robot: Py<Robot>,
     rate: f64,
@@ -106,7 +108,20 @@ impl Shape {
     }
 }
 
+/// What is said of truth values where numbers are expected.
+const NO_MASK: &str = "of: must be the numbers of controllers, not a mask; `numpy.flatnonzero(mask)` makes them of one";
+
 impl Batch {
+    /// Threads do not come along into a process that is forked off.
+    fn check_process(&self) -> PyResult<()> {
+        if std::process::id() == self.process {
+            return Ok(());
+        }
+        Err(PyRuntimeError::new_err(
+            "the batch was made in another process, whose threads are not in this one: make the batch after the fork",
+        ))
+    }
+
     fn lock(&self) -> PyResult<MutexGuard<'_, Vec<Inner>>> {
         self.inner.try_lock().map_err(|error| {
             PyRuntimeError::new_err(match error {
@@ -139,11 +154,21 @@ impl Batch {
         let Some(of) = of else {
             return Ok((0..self.n).collect());
         };
+        if of.is_instance_of::<PyBool>() {
+            return Err(PyTypeError::new_err(NO_MASK));
+        }
         if let Ok(one) = of.extract::<isize>() {
             return Ok(vec![self.index(one)?]);
         }
         let several = of.try_iter()?;
-        several.map(|one| self.index(one?.extract()?)).collect()
+        let index = |one: PyResult<Bound<'_, PyAny>>| {
+            let one = one?;
+            if one.is_instance_of::<PyBool>() {
+                return Err(PyTypeError::new_err(NO_MASK));
+            }
+            self.index(one.extract()?)
+        };
+        several.map(index).collect()
     }
 
     fn index(&self, of: isize) -> PyResult<usize> {
@@ -272,6 +297,7 @@ impl Batch {
             inner: Mutex::new(inner),
             robot: Py::new(py, Robot::new(robot.into()))?,
             threads,
+            process: std::process::id(),
             names,
             rate,
             n,
@@ -289,6 +315,7 @@ impl Batch {
     /// RuntimeError
     ///     If the batch ticks in another thread.
     fn tick(&self, py: Python<'_>) -> PyResult<()> {
+        self.check_process()?;
         let mut inner = self.lock()?;
         let controllers: &mut Vec<Inner> = &mut inner;
         let (inputs, outputs) = (self.inputs.get(), self.outputs.get());

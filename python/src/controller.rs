@@ -212,6 +212,7 @@ impl Controller {
         let mut inner = self.lock()?;
         let Inner { controller, inputs } = &mut *inner;
         measurement.read(inputs)?;
+        let _call = plugin::Call::begin();
         let (command, report) = controller.tick(inputs);
         self.command.get().write(command);
         self.report.get().write(report, plugin::traceback());

@@ -62,8 +62,15 @@ pub(crate) struct FrameState {
 }
 
 impl Dynamics {
+    /// The guard must be gone before anything of Python is made or called: that may run other Python code, also a
+    /// collection of garbage, which may want it too.
     fn inner(&self) -> MutexGuard<'_, Inner> {
         self.inner.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// A copy of something that was computed.
+    fn read<T>(&self, of: impl FnOnce(&Data) -> T) -> T {
+        of(&self.inner().data)
     }
 
     fn frame_of(&self, name: &str) -> PyResult<wbqp::model::FrameId> {
@@ -76,20 +83,31 @@ impl Dynamics {
     }
 
     /// Forces of the environment, `{frame: [force, moment]}` in world axes at the frame's origin.
-    fn wrenches(&self, inner: &Inner, forces: Option<&Bound<'_, PyDict>>) -> PyResult<Wrenches> {
-        let mut wrenches = Wrenches::new(&self.robot.model);
+    fn forces(&self, forces: Option<&Bound<'_, PyDict>>) -> PyResult<Vec<Force>> {
+        let mut list = Vec::new();
         for (name, wrench) in forces.into_iter().flatten() {
             let name: String = name.extract()?;
             let frame = self.frame_of(&name)?;
             let numbers = vector(&wrench, &format!("forces[{name:?}]"), Length::Exactly(6))?;
-            let motion = wbqp::dynamics::frame_motion(&self.robot.model, &inner.data, frame);
-            let body = self.robot.model.frames()[frame.index()].body;
             let three = |at: usize| Vector3::from_fn(|i, _| numbers[at + i]);
-            wrenches.add_wrench(&inner.data, body, &motion.p_WF, &three(0), &three(3));
+            list.push((frame, three(0), three(3)));
         }
-        Ok(wrenches)
+        Ok(list)
+    }
+
+    fn wrenches(&self, data: &Data, forces: &[Force]) -> Wrenches {
+        let mut wrenches = Wrenches::new(&self.robot.model);
+        for (frame, force, moment) in forces {
+            let motion = wbqp::dynamics::frame_motion(&self.robot.model, data, *frame);
+            let body = self.robot.model.frames()[frame.index()].body;
+            wrenches.add_wrench(data, body, &motion.p_WF, force, moment);
+        }
+        wrenches
     }
 }
+
+/// Force and moment at a frame's origin, N and N·m, world axes.
+type Force = (wbqp::model::FrameId, Vector3<f64>, Vector3<f64>);
 
 #[pymethods]
 impl Dynamics {
@@ -161,17 +179,17 @@ impl Dynamics {
 
     /// Mass matrix ``M``, shape (nv, nv), armature on the diagonal.
     fn mass_matrix<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        of_matrix(py, self.inner().data.mass_matrix())
+        of_matrix(py, &self.read(|data| data.mass_matrix().clone()))
     }
 
     /// ``h``: Coriolis, centrifugal and gravity terms, N and N·m, shape (nv,).
     fn bias<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
-        of_vector(py, self.inner().data.bias().as_slice())
+        of_vector(py, self.read(|data| data.bias().clone()).as_slice())
     }
 
     /// ``g = h(q, 0)``: what holds the robot still, N and N·m, shape (nv,).
     fn gravity<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
-        of_vector(py, self.inner().data.gravity().as_slice())
+        of_vector(py, self.read(|data| data.gravity().clone()).as_slice())
     }
 
     /// ``S``: generalised force of a unit of each effort, shape (nv, nu).
@@ -185,27 +203,33 @@ impl Dynamics {
 
     /// Centre of mass, m, world, shape (3,).
     fn center_of_mass<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
-        of_vector(py, self.inner().data.center_of_mass().as_slice())
+        of_vector(py, self.read(|data| data.center_of_mass()).as_slice())
     }
 
     /// Velocity of the centre of mass, m/s, world axes, shape (3,).
     fn center_of_mass_velocity<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
-        of_vector(py, self.inner().data.center_of_mass_velocity().as_slice())
+        of_vector(
+            py,
+            self.read(|data| data.center_of_mass_velocity()).as_slice(),
+        )
     }
 
     /// Jacobian of the centre of mass, shape (3, nv).
     fn center_of_mass_jacobian<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        of_matrix(py, self.inner().data.center_of_mass_jacobian())
+        of_matrix(
+            py,
+            &self.read(|data| data.center_of_mass_jacobian().clone()),
+        )
     }
 
     /// ``J̇_com v``, m/s², world axes, shape (3,).
     fn center_of_mass_bias<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
-        of_vector(py, self.inner().data.center_of_mass_bias().as_slice())
+        of_vector(py, self.read(|data| data.center_of_mass_bias()).as_slice())
     }
 
     /// ``[linear; angular]`` momentum, kg·m/s and kg·m²/s, world axes, about the centre of mass, shape (6,).
     fn momentum<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
-        of_vector(py, self.inner().data.centroidal_momentum().as_slice())
+        of_vector(py, self.read(|data| data.centroidal_momentum()).as_slice())
     }
 
     /// ``(kinetic, potential)`` energy, J.
@@ -254,11 +278,13 @@ impl Dynamics {
     ) -> PyResult<Bound<'py, PyAny>> {
         let nv = self.robot.model.nv();
         let vdot_numbers = DVector::from_vec(vector(vdot, "vdot", Length::Exactly(nv))?);
+        let forces = self.forces(forces)?;
         let mut inner = self.inner();
-        let wrenches = self.wrenches(&inner, forces)?;
+        let wrenches = self.wrenches(&inner.data, &forces);
         let mut out = DVector::zeros(nv);
         let model = &self.robot.model;
         inverse_dynamics(model, &mut inner.data, &vdot_numbers, &wrenches, &mut out);
+        drop(inner);
         Ok(of_vector(vdot.py(), out.as_slice()))
     }
 
@@ -278,8 +304,9 @@ impl Dynamics {
     ) -> PyResult<Bound<'py, PyAny>> {
         let robot = &self.robot;
         let effort_numbers = vector(effort, "effort", Length::Exactly(robot.nu()))?;
+        let forces = self.forces(forces)?;
         let mut inner = self.inner();
-        let mut wrenches = self.wrenches(&inner, forces)?;
+        let mut wrenches = self.wrenches(&inner.data, &forces);
         let mut drives = vec![JointDrive::Effort(0.0); robot.model.joints().len()];
         for (actuator, effort) in robot.actuators.iter().zip(&effort_numbers) {
             match &actuator.kind {
@@ -308,6 +335,7 @@ impl Dynamics {
             &mut vdot,
             &mut efforts,
         );
+        drop(inner);
         Ok(of_vector(effort.py(), vdot.as_slice()))
     }
 
@@ -332,8 +360,9 @@ impl Dynamics {
     ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
         let robot = &self.robot;
         let (nv, nu) = (robot.model.nv(), robot.nu());
+        let forces = self.forces(forces)?;
         let mut inner = self.inner();
-        let wrenches = self.wrenches(&inner, forces)?;
+        let wrenches = self.wrenches(&inner.data, &forces);
         let mut at_rest = inner.state.clone();
         at_rest.v.fill(0.0);
         inner.data.update(&robot.model, &at_rest);

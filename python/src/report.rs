@@ -311,8 +311,9 @@ impl Report {
 
 impl Report {
     fn named_row<'py>(&self, py: Python<'py>, row: &LimitRow) -> PyResult<Bound<'py, PyDict>> {
-        let last = self.last();
-        let named = last.report.row(row.row);
+        // Making a dict may run other Python code, which may ask this report: the guard is gone by then.
+        let named = self.last().report.row(row.row).cloned();
+        let named = named.as_ref();
         let dict = PyDict::new(py);
         dict.set_item("owner", named.map_or("", |named| &named.owner))?;
         dict.set_item("label", named.map_or("", |named| &named.label))?;

@@ -214,7 +214,9 @@ fn run<S: LogSink + Send>(
         };
         wbqp_sim::run_with(scenario, case, seed, &mut sink, options)
     });
-    if let Some(error) = sink.raised.take().or(heard) {
+    // What was raised in the last moments nobody has asked for yet.
+    let raised = sink.raised.take().or_else(plugin::interrupt);
+    if let Some(error) = raised.or(heard) {
         return Err(error);
     }
     match summary {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import threading
 
 import numpy as np
@@ -119,3 +120,22 @@ def test_two_threads_on_one_batch() -> None:
     for thread in threads:
         thread.join()
     assert outcomes.count("done") >= 50 and outcomes.count("refused") >= 1
+
+
+def test_a_mask_is_no_list_of_numbers() -> None:
+    batch = wbqp.Batch(CONFIG, 3)
+    with pytest.raises(TypeError, match="flatnonzero"):
+        batch.reweight("posture", 2.0, of=[True, False, False])
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="there is nothing to fork")
+def test_a_batch_of_another_process_says_so() -> None:
+    batch = wbqp.Batch(CONFIG, 4, threads=2)
+    child = os.fork()
+    if child == 0:
+        try:
+            batch.tick()
+        except RuntimeError as error:
+            os._exit(0 if "after the fork" in str(error) else 2)
+        os._exit(1)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import copy
 import inspect
+import pickle
 import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import wbqp
@@ -124,3 +127,28 @@ def test_stubs_of_the_extension_module_are_what_it_has(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "mypy.stubtest", "wbqp._wbqp", "--ignore-disjoint-bases"]
     done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=tmp_path)
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_assigned_keys_are_those_of_the_configuration() -> None:
+    com = wbqp.tasks.Com(kp=1.0)
+    com.kp = 50.0
+    assert com == wbqp.tasks.Com(kp=50.0)
+    with pytest.raises(AttributeError, match="did you mean 'kp'"):
+        com.kpp = 3.0
+    pose = wbqp.tasks.FramePose(frame="tool", kp=1.0)
+    pose.weight.append(7.0)
+    assert 7.0 not in wbqp.tasks.FramePose(frame="tool", kp=1.0).weight
+    assert wbqp.tasks.Posture(kp=np.ones(3)) == wbqp.tasks.Posture(kp=np.ones(3))
+    assert wbqp.tasks.Posture(kp=np.ones(3)) != wbqp.tasks.Posture(kp=np.zeros(3))
+
+
+def test_copies_of_named_arrays_have_names() -> None:
+    controller = wbqp.Controller(rate=250.0, robot=wbqp.robots.Othex())
+    effort = controller.command.effort
+    name = effort.names[0]
+    for other in (effort.copy(), copy.deepcopy(effort), pickle.loads(pickle.dumps(effort))):
+        assert other[name] == effort[0] and other is not effort
+    q = controller.measurement().q
+    q += 0.25
+    assert q[q.names[0]] == q[0]
+    assert type(q + 1.0) is np.ndarray

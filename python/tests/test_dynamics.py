@@ -77,3 +77,17 @@ def test_wrong_shapes_and_names_are_refused() -> None:
         d.frame("tol")
     # What was refused changed nothing.
     np.testing.assert_array_equal(d.bias()[2], pytest.approx(2.919 * 9.81, rel=1e-3))
+
+
+def test_python_that_runs_within_a_call_may_use_the_model() -> None:
+    robot = wbqp.Robot(wbqp.robots.Quadruped())
+    d = wbqp.Dynamics(robot)
+
+    class Wrench:
+        def __array__(self, *_: object, **__: object) -> np.ndarray:
+            return d.momentum()
+
+    expected = d.inverse(np.zeros(robot.nv), forces={"fl_foot": d.momentum()})
+    np.testing.assert_array_equal(d.inverse(np.zeros(robot.nv), forces={"fl_foot": Wrench()}), expected)
+    d.forward(np.zeros(robot.nu), forces={"fl_foot": Wrench()})
+    d.statics(forces={"fl_foot": Wrench()})

@@ -431,3 +431,51 @@ def test_a_case_in_another_engine_says_what_a_plug_in_raised(naughty_scenario: A
     assert "RuntimeError: out of order" in summary["traceback"]
     with pytest.raises(KeyboardInterrupt):
         run_case(naughty_scenario, "with_ft", tmp_path / "run.mcap", variation='set.task.naughty.what = "interrupt"')
+
+
+@wbqp.task("test.maybe")
+@dataclasses.dataclass
+class Maybe:
+    """Has a number, or none."""
+
+    size: float | None = 3.0
+
+    def bind(self, setup: wbqp.Setup) -> wbqp.Layout:
+        return wbqp.Layout([("z", "m/s²")])
+
+    def update(self, tick: wbqp.Tick, rows: wbqp.Rows) -> None:
+        rows.target[0] = 0.0
+
+
+def test_what_a_configuration_cannot_say_is_refused() -> None:
+    class Other(Maybe):
+        """Is not registered itself."""
+
+    with pytest.raises(TypeError, match=r'Other is not registered.*@wbqp.task\("tag"\)'):
+        wbqp.entry(Other(), weight=1.0)
+    with pytest.raises(TypeError, match="`size` is None"):
+        wbqp.entry(Maybe(size=None), weight=1.0)
+
+
+def test_tracebacks_belong_to_the_tick_in_which_they_were_raised() -> None:
+    inner = wbqp.Controller(rate=500.0, robot=wbqp.robots.Quadruped(), tasks=[wbqp.tasks.Posture(kp=30.0)])
+
+    @wbqp.task("test.nested")
+    class Nested:
+        """Raises, then ticks another controller."""
+
+        def bind(self, setup: wbqp.Setup) -> wbqp.Layout:
+            return wbqp.Layout([("z", "m/s²")])
+
+        def update(self, tick: wbqp.Tick, rows: wbqp.Rows) -> None:
+            _, report = inner.tick(inner.measurement())
+            assert report.traceback is None
+            raise ValueError("its own")
+
+    outer = wbqp.Controller(
+        rate=500.0, robot=wbqp.robots.Quadruped(), tasks=[wbqp.tasks.Posture(kp=30.0), wbqp.entry(Nested(), weight=1.0)]
+    )
+    _, report = outer.tick(outer.measurement())
+    assert report.traceback is not None and "its own" in report.traceback
+    _, report = inner.tick(inner.measurement())
+    assert report.traceback is None

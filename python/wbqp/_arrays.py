@@ -10,7 +10,7 @@ import numpy as np
 class NamedArray(np.ndarray):
     """An array that is also indexed by name along its first axis: ``command.effort["rotor_1"]``.
 
-    What is computed from it is an ordinary array.
+    What is computed from it is an ordinary array; copies have its names.
     """
 
     names: tuple[str, ...] | None
@@ -24,7 +24,23 @@ class NamedArray(np.ndarray):
         self.names = None
 
     def __array_wrap__(self, array: np.ndarray, context: Any = None, return_scalar: bool = False) -> Any:
+        if array is self:
+            return self
         return array[()] if return_scalar else np.asarray(array)
+
+    def copy(self, order: Any = "C") -> Any:
+        array = np.array(self, order=order)
+        return array if self.names is None else NamedArray(array, self.names)
+
+    def __copy__(self) -> Any:
+        return self.copy()
+
+    def __deepcopy__(self, memo: Any) -> Any:
+        return self.copy()
+
+    def __reduce__(self) -> Any:
+        array = np.array(self)
+        return array.__reduce__() if self.names is None else (NamedArray, (array, self.names))
 
     def _at(self, key: str) -> int:
         names = self.names

@@ -251,9 +251,21 @@ def change(made: Any, keys: dict[str, Any]) -> None:
 
 
 def _table(self: Any) -> dict[str, Any]:
-    about = type(self)._wbqp_fields
+    cls = type(self)
+    if "_wbqp_tag" not in vars(cls):
+        raise TypeError(
+            f"{cls.__name__} is not registered, but a class that it is made from: decorate it with "
+            f'@wbqp.{cls._wbqp_kind}("tag") as well'
+        )
+    about = cls._wbqp_fields
     values = {name: getattr(self, name, None) for name in about}
-    return {"type": type(self)._wbqp_tag, **getattr(self, "_wbqp_entry", {}), **{k: v for k, v in values.items() if v is not None}}
+    for name, value in values.items():
+        if value is None and about[name].get("default") is not None:
+            raise TypeError(
+                f"{cls.__name__}: `{name}` is None, which files have no word for: it would be its default, "
+                f"{about[name]['default']!r}"
+            )
+    return {"type": cls._wbqp_tag, **getattr(self, "_wbqp_entry", {}), **{k: v for k, v in values.items() if v is not None}}
 
 
 def _decorator(kind: str, tag: str) -> Callable[[C], C]:

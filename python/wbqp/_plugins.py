@@ -5,12 +5,15 @@ An object of such a class is what a configuration says of a plug-in: its keys, w
 
 from __future__ import annotations
 
+import copy
 import difflib
 import inspect
 import json
 import keyword
 import re
 from typing import Any
+
+import numpy as np
 
 from . import _wbqp
 
@@ -32,18 +35,29 @@ class Plugin:
 
     def __init__(self, **keys: Any) -> None:
         cls = type(self)
-        known = cls._schema["properties"]
-        keys = {key[:-1] if keyword.iskeyword(key[:-1]) else key: value for key, value in keys.items()}
-        for key in keys:
-            if key not in known or (key == "type" and cls._tag is not None):
-                close = difflib.get_close_matches(key, known, 1, 0.5)
-                hint = f"; did you mean {close[0]!r}?" if close else ""
-                names = ", ".join(name for name in known if name != "type")
-                raise TypeError(f"{cls.__name__} has no key {key!r}{hint} (known: {names})")
+        keys = {cls._known(key): value for key, value in keys.items()}
         missing = [repr(key) for key in cls._schema.get("required", []) if key != "type" and key not in keys]
         if missing:
             raise TypeError(f"{cls.__name__} needs {', '.join(missing)}")
-        self._keys = keys
+        object.__setattr__(self, "_keys", keys)
+
+    @classmethod
+    def _known(cls, key: str) -> str:
+        """The key of a file that an argument is for."""
+        known = cls._schema["properties"]
+        key = key[:-1] if keyword.iskeyword(key[:-1]) else key
+        if key not in known or (key == "type" and cls._tag is not None):
+            close = difflib.get_close_matches(key, known, 1, 0.5)
+            hint = f"; did you mean {close[0]!r}?" if close else ""
+            names = ", ".join(name for name in known if name != "type")
+            raise TypeError(f"{cls.__name__} has no key {key!r}{hint} (known: {names})")
+        return key
+
+    def __setattr__(self, key: str, value: Any) -> None:
+        try:
+            self._keys[self._known(key)] = value
+        except TypeError as error:
+            raise AttributeError(str(error)) from None
 
     def __getattr__(self, key: str) -> Any:
         if not key.startswith("_"):
@@ -52,7 +66,8 @@ class Plugin:
                 return self._keys[key]
             about = type(self)._schema["properties"].get(key)
             if about is not None:
-                return about.get("default")
+                # Its own: the schema's stays what it is.
+                return copy.deepcopy(about.get("default"))
         raise AttributeError(f"{type(self).__name__} has no {key!r}")
 
     def _wbqp_table(self) -> dict[str, Any]:
@@ -60,13 +75,22 @@ class Plugin:
         return {**tag, **{key: value for key, value in self._keys.items() if value is not None}}
 
     def __eq__(self, other: object) -> bool:
-        return type(other) is type(self) and other._keys == self._keys  # type: ignore[attr-defined]
+        return type(other) is type(self) and _same(other._keys, self._keys)  # type: ignore[attr-defined]
 
     __hash__ = None  # type: ignore[assignment]
 
     def __repr__(self) -> str:
         keys = ", ".join(f"{python_name(key)}={value!r}" for key, value in self._keys.items())
         return f"{type(self).__module__}.{type(self).__name__}({keys})"
+
+
+def _same(a: Any, b: Any) -> bool:
+    """Whether two values are equal, arrays among them or not."""
+    if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
+        return np.shape(a) == np.shape(b) and bool(np.all(np.asarray(a) == np.asarray(b)))
+    if isinstance(a, dict) and isinstance(b, dict):
+        return a.keys() == b.keys() and all(_same(value, b[key]) for key, value in a.items())
+    return bool(a == b)
 
 
 def python_name(key: str) -> str:

@@ -37,7 +37,7 @@ use task::PythonTask;
 
 pub(crate) use change::set;
 pub(crate) use check::_check;
-pub(crate) use raised::{cause, interrupt, traceback};
+pub(crate) use raised::{Call, cause, interrupt, traceback};
 pub(crate) use setup::PluginSetup;
 
 /// A tag for as long as the program: a plug-in says its own as a constant would. Kept once, however often a cell that

@@ -15,6 +15,26 @@ struct Raised {
     cause: Option<PyErr>,
 }
 
+/// A call in which plug-ins run: what they raise in it is neither what was raised before it, nor in a call within it.
+pub(crate) struct Call {
+    outer: Raised,
+}
+
+impl Call {
+    #[inline]
+    pub(crate) fn begin() -> Self {
+        let outer = RAISED.take();
+        Self { outer }
+    }
+}
+
+impl Drop for Call {
+    #[inline]
+    fn drop(&mut self) {
+        RAISED.set(std::mem::take(&mut self.outer));
+    }
+}
+
 thread_local! {
     static RAISED: RefCell<Raised> = RefCell::default();
 }
