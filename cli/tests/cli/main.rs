@@ -6,5 +6,6 @@ mod check;
 mod common;
 mod files;
 mod new;
+mod replay;
 mod run;
 mod view;
