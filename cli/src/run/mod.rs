@@ -175,8 +175,38 @@ pub(crate) fn load(file: &Path, robot: &RobotOptions, duration: Option<f64>) -> 
     Ok(scenario)
 }
 
-/// A file's name without its extension, as it can name a folder.
+/// A file's name without its extension, as it can name a folder: what a scenario's name cannot have is `_`.
 fn stem(file: &Path) -> String {
-    let name = file.file_stem().and_then(|name| name.to_str());
-    name.unwrap_or("run").to_owned()
+    let name = file.file_stem().unwrap_or_default().to_string_lossy();
+    let plain = |c: char| {
+        if c.is_ascii_alphanumeric() || matches!(c, '_' | '-' | '.') {
+            c
+        } else {
+            '_'
+        }
+    };
+    let name: String = name.chars().map(plain).collect();
+    match name.trim_matches('.') {
+        "" => "run".to_owned(),
+        name => name.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_folder_is_called_like_the_file_as_far_as_it_can_be() {
+        for (file, name) in [
+            ("a/stand.controller.toml", "stand.controller"),
+            ("my robot.toml", "my_robot"),
+            ("...toml", "run"),
+            ("..", "run"),
+            ("..hidden.toml", "hidden"),
+            ("\u{e4}.toml", "_"),
+        ] {
+            assert_eq!(stem(Path::new(file)), name, "{file}");
+        }
+    }
 }
