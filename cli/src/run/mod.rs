@@ -1,5 +1,6 @@
 //! `wbqp run`: a scenario in simulation, with logs, figures and a summary.
 
+mod attention;
 mod default_scenario;
 mod figures;
 mod picture;
