@@ -11,6 +11,7 @@ mod traces;
 pub use summary::{CaseSummary, ContactSummary, EffortSummary, TaskSummary, TickTime};
 
 use std::{
+    collections::BTreeSet,
     path::{Path, PathBuf},
     process::ExitCode,
 };
@@ -18,6 +19,7 @@ use std::{
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use rayon::prelude::*;
+use wbqp::robot::Severity;
 use wbqp_log::{LogSink, McapLog};
 use wbqp_measures::log::Log;
 use wbqp_replay::DumpFolder;
@@ -69,9 +71,19 @@ impl Arguments {
         }
         let is_asked = |case: &&str| self.cases.is_empty() || self.cases.iter().any(|c| c == case);
         let cases: Vec<&str> = scenario.cases().filter(is_asked).collect();
+        let mut warned = BTreeSet::new();
         for case in &cases {
-            let config = scenario.controller_config(case)?;
-            if let Some(words) = leaning::held_level(&config, &config.load_robot()?) {
+            let of_case = scenario.case(case)?;
+            let config = of_case.controller_config()?;
+            let level = leaning::held_level(&config, &config.load_robot()?);
+            // Most cases have the same robot.
+            for diagnostic in &of_case.make_controller(config)?.robot().diagnostics {
+                if diagnostic.severity == Severity::Warning && warned.insert(diagnostic.to_string())
+                {
+                    complain!("{diagnostic}");
+                }
+            }
+            if let Some(words) = level {
                 complain!("warning: {case}: {words}");
             }
         }
