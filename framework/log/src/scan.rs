@@ -51,6 +51,8 @@ pub(crate) struct Scan<'a> {
     has_end: bool,
     at: usize,
     has_chunks: bool,
+    /// The kinds with a checksum of much of the file that were there: again and again it would take for ever.
+    summed: Vec<u8>,
 }
 
 impl<'a> Scan<'a> {
@@ -64,6 +66,7 @@ impl<'a> Scan<'a> {
             has_end,
             at: MAGIC.len(),
             has_chunks: false,
+            summed: Vec::new(),
         })
     }
 
@@ -105,6 +108,12 @@ impl<'a> Scan<'a> {
         }
         if !fits(kind, body) {
             return Err("the lengths in this record do not fit into it");
+        }
+        if matches!(kind, op::DATA_END | op::FOOTER) {
+            if self.summed.contains(&kind) {
+                return Err("this record is there twice");
+            }
+            self.summed.push(kind);
         }
         match kind {
             op::CHUNK => {

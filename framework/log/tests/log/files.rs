@@ -205,6 +205,17 @@ fn lengths_that_nothing_can_have_are_damage_and_no_panic() {
     }
 }
 
+/// Each has a checksum of all that is before it.
+#[test]
+fn ends_of_the_data_again_and_again_take_no_time() {
+    let ends = record(15, &[1; 4]).repeat(500_000);
+    let bytes = [b"\x89MCAP0\r\n".as_slice(), &ends].concat();
+    let folder = Folder::new("ends");
+    let (path, to) = (folder.file("a.mcap"), folder.file("b.mcap"));
+    fs::write(&path, bytes).unwrap();
+    assert_eq!(repair(&path, &to).unwrap().damages, 500_000);
+}
+
 #[test]
 fn what_is_no_log_is_not_repaired_and_nothing_is_written_over() {
     let folder = Folder::new("no_log");
