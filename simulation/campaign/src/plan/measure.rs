@@ -177,7 +177,7 @@ impl Measure {
     /// # Errors
     /// [`MeasureError`] if the run lacks a topic or a mark.
     pub(crate) fn empty_window(&self, run: &dyn Recording) -> Result<Option<String>, MeasureError> {
-        if !self.series(run)?.samples().next().is_none() {
+        if self.series(run)?.samples().next().is_some() {
             return Ok(None);
         }
         let time = |time: &Option<Compiled>| time.as_ref().map(|t| t.time(run)).transpose();
