@@ -1,12 +1,11 @@
 //! A robot, a controller's plant or a scenario's as MJCF, for MuJoCo.
 
 use std::{
-    fs,
     io::{self, Write},
     path::PathBuf,
 };
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 use clap::Args;
 use wbqp_mjcf::{Mjcf, Scene};
 use wbqp_sim::PlantCommand;
@@ -14,6 +13,7 @@ use wbqp_terminal::complain;
 
 use crate::{
     check::{Request, RobotOptions, configuration},
+    output::{self, Existing},
     run,
     subject::Subject,
 };
@@ -29,6 +29,9 @@ pub struct Arguments {
     /// The file to write; standard output if not given
     #[arg(short, long, value_name = "FILE")]
     pub out: Option<PathBuf>,
+    /// Replaces a file that is there
+    #[arg(long, requires = "out")]
+    pub force: bool,
     /// Of a scenario, the case whose plant is written; its first if not given
     #[arg(long, value_name = "NAME")]
     pub case: Option<String>,
@@ -47,18 +50,28 @@ impl Arguments {
     /// # Errors
     /// A file that is refused, a robot that MuJoCo cannot have, an output that cannot be written.
     pub fn run(&self) -> Result<()> {
-        let Mjcf { text, notes, .. } = self.scene()?.export()?;
+        let existing = Existing::of_force(self.force);
+        if let Some(out) = &self.out {
+            output::refuse_existing(out, existing)?;
+        }
+        let (scene, inputs) = self.scene()?;
+        if let Some(out) = &self.out {
+            output::refuse_input(out, inputs.iter().map(PathBuf::as_path))?;
+        }
+        let Mjcf { text, notes, .. } = scene.export()?;
         for note in &notes {
             complain!("note: {note}");
         }
         match &self.out {
-            Some(out) => fs::write(out, text).with_context(|| out.display().to_string())?,
+            Some(out) => output::write(out, &text, existing)?,
             None => io::stdout().lock().write_all(text.as_bytes())?,
         }
         Ok(())
     }
 
-    fn scene(&self) -> Result<Scene> {
+    /// The scene, and the files that it is made from.
+    fn scene(&self) -> Result<(Scene, Vec<PathBuf>)> {
+        let mut inputs = vec![self.file.clone()];
         let mut scene = if Subject::of_file(&self.file)? == Subject::Urdf {
             if self.case.is_some() {
                 bail!("--case: is for a scenario; the file is a robot");
@@ -68,19 +81,31 @@ impl Arguments {
                 case: None,
             };
             match configuration(&self.file, &request)? {
-                Ok(config) => Scene::of_robot(&config.load_robot()?),
+                Ok(config) => {
+                    let robot = config.load_robot()?;
+                    inputs.extend(output::sources(&robot));
+                    Scene::of_robot(&robot)
+                }
                 Err(errors) => bail!(errors.join("\n")),
             }
         } else {
             let scenario = run::load(&self.file, &self.robot, None)?;
             let first = scenario.cases().next().unwrap_or_default();
             let case = scenario.case(self.case.as_deref().unwrap_or(first))?;
-            let controller = case.make_controller(case.controller_config()?)?;
+            let config = case.controller_config()?;
+            inputs.extend(
+                config
+                    .source
+                    .iter()
+                    .map(|source| PathBuf::from(&source.name)),
+            );
+            let controller = case.make_controller(config)?;
             let robot = controller.robot();
+            inputs.extend(output::sources(robot));
             let command = PlantCommand::of(robot, controller.command());
             Scene::of_case(case, robot, command)?
         };
         scene.step = self.step;
-        Ok(scene)
+        Ok((scene, inputs))
     }
 }

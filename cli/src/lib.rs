@@ -9,6 +9,7 @@ pub mod export_mjcf;
 mod leaning;
 pub mod log;
 pub mod new;
+mod output;
 pub mod plugin_table;
 pub mod plugins;
 pub mod replay;

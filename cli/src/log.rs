@@ -8,7 +8,7 @@ use std::{
 use anyhow::Result;
 use clap::{Args, Subcommand};
 use wbqp::input::size;
-use wbqp_log::repair;
+use wbqp_log::{Repaired, repair};
 use wbqp_terminal::say;
 
 /// Looks after logs
@@ -23,10 +23,10 @@ pub struct Arguments {
 /// What is to be done.
 #[derive(Subcommand, Debug)]
 pub enum Command {
-    /// Makes a whole file of a log whose run was killed, or whose disk was full
+    /// Makes a whole file of a log whose run was killed, whose disk was full, or that was damaged since
     ///
-    /// What was written, up to its last whole chunk (half a second at most), goes into a new file with an index; the
-    /// old one stays as it is.
+    /// What is intact, chunk by chunk (half a second at most each), goes into a new file with an index; the old one
+    /// stays as it is. Succeeds if nothing but a cut end is lost.
     Repair {
         /// The log
         file: PathBuf,
@@ -46,18 +46,46 @@ impl Arguments {
         let output = output.clone().unwrap_or_else(|| beside(file));
         let found = repair(file, &output)?;
         say!(
-            "{}: {} messages, up to {} s, of {}{}",
+            "{}: {} messages, up to {} s, of {}, {}",
             output.display(),
             found.messages,
             found.end,
             file.display(),
-            match (found.was_whole, found.lost) {
-                (true, _) => ", which was whole".to_owned(),
-                (false, 0) => ", which had no end".to_owned(),
-                (false, lost) => format!(", whose last {} are cut off", size(lost)),
-            }
+            state(&found)
         );
-        Ok(ExitCode::SUCCESS)
+        let is_complete = found.damage.is_none() || found.is_index_alone;
+        Ok(if is_complete {
+            ExitCode::SUCCESS
+        } else {
+            ExitCode::FAILURE
+        })
+    }
+}
+
+/// How the file was.
+fn state(found: &Repaired) -> String {
+    let cut = match found.lost {
+        0 => String::new(),
+        lost => format!(", whose last {} are cut off", size(lost)),
+    };
+    match &found.damage {
+        Some(damage) if found.is_index_alone => {
+            format!("which was {damage}; that is its index, which is made anew: nothing is lost")
+        }
+        Some(damage) => {
+            let lost = match found.messages_lost {
+                Some(lost) => format!("{lost} messages lost"),
+                None => "it does not say how many messages it had".to_owned(),
+            };
+            let more = match found.damages {
+                0 | 1 => String::new(),
+                n => format!(", and at {} more places", n - 1),
+            };
+            format!("which was {damage}{more}; {lost}{cut}")
+        }
+        None if found.was_whole => "which was whole".to_owned(),
+        None if found.lost == 0 => "which had no end".to_owned(),
+        None => format!("whose last {} are cut off", size(found.lost)),
     }
 }
 

@@ -23,7 +23,11 @@ fn main() -> ExitCode {
         // Whoever reads has enough: the status of a program that a closed pipe ends.
         Err(error) if is_closed_pipe(&error) => ExitCode::from(141),
         Err(error) => {
-            complain!("error: {}", text(&error));
+            for line in text(&error).lines() {
+                // What is set in belongs to the line before it.
+                let mark = if line.starts_with(' ') { "" } else { "error: " };
+                complain!("{mark}{line}");
+            }
             ExitCode::FAILURE
         }
     }
@@ -42,7 +46,7 @@ fn text(error: &anyhow::Error) -> String {
         let cause = cause.to_string();
         if all.is_empty() {
             cause
-        } else if all.contains(&cause) {
+        } else if cause.lines().all(|line| all.contains(line)) {
             all
         } else {
             format!("{all}: {cause}")

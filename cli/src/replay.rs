@@ -1,11 +1,15 @@
 //! Runs dumped ticks again and prints problem, rows by name, solution and active set.
 
-use std::{path::PathBuf, process::ExitCode};
+use std::{
+    path::{Path, PathBuf},
+    process::ExitCode,
+};
 
 use anyhow::{Context, Result};
 use clap::Args;
+use wbqp::{controller::Dump, input};
 use wbqp_replay::{Matrices, ProblemTable};
-use wbqp_terminal::say;
+use wbqp_terminal::{complain, say};
 
 /// Runs a dumped tick again, bit by bit, and prints it
 #[derive(Args, Debug)]
@@ -30,12 +34,19 @@ impl Arguments {
     /// A file that is no dump, a tick that it does not have, a configuration that is refused.
     pub fn run(&self) -> Result<ExitCode> {
         let dump = wbqp_replay::load(&self.file)?;
+        self.keep_files(&dump);
         let last = dump.len();
         let tick = self.tick.unwrap_or(last);
         let index = tick.checked_sub(1).filter(|&i| i < last);
         let index =
             index.with_context(|| format!("there is no tick {tick}, the file has 1 to {last}"))?;
-        let replayed = wbqp_replay::rerun(&dump, index, self.directory.as_deref())?;
+        let replayed = wbqp_replay::rerun(&dump, index, self.directory.as_deref());
+        let replayed = replayed.with_context(|| {
+            format!(
+                "{}: `--directory DIR` is for files that are somewhere else here",
+                self.file.display()
+            )
+        })?;
         let controller = &replayed.controller;
         let report = controller.report();
         say!(
@@ -74,5 +85,28 @@ impl Arguments {
             say!("  {difference}");
         }
         Ok(ExitCode::FAILURE)
+    }
+
+    /// Robots' files that are not here are read from the dump.
+    fn keep_files(&self, dump: &Dump) {
+        // What is no configuration is told of where it is read.
+        let table: toml::Table = dump.configuration.parse().unwrap_or_default();
+        let robot = table.get("robot");
+        let directory = self.directory.as_deref();
+        let directory = directory.unwrap_or(Path::new(&dump.directory));
+        // In the order in which a robot has them.
+        let files = ["file", "rotors", "srdf"].into_iter();
+        let files = files.filter_map(|key| robot?.get(key)?.as_str());
+        for (file, source) in files.zip(&dump.robot) {
+            let file = directory.join(file);
+            let is_its_own = Path::new(&source.name).file_name() == file.file_name();
+            if is_its_own && !file.exists() {
+                complain!(
+                    "note: {}: is not here; the text in the dump is taken",
+                    file.display()
+                );
+                input::keep(&file, source.contents.clone().into_bytes());
+            }
+        }
     }
 }

@@ -24,6 +24,7 @@ use wbqp_replay::DumpError;
 use crate::{
     Link, PlantCommand, Requests, RunOptions, World,
     closed_loop::settled_plant,
+    plant::divergence,
     scenario::{Case, RunError, Scenario, ScenarioError},
 };
 
@@ -36,6 +37,8 @@ pub struct Summary {
     pub held: usize,
     /// Time at which the plant diverged, s, if it did.
     pub diverged: Option<f64>,
+    /// Why there was no use in going on then, in words.
+    pub divergence: Option<&'static str>,
     /// Where the last tick's command came from.
     pub last_level: FallbackLevel,
     /// Why it was not that tick's optimum, in words.
@@ -271,6 +274,7 @@ impl CaseRun {
     pub fn note_divergence(&mut self, world: &dyn World) {
         if world.is_diverged() {
             self.summary.diverged = Some(world.time());
+            self.summary.divergence = divergence(world.state());
         }
     }
 

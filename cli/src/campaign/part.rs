@@ -1,7 +1,7 @@
 //! A part of a campaign on this machine's cores.
 
 use std::{
-    num::NonZeroUsize,
+    num::{NonZeroU64, NonZeroUsize},
     ops::ControlFlow,
     path::PathBuf,
     sync::atomic::{AtomicU64, Ordering},
@@ -28,7 +28,7 @@ pub(super) struct Arguments {
     shard: Part,
     /// Only the first runs of the plan
     #[arg(long, value_name = "N")]
-    limit: Option<u64>,
+    limit: Option<NonZeroU64>,
     /// Only this run, with logs and dumps of its ticks
     #[arg(long, value_name = "NUMBER", conflicts_with_all = ["shard", "limit"])]
     run: Option<u64>,
@@ -74,7 +74,7 @@ impl Arguments {
     }
 
     fn run_part(&self, campaign: &Campaign) -> Result<()> {
-        let runs = self.limit.unwrap_or(u64::MAX);
+        let runs = self.limit.map_or(u64::MAX, NonZeroU64::get);
         let shard = Shard::open(campaign, self.shard, runs, &self.out)?;
         let total = shard.range().end - shard.range().start;
         let before = shard.done();

@@ -4,7 +4,7 @@ use std::{
     env,
     fmt::Write as _,
     fs,
-    num::{NonZeroU32, NonZeroUsize},
+    num::{NonZeroU32, NonZeroU64, NonZeroUsize},
     path::{Path, PathBuf, absolute},
     process::Command,
 };
@@ -28,7 +28,7 @@ pub(super) struct Arguments {
     shards: NonZeroU32,
     /// Only the first runs of the plan
     #[arg(long, value_name = "N")]
-    limit: Option<u64>,
+    limit: Option<NonZeroU64>,
     /// Directory for scripts, tables and what the jobs say
     #[arg(long, value_name = "DIR", default_value = "out/campaign")]
     out: PathBuf,

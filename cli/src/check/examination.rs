@@ -35,6 +35,9 @@ pub struct Examination {
     pub remark: Option<String>,
     /// Why it was refused, a line each; empty if it loads.
     pub errors: Vec<String>,
+    /// Why the controller does not work where it begins, a line each: its first tick is not optimal, it does not stand,
+    /// or something is missing to hover. Empty if it does, and for a robot alone.
+    pub faults: Vec<String>,
 }
 
 /// A robot as it was loaded.

@@ -8,10 +8,11 @@ use wbqp::{
     model::Base,
     nalgebra::Vector3,
     robot::RobotModel,
+    state::State,
 };
 
 use super::examination::effort_unit;
-use crate::leaning;
+use crate::{leaning, text::number};
 
 /// What is held up, and by what.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -42,7 +43,7 @@ pub struct Holding {
     /// What to know of a robot whose rotors all push along one direction.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub leaning: Option<String>,
-    /// The controller's first tick at home; absent for a robot alone.
+    /// The controller's first tick; absent for a robot alone.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub first_tick: Option<FirstTick>,
 }
@@ -73,9 +74,11 @@ pub struct Missing {
     pub unit: &'static str,
 }
 
-/// The first tick, at home and at rest.
+/// The first tick, at rest.
 #[derive(Clone, Debug, Serialize)]
 pub struct FirstTick {
+    /// Where the robot is in it: `at home` or, of a scenario, `where the case begins`.
+    pub place: &'static str,
     /// Where its command comes from: `optimal` is what should be there.
     pub level: &'static str,
     /// Why it is not the optimum.
@@ -130,12 +133,20 @@ impl Holding {
         holding
     }
 
-    /// Of a controller: its first tick if contacts carry the robot at the start, else the command before it.
-    pub fn of_controller(controller: &mut Controller, held_level: Option<String>) -> Self {
+    /// Of a controller: its first tick if contacts carry the robot at the start, else the command before it. The tick
+    /// is that of a scenario's case, at rest where it begins, if there is one.
+    pub fn of_controller(
+        controller: &mut Controller,
+        held_level: Option<String>,
+        start: Option<&State>,
+    ) -> Self {
         let mut holding = Self::of_robot(controller);
         holding.leaning = held_level.or(holding.leaning);
-        let home = controller.measurement();
-        let (command, report) = controller.tick(&home);
+        let mut measurement = controller.measurement();
+        if let Some(start) = start {
+            measurement.state.clone_from(start);
+        }
+        let (command, report) = controller.tick(&measurement);
         let (effort, level) = (command.effort.clone(), report.level);
         let acceleration = report
             .vdot
@@ -160,6 +171,10 @@ impl Holding {
         let forces = controller.report().contacts.iter();
         let on = names.zip(forces).filter(|(_, contact)| contact.on);
         holding.first_tick = Some(FirstTick {
+            place: match start {
+                Some(_) => "where the case begins",
+                None => "at home",
+            },
             level: level.as_str(),
             why: match level {
                 FallbackLevel::Optimal => None,
@@ -174,6 +189,46 @@ impl Holding {
             off_surface: off_surface(controller),
         });
         holding
+    }
+
+    /// Why the controller does not work, in words; nothing of a robot alone.
+    pub fn faults(&self) -> Vec<String> {
+        let Some(tick) = &self.first_tick else {
+            return Vec::new();
+        };
+        let mut faults = Vec::new();
+        if tick.level != FallbackLevel::Optimal.as_str() {
+            let why = tick.why.as_deref().and_then(|why| why.lines().next());
+            let why = why.map(|why| {
+                why.strip_prefix(&format!("{}: ", tick.level))
+                    .unwrap_or(why)
+            });
+            let why = why.map_or_else(String::new, |why| format!(": {why}"));
+            faults.push(format!(
+                "the first tick {} is {}, not optimal{why}",
+                tick.place, tick.level
+            ));
+        }
+        if let Some(acceleration) = tick.falls {
+            faults.push(format!(
+                "does not stand {}: its base accelerates by {} m/s²",
+                tick.place,
+                number(acceleration)
+            ));
+        }
+        // A joint without a motor may hang as it likes.
+        let on_base = |missing: &&Missing| missing.coordinate.contains("on the base");
+        if self.means == Means::Hover
+            && let Some(missing) = self.missing.iter().find(on_base)
+        {
+            faults.push(format!(
+                "does not hover at home: {} {} are missing, {}",
+                number(missing.force),
+                missing.unit,
+                missing.coordinate
+            ));
+        }
+        faults
     }
 
     /// The largest share of a limit.

@@ -9,7 +9,10 @@ use wbqp::{
     controller::Memory,
     robot::RobotModel,
 };
-use wbqp_sim::{Scenario, scenario::Note};
+use wbqp_sim::{
+    Plant, Scenario,
+    scenario::{Case, Note},
+};
 
 use super::{
     examination::{ControllerFacts, Examination, Robot},
@@ -43,21 +46,29 @@ pub fn examine(file: &Path, request: &Request, note: Note<'_>) -> Result<Examina
         holding: None,
         remark: None,
         errors: Vec::new(),
+        faults: Vec::new(),
     };
-    let mut cases = Vec::new();
-    let config = read(file, kind, request, &mut cases, note)?;
+    let mut scenario = OfScenario::default();
+    let config = read(file, kind, request, &mut scenario, note)?;
     match config {
         Ok(config) => {
-            let first = cases.first().map(String::as_str);
-            let case = request.case.as_deref().or(first).unwrap_or_default();
-            let case = case.to_owned();
-            with_config(config, kind, cases, &mut examination, &|memory| {
-                note(&case, memory);
+            let name = scenario.case.as_ref().map_or("", Case::name).to_owned();
+            with_config(config, kind, scenario, &mut examination, &|memory| {
+                note(&name, memory);
             });
         }
         Err(errors) => examination.errors = errors,
     }
     Ok(examination)
+}
+
+/// What is known of a scenario.
+#[derive(Default)]
+struct OfScenario {
+    /// Their names.
+    cases: Vec<String>,
+    /// The one that is looked at.
+    case: Option<Case>,
 }
 
 /// The configuration of a controller, of a scenario's case, or of a controller without tasks for a robot; or everything
@@ -70,14 +81,14 @@ pub fn configuration(
     request: &Request,
 ) -> Result<Result<ControllerConfig, Vec<String>>> {
     let kind = Subject::of_file(file)?;
-    read(file, kind, request, &mut Vec::new(), &|_, _| {})
+    read(file, kind, request, &mut OfScenario::default(), &|_, _| {})
 }
 
 fn read(
     file: &Path,
     kind: Subject,
     request: &Request,
-    cases: &mut Vec<String>,
+    found: &mut OfScenario,
     note: Note<'_>,
 ) -> Result<Result<ControllerConfig, Vec<String>>> {
     Ok(match kind {
@@ -90,9 +101,11 @@ fn read(
             let variation = Assignment::variation(&request.set)?;
             Scenario::from_file_noting(file, &variation, note)
                 .and_then(|scenario| {
-                    *cases = scenario.cases().map(str::to_owned).collect();
-                    let case = request.case.as_ref().or(cases.first());
-                    scenario.controller_config(case.map_or("", String::as_str))
+                    found.cases = scenario.cases().map(str::to_owned).collect();
+                    let case = request.case.as_ref().or(found.cases.first());
+                    let case = scenario.case(case.map_or("", String::as_str))?;
+                    found.case = Some(case.clone());
+                    case.controller_config()
                 })
                 .map_err(|e| lines(&e))
         }
@@ -102,7 +115,7 @@ fn read(
 fn with_config(
     config: ControllerConfig,
     kind: Subject,
-    cases: Vec<String>,
+    scenario: OfScenario,
     examination: &mut Examination,
     note: &dyn Fn(&Memory),
 ) {
@@ -121,7 +134,7 @@ fn with_config(
             contacts: config.contacts.iter().map(|c| c.name.clone()).collect(),
             tasks: config.tasks.iter().map(|t| t.name.clone()).collect(),
             constraints: config.constraints.iter().map(|c| c.name.clone()).collect(),
-            cases,
+            cases: scenario.cases,
         });
     }
     let planned = Plan::new(config.without_record(), robot).and_then(|plan| {
@@ -138,12 +151,23 @@ fn with_config(
                     .diagnostics
                     .clone_from(&controller.robot().diagnostics);
             }
-            examination.holding = Some(match kind {
+            let holding = match kind {
                 Subject::Urdf => Holding::of_robot(&controller),
                 Subject::Controller | Subject::Scenario => {
-                    Holding::of_controller(&mut controller, held_level)
+                    let plant = scenario
+                        .case
+                        .map(|case| case.make_plant(controller.robot()));
+                    // That of a case was made once already.
+                    let plant = plant.and_then(Result::ok);
+                    let start = plant.as_ref().map(Plant::state);
+                    Holding::of_controller(&mut controller, held_level, start)
                 }
-            });
+            };
+            let faults = holding.faults().into_iter();
+            examination.faults = faults
+                .map(|fault| format!("{}: {fault}", examination.file))
+                .collect();
+            examination.holding = Some(holding);
         }
         // The robot is sound, there is only nothing that a controller could do.
         Err(errors) if kind == Subject::Urdf => {

@@ -1,4 +1,4 @@
-//! `wbqp check`: what a file describes, and whether it loads.
+//! `wbqp check`: what a file describes, whether it loads, and whether its controller holds the robot.
 
 mod examination;
 mod holding;
@@ -29,7 +29,8 @@ use crate::{assignment::Assignment, subject::Subject};
 /// Loads a robot, a controller or a scenario and shows what it found
 ///
 /// Prints what the loader noticed, the tree with limits and masses, frames, actuators, and what holding still at home
-/// needs of each. Succeeds if the file loads; warnings are no failure.
+/// needs of each. Succeeds if the file loads and its controller, if there is one, holds the robot by an optimal first
+/// tick, at home or where the case begins; warnings are no failure.
 #[derive(Args, Debug)]
 pub struct Arguments {
     /// A URDF, a controller (`[robot]`) or a scenario (controller = "…")
@@ -168,14 +169,16 @@ impl Arguments {
         } else {
             write!(out, "{}", text::text(&examination))?;
         }
-        for error in &examination.errors {
+        for error in examination.errors.iter().chain(&examination.faults) {
             complain!("error: {error}");
         }
-        Ok(if examination.errors.is_empty() {
-            ExitCode::SUCCESS
-        } else {
-            ExitCode::FAILURE
-        })
+        Ok(
+            if examination.errors.is_empty() && examination.faults.is_empty() {
+                ExitCode::SUCCESS
+            } else {
+                ExitCode::FAILURE
+            },
+        )
     }
 
     /// What the file does not say.

@@ -328,7 +328,7 @@ fn holding_text(holding: &Holding, out: &mut String) {
                 number(*above)
             );
         }
-        let _ = writeln!(out, "  first tick at home: {}", tick.level);
+        let _ = writeln!(out, "  first tick {}: {}", tick.place, tick.level);
         if let Some(acceleration) = tick.falls {
             let _ = writeln!(
                 out,

@@ -10,17 +10,21 @@ mod shapes;
 mod verify;
 
 use std::{
-    fs,
     path::{Path, PathBuf},
     process::ExitCode,
 };
 use wbqp_terminal::{complain, say};
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use wbqp::robot::RobotModel;
 
-use crate::{assignment::Assignment, check::robot_of, subject::Subject};
+use crate::{
+    assignment::Assignment,
+    check::robot_of,
+    output::{self, Existing},
+    subject::Subject,
+};
 use draft::{Draft, list, quoted};
 
 /// Writes a controller to start from, for a robot's file
@@ -109,10 +113,17 @@ impl Arguments {
         if !is_written {
             bail!("{urdf}: {}", draft.warnings.join("; "));
         }
-        self.write(&output, &draft.text)?;
+        let existing = Existing::of_force(self.force);
+        self.refuse_inputs(&output, &robot)?;
+        if draft.rotors.is_some() {
+            // Before the first of the two is written.
+            self.refuse_inputs(&rotor_output, &robot)?;
+            output::refuse_existing(&rotor_output, existing)?;
+        }
+        output::write(&output, &draft.text, existing)?;
         say!("controller: {}", output.display());
         if let Some(rotors) = &draft.rotors {
-            self.write(&rotor_output, rotors)?;
+            output::write(&rotor_output, rotors, existing)?;
             say!("rotors: {}", rotor_output.display());
         }
         for warning in &draft.warnings {
@@ -210,11 +221,12 @@ impl Arguments {
         Ok(())
     }
 
-    fn write(&self, file: &Path, text: &str) -> Result<()> {
-        if file.exists() && !self.force {
-            bail!("{}: is there already; --force replaces it", file.display());
-        }
-        fs::write(file, text).with_context(|| file.display().to_string())
+    /// Everything that the files are made from: none of them is written over.
+    fn refuse_inputs(&self, file: &Path, robot: &RobotModel) -> Result<()> {
+        let named = [Some(&self.urdf), self.rotors.as_ref(), self.srdf.as_ref()];
+        let named = named.into_iter().flatten().cloned();
+        let inputs: Vec<PathBuf> = named.chain(output::sources(robot)).collect();
+        output::refuse_input(file, inputs.iter().map(PathBuf::as_path))
     }
 }
 

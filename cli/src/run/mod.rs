@@ -1,5 +1,6 @@
 //! `wbqp run`: a scenario in simulation, with logs, figures and a summary.
 
+mod attention;
 mod default_scenario;
 mod figures;
 mod picture;
@@ -10,6 +11,7 @@ mod traces;
 pub use summary::{CaseSummary, ContactSummary, EffortSummary, TaskSummary, TickTime};
 
 use std::{
+    collections::BTreeSet,
     path::{Path, PathBuf},
     process::ExitCode,
 };
@@ -17,6 +19,7 @@ use std::{
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use rayon::prelude::*;
+use wbqp::robot::Severity;
 use wbqp_log::{LogSink, McapLog};
 use wbqp_measures::log::Log;
 use wbqp_replay::DumpFolder;
@@ -68,9 +71,19 @@ impl Arguments {
         }
         let is_asked = |case: &&str| self.cases.is_empty() || self.cases.iter().any(|c| c == case);
         let cases: Vec<&str> = scenario.cases().filter(is_asked).collect();
+        let mut warned = BTreeSet::new();
         for case in &cases {
-            let config = scenario.controller_config(case)?;
-            if let Some(words) = leaning::held_level(&config, &config.load_robot()?) {
+            let of_case = scenario.case(case)?;
+            let config = of_case.controller_config()?;
+            let level = leaning::held_level(&config, &config.load_robot()?);
+            // Most cases have the same robot.
+            for diagnostic in &of_case.make_controller(config)?.robot().diagnostics {
+                if diagnostic.severity == Severity::Warning && warned.insert(diagnostic.to_string())
+                {
+                    complain!("{diagnostic}");
+                }
+            }
+            if let Some(words) = level {
                 complain!("warning: {case}: {words}");
             }
         }
@@ -175,8 +188,38 @@ pub(crate) fn load(file: &Path, robot: &RobotOptions, duration: Option<f64>) -> 
     Ok(scenario)
 }
 
-/// A file's name without its extension, as it can name a folder.
+/// A file's name without its extension, as it can name a folder: what a scenario's name cannot have is `_`.
 fn stem(file: &Path) -> String {
-    let name = file.file_stem().and_then(|name| name.to_str());
-    name.unwrap_or("run").to_owned()
+    let name = file.file_stem().unwrap_or_default().to_string_lossy();
+    let plain = |c: char| {
+        if c.is_ascii_alphanumeric() || matches!(c, '_' | '-' | '.') {
+            c
+        } else {
+            '_'
+        }
+    };
+    let name: String = name.chars().map(plain).collect();
+    match name.trim_matches('.') {
+        "" => "run".to_owned(),
+        name => name.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_folder_is_called_like_the_file_as_far_as_it_can_be() {
+        for (file, name) in [
+            ("a/stand.controller.toml", "stand.controller"),
+            ("my robot.toml", "my_robot"),
+            ("...toml", "run"),
+            ("..", "run"),
+            ("..hidden.toml", "hidden"),
+            ("\u{e4}.toml", "_"),
+        ] {
+            assert_eq!(stem(Path::new(file)), name, "{file}");
+        }
+    }
 }

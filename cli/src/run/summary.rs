@@ -15,7 +15,10 @@ use wbqp_log::{LogError, RunLock};
 use wbqp_measures::{Recording, escaped, log::Log};
 use wbqp_sim::Summary;
 
-use super::traces::{columns, norm};
+use super::{
+    attention,
+    traces::{columns, norm},
+};
 use crate::{
     check::effort_unit,
     text::{indented, number, per_cent, quantity, table},
@@ -85,10 +88,14 @@ pub struct CaseSummary {
     pub worst_level: &'static str,
     /// Time at which the plant diverged, s.
     pub diverged: Option<f64>,
+    /// Why there was no use in going on then, in words.
+    pub divergence: Option<&'static str>,
     /// Where the last tick's command came from.
     pub last_level: FallbackLevel,
     /// Why it was not that tick's optimum.
     pub why: Option<String>,
+    /// What it should be looked at for, a sentence each: a robot that fell, for example. Empty if there is nothing.
+    pub attention: Vec<String>,
     /// In the configuration's order.
     pub tasks: Vec<TaskSummary>,
     /// In the order of `u`.
@@ -110,16 +117,6 @@ pub struct TaskSummary {
     pub end: Option<f64>,
     /// The largest.
     pub peak: Option<f64>,
-}
-
-/// Nobody asks a robot to end so far from where it should be, m.
-const LOST: f64 = 1.0;
-
-impl TaskSummary {
-    /// Whether what it leads is nowhere near its reference at the end.
-    fn is_lost(&self) -> bool {
-        self.unit == "m" && self.end.is_some_and(|end| end > LOST)
-    }
 }
 
 /// How much an actuator was asked for.
@@ -165,15 +162,18 @@ impl CaseSummary {
     /// # Errors
     /// A log that cannot be read.
     pub fn of(case: &str, run: &Summary, log: &Log, controller: &Controller) -> Result<Self> {
+        let tasks = tasks(log, controller)?;
         Ok(Self {
+            attention: attention::of(run, log, controller, &tasks)?,
             case: case.to_owned(),
             ticks: run.ticks,
             not_optimal: run.held,
             worst_level: worst_level(log)?.as_str(),
             diverged: run.diverged,
+            divergence: run.divergence,
             last_level: run.last_level,
             why: run.why.clone(),
-            tasks: tasks(log, controller)?,
+            tasks,
             efforts: efforts(log, controller)?,
             contacts: contacts(log, controller)?,
             tick_time: tick_time(log)?,
@@ -188,7 +188,12 @@ impl CaseSummary {
     /// Tables for a terminal.
     pub fn text(&self) -> String {
         let mut out = match self.diverged {
-            Some(time) => format!("{}: DIVERGED at {time:.3} s\n", self.case),
+            Some(time) => {
+                let why = self
+                    .divergence
+                    .map_or(String::new(), |why| format!(": {why}"));
+                format!("{}: DIVERGED at {time:.3} s{why}\n", self.case)
+            }
             None if self.completed() => format!("{}: ran to its end\n", self.case),
             None => format!(
                 "{}: FAILED: the controller ended without a solution\n",
@@ -198,12 +203,8 @@ impl CaseSummary {
         for line in self.why.iter().flat_map(|why| why.lines()) {
             out.push_str(&format!("  at the end: {line}\n"));
         }
-        for task in self.tasks.iter().filter(|task| task.is_lost()) {
-            out.push_str(&format!(
-                "  ATTENTION: `{}` ended {} from its reference\n",
-                task.name,
-                quantity(task.end, &task.unit)
-            ));
+        for words in &self.attention {
+            out.push_str(&format!("  ATTENTION: {words}\n"));
         }
         out.push_str(&format!(
             "  {} ticks, {} not optimal (worst: {}); a tick took {:.0} µs (median), {:.0} µs (99 %)\n",

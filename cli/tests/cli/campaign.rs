@@ -140,10 +140,22 @@ fn a_part_that_is_killed_goes_on_to_the_same_table_and_the_page_says_what_broke(
     ] {
         assert!(whole_page.contains(words), "{words}");
     }
-    assert!(page("nowhere.toml").contains("With --plan"));
+    let without = out("without.html");
+    campaign(&["report", &tables[0], "--out", &without]);
+    let without = fs::read_to_string(without).unwrap();
+    assert!(without.contains("With --plan"));
     let other = out("other.toml");
     fs::write(&other, PLAN.replace("1e9", "1e8")).unwrap();
-    assert!(page(&other).contains("not what the table was made with"));
+    for (plan, words) in [
+        ("nowhere.toml", "nowhere.toml: cannot be read"),
+        (&other, "is not what the table"),
+    ] {
+        let report = ["campaign", "report", &tables[0], "--plan", plan, "--out"];
+        let refused = wbqp(&[&report[..], &[&out("refused.html")]].concat());
+        assert_eq!(refused.code, 1, "{plan}");
+        assert!(refused.stderr.contains(words), "{}", refused.stderr);
+        assert!(!Path::new(&out("refused.html")).exists());
+    }
     let said = campaign(&[plan, "--run", "119", "--out", &whole]);
     assert!(
         said.contains("diverged plain: the plant diverged at"),

@@ -215,7 +215,8 @@ fn a_robot_can_be_named_by_an_option() {
     let file = folder.file("stand.toml");
     let text = "[controller]\nrate = 500.0\n[robot]\nfile = \"elsewhere.urdf\"\n[[contact]]\n\
                 frames = [\"left_sole\", \"right_sole\"]\nmotion = \"hard\"\nsize = [0.2, 0.1]\n\
-                [[task]]\ntype = \"com\"\nkp = 50.0";
+                [[task]]\ntype = \"com\"\nkp = 50.0\n[[task]]\ntype = \"base_orientation\"\nkp = 50.0\n\
+                [[task]]\ntype = \"posture\"\nkp = 30.0";
     fs::write(&file, text).unwrap();
     let done = wbqp(&["check", &file]);
     assert_eq!(done.code, 1);
@@ -325,5 +326,48 @@ fn parallel_rotors_below_a_level_base_are_a_warning() {
         !tilted.stdout.contains("one direction"),
         "{}",
         tilted.stdout
+    );
+}
+
+#[test]
+fn a_controller_that_does_not_work_where_it_begins_fails() {
+    let file = "examples/scenarios/quadruped_stand.controller.toml";
+    for (change, words) in [
+        // Nothing to stand on.
+        ("contact.fl.active=false", "does not stand"),
+        (
+            "task.com.reference={type=\"hold\",value=[9.0,0.0,0.5]}",
+            "more than `max_first_error",
+        ),
+    ] {
+        let mut arguments = vec!["check", file, "--set", change];
+        if words == "does not stand" {
+            for foot in ["fr", "hl"] {
+                let more = format!("contact.{foot}.active=false");
+                arguments.extend(["--set", more.leak()]);
+            }
+        }
+        let done = wbqp(&arguments);
+        assert_eq!(done.code, 1, "{}{}", done.stdout, done.stderr);
+        assert!(done.stderr.contains("error: "), "{}", done.stderr);
+        assert!(
+            done.stderr.contains(words),
+            "{words}: {}{}",
+            done.stdout,
+            done.stderr
+        );
+    }
+    // The controllers of the experiments work where their scenarios begin, which is not home.
+    let done = wbqp(&["check", "examples/scenarios/push_and_slide.toml", "--json"]);
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    let json = done.json();
+    assert!(json["faults"].as_array().unwrap().is_empty());
+    assert_eq!(
+        json["holding"]["first_tick"]["place"],
+        "where the case begins"
+    );
+    assert_eq!(
+        wbqp(&["check", "examples/scenarios/push_and_slide.controller.toml"]).code,
+        1
     );
 }

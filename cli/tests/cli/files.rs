@@ -184,6 +184,27 @@ fn a_log_that_was_cut_is_repaired_beside_it() {
 }
 
 #[test]
+fn a_damaged_log_is_told_of_and_saved_but_for_what_is_damaged() {
+    let (folder, file, out) = with_stand("damaged");
+    let done = wbqp(&["run", &file, "--duration", "1.2", "--out", &out]);
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    let mut bytes = fs::read(folder.0.join("out/stand/default.mcap")).unwrap();
+    let middle = bytes.len() / 3;
+    bytes[middle] ^= 4;
+    let damaged = folder.file("damaged.mcap");
+    fs::write(&damaged, bytes).unwrap();
+    let done = wbqp(&["log", "repair", &damaged]);
+    assert_eq!(done.code, 1, "{}", done.stdout);
+    for words in ["damaged at byte ", "this chunk", " messages lost"] {
+        assert!(done.stdout.contains(words), "{}", done.stdout);
+    }
+    let saved = wbqp_measures::log::Log::open(&folder.0.join("damaged.repaired.mcap")).unwrap();
+    assert!(saved.topics().count() > 3);
+    let refused = wbqp_measures::log::Log::open(damaged.as_ref()).unwrap_err();
+    assert!(refused.to_string().contains("wbqp log repair"), "{refused}");
+}
+
+#[test]
 fn a_contact_on_a_frame_that_touches_nothing_is_said() {
     let folder = Temporary::new("wrong_frame");
     let file = folder.file("stand.toml");

@@ -6,5 +6,7 @@ mod check;
 mod common;
 mod files;
 mod new;
+mod outputs;
+mod replay;
 mod run;
 mod view;

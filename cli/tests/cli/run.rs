@@ -99,7 +99,7 @@ fn a_run_that_diverges_fails() {
     ]);
     assert_eq!(done.code, 1, "{}{}", done.stdout, done.stderr);
     assert!(
-        done.stdout.contains("DIVERGED"),
+        done.stdout.contains("DIVERGED") && done.stdout.contains(" s: "),
         "{}{}",
         done.stdout,
         done.stderr
@@ -132,6 +132,8 @@ fn a_robot_that_ends_nowhere_near_its_reference_is_told() {
         done.stdout,
         done.stderr
     );
+    let case = &summary(&out.0.join("quadruped_stand"))[0];
+    assert!(!case["attention"].as_array().unwrap().is_empty());
     let stands = wbqp(&[
         "run",
         QUADRUPED,
@@ -141,6 +143,80 @@ fn a_robot_that_ends_nowhere_near_its_reference_is_told() {
         &folder,
     ]);
     assert!(!stands.stdout.contains("ATTENTION"), "{}", stands.stdout);
+}
+
+/// Kicked over: its centre of mass is less than a metre from its reference.
+#[test]
+fn a_robot_that_lies_on_the_ground_is_told() {
+    let out = Temporary::new("lies");
+    let folder = out.0.display().to_string();
+    let mut arguments = vec!["run", QUADRUPED, "--out", &folder];
+    for change in [
+        "change.duration=0.8",
+        "change.event=[]",
+        "change.plant.disturbance=[{name=\"kick\",frame=\"trunk\",force=[0.0,30.0,0.0],from=0.1,until=0.3}]",
+    ] {
+        arguments.extend(["--set", change]);
+    }
+    let done = wbqp(&arguments);
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    let case = &summary(&out.0.join("quadruped_stand"))[0];
+    assert!(case["tasks"][0]["end"].as_f64().unwrap() < 1.0);
+    let told = case["attention"].as_array().unwrap();
+    let told: Vec<&str> = told.iter().filter_map(Value::as_str).collect();
+    let words = [
+        "`com` ended",
+        "the base ended leaning by",
+        "of the ticks had no optimum",
+    ];
+    assert_eq!(told.len(), words.len(), "{told:?}");
+    for (told, words) in told.iter().zip(words) {
+        assert!(told.contains(words), "{told}");
+        assert!(done.stdout.contains(&format!("ATTENTION: {told}")));
+    }
+}
+
+#[test]
+fn every_line_of_an_error_is_there_once() {
+    let done = wbqp(&["run", QUADRUPED, "--set", "change.plant.step=0.1"]);
+    assert_eq!(done.code, 1);
+    let lines: Vec<&str> = done.stderr.lines().collect();
+    assert!(lines.len() > 1, "{}", done.stderr);
+    assert!(
+        lines.iter().all(|line| line.starts_with("error: ")),
+        "{}",
+        done.stderr
+    );
+    assert_eq!(
+        done.stderr.matches("must be positive and at most").count(),
+        1
+    );
+}
+
+#[test]
+fn a_run_of_no_tick_is_refused() {
+    let stand = "examples/scenarios/quadruped_stand.controller.toml";
+    let done = wbqp(&["run", stand, "--duration", "1e-9"]);
+    assert_eq!(done.code, 1);
+    assert!(
+        done.stderr.contains("shorter than a control period"),
+        "{}",
+        done.stderr
+    );
+    assert_eq!(wbqp(&["tick-stats", "--ticks", "0"]).code, 2);
+    assert_eq!(wbqp(&["campaign", "plan.toml", "--limit", "0"]).code, 2);
+}
+
+#[test]
+fn warnings_of_the_loader_come_before_a_run_once() {
+    let out = Temporary::new("warned");
+    let folder = out.0.display().to_string();
+    let stand = "examples/scenarios/quadruped_stand.controller.toml";
+    let run = ["run", stand, "--duration", "0.01", "--out", &folder];
+    let quiet = wbqp(&run);
+    assert!(!quiet.stderr.contains("warning"), "{}", quiet.stderr);
+    let done = wbqp(&[&run[..], &["--set", "task.com.kp=1e9"]].concat());
+    assert_eq!(done.stderr.matches("warning").count(), 1, "{}", done.stderr);
 }
 
 #[test]
@@ -155,6 +231,9 @@ fn what_is_not_there_is_refused_with_a_hint() {
         "did you mean `stand`",
     );
     refused(&["run", QUADRUPED, "--duration", "1"], "change.duration");
+    // What the log calls the times of the disturbance `aside`.
+    let event = "change.event=[{at=1.0,mark=\"aside_start\"}]";
+    refused(&["run", QUADRUPED, "--set", event], "under this mark");
     refused(&["run", "robots/files/othex/othex.urdf"], "wbqp new");
     refused(
         &["run", QUADRUPED, "--set", "change.plant.walls=1"],

@@ -27,6 +27,8 @@
 mod controller;
 mod fields;
 mod json;
+#[cfg(feature = "mcap")]
+mod layout;
 mod lock;
 #[cfg(feature = "mcap")]
 mod mcap;
@@ -35,6 +37,8 @@ mod messages;
 #[cfg(feature = "mcap")]
 mod repair;
 mod run;
+#[cfg(feature = "mcap")]
+mod scan;
 pub mod schema;
 mod state;
 
@@ -48,6 +52,8 @@ pub use memory::MemoryLog;
 #[cfg(feature = "mcap")]
 pub use repair::{Repaired, repair};
 pub use run::{Timeline, configuration_hash, write_diagnostics, write_rotors, write_run};
+#[cfg(feature = "mcap")]
+pub use scan::{Damage, check};
 pub use state::{state_schema, write_state};
 
 use std::{collections::BTreeMap, path::PathBuf};

@@ -1,34 +1,46 @@
-//! A log whose writer was killed: what was written, made into a whole file again.
+//! A log whose writer was killed, or that was damaged since: what is intact, made into a whole file again.
 
-use std::{collections::BTreeMap, fs, io, path::Path};
-
-use mcap::{
-    read::{ChunkReader, parse_record},
-    records::{MessageHeader, Record},
+use std::{
+    collections::{BTreeMap, btree_map::Entry},
+    fs, io,
+    path::Path,
 };
 
-use crate::{LogError, LogSink, McapLog};
+use mcap::records::{Channel, MessageHeader, Record};
+
+use crate::{
+    Damage, LogError, LogSink, McapLog,
+    scan::{Piece, Records, Scan},
+};
 use wbqp::input;
 
-/// With which every MCAP file begins and ends.
-const MAGIC: &[u8] = b"\x89MCAP0\r\n";
-
 /// What was found in a file.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Repaired {
     /// Messages that were saved.
     pub messages: u64,
     /// Time of the last of them, s.
     pub end: f64,
-    /// Bytes at the end that are of no use.
+    /// Bytes at the end that are of no use: the file was cut there.
     pub lost: u64,
     /// Whether the file was whole.
     pub was_whole: bool,
+    /// The first place that is not what was written, if there is one. A cut end is none.
+    pub damage: Option<Damage>,
+    /// How many such places there are.
+    pub damages: u64,
+    /// Whether it is in the index alone, from which nothing is needed: it is made anew.
+    pub is_index_alone: bool,
+    /// Messages that were in the file and are not saved, if it says how many there were.
+    pub messages_lost: Option<u64>,
 }
 
-/// Reads a log as far as it goes and writes what is in it as a whole file: channels with their schemas, messages in
-/// their order, metadata and attachments. `to` must not exist.
+/// Reads a log and writes what is intact of it as a whole file: channels with their schemas, messages in their order,
+/// metadata and attachments. A damaged chunk, or another record, is left out, and those behind it are not. `to` must
+/// not exist; it does not after an error either.
+///
+/// In memory are the file, and a chunk at a time, which is at most 1024 times as long as in the file.
 ///
 /// # Errors
 /// [`LogError::Read`] if `from` cannot be read or is no MCAP file at all, [`LogError::Create`] if `to` cannot be made,
@@ -39,7 +51,7 @@ pub fn repair(from: &Path, to: &Path) -> Result<Repaired, LogError> {
         source,
     };
     let bytes = input::read(from, input::LARGEST_LOG).map_err(read)?;
-    let Some(body) = bytes.strip_prefix(MAGIC) else {
+    let Some(scan) = Scan::new(&bytes) else {
         let what = "is no MCAP file: it does not begin like one";
         return Err(read(io::Error::new(io::ErrorKind::InvalidData, what)));
     };
@@ -49,85 +61,134 @@ pub fn repair(from: &Path, to: &Path) -> Result<Repaired, LogError> {
             source: io::Error::new(io::ErrorKind::AlreadyExists, "is there already"),
         });
     }
-    let was_whole = body.ends_with(MAGIC);
-    let body = body.strip_suffix(MAGIC).unwrap_or(body);
-    let mut saved = Saved {
-        log: McapLog::create(to)?,
-        schemas: BTreeMap::new(),
-        channels: BTreeMap::new(),
-        messages: 0,
-        end: 0,
-    };
-    let mut rest = body;
-    // Up to a record in whose middle the file ends, or that is none.
-    while let Some((op, record, behind)) = first_record(rest) {
-        let Ok(record) = parse_record(op, record) else {
-            break;
-        };
-        saved.record(record)?;
-        rest = behind;
+    let known = Known::of(&bytes);
+    let log = McapLog::create(to)?;
+    let saved = Saved::new(log, &known).all(scan);
+    if saved.is_err() {
+        // Half a file is no repaired one; whether it can be removed changes nothing.
+        let _ = fs::remove_file(to);
     }
-    let lost = rest.len() as u64;
-    saved.log.finish()?;
-    Ok(Repaired {
-        messages: saved.messages,
-        end: saved.end as f64 / 1e9,
-        lost,
-        was_whole: was_whole && lost == 0,
-    })
+    saved
 }
 
-/// Kind and body of the first record, and what is behind it; nothing if it is not all there.
-fn first_record(bytes: &[u8]) -> Option<(u8, &[u8], &[u8])> {
-    let (&op, rest) = bytes.split_first()?;
-    let (length, rest) = rest.split_first_chunk::<8>()?;
-    let length = usize::try_from(u64::from_le_bytes(*length)).ok()?;
-    let (body, behind) = rest.split_at_checked(length)?;
-    Some((op, body, behind))
+/// The name, the encoding and the text of a schema.
+type Schema = (String, String, Vec<u8>);
+
+/// Schemas and channels of all intact parts: the index has those again that a damaged chunk had.
+#[derive(Default)]
+struct Known {
+    schemas: BTreeMap<u16, Schema>,
+    channels: BTreeMap<u16, Channel>,
+}
+
+impl Known {
+    fn of(file: &[u8]) -> Self {
+        let mut known = Self::default();
+        for piece in Scan::new(file).into_iter().flatten() {
+            match piece {
+                Piece::Record(record) => known.record(record),
+                Piece::Chunk(bytes) => Records::new(&bytes).flatten().for_each(|r| known.record(r)),
+                Piece::Damaged(_) | Piece::Cut(_) => {}
+            }
+        }
+        known
+    }
+
+    /// Of two with the same id the first counts.
+    fn record(&mut self, record: Record<'_>) {
+        match record {
+            Record::Schema { header, data } => {
+                let schema = || (header.name, header.encoding, data.into_owned());
+                self.schemas.entry(header.id).or_insert_with(schema);
+            }
+            Record::Channel(channel) => {
+                self.channels.entry(channel.id).or_insert(channel);
+            }
+            _ => {}
+        }
+    }
 }
 
 /// A file that is being written.
-struct Saved {
+struct Saved<'k> {
     log: McapLog,
-    /// By the id of the old file: name, encoding, text.
-    schemas: BTreeMap<u16, (String, String, Vec<u8>)>,
+    known: &'k Known,
     /// By the id of the old file.
     channels: BTreeMap<u16, u16>,
     messages: u64,
     /// ns.
     end: u64,
+    damage: Option<Damage>,
+    damages: u64,
+    is_index_alone: bool,
+    is_index_damaged: bool,
+    /// Messages that the file says it has.
+    said: Option<u64>,
+    lost: u64,
+    /// Whether what follows is the index.
+    in_index: bool,
 }
 
-impl Saved {
+impl<'k> Saved<'k> {
+    fn new(log: McapLog, known: &'k Known) -> Self {
+        Self {
+            log,
+            known,
+            channels: BTreeMap::new(),
+            messages: 0,
+            end: 0,
+            damage: None,
+            damages: 0,
+            is_index_alone: true,
+            is_index_damaged: false,
+            said: None,
+            lost: 0,
+            in_index: false,
+        }
+    }
+
+    fn all(mut self, scan: Scan<'_>) -> Result<Repaired, LogError> {
+        let has_end = scan.has_end();
+        // Channels without a message too.
+        for id in self.known.channels.keys() {
+            self.channel(*id)?;
+        }
+        for piece in scan {
+            match piece {
+                Piece::Record(record) => self.record(record)?,
+                Piece::Chunk(bytes) => {
+                    for record in Records::new(&bytes).flatten() {
+                        self.record(record)?;
+                    }
+                }
+                Piece::Damaged(damage) => {
+                    self.is_index_alone &= self.in_index;
+                    self.is_index_damaged |= self.in_index;
+                    self.damages += 1;
+                    self.damage.get_or_insert(damage);
+                }
+                Piece::Cut(lost) => self.lost = lost,
+            }
+        }
+        self.log.finish()?;
+        let said = self.said.filter(|_| !self.is_index_damaged);
+        let missing = said.map(|said| said.saturating_sub(self.messages));
+        Ok(Repaired {
+            messages: self.messages,
+            end: self.end as f64 / 1e9,
+            lost: self.lost,
+            was_whole: has_end && self.lost == 0 && self.damage.is_none(),
+            is_index_alone: self.is_index_alone && self.damage.is_some(),
+            damage: self.damage,
+            damages: self.damages,
+            messages_lost: missing,
+        })
+    }
+
     fn record(&mut self, record: Record<'_>) -> Result<(), LogError> {
         match record {
-            Record::Chunk { header, data } => {
-                let Ok(chunk) = ChunkReader::new(header, &data) else {
-                    return Ok(());
-                };
-                // One that is damaged gives what is before the damage.
-                for record in chunk.map_while(Result::ok) {
-                    self.record(record)?;
-                }
-            }
-            Record::Schema { header, data } => {
-                let schema = (header.name, header.encoding, data.into_owned());
-                self.schemas.insert(header.id, schema);
-            }
-            Record::Channel(channel) => {
-                if let std::collections::btree_map::Entry::Vacant(entry) =
-                    self.channels.entry(channel.id)
-                {
-                    let schema = self.schemas.get(&channel.schema_id);
-                    let schema = schema.map(|(name, encoding, text)| {
-                        (name.as_str(), encoding.as_str(), text.as_slice())
-                    });
-                    let id = self.log.copy_channel(&channel, schema)?;
-                    entry.insert(id);
-                }
-            }
             Record::Message { header, data } => {
-                if let Some(&id) = self.channels.get(&header.channel_id) {
+                if let Some(id) = self.channel(header.channel_id)? {
                     self.messages += 1;
                     self.end = self.end.max(header.log_time);
                     let header = MessageHeader {
@@ -141,8 +202,24 @@ impl Saved {
             Record::Attachment { header, data, .. } => {
                 self.log.attach(&header.name, &header.media_type, &data)?;
             }
+            Record::DataEnd(_) => self.in_index = true,
+            Record::Statistics(statistics) => self.said = Some(statistics.message_count),
             _ => {}
         }
         Ok(())
+    }
+
+    /// The id here of a channel of the old file, which is opened when it is wanted.
+    fn channel(&mut self, old: u16) -> Result<Option<u16>, LogError> {
+        let Entry::Vacant(entry) = self.channels.entry(old) else {
+            return Ok(self.channels.get(&old).copied());
+        };
+        let Some(channel) = self.known.channels.get(&old) else {
+            return Ok(None);
+        };
+        let schema = self.known.schemas.get(&channel.schema_id);
+        let schema = schema
+            .map(|(name, encoding, text)| (name.as_str(), encoding.as_str(), text.as_slice()));
+        Ok(Some(*entry.insert(self.log.copy_channel(channel, schema)?)))
     }
 }

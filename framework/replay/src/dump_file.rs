@@ -46,7 +46,9 @@ pub enum DumpError {
     #[error(transparent)]
     Unrecordable(#[from] RequestError),
     /// The robot's files are others by now.
-    #[error("the robot's file `{0}` is not the one in the dump")]
+    #[error(
+        "the robot's file `{0}` is not the one in the dump; give a directory where it is as it was, or where it is not"
+    )]
     OtherRobot(String),
     /// A record does not fit the configuration beside it.
     #[error("record {index}: {what}")]

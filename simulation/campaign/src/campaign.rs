@@ -190,6 +190,15 @@ impl Campaign {
             };
             let done = campaign.measured(&campaign.plan.plain(index), None);
             let done = done.map_err(|(_, why)| plain(format!("does not do: {why}")))?;
+            for measure in campaign.plan.measures() {
+                if let Some(recorded) = done.recorded.get(measure.case) {
+                    let empty = measure.empty_window(recorded);
+                    // What it cannot be measured for came before.
+                    if let Some(why) = empty.unwrap_or_default() {
+                        return Err(plain(why));
+                    }
+                }
+            }
             topics.extend(done.recorded.iter().flat_map(Columns::asked));
             let columns: Vec<Column> = done.rows.iter().map(column).collect();
             if index == 0 {

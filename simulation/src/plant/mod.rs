@@ -59,7 +59,20 @@ const FASTEST: f64 = 1e4;
 /// Whether there is no use in going on from a state: it has numbers that are not finite, or is beyond what robots do.
 /// The same for whatever engine moves them.
 pub fn has_diverged(state: &State) -> bool {
-    !state.is_finite() || state.p_WR.amax() > FARTHEST || state.v.amax() > FASTEST
+    divergence(state).is_some()
+}
+
+/// Why there is no use in going on from a state, in words.
+pub fn divergence(state: &State) -> Option<&'static str> {
+    if !state.is_finite() {
+        Some("the simulated robot's state has numbers that are not finite")
+    } else if state.p_WR.amax() > FARTHEST {
+        Some("the simulated robot's base is more than 100 m from the world's origin")
+    } else if state.v.amax() > FASTEST {
+        Some("something of the simulated robot moves faster than 10000 m/s or rad/s")
+    } else {
+        None
+    }
 }
 
 /// Tolerance of the clock, s: sums of periods are rounded.

@@ -283,6 +283,14 @@ impl Case {
             )));
         }
         let common = groups.common(index, self)?;
+        if self.ticks(common.rate) == 0 {
+            return Err(self.refuse(&format!(
+                "duration: is {} s, shorter than a control period, which is {} s",
+                self.duration,
+                1.0 / common.rate
+            )));
+        }
+        self.check_marks(text)?;
         let plant = self.make_plant(&common.robot)?;
         self.make_sensors(&plant, 0)?;
         self.check_detectors(text, groups, &common)?;
@@ -299,6 +307,30 @@ impl Case {
             known
         };
         self.check_pushes(&common.robot, &common.contacts, &known.asked)
+    }
+
+    /// The log keeps the times of a disturbance under names of their own.
+    fn check_marks(&self, text: &Text<'_>) -> Result<(), ScenarioError> {
+        for (event, span) in self.events.iter().zip(&self.places[1]) {
+            let Some(mark) = &event.mark else {
+                continue;
+            };
+            let taken = self.plant.disturbances.iter().find(|disturbance| {
+                let rest = mark.strip_prefix(disturbance.name.as_str());
+                matches!(rest, Some("_start" | "_end"))
+            });
+            if let Some(disturbance) = taken {
+                return Err(ScenarioError::Value {
+                    place: text.place(span.start),
+                    what: format!(
+                        "event `{mark}` at {} s: the log keeps a time of the disturbance `{}` under this mark; take \
+                         another one",
+                        event.at, disturbance.name
+                    ),
+                });
+            }
+        }
+        Ok(())
     }
 
     fn check_detectors(

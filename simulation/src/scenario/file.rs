@@ -34,8 +34,9 @@ pub(super) struct CaseFile {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Keys {
-    /// The scenario's name.
-    pub(super) name: String,
+    /// The scenario's name, of letters, digits, `_`, `-` and, inside, `.`: it names the folder of its runs.
+    #[schemars(with = "String")]
+    pub(super) name: Spanned<String>,
     /// The controller's file; relative paths count from this file's folder.
     pub(super) controller: PathBuf,
     /// Simulated time, s, above 0.

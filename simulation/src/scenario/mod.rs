@@ -202,10 +202,14 @@ impl Scenario {
         let text = Text::new(&source.name, &source.contents, &variation);
         let cases = text.cases(&variation)?;
         check_names(&source.name, &cases)?;
-        let name = cases
-            .first()
-            .map(|case| case.keys.name.clone())
-            .unwrap_or_default();
+        let name = match cases.first() {
+            Some(case) => {
+                let name = &case.keys.name;
+                check_name(name.get_ref(), || text.place(name.span().start))?;
+                name.get_ref().clone()
+            }
+            None => String::new(),
+        };
         let first_is_plain = cases.first().is_some_and(|case| !case.is_changed);
         let cases = cases.into_iter();
         let variation = Arc::new(variation);
@@ -291,6 +295,28 @@ fn of_case(error: ScenarioError, case: &Case, is_the_file: bool) -> ScenarioErro
     }
 }
 
+/// Of what names of files and folders are made.
+fn is_plain(c: char) -> bool {
+    c.is_ascii_alphanumeric() || c == '_' || c == '-'
+}
+
+/// A scenario's name becomes the name of a folder, which must be in the one that runs are written to.
+fn check_name(name: &str, place: impl FnOnce() -> String) -> Result<(), ScenarioError> {
+    let is_name = !name.is_empty()
+        && !name.starts_with('.')
+        && !name.ends_with('.')
+        && name.chars().all(|c| is_plain(c) || c == '.');
+    if is_name {
+        return Ok(());
+    }
+    Err(ScenarioError::Value {
+        place: place(),
+        what: format!(
+            "name `{name}` must be made of letters, digits, `_`, `-` and, inside, `.`: it names the folder of its runs"
+        ),
+    })
+}
+
 fn check_names(file: &str, cases: &[CaseFile]) -> Result<(), ScenarioError> {
     let refuse = |what: String| {
         Err(ScenarioError::Value {
@@ -307,8 +333,7 @@ fn check_names(file: &str, cases: &[CaseFile]) -> Result<(), ScenarioError> {
             return refuse(format!("case[{i}]: the name `{}` is used twice", case.name));
         }
         // The name becomes the name of a log file.
-        let plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
-        if case.name.is_empty() || !case.name.chars().all(plain) {
+        if case.name.is_empty() || !case.name.chars().all(is_plain) {
             return refuse(format!(
                 "case[{i}]: name `{}` must be made of letters, digits, `_` and `-`",
                 case.name

@@ -3,6 +3,7 @@
 use std::{
     fs::File,
     io::{BufWriter, Write, stdout},
+    num::NonZeroUsize,
     path::{Path, PathBuf},
 };
 
@@ -29,8 +30,8 @@ pub struct Arguments {
     #[arg(long, value_enum, default_value_t = Contact::Point)]
     contact: Contact,
     /// Ticks to time
-    #[arg(long, value_name = "N", default_value_t = 100_000)]
-    ticks: usize,
+    #[arg(long, value_name = "N", default_value_t = NonZeroUsize::new(100_000).unwrap_or(NonZeroUsize::MIN))]
+    ticks: NonZeroUsize,
     /// `active_set` or `clarabel` instead of what the controller's file says
     #[arg(long, value_name = "TYPE")]
     solver: Option<String>,
@@ -88,7 +89,7 @@ impl Arguments {
             self.formulation.as_deref(),
         )?;
         if self.hash {
-            writeln!(stdout(), "{}", crate::hash(&workload, self.ticks)?)?;
+            writeln!(stdout(), "{}", crate::hash(&workload, self.ticks.get())?)?;
             return Ok(());
         }
         if let Some(file) = &self.dump_problems {
@@ -101,7 +102,8 @@ impl Arguments {
         }
         let bars = ProgressBars::new(4);
         let bar = bars.start(&self.name());
-        let statistics = crate::measure(&workload, self.ticks, allocations, |p| bar.update(p))?;
+        let statistics =
+            crate::measure(&workload, self.ticks.get(), allocations, |p| bar.update(p))?;
         bar.finish();
         if self.json {
             let output = Output {

@@ -305,7 +305,7 @@ fn files_that_do_not_fit_are_refused() {
     let message = refused(&|table| table["robot"][0]["contents"] = "<robot/>".into());
     assert!(
         message.starts_with("the robot's file `")
-            && message.ends_with("is not the one in the dump"),
+            && message.contains("is not the one in the dump; give a directory"),
         "{message}"
     );
     let message = refused(&|table| table["configuration"] = "rate = 1".into());

@@ -13,11 +13,11 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use clap::Args;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use wbqp_campaign::{
-    Plan,
+    Campaign, Plan,
     table::{Description, Table},
 };
 use wbqp_measures::number;
@@ -39,8 +39,8 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// The plan's file: for what matters in the ticks of its runs, and the commands that do one again
-    #[arg(long, value_name = "PLAN", default_value = "PLAN")]
-    plan: PathBuf,
+    #[arg(long, value_name = "PLAN")]
+    plan: Option<PathBuf>,
     /// Sobol's indices as the Python package writes them: measure, factor, first-order and total index
     #[arg(long, value_name = "JSON")]
     indices: Option<PathBuf>,
@@ -76,10 +76,10 @@ impl Arguments {
             about,
             runs: lines.count(),
             findings: &findings,
-            plan: &self.plan,
+            plan: self.plan.as_deref().unwrap_or(Path::new("PLAN")),
             beside,
             indices: indices.as_ref(),
-            matters: &self.matters(about, &findings),
+            matters: &self.matters(about, &findings)?,
         };
         let page = page.markup().into_string();
         fs::write(&out, page).with_context(|| out.display().to_string())?;
@@ -88,15 +88,31 @@ impl Arguments {
     }
 
     /// What matters in the ticks of the plan's runs; or why that is not known: the page is as good without.
-    fn matters(&self, about: &Description, findings: &[Findings]) -> Result<Vec<Matters>, String> {
-        if !self.plan.exists() {
-            return Err("With --plan and the plan's file, this says which weights and gains decide what the robot does \
-                        where a run goes worst."
-                .to_owned());
+    ///
+    /// # Errors
+    /// A plan that was named and is refused, or is not the table's.
+    fn matters(
+        &self,
+        about: &Description,
+        findings: &[Findings],
+    ) -> Result<Result<Vec<Matters>, String>> {
+        let Some(plan) = &self.plan else {
+            return Ok(Err(
+                "With --plan and the plan's file, this says which weights and gains decide what the robot does where a \
+                 run goes worst."
+                    .to_owned(),
+            ));
+        };
+        let campaign = Campaign::new(Plan::from_file(plan)?)?;
+        if campaign.fingerprint() != about.fingerprint {
+            bail!(
+                "{}: the plan, or what it names, is not what the table {} was made with",
+                plan.display(),
+                self.table.display()
+            );
         }
-        let plan = Plan::from_file(&self.plan).map_err(anyhow::Error::from);
-        let found = plan.and_then(|plan| matters::of(plan, &about.fingerprint, findings));
-        found.map_err(|error| format!("Not known: {error:#}."))
+        let found = matters::of(&campaign, findings);
+        Ok(found.map_err(|error| format!("Not known: {error:#}.")))
     }
 }
 

@@ -119,6 +119,103 @@ fn a_log_that_is_cut_anywhere_is_saved_up_to_its_last_chunk() {
     assert_eq!(summary.schemas.len(), 2);
 }
 
+/// Of four seconds on two channels: 800 messages in 8 chunks.
+#[test]
+fn of_a_log_with_a_bit_of_another_value_all_but_its_chunk_is_saved() {
+    let folder = Folder::new("bits");
+    let path = folder.file("a.mcap");
+    write(&path);
+    let whole = fs::read(&path).unwrap();
+    wbqp_log::check(&whole).unwrap();
+    let all = messages(&whole);
+    let (damaged, saved) = (folder.file("damaged.mcap"), folder.file("saved.mcap"));
+    let with_bit = |bit: usize| {
+        let mut bytes = whole.clone();
+        bytes[bit / 8] ^= 1 << (bit % 8);
+        bytes
+    };
+    for bit in (64..8 * whole.len()).step_by(7) {
+        assert!(wbqp_log::check(&with_bit(bit)).is_err(), "bit {bit}");
+    }
+    for bit in (64..8 * whole.len()).step_by(1009) {
+        let bytes = with_bit(bit);
+        fs::write(&damaged, &bytes).unwrap();
+        let found = repair(&damaged, &saved).unwrap();
+        assert!(!found.was_whole, "bit {bit}: {found:?}");
+        let left = messages(&fs::read(&saved).unwrap());
+        assert_eq!(found.messages as usize, left.len());
+        assert!(left.len() >= 700, "bit {bit}: {found:?}");
+        // What is saved is what was written, in its order.
+        let mut written = all.iter();
+        assert!(
+            left.iter().all(|m| written.any(|w| w == m)),
+            "bit {bit}: {found:?}"
+        );
+        if let Some(lost) = found.messages_lost {
+            assert_eq!(lost as usize, 800 - left.len(), "bit {bit}");
+        }
+        if left.len() < 800 {
+            let damage = found.damage.expect("is known");
+            assert!(damage.at <= bit as u64 / 8 && !found.is_index_alone);
+        }
+        fs::remove_file(&saved).unwrap();
+    }
+}
+
+fn record(kind: u8, body: &[u8]) -> Vec<u8> {
+    let mut bytes = vec![kind];
+    bytes.extend((body.len() as u64).to_le_bytes());
+    bytes.extend(body);
+    bytes
+}
+
+/// A chunk without compression and checksum, which says to be so long.
+fn chunk(records: &[u8], length: u64) -> Vec<u8> {
+    let mut body = vec![0; 16];
+    body.extend(length.to_le_bytes());
+    body.extend([0; 8]);
+    body.extend((records.len() as u64).to_le_bytes());
+    body.extend(records);
+    record(6, &body)
+}
+
+#[test]
+fn lengths_that_nothing_can_have_are_damage_and_no_panic() {
+    let folder = Folder::new("lengths");
+    let (path, to) = (folder.file("a.mcap"), folder.file("b.mcap"));
+    let begin = [b"\x89MCAP0\r\n".as_slice(), &record(1, &[0; 8])].concat();
+    let endless = [[5].as_slice(), &[0xff; 8], b"xx"].concat();
+    // A text of 4 GB, and attachments without what they are made of.
+    let text = [[0, 0].as_slice(), &u32::MAX.to_le_bytes(), b"s"].concat();
+    for (what, bad) in [
+        ("a record", endless.clone()),
+        ("a record in a chunk", chunk(&endless, endless.len() as u64)),
+        ("a chunk", chunk(b"", 1 << 62)),
+        ("a schema", record(3, &text)),
+        ("an attachment", record(9, b"ab")),
+        ("an attachment's text", record(9, &[0xff; 40])),
+    ] {
+        let good = chunk(&record(5, &[0; 22]), 31);
+        fs::write(&path, [begin.as_slice(), &bad, &good].concat()).unwrap();
+        let found = repair(&path, &to).unwrap();
+        let at = found.damage.as_ref().map(|damage| damage.at);
+        assert_eq!(at, Some(begin.len() as u64), "{what}: {found:?}");
+        assert!(!found.was_whole && !found.is_index_alone, "{what}");
+        fs::remove_file(&to).unwrap();
+    }
+}
+
+/// Each has a checksum of all that is before it.
+#[test]
+fn ends_of_the_data_again_and_again_take_no_time() {
+    let ends = record(15, &[1; 4]).repeat(500_000);
+    let bytes = [b"\x89MCAP0\r\n".as_slice(), &ends].concat();
+    let folder = Folder::new("ends");
+    let (path, to) = (folder.file("a.mcap"), folder.file("b.mcap"));
+    fs::write(&path, bytes).unwrap();
+    assert_eq!(repair(&path, &to).unwrap().damages, 500_000);
+}
+
 #[test]
 fn what_is_no_log_is_not_repaired_and_nothing_is_written_over() {
     let folder = Folder::new("no_log");

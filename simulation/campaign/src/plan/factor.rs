@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use toml::{Table, Value};
+use wbqp::suggestion::suggestion;
 use wbqp_sim::{ScenarioError, scenario::Case};
 
 use super::{
@@ -90,12 +91,16 @@ impl Factor {
 
     fn is_written_over(&self, nominal: &Nominal, path: &Path) -> Result<Value, String> {
         nominal.value(&path.key).ok_or_else(|| {
-            format!(
-                "factor `{}`: the scenario has no value at `{}` to {}; give the factor's `value`",
+            let begin = format!(
+                "factor `{}`: the scenario has no value at `{}` to {}",
                 self.name,
                 path.key,
                 self.relation(),
-            )
+            );
+            match nominal.meant(&path.key) {
+                Some(hint) => format!("{begin}: {hint}"),
+                None => format!("{begin}; give the factor's `value`"),
+            }
         })
     }
 
@@ -252,6 +257,35 @@ impl Nominal {
         Some(value.clone())
     }
 
+    /// What a key that there is not may be meant for, in words: the first of its names that is not there, if there is
+    /// one much like it.
+    fn meant(&self, key: &str) -> Option<String> {
+        let (side, path) = key.split_once('.')?;
+        let mut value = &Value::Table(match side {
+            "change" => self.scenario.clone(),
+            _ => self.controller.clone(),
+        });
+        for name in path.split('.') {
+            let (known, inner): (Vec<&str>, _) = match value {
+                Value::Table(table) => {
+                    (table.keys().map(String::as_str).collect(), table.get(name))
+                }
+                Value::Array(entries) => (
+                    entries.iter().filter_map(called).collect(),
+                    entries.iter().find(|entry| is_called(entry, name)),
+                ),
+                _ => return None,
+            };
+            let Some(inner) = inner else {
+                let hint = suggestion(name, &known);
+                let is_near = hint.contains("did you mean");
+                return is_near.then(|| format!("there is no `{name}`{hint}"));
+            };
+            value = inner;
+        }
+        None
+    }
+
     /// What a point changes in the case: lines of TOML, as in a case of the scenario's file.
     pub(crate) fn changes(
         &self,
@@ -273,9 +307,12 @@ impl Nominal {
     }
 }
 
-/// Whether an entry of a list has a name: the keys by which lists of scenarios and controllers name their entries.
-fn is_called(entry: &Value, name: &str) -> bool {
+/// The name of an entry of a list: the keys by which lists of scenarios and controllers name their entries.
+fn called(entry: &Value) -> Option<&str> {
     let keys = ["name", "mark", "frame", "contact"];
-    let given = keys.iter().find_map(|key| entry.get(*key)?.as_str());
-    given == Some(name)
+    keys.iter().find_map(|key| entry.get(*key)?.as_str())
+}
+
+fn is_called(entry: &Value, name: &str) -> bool {
+    called(entry) == Some(name)
 }

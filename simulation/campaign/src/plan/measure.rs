@@ -172,6 +172,24 @@ impl Measure {
         Ok(Row::judged(&self.name, what, None, value, tolerance, holds))
     }
 
+    /// Why a run that has all topics and marks has nothing to be measured: its window is empty.
+    ///
+    /// # Errors
+    /// [`MeasureError`] if the run lacks a topic or a mark.
+    pub(crate) fn empty_window(&self, run: &dyn Recording) -> Result<Option<String>, MeasureError> {
+        if self.series(run)?.samples().next().is_some() {
+            return Ok(None);
+        }
+        let time = |time: &Option<Compiled>| time.as_ref().map(|t| t.time(run)).transpose();
+        let from = time(&self.from)?.unwrap_or(0.0);
+        let until = time(&self.until)?.unwrap_or(run.end());
+        Ok(Some(format!(
+            "has nothing in the window of measure `{}`: from {from} s until {until} s, of a run of {} s",
+            self.name,
+            run.end()
+        )))
+    }
+
     /// Which case of a variant it is of, by position.
     pub fn case(&self) -> usize {
         self.case

@@ -36,7 +36,15 @@ fn what_is_unknown_empty_or_not_there_is_named_with_its_place() {
         ),
         (
             with("").replace("mass_scale", "mass_scal"),
-            "the scenario has no value at",
+            "did you mean `mass_scale`",
+        ),
+        (
+            with("").replace("mismatch.mass_scale", "nothing_like_it"),
+            "give the factor's `value`",
+        ),
+        (
+            with("").replace("unit = \"m\"", "until = \"push_start - 5\""),
+            "has nothing in the window of measure `drop`",
         ),
         (
             with("").replace("change.plant", "plant"),

@@ -11,7 +11,7 @@ use std::{
 use mcap::{McapError, MessageStream, read::LinearReader, records::Record};
 use serde_json::Value;
 use wbqp::input;
-use wbqp_log::Timeline;
+use wbqp_log::{Damage, Timeline};
 
 use crate::{MeasureError, Recording, RotorLimits, Series, Signals, escaped, header::Header};
 
@@ -44,13 +44,16 @@ pub enum ReadError {
     /// The file is not an MCAP file, or damaged.
     #[error("not a complete MCAP file: {0}")]
     Mcap(#[from] McapError),
+    /// The file is cut, or not what was written.
+    #[error("not a complete MCAP file: {0}; `wbqp log repair` saves what is intact")]
+    Damaged(#[from] Damage),
 }
 
 impl Log {
     /// Reads a file.
     ///
     /// # Errors
-    /// [`ReadError::File`] or [`ReadError::Mcap`].
+    /// [`ReadError::File`], [`ReadError::Damaged`] or [`ReadError::Mcap`].
     pub fn open(path: &Path) -> Result<Self, ReadError> {
         Self::from_bytes(&read(path)?)
     }
@@ -58,10 +61,12 @@ impl Log {
     /// Reads metadata and attachments of a file, not its messages.
     ///
     /// # Errors
-    /// [`ReadError::File`] or [`ReadError::Mcap`].
+    /// [`ReadError::File`], [`ReadError::Damaged`] or [`ReadError::Mcap`].
     pub fn open_header(path: &Path) -> Result<Self, ReadError> {
+        let bytes = read(path)?;
+        wbqp_log::check(&bytes)?;
         Ok(Self {
-            header: header(&read(path)?)?,
+            header: header(&bytes)?,
             ..Self::default()
         })
     }
@@ -69,8 +74,9 @@ impl Log {
     /// Reads the contents of an MCAP file.
     ///
     /// # Errors
-    /// [`ReadError::Mcap`].
+    /// [`ReadError::Damaged`] or [`ReadError::Mcap`].
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, ReadError> {
+        wbqp_log::check(bytes)?;
         let mut topics: BTreeMap<String, Messages> = BTreeMap::new();
         let mut schemas = BTreeMap::new();
         for message in MessageStream::new(bytes)? {

@@ -95,6 +95,6 @@ fn a_log_that_lacks_something_says_what() {
     assert_eq!((gap.len(), gap.mean()), (2500, None));
     assert!(matches!(
         Log::from_bytes(b"not a log"),
-        Err(ReadError::Mcap(_))
+        Err(ReadError::Damaged(_))
     ));
 }

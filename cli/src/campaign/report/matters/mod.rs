@@ -7,8 +7,8 @@ mod follow;
 mod markup;
 mod moments;
 
-use anyhow::{Context, Result, bail};
-use wbqp_campaign::{Campaign, Plan, Run};
+use anyhow::{Context, Result};
+use wbqp_campaign::{Campaign, Run};
 use wbqp_measures::Columns;
 use wbqp_sim::{RunOptions, Scenario, run_case, scenario::Case};
 
@@ -56,15 +56,11 @@ struct Line {
 /// Of every variant: the scenario as it is, and the worst of the table's runs that reached its end.
 ///
 /// # Errors
-/// A plan that is refused, or that is not the table's; a run that cannot be done.
-pub(super) fn of(plan: Plan, fingerprint: &str, findings: &[Findings]) -> Result<Vec<Matters>> {
-    let campaign = Campaign::new(plan)?;
-    if campaign.fingerprint() != fingerprint {
-        bail!("the plan, or what it names, is not what the table was made with");
-    }
+/// A run that cannot be done.
+pub(super) fn of(campaign: &Campaign, findings: &[Findings]) -> Result<Vec<Matters>> {
     let mut all = Vec::new();
     for (variant, found) in findings.iter().enumerate() {
-        all.extend(of_run(&campaign, &campaign.plan().plain(variant), None)?);
+        all.extend(of_run(campaign, &campaign.plan().plain(variant), None)?);
         let Some(worst) = found.worst_completed else {
             continue;
         };
@@ -73,7 +69,7 @@ pub(super) fn of(plan: Plan, fingerprint: &str, findings: &[Findings]) -> Result
         let run = runs
             .first()
             .context("the plan does not have the worst run")?;
-        all.extend(of_run(&campaign, run, Some(worst))?);
+        all.extend(of_run(campaign, run, Some(worst))?);
     }
     Ok(all)
 }

@@ -1,0 +1,99 @@
+//! What a run that went to its end should be looked at for: nobody asked for a robot that lies on the ground.
+
+use anyhow::Result;
+use wbqp::{
+    Controller,
+    dynamics::{Data, frame_motion},
+    model::Base,
+    nalgebra::{Quaternion, UnitQuaternion, Vector3},
+};
+use wbqp_measures::log::Log;
+use wbqp_sim::Summary;
+
+use super::{summary::TaskSummary, traces::columns};
+use crate::text::{number, per_cent, quantity};
+
+/// Nobody asks a robot to end further from where it should be than this share of its size …
+const LOST: f64 = 0.5;
+/// … or, where it is large, than this, m.
+const LOST_AT_MOST: f64 = 1.0;
+/// A base that leans by more than this, rad, from how it stood at the beginning, lies rather than stands.
+const FALLEN: f64 = 1.0;
+/// A controller that had no optimum in more than this share of its ticks was busy with something else.
+const OFTEN: f64 = 0.5;
+
+/// A sentence for everything.
+///
+/// # Errors
+/// A log that cannot be read.
+pub(super) fn of(
+    run: &Summary,
+    log: &Log,
+    controller: &Controller,
+    tasks: &[TaskSummary],
+) -> Result<Vec<String>> {
+    let mut words = Vec::new();
+    let lost = (LOST * size(controller)).min(LOST_AT_MOST);
+    for task in tasks {
+        if task.unit == "m" && task.end.is_some_and(|end| end > lost) {
+            words.push(format!(
+                "`{}` ended {} from its reference",
+                task.name,
+                quantity(task.end, &task.unit)
+            ));
+        }
+    }
+    let leans = match controller.robot().model.base() {
+        Base::Floating => lean(log)?,
+        Base::Fixed => None,
+    };
+    if let Some(angle) = leans.filter(|angle| *angle > FALLEN) {
+        words.push(format!(
+            "the base ended leaning by {} rad from how it began: has the robot fallen?",
+            number(angle)
+        ));
+    }
+    let share = run.held as f64 / run.ticks.max(1) as f64;
+    if share > OFTEN {
+        words.push(format!(
+            "{} of the ticks had no optimum",
+            per_cent(Some(share))
+        ));
+    }
+    Ok(words)
+}
+
+/// The diagonal of the box around all frames at home, m.
+fn size(controller: &Controller) -> f64 {
+    let robot = controller.robot();
+    let mut data = Data::new(&robot.model);
+    data.update(&robot.model, &robot.home);
+    let frames = robot.model.frames().iter();
+    let places = frames.filter_map(|frame| {
+        let id = robot.model.frame(&frame.name)?;
+        Some(frame_motion(&robot.model, &data, id).p_WF)
+    });
+    let (mut least, mut largest) = (robot.home.p_WR, robot.home.p_WR);
+    for place in places {
+        least = least.inf(&place);
+        largest = largest.sup(&place);
+    }
+    (largest - least).norm()
+}
+
+/// The angle between the base's z axis at the beginning and at the end, rad.
+fn lean(log: &Log) -> Result<Option<f64>> {
+    let parts = ["w", "x", "y", "z"].map(|part| format!("/base/orientation/{part}"));
+    let columns = columns(log, "/plant", &parts)?;
+    let [w, x, y, z] = columns.as_slice() else {
+        return Ok(None);
+    };
+    let up = |k: usize| {
+        let part = |c: &wbqp_measures::Series| c.y.get(k).copied();
+        let q = Quaternion::new(part(w)?, part(x)?, part(y)?, part(z)?);
+        Some(UnitQuaternion::try_new(q, 0.5)? * Vector3::z())
+    };
+    let last = w.len().checked_sub(1);
+    let ends = up(0).zip(last.and_then(up));
+    Ok(ends.map(|(first, last)| first.angle(&last)))
+}
