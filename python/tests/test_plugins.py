@@ -458,7 +458,7 @@ def test_what_a_configuration_cannot_say_is_refused() -> None:
 
 
 def test_tracebacks_belong_to_the_tick_in_which_they_were_raised() -> None:
-    inner = wbqp.Controller(rate=500.0, robot=wbqp.robots.Quadruped(), tasks=[wbqp.tasks.Posture(kp=30.0)])
+    inner = wbqp.Controller(rate=500.0, robot=wbqp.robots.Othex(), tasks=[wbqp.tasks.Posture(kp=30.0)])
 
     @wbqp.task("test.nested")
     class Nested:
@@ -473,7 +473,7 @@ def test_tracebacks_belong_to_the_tick_in_which_they_were_raised() -> None:
             raise ValueError("its own")
 
     outer = wbqp.Controller(
-        rate=500.0, robot=wbqp.robots.Quadruped(), tasks=[wbqp.tasks.Posture(kp=30.0), wbqp.entry(Nested(), weight=1.0)]
+        rate=500.0, robot=wbqp.robots.Othex(), tasks=[wbqp.tasks.Posture(kp=30.0), wbqp.entry(Nested(), weight=1.0)]
     )
     _, report = outer.tick(outer.measurement())
     assert report.traceback is not None and "its own" in report.traceback
