@@ -152,7 +152,7 @@ fn a_robot_that_lies_on_the_ground_is_told() {
     let folder = out.0.display().to_string();
     let mut arguments = vec!["run", QUADRUPED, "--out", &folder];
     for change in [
-        "change.duration=0.8",
+        "change.duration=0.75",
         "change.event=[]",
         "change.plant.disturbance=[{name=\"kick\",frame=\"trunk\",force=[0.0,30.0,0.0],from=0.1,until=0.3}]",
     ] {

@@ -485,7 +485,6 @@ type = "nothing"
             "x.toml:7:1: constraint[0] `é` (test.limit): unknown key `uppr`; did you mean `upper`? \
              (known: active, hardness, name, transition, type, upper, weight)",
             "x.toml:10:8: robot (test.robot): file: invalid type: integer `1`, expected a string",
-            "x.toml:11:1: task[0] `é` (nothing): key `weight` is missing",
             "x.toml:13:8: task[0] `é` (nothing): unknown task type `nothing`; is its crate linked? \
              `use my_plugins as _;` (known: test.follow, test.hold, test.many)",
         ]
