@@ -295,8 +295,8 @@ impl Model {
     /// The same tree with another named frame, at `X_FG` in the frame F that is there already.
     ///
     /// # Errors
-    /// [`ModelError::Duplicate`] if a frame has that name; [`ModelError::Topology`] if F is not there, or a number is not
-    /// finite.
+    /// [`ModelError::Duplicate`] if a frame has that name; [`ModelError::Topology`] if F is not there, or a number is
+    /// not finite.
     #[allow(non_snake_case)]
     pub fn with_frame(
         mut self,
