@@ -97,3 +97,24 @@ fn kinds_without_any_plug_in_say_how_to_link_one() {
         assert!(text.contains(line), "{text}");
     }
 }
+
+#[test]
+fn what_is_defined_anew_is_described_anew() {
+    use wbqp::{plugin::AnyReference, registry::Plugin, schemars::json_schema};
+    let mut plugin = Plugin::<dyn AnyReference> {
+        tag: "test.anew",
+        origin: "a cell of a notebook",
+        definition: Some("notebook.Anew"),
+        schema: &|| json_schema!({ "type": "object", "properties": { "old": {} } }),
+        load: &|_| Ok(Box::new(First {})),
+    };
+    let keys = || {
+        let plugin = registry::find::<dyn AnyReference>("test.anew").expect("was added");
+        plugin.described().as_value()["properties"].to_string()
+    };
+    registry::add(Plugin { ..plugin }).expect("is new");
+    assert_eq!(keys(), "{\"old\":{}}");
+    plugin.schema = &|| json_schema!({ "type": "object", "properties": { "new": {} } });
+    registry::add(plugin).expect("has the same definition");
+    assert_eq!(keys(), "{\"new\":{}}");
+}

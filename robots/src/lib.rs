@@ -22,10 +22,12 @@
 //! * [`visuals`]: what a robot looks like, for programs that draw it
 //! * [`Options`]: what neither file says: floating or fixed, servoed joints, home posture
 
+mod direction;
 mod library;
 mod options;
 mod plugins;
 pub mod rotors;
+mod size;
 mod source;
 mod srdf;
 pub mod tree;

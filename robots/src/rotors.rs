@@ -38,7 +38,7 @@ use wbqp::{
     suggestion::suggestion,
 };
 
-use crate::source::Source;
+use crate::{direction::direction, source::Source};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -268,10 +268,7 @@ impl Checker<'_> {
             .axis
             .as_ref()
             .map_or(Vector3::z(), |a| Vector3::from(*a.get_ref()));
-        let direction = axis
-            .try_normalize(1e-9)
-            .filter(|a| a.iter().all(|x| x.is_finite()));
-        let Some(direction) = direction else {
+        let Some(thrust) = direction(axis) else {
             let at = entry.axis.as_ref().map_or(self.offset, |a| a.span().start);
             return self.source.refuse(
                 at,
@@ -283,7 +280,7 @@ impl Checker<'_> {
         let half_turn =
             || UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
         let rotation =
-            UnitQuaternion::rotation_between(&Vector3::z(), &direction).unwrap_or_else(half_turn);
+            UnitQuaternion::rotation_between(&Vector3::z(), &thrust).unwrap_or_else(half_turn);
         let pose = Isometry3::from_parts(Translation3::from(position), rotation);
         let name = entry.name.get_ref();
         model.with_frame(name, frame, &pose).or_else(|_| {

@@ -33,13 +33,13 @@ use wbqp::{
     actuator::{Actuator, ActuatorKind, Drive, JointMotor, Reaction, Rotor},
     dynamics::Data,
     model::{Base, BodyId, Inertia, Joint, JointKind, JointLimits, Model, ModelBuilder},
-    nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, Unit, UnitQuaternion, Vector3},
+    nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, UnitQuaternion, Vector3},
     robot::{Robot, RobotError, RobotModel},
     state::State,
     suggestion::suggestion,
 };
 
-use crate::BaseKind;
+use crate::{BaseKind, direction::direction, size};
 
 /// A robot as plain data, for programs that read other formats: bodies, joints, frames, motors and rotors.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -79,10 +79,10 @@ pub struct TreeBody {
     /// The body that carries it; nothing for the base.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub parent: Option<String>,
-    /// Where its frame is in its parent with the joint at zero, m.
+    /// Where its frame is in its parent with the joint at zero, m; not of the base.
     #[serde(default)]
     pub position: [f64; 3],
-    /// Orientation of its frame in its parent with the joint at zero, w-x-y-z.
+    /// Orientation of its frame in its parent with the joint at zero, w-x-y-z; not of the base.
     #[serde(default = "identity")]
     pub quaternion: [f64; 4],
     /// kg.
@@ -209,7 +209,7 @@ pub struct TreeMotor {
     pub name: String,
     /// The joint that it drives.
     pub joint: String,
-    /// Least and largest effort, N·m or N.
+    /// Least and largest effort, N·m or N, as far as the joint's `effort` allows.
     #[serde(default = "unlimited")]
     pub limits: [f64; 2],
     /// `"torque"`, or `"velocity"` for a joint with a velocity servo.
@@ -276,6 +276,7 @@ fn lags() -> [f64; 2] {
 impl Robot for Tree {
     fn load(&self, _: &Path) -> Result<RobotModel, RobotError> {
         let model = self.model()?;
+        size::check(&model).map_err(|what| self.refuse("body", what))?;
         let home = self.home_of(&model)?;
         let mut data = Data::new(&model);
         data.update(&model, &home);
@@ -314,6 +315,11 @@ impl Tree {
         };
         if first.joint.is_some() || first.parent.is_some() {
             let what = "is the first: the base has neither `parent` nor `joint`";
+            return Err(self.refuse(&format!("body `{}`", first.name), what));
+        }
+        if first.position != [0.0; 3] || first.quaternion != identity() {
+            let what = "is the base, which hangs on nothing: it has neither `position` nor `quaternion`; say in \
+                        `home` where it is";
             return Err(self.refuse(&format!("body `{}`", first.name), what));
         }
         let base = match self.base {
@@ -396,9 +402,7 @@ impl Tree {
     }
 
     fn joint(&self, joint: &TreeJoint, X_PJ: Isometry3<f64>) -> Result<Joint, RobotError> {
-        let axis = Unit::try_new(Vector3::from(joint.axis), 1e-9)
-            .filter(|axis| axis.iter().all(|x| x.is_finite()));
-        let axis = axis.ok_or_else(|| {
+        let axis = direction(Vector3::from(joint.axis)).ok_or_else(|| {
             let what = "`axis` needs finite numbers and a direction";
             self.refuse(&format!("joint `{}`", joint.name), what)
         })?;
@@ -499,7 +503,20 @@ impl Tree {
                 let what = Self::unknown_joint(model, &motor.joint);
                 return Err(self.refuse(&format!("motor `{}`", motor.name), what));
             };
+            let effort = model.joints()[joint.index()].limits.effort;
             let [lower, upper] = motor.limits;
+            // What is not a number stays so, and is refused later.
+            let lower = if lower < -effort { -effort } else { lower };
+            let upper = if upper > effort { effort } else { upper };
+            if lower > upper {
+                let [from, to] = motor.limits;
+                let what = format!(
+                    "`limits` are {from} to {to}, and joint `{}` bears {effort} either way: there is nothing that it \
+                     could do; correct `limits`, or the joint's `effort`",
+                    motor.joint
+                );
+                return Err(self.refuse(&format!("motor `{}`", motor.name), what));
+            }
             actuators.push(Actuator {
                 name: motor.name.clone(),
                 kind: ActuatorKind::Joint(JointMotor {

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::{
     ConfigError, ConfigErrorKind, ConfigErrors, ControllerConfig, Keeping, origin::Origin,
+    report::MOST,
 };
 use crate::controller::{Bound, Controller, MadeFrom, Memory, Misfit, Parts};
 use wbqp_robot_model::{RobotError, RobotModel};
@@ -21,14 +22,27 @@ impl ControllerConfig {
                 RobotError::Several { errors } => errors,
                 one => vec![one],
             };
-            let tag = self.robot.typetag_name();
-            let of_robot = |error: &RobotError| ConfigError {
+            let subject = format!("robot ({})", self.robot.typetag_name());
+            let (told, rest) = errors.split_at(errors.len().min(MOST));
+            let of_robot = |place, message| ConfigError {
                 kind: ConfigErrorKind::Robot,
-                place: origin.robot_place(error),
-                subject: format!("robot ({tag})"),
-                message: error.to_string(),
+                place,
+                subject: subject.clone(),
+                message,
             };
-            ConfigErrors::new(errors.iter().map(of_robot).collect())
+            let places = origin.robot_places(told).into_iter();
+            let told = places
+                .zip(told)
+                .map(|(place, error)| of_robot(place, error.to_string()));
+            let mut told: Vec<ConfigError> = told.collect();
+            if !rest.is_empty() {
+                let place = told.last().and_then(|error| error.place.clone());
+                told.push(of_robot(
+                    place,
+                    format!("{} more errors are not told", rest.len()),
+                ));
+            }
+            ConfigErrors::new(told)
         })
     }
 

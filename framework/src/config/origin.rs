@@ -3,6 +3,8 @@
 //! Plug-ins are bound long after the text was read. If one is refused, the text is read once more, and the entry and
 //! its key are looked up in it: nothing has to be kept for the case that all is well.
 
+use std::collections::HashMap;
+
 use toml::{
     Spanned,
     de::{DeTable, DeValue},
@@ -56,27 +58,28 @@ impl Origin {
         })
     }
 
-    /// Where in `[robot]` the cause of an error is: the option, or the name of the file.
-    pub(crate) fn robot_place(&self, error: &RobotError) -> Option<SourceLocation> {
-        let source = self.source.as_ref()?;
-        let errors = self.with_document(source, |document, report| {
-            let Ok(section) = document.target(&Target::Robot, &Directory::default()) else {
-                return;
-            };
-            let path = match error {
-                RobotError::Option { option, .. } => find(&section.keys, &|key, _| key == option),
-                RobotError::Read { file, .. } | RobotError::Model { file, .. } => {
-                    find(&section.keys, &|_, value| is_end_of(file, value))
+    /// Where in `[robot]` the cause of each error is: the option, or the name of the file. The text is read once for
+    /// all of them.
+    pub(crate) fn robot_places(&self, errors: &[RobotError]) -> Vec<Option<SourceLocation>> {
+        let mut places = Vec::with_capacity(errors.len());
+        if let Some(source) = &self.source {
+            self.with_document(source, |document, report| {
+                let Ok(section) = document.target(&Target::Robot, &Directory::default()) else {
+                    return;
+                };
+                // Thousands of errors of one file have one place.
+                let mut found: HashMap<Cause<'_>, SourceLocation> = HashMap::new();
+                for error in errors {
+                    let place = found.entry(Cause::of(error)).or_insert_with_key(|cause| {
+                        let path = find(&section.keys, &|key, value| cause.is_it(key, value));
+                        report.place(&span_of(section, &path.unwrap_or_default()))
+                    });
+                    places.push(Some(place.clone()));
                 }
-                RobotError::Syntax { place, .. } | RobotError::Element { place, .. } => {
-                    find(&section.keys, &|_, value| is_end_of(&place.file, value))
-                }
-                _ => None,
-            };
-            let span = span_of(section, &path.unwrap_or_default());
-            report.add(Kind::Misfit, Some(span), &At::default(), "");
-        });
-        errors.iter().next()?.place.clone()
+            });
+        }
+        places.resize(errors.len(), None);
+        places
     }
 
     fn with_document(
@@ -104,6 +107,36 @@ impl Origin {
             .finish()
             .err()
             .unwrap_or_else(|| ConfigErrors::new(Vec::new()))
+    }
+}
+
+/// What in `[robot]` an error of the robot is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum Cause<'e> {
+    Option(&'e str),
+    File(&'e str),
+    Other,
+}
+
+impl<'e> Cause<'e> {
+    fn of(error: &'e RobotError) -> Self {
+        match error {
+            RobotError::Option { option, .. } => Self::Option(option),
+            RobotError::Read { file, .. } | RobotError::Model { file, .. } => Self::File(file),
+            RobotError::Syntax { place, .. } | RobotError::Element { place, .. } => {
+                Self::File(&place.file)
+            }
+            _ => Self::Other,
+        }
+    }
+
+    /// Whether it is about a key, or about a key's value if that is a string.
+    fn is_it(&self, key: &str, value: Option<&str>) -> bool {
+        match self {
+            Self::Option(option) => key == *option,
+            Self::File(file) => is_end_of(file, value),
+            Self::Other => false,
+        }
     }
 }
 

@@ -9,7 +9,11 @@ use wbqp_robot_model::SourceLocation;
 const SYNTAX_ERRORS: usize = 3;
 
 /// Errors that are told of a file: nobody reads more, and each takes memory.
-const MOST: usize = 10_000;
+pub(super) const MOST: usize = 10_000;
+
+/// Values that are read again for the sake of bad ones, over all tables of a file: each bad one has its table read once
+/// more, which would take time with the square of what there is.
+const READ_AGAIN: usize = 1 << 24;
 
 /// Bytes of the text that is read: the file, and behind its end the values of the overrides.
 pub(super) type Span = Range<usize>;
@@ -145,6 +149,8 @@ pub(super) struct Report<'a> {
     problems: Vec<Problem>,
     /// Problems beyond those that are told.
     untold: usize,
+    /// Values that may still be read again.
+    left: usize,
 }
 
 impl<'a> Report<'a> {
@@ -157,6 +163,7 @@ impl<'a> Report<'a> {
             sections: Vec::new(),
             problems: Vec::new(),
             untold: 0,
+            left: READ_AGAIN,
         }
     }
 
@@ -188,6 +195,13 @@ impl<'a> Report<'a> {
     /// Number of problems so far: tells whether a step found any.
     pub(super) fn len(&self) -> usize {
         self.problems.len() + self.untold
+    }
+
+    /// Whether a table with that many values may be read again: there is room for what is wrong with it, and time.
+    pub(super) fn may_read_again(&mut self, values: usize) -> bool {
+        let left = self.left.checked_sub(values);
+        self.left = left.unwrap_or(0);
+        left.is_some() && self.problems.len() < MOST
     }
 
     pub(super) fn place(&self, span: &Span) -> SourceLocation {

@@ -6,7 +6,7 @@
 use serde_json::Value;
 use toml::{
     Spanned,
-    de::{DeTable, DeValue, ValueDeserializer},
+    de::{DeArray, DeTable, DeValue, ValueDeserializer},
 };
 
 use super::{
@@ -174,24 +174,51 @@ pub(super) fn read<'t, T>(
     let Section { span, keys } = &mut section;
     inspection.table(Node::root(schema), span, keys, other_keys, &mut Vec::new());
     let mut damaged = inspection.damaged;
+    let mut original = None;
     loop {
         let error = match load(section.to_deserializer()) {
             Ok(value) => return (report.len() == before).then_some(value),
             Err(error) => error,
         };
+        // Elements of lists are counted as the file has them.
+        let original: &(DeTable<'_>, usize) =
+            original.get_or_insert_with(|| (section.keys.clone(), values(&section.keys)));
+        let (written, size) = original;
         // What is about the table as a whole is about none of its keys, also of those that have no place of their own.
-        let path = error
-            .span()
-            .filter(|span| *span != section.span)
-            .and_then(|span| locate(&section.keys, &span))
-            .unwrap_or_default();
+        let inner = error.span().filter(|span| *span != section.span);
+        let located = |keys: &DeTable<'_>| {
+            let path = inner.as_ref().and_then(|span| locate(keys, span));
+            path.unwrap_or_default()
+        };
+        let path = located(written);
         // A table that lost a key complains about that: said already.
         if !damaged.contains(&path) {
             let span = error.span().unwrap_or_else(|| section.span.clone());
             let message = in_words(error.message());
             report.add(Kind::Value, Some(span), &at.then(&path), message);
         }
-        damaged.push(remove(&mut section.keys, &path)?);
+        let here = located(&section.keys);
+        let depth = remove(&mut section.keys, &here)?;
+        damaged.push(path.get(..depth)?.to_vec());
+        if !report.may_read_again(*size) {
+            let message =
+                "what else may be wrong here is not looked for; correct what is told first";
+            report.add(Kind::Value, Some(section.span), at, message);
+            return None;
+        }
+    }
+}
+
+/// How many values a table has, with all that is in them.
+fn values(table: &DeTable<'_>) -> usize {
+    table.values().map(values_in).sum()
+}
+
+fn values_in(value: &Spanned<DeValue<'_>>) -> usize {
+    1 + match value.get_ref() {
+        DeValue::Table(table) => values(table),
+        DeValue::Array(elements) => elements.iter().map(values_in).sum(),
+        _ => 0,
     }
 }
 
@@ -378,15 +405,26 @@ fn contains(outer: &Span, inner: &Span) -> bool {
     outer.start <= inner.start && inner.end <= outer.end
 }
 
-/// Takes out the last key of a path, and gives the path of the table that had it.
-fn remove(table: &mut DeTable<'_>, path: &[Step]) -> Option<Vec<Step>> {
+/// Takes out what a path leads to: an element of a list if that is a table, else the last key of the path. Gives the
+/// number of steps to what lost it.
+fn remove(table: &mut DeTable<'_>, path: &[Step]) -> Option<usize> {
     let last = path.iter().rposition(|step| matches!(step, Step::Key(_)))?;
     let (parent, rest) = path.split_at(last);
     let Some(Step::Key(key)) = rest.first() else {
         return None;
     };
-    descend(table, parent)?.remove(key.as_str())?;
-    Some(parent.to_vec())
+    let parent = descend(table, parent)?;
+    if let [_, Step::Index(index)] = rest
+        && let DeValue::Array(elements) = parent.get_mut(key.as_str())?.get_mut()
+        && let Some(DeValue::Table(_)) = elements.get(*index).map(Spanned::get_ref)
+    {
+        let all = std::mem::replace(elements, DeArray::new());
+        let others = all.into_iter().enumerate().filter(|(at, _)| at != index);
+        *elements = others.map(|(_, element)| element).collect();
+        return Some(last + 1);
+    }
+    parent.remove(key.as_str())?;
+    Some(last)
 }
 
 fn descend<'a, 't>(table: &'a mut DeTable<'t>, path: &[Step]) -> Option<&'a mut DeTable<'t>> {

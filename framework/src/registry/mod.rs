@@ -116,12 +116,11 @@ impl<P: ?Sized> fmt::Debug for Plugin<P> {
 impl<P: ?Sized + 'static> Plugin<P> {
     /// The JSON Schema of the plug-in's own keys, made when it is first asked for: a file may name a plug-in ten
     /// thousand times.
-    pub fn described(&self) -> &'static Schema {
-        // A plug-in is a constant, which can hold no memory of its own. Made once each, for as long as the program.
-        static MADE: RwLock<BTreeMap<(&str, &str, usize), &Schema>> = RwLock::new(BTreeMap::new());
-        // One that replaces another may have its tag and its place; what makes its schema is its own.
-        let maker = std::ptr::from_ref(self.schema).cast::<()>().addr();
-        let key = (self.tag, self.origin, maker);
+    pub fn described(&'static self) -> &'static Schema {
+        // A plug-in is a constant, which can hold no memory of its own. Made once each, for as long as the program; one
+        // that takes another's place has an address of its own, where all else may be the same.
+        static MADE: RwLock<BTreeMap<usize, &Schema>> = RwLock::new(BTreeMap::new());
+        let key = std::ptr::from_ref(self).addr();
         let made = MADE.read().unwrap_or_else(PoisonError::into_inner);
         if let Some(schema) = made.get(&key) {
             return schema;

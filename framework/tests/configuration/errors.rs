@@ -172,14 +172,14 @@ fn unknown_type() {
         "type = \"test.hald\"\nweight = 1",
         &[
             "x.toml:9:8: task[0] `arm` (test.hald): unknown task type `test.hald`; \
-           did you mean `test.hold`? (known: test.follow, test.hold, test.many)",
+           did you mean `test.hold`? (known: test.follow, test.hold, test.many, test.points)",
         ],
     );
     check_task(
         "type = \"posture\"\nweight = 1",
         &[
             "x.toml:9:8: task[0] `arm` (posture): unknown task type `posture`; is its crate linked? \
-             `use my_plugins as _;` (known: test.follow, test.hold, test.many)",
+             `use my_plugins as _;` (known: test.follow, test.hold, test.many, test.points)",
         ],
     );
 }
@@ -190,7 +190,7 @@ fn of_an_unknown_type_nothing_else_is_missing() {
         "type = \"test.hald\"",
         &[
             "x.toml:9:8: task[0] `arm` (test.hald): unknown task type `test.hald`; \
-             did you mean `test.hold`? (known: test.follow, test.hold, test.many)",
+             did you mean `test.hold`? (known: test.follow, test.hold, test.many, test.points)",
         ],
     );
 }
@@ -486,7 +486,7 @@ type = "nothing"
              (known: active, hardness, name, transition, type, upper, weight)",
             "x.toml:10:8: robot (test.robot): file: invalid type: integer `1`, expected a string",
             "x.toml:13:8: task[0] `é` (nothing): unknown task type `nothing`; is its crate linked? \
-             `use my_plugins as _;` (known: test.follow, test.hold, test.many)",
+             `use my_plugins as _;` (known: test.follow, test.hold, test.many, test.points)",
         ]
     );
 }
@@ -638,5 +638,51 @@ fn short_forms_say_which_crate_is_missing() {
             "x.toml:4:8: robot: a robot with a `file` and no `type` is of type `urdf`, which is not linked: add \
              `use wbqp_robots as _;` (crate wbqp-robots), or name the `type`"
         ]
+    );
+}
+
+#[test]
+fn every_element_of_a_list_of_tables_is_looked_at() {
+    check_task(
+        "type = \"test.points\"\nweight = 1\npoints = [\n  { a = \"x\", b = 1, c = 1 },\n  { a = 1, b = 1, c = 1 },\n  \
+         { a = 1, b = \"y\", c = \"z\" },\n]\n",
+        &[
+            "x.toml:12:9: task[0] `arm` (test.points): points[0].a: invalid type: string \"x\", expected a number",
+            "x.toml:14:16: task[0] `arm` (test.points): points[2].b: invalid type: string \"y\", expected a number",
+            "x.toml:14:25: task[0] `arm` (test.points): points[2].c: invalid type: string \"z\", expected a number",
+        ],
+    );
+}
+
+#[test]
+fn a_table_of_nothing_but_bad_values_is_read_in_time_with_its_size() {
+    let numbers: Vec<String> = (0..20_000).map(|i| format!("j{i} = \"x\"")).collect();
+    let numbers = numbers.join("\n");
+    let text = format!(
+        "[[task]]\nname = \"a\"\ntype = \"test.points\"\nweight = 1\n[task.numbers]\n{numbers}"
+    );
+    let told = messages(&format!("{HEAD}\n{text}"));
+    assert!((100..2_000).contains(&told.len()), "{}", told.len());
+    let stopped = "`a` (test.points): what else may be wrong here is not looked for; correct what is told first";
+    assert_eq!(
+        told.iter().filter(|line| line.ends_with(stopped)).count(),
+        1
+    );
+}
+
+#[test]
+fn errors_of_a_robot_are_told_up_to_a_limit_at_the_key_of_its_file() {
+    let text = HEAD.replace("a.urdf", "broken20000");
+    let refused = load(&text).expect("is a configuration").load_robot();
+    let errors = refused.expect_err("the robot is broken");
+    let told: Vec<String> = errors.iter().map(ToString::to_string).collect();
+    assert_eq!(told.len(), 10_001);
+    assert_eq!(
+        told[0],
+        "x.toml:6:8: robot (test.robot): broken20000: error 0"
+    );
+    assert_eq!(
+        told[10_000],
+        "x.toml:6:8: robot (test.robot): 10000 more errors are not told"
     );
 }

@@ -57,6 +57,15 @@ struct Follow {
 }
 
 /// A plug-in that only holds data.
+#[wbqp::task("test.points")]
+struct Points {
+    #[wbqp(default)]
+    points: Vec<Nested>,
+    #[wbqp(default)]
+    numbers: BTreeMap<String, f64>,
+}
+
+/// A plug-in that only holds data.
 #[wbqp::parameters]
 struct Inner {
     reference: Box<dyn AnyReference>,
@@ -111,6 +120,7 @@ macro_rules! only_data {
 only_data!(Hold);
 only_data!(Follow);
 only_data!(Many);
+only_data!(Points);
 
 impl Constraint for Limit {
     type Running = ();
@@ -132,9 +142,17 @@ impl Reference for Ramp {
 #[wbqp::robot("test.robot")]
 impl Robot for TestRobot {
     fn load(&self, _: &Path) -> Result<RobotModel, RobotError> {
-        Err(RobotError::Syntax {
+        let error = |what: String| RobotError::Syntax {
             place: SourceLocation::file(&self.file),
-            what: "is only data".to_owned(),
-        })
+            what,
+        };
+        match self.file.strip_prefix("broken") {
+            None => Err(error("is only data".to_owned())),
+            Some(count) => Err(RobotError::Several {
+                errors: (0..count.parse().unwrap_or(2))
+                    .map(|i| error(format!("error {i}")))
+                    .collect(),
+            }),
+        }
     }
 }

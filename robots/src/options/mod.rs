@@ -47,8 +47,8 @@ pub struct Options {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub state: Option<String>,
     /// Where a floating base's origin is at home, or where a fixed base is bolted, m, world. By default a state of the
-    /// SRDF file says; else a floating base stands on the contacts that are on at the start, and any other is at the
-    /// origin.
+    /// SRDF file says, or the `<origin>` of a floating joint; else a floating base stands on the contacts that are on
+    /// at the start, and any other is at the origin.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "m"))]
     pub position: Option<[f64; 3]>,

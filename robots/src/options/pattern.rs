@@ -6,6 +6,7 @@ use regex::RegexBuilder;
 use wbqp::{robot::RobotError, suggestion::suggestion};
 
 use super::refuse;
+use crate::urdf::SUGGESTED;
 
 /// Largest size of a compiled expression, bytes; with names of at most some hundred characters its use is bounded too.
 const LARGEST: usize = 1 << 20;
@@ -17,19 +18,43 @@ pub(crate) struct Names<'a> {
     /// `moving joint` or `link`.
     pub(crate) kind: &'static str,
     pub(crate) known: Vec<&'a str>,
+    /// Names of several of them together, by index: a planar joint's.
+    pub(crate) groups: BTreeMap<&'a str, Vec<usize>>,
 }
 
 impl Names<'_> {
     /// Those that a key of an option means, by index: the one of that name, or all that an expression matches as a
     /// whole.
-    pub(crate) fn matching(&self, option: &str, key: &str) -> Result<Vec<usize>, RobotError> {
+    ///
+    /// `told` is how many were wrong before: of many, the right name is looked for of the first alone.
+    pub(crate) fn matching(
+        &self,
+        option: &str,
+        key: &str,
+        told: usize,
+    ) -> Result<Vec<usize>, RobotError> {
         if let Some(index) = self.known.iter().position(|name| *name == key) {
             return Ok(vec![index]);
         }
-        let Self { robot, kind, known } = self;
+        if let Some(group) = self.groups.get(key) {
+            return Ok(group.clone());
+        }
+        let Self {
+            robot,
+            kind,
+            known,
+            groups,
+        } = self;
+        let suggestion = |key: &str| {
+            if told < SUGGESTED {
+                suggestion(key, known)
+            } else {
+                String::new()
+            }
+        };
         let is_plain = regex::escape(key).replace("\\-", "-") == key;
         if is_plain {
-            let hint = suggestion(key, known);
+            let hint = suggestion(key);
             let what = format!("robot `{robot}` has no {kind} `{key}`{hint}");
             return Err(refuse(option, what));
         }
@@ -40,11 +65,15 @@ impl Names<'_> {
             Ok(expression) => {
                 let matches =
                     |i: &usize| known.get(*i).is_some_and(|name| expression.is_match(name));
-                let found: Vec<usize> = (0..known.len()).filter(matches).collect();
+                let mut found: Vec<usize> = (0..known.len()).filter(matches).collect();
+                let groups = groups.iter().filter(|(name, _)| expression.is_match(name));
+                found.extend(groups.flat_map(|(_, group)| group));
+                found.sort_unstable();
+                found.dedup();
                 if !found.is_empty() {
                     return Ok(found);
                 }
-                let hint = suggestion(key, known);
+                let hint = suggestion(key);
                 Err(refuse(
                     option,
                     format!(
@@ -72,7 +101,7 @@ impl Names<'_> {
     ) -> Vec<bool> {
         let mut listed = vec![false; self.known.len()];
         for key in list {
-            match self.matching(option, key) {
+            match self.matching(option, key, errors.len()) {
                 Ok(found) => found.into_iter().for_each(|i| listed[i] = true),
                 Err(error) => errors.push(error),
             }
@@ -90,7 +119,7 @@ impl Names<'_> {
         let mut values: Vec<Option<(T, &str)>> = vec![None; self.known.len()];
         let is_name = |key: &String| self.known.contains(&key.as_str());
         for (key, &value) in table.iter().filter(|(key, _)| !is_name(key)) {
-            let found = match self.matching(option, key) {
+            let found = match self.matching(option, key, errors.len()) {
                 Ok(found) => found,
                 Err(error) => {
                     errors.push(error);

@@ -7,18 +7,18 @@
 #![allow(non_snake_case)]
 
 use wbqp::{
-    model::{Base, BodyId, Inertia, Joint, JointKind, JointLimits, Model, ModelBuilder},
+    model::{Base, BodyId, Inertia, Joint, JointKind, Model, ModelBuilder},
     nalgebra::{Isometry3, Unit, Vector3},
     robot::RobotError,
 };
 
 use super::{
-    description::{self, Description, Kind},
+    description::{Description, Kind},
     findings::{At, Findings},
     motion::{Motion, Motions},
     tree::{Edge, Tree},
 };
-use crate::options::Options;
+use crate::{options::Options, size};
 
 /// The model, and what its bodies are made of.
 pub(super) struct Assembled {
@@ -82,6 +82,10 @@ pub(super) fn assemble(
         file: findings.source.file.to_owned(),
         source,
     })?;
+    size::check(&model).map_err(|what| RobotError::Syntax {
+        place: findings.source.place(description.offset),
+        what: format!("robot `{}` {what}", model.name()),
+    })?;
     Ok(Some(Assembled { model, links }))
 }
 
@@ -112,28 +116,13 @@ impl Assembly<'_> {
             offset: joint.offset,
             element: &label,
         };
-        match (joint.kind, edge.is_reversed) {
-            (Kind::Floating, _) => {
-                findings.refuse(
-                    at,
-                    "type `floating` is supported for the joint between the world and a floating base alone; the model \
-                     has one floating base: load each part as a robot of its own",
-                );
-                return None;
-            }
-            (Kind::Planar, true) => {
-                findings.refuse(
-                    at,
-                    "type `planar` cannot be turned round; choose another `root`",
-                );
-                return None;
-            }
-            (Kind::Planar, false) => {
-                let body = self.planar(parent, joint, X_BL * joint.X_PJ, name, inertia);
-                self.links.push(vec![edge.link]);
-                return Some((body, Isometry3::identity()));
-            }
-            _ => {}
+        if joint.kind == Kind::Floating {
+            findings.refuse(
+                at,
+                "type `floating` is supported for the joint between the world and a floating base alone; the model \
+                 has one floating base: load each part as a robot of its own",
+            );
+            return None;
         }
         let leader = match &self.motions.of_joint[edge.joint] {
             Motion::Rigid { q } => {
@@ -196,48 +185,5 @@ impl Assembly<'_> {
             result.armature = options.armature.unwrap_or(0.0);
         }
         result
-    }
-
-    /// Two sliding joints in the plane and a turning one about its normal, one after the other.
-    fn planar(
-        &mut self,
-        parent: BodyId,
-        joint: &description::Joint,
-        X_BJ: Isometry3<f64>,
-        name: &str,
-        inertia: Inertia,
-    ) -> BodyId {
-        let normal = joint.axis;
-        let along = if normal.x.abs() < 0.9 {
-            Vector3::x()
-        } else {
-            Vector3::y()
-        };
-        let x = Unit::new_normalize(along - normal.into_inner() * normal.dot(&along));
-        let y = Unit::new_normalize(normal.cross(&x));
-        let limits = JointLimits {
-            lower: f64::NEG_INFINITY,
-            upper: f64::INFINITY,
-            velocity: joint.limit.velocity.unwrap_or(f64::INFINITY),
-            effort: joint.limit.effort.unwrap_or(f64::INFINITY),
-        };
-        let part = |suffix: &str| format!("{}.{suffix}", joint.name);
-        let mut body = parent;
-        for (suffix, axis, X) in [("x", x, X_BJ), ("y", y, Isometry3::identity())] {
-            let name = part(suffix);
-            let slide = Joint::new(&name, JointKind::Prismatic, axis, X, limits);
-            body = self.builder.body(body, slide, &name, Inertia::zero());
-            self.links.push(Vec::new());
-        }
-        let mut turn = Joint::new(
-            &part("turn"),
-            JointKind::Revolute,
-            normal,
-            Isometry3::identity(),
-            limits,
-        );
-        turn.damping = joint.damping;
-        turn.friction = joint.friction;
-        self.builder.body(body, turn, name, inertia)
     }
 }

@@ -21,6 +21,8 @@ pub(super) struct Link {
     /// Byte offset of the element.
     pub(super) offset: usize,
     pub(super) inertial: Option<Inertial>,
+    /// Whether it is not in the file, but between the motions of a planar joint.
+    pub(super) is_between: bool,
 }
 
 /// What moves with a link.
@@ -39,7 +41,7 @@ pub(super) enum Kind {
     Revolute,
     Continuous,
     Prismatic,
-    /// In the plane that its axis is normal to, and about the axis.
+    /// In the plane that its axis is normal to, and about the axis; see [`planar`](super::planar).
     Planar,
     /// Any motion: a floating base written as a joint.
     Floating,
@@ -61,6 +63,8 @@ pub(super) struct Joint {
     pub(super) damping: f64,
     pub(super) friction: f64,
     pub(super) mimic: Option<Mimic>,
+    /// The planar joint that it is a part of.
+    pub(super) part_of: Option<String>,
 }
 
 /// Limits as far as the file gives them; never NaN.

@@ -13,7 +13,12 @@ pub(super) struct Findings<'a> {
     diagnostics: Vec<Diagnostic>,
     /// Irregularities of what options may give, with their element.
     doubts: Vec<(Vec<Quantity>, Diagnostic)>,
+    /// Wrong names for which a right one was looked for.
+    suggested: usize,
 }
+
+/// Wrong names for which a right one is looked for: each search goes through all names.
+pub(crate) const SUGGESTED: usize = 10;
 
 /// What a file can leave open and an option can give.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -104,11 +109,18 @@ impl<'a> Findings<'a> {
             errors: Vec::new(),
             diagnostics: Vec::new(),
             doubts: Vec::new(),
+            suggested: 0,
         }
     }
 
     pub(super) fn is_strict(&self) -> bool {
         self.mode == Mode::Strict
+    }
+
+    /// Whether a right name is to be looked for instead of another wrong one.
+    pub(super) fn may_suggest(&mut self) -> bool {
+        self.suggested += 1;
+        self.suggested <= SUGGESTED
     }
 
     /// Something without meaning, in either mode.
@@ -134,12 +146,12 @@ impl<'a> Findings<'a> {
         self.errors.extend(errors);
     }
 
-    /// Something that is repaired; in strict mode refused if it has words for that, else passed over.
+    /// Something that is repaired, and said; in strict mode refused if it has words for that.
     pub(super) fn repair(&mut self, at: At<'_>, irregularity: Irregularity) {
-        if self.is_strict() {
-            if let Some(what) = irregularity.strict {
-                self.refuse(at, what);
-            }
+        if self.is_strict()
+            && let Some(what) = irregularity.strict
+        {
+            self.refuse(at, what);
             return;
         }
         let Irregularity {

@@ -4,14 +4,15 @@
 //! * Links with their `<inertial>` (its `<origin>` included, `rpy` as well), joints of type `revolute`,
 //!   `continuous`, `prismatic` and `fixed`, with `<axis>` (normalised; (1, 0, 0) if left out, as URDF says),
 //!   `<limit>`, `<dynamics>` and `<mimic>`. A `planar` joint is two sliding joints and a turning one, named `joint.x`,
-//!   `joint.y` and `joint.turn`; a `floating` joint between a root without mass and the rest of the robot is the
-//!   floating base.
+//!   `joint.y` and `joint.turn`; options are for one of them, or by the joint's own name for all. A `floating` joint
+//!   between a root without mass and the rest of the robot is the floating base, at home where its `<origin>` is.
 //! * Links on `fixed` joints are merged into the body that carries them, through any number of them. Every
 //!   link's name is a frame of the model, merged or not.
 //! * Joints are numbered depth first from the root; the joints of one link in the file's order.
 //! * A link without `<inertial>`, or with mass 0, is a frame.
 //!
 //! # What is not
+//! * Elements of another namespace than `<robot>`'s.
 //! * Geometry, meshes, materials, `<gazebo>`, plug-ins and `<safety_controller>`: nothing in them is an error.
 //! * `<transmission>`: gear ratios are no part of the model. Efforts and speeds are those of the joint; the
 //!   inertia of a motor behind its gear goes into [`Options::armature`].
@@ -23,27 +24,35 @@
 //! has are taken as they are; the mass matrix is looked at in random postures.
 //!
 //! With [`Options::strict`], what format or physics do not allow is refused instead: links without mass, inertias that
-//! no rigid body has (each link on its own, before it is merged), joints without limits, mimic joints, and whatever
-//! urdf-rs cannot read.
+//! no rigid body has (each link on its own, before it is merged), joints without limits, mimic joints, home states that
+//! the robot does not fit, and whatever urdf-rs cannot read.
 //!
 //! Always refused is what has no meaning: malformed XML, unexpanded xacro, numbers that are not numbers, negative
 //! masses, axes of length zero, missing and duplicate names, and anything that is not one tree. All of a file's errors
 //! come at once.
+
+#![allow(non_snake_case)]
 
 mod assemble;
 mod description;
 mod findings;
 mod motion;
 mod physics;
+mod planar;
 mod reader;
 mod strict;
 mod tree;
 
-use std::{borrow::Cow, collections::HashMap};
+use std::{
+    borrow::Cow,
+    collections::{BTreeMap, HashMap},
+};
 
 use roxmltree::Document;
 use wbqp::{
+    dynamics::{Data, frame_motion},
     model::{Inertia, JointId, Model},
+    nalgebra::{Isometry3, UnitQuaternion},
     robot::{Diagnostic, RobotError},
     state::State,
 };
@@ -55,6 +64,7 @@ use crate::{
     xml,
 };
 use description::Description;
+pub(crate) use findings::SUGGESTED;
 use findings::{At, Findings, Irregularity, Mode};
 use motion::Motions;
 
@@ -139,7 +149,7 @@ pub(crate) fn robot(
         return Err(source.error(0, "tree", "cannot be built"));
     };
     if mode == Mode::Liberal {
-        physics::judge(&assembled, &description, &inertias, &motions, &mut findings)?;
+        physics::judge(&assembled, &description, &inertias, &mut findings)?;
     }
     let home = home(&assembled.model, &description, &motions, &mut findings);
     findings.stop_if_any()?;
@@ -150,8 +160,15 @@ pub(crate) fn robot(
         base_is_placed: false,
         diagnostics: findings.into_diagnostics(),
     };
-    if let Some(pose) = &state.X_WR {
+    if let Some(pose) = &tree.X_WR {
         physics::placed(&mut robot.home, pose);
+        robot.base_is_placed = true;
+    }
+    if let Some(X_WL) = &state.X_WR {
+        // The file's own root is meant, which is another link than the base if `root` says so.
+        let own_root = &description.links[tree.own_root].name;
+        let X_RL = pose_in_base(&robot.model, &robot.home, own_root);
+        physics::placed(&mut robot.home, &(X_WL * X_RL.inverse()));
         robot.base_is_placed = true;
     }
     if let Some(position) = options.position {
@@ -159,6 +176,20 @@ pub(crate) fn robot(
         robot.base_is_placed = true;
     }
     Ok(robot)
+}
+
+/// Where a link is in the base's frame at home.
+fn pose_in_base(model: &Model, home: &State, link: &str) -> Isometry3<f64> {
+    let Some(frame) = model.frame(link).filter(|f| *f != model.base_frame()) else {
+        return Isometry3::identity();
+    };
+    let mut state = State::neutral(model);
+    state.q.copy_from(&home.q);
+    let mut data = Data::new(model);
+    data.update(model, &state);
+    let motion = frame_motion(model, &data, frame);
+    let rotation = UnitQuaternion::from_rotation_matrix(&motion.R_WF);
+    Isometry3::from_parts(motion.p_WF.into(), rotation)
 }
 
 /// By link, in its own frame; zero without `<inertial>`.
@@ -171,6 +202,7 @@ fn inertias(
         robot: &description.name,
         kind: "link",
         known: description.links.iter().map(|l| l.name.as_str()).collect(),
+        groups: BTreeMap::new(),
     };
     let mut errors = Vec::new();
     let given = names.values("inertia", &options.inertia, &mut errors);
@@ -220,15 +252,13 @@ fn known_joints<'d>(
             offset: 0,
             element: "home state",
         };
+        let found = format!(
+            "names joints that the robot does not have: {}",
+            unknown.join(", ")
+        );
         findings.repair(
             at,
-            Irregularity::note(
-                format!(
-                    "names joints that the robot does not have: {}",
-                    unknown.join(", ")
-                ),
-                "passed over",
-            ),
+            Irregularity::note(found.clone(), "passed over").refused_as(found),
         );
     }
     postures
@@ -279,7 +309,11 @@ fn home(
                     ),
                     format!("moved to {}", *q),
                 )
-                .remedy("set the robot's options `home` or `range` for this joint"),
+                .remedy("set the robot's options `home` or `range` for this joint")
+                .refused_as(format!(
+                    "is at {given} in the home state, outside its range {} to {}; set option `home` or `range`",
+                    limits.lower, limits.upper
+                )),
             );
         }
     }

@@ -3,7 +3,7 @@
 //! # Notation
 //! `q` of a joint that does not move is where it is frozen, rad or m.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 use wbqp::{
     model::JointLimits,
@@ -42,6 +42,8 @@ pub(super) struct Motions<'d> {
     /// By joint; those of joints that the file fixes say nothing.
     options: Vec<Option<JointOptions>>,
     by_name: HashMap<&'d str, usize>,
+    /// By name of a planar joint.
+    parts: HashMap<&'d str, Vec<usize>>,
     /// By name of a joint.
     state: HashMap<&'d str, f64>,
     pub(super) of_joint: Vec<Motion>,
@@ -61,10 +63,19 @@ impl<'d> Motions<'d> {
         let moving: Vec<usize> = (0..joints.len())
             .filter(|&j| joints[j].is_simple())
             .collect();
+        let mut parts: HashMap<&str, Vec<usize>> = HashMap::new();
+        let mut groups: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
+        for (place, &joint) in moving.iter().enumerate() {
+            if let Some(planar) = joints[joint].part_of.as_deref() {
+                parts.entry(planar).or_default().push(joint);
+                groups.entry(planar).or_default().push(place);
+            }
+        }
         let names = Names {
             robot: &description.name,
             kind: "moving joint",
             known: moving.iter().map(|&j| joints[j].name.as_str()).collect(),
+            groups,
         };
         let mut errors: Vec<RobotError> = Vec::new();
         let resolved = JointOptions::resolve(options, &names, &mut errors);
@@ -81,6 +92,7 @@ impl<'d> Motions<'d> {
                 .enumerate()
                 .map(|(j, joint)| (joint.name.as_str(), j))
                 .collect(),
+            parts,
             state,
             of_joint: Vec::new(),
             unkept: Vec::new(),
@@ -90,14 +102,23 @@ impl<'d> Motions<'d> {
             .map(|j| motions.motion(j, findings))
             .collect();
         motions.narrow(findings);
+        motions.tell_followers(findings);
         motions
     }
 
     /// Whether the options give something of a joint, by its label, or make it irrelevant.
     fn is_given(&self, label: &str, quantity: Quantity) -> bool {
         let name = label.trim_start_matches("joint `").trim_end_matches('`');
-        let index = self.by_name.get(name);
-        let Some(options) = index.and_then(|&j| self.options(j)) else {
+        let one = self.by_name.get(name).map(std::slice::from_ref);
+        let joints = one.or(self.parts.get(name).map(Vec::as_slice));
+        joints.is_some_and(|joints| {
+            let mut joints = joints.iter();
+            joints.all(|&joint| self.is_given_of(joint, quantity))
+        })
+    }
+
+    fn is_given_of(&self, joint: usize, quantity: Quantity) -> bool {
+        let Some(options) = self.options(joint) else {
             return false;
         };
         options.lock
@@ -154,10 +175,7 @@ impl<'d> Motions<'d> {
     fn motion(&self, index: usize, findings: &mut Findings<'_>) -> Motion {
         let joint = &self.joints[index];
         let Some(options) = self.options(index) else {
-            return match joint.kind {
-                Kind::Planar => Motion::Free,
-                _ => Motion::Rigid { q: 0.0 },
-            };
+            return Motion::Rigid { q: 0.0 };
         };
         let coupled = joint
             .mimic
@@ -176,8 +194,22 @@ impl<'d> Motions<'d> {
             offset: mimic.at,
             element: &label,
         };
+        if self.parts.contains_key(mimic.leader.as_str()) {
+            findings.refuse(
+                at,
+                format!(
+                    "follows joint `{}`, which has more than one degree of freedom",
+                    mimic.leader
+                ),
+            );
+            return Motion::Free;
+        }
         let Some(&leader) = self.by_name.get(mimic.leader.as_str()) else {
-            let hint = self.meant(index, &mimic.leader);
+            let hint = if findings.may_suggest() {
+                self.meant(index, &mimic.leader)
+            } else {
+                String::new()
+            };
             findings.repair(
                 at,
                 Irregularity::warning(
@@ -198,7 +230,7 @@ impl<'d> Motions<'d> {
             );
             return Motion::Free;
         };
-        if matches!(self.joints[leader].kind, Kind::Planar | Kind::Floating) {
+        if self.joints[leader].kind == Kind::Floating {
             findings.refuse(
                 at,
                 format!(
@@ -332,6 +364,71 @@ impl<'d> Motions<'d> {
                         ),
                     )
                     .remedy(remedy),
+                );
+            }
+        }
+    }
+
+    /// What options say of coupled joints that has no effect: of a follower what its leader decides, of a leader what a
+    /// follower cannot bear.
+    fn tell_followers(&self, findings: &mut Findings<'_>) {
+        for index in 0..self.joints.len() {
+            let Some((leader, [multiplier, offset])) = self.led_by(index) else {
+                continue;
+            };
+            let (Some(own), Some(its)) = (self.options(index), self.options(leader)) else {
+                continue;
+            };
+            let name = &self.joints[leader].name;
+            let label = self.joints[index].label();
+            let at = At {
+                offset: self.joints[index].mimic.as_ref().map_or(0, |m| m.at),
+                element: &label,
+            };
+            let at_home = multiplier * self.home(leader) + offset;
+            let is_elsewhere = |q: f64| (q - at_home).abs() > 1e-9 * (1.0 + q.abs());
+            let lost = [
+                ("home", own.home.is_some_and(is_elsewhere)),
+                ("passive", own.passive && !its.passive),
+                ("servo", own.servo && !its.servo),
+            ];
+            for (option, _) in lost.into_iter().filter(|(_, is_lost)| *is_lost) {
+                findings.repair(
+                    at,
+                    Irregularity::warning(
+                        format!("follows joint `{name}`, and option `{option}` is given for it"),
+                        "has no effect: the leader decides",
+                    )
+                    .remedy(format!(
+                        "set the robot's option `{option}` for `{name}`, or `mimic` to \"free\" for this joint"
+                    )),
+                );
+            }
+            let (bears, ratio) = (self.limits(index), multiplier.abs());
+            let limits = [
+                ("effort", its.effort, own.effort, bears.effort * ratio),
+                (
+                    "velocity",
+                    its.velocity,
+                    own.velocity,
+                    bears.velocity / ratio,
+                ),
+            ];
+            for (option, given, by_option, left) in limits {
+                let Some(given) = given.filter(|&given| by_option.is_none() && left < given) else {
+                    continue;
+                };
+                findings.repair(
+                    at,
+                    Irregularity::warning(
+                        format!(
+                            "follows joint `{name}`, for which option `{option}` says {given}, and cannot bear it"
+                        ),
+                        format!("`{name}` has {left}, from this joint's own limit"),
+                    )
+                    .remedy(format!(
+                        "set the robot's option `{option}` for this joint too, or `mimic` to \"free\" for it"
+                    )),
                 );
             }
         }

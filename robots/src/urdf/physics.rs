@@ -20,7 +20,6 @@ use super::{
     assemble::Assembled,
     description::Description,
     findings::{At, Findings, Irregularity},
-    motion::{Motion, Motions},
 };
 
 /// Pivots below this share of the diagonal entry are rounding.
@@ -40,7 +39,6 @@ pub(super) fn judge(
     assembled: &Assembled,
     description: &Description,
     inertias: &[Inertia],
-    motions: &Motions<'_>,
     findings: &mut Findings<'_>,
 ) -> Result<(), RobotError> {
     let Assembled { model, links } = assembled;
@@ -66,7 +64,7 @@ pub(super) fn judge(
         bodies.judge(index, &singular, findings);
     }
     for found in &singular {
-        warn_of_singular(model, description, motions, found, findings);
+        warn_of_singular(model, description, found, findings);
     }
     Ok(())
 }
@@ -91,6 +89,9 @@ impl Bodies<'_> {
         };
         let joint = self.model.joint_of(id);
         if joint.is_none() && self.model.base() == Base::Fixed {
+            return;
+        }
+        if self.description.links[own].is_between {
             return;
         }
         let inertia = &self.model.bodies()[index].inertia;
@@ -290,7 +291,6 @@ fn singular_velocities(mut M: DMatrix<f64>) -> Vec<Singular> {
 fn warn_of_singular(
     model: &Model,
     description: &Description,
-    motions: &Motions<'_>,
     &Singular {
         velocity,
         own,
@@ -314,15 +314,15 @@ fn warn_of_singular(
         return;
     };
     let name = &model.joints()[joint].name;
-    let is_it = |(_, j): &(usize, &super::description::Joint)| {
-        j.name == *name
-            || name
-                .strip_prefix(j.name.as_str())
-                .is_some_and(|rest| rest.starts_with('.'))
+    let found = description.joints.iter().find(|joint| joint.name == *name);
+    let offset = found.map_or(0, |joint| joint.offset);
+    // TOML would take a dot for a table.
+    let is_bare = |c: char| c.is_ascii_alphanumeric() || "_-".contains(c);
+    let key = if name.chars().all(is_bare) {
+        name.clone()
+    } else {
+        format!("'{name}'")
     };
-    let found = description.joints.iter().enumerate().find(is_it);
-    let offset = found.map_or(0, |(_, j)| j.offset);
-    debug_assert!(found.is_none_or(|(j, _)| motions.of_joint[j] == Motion::Free));
     findings.repair(
         At {
             offset,
@@ -345,7 +345,7 @@ fn warn_of_singular(
             },
             "taken as it is; simulations, and formulations that invert the mass matrix, fail",
         )
-        .remedy(format!("set `armature = {{ {name} = 1e-3 }}` in the robot's options, or lock the joint")),
+        .remedy(format!("set `armature = {{ {key} = 1e-3 }}` in the robot's options, or lock the joint")),
     );
 }
 

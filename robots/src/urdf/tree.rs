@@ -1,8 +1,9 @@
 //! Whether links and joints form one tree, and the tree seen from its base.
+#![allow(non_snake_case)]
 
 use std::collections::HashMap;
 
-use wbqp::suggestion::suggestion;
+use wbqp::{nalgebra::Isometry3, suggestion::suggestion};
 
 use super::{
     description::{Description, Joint, Kind},
@@ -13,6 +14,10 @@ use super::{
 pub(super) struct Tree {
     /// The base.
     pub(super) root: usize,
+    /// What the file's joints make the base.
+    pub(super) own_root: usize,
+    /// Where a floating joint has the base in the world, if it says.
+    pub(super) X_WR: Option<Isometry3<f64>>,
     /// Per link, the joints that lead away from the base, in the file's order.
     pub(super) edges: Vec<Vec<Edge>>,
 }
@@ -110,7 +115,12 @@ pub(super) fn find(
         cycle(description, link, findings);
         return None;
     }
-    let mut tree = Tree { root, edges };
+    let mut tree = Tree {
+        root,
+        own_root,
+        X_WR: None,
+        edges,
+    };
     tree.take_floating_joint(description);
     Some(tree)
 }
@@ -127,8 +137,13 @@ impl Tree {
         let [edge] = self.edges[self.root][..] else {
             return;
         };
-        if description.joints[edge.joint].kind == Kind::Floating && !edge.is_reversed {
+        let joint = &description.joints[edge.joint];
+        if joint.kind == Kind::Floating && !edge.is_reversed {
+            if self.own_root == self.root {
+                self.own_root = edge.link;
+            }
             self.root = edge.link;
+            self.X_WR = Some(joint.X_PJ).filter(|pose| *pose != Isometry3::identity());
         }
     }
 }
@@ -176,6 +191,7 @@ fn ends(
     findings: &mut Findings<'_>,
 ) -> Option<Vec<Ends>> {
     let mut ends = Vec::with_capacity(description.joints.len());
+    let mut known: Vec<&str> = Vec::new();
     for joint in &description.joints {
         let label = joint.label();
         let at = At {
@@ -185,8 +201,14 @@ fn ends(
         let mut find = |role: &str, name: &str| {
             let found = by_name.get(name).copied();
             if found.is_none() {
-                let known: Vec<&str> = description.links.iter().map(|l| l.name.as_str()).collect();
-                let hint = suggestion(name, &known);
+                if known.is_empty() {
+                    known = description.links.iter().map(|l| l.name.as_str()).collect();
+                }
+                let hint = if findings.may_suggest() {
+                    suggestion(name, &known)
+                } else {
+                    String::new()
+                };
                 findings.refuse(at, format!("{role} link `{name}` does not exist{hint}"));
             }
             found

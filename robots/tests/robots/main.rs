@@ -5,5 +5,6 @@ mod loaded;
 mod never_panics;
 mod rotor_refusals;
 mod texts;
+mod tree_robots;
 mod urdf_habits;
 mod urdf_refusals;

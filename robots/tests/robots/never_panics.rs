@@ -239,3 +239,44 @@ fn long_chain() {
     assert_eq!(robot.model.joints().len(), LINKS / 2);
     assert!((robot.model.mass() - LINKS as f64).abs() < 1e-6);
 }
+
+fn refused(text: String) -> String {
+    match from_sources(source("r.urdf", text), None, &Options::default()) {
+        Ok(_) => panic!("was accepted"),
+        Err(error) => error.to_string(),
+    }
+}
+
+/// Matrices take memory with the square of the joints: nobody's robot has that many.
+#[test]
+fn a_robot_of_too_many_joints_is_refused() {
+    let joint = |i: usize| {
+        format!(
+            "<link name=\"l{i}\"/><joint name=\"j{i}\" type=\"continuous\"><parent link=\"base\"/>\
+             <child link=\"l{i}\"/></joint>"
+        )
+    };
+    let joints: String = (0..5000).map(joint).collect();
+    let refused = refused(format!(
+        "<robot name=\"r\"><link name=\"base\"/>{joints}</robot>"
+    ));
+    assert_eq!(
+        refused.lines().last().unwrap_or_default(),
+        "r.urdf:1:1: robot `r` has 5006 degrees of freedom, more than 4000; lock joints, or make them fixed"
+    );
+}
+
+/// Of a thousand wrong names the right one is looked for of the first ones.
+#[test]
+fn wrong_names_are_looked_up_a_few_times() {
+    let joint = |i: usize| {
+        format!(
+            "<link name=\"link{i}\"/><joint name=\"j{i}\" type=\"fixed\"><parent link=\"lynk{i}\"/>\
+             <child link=\"link{i}\"/></joint>\n"
+        )
+    };
+    let joints: String = (0..1000).map(joint).collect();
+    let refused = refused(format!("<robot name=\"r\">{joints}</robot>"));
+    assert_eq!(refused.matches("does not exist").count(), 1000);
+    assert_eq!(refused.matches("did you mean").count(), 10);
+}

@@ -254,3 +254,24 @@ fn no_name_and_no_rotor() {
     refused(&format!("rotor = []\n{DEFAULTS}"), &["has no [[rotor]]"]);
     refused("", &["has no [[rotor]]"]);
 }
+
+#[test]
+fn an_axis_has_any_finite_length() {
+    let rotor = |axis: &str| load(&format!("{DEFAULTS}{ROTOR}axis = {axis}\n"));
+    for axis in ["[1e200, 0.0, 0.0]", "[1e-12, 0.0, 0.0]"] {
+        let robot = rotor(axis).unwrap();
+        let left = robot.model.frame("left").unwrap();
+        let placed = robot.model.frames()[left.index()].X_BF.rotation;
+        let link = robot.model.frames()[robot.model.frame("rotor_1").unwrap().index()]
+            .X_BF
+            .rotation;
+        let thrust = placed * wbqp::nalgebra::Vector3::z();
+        assert!(
+            (thrust - link * wbqp::nalgebra::Vector3::x()).norm() < 1e-9,
+            "{axis}"
+        );
+    }
+    for axis in ["[0.0, 0.0, 0.0]", "[inf, 0.0, 0.0]"] {
+        assert!(rotor(axis).is_err(), "{axis}");
+    }
+}

@@ -197,14 +197,11 @@ fn limits_that_say_nothing_are_none() {
     let robot = warned(
         &arm("revolute", r#"<limit upper="1" effort="5" velocity="3"/>"#),
         &[
-            "<limit> has no `lower`: taken as unlimited on that side",
+            "<limit> has no `lower`: taken as 0, as the format has it",
             "option `range`",
         ],
     );
-    assert_eq!(
-        (limits(&robot).lower, limits(&robot).upper),
-        (f64::NEG_INFINITY, 1.0)
-    );
+    assert_eq!((limits(&robot).lower, limits(&robot).upper), (0.0, 1.0));
     for kind in ["continuous", "revolute"] {
         let robot = warned(
             &arm(kind, ""),
@@ -785,4 +782,231 @@ fn options_are_by_name_or_by_expression() {
         &toml("servo = ['x']\npassive = ['y']\nlock = ['z']"),
         &["option `servo`", "\noption `passive`", "\noption `lock`"],
     );
+}
+
+#[test]
+fn a_joint_is_told_from_one_whose_name_its_own_begins_with() {
+    let text = robot(
+        &(link("base")
+            + &link("held")
+            + "<link name=\"hand\"/>\n"
+            + &joint("a", "fixed", "base", "held", "")
+            + &joint("a.b", "revolute", "held", "hand", LIMIT)),
+    );
+    warned(
+        &text,
+        &[
+            "r.urdf:6:1: warning: joint `a.b`",
+            "moves no mass",
+            "{ 'a.b' = 1e-3 }",
+        ],
+    );
+}
+
+#[test]
+fn options_are_for_the_parts_of_a_planar_joint_or_for_all() {
+    let text = arm(
+        "planar",
+        "<axis xyz=\"0 0 1\"/><limit effort=\"9\" velocity=\"9\"/><dynamics damping=\"3\" friction=\"2\"/>",
+    );
+    let with = |options: &str| load_with(&text, &toml(&format!("base = 'fixed'\n{options}")));
+    let turn = |robot: &RobotModel| robot.model.joints()[2].clone();
+    assert_eq!(
+        (turn(&with("")).damping, turn(&with("")).friction),
+        (3.0, 2.0)
+    );
+    assert_eq!(turn(&with("ignore_joint_friction = true")).damping, 0.0);
+    for all in ["elbow", "elb.*w", "elbow\\..*"] {
+        assert_eq!(with(&format!("passive = ['{all}']")).nu(), 0, "{all}");
+    }
+    assert_eq!(with("passive = ['elbow.x']").nu(), 2);
+    assert_eq!(with("lock = ['elbow.turn']").model.nv(), 2);
+    assert_eq!(with("lock = ['elbow']").model.nv(), 0);
+    let robot = with(
+        "home.'elbow.y' = 0.1\narmature.elbow = 0.2\neffort.'elbow.x' = 4.0\neffort.elbow = 5.0",
+    );
+    assert_eq!(robot.home.q[1], 0.1);
+    let joints = robot.model.joints();
+    assert!(joints.iter().all(|joint| joint.armature == 0.2));
+    let efforts: Vec<f64> = joints.iter().map(|joint| joint.limits.effort).collect();
+    assert_eq!(efforts, [4.0, 5.0, 5.0]);
+}
+
+#[test]
+fn options_that_a_coupling_leaves_without_effect_are_said() {
+    let told = |options: &str, parts: &[&str]| {
+        let robot = load_with(&gripper(), &toml(options));
+        let said = robot.diagnostics.iter().map(Diagnostic::to_string);
+        let said: Vec<String> = said.filter(|line| line.contains("option `")).collect();
+        let said: Vec<&String> = said.iter().filter(|line| !line.contains("keeps")).collect();
+        assert_eq!(
+            said.len(),
+            usize::from(!parts.is_empty()),
+            "{options}: {said:#?}"
+        );
+        for line in said {
+            contains(line, parts);
+        }
+    };
+    let decides = [
+        "`right_finger`",
+        "option",
+        "is given for it: has no effect",
+        "for `left_finger`",
+    ];
+    for option in [
+        "home.right_finger = 0.3",
+        "passive = ['right_finger']",
+        "servo = ['right_finger']",
+    ] {
+        told(option, &decides);
+    }
+    let left = [
+        "option `effort` says 70",
+        "`left_finger` has 2, from this joint's own limit",
+    ];
+    told("effort.left_finger = 70.0", &left);
+    told(
+        "velocity.left_finger = 7.0",
+        &["option `velocity` says 7", "has 1.5"],
+    );
+    for fine in [
+        "effort.'.*' = 70.0",
+        "passive = ['.*']",
+        "home.right_finger = 0.1",
+        "effort.left_finger = 1.0",
+    ] {
+        told(fine, &[]);
+    }
+}
+
+#[test]
+fn a_limit_without_one_side_is_refused_by_strict_mode() {
+    let strict = toml("strict = true");
+    let text = arm("revolute", r#"<limit upper="1" effort="5" velocity="3"/>"#);
+    refused_with(&text, &strict, &["<limit> has no `lower`"]);
+}
+
+#[test]
+fn strict_mode_does_not_mend_a_home_state() {
+    let load = |joints: &str| {
+        let srdf = format!(
+            "<robot name=\"r\"><group_state name=\"s\" group=\"g\">{joints}</group_state></robot>"
+        );
+        let files = RobotFiles {
+            urdf: source("r.urdf", &arm("revolute", LIMIT)),
+            rotors: None,
+            srdf: Some(source("r.srdf", &srdf)),
+        };
+        let options = toml("strict = true\nstate = 's'");
+        files
+            .load(&options)
+            .map(|_| ())
+            .map_err(|error| error.to_string())
+    };
+    let far = load(r#"<joint name="elbow" value="2.5"/>"#).expect_err("out of range");
+    contains(
+        &far,
+        &["joint `elbow`: is at 2.5 in the home state, outside its range -1 to 1"],
+    );
+    let unknown = load(r#"<joint name="tail" value="1"/>"#).expect_err("no such joint");
+    contains(
+        &unknown,
+        &["home state: names joints that the robot does not have: `tail`"],
+    );
+    assert_eq!(load(r#"<joint name="elbow" value="0.5"/>"#), Ok(()));
+}
+
+#[test]
+fn elements_of_other_namespaces_are_other_things() {
+    let text = robot(
+        &(link("base")
+            + "<link name=\"arm\"><t:inertial><mass value=\"7\"/></t:inertial>"
+            + &format!("{INERTIAL}</link>\n<t:link name=\"extra\"/>")
+            + &joint(
+                "elbow",
+                "revolute",
+                "base",
+                "arm",
+                &format!(
+                    "<t:axis xyz=\"0 0 1\"/><axis xyz=\"0 1 0\"/><t:limit lower=\"9\"/>{LIMIT}"
+                ),
+            )),
+    )
+    .replacen("<robot", "<robot xmlns:t=\"http://tool\"", 1);
+    let robot = silent(&text);
+    assert_eq!((robot.model.mass(), robot.model.frames().len()), (4.0, 2));
+    assert_eq!(robot.model.joints()[0].axis.y, 1.0);
+}
+
+#[test]
+fn xacro_is_refused_at_any_depth() {
+    let inside = format!("<xacro:if value=\"0\"><axis xyz=\"0 0 1\"/></xacro:if>{LIMIT}");
+    let text = arm("revolute", &inside);
+    let declared = text.replacen(
+        "<robot",
+        "<robot xmlns:xacro=\"http://www.ros.org/wiki/xacro\"",
+        1,
+    );
+    for text in [text, declared] {
+        refused(
+            &text,
+            &["r.urdf:4:", "this is a xacro file; expand it first"],
+        );
+    }
+}
+
+#[test]
+fn a_state_of_the_srdf_places_the_files_own_root_also_if_another_is_the_base() {
+    let lift = "<origin xyz=\"0 0 -1\"/><axis xyz=\"0 0 1\"/>".to_owned() + LIMIT;
+    let urdf = robot(
+        &(link("pelvis") + &link("foot") + &joint("leg", "prismatic", "pelvis", "foot", &lift)),
+    );
+    let srdf = r#"<robot name="r"><group_state name="s" group="g">
+        <joint name="root_joint" value="0 0 2 0 0 0 1"/><joint name="leg" value="0.5"/></group_state></robot>"#;
+    for root in ["pelvis", "foot"] {
+        let files = RobotFiles {
+            urdf: source("r.urdf", &urdf),
+            rotors: None,
+            srdf: Some(source("r.srdf", srdf)),
+        };
+        let robot = files
+            .load(&toml(&format!("state = 's'\nroot = '{root}'")))
+            .expect("a robot");
+        let mut data = Data::new(&robot.model);
+        data.update(&robot.model, &robot.home);
+        let z = |link: &str| {
+            let frame = robot.model.frame(link).expect("a link");
+            frame_motion(&robot.model, &data, frame).p_WF.z
+        };
+        assert!(
+            (z("pelvis") - 2.0).abs() < 1e-12 && (z("foot") - 1.5).abs() < 1e-12,
+            "{root}"
+        );
+    }
+}
+
+#[test]
+fn the_origin_of_a_floating_joint_is_where_the_base_is_at_home() {
+    let text = robot(
+        &("<link name=\"world\"/>\n".to_owned()
+            + &link("pelvis")
+            + &link("arm")
+            + &joint(
+                "float",
+                "floating",
+                "world",
+                "pelvis",
+                "<origin xyz=\"1 2 3\" rpy=\"0 0 0.5\"/>",
+            )
+            + &joint("elbow", "revolute", "pelvis", "arm", LIMIT)),
+    );
+    for base in ["floating", "fixed"] {
+        let robot = load_with(&text, &toml(&format!("base = '{base}'")));
+        assert_eq!(robot.home.p_WR.as_slice(), [1.0, 2.0, 3.0]);
+        assert!((robot.home.R_WR.angle() - 0.5).abs() < 1e-12);
+        assert!(robot.base_is_placed);
+    }
+    let robot = load_with(&text, &toml("position = [0.0, 0.0, 9.0]"));
+    assert_eq!(robot.home.p_WR.as_slice(), [0.0, 0.0, 9.0]);
 }

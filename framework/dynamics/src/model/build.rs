@@ -16,6 +16,8 @@ pub struct ModelBuilder {
     model: Model,
     /// By mimic joint, the name of the joint that it follows.
     leaders: Vec<String>,
+    /// The first link that was fixed to a body that is not there: its mass is nowhere.
+    astray: Option<String>,
 }
 
 impl ModelBuilder {
@@ -43,6 +45,7 @@ impl ModelBuilder {
                 names: Names::default(),
             },
             leaders: Vec::new(),
+            astray: None,
         }
     }
 
@@ -142,8 +145,11 @@ impl ModelBuilder {
         name: &str,
         inertia: &Inertia,
     ) -> FrameId {
-        if let Some(b) = self.model.bodies.get_mut(body.index()) {
-            b.inertia = b.inertia.merged(&inertia.transformed(&X_BL));
+        match self.model.bodies.get_mut(body.index()) {
+            Some(b) => b.inertia = b.inertia.merged(&inertia.transformed(&X_BL)),
+            None => {
+                self.astray.get_or_insert_with(|| name.to_owned());
+            }
         }
         self.frame(name, body, X_BL)
     }
@@ -163,8 +169,8 @@ impl ModelBuilder {
     /// Validates everything and hands the model out.
     ///
     /// # Errors
-    /// The first thing that is wrong, by name: duplicates, inertias, axes, limits, numbers not finite, no
-    /// degree of freedom at all.
+    /// The first thing that is wrong, by name: duplicates, inertias, axes, limits, numbers not finite, frames and links
+    /// on bodies that are not there, no degree of freedom at all.
     pub fn build(self) -> Result<Model, ModelError> {
         for (i, body) in self.model.bodies.iter().enumerate() {
             // A base bolted to the world moves nothing: its inertia may be left out.
@@ -196,10 +202,24 @@ impl ModelBuilder {
         for joint in joints() {
             validate_joint(joint)?;
         }
+        if let Some(name) = self.astray {
+            return Err(ModelError::Topology(format!(
+                "link `{name}` is fixed to a body that was not added before it"
+            )));
+        }
         self.model.index_names();
         self.couple()?;
         let model = self.model;
         unique("frame", model.frames.iter().map(|f| &f.name))?;
+        for frame in &model.frames {
+            if frame.body.index() >= model.bodies.len() {
+                let name = &frame.name;
+                return Err(ModelError::Topology(format!(
+                    "frame `{name}` is on a body that the model does not have"
+                )));
+            }
+            check_pose(&frame.name, &frame.X_BF)?;
+        }
         for (i, body) in model.bodies.iter().enumerate() {
             if i > 0 && body.parent.index() >= i {
                 return Err(ModelError::Topology(format!(
@@ -224,7 +244,7 @@ impl ModelBuilder {
 
     /// Finds the joints that mimic joints follow, through those that follow one another, and burdens them.
     fn couple(&mut self) -> Result<(), ModelError> {
-        let Self { model, leaders } = self;
+        let Self { model, leaders, .. } = self;
         let mimics = model.mimics.iter().enumerate();
         let by_name: HashMap<&str, usize> =
             mimics.map(|(i, m)| (m.joint.name.as_str(), i)).collect();
@@ -318,6 +338,21 @@ fn unique<'a>(
     }
 }
 
+/// Refuses a frame whose place has a number that is not finite.
+pub(super) fn check_pose(frame: &str, pose: &Isometry3<f64>) -> Result<(), ModelError> {
+    if is_finite(pose) {
+        return Ok(());
+    }
+    Err(ModelError::Topology(format!(
+        "frame `{frame}`: its position or orientation has a number that is not finite"
+    )))
+}
+
+fn is_finite(pose: &Isometry3<f64>) -> bool {
+    pose.translation.vector.iter().all(|x| x.is_finite())
+        && pose.rotation.coords.iter().all(|x| x.is_finite())
+}
+
 fn validate_joint(joint: &Joint) -> Result<(), ModelError> {
     let refuse = |what: String| {
         Err(ModelError::Joint {
@@ -325,9 +360,7 @@ fn validate_joint(joint: &Joint) -> Result<(), ModelError> {
             what,
         })
     };
-    let placed = joint.X_PJ.translation.vector.iter().all(|x| x.is_finite())
-        && joint.X_PJ.rotation.coords.iter().all(|x| x.is_finite());
-    if !placed {
+    if !is_finite(&joint.X_PJ) {
         return refuse("origin has a number that is not finite".into());
     }
     if !joint.axis.iter().all(|x| x.is_finite()) || (joint.axis.norm() - 1.0).abs() > 1e-9 {
@@ -362,4 +395,54 @@ fn validate_joint(joint: &Joint) -> Result<(), ModelError> {
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Matrix3;
+
+    fn builder() -> ModelBuilder {
+        let inertia = Inertia::from_com(1.0, Vector3::zeros(), Matrix3::identity());
+        ModelBuilder::new("robot", Base::Floating, "base", inertia)
+    }
+
+    fn refused(builder: ModelBuilder) -> String {
+        builder.build().unwrap_err().to_string()
+    }
+
+    #[test]
+    fn frames_and_links_on_bodies_that_are_not_there_are_refused() {
+        let mut robot = builder();
+        robot.frame("tool", BodyId(9), Isometry3::identity());
+        assert_eq!(
+            refused(robot),
+            "frame `tool` is on a body that the model does not have"
+        );
+        let mut robot = builder();
+        robot.weld(BodyId(9), Isometry3::identity(), "load", &Inertia::zero());
+        assert_eq!(
+            refused(robot),
+            "link `load` is fixed to a body that was not added before it"
+        );
+        let model = builder().build().unwrap();
+        let lost = model.with_frame("tool", FrameId(9), &Isometry3::identity());
+        assert_eq!(
+            lost.unwrap_err().to_string(),
+            "frame `tool` is to be in a frame that the model does not have"
+        );
+    }
+
+    #[test]
+    fn frames_have_finite_places() {
+        let nowhere = Isometry3::translation(f64::NAN, 0.0, 0.0);
+        let words = "frame `tool`: its position or orientation has a number that is not finite";
+        let mut robot = builder();
+        let base = robot.base();
+        robot.frame("tool", base, nowhere);
+        assert_eq!(refused(robot), words);
+        let model = builder().build().unwrap();
+        let refused = model.with_frame("tool", FrameId(0), &nowhere);
+        assert_eq!(refused.unwrap_err().to_string(), words);
+    }
 }

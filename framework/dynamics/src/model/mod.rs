@@ -295,7 +295,8 @@ impl Model {
     /// The same tree with another named frame, at `X_FG` in the frame F that is there already.
     ///
     /// # Errors
-    /// [`ModelError::Duplicate`] if a frame has that name.
+    /// [`ModelError::Duplicate`] if a frame has that name; [`ModelError::Topology`] if F is not there, or a number is
+    /// not finite.
     #[allow(non_snake_case)]
     pub fn with_frame(
         mut self,
@@ -309,7 +310,12 @@ impl Model {
                 name: name.to_owned(),
             });
         }
-        let Frame { body, X_BF, .. } = self.frames[frame.index()];
+        build::check_pose(name, X_FG)?;
+        let Some(&Frame { body, X_BF, .. }) = self.frames.get(frame.index()) else {
+            return Err(ModelError::Topology(format!(
+                "frame `{name}` is to be in a frame that the model does not have"
+            )));
+        };
         let id = FrameId(self.frames.len() as u32);
         self.frames.push(Frame {
             name: name.to_owned(),

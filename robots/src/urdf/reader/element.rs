@@ -30,11 +30,12 @@ impl Reader<'_, '_> {
         self.findings.repair(at, irregularity);
     }
 
-    /// The only child of that name, if any; the first of several.
+    /// The only child of that name, if any; the first of several. One of another namespace is another thing.
     pub(super) fn child<'n, 'i>(&mut self, node: Node<'n, 'i>, tag: &str) -> Option<Node<'n, 'i>> {
         let mut found = node
             .children()
-            .filter(|c| c.is_element() && c.tag_name().name() == tag);
+            .filter(|c| c.is_element() && c.tag_name().name() == tag)
+            .filter(|c| c.tag_name().namespace() == node.tag_name().namespace());
         let first = found.next();
         if let Some(second) = found.next() {
             self.repair(

@@ -189,7 +189,7 @@ impl Reader<'_, '_> {
             }
             self.repair(
                 limit,
-                Irregularity::warning(format!("<limit> has no `{key}`"), "taken as unlimited on that side")
+                Irregularity::warning(format!("<limit> has no `{key}`"), "taken as 0, as the format has it")
                     .remedy(remedy)
                     .unless_given([Quantity::Range])
                     .refused_as(format!(
@@ -201,7 +201,7 @@ impl Reader<'_, '_> {
         let missing = [missing("lower"), missing("upper")];
         let mut read = |key: &str, missing: bool| {
             if missing {
-                None
+                Some(0.0)
             } else {
                 self.number(limit, key)
             }

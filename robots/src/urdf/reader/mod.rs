@@ -17,8 +17,9 @@ use wbqp::{
 use super::{
     description::{Description, Inertial, Joint, Kind, Limit, Link, Mimic},
     findings::{At, Findings, Irregularity, Quantity},
+    planar,
 };
-use crate::{source::Source, xml::DEEPEST};
+use crate::{direction::direction, source::Source, xml::DEEPEST};
 use element::Reader;
 
 /// Reads links and joints; what is wrong goes to `findings`. Nothing if there is no robot.
@@ -46,28 +47,46 @@ pub(super) fn read(document: &Document<'_>, findings: &mut Findings<'_>) -> Opti
         links: Vec::new(),
         joints: Vec::new(),
     };
-    for node in root.children().filter(Node::is_element) {
-        let tag = node.tag_name();
-        // Where nothing declares the prefix, its colon is gone.
-        if tag.namespace().is_some_and(|n| n.contains("xacro")) || tag.name().starts_with("xacro_")
-        {
-            let at = At {
-                offset: node.range().start,
-                element: "<xacro>",
-            };
-            findings.refuse(
-                at,
-                "this is a xacro file; expand it first: xacro robot.urdf.xacro > robot.urdf",
-            );
-            return None;
-        }
+    if let Some(macros) = root.descendants().skip(1).find(is_xacro) {
+        let at = At {
+            offset: macros.range().start,
+            element: "<xacro>",
+        };
+        findings.refuse(
+            at,
+            "this is a xacro file; expand it first: xacro robot.urdf.xacro > robot.urdf",
+        );
+        return None;
+    }
+    let mut between = Vec::new();
+    let is_own = |node: &Node<'_, '_>| {
+        node.is_element() && node.tag_name().namespace() == root.tag_name().namespace()
+    };
+    for node in root.children().filter(is_own) {
         match node.tag_name().name() {
             "link" => description.links.extend(link(node, findings)),
-            "joint" => description.joints.extend(joint(node, findings)),
+            "joint" => match joint(node, findings) {
+                Some(planar) if planar.kind == Kind::Planar => {
+                    let (joints, links) = planar::parts(&planar);
+                    description.joints.extend(joints);
+                    between.extend(links);
+                }
+                other => description.joints.extend(other),
+            },
             _ => {}
         }
     }
+    description.links.extend(between);
     Some(description)
+}
+
+/// Whether an element is one that xacro replaces.
+fn is_xacro(node: &Node<'_, '_>) -> bool {
+    let tag = node.tag_name();
+    // Where nothing declares the prefix, its colon is gone.
+    node.is_element()
+        && (tag.namespace().is_some_and(|n| n.contains("xacro"))
+            || tag.name().starts_with("xacro_"))
 }
 
 /// What roxmltree says of a text that is no XML.
@@ -152,6 +171,7 @@ fn link(node: Node<'_, '_>, findings: &mut Findings<'_>) -> Option<Link> {
         name,
         offset: node.range().start,
         inertial: inertial.and_then(|inertial| reader.inertial(inertial)),
+        is_between: false,
     })
 }
 
@@ -191,6 +211,7 @@ fn joint(node: Node<'_, '_>, findings: &mut Findings<'_>) -> Option<Joint> {
         damping,
         friction,
         mimic,
+        part_of: None,
     })
 }
 
@@ -331,8 +352,7 @@ impl Reader<'_, '_> {
             self.refuse(element, "axis is 0 0 0: it has no direction");
             return None;
         }
-        // Scaled first: the squares of a tiny axis vanish.
-        let unit = Unit::try_new(axis / axis.amax(), 0.0);
+        let unit = direction(axis);
         if unit.is_none() {
             self.refuse(node, "axis has no direction");
         }
