@@ -203,15 +203,12 @@ impl Dynamics {
 
     /// Centre of mass, m, world, shape (3,).
     fn center_of_mass<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
-        of_vector(py, self.read(|data| data.center_of_mass()).as_slice())
+        of_vector(py, self.read(Data::center_of_mass).as_slice())
     }
 
     /// Velocity of the centre of mass, m/s, world axes, shape (3,).
     fn center_of_mass_velocity<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
-        of_vector(
-            py,
-            self.read(|data| data.center_of_mass_velocity()).as_slice(),
-        )
+        of_vector(py, self.read(Data::center_of_mass_velocity).as_slice())
     }
 
     /// Jacobian of the centre of mass, shape (3, nv).
@@ -224,12 +221,12 @@ impl Dynamics {
 
     /// ``J̇_com v``, m/s², world axes, shape (3,).
     fn center_of_mass_bias<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
-        of_vector(py, self.read(|data| data.center_of_mass_bias()).as_slice())
+        of_vector(py, self.read(Data::center_of_mass_bias).as_slice())
     }
 
     /// ``[linear; angular]`` momentum, kg·m/s and kg·m²/s, world axes, about the centre of mass, shape (6,).
     fn momentum<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
-        of_vector(py, self.read(|data| data.centroidal_momentum()).as_slice())
+        of_vector(py, self.read(Data::centroidal_momentum).as_slice())
     }
 
     /// ``(kinetic, potential)`` energy, J.
