@@ -194,7 +194,9 @@ impl<'d> Motions<'d> {
             offset: mimic.at,
             element: &label,
         };
-        if self.parts.contains_key(mimic.leader.as_str()) {
+        let named = self.by_name.get(mimic.leader.as_str()).copied();
+        let is_floating = named.is_some_and(|leader| self.joints[leader].kind == Kind::Floating);
+        if is_floating || self.parts.contains_key(mimic.leader.as_str()) {
             findings.refuse(
                 at,
                 format!(
@@ -204,7 +206,7 @@ impl<'d> Motions<'d> {
             );
             return Motion::Free;
         }
-        let Some(&leader) = self.by_name.get(mimic.leader.as_str()) else {
+        let Some(leader) = named else {
             let hint = if findings.may_suggest() {
                 self.meant(index, &mimic.leader)
             } else {
@@ -230,16 +232,6 @@ impl<'d> Motions<'d> {
             );
             return Motion::Free;
         };
-        if self.joints[leader].kind == Kind::Floating {
-            findings.refuse(
-                at,
-                format!(
-                    "follows joint `{}`, which has more than one degree of freedom",
-                    mimic.leader
-                ),
-            );
-            return Motion::Free;
-        }
         if options.lock || options.mimic == MimicKind::Lock {
             let own = options.lock.then(|| self.given_home(index)).flatten();
             return Motion::Rigid {
