@@ -19,7 +19,7 @@ fn a_scenario_that_would_write_outside_its_folder_is_refused() {
     let (file, out) = (folder.file("s.toml"), folder.file("out"));
     for name in [
         "../escape",
-        "/tmp/escape",
+        "/escape",
         "..",
         ".",
         "",

@@ -1,8 +1,8 @@
 //! What the sensors say at the beginning of a tick, and whether it can be true of the robot.
 //!
 //! # What is compared
-//! The time since the last usable measurement, speeds and forces with a bound each ([`bounds`](super::bounds)). Positions and velocities, besides, with those of
-//! the last usable measurement. Positions may have changed by a bound per period, for as many periods as the robot was
+//! The time since the last usable measurement, speeds and forces with a bound each ([`bounds`](super::bounds)).
+//! Positions and velocities, besides, with those of the last usable measurement. Positions may have changed by a bound per period, for as many periods as the robot was
 //! not seen, and while it was seen by twice what its speed explains. Velocities may have changed by a bound for all the
 //! time in between.
 //!

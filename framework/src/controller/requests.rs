@@ -329,7 +329,8 @@ impl Controller {
     /// with this one.
     ///
     /// Velocity references start at these velocities, filters of forces at these forces, the fallback law takes over
-    /// from here if it is at work, and the solver starts without a warm start. What is wanted stays: references, ramps, integrals and switches go on, and so does the controller's time,
+    /// from here if it is at work, and the solver starts without a warm start. What is wanted stays:
+    /// references, ramps, integrals and switches go on, and so does the controller's time,
     /// also if the stamp is an earlier one. Efforts stay within `slew` of the last ones. Does not allocate.
     ///
     /// # Errors
