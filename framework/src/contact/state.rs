@@ -57,10 +57,10 @@ pub struct ContactState {
 }
 
 impl ContactState {
-    /// The normal force that the contact has, N: the last solution's; before the first one what is measured, or as much
-    /// as there may be.
-    pub(super) fn normal_force(&self, most: f64) -> f64 {
-        if self.solution != Vector6::zeros() {
+    /// The normal force that the contact has at a time, N: the last solution's; in the first tick, before there is one,
+    /// what is measured, or as much as there may be.
+    pub(super) fn normal_force(&self, time: f64, most: f64) -> f64 {
+        if time > 0.0 {
             self.solution[2]
         } else if self.measured[2] > 0.0 {
             self.measured[2]

@@ -31,7 +31,7 @@ impl ContactBinding {
                 self.filtered = Vector3::new(c.measured[0], c.measured[1], c.measured[2]);
             }
             Some(false) => {
-                self.exit_force = c.normal_force(self.spec.force_max);
+                self.exit_force = c.normal_force(now, self.spec.force_max);
                 self.exit_alpha = exit_alpha;
             }
             None => {}

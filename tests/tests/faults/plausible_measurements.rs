@@ -453,7 +453,8 @@ fn the_table_of_a_file_is_read_checked_and_saved() {
 /// One stamp that is far ahead is no reason for references to be over; a clock that goes on from there was set.
 #[test]
 fn a_stamp_far_ahead_is_a_fault_until_the_clock_goes_on_from_there() {
-    let task = "[[task]]\ntype = \"posture\"\nkp = 100.0\nreference = { type = \"min_jerk\", to = [1.0], duration = 10.0 }";
+    let task = "[[task]]\ntype = \"posture\"\nkp = 100.0\n\
+                reference = { type = \"min_jerk\", to = [1.0], duration = 10.0 }";
     let mut controller = small::controller(small::PENDULUM, "", "base = \"fixed\"", task);
     let mut measurement = controller.measurement();
     let mut efforts = Vec::new();

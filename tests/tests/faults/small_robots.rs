@@ -136,8 +136,8 @@ fn the_law_does_not_throw_the_legs_of_a_robot_that_falls() {
 fn limits_go_in_the_order_that_is_declared() {
     let plane = |name: &str, z: f64, up: f64, margin: f64| {
         format!(
-            "[[constraint]]\ntype = \"plane_distance\"\nname = {name:?}\nframe = \"base_link\"\npoint = [0.0, 0.0, {z:?}]\n\
-             normal = [0.0, 0.0, {up:?}]\nmargin = {margin:?}\n"
+            "[[constraint]]\ntype = \"plane_distance\"\nname = {name:?}\nframe = \"base_link\"\n\
+             point = [0.0, 0.0, {z:?}]\nnormal = [0.0, 0.0, {up:?}]\nmargin = {margin:?}\n"
         )
     };
     let (floor, ceiling) = (

@@ -2,8 +2,8 @@
 //!
 //! # Mathematics
 //! `W = Q R` of the normals held, in the metric of H. A constraint that comes appends a column, what is left of its
-//! normal beside Q; one that goes is rotated out. If nothing is left, as at a vertex, the normal is `W r` with `R r = Qᵀ
-//! w`: as the multiplier μ of the new constraint grows those of the others move by `−r μ`, and the first that reaches
+//! normal beside Q; one that goes is rotated out. If nothing is left, as at a vertex, the normal is `W r` with
+//! `R r = Qᵀ w`: as the multiplier μ of the new constraint grows those of the others move by `−r μ`, and the first that reaches
 //! zero makes room (D. Goldfarb, A. Idnani, *A numerically stable dual method for solving strictly convex quadratic
 //! programs*, Mathematical Programming 27 (1983)). Q is orthogonal to the last digit whatever the angles are.
 
