@@ -134,13 +134,13 @@ impl ControllerLog {
         write_message(sink, (self.qp, time), (text, DIGITS), |o| {
             qp_fields(report, o);
         })?;
-        if !report.level.is_solved() {
-            return Ok(());
-        }
         if let Some(channel) = self.observer {
             write_message(sink, (channel, time), (text, RESIDUAL_DIGITS), |o| {
                 observer_fields(report, o);
             })?;
+        }
+        if !report.level.is_solved() {
+            return Ok(());
         }
         for (i, channel) in self.contacts.iter().enumerate() {
             let truth = truth.get(i).copied().flatten();

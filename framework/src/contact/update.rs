@@ -103,10 +103,7 @@ impl ContactBinding {
         let force = self.sense(wrench, c);
         self.filtered += (force - self.filtered) * free;
         self.settle(time, c);
-        c.alpha = self.switch.alpha(time);
-        c.live = self.switch.is_live(time);
-        c.since = self.switch.since();
-        c.free_force = self.free_force(c);
+        self.stand(time, c);
         c.force_limits = if self.switch.is_on() {
             [c.alpha * self.spec.force_min, c.alpha * self.spec.force_max]
         } else {
@@ -115,6 +112,14 @@ impl ContactBinding {
             let force = self.exit_force.max(0.0);
             [c.alpha * self.spec.force_min.min(force), ramp * force]
         };
+    }
+
+    /// How far the contact is switched on, and what follows from that without its wrench.
+    pub(crate) fn stand(&self, time: f64, c: &mut ContactState) {
+        c.alpha = self.switch.alpha(time);
+        c.live = self.switch.is_live(time);
+        c.since = self.switch.since();
+        c.free_force = self.free_force(c);
         if !c.live {
             c.solution = Vector6::zeros();
             c.set_point = Vector3::zeros();

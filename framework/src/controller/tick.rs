@@ -181,10 +181,9 @@ impl Controller {
         let level = fault.map_or(FallbackLevel::Optimal, |_| FallbackLevel::Relaxed);
         let tasks = &self.entries[..self.task_count];
         self.world.remember(&mut self.problem, tasks);
-        self.send(level);
-        let tasks = &self.entries[..self.task_count];
         self.report
             .fill(&self.problem, tasks, &self.world, &self.qp, &self.solution);
+        self.send(level);
         self.fallback.without_solution.renew(measurement.time);
         let done = self.stopwatch.now();
         self.report.times = StageTimes {

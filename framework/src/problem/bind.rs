@@ -122,6 +122,7 @@ impl NaturalRows {
         Self {
             kind,
             count,
+            is_expanded: false,
             is_cost: false,
             couples: layout.acts_on_accelerations() && layout.acts_on_forces(),
             singles: if kind == Kind::Single {

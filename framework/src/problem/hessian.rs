@@ -254,9 +254,9 @@ impl NaturalCost {
 
     /// Writes H and g of the problem.
     pub(super) fn write(&mut self, reduced: &ReducedDynamics, qp: &mut Qp) {
-        let (n, p) = (self.n, self.n - qp.n());
+        let (n, nx) = (self.n, qp.n());
+        let p = n - nx;
         let (h, g) = qp.cost_mut();
-        let nx = n - p;
         g.copy_from_slice(&self.g[p..n]);
         let width = self.substitute(reduced, h, g);
         for i in 0..nx {

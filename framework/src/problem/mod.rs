@@ -187,12 +187,14 @@ impl Problem {
         }
         self.cost.reset(self.active.n);
         for (index, entry) in entries.iter().enumerate() {
+            // Eliminated contacts' rows hold by substitution.
+            let is_written = entry.live && !self.partition.elimination.hold(index);
             self.rows[index].is_cost = false;
+            self.rows[index].is_expanded = is_written;
             if !entry.live {
                 continue;
             }
-            // Eliminated contacts' rows hold by substitution.
-            if !self.partition.elimination.hold(index) {
+            if is_written {
                 let context = Context::new(&self.partition, &self.reduced, &self.active);
                 self.rows[index].expand(entry, &context, terms);
                 if entry.treatment_now() == Treatment::Cost {
@@ -232,8 +234,7 @@ impl Problem {
             .iter()
             .zip(&self.rows)
             .filter(|(_, rows)| rows.is_cost);
-        let largest = on.map(|(entry, _)| entry.largest_weight());
-        let largest = largest.fold(0.0, f64::max);
+        let largest = on.fold(0.0, |most, (entry, _)| entry.largest_weight().max(most));
         self.largest_weight = if largest > 0.0 { largest } else { 1.0 };
         let weight = self.regularisation * self.largest_weight;
         self.regularisation_weight = weight;

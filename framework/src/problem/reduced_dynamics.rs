@@ -286,11 +286,8 @@ impl ReducedDynamics {
         }
         let stride = self.width + 1;
         add_matrix_rows(&mut row[..self.width], a, &self.response, stride);
-        let known = self
-            .response
-            .chunks_exact(stride)
-            .map(|row| row[self.width]);
-        a.iter().zip(known).map(|(a, c)| a * c).sum()
+        let rows = a.iter().zip(self.response.chunks_exact(stride));
+        rows.map(|(a, row)| a * row[self.width]).sum()
     }
 
     /// `v̇_P` of a solution.

@@ -93,7 +93,8 @@ pub(super) enum Kind {
 pub(super) struct NaturalRows {
     pub(super) kind: Kind,
     pub(super) count: usize,
-    /// Whether they are a cost, this tick.
+    /// Whether they have been expanded, and whether they are a cost, this tick.
+    pub(super) is_expanded: bool,
     pub(super) is_cost: bool,
     /// Whether they have coefficients on accelerations and others.
     pub(super) couples: bool,

@@ -27,7 +27,7 @@ pub(crate) struct Solved {
     pub(super) y: Vec<f64>,
     /// Values of an entry's rows.
     pub(super) values: Vec<f64>,
-    /// Residual `a x − b` and weight of every cost row, entry by entry.
+    /// Residual `a x − b` and weight of every row of a cost or a task, entry by entry.
     pub(super) residuals: Vec<[f64; 2]>,
     /// Where the residuals of each entry are.
     pub(super) ranges: Vec<Range<usize>>,
@@ -86,15 +86,17 @@ impl Solved {
         for (index, (entry, rows)) in entries.iter().zip(rows).enumerate() {
             let start = residuals.len();
             self.ranges[index] = start..start;
-            if !rows.is_cost {
+            if !(rows.is_cost || rows.is_expanded && entry.is_task) {
                 continue;
             }
+            // Rows of tasks that are hard cost nothing, and hold unless they were given up.
+            let alpha = if rows.is_cost { entry.alpha } else { 0.0 };
             let weights = entry.weight.now();
             let mut values = std::mem::take(&mut self.values);
             values[..weights.len()].fill(0.0);
             rows.evaluate(self, active, &mut values[..weights.len()]);
             for ((weight, value), b) in weights.iter().zip(&values).zip(&entry.store.lower) {
-                let (residual, weight) = (value - b, weight * entry.alpha);
+                let (residual, weight) = (value - b, weight * alpha);
                 sum += weight * residual * residual;
                 residuals.push([residual, weight]);
             }
@@ -114,7 +116,7 @@ impl Solved {
         self.objective = sum;
     }
 
-    /// Residuals `a x − b` and weights of an entry's rows; none if it is no cost.
+    /// Residuals `a x − b` and weights of an entry's rows; none if it is neither a task nor a cost.
     pub(crate) fn residuals(&self, entry: usize) -> &[[f64; 2]] {
         &self.residuals[self.ranges[entry].clone()]
     }

@@ -126,3 +126,48 @@ fn a_contact_that_is_switched_off_before_the_first_tick_unloads_along_its_ramp()
     let jumps = forces.windows(2).map(|pair| (pair[1] - pair[0]).abs());
     assert!(jumps.fold(0.0, f64::max) < 1.0, "{forces:?}");
 }
+
+/// While its sensor says nothing usable, a contact is let go all the same, and what was planned for it with it.
+#[test]
+fn a_contact_that_is_let_go_without_its_wrench_pushes_no_more() {
+    let mut controller = pushing();
+    let tip = controller.contact("tip").expect("is there");
+    controller.activate_contact("tip").expect("is there");
+    let mut measurement = controller.measurement();
+    for k in 0..500 {
+        measurement.time = 0.004 * f64::from(k);
+        controller.tick(&measurement);
+    }
+    assert!(controller.contact_state(tip).solution.norm() > 0.1);
+    controller.deactivate_contact("tip").expect("is there");
+    measurement.wrenches[0][0] = f64::NAN;
+    for _ in 0..500 {
+        measurement.time += 0.004;
+        controller.tick(&measurement);
+    }
+    let state = controller.contact_state(tip);
+    assert_eq!((state.alpha, state.live), (0.0, false));
+    assert_eq!(state.solution, Vector6::zeros());
+    assert_eq!(state.set_point, Vector3::zeros());
+}
+
+/// A soft inequality on one side has a row for the other, too, which limits nothing: no solution is at its limit.
+#[test]
+fn a_limit_that_is_none_is_not_active() {
+    let feet = fs::read_to_string(workspace("examples/tutorials/quadruped.controller.toml"));
+    let text = feet.expect("ships").replace(
+        "[controller]",
+        "[[constraint]]\ntype = \"tilt_limit\"\nmax_tilt = 0.3\nhardness = \"soft\"\nweight = 10.0\n[controller]",
+    );
+    let mut controller = controller_of(&text);
+    let measurement = controller.measurement();
+    let (_, report) = controller.tick(&measurement);
+    assert_eq!(report.level, FallbackLevel::Optimal);
+    for row in &report.active {
+        assert!(
+            row.limit.is_finite(),
+            "{:?} {row:?}",
+            report.row(row.row).map(|row| &row.label)
+        );
+    }
+}

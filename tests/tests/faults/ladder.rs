@@ -253,6 +253,13 @@ fn hard_tasks_go_before_constraints_and_contacts_last() {
     let given = given_up(&controller);
     assert_eq!(given.len(), 1, "{given:?}");
     assert_eq!(given[0].0, "wish");
+    // What is given up of a task is its residual.
+    let wish = controller.report().tasks.last().expect("is the last");
+    assert!(
+        (wish.residual[0].abs() - given[0].1).abs() < 1e-9,
+        "{wish:?} {given:?}"
+    );
+    assert!(given[0].1 > 1.0 && wish.cost[0] == 0.0, "{wish:?}");
     // A constraint goes before the contact's limits.
     let mut config = pushing();
     add(&mut config, "cap", normal_force_up_to(0.7));

@@ -43,22 +43,8 @@ impl ContactBinding {
         };
     }
 
-    /// What is known of the contact without its wrench: where it is, and how far it is switched on.
-    pub(crate) fn place_again(
-        &mut self,
-        time: f64,
-        model: &Model,
-        data: &Data,
-        c: &mut ContactState,
-    ) {
-        self.place(model, data, c);
-        c.alpha = self.switch.alpha(time);
-        c.live = self.switch.is_live(time);
-        c.since = self.switch.since();
-        c.free_force = self.free_force(c);
-    }
-
-    /// The same where the surface was in the tick that is remembered; it may have moved since.
+    /// What is known of the contact without its wrench, where the surface was in the tick that is remembered; it may
+    /// have moved since.
     pub(crate) fn place_as_then(
         &mut self,
         time: f64,
@@ -71,7 +57,8 @@ impl ContactBinding {
         if let Some((R_WC, p_WS)) = &memory.last_placed {
             (self.motion.R_WC, self.motion.p_WS) = (rotation(R_WC), (*p_WS).into());
         }
-        self.place_again(time, model, data, c);
+        self.place(model, data, c);
+        self.stand(time, c);
         self.motion = now;
     }
 }

@@ -13,7 +13,8 @@ impl World {
             if !binding.switch.is_wanted() {
                 binding.settle(self.time, contact);
             }
-            binding.place_again(self.time, &self.model, &self.data, contact);
+            binding.place(&self.model, &self.data, contact);
+            binding.stand(self.time, contact);
         }
     }
 }
