@@ -67,6 +67,7 @@ use description::Description;
 pub(crate) use findings::SUGGESTED;
 use findings::{At, Findings, Irregularity, Mode};
 use motion::Motions;
+pub(crate) use reader::forgiving;
 
 /// A URDF as the options want it.
 pub(crate) struct Robot {
