@@ -48,6 +48,9 @@ pub struct Arguments {
     /// Prints every value that a controller's file does not say instead, and why it is that
     #[arg(long, conflicts_with_all = ["json", "expand"])]
     pub explain_config: bool,
+    /// Prints where each frame is with the robot at home, too; the JSON always says it
+    #[arg(long, conflicts_with_all = ["json", "expand", "explain_config"])]
+    pub frames: bool,
     /// Of a scenario, the case whose controller is looked at; its first if not given
     #[arg(long, value_name = "NAME")]
     pub case: Option<String>,
@@ -167,7 +170,7 @@ impl Arguments {
         if self.json {
             writeln!(out, "{}", serde_json::to_string_pretty(&examination)?)?;
         } else {
-            write!(out, "{}", text::text(&examination))?;
+            write!(out, "{}", text::text(&examination, self.frames))?;
         }
         for error in examination.errors.iter().chain(&examination.faults) {
             complain!("error: {error}");
