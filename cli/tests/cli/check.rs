@@ -404,3 +404,18 @@ fn where_frames_are_at_home_is_told() {
     }
     assert_eq!(found["rpy"].as_array().unwrap().len(), 3);
 }
+
+#[test]
+fn a_controller_for_somewhere_else_is_told_to_have_a_scenario() {
+    let done = wbqp(&["check", "examples/scenarios/push_away.controller.toml"]);
+    assert_eq!(done.code, 1);
+    assert!(
+        done.stderr.contains(
+            "; if the robot begins elsewhere, check the scenario whose [initial] says where"
+        ),
+        "{}",
+        done.stderr
+    );
+    let done = wbqp(&["check", "examples/scenarios/push_away.toml"]);
+    assert_eq!(done.code, 0, "{}", done.stderr);
+}
