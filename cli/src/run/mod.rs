@@ -147,7 +147,7 @@ impl Arguments {
         let controller = of_case.make_controller(config)?;
         figures::draw(&log, &controller, &directory.join(case))?;
         picture::draw(&log, &controller, &soles, &led, &directory.join(case))?;
-        CaseSummary::of(case, &run, &log, &controller)
+        CaseSummary::of(of_case, &run, &log, &controller)
     }
 }
 
