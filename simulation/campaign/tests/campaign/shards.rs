@@ -173,7 +173,9 @@ fn a_table_does_not_say_where_it_was_made() {
         };
         let refused = reasons.into_iter().flatten().next().unwrap();
         assert!(
-            refused.contains("hover.toml: plant.mismatch.mass_scale"),
+            refused.contains(
+                "hover.toml: variation `plant.mismatch.mass_scale = -1.0`: plant.mismatch.mass_scale"
+            ),
             "{refused}"
         );
         fs::read(path).unwrap()
