@@ -256,7 +256,9 @@ fn a_run_of_no_tick_is_refused() {
     let done = wbqp(&["run", stand, "--duration", "1e-9"]);
     assert_eq!(done.code, 1);
     assert!(
-        done.stderr.contains("shorter than a control period"),
+        done.stderr.contains(
+            "with the default plant: duration: is 0.000000001 s, shorter than a control period"
+        ),
         "{}",
         done.stderr
     );
