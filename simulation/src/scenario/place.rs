@@ -131,8 +131,7 @@ fn steps(message: &str) -> Vec<Step<'_>> {
         }
         let named = rest.strip_prefix(" `").and_then(|r| r.split_once("`: "));
         rest = match (named, rest.strip_prefix('.')) {
-            (Some((_, behind)), _) => behind,
-            (None, Some(behind)) => behind,
+            (Some((_, behind)), _) | (None, Some(behind)) => behind,
             (None, None) => return path,
         };
     }
