@@ -38,8 +38,10 @@ impl Arguments {
         let last = dump.len();
         let tick = self.tick.unwrap_or(last);
         let index = tick.checked_sub(1).filter(|&i| i < last);
-        let index =
-            index.with_context(|| format!("there is no tick {tick}, the file has 1 to {last}"))?;
+        let index = index.with_context(|| {
+            let file = self.file.display();
+            format!("--tick: there is no tick {tick}, {file} has 1 to {last}")
+        })?;
         let replayed = wbqp_replay::rerun(&dump, index, self.directory.as_deref());
         let replayed = replayed.with_context(|| {
             format!(

@@ -13,6 +13,8 @@ use wbqp::{
     robot::RobotModel,
 };
 
+use crate::urdf::forgiving;
+
 /// A shape on a link.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Visual {
@@ -68,7 +70,10 @@ pub fn visuals(robot: &RobotModel) -> (Vec<Visual>, Vec<String>) {
             allow_dtd: true,
             ..ParsingOptions::default()
         };
-        let Ok(document) = Document::parse_with_options(&source.contents, options) else {
+        // What the loader forgives has visuals too.
+        let text = source.contents.strip_prefix('\u{feff}');
+        let text = forgiving(text.unwrap_or(&source.contents));
+        let Ok(document) = Document::parse_with_options(&text, options) else {
             continue;
         };
         let root = document.root_element();

@@ -68,6 +68,50 @@ pub struct Push {
     pub effort: Vec<f64>,
 }
 
+/// What is nearer to its limit than this, relative to it, is at it.
+const AT_LIMIT: f64 = 1e-6;
+
+impl Push {
+    /// What does not let it be larger, in words: actuators at their limits, friction, the contact's largest force.
+    /// Robot and contact are those that it was asked of.
+    pub fn limits(&self, robot: &RobotModel, contact: &ContactSpec) -> Vec<String> {
+        let is_at =
+            |value: f64, limit: f64| (value - limit).abs() <= AT_LIMIT * limit.abs().max(1.0);
+        let mut limits = Vec::new();
+        for (is_upper, which) in [(true, "largest"), (false, "least")] {
+            let efforts = robot.actuators.iter().zip(&self.effort);
+            let names: Vec<String> = efforts
+                .filter(|(actuator, effort)| {
+                    let limit = if is_upper {
+                        actuator.upper
+                    } else {
+                        actuator.lower
+                    };
+                    is_at(**effort, limit)
+                })
+                .map(|(actuator, _)| format!("`{}`", actuator.name))
+                .collect();
+            match names.as_slice() {
+                [] => {}
+                [name] => limits.push(format!("{name} is at its {which} effort")),
+                names => limits.push(format!("{} are at their {which} effort", names.join(", "))),
+            }
+        }
+        let friction = contact.friction * FRAC_1_SQRT_2 * self.normal;
+        let tangential = self.force.x.abs().max(self.force.y.abs());
+        if contact.kind.tangential().is_some() && is_at(tangential, friction) {
+            limits.push(format!("friction of {} is used up", contact.friction));
+        }
+        if is_at(self.normal, contact.force_max) {
+            limits.push(format!(
+                "the contact's `force_max` is {} N",
+                contact.force_max
+            ));
+        }
+        limits
+    }
+}
+
 /// The largest normal force in a static equilibrium, or `None` if there is no equilibrium.
 ///
 /// Attitude and posture are those of `state`, for an under-actuated base with a tilt in addition; its velocity does

@@ -4,7 +4,8 @@ use serde::Serialize;
 use wbqp::{
     actuator::{Actuator, ActuatorKind, Drive},
     controller::Memory,
-    model::{Base, BodyId, Joint, JointId, JointKind, Model},
+    dynamics::{Data, frame_motion},
+    model::{Base, BodyId, Frame, Joint, JointId, JointKind, Model},
     robot::{Diagnostic, RobotModel},
 };
 
@@ -137,6 +138,10 @@ pub struct FrameFacts {
     pub name: String,
     /// The body that it moves with.
     pub body: String,
+    /// Its origin with the robot at home, m, world.
+    pub position: [f64; 3],
+    /// Roll, pitch, yaw of its axes with the robot at home, rad, world.
+    pub rpy: [f64; 3],
 }
 
 /// An actuator.
@@ -204,14 +209,7 @@ impl Robot {
                     offset: mimic.offset,
                 })
                 .collect(),
-            frames: model
-                .frames()
-                .iter()
-                .map(|frame| FrameFacts {
-                    name: frame.name.clone(),
-                    body: body_name(model, frame.body),
-                })
-                .collect(),
+            frames: FrameFacts::all(robot),
             actuators: robot
                 .actuators
                 .iter()
@@ -294,6 +292,27 @@ impl JointFacts {
             home: robot.home.q.get(index).copied().unwrap_or_default(),
             passive: id.is_none_or(|id| robot.joint_actuator(id).is_none()),
         }
+    }
+}
+
+impl FrameFacts {
+    /// In the model's order, with the robot at its home.
+    pub(super) fn all(robot: &RobotModel) -> Vec<Self> {
+        let model = &robot.model;
+        let mut data = Data::new(model);
+        data.update(model, &robot.home);
+        let frames = model.frames().iter();
+        let of = |frame: &Frame| {
+            let motion = frame_motion(model, &data, model.frame(&frame.name)?);
+            let (roll, pitch, yaw) = motion.R_WF.euler_angles();
+            Some(Self {
+                name: frame.name.clone(),
+                body: body_name(model, frame.body),
+                position: motion.p_WF.into(),
+                rpy: [roll, pitch, yaw],
+            })
+        };
+        frames.filter_map(of).collect()
     }
 }
 

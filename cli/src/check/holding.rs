@@ -5,6 +5,7 @@ use wbqp::{
     Controller,
     controller::FallbackLevel,
     dynamics::{Data, frame_motion},
+    fault::Fault,
     model::Base,
     nalgebra::Vector3,
     robot::RobotModel,
@@ -84,6 +85,9 @@ pub struct FirstTick {
     /// Why it is not the optimum.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub why: Option<String>,
+    /// Whether nothing is wrong but that it begins far from its references.
+    #[serde(skip)]
+    pub is_far: bool,
     /// Normal forces of the contacts that are on, N.
     pub contacts: Vec<(String, f64)>,
     /// With which the base of a robot that should stand begins to move, m/s².
@@ -94,6 +98,8 @@ pub struct FirstTick {
     pub off_surface: Vec<(String, f64)>,
 }
 
+/// Where a first tick is that no scenario has.
+const AT_HOME: &str = "at home";
 /// Contacts nearer to their surface than this, m, touch it.
 const TOUCHES: f64 = 0.02;
 /// Cosine from which on two surfaces are parallel.
@@ -148,6 +154,7 @@ impl Holding {
         }
         let (command, report) = controller.tick(&measurement);
         let (effort, level) = (command.effort.clone(), report.level);
+        let is_far = matches!(report.fault, Some(Fault::FirstError(_)));
         let acceleration = report
             .vdot
             .iter()
@@ -173,13 +180,14 @@ impl Holding {
         holding.first_tick = Some(FirstTick {
             place: match start {
                 Some(_) => "where the case begins",
-                None => "at home",
+                None => AT_HOME,
             },
             level: level.as_str(),
             why: match level {
                 FallbackLevel::Optimal => None,
                 _ => controller.explain(),
             },
+            is_far,
             falls: (stands && controller.robot().model.base() == Base::Floating)
                 .then_some(acceleration)
                 .filter(|a| *a > STANDS),
@@ -204,8 +212,13 @@ impl Holding {
                     .unwrap_or(why)
             });
             let why = why.map_or_else(String::new, |why| format!(": {why}"));
+            let elsewhere = if tick.is_far && tick.place == AT_HOME {
+                "; if the robot begins elsewhere, check the scenario whose [initial] says where"
+            } else {
+                ""
+            };
             faults.push(format!(
-                "the first tick {} is {}, not optimal{why}",
+                "the first tick {} is {}, not optimal{why}{elsewhere}",
                 tick.place, tick.level
             ));
         }

@@ -15,7 +15,7 @@ use wbqp_sim::{
 };
 
 use super::{
-    examination::{ControllerFacts, Examination, Robot},
+    examination::{ControllerFacts, Examination, FrameFacts, Robot},
     holding::Holding,
 };
 use crate::{assignment::Assignment, leaning, subject::Subject};
@@ -145,8 +145,9 @@ fn with_config(
     });
     match planned {
         Ok(mut controller) => {
-            // With what was noticed in the controller's file.
+            // With what was noticed in the controller's file, and home where its contacts place it.
             if let Some(shown) = &mut examination.robot {
+                shown.frames = FrameFacts::all(controller.robot());
                 shown
                     .diagnostics
                     .clone_from(&controller.robot().diagnostics);

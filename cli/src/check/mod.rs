@@ -42,15 +42,27 @@ pub struct Arguments {
     #[expect(missing_docs, reason = "its type says it")]
     #[command(flatten)]
     pub robot: RobotOptions,
+    // A comment of documentation would be this command's help.
+    #[expect(missing_docs, reason = "its type says it")]
+    #[command(flatten)]
+    pub instead: Instead,
+    /// Prints where each frame is with the robot at home, too; the JSON always says it
+    #[arg(long, conflicts_with_all = ["json", "expand", "explain_config"])]
+    pub frames: bool,
+    /// Of a scenario, the case whose controller is looked at; its first if not given
+    #[arg(long, value_name = "NAME")]
+    pub case: Option<String>,
+}
+
+/// What is printed of a controller's file instead of what was found.
+#[derive(Args, Clone, Copy, Debug)]
+pub struct Instead {
     /// Prints the long form of a controller's file instead, with everything that it leaves to defaults
     #[arg(long, conflicts_with = "json")]
     pub expand: bool,
     /// Prints every value that a controller's file does not say instead, and why it is that
     #[arg(long, conflicts_with_all = ["json", "expand"])]
     pub explain_config: bool,
-    /// Of a scenario, the case whose controller is looked at; its first if not given
-    #[arg(long, value_name = "NAME")]
-    pub case: Option<String>,
 }
 
 /// How a robot's file is to be read.
@@ -154,7 +166,7 @@ impl Arguments {
         if self.robot.urdf.is_some() && Subject::of_file(&self.file)? == Subject::Urdf {
             bail!("--urdf: is for a controller; the file is a URDF itself");
         }
-        if self.expand || self.explain_config {
+        if self.instead.expand || self.instead.explain_config {
             return self.explain(&request);
         }
         let announced = Announced::default();
@@ -167,7 +179,7 @@ impl Arguments {
         if self.json {
             writeln!(out, "{}", serde_json::to_string_pretty(&examination)?)?;
         } else {
-            write!(out, "{}", text::text(&examination))?;
+            write!(out, "{}", text::text(&examination, self.frames))?;
         }
         for error in examination.errors.iter().chain(&examination.faults) {
             complain!("error: {error}");
@@ -191,7 +203,7 @@ impl Arguments {
             Err(errors) => bail!(errors.join("\n")),
         };
         let mut out = io::stdout().lock();
-        if self.expand {
+        if self.instead.expand {
             write!(out, "{}", config.to_toml()?)?;
         } else {
             for line in config.implied() {

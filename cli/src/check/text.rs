@@ -13,8 +13,8 @@ use crate::text::{indented, number, per_cent, quantity, table, wrapped};
 /// Characters that a line of names may have.
 const WIDTH: usize = 100;
 
-/// Everything but the errors, which belong on standard error.
-pub(super) fn text(examination: &Examination) -> String {
+/// Everything but the errors, which belong on standard error; where the frames are only if that is asked for.
+pub(super) fn text(examination: &Examination, with_places: bool) -> String {
     let mut out = String::new();
     let Some(robot) = &examination.robot else {
         return out;
@@ -45,6 +45,9 @@ pub(super) fn text(examination: &Examination) -> String {
     diagnostics_text(&robot.diagnostics, &mut out);
     tree_text(robot, &mut out);
     frames_text(robot, &mut out);
+    if with_places {
+        places_text(robot, &mut out);
+    }
     if let Some(holding) = &examination.holding {
         holding_text(holding, &mut out);
     }
@@ -264,6 +267,32 @@ fn frames_text(robot: &Robot, out: &mut String) {
     for body in names {
         let frames = wrapped(&body.merged, ",", widest + 4, WIDTH.saturating_sub(widest));
         let _ = writeln!(out, "  {:widest$}  {frames}", body.name);
+    }
+}
+
+/// Where each frame is at home.
+fn places_text(robot: &Robot, out: &mut String) {
+    let mut rows = table(
+        &["frame", "x", "y", "z", "roll", "pitch", "yaw"],
+        &[1, 2, 3, 4, 5, 6],
+    );
+    for frame in &robot.frames {
+        let numbers = frame.position.iter().chain(&frame.rpy);
+        let mut cells = vec![frame.name.clone()];
+        cells.extend(numbers.map(|x| thousandths(*x)));
+        rows.add_row(cells);
+    }
+    let _ = writeln!(out, "\nFrames at home, in the world (m, rad)");
+    out.push_str(&indented(&rows.to_string(), "  "));
+}
+
+/// Without the sign of what is rounded to zero.
+fn thousandths(x: f64) -> String {
+    let text = format!("{x:.3}");
+    if text == "-0.000" {
+        "0.000".to_owned()
+    } else {
+        text
     }
 }
 

@@ -8,9 +8,12 @@ use wbqp::{
     nalgebra::{Quaternion, UnitQuaternion, Vector3},
 };
 use wbqp_measures::log::Log;
-use wbqp_sim::Summary;
+use wbqp_sim::{Summary, scenario::Case};
 
-use super::{summary::TaskSummary, traces::columns};
+use super::{
+    summary::{ContactSummary, TaskSummary},
+    traces::columns,
+};
 use crate::text::{number, per_cent, quantity};
 
 /// Nobody asks a robot to end further from where it should be than this share of its size …
@@ -30,7 +33,8 @@ pub(super) fn of(
     run: &Summary,
     log: &Log,
     controller: &Controller,
-    tasks: &[TaskSummary],
+    case: &Case,
+    (tasks, contacts): (&[TaskSummary], &[ContactSummary]),
 ) -> Result<Vec<String>> {
     let mut words = Vec::new();
     let lost = (LOST * size(controller)).min(LOST_AT_MOST);
@@ -43,6 +47,8 @@ pub(super) fn of(
             ));
         }
     }
+    let untouched = contacts.iter();
+    words.extend(untouched.filter_map(|contact| never_touched(contact, controller, case)));
     let leans = match controller.robot().model.base() {
         Base::Floating => lean(log)?,
         Base::Fixed => None,
@@ -61,6 +67,34 @@ pub(super) fn of(
         ));
     }
     Ok(words)
+}
+
+/// Of a contact that was on, or that a detector waited for, and bore nothing in the whole run.
+fn never_touched(contact: &ContactSummary, controller: &Controller, case: &Case) -> Option<String> {
+    let name = &contact.name;
+    let is_awaited = case.detectors().iter().any(|d| &d.contact == name);
+    if contact.peak_real.is_some_and(|force| force > 0.0) || !(contact.on > 0.0 || is_awaited) {
+        return None;
+    }
+    let frame = &controller
+        .contact_spec(controller.contact(name).ok()?)
+        .frame;
+    let plant = case.plant();
+    let why = if !plant.contact_points.iter().any(|p| &p.frame == frame) {
+        format!("the plant has no [[plant.contact_point]] with frame = \"{frame}\"")
+    } else if plant.walls.is_empty() {
+        "the plant has no [[plant.wall]]".to_owned()
+    } else {
+        format!("frame `{frame}` did not come to a [[plant.wall]]; is the wall where it goes?")
+    };
+    let promise = if contact.on > 0.0 {
+        format!("was on for {} of the run", per_cent(Some(contact.on)))
+    } else {
+        "has a [[detector]]".to_owned()
+    };
+    Some(format!(
+        "contact `{name}` {promise} and never touched anything: {why}"
+    ))
 }
 
 /// The diagonal of the box around all frames at home, m.

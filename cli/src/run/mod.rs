@@ -16,7 +16,7 @@ use std::{
     process::ExitCode,
 };
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, anyhow, bail};
 use clap::Args;
 use rayon::prelude::*;
 use wbqp::robot::Severity;
@@ -147,7 +147,7 @@ impl Arguments {
         let controller = of_case.make_controller(config)?;
         figures::draw(&log, &controller, &directory.join(case))?;
         picture::draw(&log, &controller, &soles, &led, &directory.join(case))?;
-        CaseSummary::of(case, &run, &log, &controller)
+        CaseSummary::of(of_case, &run, &log, &controller)
     }
 }
 
@@ -178,7 +178,8 @@ pub(crate) fn load(file: &Path, robot: &RobotOptions, duration: Option<f64>) -> 
             let duration = duration.unwrap_or(DURATION);
             let text = default_scenario::text(&name, file, &overrides, duration)?;
             let label = format!("{} with the default plant", file.display());
-            Scenario::from_text_with(&text, &label, Path::new(""), &variation)?
+            Scenario::from_text_with(&text, &label, Path::new(""), &variation)
+                .map_err(|error| anyhow!(without_places(&error.to_string(), &label)))?
         }
         Subject::Urdf => bail!(
             "{}: is a robot without a controller; `wbqp new --urdf` writes one to start from",
@@ -186,6 +187,23 @@ pub(crate) fn load(file: &Path, robot: &RobotOptions, duration: Option<f64>) -> 
         ),
     };
     Ok(scenario)
+}
+
+/// What is said of a text that nobody has: lines and columns in it say nothing.
+fn without_places(message: &str, label: &str) -> String {
+    let parts: Vec<&str> = message.split(label).map(behind_place).collect();
+    parts.join(label)
+}
+
+/// Without `:line:column` at its beginning.
+fn behind_place(text: &str) -> &str {
+    behind_number(text).and_then(behind_number).unwrap_or(text)
+}
+
+fn behind_number(text: &str) -> Option<&str> {
+    let digits = text.strip_prefix(':')?;
+    let rest = digits.trim_start_matches(|c: char| c.is_ascii_digit());
+    (rest.len() < digits.len()).then_some(rest)
 }
 
 /// A file's name without its extension, as it can name a folder: what a scenario's name cannot have is `_`.
@@ -208,6 +226,21 @@ fn stem(file: &Path) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_text_that_nobody_has_has_no_lines() {
+        for (message, told) in [
+            ("L:3:12: duration: is 0 s", "L: duration: is 0 s"),
+            ("L: step: is 1\nL:14:1: x", "L: step: is 1\nL: x"),
+            (
+                "other:1:2: x\nin case `a` of L:2:3",
+                "other:1:2: x\nin case `a` of L",
+            ),
+            ("L: variation `a = 1`: x", "L: variation `a = 1`: x"),
+        ] {
+            assert_eq!(without_places(message, "L"), told);
+        }
+    }
 
     #[test]
     fn a_folder_is_called_like_the_file_as_far_as_it_can_be() {

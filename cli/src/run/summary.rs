@@ -13,7 +13,7 @@ use wbqp::{
 };
 use wbqp_log::{LogError, RunLock};
 use wbqp_measures::{Recording, escaped, log::Log};
-use wbqp_sim::Summary;
+use wbqp_sim::{Summary, scenario::Case};
 
 use super::{
     attention,
@@ -161,11 +161,11 @@ impl CaseSummary {
     ///
     /// # Errors
     /// A log that cannot be read.
-    pub fn of(case: &str, run: &Summary, log: &Log, controller: &Controller) -> Result<Self> {
-        let tasks = tasks(log, controller)?;
+    pub fn of(case: &Case, run: &Summary, log: &Log, controller: &Controller) -> Result<Self> {
+        let (tasks, contacts) = (tasks(log, controller)?, contacts(log, controller)?);
         Ok(Self {
-            attention: attention::of(run, log, controller, &tasks)?,
-            case: case.to_owned(),
+            attention: attention::of(run, log, controller, case, (&tasks, &contacts))?,
+            case: case.name().to_owned(),
             ticks: run.ticks,
             not_optimal: run.held,
             worst_level: worst_level(log)?.as_str(),
@@ -175,7 +175,7 @@ impl CaseSummary {
             why: run.why.clone(),
             tasks,
             efforts: efforts(log, controller)?,
-            contacts: contacts(log, controller)?,
+            contacts,
             tick_time: tick_time(log)?,
         })
     }

@@ -371,3 +371,51 @@ fn a_controller_that_does_not_work_where_it_begins_fails() {
         1
     );
 }
+
+#[test]
+fn where_frames_are_at_home_is_told() {
+    let stand = "examples/scenarios/quadruped_stand.controller.toml";
+    let done = wbqp(&["check", stand, "--frames"]);
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    let (_, table) = done
+        .stdout
+        .split_once("Frames at home, in the world (m, rad)\n")
+        .unwrap();
+    let mut lines = table
+        .lines()
+        .map(|line| line.split_whitespace().collect::<Vec<_>>());
+    assert_eq!(
+        lines.next().unwrap(),
+        ["frame", "x", "y", "z", "roll", "pitch", "yaw"]
+    );
+    let foot = lines
+        .find(|words| words.first() == Some(&"fl_foot"))
+        .unwrap();
+    // It stands on the ground.
+    assert_eq!(foot[3], "0.000");
+    assert!(!wbqp(&["check", stand]).stdout.contains("Frames at home"));
+
+    let json = wbqp(&["check", stand, "--json"]).json();
+    let frames = json["frames"].as_array().unwrap();
+    let found = frames.iter().find(|f| f["name"] == "fl_foot").unwrap();
+    for (word, number) in foot[1..4].iter().zip(found["position"].as_array().unwrap()) {
+        let told: f64 = word.parse().unwrap();
+        assert!((told - number.as_f64().unwrap()).abs() < 6e-4, "{found}");
+    }
+    assert_eq!(found["rpy"].as_array().unwrap().len(), 3);
+}
+
+#[test]
+fn a_controller_for_somewhere_else_is_told_to_have_a_scenario() {
+    let done = wbqp(&["check", "examples/scenarios/push_away.controller.toml"]);
+    assert_eq!(done.code, 1);
+    assert!(
+        done.stderr.contains(
+            "; if the robot begins elsewhere, check the scenario whose [initial] says where"
+        ),
+        "{}",
+        done.stderr
+    );
+    let done = wbqp(&["check", "examples/scenarios/push_away.toml"]);
+    assert_eq!(done.code, 0, "{}", done.stderr);
+}

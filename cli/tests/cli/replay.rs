@@ -79,3 +79,23 @@ fn a_dump_has_the_files_of_its_robot() {
     let done = wbqp(&["replay", &dump, "--directory", &elsewhere]);
     assert_eq!(done.code, 0, "{}{}", done.stdout, done.stderr);
 }
+
+#[test]
+fn what_is_no_dump_or_no_tick_of_it_is_told_in_a_line() {
+    let scenario = "examples/scenarios/quadruped_stand.toml";
+    let done = wbqp(&["replay", scenario]);
+    assert_eq!(done.code, 1);
+    let start = format!("error: {scenario}: is not a dump of ticks: line ");
+    assert!(done.stderr.starts_with(&start), "{}", done.stderr);
+    assert!(done.stderr.contains("unknown field"), "{}", done.stderr);
+    assert_eq!(done.stderr.lines().count(), 1, "{}", done.stderr);
+
+    let folder = Temporary::new("ticks");
+    let dump = dump(&folder);
+    for tick in ["0", "99"] {
+        let done = wbqp(&["replay", &dump, "--tick", tick]);
+        assert_eq!(done.code, 1);
+        let words = format!("error: --tick: there is no tick {tick}, {dump} has 1 to ");
+        assert!(done.stderr.starts_with(&words), "{}", done.stderr);
+    }
+}

@@ -177,6 +177,63 @@ fn a_robot_that_lies_on_the_ground_is_told() {
 }
 
 #[test]
+fn a_contact_that_never_touches_is_told() {
+    let out = Temporary::new("untouched");
+    let folder = out.0.display().to_string();
+    let told = |change: &str| {
+        let done = wbqp(&[
+            "run",
+            QUADRUPED,
+            "--set",
+            "change.duration=0.1",
+            "--set",
+            "change.event=[]",
+            "--set",
+            change,
+            "--out",
+            &folder,
+        ]);
+        assert_eq!(done.code, 0, "{}", done.stderr);
+        let start = "  ATTENTION: contact `fl` ";
+        let line = done.stdout.lines().find(|line| line.starts_with(start));
+        line.map(str::to_owned)
+    };
+    assert_eq!(told("change.plant.command_delay=1"), None);
+    assert_eq!(
+        told("change.plant.contact_point=[]").as_deref(),
+        Some(
+            "  ATTENTION: contact `fl` was on for 100 % of the run and never touched anything: the plant has no \
+             [[plant.contact_point]] with frame = \"fl_foot\""
+        )
+    );
+    assert_eq!(
+        told("change.plant.wall.ground.point=[0.0,0.0,-9.0]").as_deref(),
+        Some(
+            "  ATTENTION: contact `fl` was on for 100 % of the run and never touched anything: frame `fl_foot` did \
+             not come to a [[plant.wall]]; is the wall where it goes?"
+        )
+    );
+    // One that is off, and waits for a touch that never comes.
+    let done = wbqp(&[
+        "run",
+        "examples/scenarios/push_away.toml",
+        "--set",
+        "change.duration=0.1",
+        "--set",
+        "change.event=[]",
+        "--out",
+        &folder,
+    ]);
+    assert!(
+        done.stdout
+            .contains("ATTENTION: contact `tip` has a [[detector]] and never touched anything: "),
+        "{}{}",
+        done.stdout,
+        done.stderr
+    );
+}
+
+#[test]
 fn every_line_of_an_error_is_there_once() {
     let done = wbqp(&["run", QUADRUPED, "--set", "change.plant.step=0.1"]);
     assert_eq!(done.code, 1);
@@ -199,7 +256,9 @@ fn a_run_of_no_tick_is_refused() {
     let done = wbqp(&["run", stand, "--duration", "1e-9"]);
     assert_eq!(done.code, 1);
     assert!(
-        done.stderr.contains("shorter than a control period"),
+        done.stderr.contains(
+            "with the default plant: duration: is 0.000000001 s, shorter than a control period"
+        ),
         "{}",
         done.stderr
     );

@@ -3,7 +3,7 @@
 use std::{fs, io, path::Path};
 
 use wbqp::{
-    config::ConfigErrors,
+    config::{ConfigErrors, in_words},
     controller::{Dump, RequestError},
     input,
 };
@@ -93,7 +93,12 @@ pub fn load(file: &Path) -> Result<Dump, DumpError> {
         file: name(),
         problem,
     };
-    let dump: Dump = toml::from_str(&text).map_err(|error| refused(error.to_string()))?;
+    // In one line: a quoted part of a file of another kind says nothing.
+    let dump: Dump = toml::from_str(&text).map_err(|error| {
+        let before = error.span().and_then(|span| text.get(..span.start));
+        let line = 1 + before.map_or(0, |before| before.matches('\n').count());
+        refused(format!("line {line}: {}", in_words(error.message())))
+    })?;
     if dump.format != Dump::FORMAT {
         return Err(refused(format!(
             "format {}, this version reads {}",

@@ -57,6 +57,7 @@ pub use build::Plan;
 pub use error::{ConfigError, ConfigErrorKind, ConfigErrors};
 pub use expand::expand;
 pub use overrides::{Overrides, key_path};
+pub use table::in_words;
 
 /// Everything a controller is made of.
 #[derive(Debug)]

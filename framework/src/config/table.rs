@@ -128,8 +128,8 @@ fn home_of(kind: &str) -> String {
     }
 }
 
-/// What serde says, in the words of the format.
-pub(super) fn in_words(message: &str) -> String {
+/// What serde says of a value, in the words of the format: `expected f64` is `expected a number`.
+pub fn in_words(message: &str) -> String {
     let mut text = message.trim_end().to_owned();
     for (rust, words) in [
         ("unknown variant `", "unknown value `"),
@@ -405,23 +405,30 @@ fn contains(outer: &Span, inner: &Span) -> bool {
     outer.start <= inner.start && inner.end <= outer.end
 }
 
-/// Takes out what a path leads to: an element of a list if that is a table, else the last key of the path. Gives the
-/// number of steps to what lost it.
+/// Takes out what a path leads to: an element of a list, else the last key of the path. Gives the number of steps to
+/// what lost it.
 fn remove(table: &mut DeTable<'_>, path: &[Step]) -> Option<usize> {
     let last = path.iter().rposition(|step| matches!(step, Step::Key(_)))?;
     let (parent, rest) = path.split_at(last);
-    let Some(Step::Key(key)) = rest.first() else {
+    let (Step::Key(key), indices) = rest.split_first()? else {
         return None;
     };
     let parent = descend(table, parent)?;
-    if let [_, Step::Index(index)] = rest
-        && let DeValue::Array(elements) = parent.get_mut(key.as_str())?.get_mut()
-        && let Some(DeValue::Table(_)) = elements.get(*index).map(Spanned::get_ref)
-    {
+    if let Some((Step::Index(index), lists)) = indices.split_last() {
+        let mut list = parent.get_mut(key.as_str())?.get_mut();
+        for step in lists {
+            let (DeValue::Array(elements), Step::Index(index)) = (list, step) else {
+                return None;
+            };
+            list = elements.get_mut(*index)?.get_mut();
+        }
+        let DeValue::Array(elements) = list else {
+            return None;
+        };
         let all = std::mem::replace(elements, DeArray::new());
         let others = all.into_iter().enumerate().filter(|(at, _)| at != index);
         *elements = others.map(|(_, element)| element).collect();
-        return Some(last + 1);
+        return Some(path.len() - 1);
     }
     parent.remove(key.as_str())?;
     Some(last)

@@ -655,6 +655,28 @@ fn every_element_of_a_list_of_tables_is_looked_at() {
 }
 
 #[test]
+fn every_number_of_a_list_is_looked_at() {
+    check_task(
+        "type = \"test.follow\"\nweight = 1\nreference = { type = \"test.ramp\", to = [\"a\", 1, true], duration = 2 }",
+        &[
+            "x.toml:11:41: task[0] `arm` (test.follow): reference.to[0]: invalid type: string \"a\", \
+             expected a number",
+            "x.toml:11:49: task[0] `arm` (test.follow): reference.to[2]: invalid type: boolean `true`, \
+             expected a number",
+        ],
+    );
+    // A list of three that lost a wrong number is not told to be too short.
+    check(
+        "[[contact]]\nname = \"wall\"\nframe = \"tip\"\nkind = \"point\"\n\
+         surface = { normal = [\"a\", 0, \"b\"], x_axis = [1, 0, 0] }\n",
+        &[
+            "x.toml:11:23: contact[0] `wall`: surface.normal[0]: invalid type: string \"a\", expected a number",
+            "x.toml:11:31: contact[0] `wall`: surface.normal[2]: invalid type: string \"b\", expected a number",
+        ],
+    );
+}
+
+#[test]
 fn a_table_of_nothing_but_bad_values_is_read_in_time_with_its_size() {
     let numbers: Vec<String> = (0..20_000).map(|i| format!("j{i} = \"x\"")).collect();
     let numbers = numbers.join("\n");

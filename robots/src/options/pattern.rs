@@ -1,6 +1,6 @@
 //! Names of joints or links, and regular expressions for them.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
 use regex::RegexBuilder;
 use wbqp::{robot::RobotError, suggestion::suggestion};
@@ -14,15 +14,36 @@ const LARGEST: usize = 1 << 20;
 /// The names that options can mean.
 pub(crate) struct Names<'a> {
     /// In messages.
-    pub(crate) robot: &'a str,
+    robot: &'a str,
     /// `moving joint` or `link`.
-    pub(crate) kind: &'static str,
+    kind: &'static str,
     pub(crate) known: Vec<&'a str>,
     /// Names of several of them together, by index: a planar joint's.
-    pub(crate) groups: BTreeMap<&'a str, Vec<usize>>,
+    groups: BTreeMap<&'a str, Vec<usize>>,
+    /// Each name's place in `known`: options may be as many as names.
+    places: HashMap<&'a str, usize>,
 }
 
-impl Names<'_> {
+impl<'a> Names<'a> {
+    pub(crate) fn new(
+        robot: &'a str,
+        kind: &'static str,
+        known: Vec<&'a str>,
+        groups: BTreeMap<&'a str, Vec<usize>>,
+    ) -> Self {
+        let mut places = HashMap::new();
+        for (index, name) in known.iter().enumerate() {
+            places.entry(*name).or_insert(index);
+        }
+        Self {
+            robot,
+            kind,
+            known,
+            groups,
+            places,
+        }
+    }
+
     /// Those that a key of an option means, by index: the one of that name, or all that an expression matches as a
     /// whole.
     ///
@@ -33,8 +54,8 @@ impl Names<'_> {
         key: &str,
         told: usize,
     ) -> Result<Vec<usize>, RobotError> {
-        if let Some(index) = self.known.iter().position(|name| *name == key) {
-            return Ok(vec![index]);
+        if let Some(index) = self.places.get(key) {
+            return Ok(vec![*index]);
         }
         if let Some(group) = self.groups.get(key) {
             return Ok(group.clone());
@@ -44,6 +65,7 @@ impl Names<'_> {
             kind,
             known,
             groups,
+            places: _,
         } = self;
         let suggestion = |key: &str| {
             if told < SUGGESTED {
@@ -117,7 +139,7 @@ impl Names<'_> {
         errors: &mut Vec<RobotError>,
     ) -> Vec<Option<T>> {
         let mut values: Vec<Option<(T, &str)>> = vec![None; self.known.len()];
-        let is_name = |key: &String| self.known.contains(&key.as_str());
+        let is_name = |key: &String| self.places.contains_key(key.as_str());
         for (key, &value) in table.iter().filter(|(key, _)| !is_name(key)) {
             let found = match self.matching(option, key, errors.len()) {
                 Ok(found) => found,

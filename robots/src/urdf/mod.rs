@@ -67,6 +67,7 @@ use description::Description;
 pub(crate) use findings::SUGGESTED;
 use findings::{At, Findings, Irregularity, Mode};
 use motion::Motions;
+pub(crate) use reader::forgiving;
 
 /// A URDF as the options want it.
 pub(crate) struct Robot {
@@ -198,12 +199,8 @@ fn inertias(
     options: &Options,
     findings: &mut Findings<'_>,
 ) -> Vec<Inertia> {
-    let names = Names {
-        robot: &description.name,
-        kind: "link",
-        known: description.links.iter().map(|l| l.name.as_str()).collect(),
-        groups: BTreeMap::new(),
-    };
+    let known = description.links.iter().map(|l| l.name.as_str()).collect();
+    let names = Names::new(&description.name, "link", known, BTreeMap::new());
     let mut errors = Vec::new();
     let given = names.values("inertia", &options.inertia, &mut errors);
     findings.refuse_all(errors);

@@ -71,12 +71,8 @@ impl<'d> Motions<'d> {
                 groups.entry(planar).or_default().push(place);
             }
         }
-        let names = Names {
-            robot: &description.name,
-            kind: "moving joint",
-            known: moving.iter().map(|&j| joints[j].name.as_str()).collect(),
-            groups,
-        };
+        let known = moving.iter().map(|&j| joints[j].name.as_str()).collect();
+        let names = Names::new(&description.name, "moving joint", known, groups);
         let mut errors: Vec<RobotError> = Vec::new();
         let resolved = JointOptions::resolve(options, &names, &mut errors);
         findings.refuse_all(errors);

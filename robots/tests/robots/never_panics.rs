@@ -1,6 +1,8 @@
 //! Whatever a file contains, the loader answers: with a robot whose numbers are finite, or with an error
 //! that names the file. Fixed seed.
 
+use std::time::Instant;
+
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use wbqp::robot::{RobotModel, SourceFile};
@@ -279,4 +281,32 @@ fn wrong_names_are_looked_up_a_few_times() {
     let refused = refused(format!("<robot name=\"r\">{joints}</robot>"));
     assert_eq!(refused.matches("does not exist").count(), 1000);
     assert_eq!(refused.matches("did you mean").count(), 10);
+}
+
+/// Options may be as many as joints, and each is looked up by its name.
+#[test]
+fn options_of_many_joints_take_a_time_that_grows_with_their_number() {
+    const JOINTS: usize = 30_000;
+    let joint = |i: usize| {
+        format!(
+            "<link name=\"l{i}\"/><joint name=\"j{i}\" type=\"continuous\"><parent link=\"base\"/>\
+             <child link=\"l{i}\"/></joint>\n"
+        )
+    };
+    let joints: String = (0..JOINTS).map(joint).collect();
+    let text = format!("<robot name=\"r\"><link name=\"base\"/>{joints}</robot>");
+    let names = || (0..JOINTS).map(|i| format!("j{i}"));
+    let table = || names().map(|name| (name, 0.1)).collect();
+    let options = Options {
+        lock: names().collect(),
+        servo: names().collect(),
+        home: table(),
+        damping: table(),
+        ..Options::default()
+    };
+    let start = Instant::now();
+    let _ = from_sources(source("r.urdf", text), None, &options);
+    let took = start.elapsed().as_secs_f64();
+    println!("{took:.2} s");
+    assert!(took < 3.0, "{took} s");
 }

@@ -7,7 +7,10 @@ use wbqp::{
     robot::{Diagnostic, RobotModel, Severity, SourceFile},
     state::State,
 };
-use wbqp_robots::{BaseKind, MimicKind, Options, RobotFiles, from_sources};
+use wbqp_robots::{
+    BaseKind, MimicKind, Options, RobotFiles, from_sources,
+    visuals::{Shape, visuals},
+};
 
 use crate::texts::{INERTIAL, LIMIT, arm, arm_link, inertial, joint, link, robot};
 
@@ -937,6 +940,17 @@ fn elements_of_other_namespaces_are_other_things() {
     let robot = silent(&text);
     assert_eq!((robot.model.mass(), robot.model.frames().len()), (4.0, 2));
     assert_eq!(robot.model.joints()[0].axis.y, 1.0);
+}
+
+#[test]
+fn visuals_are_there_also_where_nothing_declares_a_prefix() {
+    let sphere = "<visual><geometry><sphere radius=\"0.5\"/></geometry></visual>";
+    let text = arm_link(&format!("{INERTIAL}{sphere}<gz:tool a=\"1\"/>"));
+    for text in [text.clone(), format!("\u{feff}{text}")] {
+        let (visuals, left_out) = visuals(&load(&text));
+        assert_eq!((visuals.len(), left_out), (1, Vec::new()), "{text}");
+        assert_eq!(visuals[0].shape, Shape::Sphere(0.5));
+    }
 }
 
 #[test]

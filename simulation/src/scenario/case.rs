@@ -46,7 +46,7 @@ pub struct Case {
     /// Robots that are there already, if they are to be used.
     robots: Option<Arc<Robots>>,
     /// Where the detectors and the events are in the text.
-    places: [Vec<Range<usize>>; 2],
+    pub(super) places: [Vec<Range<usize>>; 2],
 }
 
 /// Where the robot starts, at rest.
@@ -85,7 +85,7 @@ impl Case {
             events.iter().map(Spanned::span).collect(),
         ];
         Self {
-            name: case.name,
+            name: case.name.into_inner(),
             file: file.to_owned(),
             controller: directory.join(controller),
             set: case.set,
@@ -232,14 +232,23 @@ impl Case {
             rpy,
             joints,
         } = &self.initial;
-        if !position
-            .iter()
-            .flatten()
-            .chain(rpy)
-            .chain(joints.values())
-            .all(|x| x.is_finite())
-        {
-            return Err(self.refuse("initial: has a number that is not finite"));
+        let numbers = [
+            (
+                "position",
+                position.as_ref().map_or(&[][..], <[f64; 3]>::as_slice),
+            ),
+            ("rpy", rpy.as_slice()),
+        ];
+        let joints_numbers = joints.iter().map(|(name, q)| {
+            let key = format!("joints.{name}");
+            (key, std::slice::from_ref(q))
+        });
+        let numbers = numbers.map(|(key, numbers)| (key.to_owned(), numbers));
+        for (key, numbers) in numbers.into_iter().chain(joints_numbers) {
+            if !numbers.iter().all(|x| x.is_finite()) {
+                let what = format!("initial.{key}: has a number that is not finite");
+                return Err(self.refuse(&what));
+            }
         }
         let mut state = robot.home.clone();
         if let Some(position) = position {
@@ -306,7 +315,7 @@ impl Case {
             common.remember(&known);
             known
         };
-        self.check_pushes(&common.robot, &common.contacts, &known.asked)
+        self.check_pushes(text, &common.robot, &common.contacts, &known.asked)
     }
 
     /// The log keeps the times of a disturbance under names of their own.
@@ -417,6 +426,7 @@ impl Case {
         ScenarioError::Plant {
             file: self.file.clone(),
             table,
+            places: Vec::new(),
             source: Box::new(source),
         }
     }

@@ -37,7 +37,7 @@ pub enum ScenarioError {
     /// The controller's file is refused.
     #[error("{source}\nin case `{case}` of {file}")]
     Config {
-        /// The scenario's file.
+        /// The scenario's file, with line and column of the case where they are known.
         file: String,
         /// The case, whose own values count.
         case: String,
@@ -47,7 +47,7 @@ pub enum ScenarioError {
     /// The controller does not fit the robot.
     #[error("{source}\nin case `{case}` of {file}")]
     Controller {
-        /// The scenario's file.
+        /// The scenario's file, with line and column of the case where they are known.
         file: String,
         /// The case, whose own values count.
         case: String,
@@ -65,10 +65,10 @@ pub enum ScenarioError {
         source: Box<ScenarioError>,
     },
     /// A task asks for a normal force that the plant cannot push with, whatever the controller.
-    #[error("{}", push_message(file, task, contact, *asked, *possible))]
+    #[error("{}", push_message(place, task, contact, *asked, *possible, limits))]
     Push {
-        /// The scenario's file.
-        file: String,
+        /// The scenario's file, with line and column of the event that asks for it if one does.
+        place: String,
         /// The task.
         task: String,
         /// The contact.
@@ -77,37 +77,44 @@ pub enum ScenarioError {
         asked: f64,
         /// Largest normal force in a static equilibrium, N; `None` if there is no equilibrium.
         possible: Option<f64>,
+        /// What does not let the plant push harder, in words.
+        limits: Vec<String>,
     },
     /// The plant or its sensors are refused.
-    #[error("{}", plant_message(file, table, source))]
+    #[error("{}", plant_message(file, table, places, source))]
     Plant {
         /// The scenario's file.
         file: String,
         /// The table it comes from, `plant` or `sensors`.
         table: &'static str,
+        /// `file:line:column` of each problem in its order; empty where they are not known.
+        places: Vec<String>,
         /// What is wrong.
         source: Box<PlantError>,
     },
 }
 
-/// One line per problem, each with the file and the whole key.
-fn plant_message(file: &str, table: &str, error: &PlantError) -> String {
+/// One line per problem, each with its place and the whole key.
+fn plant_message(file: &str, table: &str, places: &[String], error: &PlantError) -> String {
+    let place = |index: usize| places.get(index).map_or(file, String::as_str);
     match error {
         PlantError::Config { problems } => {
-            let lines = problems.iter().map(|p| format!("{file}: {table}.{p}"));
+            let problems = problems.iter().enumerate();
+            let lines = problems.map(|(i, p)| format!("{}: {table}.{p}", place(i)));
             lines.collect::<Vec<_>>().join("\n")
         }
-        other => format!("{file}: {other}"),
+        other => format!("{}: {other}", place(0)),
     }
 }
 
 /// Both numbers are rounded, but never to the same.
 fn push_message(
-    file: &str,
+    place: &str,
     task: &str,
     contact: &str,
     asked: f64,
     possible: Option<f64>,
+    limits: &[String],
 ) -> String {
     let tenths = |force: f64| (10.0 * force).round();
     let possible = match possible {
@@ -115,7 +122,13 @@ fn push_message(
         Some(force) => format!("{:.1} N possible", (10.0 * force).floor() / 10.0),
         None => "the plant cannot rest there at all".to_owned(),
     };
-    format!("{file}: task `{task}` pushes on contact `{contact}`: {asked:.1} N asked, {possible}")
+    let limits = match limits {
+        [] => String::new(),
+        limits => format!(": {}", limits.join(", ")),
+    };
+    format!(
+        "{place}: task `{task}` pushes on contact `{contact}`: {asked:.1} N asked, {possible}{limits}"
+    )
 }
 
 /// Why a run stopped.

@@ -9,7 +9,7 @@ use toml::{
     de::{DeArray, DeTable, DeValue, ValueDeserializer},
 };
 use wbqp::{
-    config::Overrides,
+    config::{Overrides, in_words},
     contact::Detector,
     input::{Enough, Mark, outline},
 };
@@ -23,7 +23,7 @@ use crate::{PlantConfig, SensorsConfig};
 /// A case as the file, its own changes and a variation make it.
 #[derive(Clone, Debug)]
 pub(super) struct CaseFile {
-    pub(super) name: String,
+    pub(super) name: Spanned<String>,
     /// Whether it has changes of its own.
     pub(super) is_changed: bool,
     pub(super) set: Overrides,
@@ -71,7 +71,8 @@ pub(super) struct Keys {
 #[serde(deny_unknown_fields)]
 struct CaseKeys {
     /// Unique, of letters, digits, `_` and `-`: it names the log.
-    name: String,
+    #[schemars(with = "String")]
+    name: Spanned<String>,
     /// Values put into the controller's file before it is read.
     #[serde(default)]
     set: Overrides,
@@ -97,6 +98,17 @@ enum Change<'t> {
     Read(Spanned<DeValue<'t>>),
     /// Stands in this part of the file.
     Part(Range<usize>),
+}
+
+/// A case before its keys are read.
+pub(super) struct CaseTables<'t> {
+    index: usize,
+    pub(super) name: Spanned<String>,
+    is_changed: bool,
+    set: Overrides,
+    span: Range<usize>,
+    /// With the case's changes and the variation's.
+    pub(super) root: DeTable<'t>,
 }
 
 /// So many cases are read one by one.
@@ -147,6 +159,11 @@ impl<'a> Text<'a> {
         }
     }
 
+    /// What errors call it.
+    pub(super) fn name(&self) -> &str {
+        self.name
+    }
+
     /// `file:line:column`; for what is wrong with a variation, the value.
     pub(super) fn place(&self, offset: usize) -> String {
         if offset <= self.file.len() {
@@ -164,7 +181,7 @@ impl<'a> Text<'a> {
     fn error(&self, error: &toml::de::Error) -> ScenarioError {
         ScenarioError::Syntax {
             place: self.place(error.span().map_or(0, |span| span.start)),
-            message: error.message().to_owned(),
+            message: in_words(error.message()),
         }
     }
 
@@ -291,6 +308,27 @@ impl<'a> Text<'a> {
         variation: &Variation,
         is_wanted: impl Fn(&str) -> bool,
     ) -> Result<Vec<(usize, CaseFile)>, ScenarioError> {
+        let mut read = Vec::new();
+        self.tables_that(variation, is_wanted, |case| {
+            let file = CaseFile {
+                name: case.name,
+                is_changed: case.is_changed,
+                set: case.set,
+                keys: self.keys(case.span, case.root)?,
+            };
+            read.push((case.index, file));
+            Ok(())
+        })?;
+        Ok(read)
+    }
+
+    /// Gives those with certain names, one after the other: thousands of them do not have to be there at once.
+    pub(super) fn tables_that<'s>(
+        &'s self,
+        variation: &Variation,
+        is_wanted: impl Fn(&str) -> bool,
+        mut take: impl FnMut(CaseTables<'s>) -> Result<(), ScenarioError>,
+    ) -> Result<(), ScenarioError> {
         let varied = DeTable::parse(&self.changes).map_err(|e| self.error(&e))?;
         let Cases {
             span,
@@ -301,16 +339,18 @@ impl<'a> Text<'a> {
             Some(cases) => cases,
             None => self.as_a_whole()?,
         };
-        let names: Vec<&str> = cases.iter().map(|case| case.name.as_str()).collect();
-        let mut read = Vec::new();
+        let names: Vec<&str> = cases
+            .iter()
+            .map(|case| case.name.get_ref().as_str())
+            .collect();
         // A file without cases is read as well: what is wrong with its keys comes first.
         let members = Members::take(&mut root, &names).map_err(|e| self.refusal(e))?;
         if cases.is_empty() {
             self.keys(span, root)?;
-            return Ok(read);
+            return Ok(());
         }
         for (index, (case, own)) in cases.iter().zip(changes).enumerate() {
-            if !is_wanted(&case.name) {
+            if !is_wanted(case.name.get_ref()) {
                 continue;
             }
             let own = own.and_then(|own| match own {
@@ -318,7 +358,7 @@ impl<'a> Text<'a> {
                 Change::Part(part) => self.part(part)?.remove("change"),
             });
             let mut root = root.clone();
-            let left_out = members.select(&mut root, &case.name);
+            let left_out = members.select(&mut root, case.name.get_ref());
             if let Some(own) = &own {
                 let DeValue::Table(changes) = own.get_ref() else {
                     let found = own.get_ref().type_str();
@@ -332,15 +372,16 @@ impl<'a> Text<'a> {
                 .map_err(|e| self.refusal(e))?;
             let mut set = case.set.clone();
             set.append(variation.overrides());
-            let file = CaseFile {
+            take(CaseTables {
+                index,
                 name: case.name.clone(),
                 is_changed: own.is_some(),
                 set,
-                keys: self.keys(span.clone(), root)?,
-            };
-            read.push((index, file));
+                span: span.clone(),
+                root,
+            })?;
         }
-        Ok(read)
+        Ok(())
     }
 
     fn keys(&self, span: std::ops::Range<usize>, root: DeTable<'_>) -> Result<Keys, ScenarioError> {
@@ -353,7 +394,7 @@ impl<'a> Text<'a> {
 pub(super) fn syntax(error: &toml::de::Error, name: &str, text: &str) -> ScenarioError {
     ScenarioError::Syntax {
         place: place(name, text, error.span().map_or(0, |span| span.start)),
-        message: error.message().to_owned(),
+        message: in_words(error.message()),
     }
 }
 

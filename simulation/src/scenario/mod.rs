@@ -51,6 +51,7 @@ mod event;
 mod file;
 mod json_schema;
 mod perturbation;
+mod place;
 mod push;
 mod variation;
 
@@ -181,6 +182,7 @@ impl Scenario {
         let note: Note<'_> = &|_, _| {};
         let groups = Groups::new(std::slice::from_ref(&case), &self.robots, note);
         case.check(0, &text, &groups)
+            .map_err(|error| text.located(error, case.name(), &variation))
             .map_err(|error| of_case(error, &case, index == 0 && self.first_is_plain))?;
         Ok(case)
     }
@@ -201,7 +203,7 @@ impl Scenario {
         })?;
         let text = Text::new(&source.name, &source.contents, &variation);
         let cases = text.cases(&variation)?;
-        check_names(&source.name, &cases)?;
+        check_names(&text, &cases)?;
         let name = match cases.first() {
             Some(case) => {
                 let name = &case.keys.name;
@@ -223,6 +225,7 @@ impl Scenario {
                 return Ok(());
             };
             case.check(index, &text, &groups)
+                .map_err(|error| text.located(error, case.name(), &variation))
                 .map_err(|error| of_case(error, case, index == 0 && first_is_plain))
         })?;
         drop(groups);
@@ -317,27 +320,25 @@ fn check_name(name: &str, place: impl FnOnce() -> String) -> Result<(), Scenario
     })
 }
 
-fn check_names(file: &str, cases: &[CaseFile]) -> Result<(), ScenarioError> {
-    let refuse = |what: String| {
-        Err(ScenarioError::Value {
-            place: file.to_owned(),
-            what,
-        })
-    };
+fn check_names(text: &Text<'_>, cases: &[CaseFile]) -> Result<(), ScenarioError> {
+    let refuse = |place: String, what: String| Err(ScenarioError::Value { place, what });
     if cases.is_empty() {
-        return refuse("case: there is none; add a [[case]] with a name".into());
+        let what = "case: there is none; add a [[case]] with a name".to_owned();
+        return refuse(text.name().to_owned(), what);
     }
     let mut first = HashMap::new();
     for (i, case) in cases.iter().enumerate() {
-        if first.insert(case.name.as_str(), i).is_some() {
-            return refuse(format!("case[{i}]: the name `{}` is used twice", case.name));
+        let name = case.name.get_ref();
+        let place = || text.place(case.name.span().start);
+        if first.insert(name.as_str(), i).is_some() {
+            let what = format!("case[{i}]: the name `{name}` is used twice");
+            return refuse(place(), what);
         }
         // The name becomes the name of a log file.
-        if case.name.is_empty() || !case.name.chars().all(is_plain) {
-            return refuse(format!(
-                "case[{i}]: name `{}` must be made of letters, digits, `_` and `-`",
-                case.name
-            ));
+        if name.is_empty() || !name.chars().all(is_plain) {
+            let what =
+                format!("case[{i}]: name `{name}` must be made of letters, digits, `_` and `-`");
+            return refuse(place(), what);
         }
     }
     Ok(())

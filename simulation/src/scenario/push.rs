@@ -10,7 +10,7 @@ use wbqp::{
     suggestion::suggestion,
 };
 
-use super::{Case, Event, ScenarioError};
+use super::{Case, Event, ScenarioError, file::Text};
 use crate::{
     PlantError,
     check::unknown_frame,
@@ -23,12 +23,21 @@ const LOOKS: f64 = 5000.0;
 /// Set points may be beyond the limit by this, N.
 const SLACK: f64 = 1e-3;
 
-/// The largest set point of a task at a contact, N.
+/// The largest set point of a task at a contact, and the least.
 pub(super) struct Asked {
     task: String,
     /// Among the controller's.
     contact: usize,
+    largest: SetPoint,
+    least: SetPoint,
+}
+
+#[derive(Clone, Copy)]
+struct SetPoint {
+    /// N.
     normal: f64,
+    /// s.
+    at: f64,
 }
 
 impl Case {
@@ -53,16 +62,18 @@ impl Case {
         if !config.contacts.iter().any(|c| c.name == contact) {
             return Err(self.refuse(&unknown_contact(&config, contact)));
         }
-        self.limit(&robot, &config.contacts, contact, disturbances)
+        let push = self.limit(&robot, &config.contacts, contact, disturbances)?;
+        Ok(push.map(|(push, _)| push))
     }
 
+    /// With what does not let it be larger.
     fn limit(
         &self,
         robot: &RobotModel,
         contacts: &[ContactSpec],
         name: &str,
         disturbances: &[Disturbance],
-    ) -> Result<Option<Push>, ScenarioError> {
+    ) -> Result<Option<(Push, Vec<String>)>, ScenarioError> {
         let mismatch: &Mismatch = &self.plant().mismatch;
         let own = mismatch
             .robot(robot)
@@ -97,8 +108,12 @@ impl Case {
         let Some(pushing) = pushing.pop() else {
             return Ok(None);
         };
-        largest_push(&own, &level, &pushing, &others, &loads)
-            .map_err(|e| self.refuse(&format!("contact `{name}`: {e}")))
+        let push = largest_push(&own, &level, &pushing, &others, &loads)
+            .map_err(|e| self.refuse(&format!("contact `{name}`: {e}")))?;
+        Ok(push.map(|push| {
+            let limits = push.limits(&own, &pushing);
+            (push, limits)
+        }))
     }
 
     /// The set points of a run. The controller is one that will not run, without any event yet; `events` are sorted by
@@ -116,12 +131,16 @@ impl Case {
                 let known = asked
                     .iter_mut()
                     .find(|known| known.task == task && known.contact == contact);
+                let here = SetPoint { normal, at: time };
                 match known {
-                    Some(known) => known.normal = known.normal.max(normal),
+                    Some(known) if normal > known.largest.normal => known.largest = here,
+                    Some(known) if normal < known.least.normal => known.least = here,
+                    Some(_) => {}
                     None => asked.push(Asked {
                         task: task.to_owned(),
                         contact,
-                        normal,
+                        largest: here,
+                        least: here,
                     }),
                 }
             }
@@ -141,13 +160,14 @@ impl Case {
             }
         }
         look(controller, self.duration());
-        asked.retain(|asked| asked.normal > 0.0);
+        asked.retain(|asked| asked.largest.normal > 0.0 || asked.least.normal < -SLACK);
         Ok(asked)
     }
 
-    /// Refuses set points that the plant cannot reach.
+    /// Refuses set points that the plant cannot reach, and those that no surface can be pushed with.
     pub(super) fn check_pushes(
         &self,
+        text: &Text<'_>,
         robot: &RobotModel,
         contacts: &[ContactSpec],
         asked: &[Asked],
@@ -155,25 +175,52 @@ impl Case {
         for Asked {
             task,
             contact,
-            normal,
+            largest,
+            least,
         } in asked
         {
             let Some(ContactSpec { name, .. }) = contacts.get(*contact) else {
                 continue;
             };
+            if least.normal < -SLACK {
+                return Err(ScenarioError::Value {
+                    place: self.place_of_set_point(text, task, least.at),
+                    what: format!(
+                        "task `{task}` asks for {:.1} N at contact `{name}`, at {:.2} s: a surface pushes and never \
+                         pulls, a normal force is 0 or more",
+                        least.normal, least.at
+                    ),
+                });
+            }
             let possible = self.limit(robot, contacts, name, &[])?;
-            let possible = possible.map(|push| push.normal);
-            if possible.is_none_or(|possible| *normal > possible + SLACK) {
+            let (possible, limits) = match possible {
+                Some((push, limits)) => (Some(push.normal), limits),
+                None => (None, Vec::new()),
+            };
+            if possible.is_none_or(|possible| largest.normal > possible + SLACK) {
                 return Err(ScenarioError::Push {
-                    file: self.file().to_owned(),
+                    place: self.place_of_set_point(text, task, largest.at),
                     task: task.clone(),
                     contact: name.clone(),
-                    asked: *normal,
+                    asked: largest.normal,
                     possible,
+                    limits,
                 });
             }
         }
         Ok(())
+    }
+
+    /// The event that a task's set point at a time comes from; the file if it comes from the controller's.
+    fn place_of_set_point(&self, text: &Text<'_>, task: &str, time: f64) -> String {
+        let events = self.events().iter().zip(&self.places[1]);
+        let before =
+            events.filter(|(event, _)| event.at <= time && event.follow.contains_key(task));
+        let last = before.max_by(|(a, _), (b, _)| a.at.total_cmp(&b.at));
+        last.map_or_else(
+            || self.file().to_owned(),
+            |(_, span)| text.place(span.start),
+        )
     }
 
     pub(super) fn controller_error(&self, source: ConfigErrors) -> ScenarioError {

@@ -11,7 +11,7 @@ use wbqp_tasks::{
     ConstantForce, ContactForce, ContactMotion, ContactWrench, FrameOrientation, FramePose,
     FramePosition, FreeMotion, FrictionPyramid, Hold, JointLimits, JointTorqueRegularisation,
     MinJerk, PlaneDistance, Posture, PropellerRegularisation, RelativePose, SurfaceAxis,
-    ThrustRateLimits, ThrustRegularisation, TiltLimit,
+    ThrustRateLimits, ThrustRegularisation, TiltLimit, Waypoint, Waypoints,
 };
 
 use crate::robot::{contacts, small};
@@ -229,4 +229,36 @@ fn refusals_name_the_key() {
         let error = refused.expect_err(start).to_string();
         assert!(error.starts_with(start), "{error} / {start}");
     }
+}
+
+#[test]
+fn a_force_that_a_surface_would_have_to_pull_with_is_refused() {
+    let pull = "a surface pushes and never pulls, a normal force is 0 or more";
+    let force = || ContactForce::new("sliding", 5.0);
+    for (asked, key, number) in [
+        (ContactForce::new("sliding", -5.0), "reference.value", -5.0),
+        (
+            force().following(MinJerk::new([-2.0], 1.0)),
+            "reference.to",
+            -2.0,
+        ),
+        (
+            force().following(MinJerk::new([2.0], 1.0).starting_at([-1.0])),
+            "reference.from",
+            -1.0,
+        ),
+        (
+            force().following(Waypoints::new([
+                Waypoint::new(0.0, [0.0]),
+                Waypoint::new(1.0, [-3.0]),
+            ])),
+            "reference.points[1].value",
+            -3.0,
+        ),
+    ] {
+        let refused = task(asked).expect_err("pulls");
+        let expected = BindError::value(key, format!("is {number} N: {pull}"));
+        assert_eq!(refused, expected);
+    }
+    task(ContactForce::new("sliding", 0.0)).expect("asks for nothing");
 }

@@ -120,7 +120,7 @@ fn what_is_wrong_in_the_last_of_many_cases_has_its_place() {
         ("chnage.plant.mismatch.mass_scale = 1.0", "chnage"),
         (
             "change.plant.mismatch.mass_scale = \"much\"",
-            "expected f64",
+            "expected a number",
         ),
         ("change.plant.wall.roof.friction = 0.1", "`roof`"),
         ("change.plant.mismatch.mass_scale = ", "syntax"),

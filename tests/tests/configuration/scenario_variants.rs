@@ -182,7 +182,7 @@ fn changes_of_what_is_not_there() {
     wrong(
         "change.plant.wall.wall.stiffness = 'x'",
         36,
-        "invalid type: string \"x\", expected f64",
+        "invalid type: string \"x\", expected a number",
     );
     let plain = "name = \"plain\"";
     refused(
@@ -198,7 +198,7 @@ fn changes_of_what_is_not_there() {
     refused(
         "change.plant.wall.wall.friction = 0.3",
         "change.plant.wall.wall.friction = -0.3",
-        "s.toml: plant.wall[0] `wall`: friction: is -0.3, must be finite and not negative\n\
+        "s.toml:48:35: plant.wall[0] `wall`: friction: is -0.3, must be finite and not negative\n\
          in case `other` of s.toml",
     );
 }
@@ -316,7 +316,12 @@ fn variations_that_are_refused() {
     );
     wrong(
         Variation::new().change("duration", "long"),
-        "s.toml: variation `duration = \"long\"`: invalid type: string \"long\", expected f64",
+        "s.toml: variation `duration = \"long\"`: invalid type: string \"long\", expected a number",
+    );
+    wrong(
+        Variation::new().change("plant.wall.wall.friction", -0.4),
+        "s.toml: variation `plant.wall.wall.friction = -0.4`: plant.wall[0] `wall`: friction: is -0.4, must be finite \
+         and not negative",
     );
     let message = Variation::from_toml("chnge.duration = 1").expect_err("is wrong");
     assert_eq!(

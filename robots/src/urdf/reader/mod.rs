@@ -100,7 +100,7 @@ pub(super) fn parse_error(source: &Source<'_>, error: &roxmltree::Error) -> Robo
 
 /// The text with what other readers of URDFs forgive taken out, byte for byte in the same places: an XML declaration
 /// that does not come first, and the colon of prefixes whose namespace nothing declares.
-pub(super) fn forgiving(text: &str) -> String {
+pub(crate) fn forgiving(text: &str) -> String {
     let mut mended = text.to_owned();
     if let Some(start) = mended.find("<?xml").filter(|&start| start > 0)
         && let Some(length) = mended[start..].find("?>")

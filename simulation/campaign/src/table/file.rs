@@ -2,6 +2,7 @@
 
 use std::{
     fs::{self, File},
+    io::Read,
     path::{Path, PathBuf},
     sync::Arc,
 };
@@ -20,10 +21,15 @@ use parquet::{
     schema::types::{Type, TypePtr},
 };
 
+use wbqp::input;
+
 use super::{Data, Description, TableError};
 
 /// Lines of a group.
 pub(super) const GROUP: usize = 1 << 16;
+
+/// What Parquet files begin with.
+const BEGINNING: &[u8; 4] = b"PAR1";
 
 /// Name of the metadata.
 const DESCRIPTION: &str = "wbqp.campaign";
@@ -183,18 +189,23 @@ impl Table {
     /// # Errors
     /// [`TableError`] if it cannot be read, or is no table of a campaign.
     pub fn open(path: &Path) -> Result<Self, TableError> {
-        let file = File::open(path).map_err(|source| TableError::File {
+        let mut file = input::open(path).map_err(|source| TableError::File {
             path: path.to_owned(),
             source,
-        })?;
-        let reader = SerializedFileReader::new(file).map_err(|source| TableError::Parquet {
-            path: path.to_owned(),
-            source: Box::new(source),
         })?;
         let foreign = |what: String| TableError::Foreign {
             path: path.to_owned(),
             what,
         };
+        // The reader looks at the end first, and takes a file of another kind for one that was cut.
+        let mut start = [0; BEGINNING.len()];
+        if file.read_exact(&mut start).is_err() || start != *BEGINNING {
+            return Err(foreign("it does not begin like a Parquet file".to_owned()));
+        }
+        let reader = SerializedFileReader::new(file).map_err(|source| TableError::Parquet {
+            path: path.to_owned(),
+            source: Box::new(source),
+        })?;
         let metadata = reader.metadata().file_metadata().key_value_metadata();
         let found = metadata
             .into_iter()

@@ -158,6 +158,27 @@ fn two_at_once_another_plan_and_missing_parts_are_refused() {
     ));
 }
 
+#[test]
+fn what_is_no_table_is_told_in_words() {
+    let folder = Folder::new();
+    let file = folder.path().join("summary.json");
+    let said = || Table::open(&file).err().map(|error| error.to_string());
+    for text in ["[]", "{ \"case\": \"stand\" }"] {
+        fs::write(&file, text).unwrap();
+        let expected = format!(
+            "{}: is not a table of a campaign: it does not begin like a Parquet file",
+            file.display()
+        );
+        assert_eq!(said(), Some(expected));
+    }
+    let folder = folder.path();
+    let error = Table::open(folder).err().unwrap().to_string();
+    assert!(
+        error.ends_with(": is a folder: only regular files are read"),
+        "{error}"
+    );
+}
+
 /// A refused run names its scenario: without the folder, which is another one on another machine.
 #[test]
 fn a_table_does_not_say_where_it_was_made() {
@@ -173,7 +194,9 @@ fn a_table_does_not_say_where_it_was_made() {
         };
         let refused = reasons.into_iter().flatten().next().unwrap();
         assert!(
-            refused.contains("hover.toml: plant.mismatch.mass_scale"),
+            refused.contains(
+                "hover.toml: variation `plant.mismatch.mass_scale = -1.0`: plant.mismatch.mass_scale"
+            ),
             "{refused}"
         );
         fs::read(path).unwrap()

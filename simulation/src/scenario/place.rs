@@ -1,0 +1,196 @@
+//! Where in a scenario's file that stands which a check refuses: at the key that the message begins with.
+//!
+//! Looked for once something is wrong, so that a case has no places to carry along.
+
+use std::ops::Range;
+
+use toml::{
+    Spanned,
+    de::{DeTable, DeValue},
+};
+use wbqp::config::{ConfigErrorKind, ConfigErrors};
+
+use super::{ScenarioError, Variation, file::Text};
+use crate::PlantError;
+
+/// A part of a key's path.
+#[derive(Debug, PartialEq, Eq)]
+enum Step<'a> {
+    Key(&'a str),
+    Index(usize),
+}
+
+impl Text<'_> {
+    /// The same error with the places that it can have.
+    pub(super) fn located(
+        &self,
+        error: ScenarioError,
+        case: &str,
+        variation: &Variation,
+    ) -> ScenarioError {
+        let mut found = None;
+        let read = self.tables_that(
+            variation,
+            |name| name == case,
+            |tables| {
+                found = Some(tables);
+                Ok(())
+            },
+        );
+        let (Some(tables), Ok(())) = (found, read) else {
+            return error;
+        };
+        let place = |path: &[Step<'_>], about: &str| {
+            let span = find(&tables.root, path, about);
+            span.map_or_else(|| self.name().to_owned(), |span| self.place(span.start))
+        };
+        let whole = |file: String, source: &ConfigErrors| {
+            let is_read = |kind| matches!(kind, ConfigErrorKind::Read);
+            if source.iter().any(|error| is_read(error.kind)) {
+                return place(&[Step::Key("controller")], "");
+            }
+            let start = tables.name.span().start;
+            if file == self.name() {
+                self.place(start)
+            } else {
+                file
+            }
+        };
+        match error {
+            ScenarioError::Value { place: file, what } if file == self.name() => {
+                ScenarioError::Value {
+                    place: place(&steps(&what), &what),
+                    what,
+                }
+            }
+            ScenarioError::Plant {
+                file,
+                table,
+                source,
+                ..
+            } => ScenarioError::Plant {
+                file,
+                table,
+                places: match source.as_ref() {
+                    PlantError::Config { problems } => {
+                        let place = |problem: &String| {
+                            let mut path = vec![Step::Key(table)];
+                            path.extend(steps(problem));
+                            place(&path, "")
+                        };
+                        problems.iter().map(place).collect()
+                    }
+                    PlantError::State(what) if what.starts_with("joint") => {
+                        vec![place(&[Step::Key("initial"), Step::Key("joints")], what)]
+                    }
+                    PlantError::State(what) => vec![place(&[Step::Key("initial")], what)],
+                    PlantError::Stiff { .. } => {
+                        vec![place(&[Step::Key("plant"), Step::Key("step")], "")]
+                    }
+                    PlantError::Mismatch(_) => {
+                        vec![place(&[Step::Key("plant"), Step::Key("mismatch")], "")]
+                    }
+                    _ => Vec::new(),
+                },
+                source,
+            },
+            ScenarioError::Config { file, case, source } => ScenarioError::Config {
+                file: whole(file, &source),
+                case,
+                source,
+            },
+            ScenarioError::Controller { file, case, source } => ScenarioError::Controller {
+                file: whole(file, &source),
+                case,
+                source,
+            },
+            other => other,
+        }
+    }
+}
+
+/// The path that a message begins with: of ``wall[0] `door`: friction: is -1`` the key `friction` of the first wall.
+fn steps(message: &str) -> Vec<Step<'_>> {
+    let mut path = Vec::new();
+    let mut rest = message;
+    loop {
+        let is_key = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+        let end = rest.find(|c| !is_key(c)).unwrap_or(rest.len());
+        let (key, behind) = rest.split_at(end);
+        if key.is_empty() {
+            return path;
+        }
+        path.push(Step::Key(key));
+        rest = behind;
+        while let Some((index, behind)) = rest.strip_prefix('[').and_then(|r| r.split_once(']')) {
+            let Ok(index) = index.parse() else {
+                return path;
+            };
+            path.push(Step::Index(index));
+            rest = behind;
+        }
+        let named = rest.strip_prefix(" `").and_then(|r| r.split_once("`: "));
+        rest = match (named, rest.strip_prefix('.')) {
+            (Some((_, behind)), _) | (None, Some(behind)) => behind,
+            (None, None) => return path,
+        };
+    }
+}
+
+/// The value at the end of a path, or of as much of it as is there; nothing if none of it is. In a table at its end the
+/// key that `about` names first.
+fn find(root: &DeTable<'_>, path: &[Step<'_>], about: &str) -> Option<Range<usize>> {
+    let Some((Step::Key(key), rest)) = path.split_first() else {
+        let named = about.split('`').nth(1)?;
+        return Some(root.get_key_value(named)?.0.span());
+    };
+    let (key, value) = root.get_key_value(*key)?;
+    Some(find_in(value, rest, about).unwrap_or_else(|| key_or_value(key.span(), value)))
+}
+
+fn find_in(value: &Spanned<DeValue<'_>>, path: &[Step<'_>], about: &str) -> Option<Range<usize>> {
+    match (value.get_ref(), path.split_first()) {
+        (DeValue::Table(table), _) => find(table, path, about),
+        (DeValue::Array(list), Some((Step::Index(index), rest))) => {
+            let element = list.get(*index)?;
+            Some(find_in(element, rest, about).unwrap_or_else(|| element.span()))
+        }
+        _ => None,
+    }
+}
+
+/// Tables are where their names are, which are in their headers.
+fn key_or_value(key: Range<usize>, value: &Spanned<DeValue<'_>>) -> Range<usize> {
+    match value.get_ref() {
+        DeValue::Table(_) => key,
+        _ => value.span(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_path_is_read_off_a_message() {
+        use Step::{Index, Key};
+        for (message, path) in [
+            ("duration: is 0 s", vec![Key("duration")]),
+            (
+                "initial.joints: the robot has no joint `a.b`",
+                vec![Key("initial"), Key("joints")],
+            ),
+            (
+                "wall[1] `a: b`: friction: is -1",
+                vec![Key("wall"), Index(1), Key("friction")],
+            ),
+            (
+                "force_torque[0].cutoff: is 0",
+                vec![Key("force_torque"), Index(0), Key("cutoff")],
+            ),
+            ("", vec![]),
+        ] {
+            assert_eq!(steps(message), path, "{message}");
+        }
+    }
+}
