@@ -30,9 +30,9 @@ use wbqp_robot_model::RobotModel;
 /// The inputs of a tick.
 #[derive(Clone, Debug)]
 pub struct Measurement {
-    /// Time, s, on any clock that goes forwards from tick to tick: a stamp that is not later than the last usable one
-    /// is a fault (a clock that was set back is used again once it has gone on regularly for ten ticks). References and
-    /// ramps count from the first tick.
+    /// Time, s, on any clock that goes forwards from tick to tick: a stamp that is not later than the last usable
+    /// state's is a fault (a clock that was set back is used again once it has gone on regularly for ten ticks).
+    /// References and ramps count from the first tick.
     pub time: f64,
     /// Estimated state, velocities world-aligned.
     pub state: State,
@@ -109,7 +109,7 @@ impl Plausible {
         fault.or_else(|| self.forces(measurement))
     }
 
-    /// Takes down that the robot is seen now; for how long it was not since the last usable measurement, if there was
+    /// Takes down that the robot is seen now; for how long it was not since the last usable state, if there was
     /// one.
     fn see(&mut self, stamp: f64) -> Option<f64> {
         let last = self.seen.last.replace(stamp)?;

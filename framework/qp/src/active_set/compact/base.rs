@@ -182,8 +182,8 @@ impl<V: Vectors, Z: Size> Run<'_, '_, V, Z> {
         })
     }
 
-    /// Lets go what has a multiplier of the wrong sign since the multipliers were corrected. False if nothing has, or if
-    /// it is unclear what is to go.
+    /// Lets go what has a multiplier of the wrong sign since the multipliers were corrected. False if nothing has, or
+    /// if it is unclear what is to go.
     pub(super) fn let_go_of_corrected(&mut self) -> bool {
         let own = &mut *self.own;
         let e = own.base.len();
