@@ -293,7 +293,7 @@ pub struct TaskReport {
     pub error: Vec<f64>,
     /// `A x − b` per row: what the solution does beyond what the task asked for.
     pub residual: Vec<f64>,
-    /// `w r²` per row.
+    /// `w r²` per row; zero where the rows must hold.
     pub cost: Vec<f64>,
 }
 
