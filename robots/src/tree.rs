@@ -193,8 +193,8 @@ pub struct TreeRotor {
     /// Reaction torque along the frame's z per newton of thrust, m; its sign is the torque's.
     #[serde(default)]
     pub moment: f64,
-    /// Thrust per squared speed, N/(rad/s)²: the speed follows from it that is commanded beside a thrust and logged; the
-    /// optimum does not depend on it.
+    /// Thrust per squared speed, N/(rad/s)²: the speed follows from it that is commanded beside a thrust and logged;
+    /// the optimum does not depend on it.
     #[serde(default = "one")]
     pub thrust_coefficient: f64,
     /// First-order lags of a rising and a falling thrust, s; the plant alone has them.
