@@ -75,7 +75,7 @@ class Tree(Plugin):
     motor : Sequence[dict[str, Any]], optional
         Motors of joints; a joint without one is passive.
     rotor : Sequence[dict[str, Any]], optional
-        Rotors, the first of the actuators.
+        Rotors, the first of the actuators. Their thrusts may change at any rate: there is no `slew`.
     """
     def __init__(
         self,

@@ -213,11 +213,13 @@ class ConstantForce(Plugin):
 
     `f = α f_d`,
 
-    where the contact's ramp α takes the set point from zero and back to it.
+    where the contact's ramp α takes the set point from zero and back to it. As of every task, the weight goes with the
+    ramp, too.
 
     To push with a force that is measured, see `ContactForce`. Exists while the contact is on.
 
-    Error: measured minus `α f_d`, N or N·m.
+    Error: measured minus `α f_d`, N or N·m; without a sensor it says nothing. The residual is the planned force minus
+    `α f_d`.
 
     Parameters
     ----------
@@ -653,8 +655,8 @@ class PropellerRegularisation(Plugin):
     `f_i − f_{i+1} = 0` for neighbours in the order of the actuators.
 
     That is `D f = 0` with 1 on the diagonal of D and −1 right above. The paper writes `D ω²`; here the rows are
-    in newtons, as its text says ("a function of the propeller forces"). Its weight of 1e-5 makes sense only so: in
-    (rad/s)² the term would drown the others.
+    in newtons, as its text says ("a function of the propeller forces"). The paper's weight of 1e-5 makes sense only so:
+    in (rad/s)² the term would drown the others. It is no default: the entry gives its weight.
 
     The task is zero if and only if all thrusts are equal, but it punishes differences of neighbours alone: the
     solution depends on the order of the rotors.

@@ -9,7 +9,7 @@
 //! thrust_coefficient = 2.508e-5             # c_f, N/(rad/s)²
 //! moment_coefficient = 0.0192               # k_m, m: reaction torque per newton of thrust
 //! thrust = { min = 0.25, max = 10.0 }       # N
-//! time_constant = { rise = 0.0125, fall = 0.025 }  # first-order lag, s
+//! time_constant = { rise = 0.0125, fall = 0.025 }  # first-order lag of the plant's rotors, s
 //! slew = 50.0                               # largest |dF/dt|, N/s; no limit if left out
 //! frame = "base_link"                       # of rotors that are placed by `position` in one link
 //!

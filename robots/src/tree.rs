@@ -59,7 +59,7 @@ pub struct Tree {
     /// Further named frames; every body is one.
     #[serde(default, rename = "frame", skip_serializing_if = "Vec::is_empty")]
     pub frames: Vec<TreeFrame>,
-    /// Rotors, the first of the actuators.
+    /// Rotors, the first of the actuators. Their thrusts may change at any rate: there is no `slew`.
     #[serde(default, rename = "rotor", skip_serializing_if = "Vec::is_empty")]
     pub rotors: Vec<TreeRotor>,
     /// Motors of joints; a joint without one is passive.
@@ -193,10 +193,11 @@ pub struct TreeRotor {
     /// Reaction torque along the frame's z per newton of thrust, m; its sign is the torque's.
     #[serde(default)]
     pub moment: f64,
-    /// Thrust per squared speed, N/(rad/s)²; for logs alone.
+    /// Thrust per squared speed, N/(rad/s)²: the speed follows from it that is commanded beside a thrust and logged;
+    /// the optimum does not depend on it.
     #[serde(default = "one")]
     pub thrust_coefficient: f64,
-    /// First-order lags of a rising and a falling thrust, s.
+    /// First-order lags of a rising and a falling thrust, s; the plant alone has them.
     #[serde(default = "lags")]
     pub time_constant: [f64; 2],
 }

@@ -10,6 +10,9 @@ struct Configuration;
 #[doc = include_str!("../../docs/replay.md")]
 struct Replay;
 
+#[doc = include_str!("../../docs/how-to/add-a-robot.md")]
+struct AddARobot;
+
 #[doc = include_str!("../../docs/how-to/contacts.md")]
 struct Contacts;
 

@@ -30,7 +30,7 @@ use crate::{
 /// | `/qp` | status, fault, iterations, times of the stages, active limits |
 ///
 /// A tick without a solution ([`FallbackLevel::is_solved`](wbqp::controller::FallbackLevel::is_solved)) has no new
-/// contact and task reports: it writes `/state`, `/command` and `/qp` only.
+/// contact and task reports: it writes `/state`, `/command`, `/qp` and `/observer` only.
 #[derive(Debug)]
 pub struct ControllerLog {
     robot: RobotModel,

@@ -5,8 +5,8 @@
 //! `c max(q̇_max, 5 m/s)`; a limit above [`FASTEST`] says nothing, as no limit, and counts as 100 rad/s or 10 m/s. The
 //! base turns as fast as the fastest revolute joint, and moves with `c max(10 m/s, q̇_max r)`, with the largest limit
 //! and the reach r: how far from the base's origin anything can be. Accelerations go to the largest speed within
-//! [`REACTION`]. Forces go to `c (m g + Σ thrust + Σ torque / r)` and moments to that times r, at least 0.1 m. A
-//! contact whose `force_max` is larger is taken at its word.
+//! [`REACTION`]. Forces go to `c (m g + Σ thrust + Σ torque / r)`, or to `c` times the contact's `force_max` where that
+//! is more, and moments to the force times r, at least 0.1 m.
 
 use super::Measurement;
 use crate::{contact::ContactSpec, fault::Fault, settings::MeasurementLimits};

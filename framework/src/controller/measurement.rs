@@ -1,10 +1,13 @@
 //! What the sensors say at the beginning of a tick, and whether it can be true of the robot.
 //!
 //! # What is compared
-//! The time since the last usable measurement, speeds and forces with a bound each ([`bounds`](super::bounds)).
-//! Positions and velocities, besides, with those of the last usable measurement. Positions may have changed by a bound per period, for as many periods as the robot was
-//! not seen, and while it was seen by twice what its speed explains. Velocities may have changed by a bound for all the
-//! time in between.
+//! The time since the last usable state, speeds and forces with a bound each ([`bounds`](super::bounds)). Positions and
+//! velocities, besides, with those of the last usable state. Positions may have changed by a bound per period, for as
+//! many periods as the robot was not seen, and while it was seen by twice what its speed explains. Velocities may have
+//! changed by a bound for all the time in between.
+//!
+//! A state is usable if it is finite and plausible, whether or not the wrenches beside it are: of a measurement whose
+//! wrenches alone cannot be used the state is taken over, and its stamp counts.
 //!
 //! A robot is seen by every measurement whose speeds are plausible, also by one that has jumped. So after an
 //! outage the robot may be as far away as it could have come in that time, and a blow too hard to be believed is over
@@ -27,9 +30,9 @@ use wbqp_robot_model::RobotModel;
 /// The inputs of a tick.
 #[derive(Clone, Debug)]
 pub struct Measurement {
-    /// Time, s, on any clock that goes forwards from tick to tick: a stamp that is not later than the last usable one
-    /// is a fault (a clock that was set back is used again once it has gone on regularly for ten ticks). References and
-    /// ramps count from the first tick.
+    /// Time, s, on any clock that goes forwards from tick to tick: a stamp that is not later than the last usable
+    /// state's is a fault (a clock that was set back is used again once it has gone on regularly for ten ticks).
+    /// References and ramps count from the first tick.
     pub time: f64,
     /// Estimated state, velocities world-aligned.
     pub state: State,
@@ -106,7 +109,7 @@ impl Plausible {
         fault.or_else(|| self.forces(measurement))
     }
 
-    /// Takes down that the robot is seen now; for how long it was not since the last usable measurement, if there was
+    /// Takes down that the robot is seen now; for how long it was not since the last usable state, if there was
     /// one.
     fn see(&mut self, stamp: f64) -> Option<f64> {
         let last = self.seen.last.replace(stamp)?;

@@ -14,8 +14,10 @@ use crate::{
     stopwatch::StageTimes,
 };
 
-/// Where the command of a tick comes from: the highest of these levels that was possible. All commands are finite and
+/// Where the command of a tick comes from: the first of these levels that was possible. All commands are finite and
 /// within the actuators' limits and slew.
+///
+/// They are ordered as they are listed: [`Optimal`](Self::Optimal) is the smallest, and the worst of a run the largest.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
@@ -34,7 +36,7 @@ pub enum FallbackLevel {
 }
 
 impl FallbackLevel {
-    /// All of them, from the top.
+    /// All of them, the best first.
     pub const ALL: [Self; 4] = [Self::Optimal, Self::Relaxed, Self::Extrapolated, Self::Safe];
 
     /// Its name, for logs.
@@ -93,10 +95,12 @@ pub struct Report {
     pub status: Status,
     /// The solver's iterations, those of relaxed problems included.
     pub iterations: u32,
-    /// The optimum's cost: `Σ w r²` over all soft rows, plus slacks and regularisation.
+    /// The optimum's cost: `Σ w r²` over all soft rows, plus slacks and regularisation. Zero in a tick without a
+    /// solution.
     pub objective: f64,
-    /// Generalised acceleration that the solution predicts, size nv. This, `tasks` and `contacts` are those of the last
-    /// tick with a solution ([`FallbackLevel::is_solved`]).
+    /// Generalised acceleration that the solution predicts, size nv, in the order of the velocities: of a floating base
+    /// linear, m/s², and angular, rad/s², both in world axes, then of the joints, rad/s² or m/s². This, `tasks` and
+    /// `contacts` are those of the last tick with a solution ([`FallbackLevel::is_solved`]).
     pub vdot: DVector<f64>,
     /// Estimate of the wrench on a floating base that the model does not have, `[force; moment]` about the base's
     /// origin, world axes, N and N·m; zero without an [observer](crate::settings::Observer).
@@ -111,7 +115,7 @@ pub struct Report {
     pub active: Vec<LimitRow>,
     /// Index of the first entry (tasks, then constraints) that wrote a block it had not declared.
     pub undeclared: Option<usize>,
-    /// Weight of the regularisation row.
+    /// Weight of `‖(u, f)‖²` in the cost of the last tick that came to a problem.
     pub regularisation: f64,
     /// Time per stage.
     pub times: StageTimes,
@@ -289,22 +293,25 @@ pub struct TaskReport {
     pub error: Vec<f64>,
     /// `A x − b` per row: what the solution does beyond what the task asked for.
     pub residual: Vec<f64>,
-    /// `w r²` per row.
+    /// `w r²` per row; zero where the rows must hold.
     pub cost: Vec<f64>,
 }
 
 /// The forces of a contact, four different things: C axes, about the contact point, on the robot. And where it is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactReport {
-    /// Whether it is switched on.
+    /// Whether it is switched on: also while it ramps on, and not while it ramps off, when its force is still planned
+    /// (`alpha` says so).
     pub on: bool,
     /// Ramp, 0 (off) to 1 (on).
     pub alpha: f64,
-    /// Set point `f^d` and what the outer loop asks, `f*` of (11); `None` without a force task.
+    /// Set point `f^d` and what the outer loop asks, `f*` of (11); `None` without a force task that is on. Of several,
+    /// the last one's.
     pub task: Option<ForceReport>,
     /// What the solver plans, `f_QP`.
     pub solution: Vector6<f64>,
-    /// What the sensor says, `f^m`.
+    /// What the sensor says, `f^m`: without what [`Controller::tare`](super::Controller::tare) took for zero, and moved
+    /// from the origin of the contact's frame to the contact point.
     pub measured: Vector6<f64>,
     /// Contact point on the robot according to the measured state, m, surface coordinates; also while it is off.
     pub position: Vector3<f64>,

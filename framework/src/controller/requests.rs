@@ -205,7 +205,8 @@ impl Controller {
         Ok(self.entries[index].weight.wanted())
     }
 
-    /// Whether a task or constraint is on or, during a ramp, goes on.
+    /// Whether a task or constraint is to be on: what was asked for last, also while it ramps or waits for the next
+    /// tick.
     ///
     /// # Errors
     /// [`RequestError`] if there is no such entry.
@@ -214,7 +215,7 @@ impl Controller {
         Ok(self.entries[index].switch.is_wanted())
     }
 
-    /// Whether a contact is on or, during a ramp, goes on.
+    /// Whether a contact is to be on: what was asked for last, also while it ramps or waits for the next tick.
     ///
     /// # Errors
     /// [`RequestError::Absent`].

@@ -25,7 +25,7 @@
 //! the base, which falls with `v̇_R` such that no wrench is needed on it: `M_RR v̇_R = −g_R − M_RJ q̈`. What holds the
 //! joints then is not their weight.
 //!
-//! The state may be old: the feedback fades linearly within `fading` of the last usable measurement, over which no
+//! The state may be old: the feedback fades linearly within `fading` of the last usable state, over which no
 //! damping here overshoots (half its rate times that time is less than one), and what is left is plain gravity
 //! compensation.
 #![allow(non_snake_case)]

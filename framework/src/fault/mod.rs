@@ -13,12 +13,12 @@ pub enum Fault {
     NotFinite(Quantity),
     /// A measured list has the wrong size.
     WrongSize(Quantity),
-    /// The time stamp is not later than that of the last usable measurement. (One that is too much later is
-    /// implausible.)
+    /// The time stamp is not later than that of the last usable state. (One that is too much later is implausible.)
+    /// Usable is a state that was finite and plausible, whatever the wrenches beside it were.
     NotLater,
     /// The base's quaternion is not of unit length, nor near it.
     NotARotation,
-    /// A measured number, or its change since the last usable measurement, is beyond what the table `[measurement]`
+    /// A measured number, or its change since the last usable state, is beyond what the table `[measurement]`
     /// allows.
     Implausible {
         /// What was measured, or how it has changed.
@@ -75,7 +75,7 @@ pub enum Quantity {
     Wrenches,
     /// One contact's wrench.
     Wrench(ContactId),
-    /// Time since the last usable measurement.
+    /// Time since the last usable state.
     Gap,
     /// Speed of the base.
     LinearVelocity,
@@ -83,13 +83,13 @@ pub enum Quantity {
     AngularVelocity,
     /// Speed of a joint.
     JointVelocity(JointId),
-    /// Change of the base's velocity since the last usable measurement, by time.
+    /// Change of the base's velocity since the last usable state, by time.
     LinearAcceleration,
     /// Change of the base's angular velocity, by time.
     AngularAcceleration,
     /// Change of a joint's velocity, by time.
     JointAcceleration(JointId),
-    /// Change of the base's position since the last usable measurement.
+    /// Change of the base's position since the last usable state.
     PositionJump,
     /// Angle that the base has turned.
     RotationJump,

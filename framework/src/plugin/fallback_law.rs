@@ -29,7 +29,7 @@ pub trait FallbackLaw: Clone + Debug + Send + 'static {
 
     /// Writes efforts, N or N·m, for the last usable state, which is what `tick` knows and `age` seconds old:
     /// infinitely old if there never was one, and then the tick knows the home posture. `efforts` holds what was sent
-    /// last; `tick.time` stands still while there is no usable measurement, and `tick.elapsed` counts from the last
+    /// last; `tick.time` stands still while there is no usable state, and `tick.elapsed` counts from the last
     /// one, so that what grows with time is better made of `age`. The velocity references of joints are zero
     /// meanwhile. No allocation, no panic, no iteration without a bound.
     fn efforts(

@@ -5,10 +5,16 @@
 //! ```text
 //! dynamics     M v̇ + h = S u + Σ J_cᵀ f_c + Σ J_fᵀ f_f                              (5a), (8)
 //! minimise     Σ w (A_v v̇ + A_u u + A_f f − b)² + w_ε ‖(u, f)‖² + Σ (w s² + λ s)    (10a)
-//! subject to   lower − s ≤ C_v v̇ + C_u u + C_f f ≤ upper + s,   s ≥ 0               (10c), (10e)
+//! subject to   lower − s ≤ C_v v̇ + C_u u + C_f f ≤ upper + s,   s ≥ 0               (10c)
+//!              A_v v̇ + A_u u + A_f f = b                                            (10e)
 //!              bounds on single efforts and force components                        (10b)
 //!              the dynamics, where nothing is substituted from them                 (10d)
 //! ```
+//! An inequality that is hard has no slack. An equality (the rows of a task, and those of a constraint that says so,
+//! such as (10e)) never has one: if it is hard it is a row that must hold, or holds by substitution where a contact
+//! determines accelerations; if it is soft, and while a hard one ramps, it is part of the cost. What must hold and
+//! contradicts the rest is given up in a problem of its own, [`relaxation`].
+//!
 //! The rows and bounds of (10b), (10c), (10e) and the tasks of (11) are plug-ins': `tasks/`, linked by name in
 //! docs/paper-to-code.md; but for the limits of each contact's normal force, which are the framework's own bounds.
 //!

@@ -16,11 +16,13 @@ use crate::check;
 ///
 /// `f = α f_d`,
 ///
-/// where the contact's ramp α takes the set point from zero and back to it.
+/// where the contact's ramp α takes the set point from zero and back to it. As of every task, the weight goes with the
+/// ramp, too.
 ///
 /// To push with a force that is measured, see [`ContactForce`](crate::ContactForce). Exists while the contact is on.
 ///
-/// Error: measured minus `α f_d`, N or N·m.
+/// Error: measured minus `α f_d`, N or N·m; without a sensor it says nothing. The residual is the planned force minus
+/// `α f_d`.
 #[wbqp::task("constant_force")]
 pub struct ConstantForce {
     /// The contact, by name.

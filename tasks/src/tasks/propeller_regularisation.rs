@@ -9,8 +9,8 @@ use wbqp::prelude::*;
 /// `f_i − f_{i+1} = 0` for neighbours in the order of the actuators.
 ///
 /// That is `D f = 0` with 1 on the diagonal of D and −1 right above. The paper writes `D ω²`; here the rows are
-/// in newtons, as its text says ("a function of the propeller forces"). Its weight of 1e-5 makes sense only so: in
-/// (rad/s)² the term would drown the others.
+/// in newtons, as its text says ("a function of the propeller forces"). The paper's weight of 1e-5 makes sense only so:
+/// in (rad/s)² the term would drown the others. It is no default: the entry gives its weight.
 ///
 /// The task is zero if and only if all thrusts are equal, but it punishes differences of neighbours alone: the
 /// solution depends on the order of the rotors.

@@ -1,7 +1,7 @@
 //! Time as ticks count it: how much one stands for, and how long ago something was.
 //!
 //! # How much time a tick stands for
-//! A tick stands for the time between its stamp and that of the last usable measurement, but for [`LONGEST`] periods at
+//! A tick stands for the time between its stamp and that of the last usable state, but for [`LONGEST`] periods at
 //! the most: what happened in a longer gap nobody saw, and no integral counts it. Where there is no such measurement,
 //! or the stamp is no later one, it stands for one period. A difference that is a period but for the rounding of the
 //! stamps is exactly the period, so that a loop that keeps its rate computes the same bits whatever its stamps begin
@@ -147,7 +147,7 @@ pub(in super::super) fn elapsed(now: f64, last: Option<f64>, period: f64) -> f64
     }
 }
 
-/// Whether what happened since the last usable measurement was seen: no more time has passed than a tick stands for,
+/// Whether what happened since the last usable state was seen: no more time has passed than a tick stands for,
 /// and the clock was not set.
 pub(in super::super) fn is_continuous(now: f64, last: Option<f64>, period: f64) -> bool {
     last.is_some_and(|last| now - last <= (LONGEST + ROUNDING) * period)

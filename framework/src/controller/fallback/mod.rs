@@ -42,7 +42,7 @@ pub(super) struct Fallback {
     pub(super) law: BoundFallbackLaw,
     /// The efforts that come nearest to holding the home posture.
     pub(super) hover: Vec<f64>,
-    /// Since the last solution and the last usable measurement.
+    /// Since the last solution and the last usable state.
     pub(super) without_solution: Age,
     pub(super) without_state: Age,
     pub(super) clock: Clock,

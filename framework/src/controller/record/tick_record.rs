@@ -97,12 +97,12 @@ pub(crate) struct Memory {
     pub(crate) on_level_ticks: u64,
     /// Time stamp and ticks since the last solution; nothing if there was none.
     pub(crate) solved: Option<(f64, u64)>,
-    /// The same for the last usable measurement.
+    /// The same for the last usable state.
     pub(crate) measured: Option<(f64, u64)>,
     /// The stamp of the tick before, and for how many ticks stamps have gone on regularly from an earlier time.
     pub(crate) stamp: Option<f64>,
     pub(crate) steady: u32,
-    /// When the robot was seen last, and for how long it was not since the last usable measurement, s.
+    /// When the robot was seen last, and for how long it was not since the last usable state, s.
     #[serde(default)]
     pub(crate) seen: Option<f64>,
     #[serde(default)]

@@ -16,7 +16,7 @@ pub(in super::super) struct Before {
     /// Time that the tick stood for, and for which `slew` counted, s.
     elapsed: f64,
     slew_time: f64,
-    /// Whether what happened since the last usable measurement was seen.
+    /// Whether what happened since the last usable state was seen.
     is_continuous: bool,
     /// Of the tick before.
     level: FallbackLevel,

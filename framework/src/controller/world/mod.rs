@@ -34,7 +34,7 @@ pub(crate) struct World {
     pub(crate) period: f64,
     /// Time that this tick stands for, s, see [`elapsed`](super::fallback::elapsed).
     pub(crate) elapsed: f64,
-    /// Whether what happened since the last usable measurement was seen.
+    /// Whether what happened since the last usable state was seen.
     pub(crate) is_continuous: bool,
     /// Time for which `slew` counts in this tick, s.
     pub(crate) slew_time: f64,

@@ -3,9 +3,9 @@
 //! # Mathematics
 //! `W = Q R` of the normals held, in the metric of H. A constraint that comes appends a column, what is left of its
 //! normal beside Q; one that goes is rotated out. If nothing is left, as at a vertex, the normal is `W r` with
-//! `R r = Qᵀ w`: as the multiplier μ of the new constraint grows those of the others move by `−r μ`, and the first that reaches
-//! zero makes room (D. Goldfarb, A. Idnani, *A numerically stable dual method for solving strictly convex quadratic
-//! programs*, Mathematical Programming 27 (1983)). Q is orthogonal to the last digit whatever the angles are.
+//! `R r = Qᵀ w`: as the multiplier μ of the new constraint grows those of the others move by `−r μ`, and the first that
+//! reaches zero makes room (D. Goldfarb, A. Idnani, *A numerically stable dual method for solving strictly convex
+//! quadratic programs*, Mathematical Programming 27 (1983)). Q is orthogonal to the last digit whatever the angles are.
 
 use super::{
     Run,
@@ -182,7 +182,8 @@ impl<V: Vectors, Z: Size> Run<'_, '_, V, Z> {
         })
     }
 
-    /// Lets go what has a multiplier of the wrong sign since the multipliers were corrected. False if nothing has.
+    /// Lets go what has a multiplier of the wrong sign since the multipliers were corrected. False if nothing has, or
+    /// if it is unclear what is to go.
     pub(super) fn let_go_of_corrected(&mut self) -> bool {
         let own = &mut *self.own;
         let e = own.base.len();
@@ -214,7 +215,7 @@ impl<V: Vectors, Z: Size> Run<'_, '_, V, Z> {
     }
 
     /// Appends a constraint to the base. If its normal nearly depends on the others: the square of what is left of it
-    /// beside them, whose parts are in `h` then.
+    /// beside them, zero where the base spans everything; its parts along Q are in `h` then.
     #[inline(always)]
     fn append(&mut self, constraint: Active) -> Result<(), f64> {
         let k = self.own.base.len();
@@ -242,7 +243,7 @@ impl<V: Vectors, Z: Size> Run<'_, '_, V, Z> {
             axpy(&mut h[..k], 1.0, again);
             left = dot(rest, rest);
         }
-        // `!(… > …)`: a NaN depends, too.
+        // Not the opposite comparison: a NaN depends, too.
         let is_far = left > NEARLY * square;
         if !is_far {
             return Err(left);

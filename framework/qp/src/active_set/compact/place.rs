@@ -43,7 +43,8 @@ impl Place {
     }
 }
 
-/// By how much a value is beyond limits, beyond which, and that limit.
+/// By how much a value is beyond limits, beyond which, and that limit. Of one that is not above the upper limit, inside
+/// too, those of the lower limit: the amount is then negative, or zero at it.
 #[inline(always)]
 pub(super) fn beyond(value: f64, lower: f64, upper: f64) -> (f64, f64, f64) {
     if value > upper {
