@@ -5,7 +5,7 @@
 //! {"status":"optimal","x":[0.5],"y":[],"z":[1.0],"iterations":2,"microseconds":3.1}
 //! ```
 //! `H` (n × n) and `A` (m × n) are row-major; numbers that JSON lacks are the strings "inf", "-inf" and "nan". Every
-//! problem is solved from a cold start. `x` is the ray if the status is `unbounded`; `y` and `z` are the certificate if
+//! problem is solved from a cold start, with at most `max_iterations` if it has that key. `x` is the ray if the status is `unbounded`; `y` and `z` are the certificate if
 //! it is `infeasible`. A line that is no problem has the status `invalid` and a `message`.
 
 use std::{
@@ -18,9 +18,9 @@ use wbqp_qp::{ActiveSet, Budget, Qp, QpSolver, Solution, Status};
 
 fn main() -> io::Result<()> {
     let mut out = io::stdout().lock();
-    for line in io::stdin().lock().lines() {
+    for line in io::stdin().lock().split(b'\n') {
         let line = line?;
-        if line.trim().is_empty() {
+        if line.trim_ascii().is_empty() {
             continue;
         }
         let answer = match solve(&line) {
@@ -36,8 +36,8 @@ fn main() -> io::Result<()> {
     Ok(())
 }
 
-fn solve(line: &str) -> Result<Value, String> {
-    let problem: Value = serde_json::from_str(line).map_err(|error| error.to_string())?;
+fn solve(line: &[u8]) -> Result<Value, String> {
+    let problem: Value = serde_json::from_slice(line).map_err(|error| error.to_string())?;
     let list = |key: &str| -> Result<Vec<f64>, String> {
         let list = problem[key]
             .as_array()
@@ -60,8 +60,11 @@ fn solve(line: &str) -> Result<Value, String> {
     let qp = Qp::dense(&h, &g, &a, (&rows.0, &rows.1), (&bounds.0, &bounds.1))
         .map_err(|error| error.to_string())?;
     let mut solver = ActiveSet::default();
-    if let Some(cap) = problem["max_iterations"].as_u64() {
-        solver.max_iterations = u32::try_from(cap).ok();
+    if let Some(cap) = problem.get("max_iterations") {
+        let number = cap.as_u64().and_then(|cap| u32::try_from(cap).ok());
+        let number =
+            number.ok_or_else(|| format!("`max_iterations` is {cap}, no number of them"))?;
+        solver.max_iterations = Some(number);
     }
     solver
         .bind(qp.capacity())

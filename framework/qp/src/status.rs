@@ -14,7 +14,8 @@ pub enum Status {
     /// Optimal within the solver's tolerances: the only one whose `x` may be sent to a robot.
     Optimal,
     /// No point satisfies all rows and bounds; `y` and `z` prove it (Farkas): `Aᵀ y + z = 0`, while the limits on their
-    /// sides, weighted with them, have a negative sum.
+    /// sides, weighted with them, have a negative sum. Where the limits of one row or variable are crossed, or a row
+    /// without coefficients excludes zero, `y` or `z` is 1 or −1 there and zero elsewhere.
     Infeasible,
     /// The cost falls for ever along the ray in `x`: `H x = 0`, `gᵀ x < 0`, and no limit ends it. H and A are numbers
     /// of 16 digits, and so it is up to rounding: what has to vanish is below 1e-12 of the sum of its terms' sizes, or,

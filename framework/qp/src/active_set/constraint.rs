@@ -12,6 +12,9 @@ const NOTHING: f64 = 1e-13;
 /// The same of a row without coefficients, which has no scale.
 const EMPTY: f64 = 1e-9;
 
+/// A finite limit from this on is taken for none where it would be weighed beside others: as other solvers do.
+pub(super) const ENDLESS: f64 = 1e20;
+
 /// A constraint held at one of its limits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Active {

@@ -7,7 +7,7 @@
 //! multiplier of a bound, where there is one on the side that it needs, and counts with it.
 
 use super::{
-    constraint::{impossible, limits},
+    constraint::{ENDLESS, impossible, limits},
     twofold::Twofold,
 };
 use crate::{Qp, Solution};
@@ -46,9 +46,10 @@ pub(super) fn margin(qp: &Qp, solution: &Solution) -> (f64, bool) {
         let needed = -combined.rounded();
         let bound = limits(qp, qp.m() + j);
         let limit = if needed > 0.0 { bound.1 } else { bound.0 };
-        if needed != 0.0 && limit.is_finite() {
+        let is_none = limit.abs() >= ENDLESS;
+        if needed != 0.0 && !is_none {
             weigh(needed, bound);
-        } else if (needed - z).abs() > CLOSED * terms || (*z != 0.0 && limit.is_infinite()) {
+        } else if (needed - z).abs() > CLOSED * terms || (*z != 0.0 && is_none) {
             is_closed = false;
         }
     }

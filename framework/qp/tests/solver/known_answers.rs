@@ -56,11 +56,16 @@ fn answer(family: Family, seed: u64, exponent: f64) -> (u32, Option<String>) {
 }
 
 fn answer_of(known: &Known, name: &str) -> (u32, Option<String>) {
+    answer_as(&known.qp, known, name)
+}
+
+/// The same of the same problem in other numbers.
+fn answer_as(qp: &Qp, known: &Known, name: &str) -> (u32, Option<String>) {
     let mut solver = ActiveSet::default();
-    solver.bind(known.qp.capacity()).expect("is good");
-    let mut solution = Solution::new(known.qp.capacity());
+    solver.bind(qp.capacity()).expect("is good");
+    let mut solution = Solution::new(qp.capacity());
     solver
-        .solve(&known.qp, Budget::Configured, &mut solution)
+        .solve(qp, Budget::Configured, &mut solution)
         .expect("fits");
     let wrong = judge(known, &solution).err().map(|what| {
         let (n, m) = (known.qp.n(), known.qp.m());
@@ -112,6 +117,34 @@ fn every_answer_is_right() {
         .collect::<Vec<_>>()
         .join("\n");
     assert!(wrong.is_empty(), "{} wrong:\n{shown}", wrong.len());
+}
+
+/// The numbers by which other solvers' users say that there is no limit.
+#[test]
+fn a_limit_of_1e20_is_none() {
+    let (count, first) = (number("WBQP_QP_PROBLEMS", 300), number("WBQP_QP_FIRST", 0));
+    let mut wrong = Vec::new();
+    for family in FAMILIES.into_iter().filter(|family| is_wanted(*family)) {
+        for (seed, endless) in (first..first + count)
+            .flat_map(|seed| [1e20, 1e30, f64::MAX].map(|endless| (seed, endless)))
+        {
+            let known = draw(family, seed, 12, 0.0);
+            let mut qp = known.qp.clone();
+            let (lower, upper) = qp.row_limits_mut();
+            let rows = lower.iter_mut().zip(upper);
+            rows.for_each(|(lower, upper)| close(lower, upper, endless));
+            let (lower, upper) = qp.bounds_mut();
+            let bounds = lower.iter_mut().zip(upper);
+            bounds.for_each(|(lower, upper)| close(lower, upper, endless));
+            let name = format!("{family:?} {seed}, {endless:e} for no limit");
+            wrong.extend(answer_as(&qp, &known, &name).1);
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+fn close(lower: &mut f64, upper: &mut f64, endless: f64) {
+    (*lower, *upper) = (lower.max(-endless), upper.min(endless));
 }
 
 /// More variables than loops of a known length are for, of which normals may touch a part.

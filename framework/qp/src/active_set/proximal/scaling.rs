@@ -7,6 +7,7 @@
 //! one. All are powers of two, so that nothing is rounded, and the scaled problem hardly depends on the units of the
 //! problem.
 
+use super::super::constraint::ENDLESS;
 use crate::{Qp, QpError, Solution};
 
 /// Passes over rows and columns without curvature.
@@ -32,6 +33,21 @@ fn reciprocal(of: f64) -> f64 {
     } else {
         1.0
     }
+}
+
+/// Lower and upper limit without those that are [endless](ENDLESS).
+fn without_endless(lower: f64, upper: f64) -> [f64; 2] {
+    let lower = if lower > -ENDLESS {
+        lower
+    } else {
+        f64::NEG_INFINITY
+    };
+    let upper = if upper < ENDLESS {
+        upper
+    } else {
+        f64::INFINITY
+    };
+    [lower, upper]
 }
 
 /// The sum of the exponents of two of what is finite and not zero, and how many that are.
@@ -136,7 +152,8 @@ impl Scaling {
         self.sums[..n].fill((0.0, 0.0));
         for j in (0..n).filter(|&j| self.labels[j] < n) {
             let d = self.variables[j];
-            let (sum, count) = exponents([qp.lower()[j] / d, qp.upper()[j] / d].into_iter());
+            let limits = without_endless(qp.lower()[j], qp.upper()[j]);
+            let (sum, count) = exponents(limits.into_iter().map(|limit| limit / d));
             let total = &mut self.sums[self.labels[j]];
             *total = (total.0 + sum, total.1 + count);
         }
@@ -145,8 +162,8 @@ impl Scaling {
                 continue;
             };
             let r = self.rows[i];
-            let (sum, count) =
-                exponents([qp.row_lower()[i] * r, qp.row_upper()[i] * r].into_iter());
+            let limits = without_endless(qp.row_lower()[i], qp.row_upper()[i]);
+            let (sum, count) = exponents(limits.into_iter().map(|limit| limit * r));
             let total = &mut self.sums[label];
             *total = (total.0 + sum, total.1 + count);
         }
@@ -176,13 +193,11 @@ impl Scaling {
         }
         let (lower, upper) = scaled.row_limits_mut();
         for ((lower, upper), r) in lower.iter_mut().zip(upper).zip(&self.rows) {
-            *lower *= r;
-            *upper *= r;
+            [*lower, *upper] = without_endless(*lower, *upper).map(|limit| limit * r);
         }
         let (lower, upper) = scaled.bounds_mut();
         for ((lower, upper), d) in lower.iter_mut().zip(upper).zip(d) {
-            *lower /= d;
-            *upper /= d;
+            [*lower, *upper] = without_endless(*lower, *upper).map(|limit| limit / d);
         }
         Ok(())
     }
