@@ -1,6 +1,10 @@
 //! Runs as series: of a log in a file or in memory, and the experiments' rows from them.
 
-use std::{collections::BTreeMap, path::PathBuf, sync::OnceLock};
+use std::{
+    collections::{BTreeMap, HashSet},
+    path::PathBuf,
+    sync::OnceLock,
+};
 
 use pyo3::{
     exceptions::{PyKeyError, PyOSError, PyValueError},
@@ -111,20 +115,24 @@ impl Log {
         log.map_or_else(Vec::new, |log| log.topics().map(str::to_owned).collect())
     }
 
-    /// Fields of a topic with their series: `{field: (t, y)}`, fields as paths `a/b/c`.
+    /// Fields of a topic, as paths `a/b/c`, with their numbers, NaN where a message has none, or texts, None where a
+    /// message has none; the times of the messages are `t`.
     fn topic<'py>(&self, py: Python<'py>, topic: &str) -> PyResult<Bound<'py, PyDict>> {
         let dict = PyDict::new(py);
         let signals = self.signals()?;
         let log = self.log.as_ref();
-        let fields = log.map_or_else(|| Ok(Vec::new()), |log| fields(log, topic));
-        let fields = fields.map_err(|error| measure_error(&error))?;
-        let columns = signals.columns(topic, &fields);
+        let fields = log.map_or_else(|| Ok(Fields::default()), |log| Fields::of(log, topic));
+        let Fields { numbers, texts } = fields.map_err(|error| measure_error(&error))?;
+        let columns = signals.columns(topic, &numbers);
         let columns = columns.map_err(|error| measure_error(&error))?;
         if let Some(first) = columns.first() {
             dict.set_item("t", of_vector(py, &first.t))?;
         }
-        for (field, series) in fields.iter().zip(&columns) {
+        for (field, series) in numbers.iter().zip(&columns) {
             dict.set_item(field.trim_start_matches('/'), of_vector(py, &series.y))?;
+        }
+        for (field, texts) in texts {
+            dict.set_item(field.trim_start_matches('/'), texts)?;
         }
         Ok(dict)
     }
@@ -170,23 +178,58 @@ impl Log {
     }
 }
 
-/// Pointers to all numbers of a topic's messages, in the messages' order, as in the first of them.
-fn fields(log: &Inner, topic: &str) -> Result<Vec<String>, MeasureError> {
-    let mut fields = Vec::new();
-    for message in log.messages(topic)?.take(1) {
-        leaves(&message?.1, &mut String::new(), &mut fields);
-    }
-    Ok(fields)
+/// What a topic's messages have, of all of them: a contact that is off says less than one that is on.
+#[derive(Default)]
+struct Fields {
+    /// Pointers to numbers, in the order of the messages.
+    numbers: Vec<String>,
+    /// Pointers to texts, and the text of each message.
+    texts: BTreeMap<String, Vec<Option<String>>>,
 }
 
-fn leaves(value: &Value, path: &mut String, fields: &mut Vec<String>) {
+impl Fields {
+    fn of(log: &Inner, topic: &str) -> Result<Self, MeasureError> {
+        let mut fields = Self::default();
+        let mut known = HashSet::new();
+        for (index, message) in log.messages(topic)?.enumerate() {
+            let mut see = |path: &str, value: &Value| match value {
+                Value::String(text) => {
+                    if !fields.texts.contains_key(path) {
+                        fields.texts.insert(path.to_owned(), Vec::new());
+                    }
+                    if let Some(texts) = fields.texts.get_mut(path) {
+                        texts.resize(index, None);
+                        texts.push(Some(text.clone()));
+                    }
+                }
+                _ if !known.contains(path) => {
+                    known.insert(path.to_owned());
+                    fields.numbers.push(path.to_owned());
+                }
+                _ => {}
+            };
+            leaves(&message?.1, &mut String::new(), &mut see);
+        }
+        let count = log.messages(topic)?.count();
+        for texts in fields.texts.values_mut() {
+            texts.resize(count, None);
+        }
+        let Self { numbers, texts } = &mut fields;
+        // `null` where there is no text.
+        numbers.retain(|path| !texts.contains_key(path));
+        Ok(fields)
+    }
+}
+
+/// Shows every number, text, truth value and `null` with the pointer to it.
+fn leaves(value: &Value, path: &mut String, see: &mut impl FnMut(&str, &Value)) {
     match value {
         Value::Object(object) => {
             let length = path.len();
             for (name, inner) in object {
                 path.push('/');
                 path.push_str(&wbqp_measures::escaped(name));
-                leaves(inner, path, fields);
+                leaves(inner, path, see);
                 path.truncate(length);
             }
         }
@@ -195,12 +238,11 @@ fn leaves(value: &Value, path: &mut String, fields: &mut Vec<String>) {
             for (i, inner) in items.iter().enumerate() {
                 path.push('/');
                 path.push_str(&i.to_string());
-                leaves(inner, path, fields);
+                leaves(inner, path, see);
                 path.truncate(length);
             }
         }
-        Value::String(_) => {}
-        _ => fields.push(path.clone()),
+        leaf => see(path, leaf),
     }
 }
 

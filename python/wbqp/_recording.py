@@ -18,18 +18,20 @@ if TYPE_CHECKING:
 class Topic(Mapping[str, np.ndarray]):
     """The messages of one topic over time.
 
-    ``topic.t`` has the times, s, shape (n,); ``topic["measured/z"]`` a number over time, shape (n,);
-    ``topic["measured"]`` all numbers below that name, side by side, shape (n, k), ``topic.columns("measured")`` what
-    each of them is.
+    ``topic.t`` has the times, s, shape (n,); ``topic["measured/z"]`` a number over time, shape (n,), NaN in messages that
+    do not have it; ``topic["level"]`` a text over time, an array of ``str``, None in messages that do not have it;
+    ``topic["measured"]`` all that is below that name, side by side, shape (n, k), ``topic.columns("measured")`` what each
+    of them is.
     """
 
-    def __init__(self, name: str, series: dict[str, np.ndarray]) -> None:
+    def __init__(self, name: str, series: Mapping[str, Any]) -> None:
         self.name = name
-        self.t: np.ndarray = series.pop("t", np.zeros(0))
-        self._series = series
+        arrays = {field: _array(values) for field, values in series.items()}
+        self.t: np.ndarray = arrays.pop("t", np.zeros(0))
+        self._series: dict[str, np.ndarray] = arrays
 
     def columns(self, prefix: str = "") -> list[str]:
-        """Names of the numbers below a name."""
+        """Names of what is below a name."""
         start = f"{prefix}/" if prefix else ""
         return [field[len(start) :] for field in self._series if field.startswith(start)]
 
@@ -58,10 +60,16 @@ class Topic(Mapping[str, np.ndarray]):
         """A table with a row for each message; its first column is the time."""
         import polars
 
-        return polars.DataFrame({"t": self.t, **self._series})
+        texts = {field: values.tolist() for field, values in self._series.items() if values.dtype == object}
+        return polars.DataFrame({"t": self.t, **self._series, **texts})
 
     def __repr__(self) -> str:
-        return f"<wbqp.Topic {self.name}: {len(self.t)} messages, {len(self._series)} numbers>"
+        return f"<wbqp.Topic {self.name}: {len(self.t)} messages, {len(self._series)} fields>"
+
+
+def _array(values: Any) -> np.ndarray:
+    """Numbers as they are; texts in an array of their own kind."""
+    return values if isinstance(values, np.ndarray) else np.array(values, dtype=object)
 
 
 class Recording(Mapping[str, Topic]):
