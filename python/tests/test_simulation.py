@@ -58,6 +58,17 @@ def test_numbers_below_a_name_are_side_by_side(stand: tuple[wbqp.Recording, wbqp
         stand[0]["/nothing"]
 
 
+def test_a_topic_has_what_any_of_its_messages_has() -> None:
+    push = wbqp.simulate("push_away")
+    tip = push["/contact/tip"]
+    # The contact is off at first: it has no set point then.
+    reference = tip["reference/z"]
+    assert reference.shape == tip.t.shape
+    assert np.isnan(reference[0]) and np.isfinite(reference[-1]), reference
+    level = push["/qp"]["level"]
+    assert level.shape == push["/qp"].t.shape and set(level) <= {"optimal", "relaxed", "extrapolated", "safe"}
+
+
 def test_values_are_replaced_and_mistakes_are_config_errors() -> None:
     lighter = wbqp.simulate("quadruped_short", change={"duration": 0.1})
     assert len(lighter["/plant"].t) < 200
