@@ -10,6 +10,9 @@ use crate::check::Problems;
 /// Largest step that is accepted, s: the contact needs it.
 pub const LARGEST_STEP: f64 = 4e-4;
 
+/// Smallest step that is accepted, s: of smaller ones there is no end, and rounding grows.
+pub const SMALLEST_STEP: f64 = 1e-7;
+
 /// Tolerances that make sense: below rounding stops steps, above nothing is controlled.
 const TOLERANCES: (f64, f64) = (1e-12, 1e-3);
 
@@ -20,8 +23,8 @@ pub const DISTURBANCE: &str = "disturbance";
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct PlantConfig {
-    /// Integration step, s; at most [`LARGEST_STEP`]. Each [`advance`](super::Plant::advance) takes whole
-    /// steps of at most this length.
+    /// Integration step, s; from [`SMALLEST_STEP`] to [`LARGEST_STEP`]. Each [`advance`](super::Plant::advance) takes
+    /// whole steps of at most this length.
     pub step: f64,
     /// Error-controlled steps in place of equal ones: the largest estimated error of one step in any of m, rad, m/s
     /// and rad/s, or of 100 N of thrust; 1e-12 to 1e-3. Steps are as long as that allows, up to a whole period. Touch
@@ -288,6 +291,9 @@ impl PlantConfig {
         if self.command_delay > 1000 {
             let what = format!("is {}, must be at most 1000 periods", self.command_delay);
             problems.add("command_delay", &what);
+        } else if step < SMALLEST_STEP {
+            let what = format!("is {step:e}, must be at least {SMALLEST_STEP:e} s");
+            problems.add("step", &what);
         }
         let Mismatch {
             mass_scale,

@@ -39,8 +39,8 @@ use wbqp::{
 
 pub use command::{CommandDelay, PlantCommand};
 pub use config::{
-    ContactPointConfig, DISTURBANCE, Disturbance, LARGEST_STEP, Mismatch, PlantConfig, ServoConfig,
-    WallConfig,
+    ContactPointConfig, DISTURBANCE, Disturbance, LARGEST_STEP, Mismatch, PlantConfig,
+    SMALLEST_STEP, ServoConfig, WallConfig,
 };
 pub use contact::ContactTruth;
 pub use error::PlantError;
