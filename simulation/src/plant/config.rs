@@ -28,9 +28,10 @@ pub struct PlantConfig {
     pub step: f64,
     /// Error-controlled steps in place of equal ones: the largest estimated error of one step in any of m, rad, m/s
     /// and rad/s, or of 100 N of thrust; 1e-12 to 1e-3. Steps are as long as that allows, up to a whole period. Touch
-    /// and release are where they are, disturbances begin and end at their times; steps no longer than `step` are taken
-    /// whatever their error. Without it all steps are `step` long. 1e-6 is nearer to the truth than the default step
-    /// and several times as fast.
+    /// and release are where they are, disturbances begin and end at their times. Steps get as short as an eighth of
+    /// `step`, below 1e-6 with the fifth root of the tolerance (`step` / 127 at 1e-12), and are then
+    /// taken whatever their error, which [`Plant::beyond_tolerance`](super::Plant::beyond_tolerance) tells. Without it
+    /// all steps are `step` long. 1e-6 is nearer to the truth than the default step and several times as fast.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tolerance: Option<f64>,
     /// Control periods between a measurement and the start of its command.

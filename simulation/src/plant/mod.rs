@@ -142,6 +142,8 @@ pub struct Plant {
 struct Work {
     x: Vec<f64>,
     k: Vec<f64>,
+    /// Time in steps whose error was above the tolerance, s.
+    beyond_tolerance: f64,
     sum: Vec<f64>,
     /// Derivatives, one after the other, of an error-controlled step.
     stages: Vec<f64>,
@@ -283,6 +285,12 @@ impl Plant {
     /// world axes.
     pub fn acceleration(&self) -> &DVector<f64> {
         &self.vdot
+    }
+
+    /// How long it was in steps that could not get shorter, although their estimated error was above the tolerance, s;
+    /// 0 without a tolerance.
+    pub fn beyond_tolerance(&self) -> f64 {
+        self.beyond_tolerance
     }
 
     /// Thrust that each rotor produces, N, in the order of the rotors in `u`. Includes the mismatch.
