@@ -16,6 +16,9 @@ pub const SMALLEST_STEP: f64 = 1e-7;
 /// Tolerances that make sense: below rounding stops steps, above nothing is controlled.
 const TOLERANCES: (f64, f64) = (1e-12, 1e-3);
 
+/// Shortest time that a disturbance acts, s: the clock's tolerance has no part in it.
+const SHORTEST_WINDOW: f64 = 1e-6;
+
 /// Name of a disturbance that is given none.
 pub const DISTURBANCE: &str = "disturbance";
 
@@ -126,7 +129,8 @@ pub struct ContactPointConfig {
     pub offset: [f64; 3],
 }
 
-/// A wrench at the origin of a frame during `[from, until)`. Its edges fall on the starts of integration steps.
+/// A wrench at the origin of a frame during `[from, until)`. Of equal steps in which it begins or ends it acts on all
+/// with the share of it that it has.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Disturbance {
@@ -266,6 +270,12 @@ impl Disturbance {
         if self.until.is_nan() || self.until < self.from {
             let what = format!("is {}, must not be before from = {}", self.until, self.from);
             problems.add(&format!("{key}.until"), &what);
+        } else if self.until > self.from && self.until - self.from < SHORTEST_WINDOW {
+            let what = format!(
+                "is less than {SHORTEST_WINDOW:e} s after from = {}: let a smaller force act for longer",
+                self.from
+            );
+            problems.add(&format!("{key}.until"), &what);
         }
     }
 }
@@ -281,6 +291,9 @@ impl PlantConfig {
         if step.is_nan() || step <= 0.0 || step > LARGEST_STEP {
             let what = format!("is {step}, must be positive and at most {LARGEST_STEP} s");
             problems.add("step", &what);
+        } else if step < SMALLEST_STEP {
+            let what = format!("is {step:e}, must be at least {SMALLEST_STEP:e} s");
+            problems.add("step", &what);
         }
         if let Some(tolerance) = self.tolerance
             && !(TOLERANCES.0..=TOLERANCES.1).contains(&tolerance)
@@ -292,9 +305,6 @@ impl PlantConfig {
         if self.command_delay > 1000 {
             let what = format!("is {}, must be at most 1000 periods", self.command_delay);
             problems.add("command_delay", &what);
-        } else if step < SMALLEST_STEP {
-            let what = format!("is {step:e}, must be at least {SMALLEST_STEP:e} s");
-            problems.add("step", &what);
         }
         let Mismatch {
             mass_scale,

@@ -148,6 +148,10 @@ fn every_number_that_cannot_be_is_refused_by_its_key() {
             "disturbance[0].until: is 0.5, must not be before from = 1",
         ),
         (
+            refused(|c| c.disturbances[0].until = 1.0 + 1e-9),
+            "disturbance[0].until: is less than 1e-6 s after from = 1: let a smaller force act for longer",
+        ),
+        (
             refused(|c| c.disturbances[0].until = nan),
             "disturbance[0].until: is NaN, must not be before from = 1",
         ),
