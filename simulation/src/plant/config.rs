@@ -64,6 +64,7 @@ pub struct Mismatch {
     /// Factor on the mass of every body and, as it would be with a denser material, on its inertia.
     pub mass_scale: f64,
     /// Shift of the base body's centre of mass, m, body axes.
+    #[serde(deserialize_with = "crate::exact::numbers")]
     pub com_shift: [f64; 3],
     /// Further factor on every body's inertia about its centre of mass.
     pub inertia_scale: f64,
@@ -95,8 +96,10 @@ pub struct WallConfig {
     /// Unique name, for logs.
     pub name: String,
     /// A point of the plane, m, world.
+    #[serde(deserialize_with = "crate::exact::numbers")]
     pub point: [f64; 3],
     /// Outward normal, towards the robot, world axes; any length but zero.
+    #[serde(deserialize_with = "crate::exact::numbers")]
     pub normal: [f64; 3],
     /// Normal stiffness k, N/m.
     #[serde(default = "stiffness")]
@@ -126,6 +129,7 @@ pub struct ContactPointConfig {
     pub frame: String,
     /// The point in that frame, m.
     #[serde(default)]
+    #[serde(deserialize_with = "crate::exact::numbers")]
     pub offset: [f64; 3],
 }
 
@@ -141,9 +145,11 @@ pub struct Disturbance {
     pub frame: String,
     /// Force on the robot, N, world axes.
     #[serde(default)]
+    #[serde(deserialize_with = "crate::exact::numbers")]
     pub force: [f64; 3],
     /// Moment on the robot about the frame's origin, N·m, world axes.
     #[serde(default)]
+    #[serde(deserialize_with = "crate::exact::numbers")]
     pub moment: [f64; 3],
     /// Start, s.
     #[serde(default)]

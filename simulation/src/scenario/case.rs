@@ -61,8 +61,10 @@ pub struct Initial {
     /// Position of the base, m, world. Default: the controller's home, which stands on its contacts where nothing else
     /// places it.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(deserialize_with = "crate::exact::maybe")]
     pub position: Option<[f64; 3]>,
     /// Roll, pitch, yaw of the base, rad.
+    #[serde(deserialize_with = "crate::exact::numbers")]
     pub rpy: [f64; 3],
     /// Joint positions that differ from the robot's home, rad or m.
     pub joints: BTreeMap<String, f64>,

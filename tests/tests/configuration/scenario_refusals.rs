@@ -396,6 +396,11 @@ fn plant() {
         "step = 1e-12",
         "s.toml: plant.step: is 1e-12, must be at least 1e-7 s",
     );
+    refused(
+        "normal = [-1.0, 0.0, 0.0]",
+        "normal = [-1.0, 0.0, 0.0, 5.0]",
+        "s.toml:18:10: invalid length 4, expected an array of length 3",
+    );
     let stiff = "normal = [-1.0, 0.0, 0.0]\nstiffness = 1e9\ntangential_stiffness = 1e4";
     let message =
         scenario(&replaced("normal = [-1.0, 0.0, 0.0]", stiff)).expect_err("is too stiff");
