@@ -58,7 +58,8 @@ fn listening<T: Send>(
     jobs: usize,
     work: impl FnOnce(&AtomicBool) -> T + Send,
 ) -> PyResult<T> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build();
+    let threads = wbqp_campaign::useful_threads(jobs, u64::MAX);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = pool.map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
     let stop = AtomicBool::new(false);
     py.detach(|| {

@@ -32,6 +32,7 @@
 mod check;
 mod closed_loop;
 mod error_gradient;
+pub mod exact;
 pub mod plant;
 mod run;
 pub mod scenario;

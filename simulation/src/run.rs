@@ -39,6 +39,8 @@ pub struct Summary {
     pub diverged: Option<f64>,
     /// Why there was no use in going on then, in words.
     pub divergence: Option<&'static str>,
+    /// How long the plant was in steps that could not get as short as its tolerance asks for, s.
+    pub beyond_tolerance: f64,
     /// Where the last tick's command came from.
     pub last_level: FallbackLevel,
     /// Why it was not that tick's optimum, in words.
@@ -113,7 +115,8 @@ pub fn run_case(
         plant.advance_with(&due, run.period(), |plant| run.observe(plant))?;
         run.note_divergence(&plant);
     }
-    let summary = run.finish(sink)?;
+    let mut summary = run.finish(sink)?;
+    summary.beyond_tolerance = plant.beyond_tolerance();
     options.tell(1.0);
     Ok(summary)
 }

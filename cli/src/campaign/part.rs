@@ -10,7 +10,7 @@ use std::{
 
 use anyhow::{Context, Result};
 use clap::{Args, ValueEnum};
-use wbqp_campaign::{Campaign, Outcome, Part, Plan, Run, Shard};
+use wbqp_campaign::{Campaign, Outcome, Part, Plan, Run, Shard, useful_threads};
 use wbqp_terminal::{ProgressBars, say};
 
 use super::single;
@@ -67,7 +67,14 @@ impl Arguments {
         if let Some(number) = self.run {
             return single::run(&campaign, number, &self.out);
         }
-        let threads = self.jobs.map_or(0, NonZeroUsize::get);
+        let runs = self.limit.map_or(u64::MAX, NonZeroU64::get);
+        let range = self.shard.range(campaign.plan().len().min(runs));
+        let asked = self.jobs.map_or(0, NonZeroUsize::get);
+        let runs = range.end - range.start;
+        let threads = useful_threads(asked, runs);
+        if threads < asked {
+            say!("--jobs {asked}: {threads} threads are enough for {runs} runs on this machine");
+        }
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
         pool.context("threads")?
             .install(|| self.run_part(&campaign))

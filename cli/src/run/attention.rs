@@ -24,6 +24,9 @@ const LOST_AT_MOST: f64 = 1.0;
 const FALLEN: f64 = 1.0;
 /// A controller that had no optimum in more than this share of its ticks was busy with something else.
 const OFTEN: f64 = 0.5;
+/// Blows and switches last no longer than this share of a run: a plant that was beyond its tolerance for longer is not
+/// as near to the truth as was asked for.
+const COARSE: f64 = 0.01;
 
 /// A sentence for everything.
 ///
@@ -64,6 +67,15 @@ pub(super) fn of(
         words.push(format!(
             "{} of the ticks had no optimum",
             per_cent(Some(share))
+        ));
+    }
+    let length = run.ticks as f64 / controller.settings().rate;
+    if run.beyond_tolerance > COARSE * length {
+        words.push(format!(
+            "for {} s, {} of the run, the plant's steps could not get as short as `plant.tolerance` asks for: take \
+             a smaller `plant.step`, or a larger tolerance",
+            number(run.beyond_tolerance),
+            per_cent(Some(run.beyond_tolerance / length))
         ));
     }
     Ok(words)

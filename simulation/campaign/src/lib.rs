@@ -11,6 +11,7 @@ mod plan;
 mod shard;
 #[cfg(feature = "parquet")]
 pub mod table;
+mod threads;
 
 pub use campaign::{Campaign, CampaignError, Column, Outcome, Status};
 pub use gradient::ErrorOf;
@@ -20,3 +21,4 @@ pub use plan::{
 };
 #[cfg(feature = "parquet")]
 pub use shard::{Part, Shard, ShardError};
+pub use threads::useful_threads;

@@ -107,6 +107,8 @@ impl Plant {
                 .tolerance
                 .map(|_| Box::new(Middle::new(&x, &state, &data, &contacts))),
             pace: Pace::new(config.step),
+            equal_step: 0.0,
+            beyond_tolerance: 0.0,
             within_step: false,
             config: config.clone(),
             time: 0.0,

@@ -10,8 +10,14 @@ use crate::check::Problems;
 /// Largest step that is accepted, s: the contact needs it.
 pub const LARGEST_STEP: f64 = 4e-4;
 
+/// Smallest step that is accepted, s: of smaller ones there is no end, and rounding grows.
+pub const SMALLEST_STEP: f64 = 1e-7;
+
 /// Tolerances that make sense: below rounding stops steps, above nothing is controlled.
 const TOLERANCES: (f64, f64) = (1e-12, 1e-3);
+
+/// Shortest time that a disturbance acts, s: the clock's tolerance has no part in it.
+const SHORTEST_WINDOW: f64 = 1e-6;
 
 /// Name of a disturbance that is given none.
 pub const DISTURBANCE: &str = "disturbance";
@@ -20,14 +26,15 @@ pub const DISTURBANCE: &str = "disturbance";
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct PlantConfig {
-    /// Integration step, s; at most [`LARGEST_STEP`]. Each [`advance`](super::Plant::advance) takes whole
-    /// steps of at most this length.
+    /// Integration step, s; from [`SMALLEST_STEP`] to [`LARGEST_STEP`]. Each [`advance`](super::Plant::advance) takes
+    /// whole steps of at most this length.
     pub step: f64,
     /// Error-controlled steps in place of equal ones: the largest estimated error of one step in any of m, rad, m/s
     /// and rad/s, or of 100 N of thrust; 1e-12 to 1e-3. Steps are as long as that allows, up to a whole period. Touch
-    /// and release are where they are, disturbances begin and end at their times; steps no longer than `step` are taken
-    /// whatever their error. Without it all steps are `step` long. 1e-6 is nearer to the truth than the default step
-    /// and several times as fast.
+    /// and release are where they are, disturbances begin and end at their times. Steps get as short as an eighth of
+    /// `step`, below 1e-6 with the fifth root of the tolerance (`step` / 127 at 1e-12), and are then
+    /// taken whatever their error, which [`Plant::beyond_tolerance`](super::Plant::beyond_tolerance) tells. Without it
+    /// all steps are `step` long. 1e-6 is nearer to the truth than the default step and several times as fast.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tolerance: Option<f64>,
     /// Control periods between a measurement and the start of its command.
@@ -57,6 +64,7 @@ pub struct Mismatch {
     /// Factor on the mass of every body and, as it would be with a denser material, on its inertia.
     pub mass_scale: f64,
     /// Shift of the base body's centre of mass, m, body axes.
+    #[serde(deserialize_with = "crate::exact::numbers")]
     pub com_shift: [f64; 3],
     /// Further factor on every body's inertia about its centre of mass.
     pub inertia_scale: f64,
@@ -88,8 +96,10 @@ pub struct WallConfig {
     /// Unique name, for logs.
     pub name: String,
     /// A point of the plane, m, world.
+    #[serde(deserialize_with = "crate::exact::numbers")]
     pub point: [f64; 3],
     /// Outward normal, towards the robot, world axes; any length but zero.
+    #[serde(deserialize_with = "crate::exact::numbers")]
     pub normal: [f64; 3],
     /// Normal stiffness k, N/m.
     #[serde(default = "stiffness")]
@@ -119,10 +129,12 @@ pub struct ContactPointConfig {
     pub frame: String,
     /// The point in that frame, m.
     #[serde(default)]
+    #[serde(deserialize_with = "crate::exact::numbers")]
     pub offset: [f64; 3],
 }
 
-/// A wrench at the origin of a frame during `[from, until)`. Its edges fall on the starts of integration steps.
+/// A wrench at the origin of a frame during `[from, until)`. Of equal steps in which it begins or ends it acts on all
+/// with the share of it that it has.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Disturbance {
@@ -133,9 +145,11 @@ pub struct Disturbance {
     pub frame: String,
     /// Force on the robot, N, world axes.
     #[serde(default)]
+    #[serde(deserialize_with = "crate::exact::numbers")]
     pub force: [f64; 3],
     /// Moment on the robot about the frame's origin, N·m, world axes.
     #[serde(default)]
+    #[serde(deserialize_with = "crate::exact::numbers")]
     pub moment: [f64; 3],
     /// Start, s.
     #[serde(default)]
@@ -262,6 +276,12 @@ impl Disturbance {
         if self.until.is_nan() || self.until < self.from {
             let what = format!("is {}, must not be before from = {}", self.until, self.from);
             problems.add(&format!("{key}.until"), &what);
+        } else if self.until > self.from && self.until - self.from < SHORTEST_WINDOW {
+            let what = format!(
+                "is less than {SHORTEST_WINDOW:e} s after from = {}: let a smaller force act for longer",
+                self.from
+            );
+            problems.add(&format!("{key}.until"), &what);
         }
     }
 }
@@ -276,6 +296,9 @@ impl PlantConfig {
         let step = self.step;
         if step.is_nan() || step <= 0.0 || step > LARGEST_STEP {
             let what = format!("is {step}, must be positive and at most {LARGEST_STEP} s");
+            problems.add("step", &what);
+        } else if step < SMALLEST_STEP {
+            let what = format!("is {step:e}, must be at least {SMALLEST_STEP:e} s");
             problems.add("step", &what);
         }
         if let Some(tolerance) = self.tolerance

@@ -13,8 +13,14 @@
 //! friction cone after a step makes that step's error.
 //!
 //! # Bounds
-//! Errors are not looked at in steps that are as short as the configured one, and a duration that needs too many steps
-//! goes on with equal ones: so there is always an end, and nothing is worse than it is with these.
+//! A step's error goes with its fifth power. So the shortest step that the pace plans is
+//! ```text
+//! h_min = step / (8 max(1, 1e-6/tolerance)^⅕)
+//! ```
+//! and a step so short is taken whatever its error: of a smooth motion so fast that this is too long, the error still
+//! falls with the tolerance. A duration in which more steps are tried than two for each `h_min`, because contacts open
+//! and close all the time, goes on with equal ones of `h_min`: so there is always an end, and nothing is worse than it
+//! is with equal steps. The time in such steps is counted ([`Plant::beyond_tolerance`]).
 
 use wbqp::{
     dynamics::{Data, elementary::pow},
@@ -22,7 +28,7 @@ use wbqp::{
 };
 
 use super::{
-    CLOCK, ContactTruth, Plant,
+    CLOCK, ContactTruth, Plant, SMALLEST_STEP,
     contact::Contact,
     layout::Layout,
     tableau::{A, ERROR, MIDDLE, STAGES, combine},
@@ -30,8 +36,12 @@ use super::{
 
 /// How far behind or before a surface a point may be when its contact closes or opens, m.
 const SURFACE: f64 = 1e-9;
-/// Steps that are tried for one of the configured length, before equal ones take over.
-const PATIENCE: f64 = 4.0;
+/// The shortest steps that are planned for one of the configured length, at the tolerance [`USUAL`] or a larger one.
+const FINEST: f64 = 8.0;
+/// Below this tolerance steps get shorter than the finest that do for it.
+const USUAL: f64 = 1e-6;
+/// Steps that are tried for one of the shortest, before equal ones take over.
+const PATIENCE: f64 = 2.0;
 /// What an error of thrust counts, m/s per N: a newton for a period of 10 ms moves a robot of a kilogram so fast.
 const THRUST: f64 = 0.01;
 /// How far an anchor may be outside the friction cone after a step, by the tolerance.
@@ -53,15 +63,24 @@ impl Pace {
         Self { step, error: 1.0 }
     }
 
-    /// After a step of `h` s that was taken.
-    fn take(&mut self, h: f64, error: f64) {
+    /// After a step of `h` s that was taken; the next one is no shorter than `least`.
+    fn take(&mut self, h: f64, error: f64, least: f64) {
         let error = error.clamp(1e-10, 1e10);
         let factor = (0.9 * pow(error, -0.14) * pow(self.error, 0.08)).clamp(0.2, 5.0);
         // A step that was good may have been cut short by a touch or by the period's end.
-        let least = if factor > 1.0 { self.step } else { 0.0 };
+        let least = if factor > 1.0 {
+            self.step.max(least)
+        } else {
+            least
+        };
         self.step = (h * factor).max(least).min(LONGEST);
         self.error = error;
     }
+}
+
+/// How much shorter steps get for a tolerance than for [`USUAL`].
+fn refinement(tolerance: f64) -> f64 {
+    pow((USUAL / tolerance).max(1.0), 0.2)
 }
 
 /// What is to be done with a step that was tried.
@@ -83,7 +102,9 @@ impl Plant {
         observe: &mut impl FnMut(&Plant),
     ) {
         let end = self.time + duration;
-        let mut patience = PATIENCE * (duration / self.config.step).ceil();
+        // Never near the clock's tolerance.
+        let finest = (self.config.step / refinement(tolerance)).max(SMALLEST_STEP) / FINEST;
+        let mut patience = PATIENCE * (duration / finest).ceil();
         // A wall may have been moved.
         self.settle_held();
         self.renew_rates();
@@ -96,20 +117,24 @@ impl Plant {
             }
             loop {
                 if patience <= 0.0 {
-                    let h = self.config.step.min(left);
+                    let h = finest.min(left);
                     let is_last = h >= left - CLOCK;
+                    self.beyond_tolerance += h;
                     self.step(h, if is_last { target } else { self.time + h });
                     observe(self);
                     break;
                 }
                 patience -= 1.0;
                 self.attempt(h);
-                match self.judge(h, tolerance) {
+                match self.judge(h, tolerance, finest) {
                     Verdict::Again(shorter) => h = shorter,
                     Verdict::Take { error, switches } => {
                         let is_last = h >= left - CLOCK;
                         let at = if is_last { target } else { self.time + h };
-                        self.pace.take(h, error);
+                        self.pace.take(h, error, finest);
+                        if error > 1.0 {
+                            self.beyond_tolerance += h;
+                        }
                         self.accept(h, at, switches, observe);
                         break;
                     }
@@ -145,13 +170,14 @@ impl Plant {
         self.work = work;
     }
 
-    fn judge(&mut self, h: f64, tolerance: f64) -> Verdict {
-        let shortest = self.config.step;
+    fn judge(&mut self, h: f64, tolerance: f64, finest: f64) -> Verdict {
         let error = self.error(h) / tolerance;
-        if h > shortest && error > 1.0 {
+        if h > finest && error > 1.0 {
             let factor = (0.9 * pow(error, -0.2)).clamp(0.2, 0.9);
-            return Verdict::Again((h * factor).max(shortest));
+            return Verdict::Again((h * factor).max(finest));
         }
+        // A touch in passing is looked for less closely than an error: each time it costs one halving after the other.
+        let shortest = FINEST * finest;
         let mut first = h;
         let mut switches = false;
         for contact in &self.contacts {

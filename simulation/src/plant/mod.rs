@@ -8,7 +8,8 @@
 //! Classical Runge–Kutta of fourth order with a fixed step over all continuous states at once: base pose and
 //! quaternion (`Q̇ = ½ w ⊗ Q`, scaled to unit length after each step), joints, velocities, rotor thrusts, contact
 //! anchors. After each step contacts are opened and closed and anchors put back on the friction cone; a
-//! disturbance is on or off for whole steps. Between two such events the order is four.
+//! disturbance that begins or ends within a step acts during all of it, with the share of it that it has: its impulse
+//! is right. Between two such events the order is four.
 //!
 //! With a [`tolerance`](PlantConfig::tolerance) steps are as long as that allows, up to a whole period, and events are
 //! where they are and not at the end of a fixed step.
@@ -39,8 +40,8 @@ use wbqp::{
 
 pub use command::{CommandDelay, PlantCommand};
 pub use config::{
-    ContactPointConfig, DISTURBANCE, Disturbance, LARGEST_STEP, Mismatch, PlantConfig, ServoConfig,
-    WallConfig,
+    ContactPointConfig, DISTURBANCE, Disturbance, LARGEST_STEP, Mismatch, PlantConfig,
+    SMALLEST_STEP, ServoConfig, WallConfig,
 };
 pub use contact::ContactTruth;
 pub use error::PlantError;
@@ -89,6 +90,20 @@ struct ActiveDisturbance {
     until: f64,
 }
 
+impl ActiveDisturbance {
+    /// The share of a step of `h` s from `time` on in which it acts; of none (`h` zero) whether it does at `time`. What
+    /// begins or ends with a step within the clock's tolerance does so there.
+    fn share(&self, time: f64, h: f64) -> f64 {
+        let is_on = time + CLOCK >= self.from && time + CLOCK < self.until;
+        if is_on && time + h <= self.until + CLOCK {
+            return 1.0;
+        }
+        let begin = if is_on { time } else { self.from.max(time) };
+        let acts = self.until.min(time + h) - begin;
+        if acts > CLOCK { acts / h } else { 0.0 }
+    }
+}
+
 /// A force at a point of a body, held until it is another one.
 #[derive(Clone, Copy, Debug)]
 struct Pull {
@@ -121,12 +136,16 @@ pub struct Plant {
     x: Vec<f64>,
     /// The rigid-body part of `x`.
     state: State,
-    /// `ẋ` at `x` under `command` and the disturbances of now.
+    /// `ẋ` at `x` under `command` and the disturbances of the step that begins now.
     rates: Vec<f64>,
     work: Work,
     /// Of error-controlled steps; taken while it is in use.
     middle: Option<Box<Middle>>,
     pace: Pace,
+    /// Length of the equal steps, s; 0 where steps end with disturbances.
+    equal_step: f64,
+    /// Time in steps whose error was above the tolerance, s.
+    beyond_tolerance: f64,
     within_step: bool,
     data: Data,
     wrenches: Wrenches,
@@ -185,6 +204,7 @@ impl Plant {
         }
         let steps = (duration / self.config.step - CLOCK).ceil().max(0.0);
         let (start, step) = (self.time, duration / steps.max(1.0));
+        self.equal_step = step;
         // The rates kept from the last step belong to the last command.
         self.refresh();
         for i in 1..=steps as usize {
@@ -267,6 +287,12 @@ impl Plant {
     /// The configuration it was made with.
     pub fn config(&self) -> &PlantConfig {
         &self.config
+    }
+
+    /// How long it was in steps that could not get shorter, although their estimated error was above the tolerance, s;
+    /// 0 without a tolerance.
+    pub fn beyond_tolerance(&self) -> f64 {
+        self.beyond_tolerance
     }
 
     /// Whether this is inside an error-controlled step, of which the end is shown next.

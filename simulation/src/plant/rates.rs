@@ -4,7 +4,7 @@ use wbqp::dynamics::{Data, JointDrive, Wrenches, forward_dynamics, forward_dynam
 use wbqp::model::Model;
 use wbqp::nalgebra::DVector;
 
-use super::{CLOCK, Plant, has_diverged, layout::Layout};
+use super::{Plant, has_diverged, layout::Layout};
 
 /// Classical Runge–Kutta: fraction of the step at which the second to fourth stages are evaluated.
 const STAGES: [f64; 3] = [0.5, 0.5, 1.0];
@@ -131,14 +131,15 @@ impl Plant {
         }
         for disturbance in &self.disturbances {
             // `time` is the start of the step until the step is done.
-            if self.time + CLOCK >= disturbance.from && self.time + CLOCK < disturbance.until {
+            let share = disturbance.share(self.time, self.equal_step);
+            if share > 0.0 {
                 let at = wbqp::dynamics::frame_motion(model, &self.data, disturbance.frame);
                 self.wrenches.add_wrench(
                     &self.data,
                     disturbance.body,
                     &at.p_WF,
-                    &disturbance.force,
-                    &disturbance.moment,
+                    &(disturbance.force * share),
+                    &(disturbance.moment * share),
                 );
             }
         }

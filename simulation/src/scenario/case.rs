@@ -28,6 +28,11 @@ use super::{
 };
 use crate::{Plant, PlantConfig, PlantError, Sensors, SensorsConfig, World};
 
+/// Control periods of a run, at most: at 250 Hz more than four days of simulated time.
+const MOST_TICKS: f64 = 1e8;
+/// Integration steps of a run, at most: at some microseconds each, a day.
+const MOST_STEPS: f64 = 1e10;
+
 /// One case of a [`Scenario`](super::Scenario).
 #[derive(Clone, Debug)]
 pub struct Case {
@@ -56,8 +61,10 @@ pub struct Initial {
     /// Position of the base, m, world. Default: the controller's home, which stands on its contacts where nothing else
     /// places it.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(deserialize_with = "crate::exact::maybe")]
     pub position: Option<[f64; 3]>,
     /// Roll, pitch, yaw of the base, rad.
+    #[serde(deserialize_with = "crate::exact::numbers")]
     pub rpy: [f64; 3],
     /// Joint positions that differ from the robot's home, rad or m.
     pub joints: BTreeMap<String, f64>,
@@ -301,6 +308,7 @@ impl Case {
         }
         self.check_marks(text)?;
         let plant = self.make_plant(&common.robot)?;
+        self.check_length(common.rate)?;
         self.make_sensors(&plant, 0)?;
         self.check_detectors(text, groups, &common)?;
         let known = if let Some(known) = common.known(&self.events, self.duration) {
@@ -316,6 +324,27 @@ impl Case {
             known
         };
         self.check_pushes(text, &common.robot, &common.contacts, &known.asked)
+    }
+
+    /// Refuses a run that would not end in a day or two.
+    fn check_length(&self, rate: f64) -> Result<(), ScenarioError> {
+        let ticks = self.duration * rate;
+        if ticks > MOST_TICKS {
+            return Err(self.refuse(&format!(
+                "duration: is {:e} s, which are {ticks:.1e} control periods at {rate} Hz; a run has at most \
+                 {MOST_TICKS:e}: make it shorter",
+                self.duration
+            )));
+        }
+        let steps = ticks * (1.0 / (rate * self.plant.step)).ceil();
+        if steps > MOST_STEPS {
+            return Err(self.refuse(&format!(
+                "plant.step: is {:e} s, which makes {steps:.1e} steps in {} s; a run has at most {MOST_STEPS:e}: make \
+                 the step larger or the run shorter",
+                self.plant.step, self.duration
+            )));
+        }
+        Ok(())
     }
 
     /// The log keeps the times of a disturbance under names of their own.

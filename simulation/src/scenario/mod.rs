@@ -303,13 +303,17 @@ fn is_plain(c: char) -> bool {
     c.is_ascii_alphanumeric() || c == '_' || c == '-'
 }
 
-/// A scenario's name becomes the name of a folder, which must be in the one that runs are written to.
-fn check_name(name: &str, place: impl FnOnce() -> String) -> Result<(), ScenarioError> {
-    let is_name = !name.is_empty()
+/// Whether a name can be that of a folder in the one that it is made in, on every machine.
+pub fn is_name(name: &str) -> bool {
+    !name.is_empty()
         && !name.starts_with('.')
         && !name.ends_with('.')
-        && name.chars().all(|c| is_plain(c) || c == '.');
-    if is_name {
+        && name.chars().all(|c| is_plain(c) || c == '.')
+}
+
+/// A scenario's name becomes the name of a folder, which must be in the one that runs are written to.
+fn check_name(name: &str, place: impl FnOnce() -> String) -> Result<(), ScenarioError> {
+    if is_name(name) {
         return Ok(());
     }
     Err(ScenarioError::Value {

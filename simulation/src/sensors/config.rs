@@ -60,9 +60,11 @@ pub struct ForceTorqueConfig {
     pub frame: String,
     /// Constant error of the force, N.
     #[serde(default)]
+    #[serde(deserialize_with = "crate::exact::numbers")]
     pub force_bias: [f64; 3],
     /// Constant error of the moment, N·m.
     #[serde(default)]
+    #[serde(deserialize_with = "crate::exact::numbers")]
     pub moment_bias: [f64; 3],
     /// White noise on the force before the filter, N.
     #[serde(default)]

@@ -40,6 +40,10 @@ fn every_number_that_cannot_be_is_refused_by_its_key() {
             "step: is 0.001, must be positive and at most 0.0004 s",
         ),
         (
+            refused(|c| c.step = 1e-300),
+            "step: is 1e-300, must be at least 1e-7 s",
+        ),
+        (
             refused(|c| c.command_delay = 1001),
             "command_delay: is 1001, must be at most 1000 periods",
         ),
@@ -142,6 +146,10 @@ fn every_number_that_cannot_be_is_refused_by_its_key() {
         (
             refused(|c| c.disturbances[0].until = 0.5),
             "disturbance[0].until: is 0.5, must not be before from = 1",
+        ),
+        (
+            refused(|c| c.disturbances[0].until = 1.0 + 1e-9),
+            "disturbance[0].until: is less than 1e-6 s after from = 1: let a smaller force act for longer",
         ),
         (
             refused(|c| c.disturbances[0].until = nan),

@@ -211,8 +211,15 @@ fn steps_end_with_the_duration_and_are_few() {
 
 #[test]
 fn however_small_the_tolerance_there_is_an_end() {
+    // Of each step that is tried three states are shown at most, and two for each of the shortest are tried at most.
+    let shortest = |refinement: f64| 16.0 * 8.0 * refinement;
+    rattles(1e-6, 3 * 64 + 16);
+    rattles(1e-12, (7.0 * shortest(16.0)) as usize);
+}
+
+fn rattles(tolerance: f64, most: usize) {
     // A light robot that rattles between two walls a tenth of a millimetre apart.
-    let mut config = controlled(1e-12, against(wall()));
+    let mut config = controlled(tolerance, against(wall()));
     let mut other = wall();
     other.name = "other".into();
     other.normal = [1.0, 0.0, 0.0];
@@ -222,14 +229,76 @@ fn however_small_the_tolerance_there_is_an_end() {
     config.walls.push(other);
     let mut plant = pushed(config, &[], -5e-5, [0.5, 0.3, 0.0]);
     let command = PlantCommand::rest(&carriage());
+    let mut sum = 0;
     for _ in 0..20 {
         let mut shown = 0;
         plant.advance_with(&command, 0.004, |_| shown += 1).unwrap();
-        assert!(shown < 3 * 64 + 16, "{shown}");
+        assert!(shown < most, "{shown}");
+        sum += shown;
     }
+    assert!(sum < 20 * (3 * 64 + 32), "{sum}");
     assert!(!plant.is_diverged() && (plant.time() - 0.08).abs() < 1e-12);
     let energy = plant.energy().kinetic;
     assert!(energy < 0.5 * 0.2 * (0.25 + 0.09) * 1.001, "{energy}");
+}
+
+/// A robot that spins while its joints swing freely, at a multiple of some rad/s: how far a run with each tolerance is
+/// from one with fine equal steps, and how long it was beyond the tolerance.
+fn away_from_fine_steps(speed: f64, tolerances: &[f64]) -> Vec<(f64, f64)> {
+    let mut robot = hexarotor_within(f64::INFINITY);
+    robot.actuators.clear();
+    let mut state = robot.home.clone();
+    state.v = DVector::from_vec(vec![0.4, -0.3, 2.0, 3.0, -2.0, 4.0, 1.0, -0.5, 0.7]) * speed;
+    let end = |config: &PlantConfig| {
+        let mut plant = Plant::new(&robot, config, state.clone()).unwrap();
+        for _ in 0..25 {
+            plant.advance(&PlantCommand::rest(&robot), 0.004).unwrap();
+        }
+        assert!(!plant.is_diverged());
+        plant
+    };
+    let fine = end(&with_step(4e-6, PlantConfig::default()));
+    let away = |config: PlantConfig| {
+        let plant = end(&config);
+        let (own, fine) = (plant.state(), fine.state());
+        let apart = (&own.v - &fine.v).amax().max((&own.q - &fine.q).amax());
+        (apart, plant.beyond_tolerance())
+    };
+    let own = tolerances
+        .iter()
+        .map(|t| away(controlled(*t, PlantConfig::default())));
+    own.collect()
+}
+
+#[test]
+fn a_smaller_tolerance_makes_no_run_worse() {
+    let tolerances: Vec<f64> = (5..=11).map(|e| 10_f64.powi(-e)).collect();
+    // What the fine steps themselves are from the truth.
+    for (speed, rounding) in [(1.0, 1e-11), (20.0, 1e-10), (50.0, 3e-7)] {
+        let away = away_from_fine_steps(speed, &tolerances);
+        for (tolerance, next) in tolerances.iter().zip(away.windows(2)) {
+            let [(coarse, _), (fine, _)] = [next[0], next[1]];
+            assert!(
+                fine < 3.0 * coarse + rounding,
+                "{speed} {tolerance:e} {coarse:e} {fine:e}"
+            );
+        }
+        let ends = (away[0].0, away[away.len() - 1].0);
+        assert!(ends.1 < 1e-3 * ends.0 + rounding, "{speed} {ends:?}");
+        assert!(
+            away.iter().all(|(_, beyond)| *beyond == 0.0),
+            "{speed} {away:?}"
+        );
+    }
+}
+
+#[test]
+fn what_is_beyond_the_tolerance_is_told() {
+    let of = |speed| away_from_fine_steps(speed, &[1e-9])[0].1;
+    assert_eq!(of(20.0), 0.0);
+    // Joints at some thousand rad/s.
+    let beyond = of(100.0);
+    assert!(beyond > 1e-3 && beyond < 0.1, "{beyond}");
 }
 
 #[test]

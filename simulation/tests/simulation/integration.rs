@@ -258,6 +258,41 @@ fn disturbance_acts_in_its_window_at_its_frame() {
 }
 
 #[test]
+fn the_impulse_of_a_disturbance_is_that_of_its_window() {
+    let robot = block();
+    // In one step, over an edge of steps, from edge to edge, longer than a period, and over an edge of periods.
+    for (from, until) in [
+        (0.1001, 0.1002),
+        (0.10024, 0.10026),
+        (0.1, 0.10025),
+        (0.1, 0.101),
+        (0.0991, 0.1133),
+        (0.103_999, 0.104_001),
+        (0.1, 0.100_001),
+        (0.1006, f64::INFINITY),
+    ] {
+        let config = PlantConfig {
+            disturbances: vec![Disturbance {
+                from,
+                until,
+                ..push([0.0, 200.0, 0.0])
+            }],
+            ..PlantConfig::default()
+        };
+        let mut plant = Plant::new(&robot, &config, robot.home.clone()).unwrap();
+        for _ in 0..50 {
+            plant.advance(&PlantCommand::rest(&robot), 0.004).unwrap();
+        }
+        let impulse = 200.0 * (until.min(0.2) - from);
+        let found = 2.0 * plant.state().v[1];
+        assert!(
+            (found - impulse).abs() < 1e-9,
+            "{from} {until}: {found} {impulse}"
+        );
+    }
+}
+
+#[test]
 fn friction_of_torque_driven_joints_takes_energy() {
     let frictionless = two_links(Drive::Torque, 0.0, 0.0);
     let rough = two_links(Drive::Torque, 0.05, 0.02);

@@ -3,15 +3,16 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, Normal};
+use wbqp_sim::exact::numbers;
 
 /// A set of values, with a measure: a number of the unit interval picks one.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Distribution {
     /// All numbers of an interval alike: `uniform = [lowest, highest]`.
-    Uniform([f64; 2]),
+    Uniform(#[serde(deserialize_with = "numbers")] [f64; 2]),
     /// All orders of magnitude of an interval alike: `log_uniform = [lowest, highest]`, both above 0.
-    LogUniform([f64; 2]),
+    LogUniform(#[serde(deserialize_with = "numbers")] [f64; 2]),
     /// Gaussian: `normal = { mean = 0.0, sd = 1.0 }`.
     Normal {
         /// Mean.
@@ -22,7 +23,7 @@ pub enum Distribution {
     /// These values alike.
     Values(Vec<f64>),
     /// All whole numbers from the first to the second alike, both included.
-    Integers([i64; 2]),
+    Integers(#[serde(deserialize_with = "numbers")] [i64; 2]),
     /// Values at the same distance from one another.
     Range {
         /// The first.

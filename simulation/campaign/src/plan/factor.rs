@@ -71,6 +71,29 @@ impl Factor {
         })
     }
 
+    /// Refuses a path that an earlier factor, or this one, has already, and one that writes over an entry of a list.
+    pub(super) fn writes_apart_from(&self, others: &[Self]) -> Result<(), String> {
+        for (index, path) in self.paths.iter().enumerate() {
+            let own = self.paths.iter().take(index).map(|other| (self, other));
+            let earlier = others
+                .iter()
+                .flat_map(|other| other.paths.iter().map(move |p| (other, p)));
+            let twice = own.chain(earlier).find(|(_, other)| {
+                let is_lost = path.entry.is_none() && self.relation == Relation::Value;
+                other.key == path.key && (other.entry == path.entry || is_lost)
+            });
+            if let Some((other, _)) = twice {
+                return Err(format!(
+                    "factor `{}`: the path `{}` is taken by factor `{}`: a value is varied by one factor, once",
+                    self.name,
+                    path.text(),
+                    other.name
+                ));
+            }
+        }
+        Ok(())
+    }
+
     /// Its name.
     pub fn name(&self) -> &str {
         &self.name
@@ -180,6 +203,13 @@ impl Factor {
 }
 
 impl Path {
+    fn text(&self) -> String {
+        match self.entry {
+            Some(entry) => format!("{}[{entry}]", self.key),
+            None => self.key.clone(),
+        }
+    }
+
     fn new(text: &str) -> Result<Self, String> {
         let refuse = |what: &str| Err(format!("path `{text}` {what}"));
         let (key, entry) = match text.strip_suffix(']').and_then(|t| t.rsplit_once('[')) {

@@ -13,8 +13,9 @@ use super::{design::Design, distribution::Distribution};
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Keys {
-    /// The plan's name.
-    pub(super) name: String,
+    /// The plan's name, of letters, digits, `_`, `-` and, inside, `.`: jobs and files are called so.
+    #[schemars(with = "String")]
+    pub(super) name: Spanned<String>,
     /// The scenario's file; relative paths count from this file's folder.
     pub(super) scenario: PathBuf,
     /// Which points of the factors' space are run.

@@ -126,6 +126,13 @@ impl Measure {
                 return Err(refuse("a bound is not a number".to_owned()));
             }
         }
+        if let (Some(most), Some(least)) = (keys.at_most, keys.at_least)
+            && most < least
+        {
+            return Err(refuse(format!(
+                "nothing is at most {most} and at least {least}: `at_most` must not be below `at_least`"
+            )));
+        }
         let time = |time: &Option<Time>| {
             let compiled = time.as_ref().map(Compiled::at_time);
             compiled.transpose().map_err(&refuse)

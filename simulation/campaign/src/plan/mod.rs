@@ -13,7 +13,7 @@ use std::{ops::Range, path::Path};
 use toml::Spanned;
 use wbqp::{config::json_schema::schema_of, input, robot::SourceFile, suggestion::suggestion};
 use wbqp_measures::experiments;
-use wbqp_sim::{Scenario, Variation};
+use wbqp_sim::{Scenario, Variation, scenario::is_name};
 
 pub use design::Design;
 pub use distribution::Distribution;
@@ -100,6 +100,13 @@ impl Plan {
             what,
         };
         let at = |span: Range<usize>| move |what: String| refuse(span.clone(), what);
+        if !is_name(keys.name.get_ref()) {
+            let what = format!(
+                "name `{}` must be made of letters, digits, `_`, `-` and, inside, `.`: jobs and files are called so",
+                keys.name.get_ref()
+            );
+            return Err(refuse(keys.name.span(), what));
+        }
 
         let common = variation(&keys.change, &keys.set).map_err(|message| PlanError::Value {
             place: name.to_owned(),
@@ -118,6 +125,9 @@ impl Plan {
                 let what = format!("the name `{}` is used twice", factor.name());
                 return Err(refuse(entry.span(), what));
             }
+            factor
+                .writes_apart_from(&factors)
+                .map_err(at(entry.span()))?;
             factors.push(factor);
         }
         let measures = measures(&keys, &variants, &refuse)?;
@@ -132,7 +142,7 @@ impl Plan {
         let points = Points::new(keys.design.get_ref(), distributions, keys.seed)
             .map_err(at(keys.design.span()))?;
         Ok(Self {
-            name: keys.name,
+            name: keys.name.into_inner(),
             source: SourceFile {
                 name: name.to_owned(),
                 contents: text.to_owned(),

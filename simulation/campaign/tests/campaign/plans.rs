@@ -31,6 +31,31 @@ fn what_is_unknown_empty_or_not_there_is_named_with_its_place() {
             "the range from 1.2 to 0.8 is empty",
         ),
         (
+            with("").replace("[0.8, 1.2]", "[0.8, 1.2, 99.0]"),
+            "invalid length 3, expected an array of length 2",
+        ),
+        (
+            with("").replace("\"test\"", "\"../../test\""),
+            "plan.toml:2:8: name `../../test` must be made of letters",
+        ),
+        (
+            with("").replace("at_most = 0.01", "at_most = 0.01\nat_least = 0.02"),
+            "measure `drop`: nothing is at most 0.01 and at least 0.02",
+        ),
+        (
+            with(
+                "[[factor]]\nname = \"again\"\npath = \"change.plant.mismatch.mass_scale\"\nshift.values = [0.1]\n",
+            ),
+            "factor `again`: the path `change.plant.mismatch.mass_scale` is taken by factor `mass`",
+        ),
+        (
+            with("").replace(
+                "\"change.plant.mismatch.mass_scale\"",
+                "[\"change.plant.mismatch.com_shift[0]\", \"change.plant.mismatch.com_shift[0]\"]",
+            ),
+            "the path `change.plant.mismatch.com_shift[0]` is taken by factor `mass`",
+        ),
+        (
             with("").replace("uniform = [0.8, 1.2]", "values = []"),
             "the list of values is empty",
         ),
@@ -111,6 +136,21 @@ fn what_is_unknown_empty_or_not_there_is_named_with_its_place() {
         assert!(error.contains(expected), "{expected}: {error}");
         assert!(error.contains("plan.toml"), "{error}");
     }
+}
+
+#[test]
+fn threads_are_no_more_than_runs_and_some_for_each_core() {
+    use wbqp_campaign::useful_threads;
+
+    let cores = std::thread::available_parallelism().unwrap().get();
+    assert_eq!(useful_threads(100_000, 3), 3.min(4 * cores));
+    assert_eq!(useful_threads(100_000, u64::MAX), 4 * cores);
+    assert_eq!((useful_threads(1, 80), useful_threads(2, 1)), (1, 1));
+    // All cores.
+    assert_eq!(
+        (useful_threads(0, u64::MAX), useful_threads(0, 0)),
+        (0, usize::from(cores > 1))
+    );
 }
 
 #[test]
