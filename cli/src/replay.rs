@@ -40,7 +40,10 @@ impl Arguments {
         let index = tick.checked_sub(1).filter(|&i| i < last);
         let index = index.with_context(|| {
             let file = self.file.display();
-            format!("--tick: there is no tick {tick}, {file} has 1 to {last}")
+            match last {
+                0 => format!("{file} has no ticks"),
+                _ => format!("--tick: there is no tick {tick}, {file} has 1 to {last}"),
+            }
         })?;
         let replayed = wbqp_replay::rerun(&dump, index, self.directory.as_deref());
         let replayed = replayed.with_context(|| {

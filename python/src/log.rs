@@ -191,7 +191,9 @@ impl Fields {
     fn of(log: &Inner, topic: &str) -> Result<Self, MeasureError> {
         let mut fields = Self::default();
         let mut known = HashSet::new();
+        let mut count = 0;
         for (index, message) in log.messages(topic)?.enumerate() {
+            count = index + 1;
             let mut see = |path: &str, value: &Value| match value {
                 Value::String(text) => {
                     if !fields.texts.contains_key(path) {
@@ -210,7 +212,6 @@ impl Fields {
             };
             leaves(&message?.1, &mut String::new(), &mut see);
         }
-        let count = log.messages(topic)?.count();
         for texts in fields.texts.values_mut() {
             texts.resize(count, None);
         }

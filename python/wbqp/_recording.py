@@ -18,10 +18,10 @@ if TYPE_CHECKING:
 class Topic(Mapping[str, np.ndarray]):
     """The messages of one topic over time.
 
-    ``topic.t`` has the times, s, shape (n,); ``topic["measured/z"]`` a number over time, shape (n,), NaN in messages that
-    do not have it; ``topic["level"]`` a text over time, an array of ``str``, None in messages that do not have it;
-    ``topic["measured"]`` all that is below that name, side by side, shape (n, k), ``topic.columns("measured")`` what each
-    of them is.
+    ``topic.t`` has the times, s, shape (n,); ``topic["measured/z"]`` a number over time, shape (n,), NaN in messages
+    that do not have it; ``topic["level"]`` a text over time, an array of objects, ``str`` or None in messages that do
+    not have it; ``topic["measured"]`` all numbers below that name, side by side, shape (n, k),
+    ``topic.columns("measured")`` what each of them is.
     """
 
     def __init__(self, name: str, series: Mapping[str, Any]) -> None:
@@ -31,9 +31,10 @@ class Topic(Mapping[str, np.ndarray]):
         self._series: dict[str, np.ndarray] = arrays
 
     def columns(self, prefix: str = "") -> list[str]:
-        """Names of what is below a name."""
+        """Names of the numbers below a name."""
         start = f"{prefix}/" if prefix else ""
-        return [field[len(start) :] for field in self._series if field.startswith(start)]
+        fields = self._series.items()
+        return [field[len(start) :] for field, values in fields if field.startswith(start) and values.dtype != object]
 
     def __getitem__(self, field: str) -> np.ndarray:
         found = self._series.get(field)

@@ -75,8 +75,9 @@ impl Push {
     /// What does not let it be larger, in words: actuators at their limits, friction, the contact's largest force.
     /// Robot and contact are those that it was asked of.
     pub fn limits(&self, robot: &RobotModel, contact: &ContactSpec) -> Vec<String> {
-        let is_at =
-            |value: f64, limit: f64| (value - limit).abs() <= AT_LIMIT * limit.abs().max(1.0);
+        let is_at = |value: f64, limit: f64| {
+            limit.is_finite() && (value - limit).abs() <= AT_LIMIT * limit.abs().max(1.0)
+        };
         let mut limits = Vec::new();
         for (is_upper, which) in [(true, "largest"), (false, "least")] {
             let efforts = robot.actuators.iter().zip(&self.effort);
@@ -99,7 +100,8 @@ impl Push {
         }
         let friction = contact.friction * FRAC_1_SQRT_2 * self.normal;
         let tangential = self.force.x.abs().max(self.force.y.abs());
-        if contact.kind.tangential().is_some() && is_at(tangential, friction) {
+        let is_pushed = friction > AT_LIMIT;
+        if contact.kind.tangential().is_some() && is_pushed && is_at(tangential, friction) {
             limits.push(format!("friction of {} is used up", contact.friction));
         }
         if is_at(self.normal, contact.force_max) {

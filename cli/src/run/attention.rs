@@ -51,7 +51,10 @@ pub(super) fn of(
         }
     }
     let untouched = contacts.iter();
-    words.extend(untouched.filter_map(|contact| never_touched(contact, controller, case)));
+    // Contacts are logged in ticks with a solution: of others nothing is known here.
+    if run.held == 0 {
+        words.extend(untouched.filter_map(|contact| never_touched(contact, controller, case)));
+    }
     let leans = match controller.robot().model.base() {
         Base::Floating => lean(log)?,
         Base::Fixed => None,

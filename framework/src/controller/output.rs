@@ -268,7 +268,7 @@ impl Report {
         let is_active = |(limit, distance): (f64, f64), multiplier: f64| {
             let pushes = multiplier.abs() > 1e-9 * scale;
             let near = if pushes { 1e-6 } else { AT_LIMIT };
-            // Rows that nothing limits have limits all the same.
+            // To an infinite limit the distance is infinite, too.
             limit.is_finite() && distance <= near * (1.0 + limit.abs())
         };
         let is_limit = |i: usize| qp.row_lower()[i] != qp.row_upper()[i];

@@ -267,7 +267,7 @@ impl NaturalCost {
 }
 
 impl Solved {
-    /// For at most `rows` cost rows of so many entries, and `capacity` natural variables.
+    /// For at most `rows` rows of costs and tasks of so many entries, and `capacity` natural variables.
     pub(super) fn new(partition: &Partition, entries: usize, rows: usize, capacity: usize) -> Self {
         Self {
             vdot: vec![0.0; partition.nv],

@@ -46,7 +46,11 @@ pub(super) fn margin(qp: &Qp, solution: &Solution) -> (f64, bool) {
         let needed = -combined.rounded();
         let bound = limits(qp, qp.m() + j);
         let limit = if needed > 0.0 { bound.1 } else { bound.0 };
-        let is_none = limit.abs() >= ENDLESS;
+        let is_none = if needed > 0.0 {
+            limit >= ENDLESS
+        } else {
+            limit <= -ENDLESS
+        };
         if needed != 0.0 && !is_none {
             weigh(needed, bound);
         } else if (needed - z).abs() > CLOSED * terms || (*z != 0.0 && is_none) {

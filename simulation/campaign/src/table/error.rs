@@ -14,7 +14,7 @@ pub enum TableError {
         /// What it says.
         source: io::Error,
     },
-    /// It is no Parquet file, or one that cannot be written.
+    /// It is a damaged Parquet file, or cannot be written.
     #[error("{}: {source}", path.display())]
     Parquet {
         /// The file.
@@ -22,7 +22,7 @@ pub enum TableError {
         /// What is wrong.
         source: Box<parquet::errors::ParquetError>,
     },
-    /// It is a Parquet file, and no table of a campaign.
+    /// It is no table of a campaign.
     #[error("{}: is not a table of a campaign: {what}", path.display())]
     Foreign {
         /// The file.

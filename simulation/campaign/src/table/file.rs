@@ -2,7 +2,7 @@
 
 use std::{
     fs::{self, File},
-    io::Read,
+    io::{ErrorKind, Read},
     path::{Path, PathBuf},
     sync::Arc,
 };
@@ -199,8 +199,15 @@ impl Table {
         };
         // The reader looks at the end first, and takes a file of another kind for one that was cut.
         let mut start = [0; BEGINNING.len()];
-        if file.read_exact(&mut start).is_err() || start != *BEGINNING {
-            return Err(foreign("it does not begin like a Parquet file".to_owned()));
+        match file.read_exact(&mut start) {
+            Ok(()) if start == *BEGINNING => {}
+            Err(source) if source.kind() != ErrorKind::UnexpectedEof => {
+                return Err(TableError::File {
+                    path: path.to_owned(),
+                    source,
+                });
+            }
+            _ => return Err(foreign("it does not begin like a Parquet file".to_owned())),
         }
         let reader = SerializedFileReader::new(file).map_err(|source| TableError::Parquet {
             path: path.to_owned(),

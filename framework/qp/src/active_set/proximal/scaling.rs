@@ -35,8 +35,11 @@ fn reciprocal(of: f64) -> f64 {
     }
 }
 
-/// Lower and upper limit without those that are [endless](ENDLESS).
+/// Lower and upper limit without those that are [endless](ENDLESS), unless they are one.
 fn without_endless(lower: f64, upper: f64) -> [f64; 2] {
+    if lower == upper {
+        return [lower, upper];
+    }
     let lower = if lower > -ENDLESS {
         lower
     } else {
