@@ -52,9 +52,12 @@ pub(super) fn of(
     }
     let untouched = contacts.iter();
     // Contacts are logged in ticks with a solution: of others nothing is known here.
-    if run.held == 0 {
-        words.extend(untouched.filter_map(|contact| never_touched(contact, controller, case)));
-    }
+    let in_what = if run.held == 0 {
+        ""
+    } else {
+        " in a tick with a solution"
+    };
+    words.extend(untouched.filter_map(|contact| never_touched(contact, controller, case, in_what)));
     let leans = match controller.robot().model.base() {
         Base::Floating => lean(log)?,
         Base::Fixed => None,
@@ -85,7 +88,12 @@ pub(super) fn of(
 }
 
 /// Of a contact that was on, or that a detector waited for, and bore nothing in the whole run.
-fn never_touched(contact: &ContactSummary, controller: &Controller, case: &Case) -> Option<String> {
+fn never_touched(
+    contact: &ContactSummary,
+    controller: &Controller,
+    case: &Case,
+    in_what: &str,
+) -> Option<String> {
     let name = &contact.name;
     let is_awaited = case.detectors().iter().any(|d| &d.contact == name);
     if contact.peak_real.is_some_and(|force| force > 0.0) || !(contact.on > 0.0 || is_awaited) {
@@ -108,7 +116,7 @@ fn never_touched(contact: &ContactSummary, controller: &Controller, case: &Case)
         "has a [[detector]]".to_owned()
     };
     Some(format!(
-        "contact `{name}` {promise} and never touched anything: {why}"
+        "contact `{name}` {promise} and never touched anything{in_what}: {why}"
     ))
 }
 

@@ -202,15 +202,15 @@ fn a_contact_that_never_touches_is_told() {
     assert_eq!(
         told("change.plant.contact_point=[]").as_deref(),
         Some(
-            "  ATTENTION: contact `fl` was on for 100 % of the run and never touched anything: the plant has no \
-             [[plant.contact_point]] with frame = \"fl_foot\""
+            "  ATTENTION: contact `fl` was on for 100 % of the run and never touched anything in a tick with a \
+             solution: the plant has no [[plant.contact_point]] with frame = \"fl_foot\""
         )
     );
     assert_eq!(
         told("change.plant.wall.ground.point=[0.0,0.0,-9.0]").as_deref(),
         Some(
-            "  ATTENTION: contact `fl` was on for 100 % of the run and never touched anything: frame `fl_foot` did \
-             not come to a [[plant.wall]]; is the wall where it goes?"
+            "  ATTENTION: contact `fl` was on for 100 % of the run and never touched anything in a tick with a \
+             solution: frame `fl_foot` did not come to a [[plant.wall]]; is the wall where it goes?"
         )
     );
     // One that is off, and waits for a touch that never comes.
