@@ -59,7 +59,7 @@ def test_numbers_below_a_name_are_side_by_side(stand: tuple[wbqp.Recording, wbqp
 
 
 def test_a_topic_has_what_any_of_its_messages_has() -> None:
-    push = wbqp.simulate("push_away")
+    push = wbqp.simulate("push_with_disturbance", case="with_ft", change={"duration": 10.0})
     tip = push["/contact/tip"]
     # The contact is off at first: it has no set point then.
     reference = tip["reference/z"]
