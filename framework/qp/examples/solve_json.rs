@@ -5,9 +5,9 @@
 //! {"status":"optimal","x":[0.5],"y":[],"z":[1.0],"iterations":2,"microseconds":3.1}
 //! ```
 //! `H` (n × n) and `A` (m × n) are row-major; numbers that JSON lacks are the strings "inf", "-inf" and "nan". Every
-//! problem is solved from a cold start, with at most `max_iterations` if it has that key. `x` is the ray if the status is
-//! `unbounded`; `y` and `z` are the certificate if it is `infeasible`. A line that is no problem has the status `invalid`
-//! and a `message`.
+//! problem is solved from a cold start, with at most `max_iterations` if it has that key. `x` is the ray if the status
+//! is `unbounded`; `y` and `z` are the certificate if it is `infeasible`. A line that is no problem has the status
+//! `invalid` and a `message`.
 
 use std::{
     io::{self, BufRead, Write},

@@ -210,8 +210,8 @@ fn duration() {
         replaced("duration = 2.0", "duration = 10000.0").replace("step = 0.00025", "step = 1e-7");
     assert_eq!(
         scenario(&fine).expect_err("is too much"),
-        "s.toml:13:8: plant.step: is 1e-7 s, which makes 1.0e11 steps in 10000 s; a run has at most 1e10: make the step \
-         larger or the run shorter"
+        "s.toml:13:8: plant.step: is 1e-7 s, which makes 1.0e11 steps in 10000 s; a run has at most 1e10: make the \
+         step larger or the run shorter"
     );
 }
 
