@@ -108,45 +108,42 @@ impl Gate {
 
     /// [`Fault::CutEffort`] of the first effort of which more than rounding would be cut off.
     pub(super) fn first_cut(&self, robot: &RobotModel, efforts: &[f64]) -> Option<Fault> {
-        let each = robot.actuators.iter().zip(efforts).enumerate();
-        let mut cuts = each.map(|(i, (actuator, &asked))| {
-            let sent = self.effort(i, &actuator.kind, asked);
-            is_cut(actuator.upper - actuator.lower, asked, sent).then_some(Fault::CutEffort {
-                actuator: ActuatorId::new(i),
-                asked,
-                sent,
-            })
-        });
-        cuts.find_map(|cut| cut)
+        let mut each = robot.actuators.iter().zip(efforts).enumerate();
+        each.find_map(|(i, (actuator, &asked))| {
+            let (sent, _) = self.effort(i, &actuator.kind, asked);
+            cut(i, actuator, asked, sent)
+        })
     }
 
     /// Lets a command pass: finite, and within all limits. Says what had to be changed by more than rounding.
     pub(super) fn pass(&self, robot: &RobotModel, command: &mut Command) -> Cut {
-        let effort = self.first_cut(robot, &command.effort);
+        let mut first = None;
         for (i, actuator) in robot.actuators.iter().enumerate() {
-            let effort = self.effort(i, &actuator.kind, command.effort[i]);
-            command.effort[i] = effort;
-            if let ActuatorKind::Rotor(rotor) = &actuator.kind {
-                command.rotor_speed[i] = rotor.speed(effort);
-            }
+            let asked = command.effort[i];
+            let (sent, speed) = self.effort(i, &actuator.kind, asked);
+            first = first.or_else(|| cut(i, actuator, asked, sent));
+            (command.effort[i], command.rotor_speed[i]) = (sent, speed);
         }
         Cut {
-            effort,
+            effort: first,
             velocity: self.pass_velocities(&robot.model, command),
         }
     }
 
-    fn effort(&self, index: usize, kind: &ActuatorKind, asked: f64) -> f64 {
+    /// What passes of an effort, and the rotor's speed that it needs, 0 for joints.
+    fn effort(&self, index: usize, kind: &ActuatorKind, asked: f64) -> (f64, f64) {
         let [least, most] = self.window[index];
         let effort = asked.max(least).min(most);
-        let speed = match kind {
+        let speed = |effort: f64| match kind {
             ActuatorKind::Rotor(rotor) => rotor.speed(effort),
             ActuatorKind::Joint(_) => 0.0,
         };
-        if asked.is_nan() || !effort.is_finite() || !speed.is_finite() {
-            self.last.effort[index]
+        let needed = speed(effort);
+        if asked.is_nan() || !effort.is_finite() || !needed.is_finite() {
+            let last = self.last.effort[index];
+            (last, speed(last))
         } else {
-            effort
+            (effort, needed)
         }
     }
 
@@ -157,7 +154,7 @@ impl Gate {
             let (asked, last) = (command.joint_velocity[i], self.last.joint_velocity[i]);
             let reference = if asked.is_finite() { asked } else { last };
             let reference = reference.max(-limit).min(limit);
-            if first.is_none() && is_cut(2.0 * limit, asked, reference) {
+            if first.is_none() && asked != reference && is_cut(2.0 * limit, asked, reference) {
                 first = Some(JointId::new(i));
             }
             command.joint_velocity[i] = reference;
@@ -167,6 +164,17 @@ impl Gate {
         }
         first
     }
+}
+
+/// What is said of an effort of which more than rounding is cut off.
+fn cut(index: usize, actuator: &Actuator, asked: f64, sent: f64) -> Option<Fault> {
+    (sent != asked && is_cut(actuator.upper - actuator.lower, asked, sent)).then_some(
+        Fault::CutEffort {
+            actuator: ActuatorId::new(index),
+            asked,
+            sent,
+        },
+    )
 }
 
 /// Whether what was asked is further from what is sent than rounding of a number in this range.
@@ -271,14 +279,14 @@ impl Report {
             // To an infinite limit the distance is infinite, too.
             limit.is_finite() && distance <= near * (1.0 + limit.abs())
         };
-        let is_limit = |i: usize| qp.row_lower()[i] != qp.row_upper()[i];
-        let rows = qp.rows().iter().enumerate().filter(|(i, _)| is_limit(*i));
-        let rows = rows.filter_map(|(i, &row)| {
+        let limits = qp.row_lower().iter().zip(qp.row_upper());
+        let rows = limits.zip(qp.rows()).zip(y).enumerate();
+        let rows = rows.filter(|(_, (((lower, upper), _), _))| lower != upper);
+        let rows = rows.filter_map(|(i, (((&lower, &upper), &row), &y))| {
             let a = qp.row(i);
-            let (side, at) = near(dot(a, x), qp.row_lower()[i], qp.row_upper()[i]);
-            let is_active = is_active(at, y[i]) && a.iter().any(|a| *a != 0.0);
-            let limit = at.0 + problem.constant(i);
-            is_active.then_some((row, side, limit, y[i]))
+            let (side, at) = near(dot(a, x), lower, upper);
+            let is_active = is_active(at, y) && a.iter().any(|a| *a != 0.0);
+            is_active.then(|| (row, side, at.0 + problem.constant(i), y))
         });
         let bounds = (0..qp.n()).filter_map(|j| {
             let (side, at) = near(x[j], qp.lower()[j], qp.upper()[j]);

@@ -42,6 +42,20 @@ impl MotionMatrix<'_> {
         let row = self.rows.map_or(k, |rows| rows[k]);
         self.data[row * self.row_stride + velocity * self.stride]
     }
+
+    /// Reads the coefficients of some rows, from `first` on, on a velocity's derivative.
+    pub(crate) fn read(&self, first: usize, velocity: usize, out: &mut [f64]) {
+        let data = &self.data[velocity * self.stride..];
+        if let Some(rows) = self.rows {
+            for (out, row) in out.iter_mut().zip(&rows[first..]) {
+                *out = data[row * self.row_stride];
+            }
+        } else {
+            for (k, out) in out.iter_mut().enumerate() {
+                *out = data[(first + k) * self.row_stride];
+            }
+        }
+    }
 }
 
 impl RowStore {

@@ -230,8 +230,12 @@ impl NaturalCost {
             }
             for torques in branch.torques.chunks(BLOCK) {
                 values.clear();
+                let mut rows = [&[][..]; BLOCK];
+                for (row, &torque) in rows.iter_mut().zip(torques) {
+                    *row = reduced.torque(torque).0;
+                }
                 for &column in &columns {
-                    values.extend(torques.iter().map(|&i| reduced.torque(i).0[column]));
+                    values.extend(rows[..torques.len()].iter().map(|row| row[column]));
                 }
                 self.add_rows(&columns, &values, torques.len(), |k| {
                     let [d, e] = costs[torques[k]];
@@ -245,11 +249,13 @@ impl NaturalCost {
 
     /// Whether all that was added is finite.
     pub(super) fn is_finite(&self) -> bool {
-        let diagonal = (0..self.n).map(|i| self.h[i * self.n + i]);
-        let torques = self.torque.iter().chain(self.determined.iter().flatten());
-        let torques = torques.flatten().copied();
-        let g = self.g[..self.n].iter().copied();
-        diagonal.chain(torques).chain(g).all(f64::is_finite)
+        // Zero times a number is zero unless that is infinite or none: sums without branches.
+        let zero = |numbers: &[f64]| numbers.iter().map(|x| 0.0 * x).sum::<f64>();
+        let diagonal = self.h.iter().step_by(self.n + 1).take(self.n);
+        let efforts = zero(self.torque.as_flattened());
+        let determined = self.determined.iter().map(|d| zero(d.as_flattened()));
+        let sum = diagonal.map(|x| 0.0 * x).sum::<f64>() + zero(&self.g[..self.n]) + efforts;
+        sum + determined.sum::<f64>() == 0.0
     }
 
     /// Writes H and g of the problem.
@@ -261,18 +267,20 @@ impl NaturalCost {
         let width = self.substitute(reduced, h, g);
         for i in 0..nx {
             let from = (p + i) * n + p;
-            let own = &self.h[from..from + nx];
-            for (j, &own) in own.iter().enumerate().skip(i) {
-                let mut sum = own;
-                if j < width {
-                    sum += if self.is_coupled {
-                        0.5 * (h[i * nx + j] + h[j * nx + i])
-                    } else {
-                        h[i * nx + j]
-                    };
+            let own = &self.h[from + i..from + nx];
+            let (row, below) = h[i * nx..].split_at_mut(nx);
+            let row = &mut row[i..];
+            // How many entries of the row, from the diagonal on, have a part from B.
+            let substituted = width.saturating_sub(i);
+            if self.is_coupled && substituted > 0 {
+                let (row, below) = (&mut row[1..substituted], below.chunks_exact(nx));
+                for (above, below) in row.iter_mut().zip(below) {
+                    *above = 0.5 * (*above + below[i]);
                 }
-                h[i * nx + j] = sum;
-                h[j * nx + i] = sum;
+            }
+            add_row(row, 1.0, own);
+            for (above, below) in row[1..].iter().zip(below.chunks_exact_mut(nx)) {
+                below[i] = *above;
             }
         }
     }

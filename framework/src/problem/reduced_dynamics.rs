@@ -19,6 +19,7 @@ use super::{
     linear_algebra::{TreeCholesky, add_matrix_rows, add_row, dot, largest},
     partition::Place,
 };
+use nalgebra::Vector6;
 use wbqp_dynamics::Actuation;
 
 /// Pivots of N below this, in units in which the diagonal of `M_PP` is one, are as good as none.
@@ -95,13 +96,16 @@ impl ReducedDynamics {
         for ((contact, start), carriers) in contacts.zip(&partition.contacts) {
             let Some(start) = start else { continue };
             let directions = contact.kind.constrained();
+            let is_free = contact.free_force != Vector6::zeros();
             for &velocity in &carriers.velocities {
                 let jacobian = contact.J.column(velocity);
                 let row = &mut forcing[velocity * stride..(velocity + 1) * stride];
                 for (out, &direction) in row[start - first..].iter_mut().zip(directions) {
                     *out = jacobian[direction];
                 }
-                row[known] += jacobian.dot(&contact.free_force);
+                if is_free {
+                    row[known] += jacobian.dot(&contact.free_force);
+                }
             }
         }
     }
@@ -116,9 +120,8 @@ impl ReducedDynamics {
                 let velocity = partition.torques[index].velocity;
                 let mass = &mass[velocity * nv..(velocity + 1) * nv];
                 let row = &mut self.torque[index * n..(index + 1) * n];
-                row[..accelerations].fill(0.0);
-                for at in &pattern.coordinates {
-                    row[at.column] = mass[at.velocity];
+                for (t, &velocity) in row.iter_mut().zip(&partition.velocities) {
+                    *t = mass[velocity];
                 }
                 let (forcing, known) = split(&self.forcing, velocity, self.inputs);
                 for (t, f) in row[accelerations..].iter_mut().zip(forcing) {
@@ -180,10 +183,8 @@ impl ReducedDynamics {
         let velocities = &partition.velocities;
         let stride = self.width + 1;
         self.load_response(partition, mass);
-        for i in 0..p {
+        for (i, coupled) in self.coupled.chunks_exact_mut(p).take(p).enumerate() {
             let mass = &mass[velocities[i] * nv..(velocities[i] + 1) * nv];
-            let coupled = &mut self.coupled[i * p..(i + 1) * p];
-            let response = &mut self.response[i * stride..(i + 1) * stride];
             for (out, &velocity) in coupled.iter_mut().zip(velocities) {
                 *out = mass[velocity];
             }
@@ -192,25 +193,34 @@ impl ReducedDynamics {
                 return false;
             }
             self.scale[i] = 1.0 / own.sqrt();
-            for (_, motion) in partition.elimination.live() {
-                for (row, &velocity) in motion.own.iter().enumerate() {
+        }
+        for (_, motion) in partition.elimination.live() {
+            for (row, &velocity) in motion.own.iter().enumerate() {
+                let (relation, known) = motion.row(row);
+                let (lead, relation) = relation.split_at(motion.leading);
+                let mass = &mass[velocity * nv..(velocity + 1) * nv];
+                let rows = self.coupled.chunks_exact_mut(p);
+                let rows = rows.zip(self.response.chunks_exact_mut(stride));
+                for ((coupled, response), &velocity) in rows.zip(&velocities[..p]) {
                     let mass = mass[velocity];
                     if mass == 0.0 {
                         continue;
                     }
-                    let (relation, known) = motion.row(row);
-                    let (lead, relation) = relation.split_at(motion.leading);
                     add_row(&mut coupled[..lead.len()], mass, lead);
-                    for (&other, g) in motion.others[lead.len()..].iter().zip(relation) {
-                        let Place::Column(column) = partition.places[other] else {
-                            continue;
-                        };
+                    response[stride - 1] -= mass * known;
+                }
+                for (&other, g) in motion.others[lead.len()..].iter().zip(relation) {
+                    let Place::Column(column) = partition.places[other] else {
+                        continue;
+                    };
+                    for (i, &velocity) in velocities[..p].iter().enumerate() {
                         match column.checked_sub(p) {
-                            None => coupled[column] += mass * g,
-                            Some(column) => response[column] -= mass * g,
+                            None => self.coupled[i * p + column] += mass[velocity] * g,
+                            Some(column) => {
+                                self.response[i * stride + column] -= mass[velocity] * g
+                            }
                         }
                     }
-                    response[stride - 1] -= mass * known;
                 }
             }
         }

@@ -149,20 +149,25 @@ impl NaturalRows {
         if !pattern.determined.is_empty() {
             self.values.fill(0.0);
         }
-        for (k, constant) in self.constants.iter_mut().enumerate() {
-            let slots = Slots::of_row(k, self.count, width);
-            let values = &mut self.values;
+        self.constants.fill(0.0);
+        for (block, constants) in self.constants.chunks_mut(BLOCK).enumerate() {
+            let (first, rows) = (block * BLOCK, constants.len());
+            let values = &mut self.values[first * width..][..rows * width];
             for at in &pattern.coordinates {
-                values[slots.at(at.position)] = matrix.get(k, at.velocity);
+                matrix.read(
+                    first,
+                    at.velocity,
+                    &mut values[at.position * rows..][..rows],
+                );
             }
-            *constant = 0.0;
             for at in &pattern.determined {
                 let (relation, known) = partition.elimination.get(at.motion).row(at.row);
-                let a = matrix.get(k, at.velocity);
+                let mut a = [0.0; BLOCK];
+                matrix.read(first, at.velocity, &mut a[..rows]);
                 for (&position, g) in pattern.positions[at.motion].iter().zip(relation) {
-                    values[slots.at(position)] += a * g;
+                    add_row(&mut values[position * rows..][..rows], *g, &a);
                 }
-                *constant += a * known;
+                add_row(constants, known, &a);
             }
         }
     }

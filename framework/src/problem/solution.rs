@@ -95,11 +95,12 @@ impl Solved {
             let mut values = std::mem::take(&mut self.values);
             values[..weights.len()].fill(0.0);
             rows.evaluate(self, active, &mut values[..weights.len()]);
-            for ((weight, value), b) in weights.iter().zip(&values).zip(&entry.store.lower) {
+            let rows = weights.iter().zip(&values).zip(&entry.store.lower);
+            residuals.extend(rows.map(|((weight, value), b)| {
                 let (residual, weight) = (value - b, weight * alpha);
                 sum += weight * residual * residual;
-                residuals.push([residual, weight]);
-            }
+                [residual, weight]
+            }));
             self.values = values;
             self.ranges[index].end = residuals.len();
         }
