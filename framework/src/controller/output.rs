@@ -111,21 +111,23 @@ impl Gate {
         let mut each = robot.actuators.iter().zip(efforts).enumerate();
         each.find_map(|(i, (actuator, &asked))| {
             let (sent, _) = self.effort(i, &actuator.kind, asked);
-            cut(i, actuator, asked, sent)
+            is_cut(actuator.upper - actuator.lower, asked, sent).then_some(Fault::CutEffort {
+                actuator: ActuatorId::new(i),
+                asked,
+                sent,
+            })
         })
     }
 
     /// Lets a command pass: finite, and within all limits. Says what had to be changed by more than rounding.
     pub(super) fn pass(&self, robot: &RobotModel, command: &mut Command) -> Cut {
-        let mut first = None;
+        let effort = self.first_cut(robot, &command.effort);
         for (i, actuator) in robot.actuators.iter().enumerate() {
-            let asked = command.effort[i];
-            let (sent, speed) = self.effort(i, &actuator.kind, asked);
-            first = first.or_else(|| cut(i, actuator, asked, sent));
-            (command.effort[i], command.rotor_speed[i]) = (sent, speed);
+            let sent = self.effort(i, &actuator.kind, command.effort[i]);
+            (command.effort[i], command.rotor_speed[i]) = sent;
         }
         Cut {
-            effort: first,
+            effort,
             velocity: self.pass_velocities(&robot.model, command),
         }
     }
@@ -134,16 +136,15 @@ impl Gate {
     fn effort(&self, index: usize, kind: &ActuatorKind, asked: f64) -> (f64, f64) {
         let [least, most] = self.window[index];
         let effort = asked.max(least).min(most);
-        let speed = |effort: f64| match kind {
-            ActuatorKind::Rotor(rotor) => rotor.speed(effort),
-            ActuatorKind::Joint(_) => 0.0,
+        let with_speed = |effort: f64| match kind {
+            ActuatorKind::Rotor(rotor) => (effort, rotor.speed(effort)),
+            ActuatorKind::Joint(_) => (effort, 0.0),
         };
-        let needed = speed(effort);
-        if asked.is_nan() || !effort.is_finite() || !needed.is_finite() {
-            let last = self.last.effort[index];
-            (last, speed(last))
+        let sent = with_speed(effort);
+        if asked.is_nan() || !effort.is_finite() || !sent.1.is_finite() {
+            with_speed(self.last.effort[index])
         } else {
-            (effort, needed)
+            sent
         }
     }
 
@@ -154,7 +155,7 @@ impl Gate {
             let (asked, last) = (command.joint_velocity[i], self.last.joint_velocity[i]);
             let reference = if asked.is_finite() { asked } else { last };
             let reference = reference.max(-limit).min(limit);
-            if first.is_none() && asked != reference && is_cut(2.0 * limit, asked, reference) {
+            if first.is_none() && is_cut(2.0 * limit, asked, reference) {
                 first = Some(JointId::new(i));
             }
             command.joint_velocity[i] = reference;
@@ -166,19 +167,11 @@ impl Gate {
     }
 }
 
-/// What is said of an effort of which more than rounding is cut off.
-fn cut(index: usize, actuator: &Actuator, asked: f64, sent: f64) -> Option<Fault> {
-    (sent != asked && is_cut(actuator.upper - actuator.lower, asked, sent)).then_some(
-        Fault::CutEffort {
-            actuator: ActuatorId::new(index),
-            asked,
-            sent,
-        },
-    )
-}
-
 /// Whether what was asked is further from what is sent than rounding of a number in this range.
 fn is_cut(range: f64, asked: f64, sent: f64) -> bool {
+    if asked == sent {
+        return false;
+    }
     let is_limited = range > 0.0 && range.is_finite();
     let size = if is_limited { range } else { asked.abs() };
     let is_rounding = (asked - sent).abs() <= NEGLIGIBLE * size;

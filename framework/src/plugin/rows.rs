@@ -37,23 +37,11 @@ impl RowStore {
 }
 
 impl MotionMatrix<'_> {
-    /// The coefficient of row `k` on a velocity's derivative.
-    pub(crate) fn get(&self, k: usize, velocity: usize) -> f64 {
-        let row = self.rows.map_or(k, |rows| rows[k]);
-        self.data[row * self.row_stride + velocity * self.stride]
-    }
-
     /// Reads the coefficients of some rows, from `first` on, on a velocity's derivative.
     pub(crate) fn read(&self, first: usize, velocity: usize, out: &mut [f64]) {
         let data = &self.data[velocity * self.stride..];
-        if let Some(rows) = self.rows {
-            for (out, row) in out.iter_mut().zip(&rows[first..]) {
-                *out = data[row * self.row_stride];
-            }
-        } else {
-            for (k, out) in out.iter_mut().enumerate() {
-                *out = data[(first + k) * self.row_stride];
-            }
+        for (k, out) in (first..).zip(out) {
+            *out = data[self.rows.map_or(k, |rows| rows[k]) * self.row_stride];
         }
     }
 }
@@ -95,9 +83,10 @@ impl RowStore {
             add(Variable::Acceleration(velocities[k]), 1.0);
         } else if let Some(matrix) = self.motion_matrix(layout, frames, contacts) {
             for velocity in 0..self.nv {
-                let a = matrix.get(k, velocity);
-                if a != 0.0 {
-                    add(Variable::Acceleration(velocity), a);
+                let mut a = [0.0];
+                matrix.read(k, velocity, &mut a);
+                if a != [0.0] {
+                    add(Variable::Acceleration(velocity), a[0]);
                 }
             }
         }

@@ -9,7 +9,7 @@ use super::{
     BoundEntry, DynamicsTerms, Problem, Treatment,
     linear_algebra::add_row,
     partition::{ActiveVariables, EffortPlace},
-    rows::Context,
+    rows::{Context, Kind},
     table::TorqueRow,
 };
 use crate::{
@@ -49,13 +49,17 @@ impl Problem {
     /// Pushes an entry's rows, which have been expanded; false if they have numbers that cannot be.
     pub(super) fn push_rows(&mut self, index: usize, entry: &BoundEntry, qp: &mut Qp) -> bool {
         let p = self.partition.substituted;
-        let context = Context::new(&self.partition, &self.reduced, &self.active);
+        let context = Context {
+            partition: &self.partition,
+            reduced: &self.reduced,
+            active: &self.active,
+        };
         let rows = &self.rows[index];
         let slack = self.active.slacks[index];
         let is_equality = entry.is_equality();
         for k in 0..entry.layout.rows.len() {
             let row = &mut self.row[..self.active.n];
-            let constant = if rows.is_over_x() {
+            let constant = if rows.kind == Kind::Forces {
                 0.0
             } else {
                 row.fill(0.0);
@@ -79,7 +83,7 @@ impl Problem {
                 let Some(out) = push(qp, &mut self.constants, id, limits, constant) else {
                     return false;
                 };
-                if rows.is_over_x() {
+                if rows.kind == Kind::Forces {
                     write_forces(k, entry, &self.active, p, out);
                 } else {
                     out.copy_from_slice(&row[p..]);

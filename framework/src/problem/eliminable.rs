@@ -3,8 +3,8 @@
 //! Of the joints that qualify, see [`contact_elimination`](super::contact_elimination), those with the largest pivots
 //! at home.
 
-use super::{BoundEntry, Partition, Treatment};
-use crate::{contact::ContactState, plugin::layout::VdotBlock};
+use super::{BoundEntry, DynamicsTerms, Partition, Problem, Treatment};
+use crate::{contact::ContactState, fault::Fault, plugin::layout::VdotBlock, qp::Qp};
 
 /// One contact's.
 #[derive(Clone, Debug)]
@@ -147,5 +147,25 @@ impl EliminatedContact {
         }
         chosen.sort_unstable();
         self.own = chosen;
+    }
+}
+
+impl Problem {
+    /// Builds the problem of this tick without substituting anything from contacts: all limits have a row or a bound.
+    pub(crate) fn build_with_all_rows(
+        &mut self,
+        terms: &DynamicsTerms<'_>,
+        entries: &[BoundEntry],
+        qp: &mut Qp,
+    ) -> Result<(), Fault> {
+        if self.partition.elimination.keep_all() {
+            self.arrange();
+        }
+        self.put_together(terms, entries, qp)
+    }
+
+    /// Whether contacts' rows hold by substitution in the problem built last.
+    pub(crate) fn has_determined(&self) -> bool {
+        self.partition.elimination.any()
     }
 }

@@ -250,12 +250,12 @@ impl NaturalCost {
     /// Whether all that was added is finite.
     pub(super) fn is_finite(&self) -> bool {
         // Zero times a number is zero unless that is infinite or none: sums without branches.
-        let zero = |numbers: &[f64]| numbers.iter().map(|x| 0.0 * x).sum::<f64>();
-        let diagonal = self.h.iter().step_by(self.n + 1).take(self.n);
-        let efforts = zero(self.torque.as_flattened());
-        let determined = self.determined.iter().map(|d| zero(d.as_flattened()));
-        let sum = diagonal.map(|x| 0.0 * x).sum::<f64>() + zero(&self.g[..self.n]) + efforts;
-        sum + determined.sum::<f64>() == 0.0
+        let zero = |x: &f64| 0.0 * x;
+        let sum = |numbers: &[f64]| numbers.iter().map(zero).sum::<f64>();
+        let diagonal = self.h.iter().step_by(self.n + 1).take(self.n).map(zero);
+        let determined = self.determined.iter().map(|d| sum(d.as_flattened()));
+        let others = sum(self.torque.as_flattened()) + sum(&self.g[..self.n]);
+        diagonal.sum::<f64>() + determined.sum::<f64>() + others == 0.0
     }
 
     /// Writes H and g of the problem.
@@ -270,13 +270,11 @@ impl NaturalCost {
             let own = &self.h[from + i..from + nx];
             let (row, below) = h[i * nx..].split_at_mut(nx);
             let row = &mut row[i..];
-            // How many entries of the row, from the diagonal on, have a part from B.
-            let substituted = width.saturating_sub(i);
-            if self.is_coupled && substituted > 0 {
-                let (row, below) = (&mut row[1..substituted], below.chunks_exact(nx));
-                for (above, below) in row.iter_mut().zip(below) {
-                    *above = 0.5 * (*above + below[i]);
-                }
+            // B has a part in so many entries of the row, from the diagonal on.
+            let substituted = if self.is_coupled { width.max(i) - i } else { 0 };
+            let entries = row.iter_mut().take(substituted).skip(1);
+            for (above, below) in entries.zip(below.chunks_exact(nx)) {
+                *above = 0.5 * (*above + below[i]);
             }
             add_row(row, 1.0, own);
             for (above, below) in row[1..].iter().zip(below.chunks_exact_mut(nx)) {
@@ -322,22 +320,19 @@ impl NaturalCost {
             |k: usize| &response[k * stride..k * stride + width],
             |k: usize| &self.carried[k * width..(k + 1) * width],
         );
-        let mut k = 0;
         // Six at once: a floating base.
-        while k + 6 <= p {
+        for k in (0..p / 6 * 6).step_by(6) {
             let (b, w): ([_; 6], [_; 6]) = (from_fn(|l| b(k + l)), from_fn(|l| w(k + l)));
             for i in 0..width {
                 let out = &mut h[i * nx + first(i)..i * nx + width];
                 add_six_rows(out, b.map(|b| b[i]), w.map(|w| &w[first(i)..]));
             }
-            k += 6;
         }
-        while k < p {
+        for k in p / 6 * 6..p {
             for i in 0..width {
                 let out = &mut h[i * nx + first(i)..i * nx + width];
                 add_row(out, b(k)[i], &w(k)[first(i)..]);
             }
-            k += 1;
         }
         width
     }

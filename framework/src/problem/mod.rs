@@ -136,19 +136,6 @@ impl Problem {
         self.put_together(terms, entries, qp)
     }
 
-    /// Builds the problem of this tick without substituting anything from contacts: all limits have a row or a bound.
-    pub(crate) fn build_with_all_rows(
-        &mut self,
-        terms: &DynamicsTerms<'_>,
-        entries: &[BoundEntry],
-        qp: &mut Qp,
-    ) -> Result<(), Fault> {
-        if self.partition.elimination.keep_all() {
-            self.arrange();
-        }
-        self.put_together(terms, entries, qp)
-    }
-
     /// Other accelerations are substituted than before.
     fn arrange(&mut self) {
         self.partition.arrange();
@@ -201,7 +188,11 @@ impl Problem {
                 continue;
             }
             if is_written {
-                let context = Context::new(&self.partition, &self.reduced, &self.active);
+                let context = Context {
+                    partition: &self.partition,
+                    reduced: &self.reduced,
+                    active: &self.active,
+                };
                 self.rows[index].expand(entry, &context, terms);
                 if entry.treatment_now() == Treatment::Cost {
                     self.rows[index].is_cost = true;
@@ -264,11 +255,6 @@ impl Problem {
     /// The force of a contact in the solution taken last; nothing while it is off.
     pub(crate) fn force(&self, contact: usize) -> &[f64] {
         &self.solved.y[self.active.force(&self.partition, contact)]
-    }
-
-    /// Whether contacts' rows hold by substitution in the problem built last.
-    pub(crate) fn has_determined(&self) -> bool {
-        self.partition.elimination.any()
     }
 }
 

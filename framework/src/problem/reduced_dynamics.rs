@@ -120,8 +120,9 @@ impl ReducedDynamics {
                 let velocity = partition.torques[index].velocity;
                 let mass = &mass[velocity * nv..(velocity + 1) * nv];
                 let row = &mut self.torque[index * n..(index + 1) * n];
-                for (t, &velocity) in row.iter_mut().zip(&partition.velocities) {
-                    *t = mass[velocity];
+                row[..accelerations].fill(0.0);
+                for at in &pattern.coordinates {
+                    row[at.column] = mass[at.velocity];
                 }
                 let (forcing, known) = split(&self.forcing, velocity, self.inputs);
                 for (t, f) in row[accelerations..].iter_mut().zip(forcing) {
@@ -213,13 +214,12 @@ impl ReducedDynamics {
                     let Place::Column(column) = partition.places[other] else {
                         continue;
                     };
-                    for (i, &velocity) in velocities[..p].iter().enumerate() {
-                        match column.checked_sub(p) {
-                            None => self.coupled[i * p + column] += mass[velocity] * g,
-                            Some(column) => {
-                                self.response[i * stride + column] -= mass[velocity] * g
-                            }
-                        }
+                    let (rows, stride, at, g) = match column.checked_sub(p) {
+                        None => (&mut self.coupled, p, column, *g),
+                        Some(column) => (&mut self.response, stride, column, -g),
+                    };
+                    for (row, &velocity) in rows.chunks_exact_mut(stride).zip(&velocities[..p]) {
+                        row[at] += mass[velocity] * g;
                     }
                 }
             }

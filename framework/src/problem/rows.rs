@@ -27,19 +27,7 @@ pub(super) struct Context<'a> {
     pub(super) active: &'a ActiveVariables,
 }
 
-impl<'a> Context<'a> {
-    pub(super) fn new(
-        partition: &'a Partition,
-        reduced: &'a ReducedDynamics,
-        active: &'a ActiveVariables,
-    ) -> Self {
-        Self {
-            partition,
-            reduced,
-            active,
-        }
-    }
-
+impl Context<'_> {
     /// Adds a coefficient to a row over y; returns what it adds to the row's constant.
     fn add(&self, variable: Variable, a: f64, row: &mut [f64]) -> f64 {
         let partition = self.partition;
@@ -239,11 +227,6 @@ impl NaturalRows {
         let slots = Slots::of_row(k, self.count, width);
         let columns = self.columns.iter().enumerate();
         columns.map(move |(i, &column)| (column, self.values[slots.at(i)]))
-    }
-
-    /// Whether the rows are on forces alone, which are variables of the problem as they are.
-    pub(super) fn is_over_x(&self) -> bool {
-        self.kind == Kind::Forces
     }
 
     /// Adds row `k` over y to `row`; returns its constant.
