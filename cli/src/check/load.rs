@@ -185,7 +185,11 @@ fn of_urdf(file: &Path, overrides: &Overrides) -> Result<ControllerConfig, Vec<S
     let text = format!(
         "[controller]\nrate = 1000.0\nhover = \"unchecked\"\n[robot]\ntype = \"urdf\"\nfile = {file}\n"
     );
-    ControllerConfig::from_str_with(&text, "options", "", overrides).map_err(|e| lines(&e))
+    let mut config =
+        ControllerConfig::from_str_with(&text, "options", "", overrides).map_err(|e| lines(&e))?;
+    // The limits of actuators, which go without saying: what holds the robot is compared with them, not bounded by them.
+    config.constraints.clear();
+    Ok(config)
 }
 
 fn lines(error: &impl std::fmt::Display) -> Vec<String> {
