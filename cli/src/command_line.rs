@@ -48,11 +48,11 @@ impl CommandLine {
         Self::try_parse_from(words)
     }
 
-    /// Does what was asked for. `allocations` counts those of the process so far, which `tick-stats` wants.
+    /// Does what was asked for.
     ///
     /// # Errors
     /// What a subcommand refuses or cannot write.
-    pub fn run(&self, allocations: fn() -> usize) -> Result<ExitCode> {
+    pub fn run(&self) -> Result<ExitCode> {
         let succeeded = |()| ExitCode::SUCCESS;
         match &self.command {
             Command::Check(arguments) => arguments.run(),
@@ -66,7 +66,7 @@ impl CommandLine {
             Command::Replicate(arguments) => arguments.run(),
             Command::Plugins(arguments) => arguments.run().map(succeeded),
             Command::Schema(arguments) => arguments.run().map(succeeded),
-            Command::TickStats(arguments) => arguments.run(allocations).map(succeeded),
+            Command::TickStats(arguments) => arguments.run(None).map(succeeded),
         }
     }
 }

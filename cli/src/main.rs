@@ -1,24 +1,13 @@
 //! The command `wbqp`.
 
-use std::{alloc::System, io, process::ExitCode};
+use std::{io, process::ExitCode};
 
 use clap::Parser;
-use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 use wbqp_cli::command_line::CommandLine;
 use wbqp_terminal::complain;
 
-// `tick-stats` counts allocations.
-#[global_allocator]
-static ALLOCATOR: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
-
-/// In this process so far.
-fn allocations() -> usize {
-    let stats = Region::new(ALLOCATOR).initial();
-    stats.allocations + stats.reallocations
-}
-
 fn main() -> ExitCode {
-    match CommandLine::parse().run(allocations) {
+    match CommandLine::parse().run() {
         Ok(code) => code,
         // Whoever reads has enough: the status of a program that a closed pipe ends.
         Err(error) if is_closed_pipe(&error) => ExitCode::from(141),

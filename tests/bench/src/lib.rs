@@ -66,8 +66,8 @@ pub struct Statistics {
     pub output: Quantiles,
     /// Between two readings of the clock: the least that a stage shows.
     pub clock: f64,
-    /// Allocations in all ticks that count.
-    pub allocations: usize,
+    /// Allocations in all ticks that count, if anybody counts them.
+    pub allocations: Option<usize>,
     /// Ticks whose command was not that tick's optimum.
     pub not_optimal: usize,
     /// The solver's iterations.
@@ -213,18 +213,19 @@ struct Chunk {
     ticks: Vec<(bool, u32)>,
 }
 
-/// Times so many ticks. `allocations` says how many there have been in this process.
+/// Times so many ticks. `allocations` says how many there have been in this process, if that is known.
 ///
 /// # Errors
 /// A plant that diverges, a scenario in which no tick counts, or a twin that computes other commands than the loop.
 pub fn measure(
     workload: &Workload,
     ticks: usize,
-    allocations: impl Fn() -> usize,
+    allocations: Option<fn() -> usize>,
     mut progress: impl FnMut(f64),
 ) -> Result<Statistics> {
     let mut statistics = Statistics {
         clock: clock_resolution(),
+        allocations: allocations.map(|_| 0),
         ..Statistics::default()
     };
     let mut samples = Samples::with_capacity(ticks);
@@ -253,12 +254,16 @@ pub fn measure(
                 chunk.ticks.push((run.is_under_way(), spent));
             }
             let twin = replay(&mut timed, &chunk, |controller, measurement, counts| {
-                let allocated = allocations();
+                let counted = allocations.map(|count| count());
                 let spent = timed_tick(controller, measurement);
-                let allocated = allocations() - allocated;
+                let now = allocations.map(|count| count());
                 if counts && samples.tick.len() < ticks {
                     samples.tick.push(spent);
-                    statistics.allocations += allocated;
+                    if let (Some(all), Some(counted), Some(now)) =
+                        (&mut statistics.allocations, counted, now)
+                    {
+                        *all += now - counted;
+                    }
                     note(controller, &mut statistics, &mut samples);
                 }
             })?;

@@ -18,8 +18,8 @@ struct CommandLine {
 }
 
 fn main() -> Result<()> {
-    CommandLine::parse().arguments.run(|| {
+    CommandLine::parse().arguments.run(Some(|| {
         let stats = Region::new(ALLOCATOR).initial();
         stats.allocations + stats.reallocations
-    })
+    }))
 }
