@@ -184,7 +184,7 @@ impl ReducedDynamics {
         let velocities = &partition.velocities;
         let stride = self.width + 1;
         self.load_response(partition, mass);
-        for (i, coupled) in self.coupled.chunks_exact_mut(p).take(p).enumerate() {
+        for (i, coupled) in self.coupled.chunks_exact_mut(p.max(1)).take(p).enumerate() {
             let mass = &mass[velocities[i] * nv..(velocities[i] + 1) * nv];
             for (out, &velocity) in coupled.iter_mut().zip(velocities) {
                 *out = mass[velocity];
@@ -200,7 +200,7 @@ impl ReducedDynamics {
                 let (relation, known) = motion.row(row);
                 let (lead, relation) = relation.split_at(motion.leading);
                 let mass = &mass[velocity * nv..(velocity + 1) * nv];
-                let rows = self.coupled.chunks_exact_mut(p);
+                let rows = self.coupled.chunks_exact_mut(p.max(1));
                 let rows = rows.zip(self.response.chunks_exact_mut(stride));
                 for ((coupled, response), &velocity) in rows.zip(&velocities[..p]) {
                     let mass = mass[velocity];

@@ -19,7 +19,7 @@ fn run(file: &str, options: &[&str]) -> Result<Vec<Value>, String> {
     let line = ["wbqp", "run", &path, "--out", &out];
     let command = CommandLine::from_words(line.iter().chain(options)).map_err(|e| e.to_string())?;
     // Nobody times here.
-    let code = command.run(|| 0).map_err(|e| format!("{e:#}"))?;
+    let code = command.run().map_err(|e| format!("{e:#}"))?;
     assert_eq!(code, ExitCode::SUCCESS, "{file}");
     let scenario = workspace(file);
     let name = scenario.file_stem().expect("has a name").to_string_lossy();

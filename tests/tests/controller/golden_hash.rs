@@ -36,7 +36,7 @@ fn the_hash_sees_one_tick_more() {
 #[test]
 fn a_tick_depends_on_the_measurements_alone() {
     for robot in [Robot::Othex, Robot::Quadruped] {
-        let statistics = measure(&workload(robot), 3000, || 0, |_| ()).expect("twins agree");
+        let statistics = measure(&workload(robot), 3000, None, |_| ()).expect("twins agree");
         assert_eq!(statistics.ticks, 3000);
         assert_eq!(statistics.not_optimal, 0);
         assert!(statistics.tick.p50 > 0.0 && statistics.solve.p50 > 0.0);
