@@ -36,6 +36,37 @@ fn the_json_of_a_robot_has_its_name_size_mass_and_diagnostics() {
 }
 
 #[test]
+fn a_robot_of_a_thousand_joints_is_looked_at_and_its_memory_said() {
+    let folder = Temporary::new("chain");
+    let inertial = "<inertial><mass value='0.1'/><inertia ixx='1e-4' iyy='1e-4' izz='1e-4' ixy='0' ixz='0' iyz='0'/>\
+                    </inertial>";
+    let mut urdf = format!("<robot name='chain'><link name='l0'>{inertial}</link>");
+    for k in 1..1000 {
+        let before = k - 1;
+        urdf += &format!(
+            "<link name='l{k}'>{inertial}</link><joint name='j{k}' type='revolute'><parent link='l{before}'/>\
+             <child link='l{k}'/><origin xyz='0 0 0.01'/><axis xyz='0 1 0'/>\
+             <limit lower='-1' upper='1' velocity='5' effort='10'/></joint>"
+        );
+    }
+    let file = folder.file("chain.urdf");
+    fs::write(&file, urdf + "</robot>").unwrap();
+    let done = wbqp(&["check", &file]);
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    let said = "needs about ";
+    assert!(
+        done.stdout.contains(said) || done.stderr.contains(said),
+        "{}",
+        done.stderr
+    );
+    assert!(
+        !done.stdout.contains("No controller can be made"),
+        "{}",
+        done.stdout
+    );
+}
+
+#[test]
 fn a_fixed_base_needs_gravity_compensation() {
     let done = wbqp(&["check", HUMANOID, "--base", "fixed", "--json"]);
     let json = done.json();

@@ -210,11 +210,11 @@ fn split(v: &[f64], joints: usize) -> (Option<[[f64; 3]; 2]>, &[f64]) {
 }
 
 /// Length of a vector, also where its square overflows.
-fn norm(vector: [f64; 3]) -> f64 {
-    let largest = vector.into_iter().fold(0.0, |a: f64, x| a.max(x.abs()));
-    if largest == 0.0 || largest.is_infinite() {
-        return largest;
+fn norm([x, y, z]: [f64; 3]) -> f64 {
+    let squares = x * x + y * y + z * z;
+    if squares.is_normal() {
+        squares.sqrt()
+    } else {
+        x.hypot(y).hypot(z)
     }
-    let squares = vector.map(|x| (x / largest) * (x / largest));
-    largest * squares.into_iter().sum::<f64>().sqrt()
 }
