@@ -187,7 +187,7 @@ fn of_urdf(file: &Path, overrides: &Overrides) -> Result<ControllerConfig, Vec<S
     );
     let mut config =
         ControllerConfig::from_str_with(&text, "options", "", overrides).map_err(|e| lines(&e))?;
-    // The limits of actuators, which go without saying: what holds the robot is compared with them, not bounded by them.
+    // The limits of actuators as rows of ticks: nothing ticks here, and what holds the robot has them as bounds anyway.
     config.constraints.clear();
     Ok(config)
 }

@@ -210,11 +210,8 @@ fn split(v: &[f64], joints: usize) -> (Option<[[f64; 3]; 2]>, &[f64]) {
 }
 
 /// Length of a vector, also where its square overflows.
-fn norm([x, y, z]: [f64; 3]) -> f64 {
-    let squares = x * x + y * y + z * z;
-    if squares.is_normal() {
-        squares.sqrt()
-    } else {
-        x.hypot(y).hypot(z)
-    }
+fn norm(vector: [f64; 3]) -> f64 {
+    let squares = |s: f64| vector.iter().fold(0.0, |sum, x| sum + (s * x) * (s * x));
+    let length = Some(squares(1.0).sqrt()).filter(|length| length.is_finite());
+    length.unwrap_or_else(|| squares(1e-160).sqrt() / 1e-160)
 }

@@ -1,7 +1,7 @@
 //! Which contacts may determine accelerations, and those of which joints: chosen once.
 //!
 //! Of the joints that qualify, see [`contact_elimination`](super::contact_elimination), those with the largest pivots
-//! at home.
+//! at home. And the problem of a tick in which none does.
 
 use super::{BoundEntry, DynamicsTerms, Partition, Problem, Treatment};
 use crate::{contact::ContactState, fault::Fault, plugin::layout::VdotBlock, qp::Qp};

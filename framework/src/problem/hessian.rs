@@ -270,7 +270,7 @@ impl NaturalCost {
             let own = &self.h[from + i..from + nx];
             let (row, below) = h[i * nx..].split_at_mut(nx);
             let row = &mut row[i..];
-            // B has a part in so many entries of the row, from the diagonal on.
+            // So many entries of the row have a part from B that is not symmetric; behind B's columns H is zero.
             let substituted = if self.is_coupled { width.max(i) - i } else { 0 };
             let entries = row.iter_mut().take(substituted).skip(1);
             for (above, below) in entries.zip(below.chunks_exact(nx)) {

@@ -184,7 +184,7 @@ impl ReducedDynamics {
         let velocities = &partition.velocities;
         let stride = self.width + 1;
         self.load_response(partition, mass);
-        for (i, coupled) in self.coupled.chunks_exact_mut(p.max(1)).take(p).enumerate() {
+        for (i, coupled) in self.coupled.chunks_exact_mut(p.max(1)).enumerate() {
             let mass = &mass[velocities[i] * nv..(velocities[i] + 1) * nv];
             for (out, &velocity) in coupled.iter_mut().zip(velocities) {
                 *out = mass[velocity];

@@ -95,8 +95,8 @@ impl Solved {
             let mut values = std::mem::take(&mut self.values);
             values[..weights.len()].fill(0.0);
             rows.evaluate(self, active, &mut values[..weights.len()]);
-            let rows = weights.iter().zip(&values).zip(&entry.store.lower);
-            residuals.extend(rows.map(|((weight, value), b)| {
+            let each = weights.iter().zip(&values).zip(&entry.store.lower);
+            residuals.extend(each.map(|((weight, value), b)| {
                 let (residual, weight) = (value - b, weight * alpha);
                 sum += weight * residual * residual;
                 [residual, weight]

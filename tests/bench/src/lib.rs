@@ -67,6 +67,7 @@ pub struct Statistics {
     /// Between two readings of the clock: the least that a stage shows.
     pub clock: f64,
     /// Allocations in all ticks that count, if anybody counts them.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub allocations: Option<usize>,
     /// Ticks whose command was not that tick's optimum.
     pub not_optimal: usize,

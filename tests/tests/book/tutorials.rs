@@ -18,7 +18,6 @@ fn run(file: &str, options: &[&str]) -> Result<Vec<Value>, String> {
     );
     let line = ["wbqp", "run", &path, "--out", &out];
     let command = CommandLine::from_words(line.iter().chain(options)).map_err(|e| e.to_string())?;
-    // Nobody times here.
     let code = command.run().map_err(|e| format!("{e:#}"))?;
     assert_eq!(code, ExitCode::SUCCESS, "{file}");
     let scenario = workspace(file);
