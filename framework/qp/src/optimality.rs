@@ -19,9 +19,16 @@ pub struct Optimality {
 }
 
 impl Optimality {
-    /// The errors of a solution.
+    /// The errors of a solution; infinite if it is one of a smaller problem.
     pub fn of(qp: &Qp, s: &Solution) -> Self {
         let (n, m) = (qp.n(), qp.m());
+        if qp.fits(s.capacity()).is_err() {
+            return Self {
+                stationarity: f64::INFINITY,
+                primal: f64::INFINITY,
+                complementarity: f64::INFINITY,
+            };
+        }
         let mut out = Self::default();
         let largest_g = qp.g().iter().fold(0.0_f64, |a, g| a.max(g.abs()));
         for j in 0..n {

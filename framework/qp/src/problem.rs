@@ -376,17 +376,17 @@ impl Qp {
         Ok(())
     }
 
-    /// `½xᵀHx + gᵀx`.
+    /// `½xᵀHx + gᵀx`; variables that `x` does not have are zero.
     pub fn objective(&self, x: &[f64]) -> f64 {
         let n = self.n;
         let mut sum = 0.0;
-        for i in 0..n {
+        for (i, x_i) in x.iter().enumerate().take(n) {
             let hx: f64 = self.h[i * n..(i + 1) * n]
                 .iter()
                 .zip(x)
                 .map(|(h, x)| h * x)
                 .sum();
-            sum += x[i] * (0.5 * hx + self.g[i]);
+            sum += x_i * (0.5 * hx + self.g[i]);
         }
         sum
     }

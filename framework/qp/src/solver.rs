@@ -35,14 +35,14 @@ impl Solution {
         }
     }
 
-    /// Copies another solution of the same capacity without allocating.
+    /// Copies another solution without allocating: whole, if the problem fits both.
     pub fn copy_from(&mut self, other: &Solution) {
         self.status = other.status;
         self.iterations = other.iterations;
         self.defect = other.defect;
-        self.x.copy_from_slice(&other.x);
-        self.y.copy_from_slice(&other.y);
-        self.z.copy_from_slice(&other.z);
+        copy(&mut self.x, &other.x);
+        copy(&mut self.y, &other.y);
+        copy(&mut self.z, &other.z);
     }
 
     /// The size of the problems whose solutions fit.
@@ -51,6 +51,13 @@ impl Solution {
             vars: self.x.len().min(self.z.len()),
             rows: self.y.len(),
         }
+    }
+}
+
+/// Copies as many numbers as both have.
+fn copy(to: &mut [f64], from: &[f64]) {
+    for (to, from) in to.iter_mut().zip(from) {
+        *to = *from;
     }
 }
 

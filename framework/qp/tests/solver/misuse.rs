@@ -1,8 +1,8 @@
 //! Whatever is put together wrongly is an error or the status `invalid`, with the place, and never a panic.
 
 use wbqp_qp::{
-    ActiveSet, Budget, Capacity, Defect, Qp, QpError, QpSolver, RowId, Solution, Status, VarId,
-    solve,
+    ActiveSet, Budget, Capacity, Defect, Optimality, Qp, QpError, QpSolver, RowId, Solution,
+    Status, VarId, solve,
 };
 
 const INF: f64 = f64::INFINITY;
@@ -70,6 +70,25 @@ fn what_does_not_fit_is_refused() {
         small.push(0.0, 1.0),
         Err(QpError::Capacity { .. })
     ));
+}
+
+#[test]
+fn a_solution_of_another_size_is_read_as_far_as_it_goes() {
+    let qp = problem();
+    let mut solver = ActiveSet::default();
+    solver.bind(LARGE).expect("is good");
+    let mut large = Solution::new(LARGE);
+    let solved = solver.solve(&qp, Budget::Configured, &mut large);
+    assert_eq!(solved, Ok(Status::Optimal));
+    let mut small = Solution::new(SMALL);
+    small.copy_from(&large);
+    assert_eq!(small.x[..], large.x[..small.x.len()]);
+    large.copy_from(&small);
+    assert_eq!(Optimality::of(&qp, &small).worst(), f64::INFINITY);
+    assert!(Optimality::of(&qp, &large).worst() < 1e-9);
+    let mut padded = small.x.clone();
+    padded.resize(qp.n(), 0.0);
+    assert_eq!(qp.objective(&small.x), qp.objective(&padded));
 }
 
 #[test]
