@@ -30,7 +30,7 @@ use super::{
 };
 use crate::{
     fault::Fault,
-    problem::{BoundEntry, Problem, dot},
+    problem::{BoundEntry, Problem},
     qp::{Qp, Solution},
 };
 use wbqp_dynamics::{
@@ -272,14 +272,14 @@ impl Report {
             // To an infinite limit the distance is infinite, too.
             limit.is_finite() && distance <= near * (1.0 + limit.abs())
         };
+        let values = problem.row_values(qp, x);
         let limits = qp.row_lower().iter().zip(qp.row_upper());
-        let rows = limits.zip(qp.rows()).zip(y).enumerate();
-        let rows = rows.filter(|(_, (((lower, upper), _), _))| lower != upper);
-        let rows = rows.filter_map(|(i, (((&lower, &upper), &row), &y))| {
-            let a = qp.row(i);
-            let (side, at) = near(dot(a, x), lower, upper);
-            let is_active = is_active(at, y) && a.iter().any(|a| *a != 0.0);
-            is_active.then(|| (row, side, at.0 + problem.constant(i), y))
+        let rows = limits.zip(values).enumerate();
+        let rows = rows.filter(|(_, ((lower, upper), _))| lower != upper);
+        let rows = rows.filter_map(|(i, ((&lower, &upper), value))| {
+            let (side, at) = near(value, lower, upper);
+            let is_active = is_active(at, y[i]) && qp.row(i).iter().any(|a| *a != 0.0);
+            is_active.then(|| (qp.rows()[i], side, at.0 + problem.constant(i), y[i]))
         });
         let bounds = (0..qp.n()).filter_map(|j| {
             let (side, at) = near(x[j], qp.lower()[j], qp.upper()[j]);
