@@ -73,6 +73,14 @@ impl WarmStart {
         }
     }
 
+    /// Takes another's constraints, as far as there is room.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.clear();
+        for held in other.iter() {
+            self.push(held);
+        }
+    }
+
     /// The constraints, in the order in which they are held.
     pub fn iter(&self) -> impl Iterator<Item = Held> + '_ {
         self.held.iter().copied()

@@ -13,9 +13,9 @@
 //! A contradiction mostly lasts. For some ticks after one, the next tick begins with the proof: a problem with the
 //! tick's constraints, and with a cost of which the constraints of the last proof have the right multipliers, so that
 //! the dual method finds the proof of this tick in a few steps from there, or a point that satisfies everything; only
-//! then the optimum is looked for. The relaxed problem begins with the constraints held in the last one, and with what
-//! had to be given up there, if what goes first is part of that. A level of which no limit was exceeded by more than
-//! tasks pull it is tried again.
+//! then the optimum is looked for. The relaxed problem begins with the constraints held in the last one, or with those
+//! of the proof where that is another than the last, and with what had to be given up there, if what goes first is part
+//! of that. A level of which no limit was exceeded by more than tasks pull it is tried again.
 //!
 //! The relaxed problems have a solver of their own, the active-set method, so that a solver that is configured and
 //! fails does not fail twice, and the warm start of each is its own. A solver that ran out of its budget is not given
@@ -34,6 +34,9 @@ use crate::{
 
 /// The most relaxed problems in a tick.
 const RESOLVES: u32 = 4;
+/// A proof that took more changes than this from the last one is of another contradiction: what it holds is nearer to
+/// the relaxed optimum than what was held in that of the tick before.
+const NEAR: u32 = 10;
 /// From so many variables on, rows that give come first: fewer variables with one for each limit given up take less
 /// time, as none of those solves stalls.
 const MANY: usize = 32;
@@ -80,6 +83,9 @@ impl Fallback {
         }
         write_conflict(problem, qp, solution, &mut report.conflict);
         write_proof(qp, solution, &mut self.proof);
+        if !goes_on || solution.iterations > NEAR {
+            self.warm.copy_from(&self.proof);
+        }
         self.since_proof = 0;
         self.relaxation.restore();
         if !self

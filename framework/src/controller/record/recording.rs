@@ -330,8 +330,8 @@ impl Fallback {
         out.stamp = self.clock.previous;
         out.steady = self.clock.steady;
         copy(&mut out.held, &self.law.memory);
-        copy_held(&mut out.relaxed_warm, &self.warm);
-        copy_held(&mut out.proof, &self.proof);
+        out.relaxed_warm.copy_from(&self.warm);
+        out.proof.copy_from(&self.proof);
         out.since_proof = self.since_proof;
         for (out, needed) in out.needed.iter_mut().zip(&self.relaxation.needed) {
             *out = *needed;
@@ -350,8 +350,8 @@ impl Fallback {
             steady: memory.steady,
         };
         copy(&mut self.law.memory, &memory.held);
-        copy_held(&mut self.warm, &memory.relaxed_warm);
-        copy_held(&mut self.proof, &memory.proof);
+        self.warm.copy_from(&memory.relaxed_warm);
+        self.proof.copy_from(&memory.proof);
         self.since_proof = memory.since_proof;
         for (needed, recorded) in self.relaxation.needed.iter_mut().zip(&memory.needed) {
             *needed = *recorded;
@@ -372,14 +372,6 @@ fn measurement(record: &Record, like: &State) -> Measurement {
         time: record.time,
         state,
         wrenches,
-    }
-}
-
-/// As many constraints as there is room for.
-fn copy_held(to: &mut WarmStart, from: &WarmStart) {
-    to.clear();
-    for held in from.iter() {
-        to.push(held);
     }
 }
 
