@@ -20,6 +20,7 @@ import re
 import shutil
 import subprocess
 import sys
+import textwrap
 import tomllib
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
@@ -309,7 +310,8 @@ def markdown(summary):
                    "p50 ÷ wbqp's", "p99 ÷", "max ÷", "variables / equalities / inequalities"], times)
     answers = table(["", "not optimal", "differences", "where the limits are the same", f"costs × {SCALE}", "cost",
                      "violation"], answers)
-    return f"{text}.\n\n{times}\n\n{answers}"
+    text = textwrap.fill(f"{text}.", width=120, break_long_words=False, break_on_hyphens=False)
+    return f"{text}\n\n{times}\n\n{answers}"
 
 
 def machine():
