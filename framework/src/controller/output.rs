@@ -194,22 +194,15 @@ fn reachable(actuator: &Actuator, sent: f64, seconds: f64) -> [f64; 2] {
 /// The end of an interval around `sent` whose computed distance from there is at most `most`: two roundings at the
 /// most.
 fn inwards(mut end: f64, sent: f64, most: f64) -> f64 {
-    for _ in 0..2 {
+    let is_below = end < sent;
+    let inner = |x: f64| if is_below { x.next_up() } else { x.next_down() };
+    for _ in 0..3 {
         if (end - sent).abs() <= most {
             return end;
         }
-        let is_below = end < sent;
-        end = if is_below {
-            end.next_up()
-        } else {
-            end.next_down()
-        };
+        end = inner(end);
     }
-    if (end - sent).abs() <= most {
-        end
-    } else {
-        sent
-    }
+    sent
 }
 
 /// How near a limit a value is at it, in the unit of the limit, and as a share of the limit where that is larger than
@@ -272,30 +265,29 @@ impl Report {
             // To an infinite limit the distance is infinite, too.
             limit.is_finite() && distance <= near * (1.0 + limit.abs())
         };
-        let values = problem.row_values(qp, x);
         let limits = qp.row_lower().iter().zip(qp.row_upper());
-        let rows = limits.zip(values).enumerate();
-        let rows = rows.filter(|(_, ((lower, upper), _))| lower != upper);
+        let rows = limits.zip(problem.row_values(qp, x)).enumerate();
         let rows = rows.filter_map(|(i, ((&lower, &upper), value))| {
             let (side, at) = near(value, lower, upper);
-            let is_active = is_active(at, y[i]) && qp.row(i).iter().any(|a| *a != 0.0);
-            is_active.then(|| (qp.rows()[i], side, at.0 + problem.constant(i), y[i]))
+            let is_row = || lower != upper && qp.row(i).iter().any(|a| *a != 0.0);
+            let limit = at.0 + problem.constant(i);
+            (is_active(at, y[i]) && is_row()).then(|| (qp.rows()[i], side, limit, y[i]))
         });
         let bounds = (0..qp.n()).filter_map(|j| {
             let (side, at) = near(x[j], qp.lower()[j], qp.upper()[j]);
             let owner = problem.bound_owner[j][usize::from(side == Side::Upper)];
-            let owner = owner.filter(|_| is_active(at, z[j]));
-            owner.map(|row| (row, side, at.0, z[j]))
+            (owner.filter(|_| is_active(at, z[j]))).map(|row| (row, side, at.0, z[j]))
         });
-        let active = rows.chain(bounds);
-        self.active
-            .extend(active.map(|(row, side, limit, multiplier)| LimitRow {
+        let limits = rows
+            .chain(bounds)
+            .map(|(row, side, limit, multiplier)| LimitRow {
                 row,
                 side,
                 limit,
                 multiplier,
                 short: 0.0,
-            }));
+            });
+        self.active.extend(limits);
     }
 }
 

@@ -252,6 +252,16 @@ impl Problem {
             .assess(entries, &self.rows, active, first_force, weight);
     }
 
+    /// The values of the problem's rows, less their constants, at the solution taken last: of an eliminated effort it
+    /// is known.
+    pub(crate) fn row_values(&self, qp: &Qp, x: &[f64]) -> impl Iterator<Item = f64> {
+        let mut torques = self.torque_rows.iter().peekable();
+        (0..qp.m()).map(move |i| match torques.next_if(|torque| torque.row == i) {
+            Some(torque) => self.solved.effort[torque.actuator] - self.constants[i],
+            None => dot(qp.row(i), x),
+        })
+    }
+
     /// The force of a contact in the solution taken last; nothing while it is off.
     pub(crate) fn force(&self, contact: usize) -> &[f64] {
         &self.solved.y[self.active.force(&self.partition, contact)]

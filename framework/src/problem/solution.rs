@@ -9,10 +9,10 @@
 use std::ops::Range;
 
 use super::{
-    ActiveVariables, BoundEntry, Partition, Problem, ReducedDynamics, Treatment,
-    linear_algebra::dot, partition::EffortPlace, rows::NaturalRows,
+    ActiveVariables, BoundEntry, Partition, ReducedDynamics, Treatment, linear_algebra::dot,
+    partition::EffortPlace, rows::NaturalRows,
 };
-use crate::{plugin::layout::VdotBlock, qp::Qp};
+use crate::plugin::layout::VdotBlock;
 
 /// What a solution means, in storage made once.
 #[derive(Clone, Debug)]
@@ -167,17 +167,5 @@ impl Asked {
                 0.0
             };
         }
-    }
-}
-
-impl Problem {
-    /// The values of the problem's rows, less their constants, at the solution taken last: of an eliminated effort it
-    /// is known.
-    pub(crate) fn row_values(&self, qp: &Qp, x: &[f64]) -> impl Iterator<Item = f64> {
-        let mut torques = self.torque_rows.iter().peekable();
-        (0..qp.m()).map(move |i| match torques.next_if(|torque| torque.row == i) {
-            Some(torque) => self.solved.effort[torque.actuator] - self.constants[i],
-            None => dot(qp.row(i), x),
-        })
     }
 }
