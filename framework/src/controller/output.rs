@@ -269,14 +269,16 @@ impl Report {
         let rows = limits.zip(problem.row_values(qp, x)).enumerate();
         let rows = rows.filter_map(|(i, ((&lower, &upper), value))| {
             let (side, at) = near(value, lower, upper);
-            let is_row = || lower != upper && qp.row(i).iter().any(|a| *a != 0.0);
+            let is_inequality = || lower != upper && qp.row(i).iter().any(|a| *a != 0.0);
             let limit = at.0 + problem.constant(i);
-            (is_active(at, y[i]) && is_row()).then(|| (qp.rows()[i], side, limit, y[i]))
+            (is_active(at, y[i]) && is_inequality()).then(|| (qp.rows()[i], side, limit, y[i]))
         });
         let bounds = (0..qp.n()).filter_map(|j| {
             let (side, at) = near(x[j], qp.lower()[j], qp.upper()[j]);
             let owner = problem.bound_owner[j][usize::from(side == Side::Upper)];
-            (owner.filter(|_| is_active(at, z[j]))).map(|row| (row, side, at.0, z[j]))
+            owner
+                .filter(|_| is_active(at, z[j]))
+                .map(|row| (row, side, at.0, z[j]))
         });
         let limits = rows
             .chain(bounds)

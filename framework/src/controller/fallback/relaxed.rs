@@ -83,6 +83,7 @@ impl Fallback {
         }
         write_conflict(problem, qp, solution, &mut report.conflict);
         write_proof(qp, solution, &mut self.proof);
+        // Else the last relaxed optimum is of long ago, or of another contradiction.
         if !goes_on || solution.iterations > NEAR {
             self.warm.copy_from(&self.proof);
         }
