@@ -1,35 +1,16 @@
 // `wbqp view`: the page that is built into the program, with a log.
 import assert from "node:assert/strict";
-import { execFileSync, spawn } from "node:child_process";
+import { spawn } from "node:child_process";
 import { copyFile, mkdtemp, readFile, rm, writeFile } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { createInterface } from "node:readline";
 import { after, before, describe, test } from "node:test";
 import { browser, field, here, open, pictures, until } from "./help.mjs";
+import { built } from "./programs.mjs";
 
 const recorded = here("../../target/web-test/push_with_disturbance.mcap");
 let chrome, folder, program;
-
-/** The program with the page as it is built now. */
-function built() {
-  const arguments_ = [
-    "build",
-    "--quiet",
-    "-p",
-    "wbqp-cli",
-    "--bin",
-    "wbqp",
-    "--message-format=json-render-diagnostics",
-  ];
-  const stdio = ["ignore", "pipe", "inherit"];
-  const said = execFileSync("cargo", arguments_, { cwd: here("../.."), stdio, maxBuffer: 1 << 28, encoding: "utf8" });
-  const lines = said
-    .split("\n")
-    .filter(Boolean)
-    .map((line) => JSON.parse(line));
-  return lines.find((line) => line.executable && line.target.name === "wbqp").executable;
-}
 
 /** Starts the program; what it prints first is the address. */
 async function view(log, ...options) {
@@ -51,7 +32,7 @@ const says = (page, words) =>
   );
 
 before(async () => {
-  program = built();
+  program = built().wbqp;
   chrome = await browser();
   folder = await mkdtemp(join(tmpdir(), "wbqp view "));
 });

@@ -73,6 +73,10 @@ pub(crate) fn plugin(kind: &str, arguments: TokenStream, item: TokenStream) -> T
                 ::wbqp::plugin::BoundReference::new(self, space)
             }
 
+            fn named_values(&self) -> ::std::vec::Vec<(::std::string::String, &[f64])> {
+                ::wbqp::plugin::Reference::values(self)
+            }
+
             fn boxed(&self) -> ::std::boxed::Box<dyn ::wbqp::plugin::AnyReference> {
                 ::std::boxed::Box::new(::core::clone::Clone::clone(self))
             }

@@ -88,7 +88,7 @@ impl Followed {
         measured: Option<Measured>,
         pushes: Option<ContactId>,
     ) -> Result<Self, BindError> {
-        let bound = reference.bind_any(space);
+        let bound = bind(reference, space, pushes);
         let mut followed = Self {
             reference: bound.map_err(|error| inside(key, error))?,
             sample: Sample::new(space),
@@ -128,10 +128,30 @@ impl Followed {
         reference: &dyn AnyReference,
         time: f64,
     ) -> Result<(), BindError> {
-        self.reference = reference.bind_any(self.sample.space())?;
+        self.reference = bind(reference, self.sample.space(), self.pushes)?;
         self.start(time);
         Ok(())
     }
+}
+
+/// Binds a reference. One that prescribes a normal force must not say that a surface pulls.
+fn bind(
+    reference: &dyn AnyReference,
+    space: Space,
+    pushes: Option<ContactId>,
+) -> Result<BoundReference, BindError> {
+    let bound = reference.bind_any(space)?;
+    if pushes.is_some() {
+        for (key, value) in reference.named_values() {
+            if let Some(force) = value.first().filter(|force| **force < 0.0) {
+                let problem = format!(
+                    "is {force} N: a surface pushes and never pulls, a normal force is 0 or more"
+                );
+                return Err(BindError::value(&key, problem));
+            }
+        }
+    }
+    Ok(bound)
 }
 
 /// The same error with the reference's key before the key inside it.

@@ -38,6 +38,12 @@ pub trait Reference: Clone + Debug + Send + 'static {
 
     /// Writes the sample for this tick, which is of the space it was bound to. No allocation, no panic.
     fn sample(&self, running: &mut Self::Running, tick: &Tick<'_>, out: &mut Sample);
+
+    /// The values that its parameters name, each with its key: a normal force below zero is refused before it is
+    /// followed.
+    fn values(&self) -> Vec<(String, &[f64])> {
+        Vec::new()
+    }
 }
 
 /// Value, rate and acceleration of a reference at one time.
@@ -80,6 +86,9 @@ pub trait AnyReference: Any + Send + Debug {
     /// # Errors
     /// What the reference refuses.
     fn bind_any(&self, space: Space) -> Result<BoundReference, BindError>;
+
+    /// As [`Reference::values`].
+    fn named_values(&self) -> Vec<(String, &[f64])>;
 
     /// A copy.
     fn boxed(&self) -> Box<dyn AnyReference>;

@@ -47,4 +47,12 @@ impl Reference for Hold {
     fn sample(&self, held: &mut Sample, _: &Tick<'_>, out: &mut Sample) {
         out.stand_at(held);
     }
+
+    fn values(&self) -> Vec<(String, &[f64])> {
+        let value = self.value.as_deref();
+        value
+            .map(|value| ("value".to_owned(), value))
+            .into_iter()
+            .collect()
+    }
 }

@@ -78,6 +78,14 @@ impl Reference for MinJerk {
     fn sample(&self, leg: &mut Leg, tick: &Tick<'_>, out: &mut Sample) {
         leg.at(tick.time, out);
     }
+
+    fn values(&self) -> Vec<(String, &[f64])> {
+        let from = self.from.as_deref();
+        let from = from.map(|from| ("from".to_owned(), from));
+        from.into_iter()
+            .chain([("to".to_owned(), self.to.as_slice())])
+            .collect()
+    }
 }
 
 #[cfg(test)]

@@ -117,6 +117,12 @@ impl Reference for Waypoints {
     fn sample(&self, legs: &mut Legs, tick: &Tick<'_>, out: &mut Sample) {
         legs.at(tick.time, out);
     }
+
+    fn values(&self) -> Vec<(String, &[f64])> {
+        let points = self.points.iter().enumerate();
+        let named = points.map(|(i, point)| (format!("points[{i}].value"), &point.value[..]));
+        named.collect()
+    }
 }
 
 #[cfg(test)]

@@ -7,8 +7,6 @@
 mod feedback;
 mod set_point;
 
-use std::any::Any;
-
 use feedback::{Loop, Settings};
 use set_point::{Now, Ramp, SetPoint};
 use wbqp::{
@@ -17,7 +15,7 @@ use wbqp::{
     prelude::*,
 };
 
-use crate::{Hold, MinJerk, Waypoints, check};
+use crate::{Hold, check};
 
 /// Pushes with a given normal force, the paper's f_c.
 ///
@@ -146,36 +144,6 @@ pub(super) const COMPONENTS: [(&str, &str); 6] = [
     ("moment z", "N·m"),
 ];
 
-/// Refuses a set point that a surface would have to pull for: a contact's smallest force is never below zero.
-///
-/// Looks at what a reference of this crate says itself; scenarios look at what any of them asks for.
-fn only_pushes(reference: &dyn AnyReference) -> Result<(), BindError> {
-    let reference: &dyn Any = reference;
-    let mut values: Vec<(String, &[f64])> = Vec::new();
-    if let Some(Hold { value: Some(value) }) = reference.downcast_ref() {
-        values.push(("value".to_owned(), value));
-    } else if let Some(MinJerk { to, from, .. }) = reference.downcast_ref() {
-        values.extend(from.iter().map(|from| ("from".to_owned(), from.as_slice())));
-        values.push(("to".to_owned(), to));
-    } else if let Some(Waypoints { points }) = reference.downcast_ref() {
-        let points = points.iter().enumerate();
-        values.extend(
-            points.map(|(i, point)| (format!("points[{i}].value"), point.value.as_slice())),
-        );
-    }
-    for (key, value) in values {
-        if let Some(force) = value.first().filter(|force| **force < 0.0) {
-            return Err(BindError::value(
-                &format!("reference.{key}"),
-                format!(
-                    "is {force} N: a surface pushes and never pulls, a normal force is 0 or more"
-                ),
-            ));
-        }
-    }
-    Ok(())
-}
-
 /// What runs of a [`ContactForce`].
 #[derive(Debug)]
 pub struct RunningContactForce {
@@ -210,7 +178,6 @@ impl Task for ContactForce {
             return Err(BindError::value("anti_windup", problem));
         }
         check::positive("clamp", self.clamp)?;
-        only_pushes(&*self.reference)?;
         let running = RunningContactForce {
             contact,
             kind,

@@ -273,6 +273,14 @@ fn what_does_not_fit_is_refused_by_name() {
         error.expect_err("no trajectory").to_string(),
         "task `thrusts` follows no reference"
     );
+
+    // As in a file.
+    let pulls = controller.follow("push", MinJerk::new([-5.0], 1.0));
+    assert_eq!(
+        pulls.expect_err("no surface pulls").to_string(),
+        "`push`: `to` is -5 N: a surface pushes and never pulls, a normal force is 0 or more"
+    );
+    assert_eq!(controller.followed("push"), Ok(&Sample::at_rest([0.0])));
 }
 
 #[test]
