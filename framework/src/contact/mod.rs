@@ -17,7 +17,7 @@ mod state;
 mod update;
 
 pub use detector::Detector;
-pub use kind::{ContactId, ContactKind};
+pub use kind::{COMPONENTS, ContactId, ContactKind};
 pub(crate) use short::Motion;
 pub use short::ShortContact;
 pub use spec::{ContactSpec, FreeForce, Surface};

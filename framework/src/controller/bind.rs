@@ -65,8 +65,7 @@ pub(crate) struct Bound {
     misfits: Misfits,
     bindings: Vec<ContactBinding>,
     plugins: Vec<RunningPlugin>,
-    /// Constrained components of each contact.
-    nf: Vec<usize>,
+    sizes: Sizes,
     frame_ids: Vec<FrameId>,
     actuation: Actuation,
     table: Table,
@@ -82,7 +81,7 @@ struct Binder<'a> {
     robot: &'a RobotModel,
     contacts: &'a [ContactSpec],
     period: f64,
-    sizes: Sizes<'a>,
+    sizes: Sizes,
     frame_ids: Vec<FrameId>,
     /// The robot at home, where references begin; none if a contact is wrong.
     home: Option<World>,
@@ -178,15 +177,6 @@ impl Bound {
                 Err(error) => misfits.contact(index, &spec.name, error),
             }
         }
-        let nf: Vec<usize> = contacts
-            .iter()
-            .map(|c| c.kind.constrained().len())
-            .collect();
-        let sizes = Sizes {
-            nv: model.nv(),
-            nu: robot.nu(),
-            nf: &nf,
-        };
 
         let actuation = Actuation::new(&model, &robot.actuators);
         let formulation = settings.formulation.resolve(&robot);
@@ -197,7 +187,7 @@ impl Bound {
             robot: &robot,
             contacts: &contacts,
             period,
-            sizes,
+            sizes: Sizes::new(&robot, &contacts),
             // Frame 0 is always the base's, so that a handle never dangles.
             frame_ids: vec![model.base_frame()],
             // Contacts are found by their position: none may be missing.
@@ -221,6 +211,7 @@ impl Bound {
             stored,
             entries,
             plugins,
+            sizes,
             ..
         } = binder;
         let mut setup = Setup::new(&robot, &contacts, period, &mut frame_ids);
@@ -281,7 +272,7 @@ impl Bound {
             misfits,
             bindings,
             plugins,
-            nf,
+            sizes,
             frame_ids,
             actuation,
             table,
@@ -315,7 +306,7 @@ impl Bound {
             mut misfits,
             bindings,
             plugins,
-            nf,
+            sizes,
             frame_ids,
             actuation,
             mut table,
@@ -327,13 +318,8 @@ impl Bound {
         let model = robot.model.clone();
         let period = 1.0 / settings.rate;
         let solver_tag = solver.typetag_name();
-        let sizes = Sizes {
-            nv: model.nv(),
-            nu: robot.nu(),
-            nf: &nf,
-        };
         for entry in &mut entries {
-            let store = RowStore::new(&entry.layout, sizes.nv, sizes.nu, sizes.nf);
+            let store = RowStore::new(&entry.layout, sizes.nv, sizes.nu, &sizes.nf);
             entry.store = if entry.is_equality() {
                 store
             } else {

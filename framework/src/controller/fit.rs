@@ -11,13 +11,26 @@ use crate::{
     problem::{BoundEntry, EntrySpec, Table},
     switch::Switch,
 };
+use wbqp_robot_model::RobotModel;
 
 /// Sizes of the decision variables.
-pub(crate) struct Sizes<'a> {
+#[derive(Debug)]
+pub(crate) struct Sizes {
     pub(crate) nv: usize,
     pub(crate) nu: usize,
     /// Constrained components of each contact.
-    pub(crate) nf: &'a [usize],
+    pub(crate) nf: Vec<usize>,
+}
+
+impl Sizes {
+    pub(super) fn new(robot: &RobotModel, contacts: &[ContactSpec]) -> Self {
+        let components = contacts.iter().map(|c| c.kind.constrained().len());
+        Self {
+            nv: robot.model.nv(),
+            nu: robot.nu(),
+            nf: components.collect(),
+        }
+    }
 }
 
 /// Contacts with moments that no constraint limits: the solver would pull with moments.
@@ -49,7 +62,7 @@ pub(super) fn unlimited_moments(
 pub(super) fn make_entry<P: AnyPlugin + ?Sized>(
     entry: &Entry<P>,
     layout: Layout,
-    sizes: &Sizes<'_>,
+    sizes: &Sizes,
     frames: usize,
     table: &mut Table,
 ) -> Result<BoundEntry, BindError> {
@@ -124,11 +137,7 @@ fn check_entry<P: AnyPlugin + ?Sized>(entry: &Entry<P>, layout: &Layout) -> Resu
 }
 
 /// Catches a plug-in that declares what does not exist, so that nothing can go out of range in a tick.
-pub(crate) fn check_layout(
-    layout: &Layout,
-    sizes: &Sizes<'_>,
-    frames: usize,
-) -> Result<(), BindError> {
+pub(crate) fn check_layout(layout: &Layout, sizes: &Sizes, frames: usize) -> Result<(), BindError> {
     let rows = layout.len();
     let columns = |what: &str, list: &[usize], limit: usize| {
         if list.len() != rows {

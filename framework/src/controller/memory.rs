@@ -142,12 +142,12 @@ impl Stored {
     pub(super) fn add(
         &mut self,
         entry: &BoundEntry,
-        sizes: &Sizes<'_>,
+        sizes: &Sizes,
         most: f64,
     ) -> Result<(), BindError> {
-        let Sizes { nv, nu, nf } = *sizes;
+        let Sizes { nv, nu, nf } = sizes;
         self.rows += entry.layout.len();
-        let numbers = RowStore::numbers(&entry.layout, nv, nu, nf);
+        let numbers = RowStore::numbers(&entry.layout, *nv, *nu, nf);
         self.numbers = self.numbers.saturating_add(numbers);
         let bytes = self.numbers.saturating_mul(NUMBER);
         if bytes as f64 <= most * MIB {

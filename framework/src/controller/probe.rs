@@ -106,15 +106,7 @@ impl Probe {
         let mut setup = Setup::new(robot, contacts, period, &mut frame_ids);
         let BoundPlugin { layout, running } = plugin.bind(&mut setup)?;
         let mut references = setup.into_references();
-        let nf: Vec<usize> = contacts
-            .iter()
-            .map(|c| c.kind.constrained().len())
-            .collect();
-        let sizes = Sizes {
-            nv: model.nv(),
-            nu: robot.nu(),
-            nf: &nf,
-        };
+        let sizes = Sizes::new(robot, contacts);
         check_layout(&layout, &sizes, frame_ids.len())?;
 
         let mut bindings = Vec::new();
@@ -125,7 +117,7 @@ impl Probe {
             };
             bindings.push(ContactBinding::new(&spec, &model, period)?);
         }
-        let mut store = RowStore::new(&layout, model.nv(), robot.nu(), &nf);
+        let mut store = RowStore::new(&layout, sizes.nv, sizes.nu, &sizes.nf);
         let unwritten = f64::from_bits(UNWRITTEN);
         for place in [
             &mut store.lower,

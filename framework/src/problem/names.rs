@@ -1,7 +1,11 @@
 //! Permanent names for the physical variables and for the framework's own rows.
 
 use super::{BoundEntry, Table, partition::FirstIds};
-use crate::{contact::ContactSpec, qp::RowId, settings::Formulation};
+use crate::{
+    contact::{COMPONENTS, ContactSpec},
+    qp::RowId,
+    settings::Formulation,
+};
 use wbqp_dynamics::{
     actuator::ActuatorKind,
     model::{Base, JointKind, Model},
@@ -101,15 +105,6 @@ impl ProblemRows {
     }
 }
 
-const FORCE_LABELS: [(&str, &str); 6] = [
-    ("x", "N"),
-    ("y", "N"),
-    ("normal", "N"),
-    ("moment x", "N·m"),
-    ("moment y", "N·m"),
-    ("moment z", "N·m"),
-];
-
 impl VariableNames<'_> {
     /// Gives the physical variables and the entries' slacks their ids.
     pub(super) fn register(&self, entries: &mut [BoundEntry], table: &mut Table) -> FirstIds {
@@ -125,7 +120,7 @@ impl VariableNames<'_> {
         for (name, directions) in &self.contacts {
             force.push(table.vars.len() as u32);
             for &d in *directions {
-                let (label, unit) = FORCE_LABELS[d];
+                let (label, unit) = COMPONENTS[d];
                 table.add_var(name, label, unit);
             }
         }

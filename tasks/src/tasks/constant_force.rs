@@ -4,9 +4,12 @@
 //! Forces are what the environment does to the robot, in C axes (z the surface's outward normal), so that pushing gives
 //! `f_n > 0`.
 
-use wbqp::{contact::ContactKind, plugin::ForceReport, prelude::*};
+use wbqp::{
+    contact::{COMPONENTS, ContactKind},
+    plugin::ForceReport,
+    prelude::*,
+};
 
-use super::contact_force::COMPONENTS;
 use crate::check;
 
 /// Asks a contact for a constant wrench: no trajectory, no feedback, no integrator. For what carries the robot, as the

@@ -10,7 +10,7 @@ mod set_point;
 use feedback::{Loop, Settings};
 use set_point::{Now, Ramp, SetPoint};
 use wbqp::{
-    contact::ContactKind,
+    contact::{COMPONENTS, ContactKind},
     plugin::{ForceReport, VectorReference},
     prelude::*,
 };
@@ -134,16 +134,6 @@ impl ContactForce {
     }
 }
 
-/// Labels and units of a contact's six components.
-pub(super) const COMPONENTS: [(&str, &str); 6] = [
-    ("x", "N"),
-    ("y", "N"),
-    ("normal", "N"),
-    ("moment x", "N·m"),
-    ("moment y", "N·m"),
-    ("moment z", "N·m"),
-];
-
 /// What runs of a [`ContactForce`].
 #[derive(Debug)]
 pub struct RunningContactForce {
@@ -186,9 +176,8 @@ impl Task for ContactForce {
             ramp: Ramp::default(),
         };
         let rows = kind.constrained();
-        let moments = rows.iter().any(|&row| row > 2);
         let layout = Layout::rows(rows.iter().map(|&row| COMPONENTS[row]))
-            .error_unit(if moments { "N or N·m" } else { "N" })
+            .error_unit(if kind.has_moments() { "N or N·m" } else { "N" })
             .force_unit(contact, 0..rows.len())
             .while_contact(contact);
         Ok((layout, running))
