@@ -24,11 +24,22 @@ from wbqp._plugins import Plugin
 '''
 
 
+def _wrapped(line: str) -> str:
+    """A line of documentation as lines that the stub has room for."""
+    # What is a parameter's own line goes on farther to the right than its description.
+    indent = " " * (len(line) - len(line.lstrip()) + (8 if " : " in line else 0))
+    wide = textwrap.TextWrapper(116, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False)
+    return "\n".join(wide.wrap(line)) or line
+
+
 def _class(name: str, cls: type[_plugins.Plugin]) -> str:
     schema = cls._schema
     lines = [f"class {name}(Plugin):"]
     document = (cls.__doc__ or "").replace("\\", "\\\\")
-    lines.append(textwrap.indent(f'"""{document}\n"""', "    ", lambda line: line.strip() != ""))
+    first, *rest = f'"""{document}'.split("\n\n")
+    document = "\n\n".join([first.replace("\n", " "), *rest])
+    document = "\n".join(map(_wrapped, document.split("\n")))
+    lines.append(textwrap.indent(f'{document}\n"""', "    ", lambda line: line.strip() != ""))
     lines.append("    def __init__(")
     lines.append("        self,")
     ordered = _plugins._ordered(schema)
@@ -49,7 +60,8 @@ def stubs() -> dict[str, str]:
     for module in _plugins._KINDS:
         classes = _plugins.classes(module)
         parts = [HEAD, *(f"\n{_class(name, cls)}\n" for name, cls in classes.items())]
-        parts.append(f"\n__all__ = {sorted(classes)!r}\n".replace("'", '"'))
+        names = "".join(f'    "{name}",\n' for name in sorted(classes))
+        parts.append(f"\n__all__ = [\n{names}]\n")
         made[f"{module}.pyi"] = "".join(parts)
     made["_contact.pyi"] = HEAD + f"\n{_class('Contact', _plugins.contact())}\n"
     return made

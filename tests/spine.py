@@ -3,11 +3,11 @@
 
     python3 tests/spine.py
 
-Runs `spine` (tests/src/bin/spine.rs: three controllers that ship) without optimisation below callgrind (Debian's package
-`valgrind`), collects the functions that run below `Controller::tick`, and counts the lines of the files of `framework/src`
-that they are in, without comments, blank lines and tests; what is derived (`==`) is nowhere to be read. Beside it the
-lines that ran: a file also has what is done before the first tick. Dynamics, solver, logs and plug-ins are crates of their
-own.
+Runs `spine` (tests/src/bin/spine.rs: three controllers that ship) without optimisation below callgrind (Debian's
+package `valgrind`), collects the functions that run below `Controller::tick`, and counts the lines of the files of
+`framework/src` that they are in, without comments, blank lines and tests; what is derived (`==`) is nowhere to be
+read. Beside it the lines that ran: a file also has what is done before the first tick. Dynamics, solver, logs and
+plug-ins are crates of their own.
 """
 
 import argparse

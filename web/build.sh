@@ -55,5 +55,6 @@ export CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUSTFLAGS="${WBQP_WEB_RUSTFLAGS--C ta
 "${cargo[@]}" rustc --locked --release --no-default-features -p wbqp-web --lib --crate-type cdylib \
     --target "$target" --target-dir "$folder" "${options[@]}"
 # Names of functions are a tenth of its size, and nobody reads them.
-$bindgen --remove-name-section --remove-producers-section --target web --out-dir web/page/pkg --out-name wbqp "$folder/$target/release/wbqp_web.wasm"
+$bindgen --remove-name-section --remove-producers-section --target web --out-dir web/page/pkg --out-name wbqp \
+    "$folder/$target/release/wbqp_web.wasm"
 ls -l web/page/pkg/wbqp_bg.wasm

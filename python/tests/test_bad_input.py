@@ -15,7 +15,15 @@ def hover() -> wbqp.Controller:
     return wbqp.Controller(
         rate=250.0,
         robot="othex",
-        contacts=[wbqp.Contact(name="tip", frame="tool", kind="point", active=False, surface={"normal": [-1.0, 0.0, 0.0], "x_axis": [0.0, 1.0, 0.0]})],
+        contacts=[
+            wbqp.Contact(
+                name="tip",
+                frame="tool",
+                kind="point",
+                active=False,
+                surface={"normal": [-1.0, 0.0, 0.0], "x_axis": [0.0, 1.0, 0.0]},
+            )
+        ],
         tasks=[wbqp.tasks.BasePosition(kp=10.0), wbqp.tasks.BaseOrientation(kp=20.0), wbqp.tasks.Posture(kp=25.0)],
         constraints=[wbqp.constraints.ActuatorLimits()],
     )
@@ -73,8 +81,9 @@ def test_a_quaternion_that_is_none_is_reported() -> None:
 
 
 def test_measurements_of_other_controllers_are_refused() -> None:
-    m = wbqp.Controller(rate=500.0, robot="quadruped", tasks=[wbqp.tasks.Posture(kp=1.0)], constraints=[],
-                        contacts=[{"frames": ["fl_foot", "fr_foot", "hl_foot", "hr_foot"], "motion": "hard"}]).measurement()
+    feet = {"frames": ["fl_foot", "fr_foot", "hl_foot", "hr_foot"], "motion": "hard"}
+    tasks = [wbqp.tasks.Posture(kp=1.0)]
+    m = wbqp.Controller(rate=500.0, robot="quadruped", tasks=tasks, constraints=[], contacts=[feet]).measurement()
     controller = hover()
     with pytest.raises(ValueError, match=r"12 joints.*make it with controller.measurement\(\)"):
         controller.tick(m)

@@ -202,7 +202,8 @@ def test_a_reference_is_followed_also_from_a_file() -> None:
 
 
 def test_parameters_are_checked_with_their_places() -> None:
-    text = '[controller]\nrate = 250.0\n[robot]\ntype = "othex"\n[[task]]\ntype = "test.level_head"\nweight = 1.0\nkpp = 3.0\n'
+    head = '[controller]\nrate = 250.0\n[robot]\ntype = "othex"\n'
+    text = head + '[[task]]\ntype = "test.level_head"\nweight = 1.0\nkpp = 3.0\n'
     with pytest.raises(wbqp.ConfigError) as refused:
         wbqp.Controller.from_text(text, name="file.toml")
     messages = str(refused.value)
@@ -283,7 +284,8 @@ def test_a_cell_that_runs_again_defines_its_plug_in_anew() -> None:
         again(more=1.0)
     # A class with another name is another plug-in.
     with pytest.raises(ValueError, match="task type `test.again` is there already"):
-        exec(CELL.format(kind="task", tag="test.again", keys="", write="target[0]", number=0.0).replace("Again", "Other"))
+        cell = CELL.format(kind="task", tag="test.again", keys="", write="target[0]", number=0.0)
+        exec(cell.replace("Again", "Other"))
     assert wanted(again()) == pytest.approx(0.3, rel=1e-3)
 
 
@@ -336,14 +338,17 @@ def test_numbers_that_are_none_are_a_fault(what: str) -> None:
     assert np.isfinite(command.effort).all() and report.traceback is None
 
 
-@pytest.mark.parametrize(("what", "says"), [("bind", "ValueError: no, thanks"), ("layout", "must return a wbqp.Layout")])
+@pytest.mark.parametrize(
+    ("what", "says"), [("bind", "ValueError: no, thanks"), ("layout", "must return a wbqp.Layout")]
+)
 def test_what_bind_raises_is_a_config_error(what: str, says: str) -> None:
     with pytest.raises(wbqp.ConfigError, match=says) as refused:
         naughty(what)
     cause = refused.value.__cause__
     assert cause is not None and f"{type(cause).__name__}: {cause}" in str(refused.value)
     if what == "bind":
-        assert cause.__traceback__ is not None and "bind" in [entry.name for entry in traceback.extract_tb(cause.__traceback__)]
+        assert cause.__traceback__ is not None
+        assert "bind" in [entry.name for entry in traceback.extract_tb(cause.__traceback__)]
     # It was that controller's.
     with pytest.raises(wbqp.ConfigError) as other:
         hover({"type": "test.naughtty"})
@@ -417,7 +422,8 @@ def test_a_simulation_says_what_a_plug_in_raised(naughty_scenario: Any) -> None:
         wbqp.simulate(naughty_scenario, case="with_ft", set={"task": {"naughty": {"what": "bind"}}}, progress=False)
     assert isinstance(refused.value.__cause__, ValueError)
     # It was that run's: neither the next one's nor that of a tick.
-    well = wbqp.simulate(naughty_scenario, case="with_ft", set={"task": {"naughty": {"what": "nothing"}}}, progress=False)
+    well_behaved = {"task": {"naughty": {"what": "nothing"}}}
+    well = wbqp.simulate(naughty_scenario, case="with_ft", set=well_behaved, progress=False)
     assert well.summary["traceback"] is None
     controller = hover()
     assert controller.tick(controller.measurement())[1].traceback is None

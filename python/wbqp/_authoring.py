@@ -61,7 +61,9 @@ class Tick:
         Of the last tick.
     """
 
-    def __init__(self, arrays: dict[str, np.ndarray], frames: list[dict[str, np.ndarray]], contacts: dict[str, Any]) -> None:
+    def __init__(
+        self, arrays: dict[str, np.ndarray], frames: list[dict[str, np.ndarray]], contacts: dict[str, Any]
+    ) -> None:
         self.__dict__.update(arrays)
         self._frames = [types.SimpleNamespace(**frame) for frame in frames]
         self._contacts = {name: types.SimpleNamespace(**contact) for name, contact in contacts.items()}
@@ -87,11 +89,13 @@ class Tick:
         return float(self._scalars[3])
 
     def frame(self, handle: int) -> Any:
-        """A frame that ``bind`` asked for: ``position``, ``rotation`` (3, 3), ``velocity`` (6,), ``J`` (6, nv), ``Jdot_v``."""
+        """A frame that ``bind`` asked for: ``position``, ``rotation`` (3, 3), ``velocity`` (6,), ``J`` (6, nv),
+        ``Jdot_v``."""
         return self._frames[handle]
 
     def contact(self, name: str) -> Any:
-        """A contact, in its axes: ``live``, ``position``, ``velocity``, ``measured``, ``solution``, ``J``, ``Jdot_v``."""
+        """A contact, in its axes: ``live``, ``position``, ``velocity``, ``measured``, ``solution``, ``J``,
+        ``Jdot_v``."""
         return self._contacts[name]
 
     if typing.TYPE_CHECKING:
@@ -216,7 +220,13 @@ def _check_type(name: str, value: Any, about: dict[str, Any]) -> Any:
         return float(value)
     expected: Any = {"integer": int, "boolean": bool, "string": str, "array": list, "object": dict}.get(kind or "")
     if expected is not None and (not isinstance(value, expected) or (kind == "integer" and isinstance(value, bool))):
-        words = {"integer": "an integer", "boolean": "true or false", "string": "a text", "array": "a list", "object": "a table"}
+        words = {
+            "integer": "an integer",
+            "boolean": "true or false",
+            "string": "a text",
+            "array": "a list",
+            "object": "a table",
+        }
         raise TypeError(f"`{name}` must be {words[kind or '']}, is {value!r}")
     if kind == "array" and "items" in about:
         return [_check_type(f"{name}[{i}]", item, about["items"]) for i, item in enumerate(value)]
@@ -265,7 +275,8 @@ def _table(self: Any) -> dict[str, Any]:
                 f"{cls.__name__}: `{name}` is None, which files have no word for: it would be its default, "
                 f"{about[name]['default']!r}"
             )
-    return {"type": cls._wbqp_tag, **getattr(self, "_wbqp_entry", {}), **{k: v for k, v in values.items() if v is not None}}
+    given = {key: value for key, value in values.items() if value is not None}
+    return {"type": cls._wbqp_tag, **getattr(self, "_wbqp_entry", {}), **given}
 
 
 def _decorator(kind: str, tag: str) -> Callable[[C], C]:

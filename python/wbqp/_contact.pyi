@@ -31,7 +31,8 @@ class Contact(Plugin):
     kind : Literal['full', 'point', 'normal', 'normal_tilt'], optional
         Which motions are constrained.
     motion : Literal['hard', 'soft', 'free'], optional
-        How the contact's motion is kept. With this key the contact brings its own constraints, is on at the start, and touches the ground unless it says otherwise.
+        How the contact's motion is kept. With this key the contact brings its own constraints, is on at the start, and
+        touches the ground unless it says otherwise.
     name : str, optional
         How tasks, constraints, logs and events call it.
     offset : Sequence[float], default [0.0, 0.0, 0.0]

@@ -80,8 +80,8 @@ class Recording(Mapping[str, Topic]):
     ----------
     summary : dict
         Of a simulation: ``ticks``, ``held`` (ticks whose command was not their optimum), ``diverged`` (s, or None),
-        ``last_level``, ``why``, and ``traceback``, that of the first exception in a plug-in written in Python. Empty for a
-        file.
+        ``last_level``, ``why``, and ``traceback``, that of the first exception in a plug-in written in Python. Empty
+        for a file.
     """
 
     def __init__(self, log: Any, summary: dict[str, Any] | None = None) -> None:

@@ -28,7 +28,8 @@ def _file(scenario: str | os.PathLike[str]) -> Path:
     shipped = scenarios()
     found = shipped.get(path.name.removesuffix(".toml"))
     if found is None or path.parent != Path("."):
-        raise FileNotFoundError(f"there is no scenario {os.fspath(scenario)!r}; with the package come {', '.join(shipped)}")
+        known = ", ".join(shipped)
+        raise FileNotFoundError(f"there is no scenario {os.fspath(scenario)!r}; with the package come {known}")
     return found
 
 
@@ -37,7 +38,9 @@ def cases(scenario: str | os.PathLike[str]) -> dict[str, float]:
     return dict(_wbqp._cases(_file(scenario)))
 
 
-def _progress(show: bool | Callable[[float], None], label: str) -> tuple[Callable[[float], None] | None, Callable[[], None]]:
+def _progress(
+    show: bool | Callable[[float], None], label: str
+) -> tuple[Callable[[float], None] | None, Callable[[], None]]:
     def nothing() -> None:
         pass
 

@@ -23,7 +23,8 @@ class ActuatorLimits(Plugin):
     hardness : str | dict[str, Any], optional
         "hard", "soft" or { exact = λ }.
     name : str, optional
-        Unique name: how logs, reports, errors and events call it. Default: `<frame>_<type>`, `<contact>_<type>` or `<type>`.
+        Unique name: how logs, reports, errors and events call it. Default: `<frame>_<type>`, `<contact>_<type>` or
+        `<type>`.
     transition : float, default 0.0
         Duration of the ramp when it is switched or gets another weight, s.
     weight : float | Sequence[float], optional
@@ -40,8 +41,8 @@ class ActuatorLimits(Plugin):
     ) -> None: ...
 
 class ContactMotion(Plugin):
-    """Keeps the contact point from moving in the constrained directions, the paper's (10e) with a damping that stops what
-    motion there is:
+    """Keeps the contact point from moving in the constrained directions, the paper's (10e) with a damping that stops
+    what motion there is:
 
     `J_c v̇ = −k_d V − J̇_c v + a_S`, m/s² or rad/s²,
 
@@ -64,7 +65,8 @@ class ContactMotion(Plugin):
     hardness : str | dict[str, Any], optional
         "hard", "soft" or { exact = λ }.
     name : str, optional
-        Unique name: how logs, reports, errors and events call it. Default: `<frame>_<type>`, `<contact>_<type>` or `<type>`.
+        Unique name: how logs, reports, errors and events call it. Default: `<frame>_<type>`, `<contact>_<type>` or
+        `<type>`.
     transition : float, default 0.0
         Duration of the ramp when it is switched or gets another weight, s.
     weight : float | Sequence[float], default 10000.0
@@ -83,8 +85,8 @@ class ContactMotion(Plugin):
     ) -> None: ...
 
 class ContactWrench(Plugin):
-    """Keeps the wrench of a contact with moments (kinds `full` and `normal_tilt`) within what a flat rectangular sole can
-    bear:
+    """Keeps the wrench of a contact with moments (kinds `full` and `normal_tilt`) within what a flat rectangular sole
+    can bear:
 
     `n_kᵀ f_t ≤ μ' f_n` for `k = 0 … N − 1`, N: friction, as in `FrictionPyramid`,
 
@@ -119,7 +121,8 @@ class ContactWrench(Plugin):
     hardness : str | dict[str, Any], optional
         "hard", "soft" or { exact = λ }.
     name : str, optional
-        Unique name: how logs, reports, errors and events call it. Default: `<frame>_<type>`, `<contact>_<type>` or `<type>`.
+        Unique name: how logs, reports, errors and events call it. Default: `<frame>_<type>`, `<contact>_<type>` or
+        `<type>`.
     sides : int, default 4
         Number of sides N of the friction pyramid, 3 to 64.
     torsional_friction : float, optional
@@ -171,7 +174,8 @@ class FrictionPyramid(Plugin):
     hardness : str | dict[str, Any], optional
         "hard", "soft" or { exact = λ }.
     name : str, optional
-        Unique name: how logs, reports, errors and events call it. Default: `<frame>_<type>`, `<contact>_<type>` or `<type>`.
+        Unique name: how logs, reports, errors and events call it. Default: `<frame>_<type>`, `<contact>_<type>` or
+        `<type>`.
     sides : int, default 4
         Number of sides N, 3 to 64.
     transition : float, default 0.0
@@ -226,7 +230,8 @@ class JointLimits(Plugin):
     margin : float, default 0.0
         Distance kept from both ends of the range, rad or m.
     name : str, optional
-        Unique name: how logs, reports, errors and events call it. Default: `<frame>_<type>`, `<contact>_<type>` or `<type>`.
+        Unique name: how logs, reports, errors and events call it. Default: `<frame>_<type>`, `<contact>_<type>` or
+        `<type>`.
     transition : float, default 0.0
         Duration of the ramp when it is switched or gets another weight, s.
     weight : float | Sequence[float], optional
@@ -275,7 +280,8 @@ class PlaneDistance(Plugin):
     margin : float, default 0.0
         Smallest distance, m.
     name : str, optional
-        Unique name: how logs, reports, errors and events call it. Default: `<frame>_<type>`, `<contact>_<type>` or `<type>`.
+        Unique name: how logs, reports, errors and events call it. Default: `<frame>_<type>`, `<contact>_<type>` or
+        `<type>`.
     offset : Sequence[float], default [0.0, 0.0, 0.0]
         The point in the frame, m.
     transition : float, default 0.0
@@ -320,7 +326,8 @@ class ThrustRateLimits(Plugin):
     hardness : str | dict[str, Any], optional
         "hard", "soft" or { exact = λ }.
     name : str, optional
-        Unique name: how logs, reports, errors and events call it. Default: `<frame>_<type>`, `<contact>_<type>` or `<type>`.
+        Unique name: how logs, reports, errors and events call it. Default: `<frame>_<type>`, `<contact>_<type>` or
+        `<type>`.
     rise : float, optional
         Largest rate upwards, N/s. Default: the robot's.
     rotors : Sequence[str], optional
@@ -371,7 +378,8 @@ class TiltLimit(Plugin):
     hardness : str | dict[str, Any], optional
         "hard", "soft" or { exact = λ }.
     name : str, optional
-        Unique name: how logs, reports, errors and events call it. Default: `<frame>_<type>`, `<contact>_<type>` or `<type>`.
+        Unique name: how logs, reports, errors and events call it. Default: `<frame>_<type>`, `<contact>_<type>` or
+        `<type>`.
     sides : int, default 8
         Number of directions N, 3 to 64.
     transition : float, default 0.0
@@ -393,4 +401,13 @@ class TiltLimit(Plugin):
         weight: float | Sequence[float] | None = ...,
     ) -> None: ...
 
-__all__ = ["ActuatorLimits", "ContactMotion", "ContactWrench", "FrictionPyramid", "JointLimits", "PlaneDistance", "ThrustRateLimits", "TiltLimit"]
+__all__ = [
+    "ActuatorLimits",
+    "ContactMotion",
+    "ContactWrench",
+    "FrictionPyramid",
+    "JointLimits",
+    "PlaneDistance",
+    "ThrustRateLimits",
+    "TiltLimit",
+]

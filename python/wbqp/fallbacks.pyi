@@ -64,4 +64,6 @@ class DampedHover(Plugin):
         yaw_weight: float | None = ...,
     ) -> None: ...
 
-__all__ = ["DampedHover"]
+__all__ = [
+    "DampedHover",
+]

@@ -128,9 +128,9 @@ class ThrustAttitude(Plugin):
     ) -> None: ...
 
 class Waypoints(Plugin):
-    """Visits points at given times. Between two points it moves as `MinJerk` does, from rest to
-    rest; it leaves a point after its `dwell` and reaches the next at that one's `at`. The first move begins where
-    the reference takes over; after the last point it holds.
+    """Visits points at given times. Between two points it moves as `MinJerk` does, from rest to rest; it leaves a point
+    after its `dwell` and reaches the next at that one's `at`. The first move begins where the reference takes over;
+    after the last point it holds.
 
     Parameters
     ----------
@@ -143,4 +143,10 @@ class Waypoints(Plugin):
         points: Sequence[dict[str, Any]],
     ) -> None: ...
 
-__all__ = ["Ellipse", "Hold", "MinJerk", "ThrustAttitude", "Waypoints"]
+__all__ = [
+    "Ellipse",
+    "Hold",
+    "MinJerk",
+    "ThrustAttitude",
+    "Waypoints",
+]

@@ -6,8 +6,8 @@ from typing import Any, Literal
 from wbqp._plugins import Plugin
 
 class Humanoid(Plugin):
-    """A robot with the proportions of an adult (1.75 m, 75 kg): 31 torque-driven joints, two flat feet; the file is inside
-    this crate. Home stands on z = 0.
+    """A robot with the proportions of an adult (1.75 m, 75 kg): 31 torque-driven joints, two flat feet; the file is
+    inside this crate. Home stands on z = 0.
 
     Parameters
     ----------
@@ -45,8 +45,8 @@ class OthexVertical(Plugin):
     ) -> None: ...
 
 class Quadruped(Plugin):
-    """A quadruped with the published figures of Solo12: twelve torque-driven joints, four point feet; the file is inside
-    this crate. Home stands on z = 0.
+    """A quadruped with the published figures of Solo12: twelve torque-driven joints, four point feet; the file is
+    inside this crate. Home stands on z = 0.
 
     Parameters
     ----------
@@ -103,7 +103,9 @@ class Urdf(Plugin):
         The home posture: the name of a state in the SRDF file, or positions by joint, rad or m, as in `options`.
     lock : Sequence[str], optional
         Joints that are frozen at home; as in `options`.
-    options : dict[str, Any], default {"armature": {}, "base": "floating", "damping": {}, "effort": {}, "friction": {}, "home": {}, "ignore_joint_friction": false, "inertia": {}, "lock": [], "mimic": {}, "passive": [], "range": {}, "servo": [], "strict": false, "velocity": {}}
+    options : dict[str, Any], default {"armature": {}, "base": "floating", "damping": {}, "effort": {}, "friction": {},
+            "home": {}, "ignore_joint_friction": false, "inertia": {}, "lock": [], "mimic": {}, "passive": [], "range":
+            {}, "servo": [], "strict": false, "velocity": {}}
         What the files do not say.
     root : str, optional
         The link that is the base; as in `options`.
@@ -128,4 +130,11 @@ class Urdf(Plugin):
         strict: bool | None = ...,
     ) -> None: ...
 
-__all__ = ["Humanoid", "Othex", "OthexVertical", "Quadruped", "Tree", "Urdf"]
+__all__ = [
+    "Humanoid",
+    "Othex",
+    "OthexVertical",
+    "Quadruped",
+    "Tree",
+    "Urdf",
+]

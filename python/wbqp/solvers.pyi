@@ -48,4 +48,7 @@ class Clarabel(Plugin):
         tolerance: float | None = ...,
     ) -> None: ...
 
-__all__ = ["ActiveSet", "Clarabel"]
+__all__ = [
+    "ActiveSet",
+    "Clarabel",
+]

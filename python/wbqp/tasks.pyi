@@ -32,7 +32,8 @@ class BaseOrientation(Plugin):
     kd : float | Sequence[float], optional
         Damping `K_D`, 1/s: one number, or one per axis of `axes`. Default: critical, `2 √K_P`.
     name : str, optional
-        Unique name: how logs, reports, errors and events call it. Default: `<frame>_<type>`, `<contact>_<type>` or `<type>`.
+        Unique name: how logs, reports, errors and events call it. Default: `<frame>_<type>`, `<contact>_<type>` or
+        `<type>`.
     reference : Plugin | dict[str, Any], default {"type": "hold"}
         Where to go: orientation of the base in the world, `[roll, pitch, yaw]` in rad. Default: hold what is
         measured at the start.
@@ -87,7 +88,8 @@ class BasePosition(Plugin):
     ki : float | Sequence[float], default 0.0
         Integral gain `K_I`, 1/s³: one number, or one per world axis. 0, the default, is the paper's law.
     name : str, optional
-        Unique name: how logs, reports, errors and events call it. Default: `<frame>_<type>`, `<contact>_<type>` or `<type>`.
+        Unique name: how logs, reports, errors and events call it. Default: `<frame>_<type>`, `<contact>_<type>` or
+        `<type>`.
     reference : Plugin | dict[str, Any], default {"type": "hold"}
         Where to go: position of the base's origin in the world, m. Default: hold what is measured at the start.
     transition : float, default 0.0
@@ -136,7 +138,8 @@ class CentroidalAngularMomentum(Plugin):
     hardness : str | dict[str, Any], optional
         "hard", "soft" or { exact = λ }.
     name : str, optional
-        Unique name: how logs, reports, errors and events call it. Default: `<frame>_<type>`, `<contact>_<type>` or `<type>`.
+        Unique name: how logs, reports, errors and events call it. Default: `<frame>_<type>`, `<contact>_<type>` or
+        `<type>`.
     reference : Plugin | dict[str, Any], default {"type": "hold"}
         The momentum wanted: three numbers, kg·m²/s, world axes. Default: none, as in the home posture at rest.
     transition : float, default 0.0
@@ -183,7 +186,8 @@ class Com(Plugin):
     kd : float | Sequence[float], optional
         Damping `K_D`, 1/s: one number, or one per axis. Default: critical, `2 √K_P`.
     name : str, optional
-        Unique name: how logs, reports, errors and events call it. Default: `<frame>_<type>`, `<contact>_<type>` or `<type>`.
+        Unique name: how logs, reports, errors and events call it. Default: `<frame>_<type>`, `<contact>_<type>` or
+        `<type>`.
     reference : Plugin | dict[str, Any], default {"type": "hold"}
         Where to go: one position per axis, m, world. Default: hold what is measured at the start.
     transition : float, default 0.0
@@ -206,8 +210,8 @@ class Com(Plugin):
     ) -> None: ...
 
 class ConstantForce(Plugin):
-    """Asks a contact for a constant wrench: no trajectory, no feedback, no integrator. For what carries the robot, as the
-    feet of a legged one, or as a regularisation of contact forces.
+    """Asks a contact for a constant wrench: no trajectory, no feedback, no integrator. For what carries the robot, as
+    the feet of a legged one, or as a regularisation of contact forces.
 
     One row per constrained component of the contact, C axes, N or N·m:
 
@@ -235,7 +239,8 @@ class ConstantForce(Plugin):
         Moment about the contact point, along the surface's x, y and normal, N·m; zero where the contact leaves that
         rotation free.
     name : str, optional
-        Unique name: how logs, reports, errors and events call it. Default: `<frame>_<type>`, `<contact>_<type>` or `<type>`.
+        Unique name: how logs, reports, errors and events call it. Default: `<frame>_<type>`, `<contact>_<type>` or
+        `<type>`.
     tangential : Sequence[float], default [0.0, 0.0]
         Tangential force along the surface's x and y, N; zero where the contact leaves that direction free.
     transition : float, default 0.0
@@ -301,7 +306,8 @@ class ContactForce(Plugin):
         Proportional gain `K_P`, N/N, below 1: in a stiff contact the measured force follows `f*` within a period, and
         the loop would oscillate at 1.
     name : str, optional
-        Unique name: how logs, reports, errors and events call it. Default: `<frame>_<type>`, `<contact>_<type>` or `<type>`.
+        Unique name: how logs, reports, errors and events call it. Default: `<frame>_<type>`, `<contact>_<type>` or
+        `<type>`.
     tangential : Literal['zero', 'measured'], default "zero"
         What is asked of the tangential forces, where the contact constrains them.
     transition : float, default 0.0
@@ -356,7 +362,8 @@ class FrameOrientation(Plugin):
     kd : float | Sequence[float], optional
         Damping `K_D`, 1/s: one number, or one per axis of `axes`. Default: critical, `2 √K_P`.
     name : str, optional
-        Unique name: how logs, reports, errors and events call it. Default: `<frame>_<type>`, `<contact>_<type>` or `<type>`.
+        Unique name: how logs, reports, errors and events call it. Default: `<frame>_<type>`, `<contact>_<type>` or
+        `<type>`.
     reference : Plugin | dict[str, Any], default {"type": "hold"}
         Where to go: orientation of the frame in the world, `[roll, pitch, yaw]` in rad. Default: hold what is
         measured at the start.
@@ -382,8 +389,7 @@ class FrameOrientation(Plugin):
     ) -> None: ...
 
 class FramePose(Plugin):
-    """Moves and turns a frame of the robot: `FramePosition` and
-    `FrameOrientation` in one entry.
+    """Moves and turns a frame of the robot: `FramePosition` and `FrameOrientation` in one entry.
 
     Six rows in world axes, m/s² and rad/s²:
 
@@ -409,7 +415,8 @@ class FramePose(Plugin):
     kd : float | Sequence[float], optional
         Damping `K_D`, 1/s: one number, or six. Default: critical, `2 √K_P`.
     name : str, optional
-        Unique name: how logs, reports, errors and events call it. Default: `<frame>_<type>`, `<contact>_<type>` or `<type>`.
+        Unique name: how logs, reports, errors and events call it. Default: `<frame>_<type>`, `<contact>_<type>` or
+        `<type>`.
     orientation : Plugin | dict[str, Any], default {"type": "hold"}
         How to turn: orientation of the frame in the world, `[roll, pitch, yaw]` in rad. Default: hold what is
         measured at the start.
@@ -463,7 +470,8 @@ class FramePosition(Plugin):
     kd : float | Sequence[float], optional
         Damping `K_D`, 1/s: one number, or one per axis. Default: critical, `2 √K_P`.
     name : str, optional
-        Unique name: how logs, reports, errors and events call it. Default: `<frame>_<type>`, `<contact>_<type>` or `<type>`.
+        Unique name: how logs, reports, errors and events call it. Default: `<frame>_<type>`, `<contact>_<type>` or
+        `<type>`.
     reference : Plugin | dict[str, Any], default {"type": "hold"}
         Where to go: one position per axis, m, world. Default: hold what is measured at the start.
     transition : float, default 0.0
@@ -531,7 +539,8 @@ class FreeMotion(Plugin):
     ki : float | Sequence[float], default 0.0
         Integral gain `K_I`, 1/s³: one number, or one per axis. 0, the default, is the paper's law.
     name : str, optional
-        Unique name: how logs, reports, errors and events call it. Default: `<frame>_<type>`, `<contact>_<type>` or `<type>`.
+        Unique name: how logs, reports, errors and events call it. Default: `<frame>_<type>`, `<contact>_<type>` or
+        `<type>`.
     origin : Literal['surface', 'touch'], default "surface"
         Where the reference counts from.
     reference : Plugin | dict[str, Any], default {"type": "hold"}
@@ -583,7 +592,8 @@ class JointTorqueRegularisation(Plugin):
         Which joints, by name; rows and reference are in this order. Default: all that have a motor, in the order of
         the actuators.
     name : str, optional
-        Unique name: how logs, reports, errors and events call it. Default: `<frame>_<type>`, `<contact>_<type>` or `<type>`.
+        Unique name: how logs, reports, errors and events call it. Default: `<frame>_<type>`, `<contact>_<type>` or
+        `<type>`.
     reference : Plugin | dict[str, Any], default {"type": "hold"}
         The torques wanted: one per joint, N·m or N. Default: zero.
     transition : float, default 0.0
@@ -625,7 +635,8 @@ class Posture(Plugin):
     kd : float | Sequence[float], optional
         Damping `K_D`, 1/s: one number, or one per joint. Default: critical, `2 √K_P`.
     name : str, optional
-        Unique name: how logs, reports, errors and events call it. Default: `<frame>_<type>`, `<contact>_<type>` or `<type>`.
+        Unique name: how logs, reports, errors and events call it. Default: `<frame>_<type>`, `<contact>_<type>` or
+        `<type>`.
     reference : Plugin | dict[str, Any], default {"type": "hold"}
         Where to go: one position per joint, rad or m. Default: hold what is measured at the start.
     transition : float, default 0.0
@@ -670,7 +681,8 @@ class PropellerRegularisation(Plugin):
     hardness : str | dict[str, Any], optional
         "hard", "soft" or { exact = λ }.
     name : str, optional
-        Unique name: how logs, reports, errors and events call it. Default: `<frame>_<type>`, `<contact>_<type>` or `<type>`.
+        Unique name: how logs, reports, errors and events call it. Default: `<frame>_<type>`, `<contact>_<type>` or
+        `<type>`.
     transition : float, default 0.0
         Duration of the ramp when it is switched or gets another weight, s.
     weight : float | Sequence[float], optional
@@ -720,7 +732,8 @@ class RelativePose(Plugin):
     kd : float | Sequence[float], optional
         Damping `K_D`, 1/s: one number, or six. Default: critical, `2 √K_P`.
     name : str, optional
-        Unique name: how logs, reports, errors and events call it. Default: `<frame>_<type>`, `<contact>_<type>` or `<type>`.
+        Unique name: how logs, reports, errors and events call it. Default: `<frame>_<type>`, `<contact>_<type>` or
+        `<type>`.
     orientation : Plugin | dict[str, Any], default {"type": "hold"}
         How to turn: orientation of B in A, `[roll, pitch, yaw]` in rad. Default: hold what is measured at the start.
     position : Plugin | dict[str, Any], default {"type": "hold"}
@@ -767,7 +780,8 @@ class ThrustRegularisation(Plugin):
     hardness : str | dict[str, Any], optional
         "hard", "soft" or { exact = λ }.
     name : str, optional
-        Unique name: how logs, reports, errors and events call it. Default: `<frame>_<type>`, `<contact>_<type>` or `<type>`.
+        Unique name: how logs, reports, errors and events call it. Default: `<frame>_<type>`, `<contact>_<type>` or
+        `<type>`.
     reference : Plugin | dict[str, Any], default {"type": "hold"}
         The thrusts wanted: one per rotor, N. Default: zero.
     rotors : Sequence[str], optional
@@ -789,4 +803,20 @@ class ThrustRegularisation(Plugin):
         weight: float | Sequence[float] | None = ...,
     ) -> None: ...
 
-__all__ = ["BaseOrientation", "BasePosition", "CentroidalAngularMomentum", "Com", "ConstantForce", "ContactForce", "FrameOrientation", "FramePose", "FramePosition", "FreeMotion", "JointTorqueRegularisation", "Posture", "PropellerRegularisation", "RelativePose", "ThrustRegularisation"]
+__all__ = [
+    "BaseOrientation",
+    "BasePosition",
+    "CentroidalAngularMomentum",
+    "Com",
+    "ConstantForce",
+    "ContactForce",
+    "FrameOrientation",
+    "FramePose",
+    "FramePosition",
+    "FreeMotion",
+    "JointTorqueRegularisation",
+    "Posture",
+    "PropellerRegularisation",
+    "RelativePose",
+    "ThrustRegularisation",
+]

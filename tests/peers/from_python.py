@@ -104,7 +104,9 @@ def arm(robot, work, kinematics):
         "posture": {"kp": 20.0, "kd": 9.0, "weight": 0.01}, "acceleration": about.get("acceleration", 40.0),
         "effort": {j: e for j, (e, _) in of_urdf.items()} | ({} if kinematics else about["effort"]),
         "velocity": {j: v for j, (_, v) in of_urdf.items()} | (about["velocity"] if kinematics else {}),
-        "path": {"start": tool.translation.tolist(), "axes": [1, 2], "phase": -np.pi / 2, "duration": 6.0, **about["path"]},
+        "path": {
+            "start": tool.translation.tolist(), "axes": [1, 2], "phase": -np.pi / 2, "duration": 6.0, **about["path"],
+        },
     }
 
 
@@ -195,8 +197,9 @@ def judge_stand(model, job, answer, problem):
     zero, ticks = np.zeros(3), []
     for k in range(job.steps):
         ticks.append(SimpleNamespace(
-            position=position[k], quaternion=quaternion[k], rotation=rotation_of(quaternion[k]), q=q[k], linear=linear[k],
-            angular=angular[k], qd=qd[k], com=tuple(w[k] for w in wanted), base=(np.eye(3), zero, zero), on=[True] * len(contacts),
+            position=position[k], quaternion=quaternion[k], rotation=rotation_of(quaternion[k]), q=q[k],
+            linear=linear[k], angular=angular[k], qd=qd[k], com=tuple(w[k] for w in wanted),
+            base=(np.eye(3), zero, zero), on=[True] * len(contacts),
             swing=[None] * len(contacts)))
     posture = np.array([job.home.get(joint, 0.0) for joint in job.joints])
     states = SimpleNamespace(joints=job.joints, contacts=contacts, posture=posture, ticks=ticks)

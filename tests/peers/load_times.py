@@ -4,8 +4,8 @@ Seconds are those on the clock or those of the processors, whichever are fewer: 
 clock run longer, and cases that are checked side by side are together longer on the processors.
 
 Memory is the largest resident size less that of the same program on the smallest file that loads. It may be
-TIMES the file's size and IN_ANY_CASE, and what the program says that the bound problem needs before it makes it: once for
-every processor, if a scenario's cases are checked side by side.
+TIMES the file's size and IN_ANY_CASE, and what the program says that the bound problem needs before it makes it: once
+for every processor, if a scenario's cases are checked side by side.
 """
 
 import argparse

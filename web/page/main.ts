@@ -473,8 +473,9 @@ async function begun(next: About, where: Fields): Promise<void> {
   replay = new Replay(source, next, where);
   source = null;
   document.body.dataset.replay = logName;
+  const frames = replay.times.length;
   $("about").textContent =
-    `Log ${logName}: ${next.scenario}, case ${next.case}, ${replay.times.length} frames. Choose a scenario to leave it.`;
+    `Log ${logName}: ${next.scenario}, case ${next.case}, ${frames} frames. Choose a scenario to leave it.`;
   offerLog(logName);
   const cases = $<HTMLSelectElement>("case");
   cases.replaceChildren(new Option(next.case.replace(/_/g, " "), next.case));
