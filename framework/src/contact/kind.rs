@@ -14,16 +14,6 @@ impl ContactId {
     }
 }
 
-/// Label and unit of each component of a contact's force and moment, in C axes.
-pub const COMPONENTS: [(&str, &str); 6] = [
-    ("x", "N"),
-    ("y", "N"),
-    ("normal", "N"),
-    ("moment x", "N·m"),
-    ("moment y", "N·m"),
-    ("moment z", "N·m"),
-];
-
 /// Which motions the surface forbids: the four kinds of the paper, section II-A.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]

@@ -9,6 +9,7 @@
 #![allow(non_snake_case)]
 
 mod bind;
+mod components;
 mod detector;
 mod kind;
 mod short;
@@ -16,8 +17,9 @@ mod spec;
 mod state;
 mod update;
 
+pub use components::COMPONENTS;
 pub use detector::Detector;
-pub use kind::{COMPONENTS, ContactId, ContactKind};
+pub use kind::{ContactId, ContactKind};
 pub(crate) use short::Motion;
 pub use short::ShortContact;
 pub use spec::{ContactSpec, FreeForce, Surface};
