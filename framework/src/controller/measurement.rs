@@ -59,9 +59,6 @@ impl Measurement {
         if !self.state.fits(&robot.model) {
             return Some(Fault::WrongSize(Quantity::State));
         }
-        if self.wrenches.len() != contacts {
-            return Some(Fault::WrongSize(Quantity::Wrenches));
-        }
         let state = &self.state;
         let numbers = [
             (Quantity::BasePosition, state.p_WR.as_slice()),
@@ -76,6 +73,9 @@ impl Measurement {
         // Estimators deliver unit quaternions up to rounding; anything else is no orientation.
         if !(0.9..=1.1).contains(&state.R_WR.coords.norm()) {
             return Some(Fault::NotARotation);
+        }
+        if self.wrenches.len() != contacts {
+            return Some(Fault::WrongSize(Quantity::Wrenches));
         }
         let bad = |w: &Vector6<f64>| !w.iter().all(|x| x.is_finite());
         self.wrenches

@@ -112,10 +112,12 @@ impl Fault {
         }
     }
 
-    /// Whether it is about a measured wrench: the state is usable.
+    /// Whether it is about measured wrenches: the state is usable.
     pub(crate) fn is_of_a_wrench(self) -> bool {
         match self {
-            Self::NotFinite(quantity) => matches!(quantity, Quantity::Wrench(_)),
+            Self::NotFinite(quantity) | Self::WrongSize(quantity) => {
+                matches!(quantity, Quantity::Wrench(_) | Quantity::Wrenches)
+            }
             Self::Implausible { quantity, .. } => {
                 matches!(quantity, Quantity::Force(_) | Quantity::Moment(_))
             }

@@ -72,11 +72,45 @@ fn wrong_sizes_are_reported_too() {
     let (_, report) = controller.tick(&measurement);
     let message = report.fault.expect("a fault").to_string();
     assert_eq!(message, "measurement of the wrong size: list of wrenches");
+    // The state was taken over, and its stamp counts.
     let mut measurement = scene.measurement();
+    measurement.time = 0.004;
     measurement.state.q = nalgebra::DVector::zeros(1);
     let (_, report) = controller.tick(&measurement);
     let message = report.fault.expect("a fault").to_string();
     assert_eq!(message, "measurement of the wrong size: state");
+}
+
+#[test]
+fn a_list_of_wrenches_that_is_too_short_costs_no_more_than_a_wrench_that_is_none() {
+    let scene = Scene::new(Kind::Othex, 5, u32::MAX, 1);
+    let commands = |spoil: &dyn Fn(&mut Measurement)| {
+        let mut controller = scene.controller();
+        let mut measurement = scene.measurement();
+        controller.tick(&measurement);
+        let good = measurement.wrenches.clone();
+        let mut commands = Vec::new();
+        for k in 0..40 {
+            measurement.time += 0.004;
+            measurement.state.q[1] += 1e-4;
+            measurement.wrenches.clone_from(&good);
+            if k < 20 {
+                spoil(&mut measurement);
+            }
+            let (command, report) = controller.tick(&measurement);
+            let expected = match k {
+                0..5 => FallbackLevel::Extrapolated,
+                5..20 => FallbackLevel::Safe,
+                _ => FallbackLevel::Optimal,
+            };
+            assert_eq!(report.level, expected, "tick {k}");
+            commands.push(command.effort.clone());
+        }
+        commands
+    };
+    let none = commands(&|measurement| measurement.wrenches[0][2] = f64::NAN);
+    assert_ne!(none[5], none[19], "the law sees the state");
+    assert_eq!(commands(&|measurement| measurement.wrenches.clear()), none);
 }
 
 #[test]
