@@ -27,6 +27,8 @@ const OFTEN: f64 = 0.5;
 /// Blows and switches last no longer than this share of a run: a plant that was beyond its tolerance for longer is not
 /// as near to the truth as was asked for.
 const COARSE: f64 = 0.01;
+/// A contact that a detector switches, and that touches, is expected to be on for more than this share of a run.
+const SELDOM: f64 = 0.02;
 
 /// A sentence for everything.
 ///
@@ -58,6 +60,11 @@ pub(super) fn of(
         " in a tick with a solution"
     };
     words.extend(untouched.filter_map(|contact| never_touched(contact, controller, case, in_what)));
+    words.extend(
+        contacts
+            .iter()
+            .filter_map(|contact| seldom_on(contact, case)),
+    );
     let leans = match controller.robot().model.base() {
         Base::Floating => lean(log)?,
         Base::Fixed => None,
@@ -103,7 +110,10 @@ fn never_touched(
         .contact_spec(controller.contact(name).ok()?)
         .frame;
     let plant = case.plant();
-    let why = if !plant.contact_points.iter().any(|p| &p.frame == frame) {
+    let pressed = contact.least_real.is_some_and(|force| force < 0.0);
+    let why = if pressed {
+        format!("`{frame}` pressed from behind: `surface.normal` points into the wall")
+    } else if !plant.contact_points.iter().any(|p| &p.frame == frame) {
         format!("the plant has no [[plant.contact_point]] with frame = \"{frame}\"")
     } else if plant.walls.is_empty() {
         "the plant has no [[plant.wall]]".to_owned()
@@ -118,6 +128,24 @@ fn never_touched(
     Some(format!(
         "contact `{name}` {promise} and never touched anything{in_what}: {why}"
     ))
+}
+
+/// Of a contact that touched, and that its detector hardly ever switched on.
+fn seldom_on(contact: &ContactSummary, case: &Case) -> Option<String> {
+    let mut detectors = case.detectors().iter();
+    let detector = detectors.find(|detector| detector.contact == contact.name)?;
+    let peak = contact.peak_real.filter(|force| *force > 0.0)?;
+    (contact.on < SELDOM).then(|| {
+        format!(
+            "contact `{}` touched, with up to {} N, and was on for {} of the run: its [[detector]] waits for {} N for \
+             {} s; is what brings it there stiff enough to push?",
+            contact.name,
+            number(peak),
+            per_cent(Some(contact.on)),
+            number(detector.on),
+            number(detector.dwell)
+        )
+    })
 }
 
 /// The diagonal of the box around all frames at home, m.

@@ -143,6 +143,8 @@ pub struct ContactSummary {
     pub peak_planned: Option<f64>,
     /// Largest real normal force, N.
     pub peak_real: Option<f64>,
+    /// The least, N: below zero if something pressed from behind the contact's surface.
+    pub least_real: Option<f64>,
 }
 
 /// Quantiles, µs.
@@ -366,6 +368,7 @@ fn contacts(log: &Log, controller: &Controller) -> Result<Vec<ContactSummary>> {
                 on: on.mean().unwrap_or(0.0),
                 peak_planned: planned.max(),
                 peak_real: real.max(),
+                least_real: real.min(),
             });
         }
     }

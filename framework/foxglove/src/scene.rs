@@ -188,13 +188,15 @@ impl Scene {
             entity.arrows.extend(arrow(from, &along, paint));
         };
         force(&at, &contact.measured.fixed_rows::<3>(0).into(), MEASURED);
-        if contact.on {
+        // A force is planned for as long as the contact comes or goes.
+        let is_planned = contact.alpha > 0.0;
+        if is_planned {
             force(&at, &contact.solution.fixed_rows::<3>(0).into(), PLANNED);
         }
         if let Some(truth) = truth {
             force(&(p_WS + R_WC * truth.position), &truth.force, TRUE);
         }
-        if contact.on {
+        if is_planned {
             let middle = Vector3::new(0.0, 0.0, 0.5 * CONE_HEIGHT);
             let width = 2.0 * friction.min(5.0) * CONE_HEIGHT;
             entity.cylinders.push(CylinderPrimitive {

@@ -57,7 +57,9 @@ pub(super) fn read<P: PluginKind + ?Sized>(
                     Some(Hardness::Exact(_)) => {
                         "key `weight` is missing, the price w of `w s² + λ s`: `weight = 1.0`, for example"
                     }
-                    _ => "key `weight` is missing",
+                    _ => {
+                        "key `weight` is missing, what a row's square costs: `weight = 1.0`, for example"
+                    }
                 };
                 report.add(Kind::MissingKey, Some(header), &at, message);
             }

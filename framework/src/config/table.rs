@@ -17,7 +17,7 @@ use crate::{
     plugin::{AnyConstraint, AnyFallbackLaw, AnyReference, AnyTask},
     qp::Solver,
     registry::{self, PluginKind, schema::Node},
-    suggestion::{hint, list, suggestion},
+    suggestion::{did_you_mean, hint, list, suggestion},
 };
 use wbqp_robot_model::Robot;
 
@@ -262,11 +262,14 @@ impl Inspection<'_, '_> {
                 .filter(|key| !keys.known.contains(&&**key.get_ref()))
                 .cloned()
                 .collect();
+            // A missing key that is there with a slip in it is told once.
+            let mut meant = Vec::new();
             for key in unknown {
                 let name: &str = key.get_ref();
                 let mut known = keys.known.clone();
                 known.extend_from_slice(other_keys);
                 known.sort_unstable();
+                meant.extend(did_you_mean(name, &known));
                 let hint = match inner_table(node, name) {
                     Some(table) => format!("; it belongs into `{table}`: `{table}.{name} = …`"),
                     None => suggestion(name, &known),
@@ -278,12 +281,14 @@ impl Inspection<'_, '_> {
             }
             for key in keys.required {
                 if !table.contains_key(key) {
-                    self.report.add(
-                        Kind::MissingKey,
-                        Some(span.clone()),
-                        &at,
-                        format!("key `{key}` is missing"),
-                    );
+                    if !meant.contains(&key) {
+                        self.report.add(
+                            Kind::MissingKey,
+                            Some(span.clone()),
+                            &at,
+                            format!("key `{key}` is missing"),
+                        );
+                    }
                     self.damaged.push(path.clone());
                 }
             }

@@ -60,6 +60,13 @@ impl Detector {
             let problem = format!("is {} N, must be above off = {} N", self.on, self.off);
             return Err(BindError::value("on", problem));
         }
+        if self.off < 0.0 {
+            let problem = format!(
+                "is {} N, must not be negative: in the air a sensor says zero, and noise",
+                self.off
+            );
+            return Err(BindError::value("off", problem));
+        }
         if !(self.dwell.is_finite() && self.dwell >= 0.0) {
             let problem = format!("is {} s, must be finite and not negative", self.dwell);
             return Err(BindError::value("dwell", problem));

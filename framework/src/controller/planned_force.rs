@@ -19,13 +19,13 @@ pub(super) fn planned_forces<'a>(
             continue;
         }
         for reference in &mut plugin.references {
-            let Some(contact) = reference.pushes else {
+            let Some(pushes) = reference.pushes else {
                 continue;
             };
             if let Sample::Vector(sample) = reference.look(tick)
                 && let Some(&normal) = sample.value.first()
             {
-                planned.push((bound.name.as_str(), contact, normal));
+                planned.push((bound.name.as_str(), pushes.contact, normal));
             }
         }
     }

@@ -291,7 +291,7 @@ impl Controller {
     /// as those of a file are. What [`Controller::change`] says holds here as well. Allocates.
     ///
     /// ```text
-    /// controller.set("arm", toml::toml! { kp = 40.0 })?;
+    /// controller.set("arm", wbqp::toml::toml! { kp = 40.0 })?;
     /// ```
     ///
     /// # Errors

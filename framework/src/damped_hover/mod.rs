@@ -19,8 +19,8 @@
 //! part of τ. **Servoed joints** get a velocity reference of zero.
 //!
 //! A floating base **without rotors** stands on its contacts: the same allocation distributes the base's part of τ
-//! over the forces of the contacts that are on, normals not below zero and tangential forces dear, and joints get
-//! `τ − Σ J_cᵀ f`. There the joints are held with the inertia that they feel through the contact, a share of the
+//! over the forces of the contacts that are on or going, normals not below zero and tangential forces dear, and joints
+//! get `τ − Σ J_cᵀ f`. There the joints are held with the inertia that they feel through the contact, a share of the
 //! robot's; damping by as much as a joint whose contact lets go can bear at this rate. With no contact on nothing holds
 //! the base, which falls with `v̇_R` such that no wrench is needed on it: `M_RR v̇_R = −g_R − M_RJ q̈`. What holds the
 //! joints then is not their weight.
@@ -53,8 +53,8 @@ use wbqp_dynamics::{
 ///
 /// `v̇_R = −k_v v_R`, `ω̇_R = k_R (up × z_d) − k_ω ω_R`, `q̈ = −k_q² (q − q_0) − 2 k_q q̇`, `τ = M v̇ + g`
 ///
-/// A base with rotors hovers; one without stands on the contacts that are on; joints are held where they were when the
-/// law took over. Feedback on an old state fades away.
+/// A base with rotors hovers; one without stands on the contacts that are on or going; joints are held where they were
+/// when the law took over. Feedback on an old state fades away.
 #[wbqp::fallback_law("damped_hover")]
 pub struct DampedHover {
     /// Damping `k_v` of the base's velocity, 1/s.

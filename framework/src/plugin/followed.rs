@@ -18,8 +18,8 @@ pub(crate) struct Followed {
     pub(crate) sample: Sample,
     /// What is measured; where it starts at zero, nothing.
     pub(super) measured: Option<Measured>,
-    /// The contact whose normal force, N, it prescribes.
-    pub(crate) pushes: Option<ContactId>,
+    /// What it prescribes, if that is a contact's normal force, N.
+    pub(crate) pushes: Option<Pushes>,
     /// Room for what is measured.
     pub(super) here: Sample,
 }
@@ -28,6 +28,14 @@ impl Debug for Followed {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_tuple("Followed").field(&self.reference).finish()
     }
+}
+
+/// A normal force that a reference prescribes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pushes {
+    pub(crate) contact: ContactId,
+    /// `force_max` of the contact, N.
+    pub(crate) most: f64,
 }
 
 type MeasuredVector = dyn Fn(&Tick<'_>, &mut [f64]) + Send;
@@ -86,7 +94,7 @@ impl Followed {
         reference: &dyn AnyReference,
         space: Space,
         measured: Option<Measured>,
-        pushes: Option<ContactId>,
+        pushes: Option<Pushes>,
     ) -> Result<Self, BindError> {
         let bound = bind(reference, space, pushes);
         let mut followed = Self {
@@ -134,22 +142,27 @@ impl Followed {
     }
 }
 
-/// Binds a reference. One that prescribes a normal force must not say that a surface pulls.
+/// Binds a reference. One that prescribes a normal force must not ask for what no contact gives.
 fn bind(
     reference: &dyn AnyReference,
     space: Space,
-    pushes: Option<ContactId>,
+    pushes: Option<Pushes>,
 ) -> Result<BoundReference, BindError> {
     let bound = reference.bind_any(space)?;
-    if pushes.is_some() {
-        for (key, value) in reference.named_values() {
-            if let Some(force) = value.first().filter(|force| **force < 0.0) {
-                let problem = format!(
-                    "is {force} N: a surface pushes and never pulls, a normal force is 0 or more"
-                );
-                return Err(BindError::value(&key, problem));
+    let Some(Pushes { most, .. }) = pushes else {
+        return Ok(bound);
+    };
+    for (key, value) in reference.named_values() {
+        let problem = match value.first() {
+            Some(force) if *force < 0.0 => format!(
+                "is {force} N: a surface pushes and never pulls, a normal force is 0 or more"
+            ),
+            Some(force) if *force > most => {
+                format!("is {force} N, more than the contact's `force_max` of {most} N")
             }
-        }
+            _ => continue,
+        };
+        return Err(BindError::value(&key, problem));
     }
     Ok(bound)
 }

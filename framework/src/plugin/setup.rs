@@ -7,7 +7,7 @@ use crate::{
     error::BindError,
     plugin::{
         AnyReference, Space, Tick,
-        followed::{Followed, Measured},
+        followed::{Followed, Measured, Pushes},
     },
 };
 use wbqp_dynamics::{
@@ -242,8 +242,10 @@ impl<'a> Setup<'a> {
         reference: &dyn AnyReference,
         contact: ContactId,
     ) -> Result<VectorReference, BindError> {
-        let space = Space::Vector(1);
-        Ok(self.follow(Followed::new(key, reference, space, None, Some(contact))?))
+        let most = self.contact_spec(contact).force_max;
+        let pushes = Some(Pushes { contact, most });
+        let followed = Followed::new(key, reference, Space::Vector(1), None, pushes)?;
+        Ok(self.follow(followed))
     }
 
     fn follow(&mut self, followed: Followed) -> VectorReference {

@@ -5,7 +5,7 @@
 //! other velocities that carry it.
 //!
 //! # Mathematics
-//! A contact whose motion is a hard row, `J_C v̇ = b`
+//! A contact whose motion is a hard row, (10e) `J_C v̇ = b`
 //! ([`VdotBlock::Contact`](crate::plugin::layout::VdotBlock::Contact)), determines as many accelerations as it has
 //! rows. Those of the joints D, which carry this contact and no other, are substituted from it:
 //! ```text

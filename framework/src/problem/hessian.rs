@@ -1,4 +1,4 @@
-//! The cost, summed up over the natural variables and then taken to those of the problem.
+//! The cost, (10a), summed up over the natural variables and then taken to those of the problem.
 //!
 //! # Mathematics
 //! Over the natural variables `y = (z, x)`, `z = v̇_P`, a cost row is sparse: a posture touches a diagonal entry, a

@@ -3,7 +3,7 @@
 //! # Mathematics
 //! The problem of a tick (numbers of the paper in brackets):
 //! ```text
-//! dynamics     M v̇ + h = S u + Σ J_cᵀ f_c + Σ J_fᵀ f_f                              (5a), (8)
+//! dynamics     M v̇ + h = S u + Σ J_cᵀ f_c + Σ J_fᵀ f_f                              (5a)
 //! minimise     Σ w (A_v v̇ + A_u u + A_f f − b)² + w_ε ‖(u, f)‖² + Σ (w s² + λ s)    (10a)
 //! subject to   lower − s ≤ C_v v̇ + C_u u + C_f f ≤ upper + s,   s ≥ 0               (10c)
 //!              A_v v̇ + A_u u + A_f f = b                                            (10e)
@@ -26,7 +26,7 @@
 //! 2. [`variables`]: which variables there are; the *natural* ones `y = (v̇, kept u, f, slacks)`, those of the
 //!    problem `x`, the same without the accelerations that are substituted.
 //! 3. [`reduced_dynamics`]: with the forcing `F = [S J_cᵀ]` and the known forces `k = Σ J_fᵀ f_f − h` the dynamics
-//!    read `M v̇ = F (u, f) + k`; from them `v̇_P = B x + c` and `τ = T y + t` for what is no variable.
+//!    read `M v̇ = F (u, f) + k`; from them `v̇_P = B x + c`, (8), and `τ = T y + t` for what is no variable.
 //! 4. [`rows`]: what each entry wrote, over y.
 //! 5. [`hessian`]: rows that are a cost, `H = 2 Σ w aᵀa` and `g = −2 Σ w b aᵀ`, summed up over y where they are sparse,
 //!    and taken to x once, for all rows together.

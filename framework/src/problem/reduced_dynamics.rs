@@ -1,8 +1,9 @@
 //! What the dynamics of one tick say about accelerations and efforts that are not variables.
 //!
 //! # Mathematics
-//! Row `i` of the dynamics is `M_i v̇ = F_i (u, f) + k_i` with the forcing `F = [S  J_cᵀ]` over the kept efforts and
-//! the live forces, and the known forces `k = Σ J_fᵀ f_f − h`; an eliminated effort is added to its own row. So
+//! Row `i` of the dynamics, (5a), is `M_i v̇ = F_i (u, f) + k_i` with the forcing `F = [S  J_cᵀ]` over the kept efforts
+//! and the live forces, and the known forces `k = Σ J_fᵀ f_f − h`; an eliminated effort is added to its own row. So, as
+//! (8),
 //! ```text
 //! v̇_P = B (v̇_A, u, f) + c      B = M_PP⁻¹ [−M_PA  F_P],   c = M_PP⁻¹ k_P
 //! τ_i = T_i y + t_i            T_i = [M_i  −F_i],          t_i = −k_i

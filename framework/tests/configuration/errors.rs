@@ -212,8 +212,8 @@ fn unknown_key_is_compared_with_both_sets() {
     check_task(
         "type = \"test.hold\"\nwieght = 1\ngian = 2",
         &[
-            "x.toml:7:1: task[0] `arm` (test.hold): key `weight` is missing",
-            "x.toml:7:1: task[0] `arm` (test.hold): key `gain` is missing",
+            "x.toml:7:1: task[0] `arm` (test.hold): key `weight` is missing, what a row's square costs: \
+             `weight = 1.0`, for example",
             "x.toml:10:1: task[0] `arm` (test.hold): unknown key `wieght`; did you mean `weight`? \
              (known: active, frames, gain, hardness, name, nested, transition, type, weight)",
             "x.toml:11:1: task[0] `arm` (test.hold): unknown key `gian`; did you mean `gain`? \
@@ -275,7 +275,10 @@ fn weight_is_needed_unless_hard() {
     );
     check(
         "[[constraint]]\nname = \"a\"\ntype = \"test.limit\"\nupper = 1\nhardness = \"soft\"\n",
-        &["x.toml:7:1: constraint[0] `a` (test.limit): key `weight` is missing"],
+        &[
+            "x.toml:7:1: constraint[0] `a` (test.limit): key `weight` is missing, what a row's square costs: \
+           `weight = 1.0`, for example",
+        ],
     );
 }
 
@@ -480,7 +483,6 @@ type = "nothing"
         messages(source),
         [
             "x.toml:3:8: controller: rate: invalid type: string \"x\", expected a number",
-            "x.toml:4:1: constraint[0] `é` (test.limit): key `upper` is missing",
             "x.toml:5:8: constraint[0] `é` (test.limit): name `é` is taken by the task or constraint at x.toml:12:8",
             "x.toml:7:1: constraint[0] `é` (test.limit): unknown key `uppr`; did you mean `upper`? \
              (known: active, hardness, name, transition, type, upper, weight)",
@@ -611,7 +613,6 @@ fn overridden_reference() {
     assert_eq!(
         messages,
         [
-            "x.toml: override task `arm`.`reference`: key `duration` is missing",
             "x.toml: override task `arm`.`reference`: to: invalid type: string \"x\", expected a list",
             "x.toml: override task `arm`.`reference`: unknown key `duratio`; did you mean `duration`? \
              (known: duration, to, type)",

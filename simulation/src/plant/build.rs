@@ -71,7 +71,7 @@ impl Plant {
         data.update(&model, &state);
         let mobility = match data.mass_matrix().clone().cholesky() {
             Some(factor) => factor.inverse(),
-            None => return Err(PlantError::State("the mass matrix is singular".into())),
+            None => return Err(PlantError::State(singular(robot))),
         };
 
         let mut contacts = Vec::new();
@@ -322,6 +322,15 @@ fn joints(
 }
 
 /// Refuses a wall whose spring or damper is too hard for the step, judged in the initial posture.
+/// What is told of a mass matrix that is not positive definite, with what was found in the robot's files.
+fn singular(robot: &RobotModel) -> String {
+    let found = robot.diagnostics.iter();
+    let found = found.filter(|each| each.found.contains("mass matrix"));
+    let lines = found.map(|each| format!("\n{each}"));
+    let what = "the mass matrix is singular: what moves without mass cannot be simulated";
+    format!("{what}{}", lines.collect::<String>())
+}
+
 fn check_stiffness(
     contact: &Contact,
     config: &PlantConfig,
@@ -342,10 +351,12 @@ fn check_stiffness(
         return Err(PlantError::Stiff {
             step,
             what: format!(
-                "wall `{}` has up to {k} N/m and {c} N·s/m against {:.3e} kg at contact point `{}`",
+                "wall `{}` has up to {k} N/m and {c} N·s/m, and contact point `{}` resists as {:.3} kg would, on joints \
+                 that give way; at most {:.2e} s",
                 config.walls[contact.wall].name,
+                frame.name,
                 1.0 / per_kg,
-                frame.name
+                (1.0 / (k * per_kg).sqrt()).min(1.0 / (c * per_kg))
             ),
         });
     }

@@ -1,5 +1,7 @@
 //! The `[plant]` table: everything about the simulated world that is not the robot.
 
+use std::collections::HashSet;
+
 use nalgebra::Vector3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -348,8 +350,16 @@ impl PlantConfig {
                 problems.add(&format!("wall[{i}].name"), &what);
             }
         }
+        let mut points = HashSet::new();
         for (i, point) in self.contact_points.iter().enumerate() {
             problems.finite(&format!("contact_point[{i}].offset"), &point.offset);
+            if !points.insert((&point.frame, point.offset.map(f64::to_bits))) {
+                let what = format!(
+                    "is the frame `{}` of a point at the same place: it would push twice",
+                    point.frame
+                );
+                problems.add(&format!("contact_point[{i}].frame"), &what);
+            }
         }
         for (i, disturbance) in self.disturbances.iter().enumerate() {
             disturbance.check(&format!("disturbance[{i}]"), &mut problems);

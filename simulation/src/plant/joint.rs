@@ -82,10 +82,11 @@ impl JointPlant {
             return Err(PlantError::Stiff {
                 step,
                 what: format!(
-                    "joint `{}` has damping {} against an inertia of {:.3e}",
+                    "joint `{}` has damping {} against an inertia of {:.3e}; at most {:.2e} s",
                     joint.name,
                     joint.damping,
-                    1.0 / mobility
+                    1.0 / mobility,
+                    1.0 / (joint.damping * mobility)
                 ),
             });
         }

@@ -377,12 +377,17 @@ impl Case {
         groups: &Groups<'_>,
         common: &Common,
     ) -> Result<(), ScenarioError> {
+        let mut detected = HashSet::new();
         for (detector, span) in self.detectors.iter().zip(&self.places[0]) {
             let refuse = |what: String| ScenarioError::Value {
                 place: text.place(span.start),
                 what: format!("detector: {what}"),
             };
             detector.validate().map_err(|e| refuse(e.to_string()))?;
+            if !detected.insert(&detector.contact) {
+                let what = format!("contact `{}` has a detector already", detector.contact);
+                return Err(refuse(what));
+            }
             let mut contacts = common.contacts.iter();
             let Some(contact) = contacts.find(|c| c.name == detector.contact) else {
                 // It says which there are.
