@@ -1,8 +1,12 @@
 //! Figures of any run: where the base went, what tasks missed, what actuators gave, what contacts bore.
 
-use std::path::{Path, PathBuf};
+use std::{
+    fs,
+    io::ErrorKind,
+    path::{Path, PathBuf},
+};
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use wbqp::{Controller, actuator::Actuator, model::Base};
 use wbqp_measures::{Recording, Series, escaped, log::Log};
 use wbqp_replication::plots::{Colour, Figure, Line, Panel};
@@ -42,6 +46,23 @@ pub(super) fn draw(log: &Log, controller: &Controller, stem: &Path) -> Result<Ve
         files.push(file);
     }
     Ok(files)
+}
+
+/// Removes the figures of an older run of the case.
+///
+/// # Errors
+/// A file that is there and cannot be removed.
+pub(super) fn remove_old(stem: &Path) -> Result<()> {
+    for name in ["motion", "tasks", "efforts", "contacts", "robot"] {
+        let file = PathBuf::from(format!("{}.{name}.svg", stem.display()));
+        match fs::remove_file(&file) {
+            Err(error) if error.kind() != ErrorKind::NotFound => {
+                return Err(error).with_context(|| file.display().to_string());
+            }
+            _ => {}
+        }
+    }
+    Ok(())
 }
 
 fn lines<'a>(named: impl IntoIterator<Item = (&'a str, Series)>) -> Vec<Line> {

@@ -55,6 +55,8 @@ pub struct Arguments {
 
 /// Simulated time of a controller without scenario, s.
 const DURATION: f64 = 5.0;
+/// What is told of all cases.
+const SUMMARY: &str = "summary.json";
 /// The most dumps of ticks that a case writes.
 const MOST_DUMPS: usize = 4;
 
@@ -97,7 +99,7 @@ impl Arguments {
         for summary in &summaries {
             say!("\n{}", summary.text().trim_end());
         }
-        let file = directory.join("summary.json");
+        let file = directory.join(SUMMARY);
         let order: Vec<&str> = scenario.cases().collect();
         summary::write(&file, &summaries, &order)?;
         say!("\nlogs, figures and summary.json: {}", directory.display());
@@ -117,6 +119,8 @@ impl Arguments {
     ) -> Result<CaseSummary> {
         let path = directory.join(format!("{case}.mcap"));
         let mut log = McapLog::create(&path)?;
+        summary::forget(&directory.join(SUMMARY), case)?;
+        figures::remove_old(&directory.join(case))?;
         let progress = bars.start(&format!("{}/{case}", scenario.name()));
         let mut update = |fraction| progress.update(fraction);
         let mut dumps = DumpFolder::new(directory.join(case), MOST_DUMPS);

@@ -33,26 +33,41 @@ const PATIENCE: (u32, Duration) = (500, Duration::from_millis(10));
 /// # Errors
 /// A file that cannot be written.
 pub(super) fn write(file: &Path, summaries: &[CaseSummary], order: &[&str]) -> Result<()> {
-    let _lock = lock(file)?;
-    let case = |summary: &Value| {
-        summary
-            .get("case")
-            .and_then(Value::as_str)
-            .map(str::to_owned)
-    };
     let of_own = |name: &str| summaries.iter().any(|summary| summary.case == name);
+    let rank = |name: &str| order.iter().position(|other| *other == name);
+    let new = summaries.iter().map(serde_json::to_value);
+    let new: Vec<Value> = new.collect::<Result<_, _>>()?;
+    edit(file, |all| {
+        all.retain(|old| case(old).is_some_and(|name| !of_own(name)));
+        all.extend(new);
+        all.retain(|summary| case(summary).and_then(rank).is_some());
+        all.sort_by_key(|summary| case(summary).and_then(rank));
+    })
+}
+
+/// Takes a case out that is run anew: if the run does not end, what stands there would be an older one's.
+///
+/// # Errors
+/// A file that cannot be written.
+pub(super) fn forget(file: &Path, name: &str) -> Result<()> {
+    if !file.exists() {
+        return Ok(());
+    }
+    edit(file, |all| all.retain(|old| case(old) != Some(name)))
+}
+
+fn case(summary: &Value) -> Option<&str> {
+    summary.get("case").and_then(Value::as_str)
+}
+
+/// Changes the list of summaries that a file has; what is none is replaced.
+fn edit(file: &Path, change: impl FnOnce(&mut Vec<Value>)) -> Result<()> {
+    let _lock = lock(file)?;
     let mut all: Vec<Value> = match input::read_text(file) {
-        // What is no summary is replaced.
         Ok(text) => serde_json::from_str(&text).unwrap_or_default(),
         Err(_) => Vec::new(),
     };
-    all.retain(|old| case(old).is_some_and(|name| !of_own(&name)));
-    for summary in summaries {
-        all.push(serde_json::to_value(summary)?);
-    }
-    let rank = |name: &str| order.iter().position(|other| *other == name);
-    all.retain(|summary| case(summary).is_some_and(|name| rank(&name).is_some()));
-    all.sort_by_key(|summary| case(summary).and_then(|name| rank(&name)));
+    change(&mut all);
     let text = serde_json::to_string_pretty(&all)?;
     // A reader finds the old or the new file, never half of one.
     let new = file.with_extension("json.new");

@@ -4,6 +4,8 @@ use std::{
     fs,
     io::Read as _,
     process::{Command, Stdio},
+    thread::sleep,
+    time::Duration,
 };
 
 use wbqp_log::RunLock;
@@ -163,6 +165,32 @@ fn shards_share_a_folder_and_its_summary() {
         .map(|case| case["case"].as_str().unwrap())
         .collect();
     assert_eq!(names, ["a", "b", "c"]);
+}
+
+/// What stands beside the log of a run that was killed is of no older run.
+#[test]
+fn a_run_that_is_killed_leaves_no_results_of_the_one_before() {
+    let (folder, file, out) = with_stand("killed");
+    let done = wbqp(&["run", &file, "--duration", "0.2", "--out", &out]);
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    let results = folder.0.join("out/stand");
+    let figure = results.join("default.motion.svg");
+    assert!(figure.exists());
+    let arguments = ["run", &file, "--duration", "100000", "--out", &out];
+    let mut child = Command::new(env!("CARGO_BIN_EXE_wbqp"))
+        .args(arguments)
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    while figure.exists() && child.try_wait().unwrap().is_none() {
+        sleep(Duration::from_millis(2));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert!(!figure.exists());
+    let summary = fs::read_to_string(results.join("summary.json")).unwrap();
+    assert_eq!(summary.trim(), "[]");
 }
 
 #[test]

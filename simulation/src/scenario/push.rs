@@ -211,14 +211,14 @@ impl Case {
         Ok(())
     }
 
-    /// The event that a task's set point at a time comes from; the controller's file if it comes from there.
+    /// The event that a task's set point at a time comes from; the file if it comes from the controller's.
     fn place_of_set_point(&self, text: &Text<'_>, task: &str, time: f64) -> String {
         let events = self.events().iter().zip(&self.places[1]);
         let before =
             events.filter(|(event, _)| event.at <= time && event.follow.contains_key(task));
         let last = before.max_by(|(a, _), (b, _)| a.at.total_cmp(&b.at));
         last.map_or_else(
-            || self.controller_file().display().to_string(),
+            || self.file().to_owned(),
             |(_, span)| text.place(span.start),
         )
     }

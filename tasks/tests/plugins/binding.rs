@@ -261,4 +261,7 @@ fn a_force_that_a_surface_would_have_to_pull_with_is_refused() {
         assert_eq!(refused, expected);
     }
     task(ContactForce::new("sliding", 0.0)).expect("asks for nothing");
+    let refused = task(ContactForce::new("sliding", 1e9)).expect_err("more than the contact bears");
+    let most = "is 1000000000 N, more than the contact's `force_max` of 20 N";
+    assert_eq!(refused, BindError::value("reference.value", most));
 }

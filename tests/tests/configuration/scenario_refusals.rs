@@ -410,6 +410,12 @@ fn plant() {
         "normal = [-1.0, 0.0, 0.0, 5.0]",
         "s.toml:18:10: invalid length 4, expected a list of length 3",
     );
+    refused(
+        "[[plant.contact_point]]\nframe = \"tool\"",
+        "[[plant.contact_point]]\nframe = \"tool\"\n[[plant.contact_point]]\nframe = \"tool\"",
+        "s.toml:23:9: plant.contact_point[1].frame: is the frame `tool` of a point at the same place: it would push \
+         twice",
+    );
     let stiff = "normal = [-1.0, 0.0, 0.0]\nstiffness = 1e9\ntangential_stiffness = 1e4";
     let message =
         scenario(&replaced("normal = [-1.0, 0.0, 0.0]", stiff)).expect_err("is too stiff");
@@ -457,6 +463,16 @@ fn detectors() {
         "\non = 1.0",
         "\ndwell = -1.0",
         "s.toml:36:1: detector: `dwell` is -1 s, must be finite and not negative",
+    );
+    refused(
+        "\non = 1.0",
+        "\noff = -0.6",
+        "s.toml:36:1: detector: `off` is -0.6 N, must not be negative: in the air a sensor says zero, and noise",
+    );
+    refused(
+        "contact = \"tip\"",
+        "contact = \"tip\"\n[[detector]]\ncontact = \"tip\"",
+        "s.toml:38:1: detector: contact `tip` has a detector already",
     );
     refused(
         "frame = \"tool\"\nforce_sd",
@@ -542,8 +558,13 @@ fn events() {
     refused(
         follow,
         "follow.contact_force = { type = \"hold\", value = [-5.0] }\n#",
-        "s.toml:40:1: task `contact_force` asks for -5.0 N at contact `tip`, at 1.00 s: a surface pushes and never \
-         pulls, a normal force is 0 or more",
+        "s.toml:40:1: event at 1 s: `contact_force`: `value` is -5 N: a surface pushes and never pulls, a normal force \
+         is 0 or more",
+    );
+    refused(
+        follow,
+        "follow.contact_force = { type = \"hold\", value = [1e4] }\n#",
+        "s.toml:40:1: event at 1 s: `contact_force`: `value` is 10000 N, more than the contact's `force_max` of 20 N",
     );
     for value in ["[1e-3, 3.0]", "-1.0", "nan"] {
         event(
