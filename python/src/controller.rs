@@ -132,7 +132,9 @@ fn locked<T>(error: &TryLockError<T>) -> PyErr {
 #[cold]
 pub(crate) fn refused(error: RequestError) -> PyErr {
     match error {
-        RequestError::Absent { .. } => PyKeyError::new_err(error.to_string()),
+        RequestError::Absent { .. } | RequestError::IsContact { .. } => {
+            PyKeyError::new_err(error.to_string())
+        }
         RequestError::OtherType { .. } => PyTypeError::new_err(error.to_string()),
         _ => PyValueError::new_err(error.to_string()),
     }

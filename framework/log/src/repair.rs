@@ -58,7 +58,10 @@ pub fn repair(from: &Path, to: &Path) -> Result<Repaired, LogError> {
     if fs::exists(to).unwrap_or(true) {
         return Err(LogError::Create {
             path: to.to_owned(),
-            source: io::Error::new(io::ErrorKind::AlreadyExists, "is there already"),
+            source: io::Error::new(
+                io::ErrorKind::AlreadyExists,
+                "is there already: remove it, or give another name",
+            ),
         });
     }
     let known = Known::of(&bytes);

@@ -21,6 +21,12 @@ pub enum RequestError {
         /// The names there are.
         known: String,
     },
+    /// A task or a constraint was asked for, and that is a contact.
+    #[error("there is no entry `{name}`, but a contact: `activate_contact` and the like switch it")]
+    IsContact {
+        /// The contact.
+        name: String,
+    },
     /// The plug-in is of another type.
     #[error("`{name}` is of type `{is}`, not a `{asked}`")]
     OtherType {

@@ -33,11 +33,14 @@ impl Controller {
     /// The task or constraint of that name: where it is in lists of them, [`Report::tasks`] for one.
     ///
     /// # Errors
-    /// [`RequestError::Absent`].
+    /// [`RequestError::Absent`], or [`RequestError::IsContact`].
     pub fn entry(&self, name: &str) -> Result<EntryId, RequestError> {
         let names = || self.entries.iter().map(|g| g.name.as_str());
         match names().position(|n| n == name) {
             Some(index) => Ok(EntryId(index as u32)),
+            None if self.contact(name).is_ok() => Err(RequestError::IsContact {
+                name: name.to_owned(),
+            }),
             None => Err(RequestError::absent("entry", name, names())),
         }
     }

@@ -125,7 +125,8 @@ impl BoundEntry {
             && (matches!(weight, PerRow::Uniform(_)) || weight.values().len() == rows);
         if !usable {
             return Err(format!(
-                "must be one number, or {rows}, finite and not negative"
+                "is {:?}, must be one number, or {rows}, finite and not negative",
+                weight.values()
             ));
         }
         if self.treatment == Treatment::Slack && weight.values().iter().all(|w| *w == 0.0) {

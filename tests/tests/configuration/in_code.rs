@@ -263,7 +263,7 @@ fn what_does_not_fit_is_refused_by_name() {
     let error = controller.reweight("arm", vec![1.0, 2.0]);
     assert_eq!(
         error.expect_err("three rows").to_string(),
-        "`arm`: `weight` must be one number, or 3, finite and not negative"
+        "`arm`: `weight` is [1.0, 2.0], must be one number, or 3, finite and not negative"
     );
     let error = controller.follow("arm", MinJerk::new([1.0], 1.0));
     let error = error.expect_err("three joints");
@@ -272,6 +272,12 @@ fn what_does_not_fit_is_refused_by_name() {
     assert_eq!(
         error.expect_err("no trajectory").to_string(),
         "task `thrusts` follows no reference"
+    );
+
+    let contact = controller.deactivate("tip");
+    assert_eq!(
+        contact.expect_err("no entry").to_string(),
+        "there is no entry `tip`, but a contact: `activate_contact` and the like switch it"
     );
 
     // As in a file.

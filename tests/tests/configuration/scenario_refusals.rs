@@ -566,11 +566,17 @@ fn events() {
         "follow.contact_force = { type = \"hold\", value = [1e4] }\n#",
         "s.toml:40:1: event at 1 s: `contact_force`: `value` is 10000 N, more than the contact's `force_max` of 20 N",
     );
-    for value in ["[1e-3, 3.0]", "-1.0", "nan"] {
+    for (value, given) in [
+        ("[1e-3, 3.0]", "[0.001, 3.0]"),
+        ("-1.0", "[-1.0]"),
+        ("nan", "[NaN]"),
+    ] {
         event(
             weight,
             &format!("weight.contact_force = {value}"),
-            "`contact_force`: `weight` must be one number, or 3, finite and not negative",
+            &format!(
+                "`contact_force`: `weight` is {given}, must be one number, or 3, finite and not negative"
+            ),
         );
     }
     event(
