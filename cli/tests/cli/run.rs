@@ -176,6 +176,33 @@ fn a_robot_that_lies_on_the_ground_is_told() {
     }
 }
 
+/// A detector that waits for more than there is, and a surface that is turned round.
+#[test]
+fn a_contact_that_hardly_ever_is_on_is_told() {
+    let out = Temporary::new("seldom");
+    let folder = out.0.display().to_string();
+    for (change, words) in [
+        (
+            "change.detector=[{contact=\"tip\",on=100.0}]",
+            "and was on for 0 % of the run: its [[detector]] waits for 100 N",
+        ),
+        (
+            "contact.tip.surface={normal=[1.0,0.0,0.0],x_axis=[0.0,0.0,1.0]}",
+            "`tool` pressed from behind: `surface.normal` points into the wall",
+        ),
+    ] {
+        let scenario = "examples/scenarios/push_with_disturbance.toml";
+        let arguments = ["run", scenario, "--case", "no_ft", "--out", &folder];
+        let done = wbqp(&[&arguments[..], &["--set", change]].concat());
+        assert!(
+            done.stdout.contains(words),
+            "{}{}",
+            done.stdout,
+            done.stderr
+        );
+    }
+}
+
 #[test]
 fn a_contact_that_never_touches_is_told() {
     let out = Temporary::new("untouched");
