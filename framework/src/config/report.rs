@@ -290,6 +290,7 @@ impl<'a> Report<'a> {
     fn error(&self, problem: Problem) -> ConfigError {
         let At { subject, path } = problem.at;
         let mut path = path.as_slice();
+        let mut remedy = "";
         let (place, subject) = match &problem.span {
             None => (SourceLocation::file(self.file), subject),
             Some(span) => match self.applied(span) {
@@ -301,14 +302,17 @@ impl<'a> Report<'a> {
                     {
                         path = rest;
                     }
+                    if problem.kind == ConfigErrorKind::MissingKey {
+                        remedy = "; an override replaces a table as a whole";
+                    }
                     (SourceLocation::file(self.file), applied.subject.clone())
                 }
             },
         };
         let message = if path.is_empty() {
-            problem.message
+            format!("{}{remedy}", problem.message)
         } else {
-            format!("{}: {}", Path(path), problem.message)
+            format!("{}: {}{remedy}", Path(path), problem.message)
         };
         ConfigError {
             kind: problem.kind,

@@ -620,6 +620,24 @@ fn overridden_reference() {
     );
 }
 
+/// What else the file's table has is gone with it.
+#[test]
+fn part_of_an_overridden_table_is_not_enough() {
+    let follow = "[[task]]\nname = \"arm\"\ntype = \"test.follow\"\nweight = 1\n\
+                  reference = { type = \"test.ramp\", to = [1], duration = 1 }\n";
+    let value: toml::Table = toml::from_str("type = 'test.ramp'\nto = [2]").expect("is a table");
+    let overrides = Overrides::new().with("task.arm.reference", value);
+    let errors = with_overrides(&format!("{HEAD}{follow}"), &overrides).expect_err("refused");
+    let messages: Vec<_> = errors.iter().map(ToString::to_string).collect();
+    assert_eq!(
+        messages,
+        [
+            "x.toml: override task `arm`.`reference`: key `duration` is missing; an override replaces a table as a \
+             whole",
+        ]
+    );
+}
+
 #[test]
 fn short_forms_say_which_crate_is_missing() {
     check(
