@@ -27,8 +27,12 @@ const OFTEN: f64 = 0.5;
 /// Blows and switches last no longer than this share of a run: a plant that was beyond its tolerance for longer is not
 /// as near to the truth as was asked for.
 const COARSE: f64 = 0.01;
-/// A contact that a detector switches, and that touches, is expected to be on for more than this share of a run.
-const SELDOM: f64 = 0.02;
+/// A contact that a detector switches is expected to be on for more than this share of the time in which it touches …
+const SELDOM: f64 = 0.1;
+/// … if that is more than this share of a run.
+const TOUCHED: f64 = 0.01;
+/// What presses from behind with more than this, N, is no rounding.
+const BEHIND: f64 = 0.1;
 
 /// A sentence for everything.
 ///
@@ -110,10 +114,14 @@ fn never_touched(
         .contact_spec(controller.contact(name).ok()?)
         .frame;
     let plant = case.plant();
-    let pressed = contact.least_real.is_some_and(|force| force < 0.0);
-    let why = if pressed {
-        format!("`{frame}` pressed from behind: `surface.normal` points into the wall")
-    } else if !plant.contact_points.iter().any(|p| &p.frame == frame) {
+    if let Some(force) = contact.least_real.filter(|force| *force < -BEHIND) {
+        return Some(format!(
+            "contact `{name}` was pressed from behind, with up to {} N: its `surface.normal`, or the `normal` of the \
+             [[plant.wall]], points the wrong way",
+            number(-force)
+        ));
+    }
+    let why = if !plant.contact_points.iter().any(|p| &p.frame == frame) {
         format!("the plant has no [[plant.contact_point]] with frame = \"{frame}\"")
     } else if plant.walls.is_empty() {
         "the plant has no [[plant.wall]]".to_owned()
@@ -134,13 +142,14 @@ fn never_touched(
 fn seldom_on(contact: &ContactSummary, case: &Case) -> Option<String> {
     let mut detectors = case.detectors().iter();
     let detector = detectors.find(|detector| detector.contact == contact.name)?;
-    let peak = contact.peak_real.filter(|force| *force > 0.0)?;
-    (contact.on < SELDOM).then(|| {
+    let is_seldom = contact.touched > TOUCHED && contact.on < SELDOM * contact.touched;
+    is_seldom.then(|| {
         format!(
-            "contact `{}` touched, with up to {} N, and was on for {} of the run: its [[detector]] waits for {} N for \
-             {} s; is what brings it there stiff enough to push?",
+            "contact `{}` touched for {} of the run, with up to {} N, and was on for {}: its [[detector]] waits for \
+             {} N for {} s; is what brings it there stiff enough to push?",
             contact.name,
-            number(peak),
+            per_cent(Some(contact.touched)),
+            number(contact.peak_real.unwrap_or_default()),
             per_cent(Some(contact.on)),
             number(detector.on),
             number(detector.dwell)

@@ -20,7 +20,7 @@ use wbqp::{
 };
 use wbqp_sim::{
     PlantConfig, SensorsConfig,
-    plant::{ContactPointConfig, WallConfig},
+    plant::{ContactPointConfig, WallConfig, singular_mass_matrix},
     scenario::Initial,
     sensors::ForceTorqueConfig,
 };
@@ -138,11 +138,16 @@ impl Ground<'_> {
         let E = frame_motion(model, &self.data, frame);
         let offset = Vector3::from(contact.offset);
         let R_EC: Rotation3<f64> = E.R_WF.inverse() * R_WC;
-        let points = soles.points(contact, &R_EC).into_iter();
-        self.points.extend(points.map(|point| ContactPointConfig {
-            frame: contact.frame.clone(),
-            offset: point.into(),
-        }));
+        for point in soles.points(contact, &R_EC) {
+            let point = ContactPointConfig {
+                frame: contact.frame.clone(),
+                offset: point.into(),
+            };
+            // Two contacts at one place, of which one may be on, or one for each of two walls.
+            if !self.points.contains(&point) {
+                self.points.push(point);
+            }
+        }
         let point = E.p_WF + E.R_WF * offset;
         let normal = R_WC * Vector3::z();
         let is_same = |(_, n): &&mut (Vector3<f64>, Vector3<f64>)| n.dot(&normal) > SAME_NORMAL;
@@ -160,13 +165,7 @@ impl Ground<'_> {
         let mut plant = PlantConfig::default();
         let model = &self.robot.model;
         let Some(factor) = self.data.mass_matrix().clone().cholesky() else {
-            let of_it = self.robot.diagnostics.iter();
-            let of_it = of_it.filter(|each| each.found.contains("mass matrix"));
-            let lines: Vec<String> = of_it.map(ToString::to_string).collect();
-            bail!(
-                "the mass matrix is singular at home: what moves without mass cannot be simulated\n{}",
-                lines.join("\n")
-            );
+            bail!("at home {}", singular_mass_matrix(self.robot));
         };
         let mobility = factor.inverse();
         let offset = model.joint_offset();

@@ -20,7 +20,7 @@ use anyhow::{Context, Result, anyhow, bail};
 use clap::Args;
 use rayon::prelude::*;
 use wbqp::robot::Severity;
-use wbqp_log::{LogSink, McapLog};
+use wbqp_log::{LogSink, McapLog, RunLock};
 use wbqp_measures::log::Log;
 use wbqp_replay::DumpFolder;
 use wbqp_sim::{LiveWatcher, RunOptions, Scenario, SceneWatcher};
@@ -55,7 +55,7 @@ pub struct Arguments {
 
 /// Simulated time of a controller without scenario, s.
 const DURATION: f64 = 5.0;
-/// What is told of all cases.
+/// The file with the summaries of all cases.
 const SUMMARY: &str = "summary.json";
 /// The most dumps of ticks that a case writes.
 const MOST_DUMPS: usize = 4;
@@ -99,9 +99,6 @@ impl Arguments {
         for summary in &summaries {
             say!("\n{}", summary.text().trim_end());
         }
-        let file = directory.join(SUMMARY);
-        let order: Vec<&str> = scenario.cases().collect();
-        summary::write(&file, &summaries, &order)?;
         say!("\nlogs, figures and summary.json: {}", directory.display());
         Ok(if summaries.iter().all(CaseSummary::completed) {
             ExitCode::SUCCESS
@@ -118,13 +115,17 @@ impl Arguments {
         bars: &ProgressBars,
     ) -> Result<CaseSummary> {
         let path = directory.join(format!("{case}.mcap"));
-        let mut log = McapLog::create(&path)?;
-        summary::forget(&directory.join(SUMMARY), case)?;
+        let summaries = directory.join(SUMMARY);
+        // Nobody else runs this case meanwhile, from here to the summary. If this run does not come to that, what it
+        // leaves is not beside results of an older one.
+        let lock = RunLock::take(&path)?;
+        summary::forget(&summaries, case)?;
         figures::remove_old(&directory.join(case))?;
-        let progress = bars.start(&format!("{}/{case}", scenario.name()));
-        let mut update = |fraction| progress.update(fraction);
         let mut dumps = DumpFolder::new(directory.join(case), MOST_DUMPS);
         dumps.remove_old()?;
+        let mut log = McapLog::create_locked(&path, lock)?;
+        let progress = bars.start(&format!("{}/{case}", scenario.name()));
+        let mut update = |fraction| progress.update(fraction);
         let mut scene = SceneWatcher::default();
         let mut announce = |port| bars.say(&live_address(port));
         let live = self.common.live;
@@ -151,7 +152,10 @@ impl Arguments {
         let controller = of_case.make_controller(config)?;
         figures::draw(&log, &controller, &directory.join(case))?;
         picture::draw(&log, &controller, &soles, &led, &directory.join(case))?;
-        CaseSummary::of(of_case, &run, &log, &controller)
+        let summary = CaseSummary::of(of_case, &run, &log, &controller)?;
+        let order: Vec<&str> = scenario.cases().collect();
+        summary::write(&summaries, &summary, &order)?;
+        Ok(summary)
     }
 }
 

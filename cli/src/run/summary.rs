@@ -12,7 +12,7 @@ use wbqp::{
     serde_json::{self, Value},
 };
 use wbqp_log::{LogError, RunLock};
-use wbqp_measures::{Recording, escaped, log::Log};
+use wbqp_measures::{Recording, Series, escaped, log::Log};
 use wbqp_sim::{Summary, scenario::Case};
 
 use super::{
@@ -27,19 +27,17 @@ use crate::{
 /// Times that another run's summary is waited for, and for how long each time.
 const PATIENCE: (u32, Duration) = (500, Duration::from_millis(10));
 
-/// Writes the summaries of the cases that were run into a file. Cases of the same scenario that others ran, or that
-/// were run before, stay in it; `order` are all of the scenario's.
+/// Writes the summary of a case into a file. Those of the scenario's other cases stay in it; `order` are all of the
+/// scenario's.
 ///
 /// # Errors
-/// A file that cannot be written.
-pub(super) fn write(file: &Path, summaries: &[CaseSummary], order: &[&str]) -> Result<()> {
-    let of_own = |name: &str| summaries.iter().any(|summary| summary.case == name);
+/// A file that cannot be read or written.
+pub(super) fn write(file: &Path, summary: &CaseSummary, order: &[&str]) -> Result<()> {
     let rank = |name: &str| order.iter().position(|other| *other == name);
-    let new = summaries.iter().map(serde_json::to_value);
-    let new: Vec<Value> = new.collect::<Result<_, _>>()?;
+    let new = serde_json::to_value(summary)?;
     edit(file, |all| {
-        all.retain(|old| case(old).is_some_and(|name| !of_own(name)));
-        all.extend(new);
+        all.retain(|old| case(old) != Some(&summary.case));
+        all.push(new);
         all.retain(|summary| case(summary).and_then(rank).is_some());
         all.sort_by_key(|summary| case(summary).and_then(rank));
     })
@@ -60,12 +58,14 @@ fn case(summary: &Value) -> Option<&str> {
     summary.get("case").and_then(Value::as_str)
 }
 
-/// Changes the list of summaries that a file has; what is none is replaced.
+/// Changes the list of summaries that a file has. Without a file, and where its text is no list, it is empty.
 fn edit(file: &Path, change: impl FnOnce(&mut Vec<Value>)) -> Result<()> {
     let _lock = lock(file)?;
-    let mut all: Vec<Value> = match input::read_text(file) {
-        Ok(text) => serde_json::from_str(&text).unwrap_or_default(),
-        Err(_) => Vec::new(),
+    let mut all: Vec<Value> = if file.exists() {
+        let text = input::read_text(file).with_context(|| file.display().to_string())?;
+        serde_json::from_str(&text).unwrap_or_default()
+    } else {
+        Vec::new()
     };
     change(&mut all);
     let text = serde_json::to_string_pretty(&all)?;
@@ -154,6 +154,8 @@ pub struct ContactSummary {
     pub name: String,
     /// Share of the run during which it was on.
     pub on: f64,
+    /// Share of the run during which a surface pushed it.
+    pub touched: f64,
     /// Largest planned normal force, N.
     pub peak_planned: Option<f64>,
     /// Largest real normal force, N.
@@ -381,6 +383,7 @@ fn contacts(log: &Log, controller: &Controller) -> Result<Vec<ContactSummary>> {
             contacts.push(ContactSummary {
                 name: name.to_owned(),
                 on: on.mean().unwrap_or(0.0),
+                touched: share(real, |force| force > 0.0),
                 peak_planned: planned.max(),
                 peak_real: real.max(),
                 least_real: real.min(),
@@ -388,6 +391,12 @@ fn contacts(log: &Log, controller: &Controller) -> Result<Vec<ContactSummary>> {
         }
     }
     Ok(contacts)
+}
+
+/// Of the samples.
+fn share(series: &Series, is_one: impl Fn(f64) -> bool) -> f64 {
+    let count = series.y.iter().filter(|y| is_one(**y)).count();
+    count as f64 / series.y.len().max(1) as f64
 }
 
 fn tick_time(log: &Log) -> Result<TickTime> {

@@ -188,7 +188,7 @@ impl Scene {
             entity.arrows.extend(arrow(from, &along, paint));
         };
         force(&at, &contact.measured.fixed_rows::<3>(0).into(), MEASURED);
-        // A force is planned for as long as the contact comes or goes.
+        // A force is planned while α > 0: on, coming or going.
         let is_planned = contact.alpha > 0.0;
         if is_planned {
             force(&at, &contact.solution.fixed_rows::<3>(0).into(), PLANNED);

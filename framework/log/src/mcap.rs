@@ -48,7 +48,14 @@ impl McapLog {
     /// # Errors
     /// [`LogError::Create`]; [`LogError::Taken`] if another run writes it.
     pub fn create(path: &Path) -> Result<Self, LogError> {
-        let lock = RunLock::take(path)?;
+        Self::create_locked(path, RunLock::take(path)?)
+    }
+
+    /// Like [`McapLog::create`] with the lock of this path, for who has something to do between.
+    ///
+    /// # Errors
+    /// [`LogError::Create`].
+    pub fn create_locked(path: &Path, lock: RunLock) -> Result<Self, LogError> {
         let file = File::create(path).map_err(|source| LogError::Create {
             path: path.to_owned(),
             source,

@@ -58,7 +58,7 @@ pub(super) fn read<P: PluginKind + ?Sized>(
                         "key `weight` is missing, the price w of `w s² + λ s`: `weight = 1.0`, for example"
                     }
                     _ => {
-                        "key `weight` is missing, what a row's square costs: `weight = 1.0`, for example"
+                        "key `weight` is missing, the price of residual²: `weight = 1.0`, for example"
                     }
                 };
                 report.add(Kind::MissingKey, Some(header), &at, message);

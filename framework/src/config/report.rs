@@ -303,7 +303,7 @@ impl<'a> Report<'a> {
                         path = rest;
                     }
                     if problem.kind == ConfigErrorKind::MissingKey {
-                        remedy = "; an override replaces a table as a whole";
+                        remedy = "; an override gives a table as a whole";
                     }
                     (SourceLocation::file(self.file), applied.subject.clone())
                 }

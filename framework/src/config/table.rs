@@ -269,10 +269,12 @@ impl Inspection<'_, '_> {
                 let mut known = keys.known.clone();
                 known.extend_from_slice(other_keys);
                 known.sort_unstable();
-                meant.extend(did_you_mean(name, &known));
-                let hint = match inner_table(node, name) {
-                    Some(table) => format!("; it belongs into `{table}`: `{table}.{name} = …`"),
-                    None => suggestion(name, &known),
+                let hint = if let Some(table) = inner_table(node, name) {
+                    format!("; it belongs into `{table}`: `{table}.{name} = …`")
+                } else {
+                    // Of two letters every name is next to every other.
+                    meant.extend(did_you_mean(name, &known).filter(|key| key.len() > 2));
+                    suggestion(name, &known)
                 };
                 let message = format!("unknown key `{name}`{hint}");
                 self.report

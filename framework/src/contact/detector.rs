@@ -62,7 +62,7 @@ impl Detector {
         }
         if self.off < 0.0 {
             let problem = format!(
-                "is {} N, must not be negative: in the air a sensor says zero, and noise",
+                "is {} N, must not be negative: in the air a sensor that was tared says zero, and noise",
                 self.off
             );
             return Err(BindError::value("off", problem));

@@ -22,7 +22,9 @@ pub enum RequestError {
         known: String,
     },
     /// A task or a constraint was asked for, and that is a contact.
-    #[error("there is no entry `{name}`, but a contact: `activate_contact` and the like switch it")]
+    #[error(
+        "`{name}` is a contact, no task or constraint: `activate_contact` and the like are for it"
+    )]
     IsContact {
         /// The contact.
         name: String,

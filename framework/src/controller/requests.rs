@@ -248,8 +248,8 @@ impl Controller {
         self.world.bindings.iter().map(|b| b.spec.name.as_str())
     }
 
-    /// Changes parameters of a task or constraint between two ticks, and checks them as those of a file are checked.
-    /// They hold from the next tick on, at once. Nothing else follows them: a damping that was critical stays what it
+    /// Changes parameters of a task or constraint between two ticks. The plug-in checks them as it does those of a file;
+    /// whether a number is one that can be meant is asked of files alone. They hold from the next tick on, at once. Nothing else follows them: a damping that was critical stays what it
     /// was. What was resolved when the controller was made stays: frames and joints that are named, references, which
     /// [`Controller::follow`] replaces, and where these count from (`origin` of `free_motion`). Allocates.
     ///
@@ -291,7 +291,7 @@ impl Controller {
     }
 
     /// Replaces keys of a task or constraint between two ticks, named and written as in its file, all or none; checked
-    /// as those of a file are. What [`Controller::change`] says holds here as well. Allocates.
+    /// by the plug-in as those of a file are. What [`Controller::change`] says holds here as well. Allocates.
     ///
     /// ```text
     /// controller.set("arm", wbqp::toml::toml! { kp = 40.0 })?;
@@ -539,7 +539,12 @@ impl Controller {
 
     /// The position of a task; an error knows tasks alone.
     fn find_task(&self, name: &str) -> Result<usize, RequestError> {
-        let found = self.task_names().position(|n| n == name);
-        found.ok_or_else(|| RequestError::absent("task", name, self.task_names()))
+        match self.task_names().position(|n| n == name) {
+            Some(index) => Ok(index),
+            None if self.contact(name).is_ok() => Err(RequestError::IsContact {
+                name: name.to_owned(),
+            }),
+            None => Err(RequestError::absent("task", name, self.task_names())),
+        }
     }
 }

@@ -39,8 +39,8 @@ pub trait Reference: Clone + Debug + Send + 'static {
     /// Writes the sample for this tick, which is of the space it was bound to. No allocation, no panic.
     fn sample(&self, running: &mut Self::Running, tick: &Tick<'_>, out: &mut Sample);
 
-    /// The values that its parameters name, each with its key: a normal force below zero is refused before it is
-    /// followed.
+    /// The values that its parameters name, each with its key. Of a reference that prescribes a normal force, N, one
+    /// below zero or above the contact's `force_max` is refused before it is followed.
     fn values(&self) -> Vec<(String, &[f64])> {
         Vec::new()
     }
@@ -88,7 +88,9 @@ pub trait AnyReference: Any + Send + Debug {
     fn bind_any(&self, space: Space) -> Result<BoundReference, BindError>;
 
     /// As [`Reference::values`].
-    fn named_values(&self) -> Vec<(String, &[f64])>;
+    fn named_values(&self) -> Vec<(String, &[f64])> {
+        Vec::new()
+    }
 
     /// A copy.
     fn boxed(&self) -> Box<dyn AnyReference>;

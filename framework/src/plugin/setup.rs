@@ -235,7 +235,7 @@ impl<'a> Setup<'a> {
     /// for can be looked at before a run: [`Controller::planned_forces`](crate::Controller::planned_forces).
     ///
     /// # Errors
-    /// What the reference refuses.
+    /// What the reference refuses, and a force that it names below zero or above `force_max` of the contact.
     pub fn follow_normal_force(
         &mut self,
         key: &str,

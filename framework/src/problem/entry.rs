@@ -124,9 +124,12 @@ impl BoundEntry {
         let usable = weight.values().iter().all(|w| w.is_finite() && *w >= 0.0)
             && (matches!(weight, PerRow::Uniform(_)) || weight.values().len() == rows);
         if !usable {
+            let given = match weight {
+                PerRow::Uniform(weight) => weight.to_string(),
+                PerRow::Each(weights) => format!("{weights:?}"),
+            };
             return Err(format!(
-                "is {:?}, must be one number, or {rows}, finite and not negative",
-                weight.values()
+                "is {given}, must be one number, or {rows}, finite and not negative"
             ));
         }
         if self.treatment == Treatment::Slack && weight.values().iter().all(|w| *w == 0.0) {

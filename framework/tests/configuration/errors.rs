@@ -212,7 +212,7 @@ fn unknown_key_is_compared_with_both_sets() {
     check_task(
         "type = \"test.hold\"\nwieght = 1\ngian = 2",
         &[
-            "x.toml:7:1: task[0] `arm` (test.hold): key `weight` is missing, what a row's square costs: \
+            "x.toml:7:1: task[0] `arm` (test.hold): key `weight` is missing, the price of residual²: \
              `weight = 1.0`, for example",
             "x.toml:10:1: task[0] `arm` (test.hold): unknown key `wieght`; did you mean `weight`? \
              (known: active, frames, gain, hardness, name, nested, transition, type, weight)",
@@ -276,7 +276,7 @@ fn weight_is_needed_unless_hard() {
     check(
         "[[constraint]]\nname = \"a\"\ntype = \"test.limit\"\nupper = 1\nhardness = \"soft\"\n",
         &[
-            "x.toml:7:1: constraint[0] `a` (test.limit): key `weight` is missing, what a row's square costs: \
+            "x.toml:7:1: constraint[0] `a` (test.limit): key `weight` is missing, the price of residual²: \
            `weight = 1.0`, for example",
         ],
     );
@@ -632,7 +632,7 @@ fn part_of_an_overridden_table_is_not_enough() {
     assert_eq!(
         messages,
         [
-            "x.toml: override task `arm`.`reference`: key `duration` is missing; an override replaces a table as a \
+            "x.toml: override task `arm`.`reference`: key `duration` is missing; an override gives a table as a \
              whole",
         ]
     );

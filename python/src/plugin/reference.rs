@@ -32,10 +32,6 @@ impl AnyReference for PythonReference {
         BoundReference::new(self, space)
     }
 
-    fn named_values(&self) -> Vec<(String, &[f64])> {
-        self.values()
-    }
-
     fn boxed(&self) -> Box<dyn AnyReference> {
         Box::new(self.clone())
     }

@@ -71,17 +71,16 @@ impl Plant {
         data.update(&model, &state);
         let mobility = match data.mass_matrix().clone().cholesky() {
             Some(factor) => factor.inverse(),
-            None => return Err(PlantError::State(singular(robot))),
+            None => return Err(PlantError::State(singular_mass_matrix(robot))),
         };
 
         let mut contacts = Vec::new();
         for point in &points {
             for wall in config.walls.iter().enumerate() {
-                let contact = Contact::new(*point, wall, &model);
-                check_stiffness(&contact, config, &model, &data, &mobility)?;
-                contacts.push(contact);
+                contacts.push(Contact::new(*point, wall, &model));
             }
         }
+        check_stiffness(&contacts, config, &model, &data, &mobility)?;
         let robot = RobotModel {
             model: Arc::new(model),
             ..robot.clone()
@@ -321,9 +320,8 @@ fn joints(
         .collect()
 }
 
-/// Refuses a wall whose spring or damper is too hard for the step, judged in the initial posture.
-/// What is told of a mass matrix that is not positive definite, with what was found in the robot's files.
-fn singular(robot: &RobotModel) -> String {
+/// What is told of a mass matrix that cannot be inverted, with what was found in the robot's files.
+pub fn singular_mass_matrix(robot: &RobotModel) -> String {
     let found = robot.diagnostics.iter();
     let found = found.filter(|each| each.found.contains("mass matrix"));
     let lines = found.map(|each| format!("\n{each}"));
@@ -331,34 +329,43 @@ fn singular(robot: &RobotModel) -> String {
     format!("{what}{}", lines.collect::<String>())
 }
 
+/// Refuses a step that is too long for the spring or the damper of a wall, judged in the initial posture.
 fn check_stiffness(
-    contact: &Contact,
+    contacts: &[Contact],
     config: &PlantConfig,
     model: &Model,
     data: &Data,
     mobility: &DMatrix<f64>,
 ) -> Result<(), PlantError> {
-    let frame = &model.frames()[contact.frame().index()];
-    let offset = Translation3::from(*contact.offset());
-    let X_BC = frame.X_BF * Isometry3::from_parts(offset, UnitQuaternion::identity());
-    let mut point = FrameKinematics::new(model);
-    point.update_at(model, data, frame.body, &X_BC);
-    let J = point.J.rows(0, 3);
-    let per_kg = (J * mobility * J.transpose()).symmetric_eigenvalues().max();
-    let (k, c) = contact.hardness();
-    let step = config.step;
-    if k * per_kg * step * step > 1.0 || c * per_kg * step > 1.0 {
-        return Err(PlantError::Stiff {
-            step,
+    let bounds = contacts.iter().map(|contact| {
+        let frame = &model.frames()[contact.frame().index()];
+        let offset = Translation3::from(*contact.offset());
+        let X_BC = frame.X_BF * Isometry3::from_parts(offset, UnitQuaternion::identity());
+        let mut point = FrameKinematics::new(model);
+        point.update_at(model, data, frame.body, &X_BC);
+        let J = point.J.rows(0, 3);
+        let per_kg = (J * mobility * J.transpose()).symmetric_eigenvalues().max();
+        let (k, c) = contact.hardness();
+        let most = (1.0 / (k * per_kg).sqrt()).min(1.0 / (c * per_kg));
+        (most, contact, [k, c, 1.0 / per_kg])
+    });
+    match bounds.min_by(|a, b| a.0.total_cmp(&b.0)) {
+        Some((most, contact, [k, c, mass])) if config.step > most => Err(PlantError::Stiff {
+            step: config.step,
             what: format!(
-                "wall `{}` has up to {k} N/m and {c} N·s/m, and contact point `{}` resists as {:.3} kg would, on joints \
-                 that give way; at most {:.2e} s",
+                "it may be at most {} s, as wall `{}` has up to {k} N/m and {c} N·s/m, and contact point `{}`, on joints \
+                 that give way, resists like {mass:.3e} kg",
+                rounded_down(most),
                 config.walls[contact.wall].name,
-                frame.name,
-                1.0 / per_kg,
-                (1.0 / (k * per_kg).sqrt()).min(1.0 / (c * per_kg))
+                model.frames()[contact.frame().index()].name,
             ),
-        });
+        }),
+        _ => Ok(()),
     }
-    Ok(())
+}
+
+/// Three digits of a positive number that is not larger.
+pub(super) fn rounded_down(x: f64) -> String {
+    let unit = 10_f64.powf(x.log10().floor() - 2.0);
+    format!("{:.2e}", (x / unit).floor() * unit)
 }

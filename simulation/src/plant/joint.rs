@@ -20,7 +20,7 @@ use wbqp::{
     model::{Joint, JointLimits},
 };
 
-use super::{PlantError, ServoConfig};
+use super::{PlantError, ServoConfig, build::rounded_down};
 
 /// Natural frequency of an end stop, rad/s.
 const STOP: f64 = 800.0;
@@ -82,11 +82,11 @@ impl JointPlant {
             return Err(PlantError::Stiff {
                 step,
                 what: format!(
-                    "joint `{}` has damping {} against an inertia of {:.3e}; at most {:.2e} s",
+                    "it may be at most {} s, as joint `{}` has damping {} against an inertia of {:.3e}",
+                    rounded_down(1.0 / (joint.damping * mobility)),
                     joint.name,
                     joint.damping,
-                    1.0 / mobility,
-                    1.0 / (joint.damping * mobility)
+                    1.0 / mobility
                 ),
             });
         }

@@ -38,6 +38,7 @@ use wbqp::{
     state::State,
 };
 
+pub use build::singular_mass_matrix;
 pub use command::{CommandDelay, PlantCommand};
 pub use config::{
     ContactPointConfig, DISTURBANCE, Disturbance, LARGEST_STEP, Mismatch, PlantConfig,

@@ -277,7 +277,7 @@ fn what_does_not_fit_is_refused_by_name() {
     let contact = controller.deactivate("tip");
     assert_eq!(
         contact.expect_err("no entry").to_string(),
-        "there is no entry `tip`, but a contact: `activate_contact` and the like switch it"
+        "`tip` is a contact, no task or constraint: `activate_contact` and the like are for it"
     );
 
     // As in a file.
