@@ -10,8 +10,8 @@ class DampedHover(Plugin):
 
     `v̇_R = −k_v v_R`, `ω̇_R = k_R (up × z_d) − k_ω ω_R`, `q̈ = −k_q² (q − q_0) − 2 k_q q̇`, `τ = M v̇ + g`
 
-    A base with rotors hovers; one without stands on the contacts that are on; joints are held where they were when the
-    law took over. Feedback on an old state fades away.
+    A base with rotors hovers; one without stands on the contacts that are on or going; joints are held where they were
+    when the law took over. Feedback on an old state fades away.
 
     Parameters
     ----------
