@@ -11,7 +11,10 @@ export function built() {
   const arguments_ = ["build", "--quiet", ...targets, "--message-format=json-render-diagnostics"];
   const stdio = ["ignore", "pipe", "inherit"];
   const said = execFileSync("cargo", arguments_, { cwd: root, stdio, maxBuffer: 1 << 28, encoding: "utf8" });
-  const lines = said.split("\n").filter(Boolean).map((line) => JSON.parse(line));
+  const lines = said
+    .split("\n")
+    .filter(Boolean)
+    .map((line) => JSON.parse(line));
   const made = lines.filter((line) => line.executable);
   return Object.fromEntries(made.map((line) => [line.target.name, line.executable]));
 }
