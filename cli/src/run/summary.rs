@@ -383,7 +383,7 @@ fn contacts(log: &Log, controller: &Controller) -> Result<Vec<ContactSummary>> {
             contacts.push(ContactSummary {
                 name: name.to_owned(),
                 on: on.mean().unwrap_or(0.0),
-                touched: share(real, |force| force > 0.0),
+                touched: share_above_zero(real),
                 peak_planned: planned.max(),
                 peak_real: real.max(),
                 least_real: real.min(),
@@ -394,8 +394,8 @@ fn contacts(log: &Log, controller: &Controller) -> Result<Vec<ContactSummary>> {
 }
 
 /// Of the samples.
-fn share(series: &Series, is_one: impl Fn(f64) -> bool) -> f64 {
-    let count = series.y.iter().filter(|y| is_one(**y)).count();
+fn share_above_zero(series: &Series) -> f64 {
+    let count = series.y.iter().filter(|y| **y > 0.0).count();
     count as f64 / series.y.len().max(1) as f64
 }
 

@@ -38,10 +38,7 @@ impl Controller {
         let names = || self.entries.iter().map(|g| g.name.as_str());
         match names().position(|n| n == name) {
             Some(index) => Ok(EntryId(index as u32)),
-            None if self.contact(name).is_ok() => Err(RequestError::IsContact {
-                name: name.to_owned(),
-            }),
-            None => Err(RequestError::absent("entry", name, names())),
+            None => Err(self.absent("entry", name, names())),
         }
     }
 
@@ -248,10 +245,11 @@ impl Controller {
         self.world.bindings.iter().map(|b| b.spec.name.as_str())
     }
 
-    /// Changes parameters of a task or constraint between two ticks. The plug-in checks them as it does those of a file;
-    /// whether a number is one that can be meant is asked of files alone. They hold from the next tick on, at once. Nothing else follows them: a damping that was critical stays what it
-    /// was. What was resolved when the controller was made stays: frames and joints that are named, references, which
-    /// [`Controller::follow`] replaces, and where these count from (`origin` of `free_motion`). Allocates.
+    /// Changes parameters of a task or constraint between two ticks. The plug-in checks them as it does those of a
+    /// file; whether a number is one that can be meant is asked of files alone. They hold from the next tick on, at
+    /// once. Nothing else follows them: a damping that was critical stays what it was. What was resolved when the
+    /// controller was made stays: frames and joints that are named, references, which [`Controller::follow`] replaces,
+    /// and where these count from (`origin` of `free_motion`). Allocates.
     ///
     /// ```text
     /// controller.change("arm", |arm: &mut Posture| arm.kp = 40.0.into())?;
@@ -541,10 +539,21 @@ impl Controller {
     fn find_task(&self, name: &str) -> Result<usize, RequestError> {
         match self.task_names().position(|n| n == name) {
             Some(index) => Ok(index),
-            None if self.contact(name).is_ok() => Err(RequestError::IsContact {
-                name: name.to_owned(),
-            }),
-            None => Err(RequestError::absent("task", name, self.task_names())),
+            None => Err(self.absent("task", name, self.task_names())),
         }
+    }
+
+    /// There is no such entry; perhaps it is a contact.
+    fn absent<'a>(
+        &self,
+        kind: &'static str,
+        name: &str,
+        known: impl Iterator<Item = &'a str>,
+    ) -> RequestError {
+        if self.contact(name).is_ok() {
+            let name = name.to_owned();
+            return RequestError::IsContact { name };
+        }
+        RequestError::absent(kind, name, known)
     }
 }

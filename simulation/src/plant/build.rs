@@ -353,8 +353,8 @@ fn check_stiffness(
         Some((most, contact, [k, c, mass])) if config.step > most => Err(PlantError::Stiff {
             step: config.step,
             what: format!(
-                "it may be at most {} s, as wall `{}` has up to {k} N/m and {c} N·s/m, and contact point `{}`, on joints \
-                 that give way, resists like {mass:.3e} kg",
+                "it may be at most {} s, as wall `{}` has up to {k} N/m and {c} N·s/m, and contact point `{}`, on \
+                 joints that give way, resists like {mass:.3e} kg",
                 rounded_down(most),
                 config.walls[contact.wall].name,
                 model.frames()[contact.frame().index()].name,
