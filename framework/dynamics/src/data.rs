@@ -110,7 +110,7 @@ impl Data {
         );
         inverse::velocity_forces(&mut self.links, offset, self.columns, &mut self.bias);
         self.bias += &self.gravity;
-        self.update_centroid();
+        self.update_centroid(&state.v);
     }
 
     /// Only the kinematic pass: what [`forward_dynamics`](super::forward_dynamics),
@@ -120,19 +120,24 @@ impl Data {
         kinematics::forward_pass(&mut self.links, model, state);
     }
 
-    /// Position, velocity, bias acceleration and momentum of the centre of mass. Needs the composite inertias
-    /// and the base force of the velocity terms.
-    fn update_centroid(&mut self) {
+    /// Position, velocity, bias acceleration and momentum of the centre of mass. Needs the composite inertias, the
+    /// mass matrix and the base force of the velocity terms.
+    fn update_centroid(&mut self, v: &DVector<f64>) {
         let base = &self.links[0];
         let whole = &base.composite;
         self.com = base.p_WB + whole.h / whole.m;
         self.com_bias = base.force.linear / whole.m;
 
-        let mut momentum = Force::zero();
-        for link in &self.links {
-            let own = link.inertia.times(&link.V);
-            momentum += own.at_parent(&(link.p_WB - self.com));
-        }
+        let momentum = if self.floats {
+            let arm = base.p_WB - self.com;
+            base_momentum(&self.mass_matrix, v).at_parent(&arm)
+        } else {
+            let links = self.links.iter();
+            links.fold(Force::zero(), |sum, link| {
+                let own = link.inertia.times(&link.V);
+                sum + own.at_parent(&(link.p_WB - self.com))
+            })
+        };
         self.com_velocity = momentum.linear / whole.m;
         self.centroidal_momentum
             .fixed_rows_mut::<3>(0)
@@ -220,4 +225,14 @@ impl Data {
             }
         }
     }
+}
+
+/// The base rows of `M v`: the whole robot's momentum, about the base's origin.
+fn base_momentum(M: &DMatrix<f64>, v: &DVector<f64>) -> Force {
+    let mut sum = Force::zero();
+    for (column, v) in M.as_slice().chunks_exact(v.len()).zip(v) {
+        sum.linear += Vector3::new(column[0], column[1], column[2]) * *v;
+        sum.angular += Vector3::new(column[3], column[4], column[5]) * *v;
+    }
+    sum
 }

@@ -26,3 +26,10 @@ pub fn exp(x: f64) -> f64 {
 pub fn pow(base: f64, exponent: f64) -> f64 {
     libm::pow(base, exponent)
 }
+
+/// Share of a new sample in a first-order low-pass with this cutoff, Hz, so many seconds after the one before:
+/// `1 − exp(−2π f t)`.
+#[inline]
+pub fn low_pass(cutoff: f64, seconds: f64) -> f64 {
+    1.0 - exp(-std::f64::consts::TAU * cutoff * seconds)
+}

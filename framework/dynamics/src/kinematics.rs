@@ -89,6 +89,7 @@ impl Link {
 /// The motion of the base alone.
 fn place_base(link: &mut Link, model: &Model, state: &State) {
     link.q_WB = state.R_WR;
+    link.R_WB = *link.q_WB.to_rotation_matrix().matrix();
     link.p_WB = state.p_WR;
     if model.joint_offset() == 6 {
         let v = &state.v;
@@ -109,18 +110,24 @@ fn place_child(
 ) {
     let q_WJ = parent.q_WB * joint.X_PJ.rotation;
     let r_J = parent.R_WB * joint.X_PJ.translation.vector;
+    let axis = joint.axis.into_inner();
     match joint.kind {
         JointKind::Revolute => {
-            let axis = q_WJ * joint.axis.into_inner();
             let (sin, cos) = elementary::sin_cos(0.5 * q);
-            let turn = Quaternion::from_parts(cos, joint.axis.into_inner() * sin);
+            let turn = Quaternion::from_parts(cos, axis * sin);
             link.q_WB = q_WJ * UnitQuaternion::new_unchecked(turn);
+        }
+        JointKind::Prismatic => link.q_WB = q_WJ,
+    }
+    link.R_WB = *link.q_WB.to_rotation_matrix().matrix();
+    // Turning about it leaves the axis where it is.
+    let axis = link.R_WB * axis;
+    match joint.kind {
+        JointKind::Revolute => {
             link.r = r_J;
             link.S.angular = axis;
         }
         JointKind::Prismatic => {
-            let axis = q_WJ * joint.axis.into_inner();
-            link.q_WB = q_WJ;
             link.r = r_J + axis * q;
             link.S.linear = axis;
         }
@@ -168,7 +175,6 @@ pub(super) fn forward_pass(links: &mut [Link], model: &Model, state: &State) {
                 }
             }
         }
-        link.R_WB = *link.q_WB.to_rotation_matrix().matrix();
         link.inertia = SpatialInertia::of_body(&body.inertia, &link.R_WB);
     }
 }

@@ -6,9 +6,25 @@
 //! `R_WB⁺ = exp(S(w) dt) R_WB`.
 #![allow(non_snake_case)]
 
-use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
+use std::f64::consts::PI;
+
+use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3, Vector6};
 
 use crate::elementary;
+
+/// A linear and an angular vector in one, the linear one first.
+pub fn stack(linear: &Vector3<f64>, angular: &Vector3<f64>) -> Vector6<f64> {
+    Vector6::new(
+        linear.x, linear.y, linear.z, angular.x, angular.y, angular.z,
+    )
+}
+
+/// Length of a vector, also where its square overflows.
+pub fn length(vector: [f64; 3]) -> f64 {
+    let squares = |s: f64| vector.iter().fold(0.0, |sum, x| sum + (s * x) * (s * x));
+    let length = Some(squares(1.0).sqrt()).filter(|length| length.is_finite());
+    length.unwrap_or_else(|| squares(1e-160).sqrt() / 1e-160)
+}
 
 /// The skew-symmetric matrix `S(x)` with `S(x) y = x × y`.
 pub fn skew(x: &Vector3<f64>) -> Matrix3<f64> {
@@ -45,6 +61,24 @@ pub fn log(R: &UnitQuaternion<f64>) -> Vector3<f64> {
     R.imag() * (sign * angle / sin)
 }
 
+/// The angle between two orientations, rad, if it is above a limit; the second need not be of unit length.
+///
+/// `θ ≤ π sin ½θ` tells most of those that are below it without an arctangent: the sine follows from what `q q₀` leaves
+/// of `‖q‖ ‖q₀‖`, as far as that is more than rounding.
+pub fn angle_above(
+    R_WA: &UnitQuaternion<f64>,
+    R_WB: &UnitQuaternion<f64>,
+    limit: f64,
+) -> Option<f64> {
+    let (along, square) = (R_WA.coords.dot(&R_WB.coords), R_WB.coords.norm_squared());
+    let sine_squared = (square - along * along) / square;
+    if limit > 1e-6 && PI * PI * sine_squared <= limit * limit {
+        return None;
+    }
+    let angle = R_WA.angle_to(&UnitQuaternion::new_normalize(**R_WB));
+    (angle > limit).then_some(angle)
+}
+
 /// Rotation error in world axes from the matrices, `e_W = ½[R R_dᵀ − R_d Rᵀ]∨` (rad for small angles).
 ///
 /// Its magnitude is `sin θ`: it grows until 90° and vanishes again at 180°. The error of the paper's (11)
@@ -73,6 +107,30 @@ mod tests {
             assert!((R.coords - expected.coords).norm() < 1e-15, "{angle}");
             assert!((log(&R) - R.scaled_axis()).norm() < 1e-14, "{angle}");
             assert!(log(&R).norm() <= std::f64::consts::PI, "{angle}");
+        }
+    }
+
+    #[test]
+    fn an_angle_above_a_limit_is_the_library_s_and_one_below_is_none() {
+        let R_WA = exp(&Vector3::new(0.4, -0.9, 0.3));
+        let axis = Vector3::new(-0.2, 0.5, 0.7).normalize();
+        let angles = [0.0, 1e-9, 1e-7, 1e-6, 1e-3, 0.3, 1.5, 3.0, 3.14];
+        for angle in angles {
+            let R_WB = R_WA * exp(&(axis * angle));
+            for length in [0.9, 1.0, 1.1, -1.0] {
+                let R_WB = UnitQuaternion::new_unchecked(*R_WB * length);
+                for limit in angles {
+                    for limit in [limit, 0.99 * limit, 1.01 * limit, 0.6 * limit, 1.6 * limit] {
+                        let expected = R_WA.angle_to(&UnitQuaternion::new_normalize(*R_WB));
+                        let expected = Some(expected).filter(|angle| *angle > limit);
+                        assert_eq!(
+                            angle_above(&R_WA, &R_WB, limit),
+                            expected,
+                            "{angle} {limit}"
+                        );
+                    }
+                }
+            }
         }
     }
 

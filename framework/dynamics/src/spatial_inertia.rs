@@ -28,10 +28,23 @@ impl SpatialInertia {
 
     /// A body's inertia turned into world axes.
     pub(super) fn of_body(body: &Inertia, R_WB: &Matrix3<f64>) -> Self {
+        let turned = R_WB * body.I_BBo;
+        let entry = |a: usize, b: usize| turned.row(a).dot(&R_WB.row(b));
+        let (xy, xz, yz) = (entry(0, 1), entry(0, 2), entry(1, 2));
         Self {
             m: body.mass,
             h: R_WB * body.first_moment,
-            I: R_WB * body.I_BBo * R_WB.transpose(),
+            I: Matrix3::new(
+                entry(0, 0),
+                xy,
+                xz,
+                xy,
+                entry(1, 1),
+                yz,
+                xz,
+                yz,
+                entry(2, 2),
+            ),
         }
     }
 

@@ -45,6 +45,17 @@ impl State {
         self.q.len() == model.joints().len() && self.v.len() == model.nv()
     }
 
+    /// Linear and angular velocity of a floating base, m/s and rad/s, world axes; and the joints', rad/s or m/s.
+    pub fn velocities(&self) -> (Option<[[f64; 3]; 2]>, &[f64]) {
+        let v = self.v.as_slice();
+        let (base, joints) = v.split_at(v.len().saturating_sub(self.q.len()));
+        let base = match *base {
+            [vx, vy, vz, wx, wy, wz] => Some([[vx, vy, vz], [wx, wy, wz]]),
+            _ => None,
+        };
+        (base, joints)
+    }
+
     /// Copies another state of the same sizes without allocating.
     pub fn copy_from(&mut self, other: &State) {
         self.p_WR = other.p_WR;

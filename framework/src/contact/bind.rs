@@ -3,11 +3,9 @@
 
 use nalgebra::{Matrix6xX, Rotation3, Translation3, Vector3, Vector6};
 
-use super::{
-    ContactBinding, ContactSpec, ContactState, SensorZero, SurfaceMotion, low_pass, update::CUTOFF,
-};
+use super::{ContactBinding, ContactSpec, ContactState, SensorZero, SurfaceMotion, update::CUTOFF};
 use crate::{error::BindError, switch::Switch};
-use wbqp_dynamics::{FrameKinematics, model::Model};
+use wbqp_dynamics::{FrameKinematics, elementary::low_pass, model::Model};
 
 impl ContactBinding {
     pub(crate) fn new(spec: &ContactSpec, model: &Model, period: f64) -> Result<Self, BindError> {

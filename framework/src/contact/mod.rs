@@ -25,4 +25,3 @@ pub use short::ShortContact;
 pub use spec::{ContactSpec, FreeForce, Surface};
 pub(crate) use state::{ContactBinding, SensorZero};
 pub use state::{ContactState, SurfaceMotion};
-pub(crate) use update::low_pass;

@@ -17,7 +17,7 @@
 use nalgebra::{Vector3, Vector6};
 
 use super::{ContactBinding, ContactState, FreeForce, SensorZero, SurfaceMotion};
-use wbqp_dynamics::{Data, elementary, model::Model};
+use wbqp_dynamics::{Data, elementary::low_pass, model::Model, spatial::stack};
 
 impl ContactBinding {
     /// Begins a switch that was asked for, at the time of this tick and with its measurement.
@@ -153,12 +153,6 @@ impl SurfaceMotion {
     }
 }
 
-fn stack(linear: &Vector3<f64>, angular: &Vector3<f64>) -> Vector6<f64> {
-    Vector6::new(
-        linear.x, linear.y, linear.z, angular.x, angular.y, angular.z,
-    )
-}
-
 /// Of the mean reading, Hz: a time constant of 0.25 s.
 pub(crate) const CUTOFF: f64 = 4.0 / std::f64::consts::TAU;
 
@@ -173,9 +167,4 @@ impl SensorZero {
     pub(crate) fn correct(&self, reading: &Vector6<f64>) -> Vector6<f64> {
         reading - self.offset
     }
-}
-
-/// Share of a new sample in a low-pass with this cutoff, Hz, so many seconds after the one before.
-pub(crate) fn low_pass(cutoff: f64, seconds: f64) -> f64 {
-    1.0 - elementary::exp(-std::f64::consts::TAU * cutoff * seconds)
 }

@@ -17,14 +17,18 @@
 
 use std::array::from_fn;
 
-use nalgebra::{UnitQuaternion, Vector6};
+use nalgebra::Vector6;
 
 use super::bounds::Plausible;
 use crate::{
     contact::ContactId,
     fault::{Fault, Quantity},
 };
-use wbqp_dynamics::{model::JointId, state::State};
+use wbqp_dynamics::{
+    model::JointId,
+    spatial::{angle_above, length},
+    state::State,
+};
 use wbqp_robot_model::RobotModel;
 
 /// The inputs of a tick.
@@ -118,11 +122,10 @@ impl Plausible {
     }
 
     pub(super) fn speeds(&self, measurement: &Measurement) -> Option<Fault> {
-        let v = measurement.state.v.as_slice();
-        let (base, joints) = split(v, measurement.state.q.len());
+        let (base, joints) = measurement.state.velocities();
         let base = base.and_then(|[linear, angular]| {
-            let fault = beyond(Quantity::LinearVelocity, norm(linear), self.velocity[0]);
-            fault.or_else(|| beyond(Quantity::AngularVelocity, norm(angular), self.velocity[1]))
+            let fault = beyond(Quantity::LinearVelocity, length(linear), self.velocity[0]);
+            fault.or_else(|| beyond(Quantity::AngularVelocity, length(angular), self.velocity[1]))
         });
         if base.is_some() {
             return base;
@@ -140,9 +143,9 @@ impl Plausible {
         let mut wrenches = wrenches.filter_map(|(i, (wrench, [most_force, most_moment]))| {
             let contact = ContactId(i as u32);
             let [fx, fy, fz, mx, my, mz] = <[f64; 6]>::from(*wrench);
-            let force = norm([fx, fy, fz]);
+            let force = length([fx, fy, fz]);
             beyond(Quantity::Force(contact), force, *most_force).or_else(|| {
-                let moment = norm([mx, my, mz]);
+                let moment = length([mx, my, mz]);
                 beyond(Quantity::Moment(contact), moment, *most_moment)
             })
         });
@@ -155,16 +158,16 @@ impl Plausible {
         let periods = unseen / self.period;
         // Nothing in an ordinary tick.
         let seen = 2.0 * (passed - unseen);
-        let (base, joint_speeds) = split(now.v.as_slice(), now.q.len());
-        let (base_before, speeds_before) = split(last.v.as_slice(), last.q.len());
+        let (base, joint_speeds) = now.velocities();
+        let (base_before, speeds_before) = last.velocities();
         let most = |i: usize| {
-            let [now, before] = [base, base_before].map(|v| v.map_or(0.0, |v| norm(v[i])));
+            let [now, before] = [base, base_before].map(|v| v.map_or(0.0, |v| length(v[i])));
             self.jump[i] * periods + seen * now.max(before)
         };
-        let jump = norm((now.p_WR - last.p_WR).into());
+        let jump = length((now.p_WR - last.p_WR).into());
         let fault = beyond(Quantity::PositionJump, jump, most(0)).or_else(|| {
-            let now = UnitQuaternion::new_normalize(*now.R_WR);
-            beyond(Quantity::RotationJump, last.R_WR.angle_to(&now), most(1))
+            let angle = angle_above(&last.R_WR, &now.R_WR, most(1))?;
+            beyond(Quantity::RotationJump, angle, most(1))
         });
         if fault.is_some() {
             return fault;
@@ -175,16 +178,19 @@ impl Plausible {
         let fault = joints.find_map(|(i, (((q, q_before), (v, v_before)), bounds))| {
             let joint = JointId::new(i);
             let most = bounds.jump * periods + seen * v.abs().max(v_before.abs());
-            beyond(Quantity::JointJump(joint), (q - q_before).abs(), most).or_else(|| {
-                let rate = (v - v_before).abs() / passed;
-                let joint = Quantity::JointAcceleration(joint);
-                beyond(joint, rate, bounds.acceleration)
-            })
+            let jump = (q - q_before).abs();
+            let rate = (v - v_before).abs() / passed;
+            if jump <= most && rate <= bounds.acceleration {
+                return None;
+            }
+            let jump = beyond(Quantity::JointJump(joint), jump, most);
+            let joint = Quantity::JointAcceleration(joint);
+            jump.or_else(|| beyond(joint, rate, bounds.acceleration))
         });
         let (Some(base), Some(base_before)) = (base, base_before) else {
             return fault;
         };
-        let rate = |i: usize| norm(from_fn(|k| base[i][k] - base_before[i][k])) / passed;
+        let rate = |i: usize| length(from_fn(|k| base[i][k] - base_before[i][k])) / passed;
         let linear = || beyond(Quantity::LinearAcceleration, rate(0), self.acceleration[0]);
         let angular = || beyond(Quantity::AngularAcceleration, rate(1), self.acceleration[1]);
         fault.or_else(linear).or_else(angular)
@@ -197,21 +203,4 @@ fn beyond(quantity: Quantity, value: f64, limit: f64) -> Option<Fault> {
         value,
         limit,
     })
-}
-
-/// Linear and angular velocity of a floating base, and the joints'.
-fn split(v: &[f64], joints: usize) -> (Option<[[f64; 3]; 2]>, &[f64]) {
-    let (base, joints) = v.split_at(v.len().saturating_sub(joints));
-    let base = match *base {
-        [vx, vy, vz, wx, wy, wz] => Some([[vx, vy, vz], [wx, wy, wz]]),
-        _ => None,
-    };
-    (base, joints)
-}
-
-/// Length of a vector, also where its square overflows.
-fn norm(vector: [f64; 3]) -> f64 {
-    let squares = |s: f64| vector.iter().fold(0.0, |sum, x| sum + (s * x) * (s * x));
-    let length = Some(squares(1.0).sqrt()).filter(|length| length.is_finite());
-    length.unwrap_or_else(|| squares(1e-160).sqrt() / 1e-160)
 }

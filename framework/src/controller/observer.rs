@@ -22,11 +22,11 @@ use nalgebra::{DVector, Matrix6, Vector3, Vector6};
 
 use super::report::FallbackLevel;
 use crate::{
-    contact::{ContactState, low_pass},
+    contact::ContactState,
     plugin::PreviousSolution,
     settings::{ContactForces, Observer as Settings},
 };
-use wbqp_dynamics::{Actuation, Data, model::Model};
+use wbqp_dynamics::{Actuation, Data, elementary::low_pass, model::Model};
 
 /// A prediction that is farther from what is measured counts for nothing, m/s or rad/s: it comes from a wrench, or from
 /// a mass matrix, of no robot, and would not be forgotten for long.

@@ -111,30 +111,30 @@ impl Gate {
         let mut each = robot.actuators.iter().zip(efforts).enumerate();
         each.find_map(|(i, (actuator, &asked))| {
             let (sent, _) = self.effort(i, &actuator.kind, asked);
-            is_cut(actuator.upper - actuator.lower, asked, sent).then_some(Fault::CutEffort {
-                actuator: ActuatorId::new(i),
-                asked,
-                sent,
-            })
+            cut_of(i, actuator, asked, sent)
         })
     }
 
     /// Lets a command pass: finite, and within all limits. Says what had to be changed by more than rounding.
     pub(super) fn pass(&self, robot: &RobotModel, command: &mut Command) -> Cut {
-        let effort = self.first_cut(robot, &command.effort);
+        let mut effort = None;
         for (i, actuator) in robot.actuators.iter().enumerate() {
-            let sent = self.effort(i, &actuator.kind, command.effort[i]);
-            (command.effort[i], command.rotor_speed[i]) = sent;
+            let asked = command.effort[i];
+            let (sent, speed) = self.effort(i, &actuator.kind, asked);
+            effort = effort.or_else(|| cut_of(i, actuator, asked, sent));
+            (command.effort[i], command.rotor_speed[i]) = (sent, speed);
         }
-        Cut {
-            effort,
-            velocity: self.pass_velocities(&robot.model, command),
-        }
+        let velocity = self.pass_velocities(&robot.model, command);
+        Cut { effort, velocity }
     }
 
     /// What passes of an effort, and the rotor's speed that it needs, 0 for joints.
     fn effort(&self, index: usize, kind: &ActuatorKind, asked: f64) -> (f64, f64) {
         let [least, most] = self.window[index];
+        let is_inside = least <= asked && asked <= most && asked.is_finite();
+        if is_inside && matches!(kind, ActuatorKind::Joint(_)) {
+            return (asked, 0.0);
+        }
         let effort = asked.max(least).min(most);
         let with_speed = |effort: f64| match kind {
             ActuatorKind::Rotor(rotor) => (effort, rotor.speed(effort)),
@@ -153,18 +153,27 @@ impl Gate {
         for (i, joint) in model.joints().iter().enumerate() {
             let limit = joint.limits.velocity;
             let (asked, last) = (command.joint_velocity[i], self.last.joint_velocity[i]);
-            let reference = if asked.is_finite() { asked } else { last };
-            let reference = reference.max(-limit).min(limit);
-            if first.is_none() && is_cut(2.0 * limit, asked, reference) {
-                first = Some(JointId::new(i));
+            if asked.abs() > limit || !asked.is_finite() {
+                let reference = if asked.is_finite() { asked } else { last };
+                command.joint_velocity[i] = reference.max(-limit).min(limit);
+                let is_cut = is_cut(2.0 * limit, asked, command.joint_velocity[i]);
+                first = first.or(is_cut.then_some(JointId::new(i)));
             }
-            command.joint_velocity[i] = reference;
             if !command.joint_acceleration[i].is_finite() {
                 command.joint_acceleration[i] = 0.0;
             }
         }
         first
     }
+}
+
+/// [`Fault::CutEffort`] if more than rounding was cut off an effort.
+fn cut_of(index: usize, actuator: &Actuator, asked: f64, sent: f64) -> Option<Fault> {
+    is_cut(actuator.upper - actuator.lower, asked, sent).then_some(Fault::CutEffort {
+        actuator: ActuatorId::new(index),
+        asked,
+        sent,
+    })
 }
 
 /// Whether what was asked is further from what is sent than rounding of a number in this range.
@@ -181,6 +190,9 @@ fn is_cut(range: f64, asked: f64, sent: f64) -> bool {
 /// The efforts that an actuator may have `seconds` after one that was sent.
 fn reachable(actuator: &Actuator, sent: f64, seconds: f64) -> [f64; 2] {
     let most = actuator.slew * seconds;
+    if most == f64::INFINITY {
+        return [actuator.lower, actuator.upper];
+    }
     if most.is_nan() {
         // An infinite rate for no time.
         return [sent; 2];
@@ -208,6 +220,8 @@ fn inwards(mut end: f64, sent: f64, most: f64) -> f64 {
 /// How near a limit a value is at it, in the unit of the limit, and as a share of the limit where that is larger than
 /// one.
 const AT_LIMIT: f64 = 1e-9;
+/// The same where the limit pushes.
+const NEAR_LIMIT: f64 = 1e-6;
 
 impl Report {
     /// Takes the solution that the problem has recovered.
@@ -261,20 +275,20 @@ impl Report {
         // Solvers end near a limit that pushes, and leave next to nothing of a multiplier where it does not.
         let is_active = |(limit, distance): (f64, f64), multiplier: f64| {
             let pushes = multiplier.abs() > 1e-9 * scale;
-            let near = if pushes { 1e-6 } else { AT_LIMIT };
+            let near = if pushes { NEAR_LIMIT } else { AT_LIMIT };
             // To an infinite limit the distance is infinite, too.
             limit.is_finite() && distance <= near * (1.0 + limit.abs())
         };
         let limits = qp.row_lower().iter().zip(qp.row_upper());
         let rows = limits.zip(problem.row_values(qp, x)).enumerate();
         let rows = rows.filter_map(|(i, ((&lower, &upper), value))| {
-            let (side, at) = near(value, lower, upper);
+            let (side, at) = near(value, lower, upper)?;
             let is_inequality = || lower != upper && qp.row(i).iter().any(|a| *a != 0.0);
             let limit = at.0 + problem.constant(i);
             (is_active(at, y[i]) && is_inequality()).then(|| (qp.rows()[i], side, limit, y[i]))
         });
         let bounds = (0..qp.n()).filter_map(|j| {
-            let (side, at) = near(x[j], qp.lower()[j], qp.upper()[j]);
+            let (side, at) = near(x[j], qp.lower()[j], qp.upper()[j])?;
             let owner = problem.bound_owner[j][usize::from(side == Side::Upper)];
             owner
                 .filter(|_| is_active(at, z[j]))
@@ -304,14 +318,18 @@ impl TaskReport {
     }
 }
 
-/// The nearer limit: its side, itself and how far it is.
-fn near(value: f64, lower: f64, upper: f64) -> (Side, (f64, f64)) {
-    let (below, above) = ((value - lower).abs(), (upper - value).abs());
-    if below < above {
-        (Side::Lower, (lower, below))
-    } else {
-        (Side::Upper, (upper, above))
+/// The nearer limit: its side, itself and how far it is. None if neither is within [`NEAR_LIMIT`], as in most rows.
+fn near(value: f64, lower: f64, upper: f64) -> Option<(Side, (f64, f64))> {
+    let reach = 2.0 * NEAR_LIMIT * (1.0 + value.abs());
+    let (below, above) = (value - lower, upper - value);
+    if below > reach && above > reach {
+        return None;
     }
+    Some(if below.abs() < above.abs() {
+        (Side::Lower, (lower, below.abs()))
+    } else {
+        (Side::Upper, (upper, above.abs()))
+    })
 }
 
 #[cfg(test)]

@@ -94,7 +94,7 @@ impl Controller {
         }
         let changed = level != self.fallback.level;
         let is_first = self.fallback.on_level.ticks == 0;
-        self.fallback.on_level.step(changed, measurement, last);
+        self.fallback.on_level.step(changed, measurement.time, last);
         self.fallback.level = level;
         self.report.level = level;
         self.report.level_since = self.fallback.on_level.since;

@@ -18,6 +18,8 @@
 //!
 //! D is chosen once, at home ([`eliminable`](super::eliminable)).
 
+use std::array::from_fn;
+
 use super::{
     BoundEntry, Treatment,
     eliminable::{ContactElimination, EliminatedContact},
@@ -73,63 +75,70 @@ impl EliminatedContact {
 
     /// Writes `[G | g]`; false if `J_D` is next to singular or a number is not finite.
     fn solve(&mut self, contact: &ContactState, b: &[f64]) -> bool {
-        let (rows, others) = (self.own.len(), self.others.len());
-        let stride = rows + others + 1;
+        match self.own.len() {
+            1 => self.solve_rows::<1>(contact, b),
+            2 => self.solve_rows::<2>(contact, b),
+            3 => self.solve_rows::<3>(contact, b),
+            4 => self.solve_rows::<4>(contact, b),
+            5 => self.solve_rows::<5>(contact, b),
+            _ => self.solve_rows::<6>(contact, b),
+        }
+    }
+
+    /// Column by column of `[J_D | −J_S | b]`: these lie in one piece, of a length that the compiler knows.
+    fn solve_rows<const K: usize>(&mut self, contact: &ContactState, b: &[f64]) -> bool {
         let (jacobian, _) = contact.J.as_slice().as_chunks::<6>();
-        for (k, &direction) in self.directions.iter().enumerate() {
-            let row = &mut self.work[k * stride..(k + 1) * stride];
-            let mut largest = 0.0_f64;
-            for (out, &velocity) in row.iter_mut().zip(&self.own) {
-                *out = jacobian[velocity][direction];
-                largest = largest.max(out.abs());
+        let (columns, _) = self.work.as_chunks_mut::<K>();
+        let directions: [usize; K] = from_fn(|k| self.directions[k]);
+        let (own, rest) = columns.split_at_mut(self.own.len());
+        let mut largest_of = [0.0_f64; K];
+        for (column, &velocity) in own.iter_mut().zip(&self.own) {
+            *column = directions.map(|direction| jacobian[velocity][direction]);
+            for (largest, a) in largest_of.iter_mut().zip(column) {
+                *largest = largest.max(a.abs());
             }
-            for (out, &velocity) in row[rows..].iter_mut().zip(&self.others) {
-                *out = -jacobian[velocity][direction];
-            }
-            row[stride - 1] = b[k];
-            if !(largest > 0.0 && b[k].is_finite()) {
+        }
+        for (column, &velocity) in rest.iter_mut().zip(&self.others) {
+            *column = directions.map(|direction| -jacobian[velocity][direction]);
+        }
+        for k in 0..K {
+            rest[self.others.len()][k] = b[k];
+            if !(largest_of[k] > 0.0 && b[k].is_finite()) {
                 return false;
             }
-            let scale = 1.0 / largest;
-            for a in row {
+        }
+        let scale = largest_of.map(|largest| 1.0 / largest);
+        for column in columns.iter_mut() {
+            for (a, scale) in column.iter_mut().zip(scale) {
                 *a *= scale;
             }
         }
-        for step in 0..rows {
-            let size = |row: usize| self.work[row * stride + step].abs();
-            let best = largest(step..rows, size);
+        for step in 0..K {
+            let (before, after) = columns.split_at_mut(step + 1);
+            let pivots = &mut before[step];
+            let best = largest(step..K, |row| pivots[row].abs());
             // Not `size <= SINGULAR`: a NaN must fail too.
-            let regular = size(best) > SINGULAR;
+            let regular = pivots[best].abs() > SINGULAR;
             if !regular {
                 return false;
             }
-            let (above, below) = self.work.split_at_mut((step + 1) * stride);
-            let pivot_row = &mut above[step * stride..];
-            if best > step {
-                let at = (best - step - 1) * stride;
-                pivot_row.swap_with_slice(&mut below[at..at + stride]);
-            }
-            let reciprocal = 1.0 / pivot_row[step];
-            for a in &mut pivot_row[step + 1..] {
-                *a *= reciprocal;
-            }
-            let (before, pivot_row) = above.split_at_mut(step * stride);
-            let pivot_tail = &pivot_row[step + 1..];
-            let before = before.chunks_exact_mut(stride);
-            let below = below.chunks_exact_mut(stride);
-            for row in before.chain(below).take(rows - 1) {
-                let factor = row[step];
-                for (a, pivot) in row[step + 1..].iter_mut().zip(pivot_tail) {
+            pivots.swap(step, best);
+            let reciprocal = 1.0 / pivots[step];
+            for column in after {
+                column.swap(step, best);
+                let pivot = column[step] * reciprocal;
+                for (a, factor) in column.iter_mut().zip(&*pivots) {
                     *a -= factor * pivot;
                 }
+                column[step] = pivot;
             }
         }
-        for (out, row) in self
-            .relation
-            .chunks_exact_mut(others + 1)
-            .zip(self.work.chunks_exact(stride))
-        {
-            out.copy_from_slice(&row[rows..]);
+        let solved = &columns[K..];
+        let rows = self.relation.chunks_exact_mut(solved.len()).take(K);
+        for (k, row) in rows.enumerate() {
+            for (out, column) in row.iter_mut().zip(solved) {
+                *out = column[k];
+            }
         }
         true
     }

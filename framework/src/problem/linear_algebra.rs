@@ -49,9 +49,15 @@ impl TreeCholesky {
             }
             let reciprocal = 1.0 / pivot;
             self.reciprocal[k] = reciprocal;
+            // All that come before lie in one piece.
+            let is_chain = ancestors.len() == k;
             for (depth, &i) in ancestors.iter().enumerate() {
                 let factor = row[i] * reciprocal;
                 let target = &mut above[i * n..(i + 1) * n];
+                if is_chain {
+                    add_row(&mut target[..=i], -factor, row);
+                    continue;
+                }
                 for &j in &ancestors[depth..] {
                     target[j] -= factor * row[j];
                 }
@@ -174,13 +180,8 @@ pub(super) fn add_matrix_rows(y: &mut [f64], coefficients: &[f64], matrix: &[f64
 
 /// The row of the largest size, the first of several.
 pub(super) fn largest(rows: Range<usize>, size: impl Fn(usize) -> f64) -> usize {
-    let mut best = rows.start;
-    for row in rows {
-        if size(row) > size(best) {
-            best = row;
-        }
-    }
-    best
+    let larger = |best, row| if size(row) > size(best) { row } else { best };
+    rows.clone().fold(rows.start, larger)
 }
 
 /// `aᵀ b` over the shorter length.

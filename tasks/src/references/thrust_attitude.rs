@@ -25,7 +25,7 @@
 //! Example: level flight with a mass of 2.92 kg, and 5 N against a wall: the tilt is `atan(5/28.64)`, 9.90°.
 #![allow(non_snake_case)]
 
-use std::f64::consts::{FRAC_PI_2, TAU};
+use std::f64::consts::FRAC_PI_2;
 
 use wbqp::{
     dynamics::elementary,
@@ -147,7 +147,7 @@ impl ThrustAttitude {
         });
         let elapsed = time - last.time;
         if elapsed > 0.0 && force.iter().all(|f| f.is_finite()) {
-            let gain = 1.0 - elementary::exp(-TAU * self.cutoff * elapsed);
+            let gain = elementary::low_pass(self.cutoff, elapsed);
             let [first, second] = &mut last.stages;
             *first += (force - *first) * gain;
             *second += (*first - *second) * gain;
@@ -247,6 +247,8 @@ impl Reference for ThrustAttitude {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::TAU;
+
     use super::*;
     use crate::references::leg::testing::started;
 

@@ -13,7 +13,7 @@
 //! are functions of the stamps.
 
 use super::Fallback;
-use crate::controller::{Measurement, report::FallbackLevel};
+use crate::controller::report::FallbackLevel;
 
 /// For how many ticks after a contradiction the next one is looked for before the optimum.
 const ALERT: u32 = 50;
@@ -102,17 +102,11 @@ pub(in super::super) struct OnLevel {
 }
 
 impl OnLevel {
-    /// One more tick on a level.
-    pub(in super::super) fn step(
-        &mut self,
-        changed: bool,
-        measurement: &Measurement,
-        last: Option<f64>,
-    ) {
+    /// One more tick on a level; `last` is the last usable stamp.
+    pub(in super::super) fn step(&mut self, changed: bool, now: f64, last: Option<f64>) {
         if changed || self.ticks == 0 {
-            let stamp = measurement.time;
-            let last = last.unwrap_or(0.0);
-            self.since = if stamp.is_finite() { stamp } else { last };
+            let now = Some(now).filter(|now| now.is_finite());
+            self.since = now.or(last).unwrap_or(0.0);
             self.ticks = 0;
         }
         self.ticks = self.ticks.saturating_add(1);
