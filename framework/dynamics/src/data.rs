@@ -227,10 +227,10 @@ impl Data {
     }
 }
 
-/// The base rows of `M v`: the whole robot's momentum, about the base's origin.
+/// The base rows of `M v`: the whole robot's momentum, kg·m/s and kg·m²/s, world axes, about the base's origin.
 fn base_momentum(M: &DMatrix<f64>, v: &DVector<f64>) -> Force {
     let mut sum = Force::zero();
-    for (column, v) in M.as_slice().chunks_exact(v.len()).zip(v) {
+    for (column, v) in M.column_iter().zip(v) {
         sum.linear += Vector3::new(column[0], column[1], column[2]) * *v;
         sum.angular += Vector3::new(column[3], column[4], column[5]) * *v;
     }

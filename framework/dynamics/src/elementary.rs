@@ -1,4 +1,4 @@
-//! Sine, cosine and their like with the same bits everywhere.
+//! Sine, cosine, their like and what is made of them, with the same bits everywhere.
 //!
 //! Those of the standard library are the platform's, and each rounds otherwise: a command in a browser, or of another
 //! operating system, would differ in its tenth digit. What a tick computes takes these.

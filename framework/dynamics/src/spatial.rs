@@ -1,4 +1,4 @@
-//! Rotations: exponential, logarithm, skew map and the two rotation errors.
+//! Vectors and rotations: exponential, logarithm, skew map and the two rotation errors.
 //!
 //! # Notation
 //! `R_AB` rotates coordinates from frame B into frame A; `w` is an angular velocity. With world-aligned
@@ -61,18 +61,22 @@ pub fn log(R: &UnitQuaternion<f64>) -> Vector3<f64> {
     R.imag() * (sign * angle / sin)
 }
 
-/// The angle between two orientations, rad, if it is above a limit; the second need not be of unit length.
+/// Limits on an angle below this, rad, are too near to rounding for the short way of [`angle_above`].
+const SMALL: f64 = 1e-6;
+
+/// The angle between two orientations, rad, if it is above a limit; neither need be of unit length.
 ///
-/// `θ ≤ π sin ½θ` tells most of those that are below it without an arctangent: the sine follows from what `q q₀` leaves
-/// of `‖q‖ ‖q₀‖`, as far as that is more than rounding.
+/// `θ ≤ π sin ½θ` tells most of those that are below it without an arctangent: the sine follows from the two quaternions'
+/// product, `cos ½θ = a·b / (‖a‖ ‖b‖)`, as far as it is more than rounding.
 pub fn angle_above(
     R_WA: &UnitQuaternion<f64>,
     R_WB: &UnitQuaternion<f64>,
     limit: f64,
 ) -> Option<f64> {
-    let (along, square) = (R_WA.coords.dot(&R_WB.coords), R_WB.coords.norm_squared());
+    let (a, b) = (&R_WA.coords, &R_WB.coords);
+    let (along, square) = (a.dot(b), a.norm_squared() * b.norm_squared());
     let sine_squared = (square - along * along) / square;
-    if limit > 1e-6 && PI * PI * sine_squared <= limit * limit {
+    if limit > SMALL && PI * PI * sine_squared <= limit * limit {
         return None;
     }
     let angle = R_WA.angle_to(&UnitQuaternion::new_normalize(**R_WB));
@@ -111,14 +115,27 @@ mod tests {
     }
 
     #[test]
+    fn lengths_are_those_of_the_library_and_do_not_overflow() {
+        for size in [0.0, 1e-300, 1e-3, 1.0, 1e150, 1e300] {
+            let expected = size * Vector3::new(2.0, -3.0, 6.0).norm();
+            let found = length([2.0 * size, -3.0 * size, 6.0 * size]);
+            // Squares of what is as small as 1e-300 are nothing.
+            let expected = if size == 1e-300 { 0.0 } else { expected };
+            assert!((found - expected).abs() <= 1e-14 * expected, "{size}");
+        }
+        assert!(length([f64::NAN, 0.0, 0.0]).is_nan());
+        assert_eq!(length([f64::INFINITY, 0.0, 0.0]), f64::INFINITY);
+    }
+
+    #[test]
     fn an_angle_above_a_limit_is_the_library_s_and_one_below_is_none() {
         let R_WA = exp(&Vector3::new(0.4, -0.9, 0.3));
         let axis = Vector3::new(-0.2, 0.5, 0.7).normalize();
-        let angles = [0.0, 1e-9, 1e-7, 1e-6, 1e-3, 0.3, 1.5, 3.0, 3.14];
+        let angles = [0.0, 1e-9, 1e-7, 1e-6, 1e-3, 0.3, 1.5, 3.0, 3.13];
         for angle in angles {
             let R_WB = R_WA * exp(&(axis * angle));
-            for length in [0.9, 1.0, 1.1, -1.0] {
-                let R_WB = UnitQuaternion::new_unchecked(*R_WB * length);
+            for size in [0.9, 1.0, 1.1, -1.0] {
+                let R_WB = UnitQuaternion::new_unchecked(*R_WB * size);
                 for limit in angles {
                     for limit in [limit, 0.99 * limit, 1.01 * limit, 0.6 * limit, 1.6 * limit] {
                         let expected = R_WA.angle_to(&UnitQuaternion::new_normalize(*R_WB));

@@ -45,7 +45,8 @@ impl State {
         self.q.len() == model.joints().len() && self.v.len() == model.nv()
     }
 
-    /// Linear and angular velocity of a floating base, m/s and rad/s, world axes; and the joints', rad/s or m/s.
+    /// Linear and angular velocity of a floating base, m/s and rad/s, world axes; and the joints', rad/s or m/s. Of a
+    /// state that [fits](State::fits) its model.
     pub fn velocities(&self) -> (Option<[[f64; 3]; 2]>, &[f64]) {
         let v = self.v.as_slice();
         let (base, joints) = v.split_at(v.len().saturating_sub(self.q.len()));
@@ -75,5 +76,24 @@ impl State {
         for i in 0..self.q.len() {
             self.q[i] += v[offset + i] * dt;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn velocities_are_the_base_s_and_the_joints_() {
+        let mut state = State {
+            p_WR: Vector3::zeros(),
+            R_WR: UnitQuaternion::identity(),
+            q: DVector::zeros(2),
+            v: DVector::from_fn(8, |i, _| i as f64),
+        };
+        let base = [[0.0, 1.0, 2.0], [3.0, 4.0, 5.0]];
+        assert_eq!(state.velocities(), (Some(base), &[6.0, 7.0][..]));
+        state.v = DVector::from_vec(vec![1.0, 2.0]);
+        assert_eq!(state.velocities(), (None, &[1.0, 2.0][..]));
     }
 }

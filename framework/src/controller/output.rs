@@ -318,7 +318,9 @@ impl TaskReport {
     }
 }
 
-/// The nearer limit: its side, itself and how far it is. None if neither is within [`NEAR_LIMIT`], as in most rows.
+/// The nearer limit: its side, itself and how far it is. None of a value that is further inside than it can be at a
+/// limit, as in most rows: [`NEAR_LIMIT`] counts as a share of the limit, which is less than twice as far from zero as
+/// a value so near to it.
 fn near(value: f64, lower: f64, upper: f64) -> Option<(Side, (f64, f64))> {
     let reach = 2.0 * NEAR_LIMIT * (1.0 + value.abs());
     let (below, above) = (value - lower, upper - value);
@@ -387,6 +389,27 @@ mod tests {
         assert_eq!(reachable(&free, 0.5, 0.0), [0.5, 0.5]);
         let slow = motor(-1.0, 2.0, 100.0);
         assert_eq!(reachable(&slow, 2.0, 0.01), [1.0, 2.0]);
+    }
+
+    #[test]
+    fn nothing_within_reach_of_a_limit_is_left_out() {
+        let sizes: [f64; 6] = [0.0, 1e-9, 1e-6, 1.0, 1e3, 1e12];
+        let limits = sizes.iter().flat_map(|size| [*size, -size]);
+        for limit in limits {
+            for share in [-1e3, -1.0, -0.999, 0.0, 0.999, 1.0] {
+                let inside = share * NEAR_LIMIT * (1.0 + limit.abs());
+                let infinite = f64::INFINITY;
+                let below = near(limit + inside, limit, infinite);
+                let above = near(limit - inside, -infinite, limit);
+                assert!(matches!(below, Some((Side::Lower, (l, _))) if l == limit));
+                assert!(matches!(above, Some((Side::Upper, (l, _))) if l == limit));
+            }
+            let far = limit + 10.0 * NEAR_LIMIT * (1.0 + limit.abs());
+            assert!(near(far, limit, f64::INFINITY).is_none());
+        }
+        // Crossed limits, an equality, none at all.
+        assert!(near(0.5, 1.0, 0.0).is_some() && near(2.0, 1.0, 1.0).is_some());
+        assert!(near(0.0, f64::NEG_INFINITY, f64::INFINITY).is_none());
     }
 
     #[test]

@@ -75,19 +75,20 @@ impl EliminatedContact {
 
     /// Writes `[G | g]`; false if `J_D` is next to singular or a number is not finite.
     fn solve(&mut self, contact: &ContactState, b: &[f64]) -> bool {
+        let (jacobian, _) = contact.J.as_slice().as_chunks::<6>();
         match self.own.len() {
-            1 => self.solve_rows::<1>(contact, b),
-            2 => self.solve_rows::<2>(contact, b),
-            3 => self.solve_rows::<3>(contact, b),
-            4 => self.solve_rows::<4>(contact, b),
-            5 => self.solve_rows::<5>(contact, b),
-            _ => self.solve_rows::<6>(contact, b),
+            1 => self.solve_rows::<1>(jacobian, b),
+            2 => self.solve_rows::<2>(jacobian, b),
+            3 => self.solve_rows::<3>(jacobian, b),
+            4 => self.solve_rows::<4>(jacobian, b),
+            5 => self.solve_rows::<5>(jacobian, b),
+            6 => self.solve_rows::<6>(jacobian, b),
+            _ => false,
         }
     }
 
     /// Column by column of `[J_D | −J_S | b]`: these lie in one piece, of a length that the compiler knows.
-    fn solve_rows<const K: usize>(&mut self, contact: &ContactState, b: &[f64]) -> bool {
-        let (jacobian, _) = contact.J.as_slice().as_chunks::<6>();
+    fn solve_rows<const K: usize>(&mut self, jacobian: &[[f64; 6]], b: &[f64]) -> bool {
         let (columns, _) = self.work.as_chunks_mut::<K>();
         let directions: [usize; K] = from_fn(|k| self.directions[k]);
         let (own, rest) = columns.split_at_mut(self.own.len());
@@ -141,5 +142,97 @@ impl EliminatedContact {
             }
         }
         true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::EliminatedContact;
+
+    /// A contact with these rows and joints of its own, of a robot with nine velocities.
+    fn contact(directions: &[usize], own: &[usize]) -> EliminatedContact {
+        let others: Vec<usize> = (0..9).filter(|v| !own.contains(v)).collect();
+        EliminatedContact {
+            entry: 0,
+            contact: 0,
+            directions: directions.to_vec(),
+            own: own.to_vec(),
+            others,
+            leading: 0,
+            live: false,
+            relation: vec![0.0; directions.len() * 10],
+            work: vec![0.0; directions.len() * 10],
+        }
+    }
+
+    fn jacobian(seed: usize) -> Vec<[f64; 6]> {
+        let entry = |v: usize, row: usize| {
+            ((7 * v * v + 13 * row + 5 * v * row * row + 29 * seed) as f64).sin()
+        };
+        let column = |v: usize| std::array::from_fn(|row| entry(v, row));
+        (0..9).map(column).collect()
+    }
+
+    #[test]
+    fn what_is_determined_keeps_the_rows() {
+        let own = [8, 3, 7, 1, 5, 2];
+        let directions: [&[usize]; 7] = [
+            &[2],
+            &[2, 4],
+            &[0, 1, 2],
+            &[2, 3, 4],
+            &[0, 2, 3, 5],
+            &[1, 2, 3, 4, 5],
+            &[0, 1, 2, 3, 4, 5],
+        ];
+        for seed in 0..20 {
+            let jacobian = jacobian(seed);
+            let b: Vec<f64> = (0..6).map(|k| ((seed + 5 * k) as f64).cos()).collect();
+            for directions in directions {
+                let rows = directions.len();
+                let mut contact = contact(directions, &own[..rows]);
+                let is_regular = match rows {
+                    1 => contact.solve_rows::<1>(&jacobian, &b),
+                    2 => contact.solve_rows::<2>(&jacobian, &b),
+                    3 => contact.solve_rows::<3>(&jacobian, &b),
+                    4 => contact.solve_rows::<4>(&jacobian, &b),
+                    5 => contact.solve_rows::<5>(&jacobian, &b),
+                    _ => contact.solve_rows::<6>(&jacobian, &b),
+                };
+                if !is_regular {
+                    continue;
+                }
+                let mut vdot: Vec<f64> = (0..9_usize).map(|v| (v as f64).cos()).collect();
+                for (k, &velocity) in contact.own.iter().enumerate() {
+                    let (relation, known) = contact.row(k);
+                    let terms = relation.iter().zip(&contact.others);
+                    vdot[velocity] = known + terms.map(|(g, &v)| g * vdot[v]).sum::<f64>();
+                }
+                for (&direction, b) in directions.iter().zip(&b) {
+                    let terms = jacobian.iter().zip(&vdot);
+                    let value: f64 = terms.map(|(column, v)| column[direction] * v).sum();
+                    assert!(
+                        (value - b).abs() < 1e-11,
+                        "{seed} {directions:?} {value} {b}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn most_of_these_are_regular_and_none_that_is_singular_or_has_a_nan() {
+        let regular = (0..20).filter(|&seed| {
+            contact(&[0, 1, 2], &[8, 3, 7]).solve_rows::<3>(&jacobian(seed), &[0.0; 3])
+        });
+        assert!(regular.count() > 15);
+        let mut same = jacobian(0);
+        same[3] = same[8];
+        assert!(!contact(&[0, 1, 2], &[8, 3, 7]).solve_rows::<3>(&same, &[0.0; 3]));
+        let mut none = jacobian(0);
+        none[3] = [f64::NAN; 6];
+        assert!(!contact(&[0, 1, 2], &[8, 3, 7]).solve_rows::<3>(&none, &[0.0; 3]));
+        let b = [0.0, f64::INFINITY, 0.0];
+        assert!(!contact(&[0, 1, 2], &[8, 3, 7]).solve_rows::<3>(&jacobian(0), &b));
     }
 }

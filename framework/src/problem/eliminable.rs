@@ -24,7 +24,7 @@ pub(crate) struct EliminatedContact {
     pub(crate) live: bool,
     /// `[G | g]`, row-major.
     pub(super) relation: Vec<f64>,
-    /// `[J_D | −J_S | b]`.
+    /// `[J_D | −J_S | b]`, column by column.
     pub(super) work: Vec<f64>,
 }
 
@@ -59,7 +59,7 @@ impl ContactElimination {
                     && !others.any(|(_, pattern)| pattern.velocities.contains(&velocity))
             };
             let own: Vec<usize> = carriers.iter().copied().filter(|&v| is_own(v)).collect();
-            if own.len() < directions.len() {
+            if !(1..=6).contains(&directions.len()) || own.len() < directions.len() {
                 continue;
             }
             let (rows, columns) = (directions.len(), carriers.len() + 1);

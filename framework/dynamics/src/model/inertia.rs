@@ -16,7 +16,7 @@ pub struct Inertia {
     pub mass: f64,
     /// First moment `m p_BBcm`, kg·m, body axes.
     pub first_moment: Vector3<f64>,
-    /// Rotational inertia about the body's **origin**, kg·m², body axes.
+    /// Rotational inertia about the body's **origin**, kg·m², body axes; symmetric.
     pub I_BBo: Matrix3<f64>,
 }
 
