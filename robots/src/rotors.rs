@@ -28,7 +28,7 @@
 //! ```
 
 use serde::Deserialize;
-use toml::Spanned;
+use toml::{Spanned, Value};
 use wbqp::{
     actuator::{Actuator, ActuatorKind, Reaction, Rotor},
     input,
@@ -38,7 +38,7 @@ use wbqp::{
     suggestion::suggestion,
 };
 
-use crate::{direction::direction, source::Source};
+use crate::{direction::direction, rotor_keys, source::Source};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -66,7 +66,7 @@ struct Defaults {
 struct Entry {
     name: Spanned<String>,
     frame: Option<Spanned<String>>,
-    reaction: Spanned<i64>,
+    reaction: Spanned<Value>,
     position: Option<Spanned<[f64; 3]>>,
     axis: Option<Spanned<[f64; 3]>>,
     thrust_coefficient: Option<Spanned<f64>>,
@@ -77,14 +77,20 @@ struct Entry {
 }
 
 #[derive(Clone, Copy, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "the least and the largest thrust, N: { min = …, max = … }"
+)]
 struct Range {
     min: f64,
     max: f64,
 }
 
 #[derive(Clone, Copy, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "two time constants, s: { rise = …, fall = … }"
+)]
 struct Lag {
     rise: f64,
     fall: f64,
@@ -106,12 +112,14 @@ pub fn attach(
         place: SourceLocation::file(file),
         what,
     })?;
-    let parsed: File = toml::from_str(text).map_err(|e| RobotError::Syntax {
-        place: e.span().map_or_else(
-            || SourceLocation::file(file),
-            |span| source.place(span.start),
-        ),
-        what: e.message().to_owned(),
+    let parsed: File = toml::from_str(text).map_err(|e| {
+        rotor_keys::refused(&source, &e).unwrap_or_else(|| RobotError::Syntax {
+            place: e.span().map_or_else(
+                || SourceLocation::file(file),
+                |span| source.place(span.start),
+            ),
+            what: e.message().to_owned(),
+        })
     })?;
     if parsed.rotor.is_empty() {
         return Err(RobotError::Syntax {
@@ -187,8 +195,8 @@ impl Checker<'_> {
             );
         }
         let reaction = match entry.reaction.get_ref() {
-            1 => Reaction::Positive,
-            -1 => Reaction::Negative,
+            Value::Integer(1) => Reaction::Positive,
+            Value::Integer(-1) => Reaction::Negative,
             other => {
                 return self.refuse(
                     &entry.reaction,

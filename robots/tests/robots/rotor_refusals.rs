@@ -68,7 +68,15 @@ fn malformed_toml() {
 fn unknown_keys() {
     refused(
         &format!("{DEFAULTS}{ROTOR}thrst = 1\n"),
-        &["r.toml:10:1", "`thrst`", "`thrust`"],
+        &[
+            "r.toml:10:1",
+            "rotor `left`: unknown field `thrst`; did you mean `thrust`?",
+            "position",
+        ],
+    );
+    refused(
+        &format!("{DEFAULTS}slw = 1\n{ROTOR}"),
+        &["r.toml:6:1: [defaults]: unknown field `slw`; did you mean `slew`?"],
     );
     refused(
         &format!("{DEFAULTS}name = 'x'\n{ROTOR}"),
@@ -83,6 +91,43 @@ fn unknown_keys() {
         &format!("{range}{ROTOR}"),
         &["r.toml:4:", "unknown field `mean`"],
     );
+}
+
+/// Every key that there is, where it may be, and nowhere else.
+#[test]
+fn known_keys_are_those_of_the_file() {
+    let all =
+        "frame = 'rotor_1'\nslew = 10.0\n".to_owned() + DEFAULTS.trim_start_matches("[defaults]\n");
+    let rotor = "name = 'left'\nreaction = 1\nposition = [0.0, 0.0, 0.1]\naxis = [0.0, 0.0, 1.0]\n";
+    load(&format!("[defaults]\n{all}[[rotor]]\n{rotor}{all}")).unwrap();
+    for line in rotor.lines() {
+        let key = line.split(' ').next().unwrap();
+        refused(
+            &format!("{DEFAULTS}{line}\n{ROTOR}"),
+            &[&format!("[defaults]: unknown field `{key}`")],
+        );
+    }
+}
+
+#[test]
+fn values_of_another_kind() {
+    for (line, words) in [
+        (
+            "thrust = 12.0",
+            "`thrust`: invalid type: floating point `12.0`, expected the least and",
+        ),
+        (
+            "time_constant = 0.0125",
+            "expected two time constants, s: { rise = …, fall = … }",
+        ),
+        ("axis = [0, 1]", "`axis`: invalid length 2"),
+        ("slew = 'fast'", "`slew`: invalid type: string \"fast\""),
+    ] {
+        refused(
+            &format!("{DEFAULTS}{ROTOR}{line}\n"),
+            &["r.toml:10:", "rotor `left`: ", words],
+        );
+    }
 }
 
 #[test]
@@ -116,9 +161,13 @@ fn missing_keys() {
     );
     for key in ["name", "reaction"] {
         let without = without(ROTOR, |line| line.starts_with(key));
+        let rotor = match key {
+            "name" => "a rotor without a name",
+            _ => "rotor `left`",
+        };
         refused(
             &format!("{DEFAULTS}{without}"),
-            &["r.toml:6:", &format!("missing field `{key}`")],
+            &["r.toml:6:", rotor, &format!("missing field `{key}`")],
         );
     }
 }
@@ -165,7 +214,10 @@ fn reaction_is_a_sign() {
         );
     }
     let rotor = ROTOR.replace("-1", "'ccw'");
-    refused(&format!("{DEFAULTS}{rotor}"), &["r.toml:9:12", "ccw"]);
+    refused(
+        &format!("{DEFAULTS}{rotor}"),
+        &["r.toml:9:12: rotor `left`: reaction is \"ccw\", must be 1"],
+    );
 }
 
 #[test]
