@@ -66,8 +66,8 @@ const SMALL: f64 = 1e-6;
 
 /// The angle between two orientations, rad, if it is above a limit; neither need be of unit length.
 ///
-/// `θ ≤ π sin ½θ` tells most of those that are below it without an arctangent: the sine follows from the two quaternions'
-/// product, `cos ½θ = a·b / (‖a‖ ‖b‖)`, as far as it is more than rounding.
+/// `θ ≤ π sin ½θ` tells most of those that are below it without an arctangent: the sine follows from the product of the
+/// two quaternions, `cos ½θ = a·b / (‖a‖ ‖b‖)`, as far as it is more than rounding.
 pub fn angle_above(
     R_WA: &UnitQuaternion<f64>,
     R_WB: &UnitQuaternion<f64>,
