@@ -26,6 +26,7 @@ mod direction;
 mod library;
 mod options;
 mod plugins;
+mod rotor_doubts;
 mod rotor_keys;
 pub mod rotors;
 mod size;

@@ -11,6 +11,7 @@ use wbqp::{
 
 use crate::{
     options::Options,
+    rotor_doubts::doubts,
     rotors,
     srdf::{self, GroupState},
     urdf,
@@ -94,22 +95,15 @@ impl RobotFiles {
         };
         let robot = urdf::robot(&urdf.name, &urdf.contents, options, &state)?;
         let motors = motors(&urdf.name, &robot)?;
-        let (model, mut actuators) = match &rotors {
+        let mut diagnostics = robot.diagnostics;
+        let (model, mut actuators, places) = match &rotors {
             Some(rotors) => rotors::attach(&rotors.name, &rotors.contents, robot.model)?,
-            None => (robot.model, Vec::new()),
+            None => (robot.model, Vec::new(), Vec::new()),
         };
         if let Some(thrust_max) = options.thrust_max {
             limit_thrust(&mut actuators, thrust_max)?;
         }
-        let is_taken = |rotor: &&Actuator| motors.iter().any(|motor| motor.name == rotor.name);
-        if let Some(rotor) = actuators.iter().find(is_taken) {
-            let file = rotors.as_ref().map_or(&urdf.name, |r| &r.name);
-            return Err(RobotError::Element {
-                place: wbqp::robot::SourceLocation::file(file),
-                element: format!("rotor `{}`", rotor.name),
-                what: "a joint has the same name; give each actuator a name of its own".into(),
-            });
-        }
+        diagnostics.extend(doubts(&model, &robot.home, &actuators, &places));
         actuators.extend(motors);
         let sources = std::iter::once(urdf).chain(rotors).chain(srdf);
         Ok(RobotModel {
@@ -118,7 +112,7 @@ impl RobotFiles {
             home: robot.home,
             base_is_placed: robot.base_is_placed,
             sources: sources.collect(),
-            diagnostics: robot.diagnostics,
+            diagnostics,
         })
     }
 }

@@ -32,7 +32,7 @@ use toml::{Spanned, Value};
 use wbqp::{
     actuator::{Actuator, ActuatorKind, Reaction, Rotor},
     input,
-    model::{FrameId, Model},
+    model::Model,
     nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3},
     robot::{RobotError, SourceLocation},
     suggestion::suggestion,
@@ -96,17 +96,18 @@ struct Lag {
     fall: f64,
 }
 
-/// Reads the text of a rotor parameter file into actuators, in the file's order; `file` is its name, for messages. The
-/// model gets a frame for each rotor that is placed by `position` or `axis`.
+/// Reads the text of a rotor parameter file into actuators, in the file's order, and where each of them is in it; `file`
+/// is its name, for messages. The model gets a frame for each rotor that is placed by `position` or `axis`.
 ///
 /// # Errors
-/// The first thing that is wrong: an unknown key, a key that neither the rotor nor `[defaults]` has, a frame
-/// that `model` does not have, a name or frame used twice, a value that no rotor has, no rotor at all.
+/// The first thing that is wrong with each rotor: a key that neither it nor `[defaults]` has, a frame that `model` does
+/// not have, a name or frame used twice, a joint's name, a value that no rotor has. Before that the first thing that is
+/// wrong with the file: an unknown key, a value of another kind, no rotor at all.
 pub fn attach(
     file: &str,
     text: &str,
     mut model: Model,
-) -> Result<(Model, Vec<Actuator>), RobotError> {
+) -> Result<(Model, Vec<Actuator>, Vec<SourceLocation>), RobotError> {
     let source = Source::new(file, text);
     input::check_toml(text).map_err(|what| RobotError::Syntax {
         place: SourceLocation::file(file),
@@ -128,20 +129,38 @@ pub fn attach(
         });
     }
     let mut actuators: Vec<Actuator> = Vec::with_capacity(parsed.rotor.len());
+    let mut places = Vec::with_capacity(parsed.rotor.len());
+    let mut errors: Vec<(usize, RobotError)> = Vec::new();
     for entry in &parsed.rotor {
         let rotor = Checker {
             source: &source,
             element: format!("rotor `{}`", entry.get_ref().name.get_ref()),
             offset: entry.span().start,
         };
-        let mut actuator = rotor.actuator(entry.get_ref(), &parsed.defaults, &model, &actuators)?;
-        if let ActuatorKind::Rotor(at) = &mut actuator.kind {
-            (model, at.frame) = rotor.place(entry.get_ref(), model, at.frame)?;
+        match rotor.actuator(entry.get_ref(), &parsed.defaults, &model, &actuators) {
+            Ok((mut actuator, pose)) => {
+                if let (ActuatorKind::Rotor(at), Some(pose)) = (&mut actuator.kind, &pose) {
+                    (model, at.frame) = model
+                        .with_frame(&actuator.name, at.frame, pose)
+                        .map_err(|error| rotor.error(rotor.offset, error.to_string()))?;
+                }
+                actuators.push(actuator);
+            }
+            // What is wrong with a default is wrong once.
+            Err((at, _)) if errors.iter().any(|(other, _)| *other == at) => {}
+            Err(error) => errors.push(error),
         }
-        actuators.push(actuator);
+        places.push(source.place(rotor.offset));
     }
-    Ok((model, actuators))
+    let errors = errors.into_iter().map(|(_, error)| error).collect();
+    match RobotError::of(errors) {
+        Some(error) => Err(error),
+        None => Ok((model, actuators, places)),
+    }
 }
+
+/// Why a rotor is refused, and the byte offset of it.
+type Refusal = (usize, RobotError);
 
 /// Checks one rotor and names it in errors.
 struct Checker<'a> {
@@ -151,13 +170,14 @@ struct Checker<'a> {
 }
 
 impl Checker<'_> {
+    /// The rotor, and where it is in the frame that it has so far, if not at its origin along +z.
     fn actuator(
         &self,
         entry: &Entry,
         defaults: &Defaults,
         model: &Model,
         others: &[Actuator],
-    ) -> Result<Actuator, RobotError> {
+    ) -> Result<(Actuator, Option<Isometry3<f64>>), Refusal> {
         let name = entry.name.get_ref();
         if name.trim().is_empty() {
             return self.refuse(&entry.name, "`name` is empty");
@@ -166,6 +186,12 @@ impl Checker<'_> {
             return self.refuse(
                 &entry.name,
                 "is defined twice; give each rotor a name of its own",
+            );
+        }
+        if model.joint(name).is_some() {
+            return self.refuse(
+                &entry.name,
+                "a joint has the same name; give each actuator a name of its own",
             );
         }
         let named = self.required("frame", entry.frame.as_ref(), defaults.frame.as_ref())?;
@@ -240,7 +266,8 @@ impl Checker<'_> {
             Some(_) => self.positive("slew", entry.slew.as_ref(), defaults.slew.as_ref())?,
             None => f64::INFINITY,
         };
-        Ok(Actuator {
+        let pose = self.pose(entry, model)?;
+        let actuator = Actuator {
             name: name.clone(),
             kind: ActuatorKind::Rotor(Rotor {
                 frame,
@@ -253,18 +280,14 @@ impl Checker<'_> {
             lower: min,
             upper: max,
             slew,
-        })
+        };
+        Ok((actuator, pose))
     }
 
-    /// The rotor's frame: the one it names, or one of its own in it.
-    fn place(
-        &self,
-        entry: &Entry,
-        model: Model,
-        frame: FrameId,
-    ) -> Result<(Model, FrameId), RobotError> {
+    /// Of a rotor that is placed in the frame which it names.
+    fn pose(&self, entry: &Entry, model: &Model) -> Result<Option<Isometry3<f64>>, Refusal> {
         if entry.position.is_none() && entry.axis.is_none() {
-            return Ok((model, frame));
+            return Ok(None);
         }
         let position = entry.position.as_ref().map_or([0.0; 3], |p| *p.get_ref());
         if let Some(at) = &entry.position
@@ -278,11 +301,7 @@ impl Checker<'_> {
             .map_or(Vector3::z(), |a| Vector3::from(*a.get_ref()));
         let Some(thrust) = direction(axis) else {
             let at = entry.axis.as_ref().map_or(self.offset, |a| a.span().start);
-            return self.source.refuse(
-                at,
-                &self.element,
-                "axis needs finite numbers and a direction",
-            );
+            return self.refuse_at(at, "axis needs finite numbers and a direction");
         };
         // About the axis, a rotor is the same from all sides.
         let half_turn =
@@ -291,16 +310,25 @@ impl Checker<'_> {
             UnitQuaternion::rotation_between(&Vector3::z(), &thrust).unwrap_or_else(half_turn);
         let pose = Isometry3::from_parts(Translation3::from(position), rotation);
         let name = entry.name.get_ref();
-        model.with_frame(name, frame, &pose).or_else(|_| {
-            self.refuse(
+        if model.frame(name).is_some() {
+            return self.refuse(
                 &entry.name,
                 format!("a frame of the robot is called `{name}` already; give the rotor a name of its own"),
-            )
-        })
+            );
+        }
+        Ok(Some(pose))
     }
 
-    fn refuse<T, S>(&self, at: &Spanned<S>, what: impl Into<String>) -> Result<T, RobotError> {
-        self.source.refuse(at.span().start, &self.element, what)
+    fn refuse<T, S>(&self, at: &Spanned<S>, what: impl Into<String>) -> Result<T, Refusal> {
+        self.refuse_at(at.span().start, what)
+    }
+
+    fn refuse_at<T>(&self, offset: usize, what: impl Into<String>) -> Result<T, Refusal> {
+        Err((offset, self.error(offset, what)))
+    }
+
+    fn error(&self, offset: usize, what: impl Into<String>) -> RobotError {
+        self.source.error(offset, &self.element, what)
     }
 
     /// The rotor's own value, or the default.
@@ -309,14 +337,12 @@ impl Checker<'_> {
         key: &str,
         own: Option<&'v Spanned<T>>,
         default: Option<&'v Spanned<T>>,
-    ) -> Result<&'v Spanned<T>, RobotError> {
-        own.or(default).ok_or_else(|| {
-            self.source.error(
-                self.offset,
-                &self.element,
-                format!("`{key}` is missing; give it here or in [defaults]"),
-            )
-        })
+    ) -> Result<&'v Spanned<T>, Refusal> {
+        let missing = || format!("`{key}` is missing; give it here or in [defaults]");
+        match own.or(default) {
+            Some(value) => Ok(value),
+            None => self.refuse_at(self.offset, missing()),
+        }
     }
 
     fn positive(
@@ -324,7 +350,7 @@ impl Checker<'_> {
         key: &str,
         own: Option<&Spanned<f64>>,
         default: Option<&Spanned<f64>>,
-    ) -> Result<f64, RobotError> {
+    ) -> Result<f64, Refusal> {
         let value = self.required(key, own, default)?;
         let number = *value.get_ref();
         if number.is_finite() && number > 0.0 {

@@ -80,11 +80,11 @@ impl ArticulatedInertia {
 
     /// Adds a child's inertia given about the child's origin at `r`.
     fn add_child(&mut self, child: &ArticulatedInertia, r: &Vector3<f64>) {
-        let S_r = skew(r);
-        let la = child.la - child.ll * S_r;
+        // `A [r]×` is `−([r]× Aᵀ)ᵀ`.
+        let la = child.la + turned(r, &child.ll.transpose()).transpose();
         self.ll += child.ll;
         self.la += la;
-        self.aa += child.aa + S_r * la - child.la.transpose() * S_r;
+        self.aa += child.aa + turned(r, &la) + turned(r, &child.la).transpose();
     }
 
     /// The acceleration that a force gives to the free body; not finite if the inertia is not.
@@ -106,6 +106,11 @@ impl ArticulatedInertia {
             angular: a.fixed_rows::<3>(3).into_owned(),
         }
     }
+}
+
+/// `[r]× A`, without the products with zeros.
+fn turned(r: &Vector3<f64>, A: &Matrix3<f64>) -> Matrix3<f64> {
+    Matrix3::from_columns(&[0, 1, 2].map(|j| r.cross(&A.column(j))))
 }
 
 impl ArticulatedLink {

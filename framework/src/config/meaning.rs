@@ -11,6 +11,7 @@
 //! | gains, 1/s, 1/s², 1/s³ | above (2 rate)ⁿ: no discrete loop is stable with that | a million times as much |
 //! | a time, s | above a month | below 1 ns unless zero, above a million years |
 //! | anything else with a unit | above the limit in [`largest`] | a million times as much |
+//! | `rate`, Hz | below 1 | below 0.1: a period |
 
 use std::sync::OnceLock;
 
@@ -63,6 +64,11 @@ fn largest(unit: &str) -> Option<f64> {
     })
 }
 
+/// Nobody controls a robot less often, Hz.
+const SLOW: f64 = 1.0;
+/// Below this a rate is a period, Hz.
+const PERIOD: f64 = 0.1;
+
 /// Looks at every number of a document whose unit its schema knows. What cannot be meant goes to the report, what may
 /// be a mistake is given back.
 pub(super) fn check(document: &Document<'_>, report: &mut Report<'_>) -> Vec<Diagnostic> {
@@ -80,6 +86,7 @@ pub(super) fn check(document: &Document<'_>, report: &mut Report<'_>) -> Vec<Dia
     };
     let settings = SETTINGS.get_or_init(schema_of::<Settings>);
     if let Some(section) = &document.controller {
+        check.slow_rate(section);
         let at = At::subject("controller");
         check.table(&at, Node::root(settings), &section.keys, None);
     }
@@ -121,6 +128,23 @@ struct Remark {
 }
 
 impl Check<'_, '_> {
+    /// A period where a rate belongs.
+    fn slow_rate(&mut self, section: &Section<'_>) {
+        if let (Some(value), Some(rate)) = (section.keys.get("rate"), self.rate)
+            && rate < SLOW
+        {
+            let remark = Remark {
+                found: format!("is {rate} Hz: a tick every {} s", 1.0 / rate),
+                remedy: format!(
+                    "it counts in Hz: a period of {rate} s is a rate of {}",
+                    1.0 / rate
+                ),
+                is_refused: rate < PERIOD,
+            };
+            self.say(&At::subject("controller").key("rate"), value.span(), remark);
+        }
+    }
+
     fn single<P: PluginKind + ?Sized>(&mut self, section: Option<&Section<'_>>) {
         if let Some(section) = section {
             let at = At::subject(entry::subject(P::NAME, None, section));

@@ -11,10 +11,13 @@ mod outline;
 
 use std::{
     collections::HashSet,
+    ffi::OsStr,
     fs::{self, File, FileType, Metadata},
     io::{self, ErrorKind, Read as _},
     path::Path,
 };
+
+use crate::suggestion::hint;
 
 pub use memory::keep;
 pub use outline::{Enough, IsText, Mark, outline};
@@ -62,11 +65,41 @@ pub fn open(path: &Path) -> io::Result<File> {
 
 fn open_regular(path: &Path) -> io::Result<(File, Metadata)> {
     // Before it is opened: opening a pipe waits for somebody who writes.
-    regular(fs::metadata(path)?.file_type())?;
+    let about = fs::metadata(path).map_err(|error| with_hint(error, path))?;
+    regular(about.file_type())?;
     let file = File::open(path)?;
     let metadata = file.metadata()?;
     regular(metadata.file_type())?;
     Ok((file, metadata))
+}
+
+/// Files of a folder among which the one that was meant is looked for.
+const NEIGHBOURS: usize = 1000;
+
+/// Of a file that is not there: which one beside it was probably meant.
+fn with_hint(error: io::Error, path: &Path) -> io::Error {
+    let name = path.file_name().and_then(OsStr::to_str);
+    let (ErrorKind::NotFound, Some(name)) = (error.kind(), name) else {
+        return error;
+    };
+    let folder = match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    let Ok(files) = fs::read_dir(folder) else {
+        return error;
+    };
+    let names = files.take(NEIGHBOURS).flatten();
+    let mut names: Vec<String> = names
+        .filter_map(|file| file.file_name().into_string().ok())
+        .collect();
+    // A folder lists its files in any order.
+    names.sort_unstable();
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    match hint(name, &names).as_str() {
+        "" => error,
+        hint => io::Error::new(ErrorKind::NotFound, format!("{error}{hint}")),
+    }
 }
 
 /// The text of a file of at most [`LARGEST_TEXT`] bytes.
@@ -277,6 +310,32 @@ mod tests {
             "is not text: line 3 is not UTF-8"
         );
         fs::remove_file(path).expect("is there");
+    }
+
+    #[test]
+    fn what_is_not_there_is_told_with_what_is() {
+        let path = file("stand.toml", b"");
+        let near = path.with_file_name(
+            path.file_name()
+                .expect("one")
+                .to_string_lossy()
+                .replace("stand", "stnd"),
+        );
+        let words = refusal(read_text(&near));
+        let own = path
+            .file_name()
+            .expect("one")
+            .to_string_lossy()
+            .into_owned();
+        assert!(
+            words.ends_with(&format!("; did you mean `{own}`?")),
+            "{words}"
+        );
+        fs::remove_file(path).expect("is there");
+        for far in ["/nowhere/stand.toml", "/", "..", ""] {
+            let words = refusal(read_text(Path::new(far)));
+            assert!(!words.contains("did you mean"), "{far}: {words}");
+        }
     }
 
     #[test]

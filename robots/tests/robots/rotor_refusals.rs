@@ -263,6 +263,74 @@ fn impossible_time_constants() {
     }
 }
 
+/// Of each rotor the first; of a default once, however many use it.
+#[test]
+fn everything_that_is_wrong_is_said() {
+    let right = ROTOR.replace("left", "right").replace("rotor_1", "rotor2");
+    let up = ROTOR.replace("left", "up").replace("-1", "3");
+    refused(
+        &format!(
+            "{DEFAULTS}{}{right}{up}",
+            ROTOR.replace("rotor_1", "rotor1")
+        ),
+        &[
+            "r.toml:8:9: rotor `left`: robot `othex` has no frame `rotor1`",
+            "r.toml:12:9: rotor `right`: robot `othex` has no frame `rotor2`",
+            "r.toml:17:12: rotor `up`: reaction is 3",
+        ],
+    );
+    let defaults = DEFAULTS.replace("2.5e-5", "-2.5e-5");
+    let right = ROTOR.replace("left", "right").replace("rotor_1", "rotor_2");
+    let message = load(&format!("{defaults}{ROTOR}{right}")).expect_err("is wrong");
+    assert_eq!(message.to_string().lines().count(), 1, "{message}");
+}
+
+/// Numbers that can be computed with and are of other units than the file's, each with its rotor.
+#[test]
+fn what_is_not_likely_to_be_meant_is_said() {
+    let warnings = |rotors: String| -> Vec<String> {
+        let robot = load(&rotors).expect("is taken");
+        robot.diagnostics.iter().map(ToString::to_string).collect()
+    };
+    assert_eq!(warnings(format!("{DEFAULTS}{ROTOR}")), Vec::<String>::new());
+    for (line, found) in [
+        (
+            "frame = 'base_link'\nposition = [215.0, 0.0, 0.0]",
+            "it is 215 m from the body that carries it: used as it is; `position` and the URDF's `xyz` are in metres",
+        ),
+        (
+            "thrust_coefficient = 2.75e-7",
+            "with thrust_coefficient 2.75e-7 its largest thrust, 10 N, takes 6.030e3 rad/s: the tips of usual blades \
+             would move at 298 m/s: used as it is; the coefficient is in N/(rad/s)²",
+        ),
+        (
+            "moment_coefficient = 4.8e-7",
+            "its reaction torque is 4.8e-7 N·m per newton of thrust: used as it is; moment_coefficient is in m",
+        ),
+        (
+            "time_constant = { rise = 12.5, fall = 25.0 }",
+            "its thrust follows with a time constant of 25 s: used as it is; time_constant is in seconds",
+        ),
+        (
+            "axis = [0.0, 0.0, -1.0]",
+            "at home it thrusts downwards: used as it is; thrust is along +z of its frame, or along `axis` in it",
+        ),
+    ] {
+        let rotor = ROTOR.replace("frame = 'rotor_1'\n", "");
+        let frame = if line.starts_with("frame") {
+            ""
+        } else {
+            "frame = 'rotor_1'\n"
+        };
+        let all = warnings(format!("{DEFAULTS}{rotor}{frame}{line}\n"));
+        let said = format!("r.toml:6:1: warning: rotor `left`: {found}");
+        assert!(
+            all.len() == 1 && all[0].starts_with(&said),
+            "{line}: {all:#?}"
+        );
+    }
+}
+
 /// A wrong default is shown where it stands, with the rotor that uses it.
 #[test]
 fn impossible_default() {
@@ -292,7 +360,7 @@ fn duplicates() {
     let joint = ROTOR.replace("left", "arm_roll");
     refused(
         &format!("{DEFAULTS}{joint}"),
-        &["r.toml", "rotor `arm_roll`", "a joint has the same name"],
+        &["r.toml:8:8: rotor `arm_roll`: a joint has the same name"],
     );
 }
 

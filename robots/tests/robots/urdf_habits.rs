@@ -258,6 +258,33 @@ fn limits_that_say_nothing_are_none() {
 }
 
 #[test]
+fn ranges_in_degrees_are_said() {
+    let with = |range: &str| {
+        arm(
+            "revolute",
+            &format!("<limit {range} effort=\"5\" velocity=\"3\"/>"),
+        )
+    };
+    let robot = warned(
+        &with(r#"lower="-90" upper="90""#),
+        &[
+            "r.urdf:4:",
+            "joint `elbow`: its range, -90 to 90 rad, is 29 turns: used as it is",
+            "angles are in radians",
+        ],
+    );
+    assert_eq!(robot.model.joints()[0].limits.upper, 90.0);
+    // Turns of a cable, none, and one that turns for ever as some files say it.
+    for range in ["-6.2832", "-9.42", "-1e16"] {
+        let range = format!("lower=\"{range}\" upper=\"{}\"", &range[1..]);
+        assert!(load(&with(&range)).diagnostics.is_empty(), "{range}");
+    }
+    let given = toml("range.elbow = [-1.5, 1.5]");
+    let robot = load_with(&with(r#"lower="-90" upper="90""#), &given);
+    assert!(robot.diagnostics.is_empty(), "{:#?}", robot.diagnostics);
+}
+
+#[test]
 fn a_moving_link_without_mass_needs_what_it_carries() {
     let chain = |last: &str| {
         robot(

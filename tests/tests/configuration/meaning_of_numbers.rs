@@ -118,6 +118,12 @@ fn what_cannot_be_meant_is_refused_at_its_place() {
             "duration = 1e-300",
             "reference.duration: is 1e-300 s: shorter than any period",
         ),
+        (
+            "rate = 500.0",
+            "rate = 0.002",
+            "x.toml:2:8: [controller]: rate: is 0.002 Hz: a tick every 500 s; it counts in Hz: a period of 0.002 s is \
+             a rate of 500",
+        ),
     ] {
         let error = load(&with(old, new)).expect_err(new);
         assert!(error.contains(said), "{new}:\n{error}");
@@ -151,6 +157,11 @@ fn what_may_be_a_mistake_is_said_and_taken() {
             "kp = 100.0",
             "kp = 100.0\ntransition = 1e8",
             "transition is 1e8 s: longer than any run",
+        ),
+        (
+            "rate = 500.0",
+            "rate = 0.5",
+            "x.toml:2:8: warning: [controller]: rate is 0.5 Hz: a tick every 2 s",
         ),
     ] {
         let warnings = load(&with(old, new)).expect(new);

@@ -63,12 +63,32 @@ impl Reader<'_, '_> {
             }
             _ => [None; 2],
         };
+        if let (Kind::Revolute, Some(from), Some(to)) = (kind, lower, upper) {
+            self.doubt_degrees(limit, from, to);
+        }
         Limit {
             offset: limit.range().start,
             lower,
             upper,
             velocity,
             effort,
+        }
+    }
+
+    /// Several turns, to round numbers of degrees.
+    fn doubt_degrees(&mut self, limit: Node<'_, '_>, from: f64, to: f64) {
+        let is_round = |x: f64| x.abs() <= 360.0 && x % 5.0 == 0.0;
+        let turns = (to - from) / std::f64::consts::TAU;
+        if turns > 3.0 && is_round(from) && is_round(to) {
+            self.repair(
+                limit,
+                Irregularity::warning(
+                    format!("its range, {from} to {to} rad, is {turns:.0} turns"),
+                    "used as it is",
+                )
+                .remedy("angles are in radians; the robot's option `range` says otherwise")
+                .unless_given([Quantity::Range]),
+            );
         }
     }
 
