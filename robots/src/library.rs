@@ -103,7 +103,19 @@ impl RobotFiles {
         if let Some(thrust_max) = options.thrust_max {
             limit_thrust(&mut actuators, thrust_max)?;
         }
-        diagnostics.extend(doubts(&model, &robot.home, &actuators, &places));
+        let doubts = doubts(&model, &robot.home, &actuators, &places);
+        if options.strict {
+            let errors = doubts.into_iter().map(|doubt| RobotError::Element {
+                place: doubt.place,
+                element: doubt.element,
+                what: format!("{}; {}", doubt.found, doubt.remedy),
+            });
+            if let Some(error) = RobotError::of(errors.collect()) {
+                return Err(error);
+            }
+        } else {
+            diagnostics.extend(doubts);
+        }
         actuators.extend(motors);
         let sources = std::iter::once(urdf).chain(rotors).chain(srdf);
         Ok(RobotModel {

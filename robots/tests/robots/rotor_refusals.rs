@@ -328,6 +328,17 @@ fn what_is_not_likely_to_be_meant_is_said() {
             all.len() == 1 && all[0].starts_with(&said),
             "{line}: {all:#?}"
         );
+        let strict = Options {
+            strict: true,
+            ..Options::default()
+        };
+        let rotors = source("r.toml", &format!("{DEFAULTS}{rotor}{frame}{line}\n"));
+        let refused = from_sources(source("r.urdf", URDF), Some(rotors), &strict);
+        let message = refused.expect_err("is refused").to_string();
+        assert!(
+            message.starts_with("r.toml:6:1: rotor `left`: "),
+            "{message}"
+        );
     }
 }
 
@@ -360,7 +371,7 @@ fn duplicates() {
     let joint = ROTOR.replace("left", "arm_roll");
     refused(
         &format!("{DEFAULTS}{joint}"),
-        &["r.toml:8:8: rotor `arm_roll`: a joint has the same name"],
+        &["r.toml:7:8: rotor `arm_roll`: a joint has the same name"],
     );
 }
 

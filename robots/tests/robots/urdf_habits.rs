@@ -275,7 +275,7 @@ fn ranges_in_degrees_are_said() {
     );
     assert_eq!(robot.model.joints()[0].limits.upper, 90.0);
     // Turns of a cable, none, and one that turns for ever as some files say it.
-    for range in ["-6.2832", "-9.42", "-1e16"] {
+    for range in ["-6.2832", "-9.42", "-10", "-1e16"] {
         let range = format!("lower=\"{range}\" upper=\"{}\"", &range[1..]);
         assert!(load(&with(&range)).diagnostics.is_empty(), "{range}");
     }

@@ -121,7 +121,7 @@ fn what_cannot_be_meant_is_refused_at_its_place() {
         (
             "rate = 500.0",
             "rate = 0.002",
-            "x.toml:2:8: [controller]: rate: is 0.002 Hz: a tick every 500 s; it counts in Hz: a period of 0.002 s is \
+            "x.toml:2:8: controller: rate: is 0.002 Hz: a tick every 500 s; it counts in Hz: a period of 0.002 s is \
              a rate of 500",
         ),
     ] {
@@ -160,8 +160,8 @@ fn what_may_be_a_mistake_is_said_and_taken() {
         ),
         (
             "rate = 500.0",
-            "rate = 0.5",
-            "x.toml:2:8: warning: [controller]: rate is 0.5 Hz: a tick every 2 s",
+            "rate = 0.5\nvelocity_leak = 3.0",
+            "x.toml:2:8: warning: controller: rate is 0.5 Hz: a tick every 2 s",
         ),
     ] {
         let warnings = load(&with(old, new)).expect(new);

@@ -75,19 +75,18 @@ impl Reader<'_, '_> {
         }
     }
 
-    /// Several turns, to round numbers of degrees.
+    /// Many turns, to round numbers of degrees. (Some robots' ranges are -10 to 10 rad, and meant.)
     fn doubt_degrees(&mut self, limit: Node<'_, '_>, from: f64, to: f64) {
         let is_round = |x: f64| x.abs() <= 360.0 && x % 5.0 == 0.0;
         let turns = (to - from) / std::f64::consts::TAU;
-        if turns > 3.0 && is_round(from) && is_round(to) {
+        if turns > 4.0 && is_round(from) && is_round(to) {
+            let found = format!("its range, {from} to {to} rad, is {turns:.0} turns");
             self.repair(
                 limit,
-                Irregularity::warning(
-                    format!("its range, {from} to {to} rad, is {turns:.0} turns"),
-                    "used as it is",
-                )
-                .remedy("angles are in radians; the robot's option `range` says otherwise")
-                .unless_given([Quantity::Range]),
+                Irregularity::warning(found.clone(), "used as it is")
+                    .remedy("angles are in radians; the robot's option `range` says otherwise")
+                    .unless_given([Quantity::Range])
+                    .refused_as(found),
             );
         }
     }
