@@ -30,9 +30,12 @@ pub(crate) fn doubts(
     rotors: &[Actuator],
     places: &[SourceLocation],
 ) -> Vec<Diagnostic> {
-    let mut data = Data::new(model);
-    data.update(model, home);
     let mut doubts = Vec::new();
+    if rotors.is_empty() {
+        return doubts;
+    }
+    let mut data = Data::new(model);
+    data.update_kinematics(model, home);
     for (actuator, place) in rotors.iter().zip(places) {
         let ActuatorKind::Rotor(rotor) = &actuator.kind else {
             continue;

@@ -102,7 +102,8 @@ struct Lag {
 /// # Errors
 /// The first thing that is wrong with each rotor: a key that neither it nor `[defaults]` has, a frame that `model` does
 /// not have, a name or frame used twice, a joint's name, a value that no rotor has. Before that the first thing that is
-/// wrong with the file: an unknown key, a value of another kind, no rotor at all.
+/// wrong with the file: an unknown key, a value of another kind, no rotor at all. After ten wrong rotors no further one
+/// is looked at.
 pub fn attach(
     file: &str,
     text: &str,
@@ -151,6 +152,11 @@ pub fn attach(
             Err(error) => errors.push(error),
         }
         places.push(source.place(rotor.offset));
+        if errors.len() == TOLD {
+            let what = format!("{TOLD} rotors above are wrong: no further one is looked at");
+            errors.push((rotor.offset, rotor.error(rotor.offset, what)));
+            break;
+        }
     }
     let errors = errors.into_iter().map(|(_, error)| error).collect();
     match RobotError::of(errors) {
@@ -158,6 +164,9 @@ pub fn attach(
         None => Ok((model, actuators, places)),
     }
 }
+
+/// Wrong rotors that are told: for each a right name is looked for among all of the robot's.
+const TOLD: usize = 10;
 
 /// Why a rotor is refused, and the byte offset of it.
 type Refusal = (usize, RobotError);

@@ -283,6 +283,18 @@ fn everything_that_is_wrong_is_said() {
     let right = ROTOR.replace("left", "right").replace("rotor_1", "rotor_2");
     let message = load(&format!("{defaults}{ROTOR}{right}")).expect_err("is wrong");
     assert_eq!(message.to_string().lines().count(), 1, "{message}");
+    let many: String = (0..30)
+        .map(|i| {
+            ROTOR
+                .replace("left", &format!("r{i}"))
+                .replace("rotor_1", "rotor1")
+        })
+        .collect();
+    let message = load(&format!("{DEFAULTS}{many}"))
+        .expect_err("is wrong")
+        .to_string();
+    assert_eq!(message.lines().count(), 11, "{message}");
+    assert!(message.ends_with("10 rotors above are wrong: no further one is looked at"));
 }
 
 /// Numbers that can be computed with and are of other units than the file's, each with its rotor.
