@@ -96,8 +96,8 @@ struct Lag {
     fall: f64,
 }
 
-/// Reads the text of a rotor parameter file into actuators, in the file's order, and where each of them is in it; `file`
-/// is its name, for messages. The model gets a frame for each rotor that is placed by `position` or `axis`.
+/// Reads the text of a rotor parameter file into actuators, in the file's order, and where each of them is in it;
+/// `file` is its name, for messages. The model gets a frame for each rotor that is placed by `position` or `axis`.
 ///
 /// # Errors
 /// The first thing that is wrong with each rotor: a key that neither it nor `[defaults]` has, a frame that `model` does
