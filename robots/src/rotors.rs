@@ -27,12 +27,14 @@
 //! reaction = 1
 //! ```
 
+use std::collections::{BTreeMap, HashSet};
+
 use serde::Deserialize;
 use toml::{Spanned, Value};
 use wbqp::{
     actuator::{Actuator, ActuatorKind, Reaction, Rotor},
     input,
-    model::Model,
+    model::{FrameId, Model},
     nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3},
     robot::{RobotError, SourceLocation},
     suggestion::suggestion,
@@ -132,19 +134,25 @@ pub fn attach(
     let mut actuators: Vec<Actuator> = Vec::with_capacity(parsed.rotor.len());
     let mut places = Vec::with_capacity(parsed.rotor.len());
     let mut errors: Vec<(usize, RobotError)> = Vec::new();
+    let mut taken = Taken::default();
     for entry in &parsed.rotor {
         let rotor = Checker {
             source: &source,
             element: format!("rotor `{}`", entry.get_ref().name.get_ref()),
             offset: entry.span().start,
         };
-        match rotor.actuator(entry.get_ref(), &parsed.defaults, &model, &actuators) {
+        match rotor.actuator(entry.get_ref(), &parsed.defaults, &model, &taken) {
             Ok((mut actuator, pose)) => {
-                if let (ActuatorKind::Rotor(at), Some(pose)) = (&mut actuator.kind, &pose) {
-                    (model, at.frame) = model
-                        .with_frame(&actuator.name, at.frame, pose)
-                        .map_err(|error| rotor.error(rotor.offset, error.to_string()))?;
+                let name = entry.get_ref().name.get_ref();
+                if let ActuatorKind::Rotor(at) = &mut actuator.kind {
+                    if let Some(pose) = &pose {
+                        (model, at.frame) = model
+                            .with_frame(name, at.frame, pose)
+                            .map_err(|error| rotor.error(rotor.offset, error.to_string()))?;
+                    }
+                    taken.frames.insert(at.frame, name);
                 }
+                taken.names.insert(name);
                 actuators.push(actuator);
             }
             // What is wrong with a default is wrong once.
@@ -171,6 +179,14 @@ const TOLD: usize = 10;
 /// Why a rotor is refused, and the byte offset of it.
 type Refusal = (usize, RobotError);
 
+/// What the rotors before one have.
+#[derive(Default)]
+struct Taken<'e> {
+    names: HashSet<&'e str>,
+    /// With the name of the rotor that each carries.
+    frames: BTreeMap<FrameId, &'e str>,
+}
+
 /// Checks one rotor and names it in errors.
 struct Checker<'a> {
     source: &'a Source<'a>,
@@ -185,13 +201,13 @@ impl Checker<'_> {
         entry: &Entry,
         defaults: &Defaults,
         model: &Model,
-        others: &[Actuator],
+        taken: &Taken<'_>,
     ) -> Result<(Actuator, Option<Isometry3<f64>>), Refusal> {
         let name = entry.name.get_ref();
         if name.trim().is_empty() {
             return self.refuse(&entry.name, "`name` is empty");
         }
-        if others.iter().any(|other| other.name == *name) {
+        if taken.names.contains(name.as_str()) {
             return self.refuse(
                 &entry.name,
                 "is defined twice; give each rotor a name of its own",
@@ -216,17 +232,11 @@ impl Checker<'_> {
                 ),
             );
         };
-        let same_frame = others.iter().find(
-            |other| matches!(&other.kind, ActuatorKind::Rotor(rotor) if rotor.frame == frame),
-        );
         let is_placed = entry.position.is_some() || entry.axis.is_some();
-        if let Some(other) = same_frame.filter(|_| !is_placed) {
+        if let Some(other) = taken.frames.get(&frame).filter(|_| !is_placed) {
             return self.refuse(
                 named,
-                format!(
-                    "frame `{frame_name}` already carries rotor `{}`",
-                    other.name
-                ),
+                format!("frame `{frame_name}` already carries rotor `{other}`"),
             );
         }
         let reaction = match entry.reaction.get_ref() {
