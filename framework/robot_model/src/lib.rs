@@ -8,7 +8,7 @@ pub use diagnostic::{Diagnostic, Severity};
 pub use error::RobotError;
 pub use source_location::SourceLocation;
 
-use std::{fmt, sync::Arc};
+use std::{collections::HashSet, fmt, sync::Arc};
 
 use serde::{Deserialize, Serialize};
 use wbqp_dynamics::{
@@ -132,14 +132,10 @@ impl RobotModel {
                 }
             }
         }
-        for (index, actuator) in self.actuators.iter().enumerate() {
+        let mut names = HashSet::new();
+        for actuator in &self.actuators {
             let name = &actuator.name;
-            if self
-                .actuators
-                .iter()
-                .take(index)
-                .any(|other| other.name == *name)
-            {
+            if !names.insert(name) {
                 problems.push(format!(
                     "actuator `{name}` is there twice; give each a name of its own"
                 ));
