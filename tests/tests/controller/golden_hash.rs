@@ -1,7 +1,7 @@
 //! A closed loop is a function of its files and its seed: the bits of all commands are the same in every run and in
 //! every build.
 //!
-//! `.ci/run` compares that of these tests with one for release; by hand:
+//! `.ci/run` compares the build of these tests with one for release; by hand, two for release:
 //! ```sh
 //! cargo run --release --bin tick_stats -- --robot othex --ticks 5000 --hash
 //! RUSTFLAGS="-C target-cpu=native" cargo run --release --target-dir target/native --bin tick_stats -- \
