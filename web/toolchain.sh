@@ -1,5 +1,5 @@
-# Sourced by what compiles for browsers, in the workspace's folder: sets `target`, the command `cargo` with `options` and
-# `folder`, where it builds, and what all of it is compiled with, so that nothing is compiled twice.
+# Sourced by what compiles for browsers, in the workspace's folder: sets `target`, the command `cargo` with `options`
+# and `folder`, where it builds, and what all of it is compiled with, so that nothing is compiled twice.
 # The toolchain is rustup's where it offers the target; else Debian's, which compiles the standard library too.
 # Ends with 3 where neither can be had.
 
