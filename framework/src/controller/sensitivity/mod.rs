@@ -20,8 +20,10 @@
 
 mod active;
 mod before;
+mod change;
 mod effect;
 mod factor;
+mod key_numbers;
 mod lines;
 mod notes;
 mod parameters;

@@ -1,22 +1,23 @@
 //! What the optimum of a tick is differentiated by: weights, gains, references, the measured state and wrenches.
 
-use std::any::Any;
-
-use nalgebra::{UnitQuaternion, Vector3};
-
-use super::super::{Controller, Measurement};
+use super::{
+    change::{Change, Measured, Moved, Part},
+    key_numbers,
+};
 use crate::{
-    plugin::{AnyConstraint, AnyTask, Layout, RotationSample, Sample, Space, VectorSample},
+    controller::Controller,
+    plugin::{Layout, Space},
     problem::{BoundEntry, Treatment},
     registry,
 };
 use wbqp_dynamics::model::{Base, JointKind, Model};
 
-/// Steps of central differences, of the number itself where it is larger than one: rounding and curvature are about as
-/// large there.
-const STEP: f64 = 1e-5;
-/// Of a gain that is zero or next to it.
-const SMALL: f64 = 1e-2;
+/// The parts of a sample, their names, and what comes after the unit of its value.
+const PARTS: [(Part, &str, &str); 3] = [
+    (Part::Value, "value", ""),
+    (Part::Rate, "rate", "/s"),
+    (Part::Acceleration, "acceleration", "/s²"),
+];
 
 /// What sort of number a parameter is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -75,196 +76,6 @@ pub struct Parameter {
 impl std::fmt::Display for Parameter {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{}.{}", self.owner, self.label)
-    }
-}
-
-/// Which part of a sample.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Part {
-    Value,
-    Rate,
-    Acceleration,
-}
-
-const PARTS: [(Part, &str, &str); 3] = [
-    (Part::Value, "value", ""),
-    (Part::Rate, "rate", "/s"),
-    (Part::Acceleration, "acceleration", "/s²"),
-];
-
-/// How a parameter is moved.
-#[derive(Debug)]
-pub(super) enum Change {
-    Weight {
-        entry: usize,
-        row: usize,
-    },
-    Gain {
-        entry: usize,
-        moved: Moved,
-    },
-    Reference {
-        entry: usize,
-        reference: usize,
-        part: Part,
-        component: usize,
-    },
-    Measured(Measured),
-}
-
-/// A component of the measured state, or of the wrench at a contact.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Measured {
-    Position(usize),
-    Rotation(usize),
-    Joint(usize),
-    Velocity(usize),
-    Wrench(usize, usize),
-}
-
-/// All keys of an entry with one number below and above its value, and the step between.
-#[derive(Debug)]
-pub(super) struct Moved {
-    below: Keys,
-    above: Keys,
-    step: f64,
-}
-
-#[derive(Debug)]
-enum Keys {
-    Task(Box<dyn AnyTask>),
-    Constraint(Box<dyn AnyConstraint>),
-}
-
-impl Keys {
-    fn read(table: toml::Table, is_task: bool) -> Option<Self> {
-        let table = toml::Value::Table(table);
-        if is_task {
-            table.try_into().ok().map(Self::Task)
-        } else {
-            table.try_into().ok().map(Self::Constraint)
-        }
-    }
-
-    fn as_any(&mut self) -> &mut dyn Any {
-        match self {
-            Self::Task(task) => &mut **task,
-            Self::Constraint(constraint) => &mut **constraint,
-        }
-    }
-}
-
-impl Moved {
-    pub(super) fn keys(&mut self, is_above: bool) -> &mut dyn Any {
-        if is_above {
-            self.above.as_any()
-        } else {
-            self.below.as_any()
-        }
-    }
-
-    pub(super) fn step(&self) -> f64 {
-        self.step
-    }
-}
-
-/// The step of a number.
-pub(super) fn step(value: f64) -> f64 {
-    STEP * value.abs().max(1.0)
-}
-
-/// Moves what is measured by a step.
-pub(super) fn measure(measurement: &mut Measurement, what: Measured, step: f64) {
-    let state = &mut measurement.state;
-    match what {
-        Measured::Position(i) => state.p_WR[i] += step,
-        Measured::Rotation(i) => {
-            let turn = UnitQuaternion::from_scaled_axis(Vector3::ith(i, step));
-            state.R_WR = turn * state.R_WR;
-        }
-        Measured::Joint(i) => state.q[i] += step,
-        Measured::Velocity(i) => state.v[i] += step,
-        Measured::Wrench(contact, i) => measurement.wrenches[contact][i] += step,
-    }
-}
-
-/// What is measured; zero for small rotations.
-pub(super) fn measured(measurement: &Measurement, what: Measured) -> f64 {
-    let state = &measurement.state;
-    match what {
-        Measured::Position(i) => state.p_WR[i],
-        Measured::Rotation(_) => 0.0,
-        Measured::Joint(i) => state.q[i],
-        Measured::Velocity(i) => state.v[i],
-        Measured::Wrench(contact, i) => measurement.wrenches[contact][i],
-    }
-}
-
-/// What a sample was before it was moved.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Kept {
-    Number(f64),
-    Rotation(RotationSample),
-}
-
-fn number(sample: &mut VectorSample, part: Part, component: usize) -> Option<&mut f64> {
-    let numbers = match part {
-        Part::Value => &mut sample.value,
-        Part::Rate => &mut sample.rate,
-        Part::Acceleration => &mut sample.acceleration,
-    };
-    numbers.get_mut(component)
-}
-
-/// Moves a component of a sample by a step; rotations multiply on the left.
-pub(super) fn follow(sample: &mut Sample, part: Part, component: usize, step: f64) -> Kept {
-    match sample {
-        Sample::Vector(sample) => {
-            let Some(number) = number(sample, part, component) else {
-                return Kept::Number(0.0);
-            };
-            let kept = Kept::Number(*number);
-            *number += step;
-            kept
-        }
-        Sample::Rotation(sample) => {
-            let kept = Kept::Rotation(*sample);
-            match part {
-                Part::Value => {
-                    let turn = UnitQuaternion::from_scaled_axis(Vector3::ith(component, step));
-                    sample.rotation = turn * sample.rotation;
-                }
-                Part::Rate => sample.rate[component] += step,
-                Part::Acceleration => sample.acceleration[component] += step,
-            }
-            kept
-        }
-    }
-}
-
-/// Makes a sample what it was.
-pub(super) fn put_back(sample: &mut Sample, part: Part, component: usize, kept: Kept) {
-    match (sample, kept) {
-        (Sample::Vector(sample), Kept::Number(kept)) => {
-            if let Some(number) = number(sample, part, component) {
-                *number = kept;
-            }
-        }
-        (Sample::Rotation(sample), Kept::Rotation(kept)) => *sample = kept,
-        _ => {}
-    }
-}
-
-/// A component of a sample; zero for small rotations.
-pub(super) fn followed(sample: &Sample, part: Part, component: usize) -> f64 {
-    match (sample, part) {
-        (Sample::Vector(sample), part) => {
-            let all = sample.component(component);
-            all[part as usize]
-        }
-        (Sample::Rotation(_), Part::Value) => 0.0,
-        (Sample::Rotation(sample), Part::Rate) => sample.rate[component],
-        (Sample::Rotation(sample), Part::Acceleration) => sample.acceleration[component],
     }
 }
 
@@ -356,114 +167,21 @@ fn gains(
         let mut found = parameters.filter(|parameter| parameter.key == key);
         found.next().and_then(|parameter| parameter.unit.clone())
     };
-    let mut numbers = Vec::new();
-    let whole = toml::Value::Table(table.clone());
-    find_numbers(&whole, &mut Vec::new(), &mut numbers);
-    for path in numbers {
-        let Some(value) = at(&whole, &path) else {
+    for path in key_numbers::find(&table) {
+        let Some(value) = key_numbers::at(&table, &path) else {
             continue;
         };
-        let step = STEP * value.abs().max(SMALL);
-        let moved = |step: f64| {
-            let mut table = toml::Value::Table(table.clone());
-            put(&mut table, &path, value + step);
-            match table {
-                toml::Value::Table(table) => Keys::read(table, entry.is_task),
-                _ => None,
-            }
-        };
-        let (Some(below), Some(above)) = (moved(-step), moved(step)) else {
+        let Some(moved) = Moved::new(&table, &path, value, entry.is_task) else {
             continue;
         };
-        let (label, key) = written(&path);
+        let (label, key) = key_numbers::written(&path);
         let unit = unit(&key).unwrap_or_default();
         let parameter = parameter(ParameterKind::Gain, &entry.name, label, unit);
         all.push((
             Parameter { value, ..parameter },
-            Change::Gain {
-                entry: e,
-                moved: Moved { below, above, step },
-            },
+            Change::Gain { entry: e, moved },
         ));
     }
-}
-
-/// A step into a table or a list.
-#[derive(Clone, Debug)]
-enum Place {
-    Key(String),
-    Index(usize),
-}
-
-fn find_numbers(value: &toml::Value, path: &mut Vec<Place>, found: &mut Vec<Vec<Place>>) {
-    match value {
-        toml::Value::Float(x) if x.is_finite() => found.push(path.clone()),
-        toml::Value::Table(table) => {
-            // Within an entry what has a type is a reference.
-            if !path.is_empty() && table.contains_key("type") {
-                return;
-            }
-            for (key, value) in table {
-                path.push(Place::Key(key.clone()));
-                find_numbers(value, path, found);
-                path.pop();
-            }
-        }
-        toml::Value::Array(list) => {
-            for (index, value) in list.iter().enumerate() {
-                path.push(Place::Index(index));
-                find_numbers(value, path, found);
-                path.pop();
-            }
-        }
-        _ => {}
-    }
-}
-
-fn at(value: &toml::Value, path: &[Place]) -> Option<f64> {
-    match path.split_first() {
-        None => value.as_float(),
-        Some((Place::Key(key), rest)) => at(value.get(key)?, rest),
-        Some((Place::Index(index), rest)) => at(value.get(*index)?, rest),
-    }
-}
-
-fn put(value: &mut toml::Value, path: &[Place], number: f64) {
-    let Some((first, rest)) = path.split_first() else {
-        *value = toml::Value::Float(number);
-        return;
-    };
-    let inner = match first {
-        Place::Key(key) => value.get_mut(key),
-        Place::Index(index) => value.get_mut(*index),
-    };
-    if let Some(inner) = inner {
-        put(inner, rest, number);
-    }
-}
-
-/// A path as it is shown, and as the listing of plug-ins has it.
-fn written(path: &[Place]) -> (String, String) {
-    let (mut shown, mut key) = (String::new(), String::new());
-    for (i, step) in path.iter().enumerate() {
-        match step {
-            Place::Key(name) => {
-                let dot = if i > 0 { "." } else { "" };
-                shown.push_str(dot);
-                shown.push_str(name);
-                // Lists of tables are `points[].at` there, lists of numbers `kp`.
-                let inside = matches!(
-                    i.checked_sub(1).and_then(|i| path.get(i)),
-                    Some(Place::Index(_))
-                );
-                key.push_str(if inside { "[]" } else { "" });
-                key.push_str(dot);
-                key.push_str(name);
-            }
-            Place::Index(index) => shown.push_str(&format!("[{index}]")),
-        }
-    }
-    (shown, key)
 }
 
 fn references(

@@ -7,7 +7,8 @@ use nalgebra::{DMatrix, DMatrixView};
 use super::{
     super::{Controller, entry_id::Stamp},
     Before, Note, Parameter, ParameterKind, Workspace,
-    parameters::{self, Change},
+    change::Change,
+    parameters,
 };
 use crate::problem::Named;
 

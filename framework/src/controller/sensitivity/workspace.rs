@@ -4,9 +4,9 @@
 use super::{
     Before,
     active::{self, Owner},
+    change::{self, Change},
     factor::Factor,
     lines::{Block, Columns, Line, Source, Written},
-    parameters::{self, Change},
     shares::Shares,
 };
 use crate::{
@@ -366,15 +366,15 @@ impl Workspace {
                 let Some(sample) = sample_of(controller, e, reference) else {
                     return (None, false);
                 };
-                let value = parameters::followed(sample, part, component);
-                let step = parameters::step(value);
+                let value = change::followed(sample, part, component);
+                let step = change::step(value);
                 for (place, sign) in SIDES {
                     let kept = sample_of(controller, e, reference)
-                        .map(|sample| parameters::follow(sample, part, component, sign * step));
+                        .map(|sample| change::follow(sample, part, component, sign * step));
                     self.rewrite(controller, before, e);
                     if let (Some(sample), Some(kept)) = (sample_of(controller, e, reference), kept)
                     {
-                        parameters::put_back(sample, part, component, kept);
+                        change::put_back(sample, part, component, kept);
                     }
                     self.note_errors(controller, before, e, 0.5 * sign / step);
                     self.write(place, &controller.entries, before, Some(e));
@@ -382,11 +382,11 @@ impl Workspace {
                 (Some(value), self.differ_of(e, step, controller))
             }
             Change::Measured(what) => {
-                let value = parameters::measured(&before.measurement, *what);
-                let step = parameters::step(value);
+                let value = change::measured(&before.measurement, *what);
+                let step = change::step(value);
                 for (place, sign) in SIDES {
                     self.measurement.copy_from(&before.measurement);
-                    parameters::measure(&mut self.measurement, *what, sign * step);
+                    change::measure(&mut self.measurement, *what, sign * step);
                     self.measure(controller, before);
                     for e in 0..controller.entries.len() {
                         self.stores[e].copy_from(&controller.entries[e].store);
