@@ -8,7 +8,7 @@
 #[path = "../tests/solver/families.rs"]
 mod families;
 
-use families::{FAMILIES, Truth, draw};
+use families::{FAMILIES, Family, Truth, draw};
 use serde_json::{Value, json};
 
 fn main() {
@@ -21,6 +21,7 @@ fn main() {
     let name = arguments.first().map_or("Regular", String::as_str);
     let family = FAMILIES
         .into_iter()
+        .chain([Family::Faint])
         .find(|family| format!("{family:?}") == name);
     let family = family.unwrap_or_else(|| panic!("no family `{name}`: {FAMILIES:?}"));
     let first = number(4, 0.0) as u64;

@@ -3,7 +3,7 @@
 use std::array::from_fn;
 
 use super::kernels::{LANES, dot, largest};
-use crate::{ConstraintId, Qp, RowId, VarId};
+use crate::{ConstraintId, Qp, RowId, Solution, VarId};
 
 /// Largest violation at an optimum, relative to the limit and the sizes of the terms of the row's value.
 const VIOLATION: f64 = 1e-10;
@@ -52,6 +52,18 @@ fn position<Id: Copy + Ord>(all: &[Id], id: Id, number: fn(Id) -> usize) -> Opti
         return Some(guess);
     }
     all.binary_search(&id).ok()
+}
+
+/// How large a variable between two bounds can be; infinite if it has not got both, or is fixed. Rounding that is
+/// larger than a part of it is none, whatever the variable's unit seems to be.
+#[inline(always)]
+pub(super) fn range(lower: f64, upper: f64) -> f64 {
+    let largest = larger(lower.abs(), upper.abs());
+    if lower < upper {
+        largest
+    } else {
+        f64::INFINITY
+    }
 }
 
 /// Number of constraints.
@@ -121,9 +133,37 @@ pub(super) fn sum_of_sizes(qp: &Qp, index: usize, x: &[f64]) -> f64 {
     }
 }
 
+/// Moves what rounding left outside of its bounds onto them.
+#[inline(always)]
+pub(super) fn keep_bounds(qp: &Qp, solution: &mut Solution) {
+    let bounds = qp.lower().iter().zip(qp.upper());
+    for (x, (lower, upper)) in solution.x.iter_mut().zip(bounds) {
+        let above = if *x < *lower { *lower } else { *x };
+        *x = if above > *upper { *upper } else { above };
+    }
+}
+
 /// Whether a point in units near one satisfies every row and bound to [`VIOLATION`].
 pub(super) fn all_hold(qp: &Qp, x: &[f64]) -> bool {
     let rounding = NOTHING * largest(x).max(1.0);
+    let ranges = || {
+        qp.lower()
+            .iter()
+            .zip(qp.upper())
+            .map(|(l, u)| range(*l, *u))
+    };
+    // A variable carries no more of the largest one's rounding than a part of its range.
+    let rounding_of = |index: usize| match index.checked_sub(qp.m()) {
+        None => {
+            let terms = qp.row(index).iter().zip(ranges());
+            let sum: f64 = terms
+                .filter(|(a, _)| **a != 0.0)
+                .map(|(a, range)| a.abs() * (VIOLATION * range))
+                .sum();
+            rounding.min(sum)
+        }
+        Some(j) => rounding.min(VIOLATION * range(qp.lower()[j], qp.upper()[j])),
+    };
     (0..count(qp)).all(|index| {
         let (lower, upper) = limits(qp, index);
         let value = value(qp, index, x);
@@ -134,7 +174,7 @@ pub(super) fn all_hold(qp: &Qp, x: &[f64]) -> bool {
         };
         // `!(… > …)`: infinite where there is no limit. A NaN does not hold.
         excess <= VIOLATION * limit.abs()
-            || excess <= VIOLATION * (limit.abs() + sum_of_sizes(qp, index, x)) + rounding
+            || excess <= VIOLATION * (limit.abs() + sum_of_sizes(qp, index, x)) + rounding_of(index)
             || (excess <= EMPTY && is_empty(qp, index))
     })
 }

@@ -1,6 +1,9 @@
 //! The point that is looked at: its variables, and what the constraints' values there are made of.
 
-use super::kernels::{LANES, dot, dot_magnitudes, dots_of, largest_product, padded};
+use super::{
+    constraint,
+    kernels::{LANES, dot, dot_magnitudes, dots_of, largest_product, padded},
+};
 use crate::{Capacity, Qp};
 
 /// Largest variable, in its unit, from which on the pull of the cost is not looked at, to save the time.
@@ -22,7 +25,7 @@ pub(super) struct Point {
     x: Vec<f64>,
     /// `A x`.
     values: Vec<f64>,
-    /// `1/√h_jj`, the unit of each variable.
+    /// `1/√h_jj`, the unit of each variable, or the range between its bounds if that is less.
     unit: Vec<f64>,
     /// `√h_jj`.
     per_unit: Vec<f64>,
@@ -30,6 +33,8 @@ pub(super) struct Point {
     largest: f64,
     /// The size of the numbers whose rounding a variable carries.
     sizes: Vec<f64>,
+    /// What of the largest variable's rounding a variable may carry at most.
+    ranges: Vec<f64>,
     /// No more than this counts as the largest.
     most: f64,
 }
@@ -43,6 +48,7 @@ impl Point {
             unit: vec![0.0; n],
             per_unit: vec![0.0; n],
             sizes: vec![0.0; n],
+            ranges: vec![0.0; n],
             most: f64::INFINITY,
             ..Self::default()
         }
@@ -89,9 +95,15 @@ impl Point {
             let h = qp.h()[j * self.n + j];
             *per_unit = if h > 0.0 { h } else { 1.0 };
         }
-        for (unit, per_unit) in self.unit.iter_mut().zip(per_unit) {
+        let bounds = qp.lower().iter().zip(qp.upper());
+        for (range, (lower, upper)) in self.ranges.iter_mut().zip(bounds) {
+            *range = constraint::range(*lower, *upper);
+        }
+        let ranges = self.ranges.iter();
+        for ((unit, range), per_unit) in self.unit.iter_mut().zip(ranges).zip(per_unit) {
             *per_unit = per_unit.sqrt();
-            *unit = 1.0 / *per_unit;
+            let curved = 1.0 / *per_unit;
+            *unit = if *range < curved { *range } else { curved };
         }
     }
 
@@ -163,8 +175,10 @@ impl Point {
     #[inline(always)]
     fn weigh(&mut self) {
         let (x, left) = (&self.x[..self.n], LEFT * self.largest.min(self.most));
-        for (size, (x, unit)) in self.sizes.iter_mut().zip(x.iter().zip(&self.unit)) {
-            *size = x.abs() + unit * left;
+        let kept = self.unit.iter().zip(&self.ranges);
+        for (size, (x, (unit, range))) in self.sizes.iter_mut().zip(x.iter().zip(kept)) {
+            let rounding = unit * left;
+            *size = x.abs() + if rounding > *range { *range } else { rounding };
         }
     }
 

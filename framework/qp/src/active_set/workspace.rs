@@ -2,6 +2,7 @@
 
 use super::{
     compact::Compact,
+    constraint::keep_bounds,
     dual::{Dual, clear},
     limits::Limits,
     proof,
@@ -69,6 +70,9 @@ impl Workspace {
         } else {
             self.run(qp, &mut limits, start, out)
         };
+        if out.status == Status::Optimal {
+            keep_bounds(qp, out);
+        }
         if !(out.status == Status::Optimal || out.status.was_cut_short()) {
             self.dual.forget();
         }

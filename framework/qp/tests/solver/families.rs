@@ -45,9 +45,12 @@ pub enum Family {
     /// Rows at angles of 1e-13 to 1e-4 to combinations of others: with rounding of their limits the solution moves far,
     /// and multipliers are as large as angles are small.
     NearlyDependent,
+    /// Variables between two bounds with coefficients, and a curvature, at rounding or not far from it, as the cosine of
+    /// a right angle makes them.
+    Faint,
 }
 
-/// All of them.
+/// Those whose every answer is to be right.
 pub const FAMILIES: [Family; 13] = [
     Family::Regular,
     Family::Degenerate,
@@ -123,7 +126,17 @@ pub fn draw(family: Family, seed: u64, largest: usize, exponent: f64) -> Known {
         d
     });
 
+    let faint: Vec<f64> = match family {
+        Family::Faint => (0..n)
+            .map(|_| match rng.random_bool(0.4) {
+                true => 10f64.powf(rng.random_range(-17.0..-8.0)),
+                false => 1.0,
+            })
+            .collect(),
+        _ => vec![1.0; n],
+    };
     let rank = match family {
+        Family::Faint => rng.random_range(0..=n + 2),
         Family::Semidefinite | Family::SemidefiniteBox => rng.random_range(0..n),
         Family::Unbounded => rng.random_range(0..=n - 1),
         Family::Linear | Family::DegenerateLinear => 0,
@@ -135,6 +148,7 @@ pub fn draw(family: Family, seed: u64, largest: usize, exponent: f64) -> Known {
         if let Some(d) = &flat {
             without(&mut row, d);
         }
+        row.iter_mut().zip(&faint).for_each(|(h, f)| *h *= f);
         let weight = 10f64.powf(rng.random_range(-2.0..1.0));
         for i in 0..n {
             for j in 0..n {
@@ -144,7 +158,7 @@ pub fn draw(family: Family, seed: u64, largest: usize, exponent: f64) -> Known {
     }
     if rank > n {
         for i in 0..n {
-            h[i * n + i] += 1e-2;
+            h[i * n + i] += 1e-2 * faint[i] * faint[i];
         }
     }
 
@@ -168,6 +182,7 @@ pub fn draw(family: Family, seed: u64, largest: usize, exponent: f64) -> Known {
             {
                 without(&mut a, d);
             }
+            a.iter_mut().zip(&faint).for_each(|(a, f)| *a *= f);
             rows.push(with_limits(a, &x, k < equalities, family, n, rng));
         }
     }
@@ -202,6 +217,7 @@ pub fn draw(family: Family, seed: u64, largest: usize, exponent: f64) -> Known {
     let mut bounds: Vec<(f64, f64, f64)> = Vec::new();
     for (j, &x) in x.iter().enumerate() {
         let kind = match family {
+            Family::Faint if faint[j] < 1.0 => rng.random_range(2..5_u8),
             Family::SemidefiniteBox | Family::Linear | Family::DegenerateLinear => {
                 rng.random_range(0..5_u8)
             }

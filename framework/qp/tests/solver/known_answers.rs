@@ -2,10 +2,12 @@
 //! of units, `WBQP_QP_LARGER` the same of larger ones, `WBQP_QP_FIRST` the first seed, `WBQP_QP_FAMILY` one family
 //! alone.
 
-use wbqp_qp::{ActiveSet, Budget, ConstraintId, Held, Qp, QpSolver, Solution, Status, WarmStart};
+use wbqp_qp::{
+    ActiveSet, Budget, ConstraintId, Held, Optimality, Qp, QpSolver, Solution, Status, WarmStart,
+};
 
 use crate::{
-    families::{FAMILIES, Family, Known, draw},
+    families::{FAMILIES, Family, Known, Truth, draw},
     judge::judge,
 };
 
@@ -61,12 +63,7 @@ fn answer_of(known: &Known, name: &str) -> (u32, Option<String>) {
 
 /// The same of the same problem in other numbers.
 fn answer_as(qp: &Qp, known: &Known, name: &str) -> (u32, Option<String>) {
-    let mut solver = ActiveSet::default();
-    solver.bind(qp.capacity()).expect("is good");
-    let mut solution = Solution::new(qp.capacity());
-    solver
-        .solve(qp, Budget::Configured, &mut solution)
-        .expect("fits");
+    let solution = solved(qp);
     let wrong = judge(known, &solution).err().map(|what| {
         let (n, m) = (known.qp.n(), known.qp.m());
         format!("{name} (n {n}, m {m}): {what}")
@@ -117,6 +114,71 @@ fn every_answer_is_right() {
         .collect::<Vec<_>>()
         .join("\n");
     assert!(wrong.is_empty(), "{} wrong:\n{shown}", wrong.len());
+}
+
+/// Rows that contradict one another do so however far away the cost leads. By little, a point far away may satisfy them
+/// within the tolerance; it is no ray.
+#[test]
+fn what_contradicts_itself_is_infeasible_where_the_cost_falls_too() {
+    let (count, first) = (number("WBQP_QP_PROBLEMS", 300), number("WBQP_QP_FIRST", 0));
+    for seed in first..first + count {
+        let known = draw(Family::Unbounded, seed, 8, 0.0);
+        let (free, n) = (&known.qp, known.qp.n());
+        let gap = 10f64.powi(3 - i32::try_from(seed % 10).expect("is small"));
+        let row: Vec<f64> = (0..n).map(|j| 1.0 + (j as f64) / 7.0).collect();
+        let contradiction: Vec<f64> = row.iter().map(|a| -4.0 * a).collect();
+        let a = [free.a(), &row, &contradiction].concat();
+        let inf = f64::INFINITY;
+        let lower = [free.row_lower(), &[-inf, -inf]].concat();
+        let upper = [free.row_upper(), &[1.0, -4.0 - 4.0 * gap]].concat();
+        let limits = (lower.as_slice(), upper.as_slice());
+        let qp = Qp::dense(free.h(), free.g(), &a, limits, (free.lower(), free.upper()));
+        let qp = qp.expect("has one shape");
+        let solution = solved(&qp);
+        if gap >= 1e-5 {
+            assert_ne!(solution.status, Status::Unbounded, "{seed}, by {gap:e}");
+        }
+        if gap >= 0.1 {
+            let units = vec![1.0; qp.m()];
+            let known = Known {
+                truth: Truth::Infeasible,
+                row_units: units,
+                qp,
+                ..known
+            };
+            assert_eq!(judge(&known, &solution), Ok(()), "{seed}, by {gap:e}");
+        }
+    }
+}
+
+/// Coefficients, and a curvature, at rounding or not far from it, as the cosine of a right angle makes them: no limit is
+/// violated, whatever unit they suggest for a variable that is between two bounds.
+#[test]
+fn faint_coefficients_let_nothing_be_violated() {
+    let (count, first) = (number("WBQP_QP_PROBLEMS", 300), number("WBQP_QP_FIRST", 0));
+    let mut unanswered = 0;
+    for seed in first..first + count {
+        let qp = draw(Family::Faint, seed, 16, 0.0).qp;
+        let solution = solved(&qp);
+        if matches!(solution.status, Status::Stalled | Status::IterationLimit) {
+            unanswered += 1;
+            continue;
+        }
+        assert_eq!(solution.status, Status::Optimal, "{seed}");
+        let primal = Optimality::of(&qp, &solution).primal;
+        assert!(primal <= 1e-9, "{seed}: {primal:e}");
+    }
+    assert!(unanswered * 50 <= count, "{unanswered} without an answer");
+}
+
+fn solved(qp: &Qp) -> Solution {
+    let mut solver = ActiveSet::default();
+    solver.bind(qp.capacity()).expect("is good");
+    let mut solution = Solution::new(qp.capacity());
+    solver
+        .solve(qp, Budget::Configured, &mut solution)
+        .expect("fits");
+    solution
 }
 
 /// The numbers by which other solvers' users say that there is no limit.

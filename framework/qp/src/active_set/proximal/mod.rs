@@ -158,6 +158,11 @@ impl Proximal {
         out: &mut Solution,
     ) -> Status {
         let n = qp.n();
+        if let Some(variable) = bilinear(qp) {
+            clear(qp, out);
+            out.defect = Some(Defect::Indefinite { variable });
+            return Status::Invalid;
+        }
         self.scaling.choose(qp);
         if self.scaling.apply(qp, &mut self.scaled).is_err() {
             // Made for the same capacity.
@@ -184,16 +189,18 @@ impl Proximal {
             dual.forget();
         }
         limits.attempt_until(u32::MAX);
-        if status == Status::Stalled && self.is_feasible && self.finds_ray(dual, limits, out) {
-            status = Status::Unbounded;
+        if status == Status::Stalled && self.is_feasible {
+            status = self.finds_ray(dual, limits, out).unwrap_or(status);
         }
         if status == Status::Stalled {
             status = self.solve_precisely(limits, out);
             // Where rounding made limits contradict one another, there is a feasible point only now.
-            let may_fall = status == Status::Stalled && self.precise.is_feasible();
-            if may_fall && self.finds_ray(dual, limits, out) {
-                status = Status::Unbounded;
+            if status == Status::Stalled && self.precise.is_feasible() {
+                status = self.finds_ray(dual, limits, out).unwrap_or(status);
             }
+        }
+        if status == Status::Stalled && limits.are_used_up(out.iterations) {
+            status = limits.status(out.iterations);
         }
         self.scaling.undo(n, qp.m(), out);
         if status == Status::Unbounded {
@@ -251,6 +258,7 @@ impl Proximal {
                 if self.hides_cost() {
                     return self.clear_up(dual, limits, out);
                 }
+                constraint::keep_bounds(&self.scaled, out);
                 return if constraint::all_hold(&self.scaled, &out.x[..n]) {
                     Status::Optimal
                 } else {
@@ -260,8 +268,8 @@ impl Proximal {
             let seems_unbounded = round >= ZIGZAG && self.extrapolate();
             self.last[..n].copy_from_slice(&out.x[..n]);
             let seems_unbounded = seems_unbounded || self.descend(dual, limits, out);
-            if seems_unbounded && self.finds_ray(dual, limits, out) {
-                return Status::Unbounded;
+            if seems_unbounded && let Some(status) = self.finds_ray(dual, limits, out) {
+                return status;
             }
             if limits.were_used_up() {
                 return limits.status(out.iterations);
@@ -345,8 +353,8 @@ impl Proximal {
     /// What the answer is where the cost is hidden: a ray, or the solution with twice as many digits. What was found so
     /// far is none.
     fn clear_up(&mut self, dual: &mut Dual, limits: &mut Limits<'_>, out: &mut Solution) -> Status {
-        if self.finds_ray(dual, limits, out) {
-            return Status::Unbounded;
+        if let Some(status) = self.finds_ray(dual, limits, out) {
+            return status;
         }
         if limits.were_used_up() {
             return limits.status(out.iterations);
@@ -362,8 +370,15 @@ impl Proximal {
         self.precise.solve(problem, limits, out)
     }
 
-    /// Whether the cost falls for ever along a direction, which is then in the solution.
-    fn finds_ray(&mut self, dual: &mut Dual, limits: &mut Limits<'_>, out: &mut Solution) -> bool {
+    /// What is known if the cost falls for ever along a direction, which is then in the solution: that the problem is
+    /// unbounded, or that the point nearest to zero, where limits are not small beside the terms of far away values,
+    /// does not exist.
+    fn finds_ray(
+        &mut self,
+        dual: &mut Dual,
+        limits: &mut Limits<'_>,
+        out: &mut Solution,
+    ) -> Option<Status> {
         let (n, m) = (self.scaled.n(), self.scaled.m());
         let problem = (&self.scaled, &self.h[..n * n], &self.g[..n]);
         // The count that the limits see grows from look to look.
@@ -371,12 +386,29 @@ impl Proximal {
         let is_found = self
             .recession
             .find(problem, dual, limits, &mut out.iterations);
-        if is_found {
-            out.x[..n].copy_from_slice(&self.recession.ray()[..n]);
-            out.y[..m].fill(0.0);
-            out.z[..n].fill(0.0);
+        if !is_found {
+            return None;
         }
-        is_found
+        let (h, g) = self.scaled.cost_mut();
+        h.fill(0.0);
+        h.iter_mut().step_by(n + 1).for_each(|h| *h = 1.0);
+        g.fill(0.0);
+        out.iterations += 1;
+        let start = (out.iterations, Factorisation::Reflections);
+        let mut status = dual.solve(&self.scaled, limits, start, out);
+        let is_proven = status == Status::Infeasible && proof::holds(&self.scaled, out);
+        if !(status == Status::Optimal || status.was_cut_short() || is_proven) {
+            out.iterations += 1;
+            let nearest = (&self.scaled, self.scaled.h(), self.scaled.g());
+            status = self.precise.solve(nearest, limits, out);
+        }
+        if status.was_cut_short() || status == Status::Infeasible {
+            return Some(status);
+        }
+        out.x[..n].copy_from_slice(&self.recession.ray()[..n]);
+        out.y[..m].fill(0.0);
+        out.z[..n].fill(0.0);
+        Some(Status::Unbounded)
     }
 
     /// Follows the cost from `x` down the face of the constraints held, and narrower ones; whether nothing seems to end
@@ -503,4 +535,14 @@ impl Proximal {
         }
         first
     }
+}
+
+/// A variable whose own curvature is zero, while that with another is not: the cost is a saddle, whatever the units.
+/// What is left where the square of a small number has become zero is none.
+fn bilinear(qp: &Qp) -> Option<usize> {
+    let (n, h) = (qp.n(), qp.h());
+    (0..n).filter(|j| h[j * n + j] == 0.0).find(|j| {
+        let mut row = h[j * n..(j + 1) * n].iter().enumerate();
+        row.any(|(i, entry)| entry * entry > h[i * n + i] * f64::MIN_POSITIVE)
+    })
 }

@@ -7,13 +7,19 @@
 //! one. All are powers of two, so that nothing is rounded, and the scaled problem hardly depends on the units of the
 //! problem.
 
-use super::super::constraint::ENDLESS;
+use super::super::constraint::{ENDLESS, range};
 use crate::{Qp, QpError, Solution};
 
 /// Passes over rows and columns without curvature.
 const PASSES: usize = 12;
 /// A cost with gradients up to this many times its curvature is scaled by its curvature.
 const STEEP: f64 = 1e3;
+
+/// The curvature of a variable whose range is a smaller part of the unit in which it is one is no cost to speak of.
+const NEGLIGIBLE: f64 = 1e-9;
+
+/// What curvature adds to a slope within the range may be this part of it, and is no cost to speak of.
+const STRAIGHT: f64 = 1e-12;
 
 /// Exponents of two.
 #[derive(Clone, Debug)]
@@ -103,6 +109,7 @@ impl Scaling {
             }
         }
         self.anchor(qp);
+        self.confine(qp);
         for i in 0..m {
             let entries = qp.row(i).iter().zip(&self.variables);
             self.rows[i] = reciprocal(entries.fold(0.0, |a: f64, (x, d)| a.max((x * d).abs())));
@@ -173,6 +180,22 @@ impl Scaling {
         for j in (0..n).filter(|&j| self.labels[j] < n) {
             let (sum, count) = self.sums[self.labels[j]];
             self.variables[j] *= power(sum / count.max(1.0));
+        }
+    }
+
+    /// No unit is much larger than its variable can be: what is left of the range would be rounding.
+    fn confine(&mut self, qp: &Qp) {
+        let n = qp.n();
+        let bounds = qp.lower().iter().zip(qp.upper());
+        for (j, (d, (lower, upper))) in self.variables.iter_mut().zip(bounds).enumerate() {
+            let [lower, upper] = without_endless(*lower, *upper);
+            let range = range(lower, upper);
+            let h = qp.h()[j * n + j];
+            let is_linear = h * range <= STRAIGHT * qp.g()[j].abs();
+            let least = if is_linear { 1.0 } else { NEGLIGIBLE };
+            if range < least * *d {
+                *d = 1.0 / reciprocal(range);
+            }
         }
     }
 

@@ -20,7 +20,7 @@ use super::{
     constraint::{self, Active, copy_normal, count, equality, is_empty, limits},
     kernels::largest,
     limits::Limits,
-    proof,
+    proof::Proof,
 };
 use crate::{Qp, Solution, Status};
 use factor::Factor;
@@ -167,9 +167,9 @@ impl Precise {
                 End::Budget => return limits.status(out.iterations),
                 End::Contradiction(constraint) => {
                     self.write_proof(scaled, constraint, out);
-                    let (margin, is_closed) = proof::margin(scaled, out);
+                    let proof = Proof::of(scaled, out);
                     let is_last = Some(&self.widening) == WIDENINGS.last();
-                    return if is_closed && margin > BEYOND[usize::from(is_last)] {
+                    return if proof.is_closed && proof.margin > BEYOND[usize::from(is_last)] {
                         Status::Infeasible
                     } else {
                         Status::Stalled
@@ -180,6 +180,7 @@ impl Precise {
             let moved = moved.fold(0.0, |a: f64, (x, c)| a.max((*x - *c).abs().rounded()));
             if rho * moved <= SETTLED * largest(g).max(rho) {
                 self.write(scaled, out);
+                constraint::keep_bounds(scaled, out);
                 let is_solution = self.is_stationary((scaled, h, g), out)
                     && constraint::all_hold(scaled, &out.x[..n]);
                 return if is_solution {
