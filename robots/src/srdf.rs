@@ -41,9 +41,12 @@ pub(crate) fn state(file: &str, text: &str, name: &str) -> Result<GroupState, Ro
     let mut found = false;
     for node in states().filter(|node| node.attribute("name") == Some(name)) {
         found = true;
+        let mut own = GroupState::default();
         for joint in node.children().filter(|n| n.tag_name().name() == "joint") {
-            read_joint(&source, joint, &mut posture)?;
+            read_joint(&source, joint, &mut own)?;
         }
+        posture.joints.append(&mut own.joints);
+        posture.X_WR = own.X_WR.or(posture.X_WR);
     }
     if found {
         return Ok(posture);
@@ -70,7 +73,15 @@ fn read_joint(
     let finite = values.iter().all(|x| x.is_finite());
     match values.as_slice() {
         [value] if finite => {
-            posture.joints.insert(name.to_owned(), *value);
+            if let Some(before) = posture.joints.insert(name.to_owned(), *value)
+                && before != *value
+            {
+                return source.refuse(
+                    offset,
+                    &format!("joint `{name}`"),
+                    format!("is there twice in this state, with {before} and {value}"),
+                );
+            }
         }
         &[x, y, z, qx, qy, qz, qw] if finite => {
             let rotation = UnitQuaternion::try_new(Quaternion::new(qw, qx, qy, qz), 1e-6);
@@ -78,14 +89,17 @@ fn read_joint(
             posture.X_WR = Some(Isometry3::from_parts(Translation3::new(x, y, z), rotation));
         }
         // A continuous joint as cosine and sine.
-        &[cos, sin] if finite => {
+        &[cos, sin] if (cos.hypot(sin) - 1.0).abs() < 1e-3 => {
             posture.joints.insert(name.to_owned(), sin.atan2(cos));
         }
         _ => {
             return source.refuse(
                 offset,
                 &format!("joint `{name}`"),
-                format!("value=\"{text}\" must be one number, or seven for a floating base: x y z qx qy qz qw"),
+                format!(
+                    "value=\"{text}\" must be one number, cosine and sine of a continuous joint, or seven for a \
+                     floating base: x y z qx qy qz qw"
+                ),
             );
         }
     }

@@ -2,6 +2,9 @@
 
 use wbqp::{model::Model, suggestion::suggestion};
 
+/// Nothing that is simulated is larger, and squares of it do not overflow.
+const LARGEST: f64 = 1e100;
+
 /// What is wrong, one line per key.
 #[derive(Debug, Default)]
 pub(crate) struct Problems(Vec<String>);
@@ -17,6 +20,13 @@ impl Problems {
         if value.is_nan() || value <= 0.0 || (!infinite && value.is_infinite()) {
             let finite = if infinite { "" } else { " and finite" };
             self.add(key, &format!("is {value}, must be positive{finite}"));
+        } else if value < 1.0 / LARGEST {
+            self.add(
+                key,
+                &format!("is {value:e}, must not be smaller than {:e}", 1.0 / LARGEST),
+            );
+        } else if value.is_finite() {
+            self.size(key, value);
         }
     }
 
@@ -24,12 +34,16 @@ impl Problems {
     pub(crate) fn not_negative(&mut self, key: &str, value: f64) {
         if !value.is_finite() || value < 0.0 {
             self.add(key, &format!("is {value}, must be finite and not negative"));
+        } else {
+            self.size(key, value);
         }
     }
 
     /// A finite number.
     pub(crate) fn number(&mut self, key: &str, value: f64) {
-        if !value.is_finite() {
+        if value.is_finite() {
+            self.size(key, value);
+        } else {
             self.add(key, &format!("is {value}, must be finite"));
         }
     }
@@ -38,6 +52,17 @@ impl Problems {
     pub(crate) fn finite(&mut self, key: &str, values: &[f64]) {
         if !values.iter().all(|x| x.is_finite()) {
             self.add(key, &format!("is {values:?}, must be finite"));
+        } else if let Some(largest) = values.iter().find(|x| x.abs() > LARGEST) {
+            self.size(key, *largest);
+        }
+    }
+
+    fn size(&mut self, key: &str, value: f64) {
+        if value.abs() > LARGEST {
+            self.add(
+                key,
+                &format!("is {value:e}, must not be larger than {LARGEST:e}"),
+            );
         }
     }
 

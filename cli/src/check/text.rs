@@ -302,7 +302,7 @@ fn holding_text(holding: &Holding, out: &mut String) {
         Means::GravityCompensation => "Holding still at home: gravity compensation".to_owned(),
         Means::Hover => format!("Hovering at home: {weight} N of weight"),
         Means::Stand => format!(
-            "Standing at home: the first tick's efforts, {weight} N of weight on the contacts"
+            "At home, with the contacts that are on: the first tick's efforts, {weight} N of weight"
         ),
         Means::Nothing => {
             let _ = writeln!(

@@ -4,8 +4,8 @@ use std::{
     borrow::Cow,
     collections::BTreeMap,
     fmt,
-    fs::File,
-    io::{BufWriter, Seek, Write},
+    fs::{self, File},
+    io::{self, BufWriter, Seek, Write},
     path::Path,
 };
 
@@ -56,10 +56,15 @@ impl McapLog {
     /// # Errors
     /// [`LogError::Create`].
     pub fn create_locked(path: &Path, lock: RunLock) -> Result<Self, LogError> {
-        let file = File::create(path).map_err(|source| LogError::Create {
+        let failed = |source| LogError::Create {
             path: path.to_owned(),
             source,
-        })?;
+        };
+        // Whoever opens a pipe that nobody reads waits for ever.
+        if fs::metadata(path).is_ok_and(|found| !found.is_file()) {
+            return Err(failed(io::Error::other("is there, and no file")));
+        }
+        let file = File::create(path).map_err(failed)?;
         let log = Self::new(BufWriter::new(file))?;
         Ok(Self {
             _lock: Some(lock),

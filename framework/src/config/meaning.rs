@@ -38,7 +38,7 @@ use crate::{
 use wbqp_robot_model::{Diagnostic, Robot, Severity};
 
 /// Weights whose products with squares of anything else that is taken do not overflow, and do not vanish.
-const WEIGHTS: std::ops::RangeInclusive<f64> = 1e-100..=1e100;
+pub(super) const WEIGHTS: std::ops::RangeInclusive<f64> = 1e-100..=1e100;
 /// Weights further apart than this leave nothing of the smaller one: 64 bits have sixteen digits.
 const MOST_APART: f64 = 1e12;
 /// What is refused is this many times what is warned of.
@@ -184,23 +184,29 @@ impl Check<'_, '_> {
             let Some(about) = properties.and_then(|properties| properties.get(key)) else {
                 continue;
             };
-            let own = about.get("x-unit").and_then(Value::as_str);
-            let unit = match own {
+            let own = match about.get("x-unit").and_then(Value::as_str) {
                 Some("the task's") => unit,
                 own => own,
             };
-            self.value(&at.key(key), node.at(about), value, unit);
+            self.value(&at.key(key), node.at(about), value, (own, unit));
         }
     }
 
-    fn value(&mut self, at: &At, node: Node<'_>, value: &Spanned<DeValue<'_>>, unit: Option<&str>) {
+    /// A value, its unit, and that of the values of the trajectory that it belongs to.
+    fn value(
+        &mut self,
+        at: &At,
+        node: Node<'_>,
+        value: &Spanned<DeValue<'_>>,
+        (unit, followed): (Option<&str>, Option<&str>),
+    ) {
         match value.get_ref() {
             DeValue::Table(keys) if node.plugin() == Some("reference") => {
                 self.plugin::<dyn AnyReference>(at, keys, unit);
             }
             DeValue::Table(keys) if node.plugin().is_none() => {
                 if node.properties().is_some() {
-                    self.table(at, node, keys, unit);
+                    self.table(at, node, keys, followed);
                 } else if let Some(unit) = unit {
                     // A value by name.
                     for (name, value) in keys {
@@ -214,7 +220,7 @@ impl Check<'_, '_> {
                 for (index, value) in elements.iter().enumerate() {
                     let at = at.then(&[Step::Index(index)]);
                     match element {
-                        Some(node) => self.value(&at, node, value, unit),
+                        Some(node) => self.value(&at, node, value, (unit, followed)),
                         None => {
                             if let Some(unit) = unit {
                                 self.numbers(&at, unit, value);

@@ -330,6 +330,19 @@ impl Inspection<'_, '_> {
                 true
             }
             DeValue::Array(elements) => {
+                // Serde would take a list for the keys of a table in their order, and stop at the last place of a list
+                // of fixed length.
+                let wrong = if node.is_table() {
+                    Some("must be a table, is a list".to_owned())
+                } else {
+                    let most = node.most_elements().filter(|most| elements.len() > *most);
+                    most.map(|most| format!("has {} values, must have {most}", elements.len()))
+                };
+                if let Some(wrong) = wrong {
+                    let at = self.at.then(path);
+                    self.report.add(Kind::Value, Some(span), &at, wrong);
+                    return false;
+                }
                 let Some(node) = node.element() else {
                     return true;
                 };

@@ -128,6 +128,19 @@ impl<'s> Node<'s> {
         Some(self.at(here))
     }
 
+    /// Whether this is a table and nothing else.
+    pub(crate) fn is_table(self) -> bool {
+        self.here.get("type").and_then(Value::as_str) == Some("object")
+    }
+
+    /// How many elements a list may have, if that is fixed.
+    pub(crate) fn most_elements(self) -> Option<usize> {
+        let is_list = self.here.get("type").and_then(Value::as_str) == Some("array");
+        let most = self.here.get("maxItems").and_then(Value::as_u64);
+        most.filter(|_| is_list)
+            .and_then(|most| usize::try_from(most).ok())
+    }
+
     /// What the elements of a list must be.
     pub(crate) fn element(self) -> Option<Self> {
         self.here.get("items").map(|here| self.at(here))

@@ -231,10 +231,9 @@ impl<'a> Shard<'a> {
             }
             None
         } else {
-            Some(Mutex::new(Progress::open(
-                with_extension(&path, "jsonl"),
-                &header,
-            )?))
+            let path = with_extension(&path, "jsonl");
+            let progress = Progress::open(path, &header, campaign.columns().len())?;
+            Some(Mutex::new(progress))
         };
         Ok(Self {
             campaign,
@@ -332,7 +331,10 @@ fn lock(progress: &Mutex<Progress>) -> std::sync::MutexGuard<'_, Progress> {
 }
 
 impl Progress {
-    fn open(path: PathBuf, header: &Header) -> Result<Self, ShardError> {
+    /// What begins with the first line that is none of this shard's, with so many measures, is dropped and run again:
+    /// a torn one, or one that something else has changed.
+    fn open(path: PathBuf, header: &Header, measures: usize) -> Result<Self, ShardError> {
+        let range = header.part.range(header.runs);
         let at = |source| ShardError::File {
             path: path.clone(),
             source,
@@ -354,8 +356,14 @@ impl Progress {
                 }
             } else {
                 let outcome = serde_json::from_slice::<Outcome>(&line);
+                let is_own = |outcome: &Outcome| {
+                    is_whole
+                        && range.contains(&outcome.run)
+                        && outcome.measured.len() == measures
+                        && outcome.verdicts.len() == measures
+                };
                 match outcome {
-                    Ok(outcome) if is_whole => _ = done.insert(outcome.run),
+                    Ok(outcome) if is_own(&outcome) && done.insert(outcome.run) => {}
                     _ => break,
                 }
             }

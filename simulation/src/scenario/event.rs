@@ -9,6 +9,11 @@ use wbqp::{
     plugin::{AnyReference, PerRow},
 };
 
+/// Weights beyond these, and zero, are refused as in a controller's file.
+const WEIGHTS: std::ops::RangeInclusive<f64> = 1e-100..=1e100;
+/// No robot's reference has such a number: larger than anything that is taken with a warning in a controller's file.
+const LARGEST_VALUE: f64 = 1e14;
+
 /// Everything that happens at one time. Actions are applied in the order of the fields.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -68,6 +73,7 @@ impl Event {
             controller.activate(name).map_err(text)?;
         }
         for (name, weight) in &self.weight {
+            check_weight(name, weight)?;
             controller.reweight(name, weight.clone()).map_err(text)?;
         }
         for (task, value) in &self.follow {
@@ -79,8 +85,31 @@ impl Event {
             }
             let reference = <Box<dyn AnyReference>>::deserialize(value.clone())
                 .map_err(|e| format!("follow.{task}: {}", e.message().trim_end()))?;
+            check_values(task, &*reference)?;
             controller.follow(task, reference).map_err(text)?;
         }
         Ok(())
     }
+}
+
+fn check_weight(name: &str, weight: &PerRow) -> Result<(), String> {
+    let mut values = weight.values().iter();
+    let odd = values.find(|w| **w != 0.0 && !WEIGHTS.contains(*w));
+    let [least, most] = [WEIGHTS.start(), WEIGHTS.end()];
+    odd.map_or(Ok(()), |w| {
+        Err(format!(
+            "weight.{name}: is {w:e}, must be 0 or between {least:e} and {most:e}"
+        ))
+    })
+}
+
+fn check_values(task: &str, reference: &dyn AnyReference) -> Result<(), String> {
+    for (key, values) in reference.named_values() {
+        if let Some(odd) = values.iter().find(|x| x.abs() > LARGEST_VALUE) {
+            return Err(format!(
+                "follow.{task}.{key}: has {odd:e}: check the digits"
+            ));
+        }
+    }
+    Ok(())
 }

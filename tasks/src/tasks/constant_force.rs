@@ -67,6 +67,14 @@ impl Task for ConstantForce {
         let contact = setup.contact(&self.contact)?;
         let kind = setup.contact_spec(contact).kind;
         check::not_negative("normal", self.normal)?;
+        let most = setup.contact_spec(contact).force_max;
+        if self.normal > most {
+            let problem = format!(
+                "is {} N, more than the contact's `force_max` of {most} N",
+                self.normal
+            );
+            return Err(BindError::value("normal", problem));
+        }
         check::finite("tangential", &self.tangential)?;
         check::finite("moment", &self.moment)?;
         let wrench = self.wrench();

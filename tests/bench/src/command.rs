@@ -20,6 +20,19 @@ use crate::{
     workload::{Contact, Robot, Workload},
 };
 
+/// Every tick's times are kept until the end.
+const MOST_TICKS: usize = 10_000_000;
+
+fn ticks(text: &str) -> Result<NonZeroUsize, String> {
+    let ticks = text.parse::<NonZeroUsize>().map_err(|e| e.to_string())?;
+    if ticks.get() > MOST_TICKS {
+        return Err(format!(
+            "must be at most {MOST_TICKS}: the times of all are kept"
+        ));
+    }
+    Ok(ticks)
+}
+
 /// Times the ticks of a controller in its closed loop, stage by stage
 #[derive(clap::Args, Debug)]
 pub struct Arguments {
@@ -30,7 +43,8 @@ pub struct Arguments {
     #[arg(long, value_enum, default_value_t = Contact::Point)]
     contact: Contact,
     /// Ticks to time
-    #[arg(long, value_name = "N", default_value_t = NonZeroUsize::new(100_000).unwrap_or(NonZeroUsize::MIN))]
+    #[arg(long, value_name = "N", default_value_t = NonZeroUsize::new(100_000).unwrap_or(NonZeroUsize::MIN),
+        value_parser = ticks)]
     ticks: NonZeroUsize,
     /// `active_set` or `clarabel` instead of what the controller's file says
     #[arg(long, value_name = "TYPE")]

@@ -128,9 +128,12 @@ pub fn draw(family: Family, seed: u64, largest: usize, exponent: f64) -> Known {
 
     let faint: Vec<f64> = match family {
         Family::Faint => (0..n)
-            .map(|_| match rng.random_bool(0.4) {
-                true => 10f64.powf(rng.random_range(-17.0..-8.0)),
-                false => 1.0,
+            .map(|_| {
+                if rng.random_bool(0.4) {
+                    10f64.powf(rng.random_range(-17.0..-8.0))
+                } else {
+                    1.0
+                }
             })
             .collect(),
         _ => vec![1.0; n],

@@ -15,7 +15,7 @@ use parquet::{
     file::{
         metadata::KeyValue,
         properties::WriterProperties,
-        reader::{FileReader, SerializedFileReader},
+        reader::{FileReader, RowGroupReader, SerializedFileReader},
         writer::SerializedFileWriter,
     },
     schema::types::{Type, TypePtr},
@@ -276,7 +276,7 @@ impl Table {
         let lines = usize::try_from(group.metadata().num_rows()).unwrap_or(0);
         let mut columns = Vec::new();
         for (i, name) in self.columns().into_iter().enumerate() {
-            let column = group.get_column_reader(i).map_err(damaged)?;
+            let column = column_reader(&*group, i).map_err(damaged)?;
             let data = read(column, lines).map_err(damaged)?;
             columns.push((name, data));
         }
@@ -311,7 +311,7 @@ impl Table {
         Ok((0..self.groups()).map(move |group| {
             let data = self.reader.get_row_group(group).and_then(|group| {
                 let lines = usize::try_from(group.metadata().num_rows()).unwrap_or(0);
-                read(group.get_column_reader(index)?, lines)
+                read(column_reader(&*group, index)?, lines)
             });
             data.map_err(|source| TableError::Parquet {
                 path: self.path.clone(),
@@ -327,6 +327,23 @@ impl Table {
             what,
         }
     }
+}
+
+/// The reader panics at a place before the file's beginning.
+fn column_reader(group: &dyn RowGroupReader, index: usize) -> Result<ColumnReader, ParquetError> {
+    let column = group.metadata().column(index);
+    let mut places = [
+        Some(column.data_page_offset()),
+        column.dictionary_page_offset(),
+        Some(column.compressed_size()),
+    ]
+    .into_iter()
+    .flatten();
+    if places.any(|place| place < 0) {
+        let what = "a column is before the beginning of the file".to_owned();
+        return Err(ParquetError::General(what));
+    }
+    group.get_column_reader(index)
 }
 
 fn read(column: ColumnReader, lines: usize) -> Result<Data, ParquetError> {
