@@ -124,6 +124,29 @@ mod tests {
     }
 
     #[test]
+    fn what_says_two_things_or_no_angle_is_refused() {
+        let twice = r#"<joint name="knee" value="0.1"/><joint name="knee" value="0.4"/>"#;
+        let no_angle = r#"<joint name="knee" value="0.2 0.1"/>"#;
+        for (joints, said) in [
+            (
+                twice,
+                "joint `knee`: is there twice in this state, with 0.1 and 0.4",
+            ),
+            (
+                no_angle,
+                "joint `knee`: value=\"0.2 0.1\" must be one number, cosine and sine",
+            ),
+        ] {
+            let text = format!("<robot><group_state name=\"a\">{joints}</group_state></robot>");
+            let error = state("r.srdf", &text, "a").unwrap_err().to_string();
+            assert!(error.contains(said), "{error}");
+        }
+        let text = TEXT.replace("\"0.5\"", "\"0.6 0.8\"");
+        let posture = state("r.srdf", &text, "stand").unwrap();
+        assert!((posture.joints["knee"] - 0.8_f64.atan2(0.6)).abs() < 1e-12);
+    }
+
+    #[test]
     fn what_is_not_there_is_named() {
         let error = state("r.srdf", TEXT, "stnd").unwrap_err().to_string();
         assert_eq!(

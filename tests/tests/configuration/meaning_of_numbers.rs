@@ -119,6 +119,31 @@ fn what_cannot_be_meant_is_refused_at_its_place() {
             "reference.duration: is 1e-300 s: shorter than any period",
         ),
         (
+            "{ type = \"min_jerk\", to = [0, 0.8, -1.6, 0, 0.8, -1.6, 0, -0.8, 1.6, 0, -0.8, 1.6], duration = 2.0 }",
+            "{ type = \"waypoints\", points = [{ at = 1.0, value = [1e308] }] }",
+            "x.toml:21:68: task[1] `posture` (posture): reference.points[0].value[0]: is 1e308 rad or m",
+        ),
+        (
+            "kd = 10.0",
+            "kd = 10.0\nhardness = { exact = 1e160 }",
+            "x.toml:21:12: task[1] `posture` (posture): hardness: exact: is 1e160, must be between 1e-100 and 1e100",
+        ),
+        (
+            "motion = \"hard\"",
+            "motion = \"hard\"\nsurface = { normal = [0, 0, 1, 99] }",
+            "x.toml:10:22: contact[0] `fl_foot`: surface.normal: has 4 values, must have 3",
+        ),
+        (
+            "rate = 500.0",
+            "rate = 500.0\nobserver = [3.0, 0.25, 8.0]",
+            "x.toml:3:12: controller: observer: must be a table, is a list",
+        ),
+        (
+            "kp = 100.0",
+            "kp = 100.0\n[[task]]\ntype = \"constant_force\"\ncontact = \"fl_foot\"\nnormal = 5e3\nmoment = [0, 0, 0, 99]",
+            "moment: has 4 values, must have 3",
+        ),
+        (
             "rate = 500.0",
             "rate = 0.002",
             "x.toml:2:8: controller: rate: is 0.002 Hz: a tick every 500 s; it counts in Hz: a period of 0.002 s is \

@@ -577,6 +577,16 @@ fn events() {
         "follow.contact_force = { type = \"hold\", value = [1e4] }\n#",
         "s.toml:40:1: event at 1 s: `contact_force`: `value` is 10000 N, more than the contact's `force_max` of 20 N",
     );
+    event(
+        weight,
+        "weight.contact_force = 1e308",
+        "weight.contact_force: is 1e308, must be 0 or between 1e-100 and 1e100",
+    );
+    event(
+        "to = [-0.1, 0.0, 1.258]",
+        "to = [-0.1, 1e308, 1.258]",
+        "follow.base_position.to: has 1e308: check the digits",
+    );
     for (value, given) in [
         ("[1e-3, 3.0]", "[0.001, 3.0]"),
         ("-1.0", "-1"),

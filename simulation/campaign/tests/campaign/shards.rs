@@ -105,6 +105,40 @@ fn a_shard_that_was_cut_anywhere_goes_on_to_the_same_table() {
     shard.run(&|_, _| panic!("it is done")).unwrap();
 }
 
+/// What something else has changed is run again, with all that comes after it.
+#[test]
+fn a_line_that_is_none_of_the_shards_is_dropped() {
+    let folder = Folder::new();
+    let campaign = folder.campaign(DESIGN);
+    let whole = folder.path().join("whole");
+    run(&campaign, "1/1", &whole);
+    let expected = fs::read(Part::WHOLE.table(&whole)).unwrap();
+    let lines = folder.path().join("lines");
+    let shard = Shard::open(&campaign, Part::WHOLE, u64::MAX, &lines).unwrap();
+    shard.run(&|_, _| Continue(())).unwrap();
+    drop(shard);
+    let name = "shard-1-of-1.jsonl";
+    let text = fs::read_to_string(lines.join(name)).unwrap();
+    let third = text.lines().nth(2).unwrap();
+    let start = third.find("\"run\":").unwrap() + 6;
+    let end = start + third[start..].find(',').unwrap();
+    let other_run = format!("{}90{}", &third[..start], &third[end..]);
+    let start = third.find("\"measured\":[").unwrap() + 12;
+    let end = start + third[start..].find(']').unwrap();
+    let no_measures = format!("{}{}", &third[..start], &third[end..]);
+    let twice = text.lines().nth(1).unwrap().to_owned();
+    for (kind, damaged) in [other_run, no_measures, twice].iter().enumerate() {
+        let directory = folder.path().join(format!("damaged-{kind}"));
+        fs::create_dir_all(&directory).unwrap();
+        fs::write(directory.join(name), text.replace(third, damaged)).unwrap();
+        let shard = Shard::open(&campaign, Part::WHOLE, u64::MAX, &directory).unwrap();
+        assert_eq!(shard.done(), 1, "{damaged}");
+        shard.run(&|_, _| Continue(())).unwrap();
+        shard.finish().unwrap();
+        assert_eq!(fs::read(Part::WHOLE.table(&directory)).unwrap(), expected);
+    }
+}
+
 #[test]
 fn two_at_once_another_plan_and_missing_parts_are_refused() {
     let folder = Folder::new();
