@@ -31,6 +31,8 @@ const COARSE: f64 = 0.01;
 const SELDOM: f64 = 0.1;
 /// … if that is more than this share of a run.
 const TOUCHED: f64 = 0.01;
+/// Bounces are shorter, s: a contact that is on for longer while nothing is there pushes against nothing.
+const BOUNCE: f64 = 0.5;
 /// What presses from behind with more than this, N, is no rounding.
 const BEHIND: f64 = 0.1;
 
@@ -64,6 +66,7 @@ pub(super) fn of(
         " in a tick with a solution"
     };
     words.extend(untouched.filter_map(|contact| never_touched(contact, controller, case, in_what)));
+    words.extend(contacts.iter().filter_map(in_the_air));
     words.extend(
         contacts
             .iter()
@@ -136,6 +139,22 @@ fn never_touched(
     Some(format!(
         "contact `{name}` {promise} and never touched anything{in_what}: {why}"
     ))
+}
+
+/// Of a contact that touched, and that was on before or after that for long: the controller counts on a force then that
+/// is not there, and the robot goes where nothing pushes back.
+fn in_the_air(contact: &ContactSummary) -> Option<String> {
+    let is_known = contact.peak_real.is_some_and(|force| force > 0.0);
+    (is_known && contact.in_the_air > BOUNCE).then(|| {
+        format!(
+            "contact `{}` was on for {} s in which nothing was there, with up to {} N planned, and was hit with up to \
+             {} N: let a [[detector]] switch it on when it touches",
+            contact.name,
+            number(contact.in_the_air),
+            number(contact.peak_planned.unwrap_or_default()),
+            number(contact.peak_real.unwrap_or_default())
+        )
+    })
 }
 
 /// Of a contact that touched, and that its detector hardly ever switched on.

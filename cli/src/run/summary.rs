@@ -156,6 +156,8 @@ pub struct ContactSummary {
     pub on: f64,
     /// Share of the run during which a surface pushed it.
     pub touched: f64,
+    /// The longest time, s, for which it was on and planned to push while nothing was there.
+    pub in_the_air: f64,
     /// Largest planned normal force, N.
     pub peak_planned: Option<f64>,
     /// Largest real normal force, N.
@@ -384,6 +386,7 @@ fn contacts(log: &Log, controller: &Controller) -> Result<Vec<ContactSummary>> {
                 name: name.to_owned(),
                 on: on.mean().unwrap_or(0.0),
                 touched: share_above_zero(real),
+                in_the_air: longest_in_the_air(on, planned, real),
                 peak_planned: planned.max(),
                 peak_real: real.max(),
                 least_real: real.min(),
@@ -391,6 +394,20 @@ fn contacts(log: &Log, controller: &Controller) -> Result<Vec<ContactSummary>> {
         }
     }
     Ok(contacts)
+}
+
+/// Of a contact's three series, which have the same times.
+fn longest_in_the_air(on: &Series, planned: &Series, real: &Series) -> f64 {
+    let (mut longest, mut since) = (0.0_f64, None);
+    let forces = planned.y.iter().zip(&real.y);
+    for ((t, on), (planned, real)) in on.t.iter().zip(&on.y).zip(forces) {
+        if *on > 0.0 && *planned > 0.0 && *real <= 0.0 {
+            longest = longest.max(t - *since.get_or_insert(*t));
+        } else {
+            since = None;
+        }
+    }
+    longest
 }
 
 /// Of the samples.

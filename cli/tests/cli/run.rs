@@ -222,6 +222,35 @@ fn a_contact_that_hardly_ever_is_on_is_told() {
     }
 }
 
+/// On from the beginning, the contact is counted on while the robot is still on its way.
+#[test]
+fn a_contact_that_is_on_in_the_air_is_told() {
+    let out = Temporary::new("air");
+    let folder = out.0.display().to_string();
+    let approach = "follow={base_position={type=\"min_jerk\",to=[-0.0688,0.0,1.258],duration=6.0}}";
+    let events =
+        format!("change.event=[{{at=0.0,activate_contact=[\"tip\"]}},{{at=1.0,{approach}}}]");
+    let scenario = "examples/scenarios/push_with_disturbance.toml";
+    let done = wbqp(&[
+        "run",
+        scenario,
+        "--case",
+        "with_ft",
+        "--set",
+        &events,
+        "--set",
+        "change.detector=[]",
+        "--set",
+        "change.duration=10.0",
+        "--out",
+        &folder,
+    ]);
+    let words = "ATTENTION: contact `tip` was on for ";
+    let line = done.stdout.lines().find(|line| line.contains(words));
+    let line = line.unwrap_or_else(|| panic!("{}{}", done.stdout, done.stderr));
+    assert!(line.contains("s in which nothing was there"), "{line}");
+}
+
 /// A touch of which nothing is wrong, however short beside the run.
 #[test]
 fn a_short_touch_is_nothing_to_look_at() {
