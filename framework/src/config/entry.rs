@@ -110,6 +110,11 @@ fn optional<T: DeserializeOwned>(
 fn hardness(value: Spanned<DeValue<'_>>, at: &At, report: &mut Report<'_>) -> Option<Hardness> {
     let span = value.span();
     match Hardness::deserialize(ValueDeserializer::from(value)) {
+        Ok(Hardness::Exact(price)) if !price.is_finite() || price <= 0.0 => {
+            let message = format!("exact: must be finite and positive, is {price}");
+            report.add(Kind::Value, Some(span), at, message);
+            None
+        }
         Ok(Hardness::Exact(price)) if !WEIGHTS.contains(&price) => {
             let [least, most] = [WEIGHTS.start(), WEIGHTS.end()];
             let message = format!("exact: is {price:e}, must be between {least:e} and {most:e}");
