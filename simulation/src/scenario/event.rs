@@ -73,8 +73,8 @@ impl Event {
             controller.activate(name).map_err(text)?;
         }
         for (name, weight) in &self.weight {
-            check_weight(name, weight)?;
             controller.reweight(name, weight.clone()).map_err(text)?;
+            check_weight(name, weight)?;
         }
         for (task, value) in &self.follow {
             if !value.is_table() {
@@ -85,8 +85,9 @@ impl Event {
             }
             let reference = <Box<dyn AnyReference>>::deserialize(value.clone())
                 .map_err(|e| format!("follow.{task}: {}", e.message().trim_end()))?;
-            check_values(task, &*reference)?;
+            let values = check_values(task, &*reference);
             controller.follow(task, reference).map_err(text)?;
+            values?;
         }
         Ok(())
     }

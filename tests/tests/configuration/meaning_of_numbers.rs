@@ -121,7 +121,7 @@ fn what_cannot_be_meant_is_refused_at_its_place() {
         (
             "{ type = \"min_jerk\", to = [0, 0.8, -1.6, 0, 0.8, -1.6, 0, -0.8, 1.6, 0, -0.8, 1.6], duration = 2.0 }",
             "{ type = \"waypoints\", points = [{ at = 1.0, value = [1e308] }] }",
-            "x.toml:21:68: task[1] `posture` (posture): reference.points[0].value[0]: is 1e308 rad or m",
+            "x.toml:21:66: task[1] `posture` (posture): reference.points[0].value[0]: is 1e308 rad or m",
         ),
         (
             "kd = 10.0",
