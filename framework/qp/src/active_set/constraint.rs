@@ -133,13 +133,17 @@ pub(super) fn sum_of_sizes(qp: &Qp, index: usize, x: &[f64]) -> f64 {
     }
 }
 
-/// Moves what rounding left outside of its bounds onto them.
+/// Moves what is outside of its bounds by more than [`VIOLATION`] onto them: the unit of a variable may be so large that
+/// rounding is. What is outside by less stays, so that rows with large multipliers stay where they are.
 #[inline(always)]
 pub(super) fn keep_bounds(qp: &Qp, solution: &mut Solution) {
     let bounds = qp.lower().iter().zip(qp.upper());
     for (x, (lower, upper)) in solution.x.iter_mut().zip(bounds) {
-        let above = if *x < *lower { *lower } else { *x };
-        *x = if above > *upper { *upper } else { above };
+        let limit = if *x < *lower { *lower } else { *upper };
+        let is_outside = *x < *lower || *x > *upper;
+        if is_outside && (*x - limit).abs() > VIOLATION * (limit.abs() + x.abs()) {
+            *x = limit;
+        }
     }
 }
 
