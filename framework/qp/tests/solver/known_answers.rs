@@ -171,7 +171,8 @@ fn faint_coefficients_let_nothing_be_violated() {
     assert!(unanswered * 50 <= count, "{unanswered} without an answer");
 }
 
-fn solved(qp: &Qp) -> Solution {
+/// The answer of a solver that has solved nothing before.
+pub(crate) fn solved(qp: &Qp) -> Solution {
     let mut solver = ActiveSet::default();
     solver.bind(qp.capacity()).expect("is good");
     let mut solution = Solution::new(qp.capacity());

@@ -3,22 +3,15 @@
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use wbqp_qp::{ActiveSet, Budget, Qp, QpSolver, Solution, Status};
+use wbqp_qp::{Qp, Status};
 
-use crate::families::{FAMILIES, Family, draw};
+use crate::{
+    families::{FAMILIES, Family, draw},
+    known_answers::solved,
+};
 
 /// The largest exponent of two.
 const LARGEST: i32 = 20;
-
-fn solve(qp: &Qp) -> Solution {
-    let mut solver = ActiveSet::default();
-    solver.bind(qp.capacity()).expect("is good");
-    let mut solution = Solution::new(qp.capacity());
-    solver
-        .solve(qp, Budget::Configured, &mut solution)
-        .expect("fits");
-    solution
-}
 
 /// The problem in other units, and the units of the variables.
 fn in_other_units(qp: &Qp, rng: &mut ChaCha8Rng) -> (Qp, Vec<f64>) {
@@ -57,10 +50,10 @@ fn answers_do_not_depend_on_units() {
     for family in FAMILIES {
         for seed in first..first + count {
             let known = draw(family, seed, 12, 0.0);
-            let one = solve(&known.qp);
+            let one = solved(&known.qp);
             let mut rng = ChaCha8Rng::seed_from_u64(seed);
             let (scaled, d) = in_other_units(&known.qp, &mut rng);
-            let other = solve(&scaled);
+            let other = solved(&scaled);
             if one.status != other.status {
                 wrong.push(format!(
                     "{family:?} {seed}: {:?}, then {:?}",

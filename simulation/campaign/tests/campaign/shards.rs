@@ -54,22 +54,28 @@ fn any_number_of_shards_gives_the_same_bytes() {
     assert_eq!(drop[7], outcome.measured[0]);
 }
 
+/// Where a part that is not finished has its lines.
+const LINES: &str = "shard-1-of-1.jsonl";
+
+/// The table of the whole in `whole`, and all lines before they become one.
+fn table_and_lines(campaign: &Campaign, folder: &Folder) -> (Vec<u8>, Vec<u8>) {
+    let whole = folder.path().join("whole");
+    run(campaign, "1/1", &whole);
+    let lines = folder.path().join("lines");
+    let shard = Shard::open(campaign, Part::WHOLE, u64::MAX, &lines).unwrap();
+    shard.run(&|_, _| Continue(())).unwrap();
+    drop(shard);
+    let read = |path: &Path| fs::read(path).unwrap();
+    (read(&Part::WHOLE.table(&whole)), read(&lines.join(LINES)))
+}
+
 /// A process that is killed leaves whole lines and at most one that is torn.
 #[test]
 fn a_shard_that_was_cut_anywhere_goes_on_to_the_same_table() {
     let folder = Folder::new();
     let campaign = folder.campaign(DESIGN);
+    let (expected, text) = table_and_lines(&campaign, &folder);
     let whole = folder.path().join("whole");
-    run(&campaign, "1/1", &whole);
-    let expected = fs::read(Part::WHOLE.table(&whole)).unwrap();
-
-    // All lines, before they become a table.
-    let lines = folder.path().join("lines");
-    let shard = Shard::open(&campaign, Part::WHOLE, u64::MAX, &lines).unwrap();
-    shard.run(&|_, _| Continue(())).unwrap();
-    drop(shard);
-    let name = "shard-1-of-1.jsonl";
-    let text = fs::read(lines.join(name)).unwrap();
     for cut in [
         0,
         10,
@@ -80,7 +86,7 @@ fn a_shard_that_was_cut_anywhere_goes_on_to_the_same_table() {
     ] {
         let directory = folder.path().join(format!("cut-{cut}"));
         fs::create_dir_all(&directory).unwrap();
-        fs::write(directory.join(name), &text[..cut]).unwrap();
+        fs::write(directory.join(LINES), &text[..cut]).unwrap();
         let shard = Shard::open(&campaign, Part::WHOLE, u64::MAX, &directory).unwrap();
         let before = shard.done();
         let ran = AtomicU64::new(0);
@@ -97,7 +103,7 @@ fn a_shard_that_was_cut_anywhere_goes_on_to_the_same_table() {
             expected,
             "{cut}"
         );
-        assert!(!directory.join(name).exists());
+        assert!(!directory.join(LINES).exists());
     }
     // What is finished is not run again.
     let shard = Shard::open(&campaign, Part::WHOLE, u64::MAX, &whole).unwrap();
@@ -110,15 +116,8 @@ fn a_shard_that_was_cut_anywhere_goes_on_to_the_same_table() {
 fn a_line_that_is_none_of_the_shards_is_dropped() {
     let folder = Folder::new();
     let campaign = folder.campaign(DESIGN);
-    let whole = folder.path().join("whole");
-    run(&campaign, "1/1", &whole);
-    let expected = fs::read(Part::WHOLE.table(&whole)).unwrap();
-    let lines = folder.path().join("lines");
-    let shard = Shard::open(&campaign, Part::WHOLE, u64::MAX, &lines).unwrap();
-    shard.run(&|_, _| Continue(())).unwrap();
-    drop(shard);
-    let name = "shard-1-of-1.jsonl";
-    let text = fs::read_to_string(lines.join(name)).unwrap();
+    let (expected, text) = table_and_lines(&campaign, &folder);
+    let text = String::from_utf8(text).unwrap();
     let third = text.lines().nth(2).unwrap();
     let start = third.find("\"run\":").unwrap() + 6;
     let end = start + third[start..].find(',').unwrap();
@@ -130,7 +129,7 @@ fn a_line_that_is_none_of_the_shards_is_dropped() {
     for (kind, damaged) in [other_run, no_measures, twice].iter().enumerate() {
         let directory = folder.path().join(format!("damaged-{kind}"));
         fs::create_dir_all(&directory).unwrap();
-        fs::write(directory.join(name), text.replace(third, damaged)).unwrap();
+        fs::write(directory.join(LINES), text.replace(third, damaged)).unwrap();
         let shard = Shard::open(&campaign, Part::WHOLE, u64::MAX, &directory).unwrap();
         assert_eq!(shard.done(), 1, "{damaged}");
         shard.run(&|_, _| Continue(())).unwrap();
