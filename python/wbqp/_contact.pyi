@@ -12,7 +12,7 @@ class Contact(Plugin):
     ----------
     active : bool, default false
         Whether the contact is on at the start.
-    force_max : float, default 1000.0; with `motion` 10000.0
+    force_max : float, default 1000.0
         Largest normal force, N.
     force_min : float, default 0.0
         Smallest normal force while on, N.
