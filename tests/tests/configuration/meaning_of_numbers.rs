@@ -140,7 +140,8 @@ fn what_cannot_be_meant_is_refused_at_its_place() {
         ),
         (
             "kp = 100.0",
-            "kp = 100.0\n[[task]]\ntype = \"constant_force\"\ncontact = \"fl_foot\"\nnormal = 5e3\nmoment = [0, 0, 0, 99]",
+            "kp = 100.0\n[[task]]\ntype = \"constant_force\"\ncontact = \"fl_foot\"\nnormal = 5.0\n\
+             moment = [0, 0, 0, 99]",
             "moment: has 4 values, must have 3",
         ),
         (

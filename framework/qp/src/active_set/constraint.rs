@@ -133,8 +133,8 @@ pub(super) fn sum_of_sizes(qp: &Qp, index: usize, x: &[f64]) -> f64 {
     }
 }
 
-/// Moves what is outside of its bounds by more than [`VIOLATION`] onto them: the unit of a variable may be so large that
-/// rounding is. What is outside by less stays, so that rows with large multipliers stay where they are.
+/// Moves what is outside of its bounds by more than [`VIOLATION`] onto them: the unit of a variable may be so large
+/// that rounding is. What is outside by less stays, so that rows with large multipliers stay where they are.
 #[inline(always)]
 pub(super) fn keep_bounds(qp: &Qp, solution: &mut Solution) {
     let bounds = qp.lower().iter().zip(qp.upper());

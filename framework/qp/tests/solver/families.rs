@@ -45,8 +45,8 @@ pub enum Family {
     /// Rows at angles of 1e-13 to 1e-4 to combinations of others: with rounding of their limits the solution moves far,
     /// and multipliers are as large as angles are small.
     NearlyDependent,
-    /// Variables between two bounds with coefficients, and a curvature, at rounding or not far from it, as the cosine of
-    /// a right angle makes them.
+    /// Variables between two bounds with coefficients, and a curvature, at rounding or not far from it, as the cosine
+    /// of a right angle makes them.
     Faint,
 }
 

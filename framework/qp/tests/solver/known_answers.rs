@@ -151,8 +151,8 @@ fn what_contradicts_itself_is_infeasible_where_the_cost_falls_too() {
     }
 }
 
-/// Coefficients, and a curvature, at rounding or not far from it, as the cosine of a right angle makes them: no limit is
-/// violated, whatever unit they suggest for a variable that is between two bounds.
+/// Coefficients, and a curvature, at rounding or not far from it, as the cosine of a right angle makes them: no limit
+/// is violated, whatever unit they suggest for a variable that is between two bounds.
 #[test]
 fn faint_coefficients_let_nothing_be_violated() {
     let (count, first) = (number("WBQP_QP_PROBLEMS", 300), number("WBQP_QP_FIRST", 0));
