@@ -1,6 +1,6 @@
 //! What a file is: a robot's URDF, a controller or a scenario.
 
-use std::path::Path;
+use std::{borrow::Cow, path::Path};
 
 use anyhow::{Context, Result, bail};
 use serde::Serialize;
@@ -27,9 +27,14 @@ impl Subject {
         let name = path.display();
         let bytes = input::read(path, input::LARGEST_TEXT)
             .with_context(|| format!("{name}: cannot be read"))?;
-        let Ok(text) = String::from_utf8(bytes) else {
-            bail!("{name}: is not text: it should be a URDF, a controller or a scenario");
-        };
+        let text = String::from_utf8_lossy(&bytes);
+        // XML may be in another encoding, TOML may not.
+        if matches!(text, Cow::Owned(_)) && !text.trim_start().starts_with('<') {
+            bail!(
+                "{name}: is not text in UTF-8: it should be a URDF, a controller or a scenario; in another encoding, \
+                 save it as UTF-8"
+            );
+        }
         let text = text.trim_start_matches('\u{feff}');
         if text.trim_start().starts_with('<') {
             return match root_element(text) {

@@ -268,9 +268,10 @@ fn read(path: &Path) -> Result<SourceFile, RobotError> {
         Ok(bytes) => bytes,
         Err(source) => return Err(RobotError::Read { file: name, source }),
     };
-    // Comments in another encoding are no reason to refuse a robot.
+    // Comments in another encoding are no reason to refuse a robot. As ISO-8859-1, in which every byte is a character:
+    // names that differ still do.
     let contents = String::from_utf8(bytes)
-        .unwrap_or_else(|error| String::from_utf8_lossy(error.as_bytes()).into_owned());
+        .unwrap_or_else(|error| error.into_bytes().into_iter().map(char::from).collect());
     Ok(SourceFile { name, contents })
 }
 

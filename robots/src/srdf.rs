@@ -6,7 +6,7 @@
 
 use std::collections::BTreeMap;
 
-use roxmltree::{Document, Node};
+use roxmltree::Node;
 use wbqp::{
     nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion},
     robot::{RobotError, SourceLocation},
@@ -29,7 +29,7 @@ pub(crate) fn state(file: &str, text: &str, name: &str) -> Result<GroupState, Ro
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let source = Source::new(file, text);
     xml::check(&source)?;
-    let document = Document::parse(text).map_err(|e| RobotError::Syntax {
+    let document = xml::parse(text).map_err(|e| RobotError::Syntax {
         place: SourceLocation::at(file, e.pos().row as usize, e.pos().col as usize),
         what: format!("malformed XML: {e}"),
     })?;

@@ -35,6 +35,7 @@ use wbqp::{
     model::{Base, BodyId, Inertia, Joint, JointKind, JointLimits, Model, ModelBuilder},
     nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, UnitQuaternion, Vector3},
     robot::{Robot, RobotError, RobotModel},
+    serde_json::{self, Value},
     state::State,
     suggestion::suggestion,
 };
@@ -276,6 +277,7 @@ fn lags() -> [f64; 2] {
 #[wbqp::robot("tree")]
 impl Robot for Tree {
     fn load(&self, _: &Path) -> Result<RobotModel, RobotError> {
+        self.check_numbers()?;
         let model = self.model()?;
         size::check(&model).map_err(|what| self.refuse("body", what))?;
         let home = self.home_of(&model)?;
@@ -303,6 +305,19 @@ impl Tree {
             option: format!("robot `{}`: {element}", self.name),
             what: what.into(),
         }
+    }
+
+    /// Refuses numbers that no robot has.
+    fn check_numbers(&self) -> Result<(), RobotError> {
+        // As JSON, to look at all of them by their keys; what is not finite is null there, and checked elsewhere.
+        let data = serde_json::to_value(self).unwrap_or_default();
+        too_large("", &data).map_or(Ok(()), |(element, number)| {
+            let most = size::LARGEST_NUMBER;
+            let what = format!(
+                "has {number:e}, must be at most {most:e} (SI units); leave out what has no limit"
+            );
+            Err(self.refuse(&element, what))
+        })
     }
 
     fn model(&self) -> Result<Model, RobotError> {
@@ -533,6 +548,26 @@ impl Tree {
             });
         }
         Ok(actuators)
+    }
+}
+
+/// The first number that is too large, with the key or the entry that has it.
+fn too_large(path: &str, value: &Value) -> Option<(String, f64)> {
+    match value {
+        Value::Number(number) => {
+            let number = number.as_f64().filter(|x| x.abs() > size::LARGEST_NUMBER);
+            number.map(|number| (path.to_owned(), number))
+        }
+        Value::Array(values) => values.iter().find_map(|value| too_large(path, value)),
+        Value::Object(keys) => {
+            let name = keys.get("name").and_then(Value::as_str);
+            let entry = name.filter(|_| !path.is_empty());
+            let entry = entry.map_or(path.to_owned(), |name| format!("{path} `{name}`"));
+            let join = |key| if entry.is_empty() { String::new() } else { format!("{entry}: ") } + key;
+            keys.iter()
+                .find_map(|(key, value)| too_large(&join(key), value))
+        }
+        _ => None,
     }
 }
 

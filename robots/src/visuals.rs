@@ -6,14 +6,14 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use roxmltree::{Document, Node, ParsingOptions};
+use roxmltree::Node;
 use wbqp::{
     model::FrameId,
     nalgebra::{Isometry3, UnitQuaternion, Vector3},
     robot::RobotModel,
 };
 
-use crate::urdf::forgiving;
+use crate::{urdf::forgiving, xml};
 
 /// A shape on a link.
 #[derive(Clone, Debug, PartialEq)]
@@ -66,14 +66,10 @@ pub enum Shape {
 pub fn visuals(robot: &RobotModel) -> (Vec<Visual>, Vec<String>) {
     let (mut visuals, mut left_out) = (Vec::new(), Vec::new());
     for source in &robot.sources {
-        let options = ParsingOptions {
-            allow_dtd: true,
-            ..ParsingOptions::default()
-        };
         // What the loader forgives has visuals too.
         let text = source.contents.strip_prefix('\u{feff}');
         let text = forgiving(text.unwrap_or(&source.contents));
-        let Ok(document) = Document::parse_with_options(&text, options) else {
+        let Ok(document) = xml::parse(&text) else {
             continue;
         };
         let root = document.root_element();

@@ -1,8 +1,10 @@
 //! What an XML text may have, looked at before it is parsed.
 //!
 //! A parser compares each attribute of an element with all others of that element, and carries the namespaces of an
-//! element over to the elements in it: both take time and memory with the square of what the text has of them.
+//! element over to the elements in it: both take time and memory with the square of what the text has of them. Each
+//! element and each text beside it takes some 70 bytes, which is much more than the shortest of them has.
 
+use roxmltree::{Document, ParsingOptions};
 use wbqp::robot::RobotError;
 
 use crate::source::Source;
@@ -11,6 +13,10 @@ use crate::source::Source;
 pub(crate) const DEEPEST: usize = 64;
 /// The most attributes of an element. URDF itself needs six.
 const MOST_ATTRIBUTES: usize = 64;
+/// So many elements any text may have; of a longer one, each has at least [`SHORTEST`] bytes on average.
+const FEW: usize = 10_000;
+/// Bytes. `<link name="a"/>` has as many.
+const SHORTEST: usize = 16;
 
 /// Refuses elements with more attributes than any robot has, and nested deeper.
 pub(crate) fn check(source: &Source<'_>) -> Result<(), RobotError> {
@@ -23,12 +29,29 @@ pub(crate) fn check(source: &Source<'_>) -> Result<(), RobotError> {
     }
 }
 
+/// The tree of a text, with or without a document type.
+pub(crate) fn parse(text: &str) -> Result<Document<'_>, roxmltree::Error> {
+    let options = ParsingOptions {
+        allow_dtd: true,
+        ..ParsingOptions::default()
+    };
+    Document::parse_with_options(text, options)
+}
+
 /// Where there is too much of something, and of what. A text that is no XML has a parser that says so.
 fn excess(text: &str) -> Option<(usize, String)> {
-    let mut depth = 0_usize;
+    let most = FEW + text.len() / SHORTEST;
+    let (mut depth, mut elements) = (0_usize, 0);
     let mut at = 0;
     loop {
         let start = at + text.get(at..)?.find('<')?;
+        elements += usize::from(!text.get(start..)?.starts_with("</"));
+        if elements > most {
+            let what = format!(
+                "there are more than {most} elements, comments and so on in so short a text"
+            );
+            return Some((start, what));
+        }
         let rest = text.get(start..)?;
         let quoted = [
             ("<!--", "-->"),
@@ -109,6 +132,10 @@ mod tests {
         )
     }
 
+    fn empty(count: usize) -> String {
+        format!("<r>{}</r>", "<x/>a".repeat(count))
+    }
+
     fn nested(depth: usize) -> String {
         let (open, close) = ("<a b='>'>".repeat(depth), "</a>".repeat(depth));
         format!("{open}<![CDATA[<a><a>]]>{close}{open}{close}")
@@ -120,6 +147,11 @@ mod tests {
         let (offset, what) = excess(&attributes(MOST_ATTRIBUTES + 1)).expect("one more");
         assert_eq!(offset, "<!-- <a <a --><?xml?><r>\n".len());
         assert_eq!(what, "an element has more than 64 attributes");
+        assert_eq!(excess(&empty(FEW)), None);
+        // n elements and <r>, of 10 + 5 n bytes.
+        let count = (FEW * SHORTEST) / (SHORTEST - 5) + 1;
+        let (offset, what) = excess(&empty(count)).expect("more of them");
+        assert!(offset > 3 && what.contains("elements"), "{what}");
         assert_eq!(excess(&nested(DEEPEST)), None);
         let (offset, _) = excess(&nested(DEEPEST + 1)).expect("one more");
         assert_eq!(offset, "<a b='>'>".len() * DEEPEST);

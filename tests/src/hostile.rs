@@ -47,6 +47,11 @@ pub fn files() -> Vec<HostileFile> {
         wrong("misfits_3000.controller.toml", 0.5, misfits(3000)),
         good("cases_2000.toml", 1.0, cases(2000)),
         good("set_cases_2000.toml", 1.0, set_cases(2000)),
+        good("events_8000_cases_1500.toml", 1.0, shared(8000, 1500)),
+        good("events_10000_of_cases.toml", 2.0, of_cases(10_000, 1000)),
+        wrong("changed_2000_times_500.toml", 1.0, changed(2000, 500)),
+        wrong("expressions_2000.controller.toml", 1.0, expressions(2000)),
+        wrong("empty_1000000.urdf", 1.0, empty(1_000_000)),
         wrong("attributes_100000.urdf", 1.0, attributes(100_000)),
         wrong("children_100000.urdf", 1.0, children(100_000)),
         wrong("nested_100000.urdf", 1.0, nested_elements(100_000)),
@@ -190,6 +195,48 @@ pub fn cases(count: usize) -> String {
 /// Cases with a controller of their own.
 pub fn set_cases(count: usize) -> String {
     scenario(count, |case| format!("set.task.com.kp = {}.0\n", 10 + case))
+}
+
+fn events(count: usize, more: impl Fn(usize) -> String) -> String {
+    listed(count, |event| {
+        format!(
+            "[[event]]\nat = 0.5\nmark = \"m{event}\"\nweight.com = 1.0\n{}",
+            more(event)
+        )
+    })
+}
+
+/// Events of all cases.
+pub fn shared(count: usize, cases: usize) -> String {
+    scenario(cases, |_| String::new()) + &events(count, |_| String::new())
+}
+
+/// Events of one case each.
+pub fn of_cases(count: usize, cases: usize) -> String {
+    let events = events(count, |event| format!("cases = [\"c{}\"]\n", event % cases));
+    scenario(cases, |_| String::new()) + &events
+}
+
+/// Events of all cases, none of which has the same.
+pub fn changed(count: usize, cases: usize) -> String {
+    let cases = scenario(cases, |case| format!("change.duration = {}\n", 1 + case));
+    cases + &events(count, |_| String::new())
+}
+
+/// Regular expressions that are large.
+pub fn expressions(count: usize) -> String {
+    let expressions = listed(count, |length| {
+        let (most, letters) = (40 + length % 50, "x".repeat(length / 50));
+        format!("'[\\p{{L}}\\d_]{{1,{most}}}{letters}' = 1.0")
+    });
+    format!("{HEAD}[robot.options.armature]\n{expressions}")
+        .replace("type = \"quadruped\"\n", "file = \"star_1000.urdf\"\n")
+}
+
+/// Elements of five bytes, with a letter behind each.
+pub fn empty(count: usize) -> String {
+    let elements = "<x/>a".repeat(count);
+    format!("<robot name=\"r\"><link name=\"l\"/>{elements}</robot>\n")
 }
 
 /// One link with attributes that nobody asked for.

@@ -9,7 +9,9 @@ use super::refuse;
 use crate::urdf::SUGGESTED;
 
 /// Largest size of a compiled expression, bytes; with names of at most some hundred characters its use is bounded too.
-const LARGEST: usize = 1 << 20;
+const LARGEST: usize = 1 << 18;
+/// Expressions of an option, at most: each takes milliseconds to compile if it is as large as it may be.
+const MOST: usize = 200;
 
 /// The names that options can mean.
 pub(crate) struct Names<'a> {
@@ -74,8 +76,7 @@ impl<'a> Names<'a> {
                 String::new()
             }
         };
-        let is_plain = regex::escape(key).replace("\\-", "-") == key;
-        if is_plain {
+        if is_plain(key) {
             let hint = suggestion(key);
             let what = format!("robot `{robot}` has no {kind} `{key}`{hint}");
             return Err(refuse(option, what));
@@ -114,6 +115,24 @@ impl<'a> Names<'a> {
         }
     }
 
+    /// Says that an option has too many expressions.
+    fn refuse_many<'k>(
+        &self,
+        option: &str,
+        keys: impl Iterator<Item = &'k String>,
+    ) -> Option<RobotError> {
+        let is_name = |key: &str| self.places.contains_key(key) || self.groups.contains_key(key);
+        let expressions = keys.filter(|key| !is_name(key) && !is_plain(key));
+        let count = expressions.count();
+        (count > MOST).then(|| {
+            let what = format!(
+                "has {count} regular expressions, may have {MOST}: name each {} instead",
+                self.kind
+            );
+            refuse(option, what)
+        })
+    }
+
     /// Whether each is in a list.
     pub(crate) fn listed(
         &self,
@@ -122,6 +141,10 @@ impl<'a> Names<'a> {
         errors: &mut Vec<RobotError>,
     ) -> Vec<bool> {
         let mut listed = vec![false; self.known.len()];
+        if let Some(error) = self.refuse_many(option, list.iter()) {
+            errors.push(error);
+            return listed;
+        }
         for key in list {
             match self.matching(option, key, errors.len()) {
                 Ok(found) => found.into_iter().for_each(|i| listed[i] = true),
@@ -138,6 +161,10 @@ impl<'a> Names<'a> {
         table: &BTreeMap<String, T>,
         errors: &mut Vec<RobotError>,
     ) -> Vec<Option<T>> {
+        if let Some(error) = self.refuse_many(option, table.keys()) {
+            errors.push(error);
+            return vec![None; self.known.len()];
+        }
         let mut values: Vec<Option<(T, &str)>> = vec![None; self.known.len()];
         let is_name = |key: &String| self.places.contains_key(key.as_str());
         for (key, &value) in table.iter().filter(|(key, _)| !is_name(key)) {
@@ -172,4 +199,9 @@ impl<'a> Names<'a> {
         }
         values.into_iter().map(|value| Some(value?.0)).collect()
     }
+}
+
+/// Whether it means nothing but itself as an expression.
+fn is_plain(key: &str) -> bool {
+    regex::escape(key).replace("\\-", "-") == key
 }

@@ -48,7 +48,6 @@ use std::{
     collections::{BTreeMap, HashMap},
 };
 
-use roxmltree::Document;
 use wbqp::{
     dynamics::{Data, frame_motion},
     model::{Inertia, JointId, Model},
@@ -118,7 +117,7 @@ pub(crate) fn robot(
         Mode::Strict => text.into(),
         Mode::Liberal => reader::forgiving(text).into(),
     };
-    let document = Document::parse(&mended).map_err(|e| reader::parse_error(&source, &e))?;
+    let document = xml::parse(&mended).map_err(|e| reader::parse_error(&source, &e))?;
     let description = reader::read(&document, &mut findings);
     findings.stop_if_any()?;
     let Some(description) = description else {

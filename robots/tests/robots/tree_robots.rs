@@ -76,3 +76,27 @@ fn an_axis_has_any_length() {
     let short = PENDULUM.replacen("[0.0, 1.0, 0.0]", "[0.0, 1e-12, 0.0]", 1);
     assert_eq!(load(&short).expect("a robot").model.joints()[0].axis.y, 1.0);
 }
+
+#[test]
+fn numbers_that_no_robot_has_are_refused_by_name() {
+    for (from, to, what) in [
+        (
+            "moments = [0.1",
+            "moments = [1e308",
+            "body `rod`: moments`: has 1e308",
+        ),
+        (
+            "effort = 3.0",
+            "effort = -1e12",
+            "body `rod`: joint `swing`: effort`: has -1e12",
+        ),
+        (
+            "[[body]]\nname = \"stand\"",
+            "gravity = [0.0, 0.0, -1e308]\n[[body]]\nname = \"stand\"",
+            "gravity`: has",
+        ),
+    ] {
+        refused(&PENDULUM.replacen(from, to, 1), what);
+    }
+    assert!(load(&PENDULUM.replace("effort = 3.0", "effort = inf")).is_ok());
+}

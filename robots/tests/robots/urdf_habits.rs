@@ -383,6 +383,8 @@ fn what_is_not_about_dynamics_is_never_an_error() {
             + &joint("elbow", "revolute", "base", "arm", LIMIT)
             + "<transmission/><gazebo><plugin/></gazebo><material/><controller:x a:b=\"1\"/>"),
     ));
+    silent(&format!("{}\0\0", arm("revolute", LIMIT)));
+    silent(&format!("<!DOCTYPE robot>{}", arm("revolute", LIMIT)));
     silent(&arm("revolute", LIMIT).replacen(
         "<robot",
         "\n<!-- made by hand --><?xml version=\"1.0\"?><robot",
@@ -729,6 +731,50 @@ fn a_planar_joint_is_two_slides_and_a_turn() {
     );
     assert!((arm.p_WF - wbqp::nalgebra::Vector3::new(0.5, -0.25, 0.0)).norm() < 1e-15);
     assert!((arm.R_WF.angle() - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn the_range_of_a_planar_joint_is_none_and_that_is_said() {
+    let text = arm("planar", &format!("<axis xyz=\"0 0 1\"/>{LIMIT}"));
+    noticed(
+        &text,
+        Severity::Note,
+        &["a planar joint has a range", "`….x`"],
+    );
+}
+
+#[test]
+fn names_in_another_encoding_stay_different() {
+    let text = arm("revolute", LIMIT)
+        .replace("base", "l\u{e4}nge")
+        .replace("arm", "h\u{f6}he");
+    let folder = std::env::temp_dir().join(format!("wbqp-latin-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("can be made");
+    let file = folder.join("latin.urdf");
+    let bytes: Vec<u8> = text
+        .chars()
+        .filter_map(|c| u8::try_from(u32::from(c)).ok())
+        .collect();
+    std::fs::write(&file, bytes).expect("can be written");
+    let robot = from_files(&file, None, &Options::default()).expect("is read");
+    std::fs::remove_dir_all(folder).expect("can be removed");
+    for name in ["l\u{e4}nge", "h\u{f6}he"] {
+        assert!(robot.model.frame(name).is_some(), "{name}");
+    }
+}
+
+#[test]
+fn an_option_has_few_regular_expressions() {
+    let armature = (0..201).map(|i| (format!("elbow{{{i}}}.*"), 0.1)).collect();
+    let options = Options {
+        armature,
+        ..Options::default()
+    };
+    refused_with(
+        &arm("revolute", LIMIT),
+        &options,
+        &["`armature`", "201 regular expressions"],
+    );
 }
 
 #[test]

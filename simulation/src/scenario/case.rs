@@ -41,17 +41,48 @@ pub struct Case {
     file: String,
     controller: PathBuf,
     set: Overrides,
-    duration: f64,
+    pub(super) contents: Arc<Contents>,
+    variation: Arc<Variation>,
+    /// Robots that are there already, if they are to be used.
+    robots: Option<Arc<Robots>>,
+}
+
+/// What the scenario's file says of a case.
+#[derive(Clone, Debug)]
+pub(super) struct Contents {
+    /// The scenario's name.
+    pub(super) scenario: Spanned<String>,
+    controller: PathBuf,
+    pub(super) duration: f64,
     initial: Initial,
     plant: PlantConfig,
     sensors: SensorsConfig,
     detectors: Vec<Detector>,
-    events: Vec<Event>,
-    variation: Arc<Variation>,
-    /// Robots that are there already, if they are to be used.
-    robots: Option<Arc<Robots>>,
+    pub(super) events: Vec<Event>,
     /// Where the detectors and the events are in the text.
     pub(super) places: [Vec<Range<usize>>; 2],
+}
+
+impl From<Keys> for Contents {
+    fn from(keys: Keys) -> Self {
+        let places = [
+            keys.detectors.iter().map(Spanned::span).collect(),
+            keys.events.iter().map(Spanned::span).collect(),
+        ];
+        let detectors = keys.detectors.into_iter().map(Spanned::into_inner);
+        let events = keys.events.into_iter().map(Spanned::into_inner);
+        Self {
+            scenario: keys.name,
+            controller: keys.controller,
+            duration: keys.duration,
+            initial: keys.initial,
+            plant: keys.plant,
+            sensors: keys.sensors,
+            detectors: detectors.collect(),
+            events: events.collect(),
+            places,
+        }
+    }
 }
 
 /// Where the robot starts, at rest.
@@ -77,34 +108,14 @@ impl Case {
         directory: &Path,
         variation: &Arc<Variation>,
     ) -> Self {
-        let Keys {
-            controller,
-            duration,
-            initial,
-            plant,
-            sensors,
-            detectors,
-            events,
-            ..
-        } = case.keys;
-        let places = [
-            detectors.iter().map(Spanned::span).collect(),
-            events.iter().map(Spanned::span).collect(),
-        ];
         Self {
             name: case.name.into_inner(),
             file: file.to_owned(),
-            controller: directory.join(controller),
+            controller: directory.join(&case.contents.controller),
             set: case.set,
-            duration,
-            initial,
-            plant,
-            sensors,
-            detectors: detectors.into_iter().map(Spanned::into_inner).collect(),
-            events: events.into_iter().map(Spanned::into_inner).collect(),
+            contents: case.contents,
             variation: variation.clone(),
             robots: None,
-            places,
         }
     }
 
@@ -136,32 +147,32 @@ impl Case {
 
     /// Simulated time, s.
     pub fn duration(&self) -> f64 {
-        self.duration
+        self.contents.duration
     }
 
     /// Where the robot starts.
     pub fn initial(&self) -> &Initial {
-        &self.initial
+        &self.contents.initial
     }
 
     /// The simulated world.
     pub fn plant(&self) -> &PlantConfig {
-        &self.plant
+        &self.contents.plant
     }
 
     /// What the controller measures.
     pub fn sensors(&self) -> &SensorsConfig {
-        &self.sensors
+        &self.contents.sensors
     }
 
     /// Contacts switched by measured force.
     pub fn detectors(&self) -> &[Detector] {
-        &self.detectors
+        &self.contents.detectors
     }
 
     /// What changes at a given time, in the file's order.
     pub fn events(&self) -> &[Event] {
-        &self.events
+        &self.contents.events
     }
 
     /// What is put into the controller's file.
@@ -173,11 +184,11 @@ impl Case {
     /// `sensors`, with all defaults.
     pub fn values(&self) -> toml::Table {
         let mut values = toml::Table::new();
-        values.insert("duration".into(), self.duration.into());
+        values.insert("duration".into(), self.contents.duration.into());
         let tables = [
-            ("initial", toml::Value::try_from(&self.initial)),
-            ("plant", toml::Value::try_from(&self.plant)),
-            ("sensors", toml::Value::try_from(&self.sensors)),
+            ("initial", toml::Value::try_from(&self.contents.initial)),
+            ("plant", toml::Value::try_from(&self.contents.plant)),
+            ("sensors", toml::Value::try_from(&self.contents.sensors)),
         ];
         for (key, table) in tables {
             // What no TOML file can say has no values.
@@ -222,7 +233,7 @@ impl Case {
     /// [`ScenarioError::Plant`] if it refuses the robot, which is then not the controller's.
     pub fn make_plant(&self, robot: &RobotModel) -> Result<Plant, ScenarioError> {
         let initial = self.initial_state(robot)?;
-        Plant::new(robot, &self.plant, initial).map_err(|e| self.plant_error("plant", e))
+        Plant::new(robot, &self.contents.plant, initial).map_err(|e| self.plant_error("plant", e))
     }
 
     pub(crate) fn make_sensors(
@@ -230,7 +241,8 @@ impl Case {
         world: &dyn World,
         seed: u64,
     ) -> Result<Sensors, ScenarioError> {
-        Sensors::new(&self.sensors, world, seed).map_err(|e| self.plant_error("sensors", e))
+        Sensors::new(&self.contents.sensors, world, seed)
+            .map_err(|e| self.plant_error("sensors", e))
     }
 
     pub(super) fn initial_state(&self, robot: &RobotModel) -> Result<State, ScenarioError> {
@@ -238,7 +250,7 @@ impl Case {
             position,
             rpy,
             joints,
-        } = &self.initial;
+        } = &self.contents.initial;
         let numbers = [
             (
                 "position",
@@ -282,7 +294,7 @@ impl Case {
 
     /// Number of control periods, at a rate in Hz.
     pub fn ticks(&self, rate: f64) -> usize {
-        (self.duration * rate).round() as usize
+        (self.contents.duration * rate).round() as usize
     }
 
     /// Makes everything once, as far as no other case of its group did.
@@ -292,17 +304,20 @@ impl Case {
         text: &Text<'_>,
         groups: &Groups<'_>,
     ) -> Result<(), ScenarioError> {
-        if !(self.duration.is_finite() && self.duration > 0.0) {
+        if !(self.contents.duration.is_finite() && self.contents.duration > 0.0) {
             return Err(self.refuse(&format!(
                 "duration: is {} s, must be positive and finite",
-                self.duration
+                self.contents.duration
             )));
         }
         let common = groups.common(index, self)?;
+        if common.is_checked(&self.contents) {
+            return Ok(());
+        }
         if self.ticks(common.rate) == 0 {
             return Err(self.refuse(&format!(
                 "duration: is {} s, shorter than a control period, which is {} s",
-                self.duration,
+                self.contents.duration,
                 1.0 / common.rate
             )));
         }
@@ -311,37 +326,38 @@ impl Case {
         self.check_length(common.rate)?;
         self.make_sensors(&plant, 0)?;
         self.check_detectors(text, groups, &common)?;
-        let known = if let Some(known) = common.known(&self.events, self.duration) {
+        let known = if let Some(known) = common.known(&self.contents) {
             known
         } else {
             let asked = self.check_events(text, groups, &common)?;
             let known = Arc::new(Known {
-                events: self.events.clone(),
-                duration: self.duration,
+                contents: self.contents.clone(),
                 asked,
             });
             common.remember(&known);
             known
         };
-        self.check_pushes(text, &common.robot, &common.contacts, &known.asked)
+        self.check_pushes(text, &common.robot, &common.contacts, &known.asked)?;
+        common.checked(&self.contents);
+        Ok(())
     }
 
     /// Refuses a run that would not end in a day or two.
     fn check_length(&self, rate: f64) -> Result<(), ScenarioError> {
-        let ticks = self.duration * rate;
+        let ticks = self.contents.duration * rate;
         if ticks > MOST_TICKS {
             return Err(self.refuse(&format!(
                 "duration: is {:e} s, which are {ticks:.1e} control periods at {rate} Hz; a run has at most \
                  {MOST_TICKS:e}: make it shorter",
-                self.duration
+                self.contents.duration
             )));
         }
-        let steps = ticks * (1.0 / (rate * self.plant.step)).ceil();
+        let steps = ticks * (1.0 / (rate * self.contents.plant.step)).ceil();
         if steps > MOST_STEPS {
             return Err(self.refuse(&format!(
                 "plant.step: is {:e} s, which makes {steps:.1e} steps in {} s; a run has at most {MOST_STEPS:e}: make \
                  the step larger or the run shorter",
-                self.plant.step, self.duration
+                self.contents.plant.step, self.contents.duration
             )));
         }
         Ok(())
@@ -349,21 +365,23 @@ impl Case {
 
     /// The log keeps the times of a disturbance under names of their own.
     fn check_marks(&self, text: &Text<'_>) -> Result<(), ScenarioError> {
-        for (event, span) in self.events.iter().zip(&self.places[1]) {
+        let disturbances = self.contents.plant.disturbances.iter();
+        let disturbances: HashSet<&str> = disturbances.map(|d| d.name.as_str()).collect();
+        for (event, span) in self.contents.events.iter().zip(&self.contents.places[1]) {
             let Some(mark) = &event.mark else {
                 continue;
             };
-            let taken = self.plant.disturbances.iter().find(|disturbance| {
-                let rest = mark.strip_prefix(disturbance.name.as_str());
-                matches!(rest, Some("_start" | "_end"))
-            });
+            let mut names = ["_start", "_end"]
+                .iter()
+                .filter_map(|end| mark.strip_suffix(end));
+            let taken = names.find(|name| disturbances.contains(name));
             if let Some(disturbance) = taken {
                 return Err(ScenarioError::Value {
                     place: text.place(span.start),
                     what: format!(
                         "event `{mark}` at {} s: the log keeps a time of the disturbance `{}` under this mark; take \
                          another one",
-                        event.at, disturbance.name
+                        event.at, disturbance
                     ),
                 });
             }
@@ -378,7 +396,7 @@ impl Case {
         common: &Common,
     ) -> Result<(), ScenarioError> {
         let mut detected = HashSet::new();
-        for (detector, span) in self.detectors.iter().zip(&self.places[0]) {
+        for (detector, span) in self.contents.detectors.iter().zip(&self.contents.places[0]) {
             let refuse = |what: String| ScenarioError::Value {
                 place: text.place(span.start),
                 what: format!("detector: {what}"),
@@ -396,7 +414,13 @@ impl Case {
                 return Err(refuse(unknown.map_or_else(String::new, |e| e.to_string())));
             };
             let frame = &contact.frame;
-            if !self.sensors.force_torque.iter().any(|s| &s.frame == frame) {
+            if !self
+                .contents
+                .sensors
+                .force_torque
+                .iter()
+                .any(|s| &s.frame == frame)
+            {
                 return Err(refuse(format!(
                     "no force is measured at contact `{}`: there is no [[sensors.force_torque]] with frame = \
                      \"{frame}\"",
@@ -418,7 +442,7 @@ impl Case {
         let rate = common.rate;
         let last_tick = self.ticks(rate).saturating_sub(1) as f64 / rate;
         let mut marks = HashSet::new();
-        for (event, span) in self.events.iter().zip(&self.places[1]) {
+        for (event, span) in self.contents.events.iter().zip(&self.contents.places[1]) {
             let refuse = |what: String| ScenarioError::Value {
                 place: text.place(span.start),
                 what: match &event.mark {
@@ -439,7 +463,7 @@ impl Case {
                 return Err(refuse("another event has the same mark".into()));
             }
         }
-        let mut events: Vec<&Event> = self.events.iter().collect();
+        let mut events: Vec<&Event> = self.contents.events.iter().collect();
         events.sort_by(|a, b| a.at.total_cmp(&b.at));
         if !events.is_empty() {
             // Without what happens later.

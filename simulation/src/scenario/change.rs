@@ -3,7 +3,7 @@
 //! Works on the parsed text, so that whatever is wrong afterwards still has its place in the file.
 
 use std::{
-    collections::{BTreeMap, HashSet},
+    collections::{HashMap, HashSet},
     ops::Range,
 };
 
@@ -53,10 +53,6 @@ impl List {
     fn display(&self) -> String {
         format!("[[{}]]", self.path.join("."))
     }
-
-    fn last(&self) -> &'static str {
-        self.path.last().copied().unwrap_or_default()
-    }
 }
 
 /// What is wrong, and where in the text.
@@ -66,56 +62,99 @@ pub(super) struct Refusal {
     pub(super) message: String,
 }
 
-/// Names of the entries that a case leaves out, by the list's last key.
-pub(super) type LeftOut = BTreeMap<&'static str, Vec<String>>;
-
-/// Which entries of the lists are for which cases: the keys `cases`, read once for all cases.
-pub(super) struct Members {
-    /// By list and entry; none for an entry that is in every case.
-    lists: Vec<Vec<Option<HashSet<String>>>>,
+/// The entries of the lists, taken out of the file, and which of them are for which cases: read once for all cases.
+pub(super) struct Members<'t> {
+    /// Nothing for a list that the file does not have.
+    lists: Vec<Option<Entries<'t>>>,
 }
 
-impl Members {
-    /// Takes the keys `cases` out of the file.
-    pub(super) fn take(root: &mut DeTable<'_>, known: &[&str]) -> Result<Self, Refusal> {
+struct Entries<'t> {
+    all: DeArray<'t>,
+    /// Indices of those without `cases`.
+    of_every_case: Vec<usize>,
+    /// Indices of the others, by case.
+    of_case: HashMap<String, Vec<usize>>,
+}
+
+impl<'t> Members<'t> {
+    /// Takes the entries out of the file, and their keys `cases` out of them.
+    pub(super) fn take(root: &mut DeTable<'t>, known: &[&str]) -> Result<Self, Refusal> {
         let names: HashSet<&str> = known.iter().copied().collect();
         let mut lists = Vec::new();
         for list in &LISTS {
-            let mut members = Vec::new();
-            if let Some(DeValue::Array(entries)) = descend(root, list.path) {
-                for entry in entries.iter_mut() {
-                    members.push(cases_of(entry, &names, known)?);
+            let Some(DeValue::Array(entries)) = descend(root, list.path) else {
+                lists.push(None);
+                continue;
+            };
+            let mut entries = Entries {
+                all: std::mem::replace(entries, DeArray::new()),
+                of_every_case: Vec::new(),
+                of_case: HashMap::new(),
+            };
+            for (index, entry) in entries.all.iter_mut().enumerate() {
+                match cases_of(entry, &names, known)? {
+                    None => entries.of_every_case.push(index),
+                    Some(cases) => {
+                        for case in cases {
+                            entries.of_case.entry(case).or_default().push(index);
+                        }
+                    }
                 }
             }
-            lists.push(members);
+            lists.push(Some(entries));
         }
         Ok(Self { lists })
     }
 
-    /// Leaves out the entries that are not for a case.
-    pub(super) fn select(&self, root: &mut DeTable<'_>, case: &str) -> LeftOut {
-        let mut all_left_out = LeftOut::new();
-        for (list, members) in LISTS.iter().zip(&self.lists) {
-            let Some(DeValue::Array(entries)) = descend(root, list.path) else {
+    /// Of each list the indices of the entries that a case has and others may not have.
+    pub(super) fn own(&self, case: &str) -> Vec<&[usize]> {
+        let lists = self.lists.iter().map(|entries| match entries {
+            Some(entries) => entries.of_case.get(case).map_or(&[][..], Vec::as_slice),
+            None => &[],
+        });
+        lists.collect()
+    }
+
+    /// Puts the entries that are for a case where those of all cases were.
+    pub(super) fn put(&self, root: &mut DeTable<'t>, case: &str) {
+        for (list, entries) in LISTS.iter().zip(&self.lists) {
+            let (Some(entries), Some(DeValue::Array(put))) = (entries, descend(root, list.path))
+            else {
                 continue;
             };
-            let mut left_out = Vec::new();
-            if members.iter().any(Option::is_some) {
-                let mut left = DeArray::new();
-                let all = std::mem::replace(entries, DeArray::new());
-                for (entry, cases) in all.into_iter().zip(members) {
-                    if cases.as_ref().is_none_or(|cases| cases.contains(case)) {
-                        left.push(entry);
-                    } else {
-                        left_out.extend(list.name_of(entry.get_ref()).map(str::to_owned));
-                    }
-                }
-                *entries = left;
+            let mut indices = entries.of_every_case.clone();
+            indices.extend(entries.of_case.get(case).into_iter().flatten());
+            indices.sort_unstable();
+            for entry in indices.iter().filter_map(|&index| entries.all.get(index)) {
+                put.push(entry.clone());
             }
-            all_left_out.insert(list.last(), left_out);
         }
-        all_left_out
     }
+
+    /// Whether there is an entry of that name that is not for a case.
+    fn leave_out(&self, case: &str, list: &List, name: &str) -> bool {
+        let mut lists = LISTS.iter().zip(&self.lists);
+        let entries = lists.find(|(other, _)| other.path == list.path);
+        let Some((_, Some(entries))) = entries else {
+            return false;
+        };
+        let own = entries.of_case.get(case);
+        let is_its = |index: usize| {
+            entries.of_every_case.binary_search(&index).is_ok()
+                || own.is_some_and(|own| own.binary_search(&index).is_ok())
+        };
+        let mut all = entries.all.iter().enumerate();
+        all.any(|(index, entry)| list.name_of(entry.get_ref()) == Some(name) && !is_its(index))
+    }
+}
+
+/// How many entries the lists of a file have.
+pub(super) fn entries(root: &mut DeTable<'_>) -> usize {
+    let count = |list: &List| match descend(root, list.path) {
+        Some(DeValue::Array(entries)) => entries.len(),
+        _ => 0,
+    };
+    LISTS.iter().map(count).sum()
 }
 
 /// The cases of an entry; nothing if it is in all of them. Takes out its `cases`.
@@ -171,12 +210,15 @@ fn descend<'a, 't>(table: &'a mut DeTable<'t>, path: &[&str]) -> Option<&'a mut 
 }
 
 /// Whose changes they are.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub(super) enum Whose<'a> {
     /// The case's own: every entry that they name must be there.
     Case,
     /// A variation's, which is the same for all cases: an entry that this case leaves out is none of its business.
-    Variation(&'a LeftOut),
+    Variation {
+        members: &'a Members<'a>,
+        case: &'a str,
+    },
 }
 
 /// Puts changes into the file.
@@ -249,11 +291,6 @@ fn merge_entries<'t>(
             span: name.span(),
             message: format!("{} {what}", list.display()),
         };
-        let known: Vec<String> = entries
-            .iter()
-            .filter_map(|entry| list.name_of(entry.get_ref()))
-            .map(str::to_owned)
-            .collect();
         let mut found = entries.iter_mut().filter(|entry| is_named(entry));
         let (entry, other) = (found.next(), found.next());
         if other.is_some() {
@@ -261,13 +298,15 @@ fn merge_entries<'t>(
             return Err(refuse(what));
         }
         let Some(entry) = entry else {
-            if let Whose::Variation(left_out) = whose
-                && let Some(names) = left_out.get(list.last())
-                && names.iter().any(|other| other == name.get_ref())
+            if let Whose::Variation { members, case } = whose
+                && members.leave_out(case, list, name.get_ref())
             {
                 continue;
             }
-            let known: Vec<&str> = known.iter().map(String::as_str).collect();
+            let names = entries
+                .iter()
+                .filter_map(|entry| list.name_of(entry.get_ref()));
+            let known: Vec<&str> = names.collect();
             let hint = suggestion(name.get_ref(), &known);
             let what = format!("with {} `{}` is not there{hint}", list.key, name.get_ref());
             return Err(refuse(what));

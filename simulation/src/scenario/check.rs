@@ -1,7 +1,7 @@
 //! Checking all cases of a scenario: side by side, with what they have in common made once.
 
 use std::{
-    collections::HashMap,
+    collections::{HashMap, HashSet},
     num::NonZero,
     sync::{
         Arc, Mutex, MutexGuard, PoisonError,
@@ -18,7 +18,7 @@ use wbqp::{
     serde_json,
 };
 
-use super::{Case, Event, ScenarioError, push::Asked};
+use super::{Case, ScenarioError, case::Contents, push::Asked};
 
 /// Cases below this number are not worth a thread.
 const FEW: usize = 8;
@@ -97,12 +97,14 @@ pub(super) struct Common {
     /// One that nothing happened to, for the first that wants it.
     fresh: Mutex<Option<Controller>>,
     known: Mutex<Option<Arc<Known>>>,
+    /// Addresses of what was found good: cases share it.
+    good: Mutex<HashSet<usize>>,
 }
 
 /// What some events within some time ask of a controller, which takes them.
 pub(super) struct Known {
-    pub(super) events: Vec<Event>,
-    pub(super) duration: f64,
+    /// Whose events and time they are.
+    pub(super) contents: Arc<Contents>,
     pub(super) asked: Vec<Asked>,
 }
 
@@ -170,6 +172,7 @@ impl<'a> Groups<'a> {
             contacts,
             fresh: Mutex::new(Some(controller)),
             known: Mutex::default(),
+            good: Mutex::default(),
         }))
     }
 
@@ -191,10 +194,22 @@ impl<'a> Groups<'a> {
 }
 
 impl Common {
+    /// Whether the same was found good before. A case lives as long as the check of all, so that no address is that of
+    /// something else.
+    pub(super) fn is_checked(&self, contents: &Arc<Contents>) -> bool {
+        locked(&self.good).contains(&Arc::as_ptr(contents).addr())
+    }
+
+    pub(super) fn checked(&self, contents: &Arc<Contents>) {
+        locked(&self.good).insert(Arc::as_ptr(contents).addr());
+    }
+
     /// What is known of the same events within the same time.
-    pub(super) fn known(&self, events: &[Event], duration: f64) -> Option<Arc<Known>> {
+    pub(super) fn known(&self, contents: &Contents) -> Option<Arc<Known>> {
         let known = locked(&self.known).clone();
-        known.filter(|known| known.duration == duration && known.events == events)
+        known.filter(|known| {
+            known.contents.duration == contents.duration && known.contents.events == contents.events
+        })
     }
 
     pub(super) fn remember(&self, known: &Arc<Known>) {

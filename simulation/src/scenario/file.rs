@@ -1,6 +1,11 @@
 //! From the text of a scenario's file to what each of its cases has.
 
-use std::{collections::BTreeMap, ops::Range, path::PathBuf};
+use std::{
+    collections::{BTreeMap, HashMap},
+    ops::Range,
+    path::PathBuf,
+    sync::Arc,
+};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, de::IgnoredAny};
@@ -16,6 +21,7 @@ use wbqp::{
 
 use super::{
     Event, Initial, ScenarioError, Variation,
+    case::Contents,
     change::{self, Members, Refusal, Whose},
 };
 use crate::{PlantConfig, SensorsConfig};
@@ -27,7 +33,26 @@ pub(super) struct CaseFile {
     /// Whether it has changes of its own.
     pub(super) is_changed: bool,
     pub(super) set: Overrides,
-    pub(super) keys: Keys,
+    /// The same as that of other cases, where they differ in nothing that the file says.
+    pub(super) contents: Arc<Contents>,
+}
+
+impl CaseFile {
+    fn new(
+        case: &CaseKeys,
+        is_changed: bool,
+        variation: &Variation,
+        contents: Arc<Contents>,
+    ) -> Self {
+        let mut set = case.set.clone();
+        set.append(variation.overrides());
+        Self {
+            name: case.name.clone(),
+            is_changed,
+            set,
+            contents,
+        }
+    }
 }
 
 /// A scenario: a controller, a plant, sensors, and what happens when.
@@ -84,13 +109,39 @@ struct CaseKeys {
 }
 
 /// A file, taken apart.
-struct Cases<'t> {
+struct Parts<'t> {
     span: Range<usize>,
     /// Without the cases.
     root: DeTable<'t>,
     keys: Vec<CaseKeys>,
     /// Of each case.
     changes: Vec<Option<Change<'t>>>,
+}
+
+/// What the cases of a file have before each has its own.
+pub(super) struct Cases<'t> {
+    span: Range<usize>,
+    /// Without the cases and without entries of lists.
+    root: DeTable<'t>,
+    members: Members<'t>,
+    keys: Vec<CaseKeys>,
+    /// Of each case.
+    changes: Vec<Option<Change<'t>>>,
+    /// A variation's.
+    varied: Spanned<DeTable<'t>>,
+}
+
+impl Cases<'_> {
+    /// Its name, with the place in the file.
+    pub(super) fn name(&self, index: usize) -> Option<&Spanned<String>> {
+        self.keys.get(index).map(|case| &case.name)
+    }
+
+    /// The index of that name.
+    pub(super) fn index(&self, name: &str) -> Option<usize> {
+        let is_it = |case: &CaseKeys| case.name.get_ref() == name;
+        self.keys.iter().position(is_it)
+    }
 }
 
 /// What a case changes in the file.
@@ -100,19 +151,11 @@ enum Change<'t> {
     Part(Range<usize>),
 }
 
-/// A case before its keys are read.
-pub(super) struct CaseTables<'t> {
-    index: usize,
-    pub(super) name: Spanned<String>,
-    is_changed: bool,
-    set: Overrides,
-    span: Range<usize>,
-    /// With the case's changes and the variation's.
-    pub(super) root: DeTable<'t>,
-}
-
 /// So many cases are read one by one.
 const MANY: usize = 32;
+/// Events, walls and so on of all cases together that differ in more than what they put into the controller's file: each
+/// takes about 0.5 kB, and what a small file can ask for has no end.
+const MOST_ENTRIES: usize = 200_000;
 
 /// A table with the places that it has in the whole of which a part was parsed.
 fn moved_table(table: DeTable<'_>, by: usize) -> DeTable<'_> {
@@ -193,7 +236,7 @@ impl<'a> Text<'a> {
     }
 
     /// The file, all of it parsed at once.
-    fn as_a_whole(&self) -> Result<Cases<'_>, ScenarioError> {
+    fn as_a_whole(&self) -> Result<Parts<'_>, ScenarioError> {
         let root = DeTable::parse(self.file).map_err(|e| self.error(&e))?;
         let (span, mut root) = (root.span(), root.into_inner());
         if let Some(controller) = root.get("controller")
@@ -224,7 +267,7 @@ impl<'a> Text<'a> {
             let case = CaseKeys::deserialize(ValueDeserializer::from(table));
             keys.push(case.map_err(|e| self.error(&e))?);
         }
-        Ok(Cases {
+        Ok(Parts {
             span,
             root,
             keys,
@@ -234,7 +277,7 @@ impl<'a> Text<'a> {
 
     /// The same, parsed case by case: a tree of thousands of cases takes a hundred times their text. Nothing if the
     /// cases are few, are not at the end of the file, or if anything is wrong with them: the whole says what.
-    fn in_parts(&self) -> Option<Cases<'_>> {
+    fn in_parts(&self) -> Option<Parts<'_>> {
         let mut starts = Vec::new();
         let is_mixed = outline(self.file, |start, mark| match mark {
             Mark::Header("case") => {
@@ -263,7 +306,7 @@ impl<'a> Text<'a> {
             let table = Spanned::new(start..end, DeValue::Table(table));
             keys.push(CaseKeys::deserialize(ValueDeserializer::from(table)).ok()?);
         }
-        Some(Cases {
+        Some(Parts {
             span,
             root,
             keys,
@@ -288,8 +331,41 @@ impl<'a> Text<'a> {
 
     /// Reads every case.
     pub(super) fn cases(&self, variation: &Variation) -> Result<Vec<CaseFile>, ScenarioError> {
-        let cases = self.cases_that(variation, |_| true)?;
-        Ok(cases.into_iter().map(|(_, case)| case).collect())
+        let cases = self.opened()?;
+        if cases.keys.is_empty() {
+            // Read as well: what is wrong with its keys comes before that it has no case.
+            self.keys(&cases, cases.root.clone())?;
+        }
+        let mut known: HashMap<_, Arc<Contents>> = HashMap::new();
+        let mut read = Vec::new();
+        let mut entries = 0;
+        for (index, case) in cases.keys.iter().enumerate() {
+            let is_changed = cases.changes.get(index).is_some_and(Option::is_some);
+            let own = cases.members.own(case.name.get_ref());
+            let same = known.get(&own).filter(|_| !is_changed);
+            let contents = if let Some(same) = same {
+                same.clone()
+            } else {
+                let mut tables = self.tables(&cases, index)?;
+                entries += change::entries(&mut tables);
+                if entries > MOST_ENTRIES {
+                    return Err(ScenarioError::Value {
+                        place: self.place(case.name.span().start),
+                        what: format!(
+                            "case[{index}]: up to this one, the cases have more than {MOST_ENTRIES} events, walls, \
+                             disturbances and so on together: make files of fewer cases"
+                        ),
+                    });
+                }
+                let contents = Arc::new(Contents::from(self.keys(&cases, tables)?));
+                if !is_changed {
+                    known.insert(own, contents.clone());
+                }
+                contents
+            };
+            read.push(CaseFile::new(case, is_changed, variation, contents));
+        }
+        Ok(read)
     }
 
     /// Reads the case of a name, with its place among all.
@@ -298,94 +374,84 @@ impl<'a> Text<'a> {
         variation: &Variation,
         name: &str,
     ) -> Result<Option<(usize, CaseFile)>, ScenarioError> {
-        let cases = self.cases_that(variation, |case| case == name)?;
-        Ok(cases.into_iter().next())
+        let cases = self.opened()?;
+        let Some(index) = cases.index(name) else {
+            return Ok(None);
+        };
+        let contents = self.keys(&cases, self.tables(&cases, index)?)?;
+        let is_changed = cases.changes.get(index).is_some_and(Option::is_some);
+        let case = cases.keys.get(index);
+        let case =
+            case.map(|case| CaseFile::new(case, is_changed, variation, Arc::new(contents.into())));
+        Ok(case.map(|case| (index, case)))
     }
 
-    /// Reads those with certain names.
-    fn cases_that(
-        &self,
-        variation: &Variation,
-        is_wanted: impl Fn(&str) -> bool,
-    ) -> Result<Vec<(usize, CaseFile)>, ScenarioError> {
-        let mut read = Vec::new();
-        self.tables_that(variation, is_wanted, |case| {
-            let file = CaseFile {
-                name: case.name,
-                is_changed: case.is_changed,
-                set: case.set,
-                keys: self.keys(case.span, case.root)?,
-            };
-            read.push((case.index, file));
-            Ok(())
-        })?;
-        Ok(read)
-    }
-
-    /// Gives those with certain names, one after the other: thousands of them do not have to be there at once.
-    pub(super) fn tables_that<'s>(
-        &'s self,
-        variation: &Variation,
-        is_wanted: impl Fn(&str) -> bool,
-        mut take: impl FnMut(CaseTables<'s>) -> Result<(), ScenarioError>,
-    ) -> Result<(), ScenarioError> {
+    /// The file with a variation.
+    pub(super) fn opened(&self) -> Result<Cases<'_>, ScenarioError> {
         let varied = DeTable::parse(&self.changes).map_err(|e| self.error(&e))?;
-        let Cases {
+        let Parts {
             span,
             mut root,
-            keys: cases,
+            keys,
             changes,
         } = match self.in_parts() {
-            Some(cases) => cases,
+            Some(parts) => parts,
             None => self.as_a_whole()?,
         };
-        let names: Vec<&str> = cases
+        let names: Vec<&str> = keys
             .iter()
             .map(|case| case.name.get_ref().as_str())
             .collect();
-        // A file without cases is read as well: what is wrong with its keys comes first.
         let members = Members::take(&mut root, &names).map_err(|e| self.refusal(e))?;
-        if cases.is_empty() {
-            self.keys(span, root)?;
-            return Ok(());
-        }
-        for (index, (case, own)) in cases.iter().zip(changes).enumerate() {
-            if !is_wanted(case.name.get_ref()) {
-                continue;
-            }
-            let own = own.and_then(|own| match own {
-                Change::Read(own) => Some(own),
-                Change::Part(part) => self.part(part)?.remove("change"),
-            });
-            let mut root = root.clone();
-            let left_out = members.select(&mut root, case.name.get_ref());
-            if let Some(own) = &own {
-                let DeValue::Table(changes) = own.get_ref() else {
-                    let found = own.get_ref().type_str();
-                    let message = format!("`change` must be a table, found {found}");
-                    let span = own.span();
-                    return Err(self.refusal(Refusal { span, message }));
-                };
-                change::apply(&mut root, changes, Whose::Case).map_err(|e| self.refusal(e))?;
-            }
-            change::apply(&mut root, varied.get_ref(), Whose::Variation(&left_out))
-                .map_err(|e| self.refusal(e))?;
-            let mut set = case.set.clone();
-            set.append(variation.overrides());
-            take(CaseTables {
-                index,
-                name: case.name.clone(),
-                is_changed: own.is_some(),
-                set,
-                span: span.clone(),
-                root,
-            })?;
-        }
-        Ok(())
+        Ok(Cases {
+            span,
+            root,
+            members,
+            keys,
+            changes,
+            varied,
+        })
     }
 
-    fn keys(&self, span: std::ops::Range<usize>, root: DeTable<'_>) -> Result<Keys, ScenarioError> {
-        let root = Spanned::new(span, DeValue::Table(root));
+    /// The tables of a case, with its changes and the variation's.
+    pub(super) fn tables<'s>(
+        &'s self,
+        cases: &'s Cases<'s>,
+        index: usize,
+    ) -> Result<DeTable<'s>, ScenarioError> {
+        let name = cases.name(index).map_or("", |name| name.get_ref().as_str());
+        let mut root = cases.root.clone();
+        cases.members.put(&mut root, name);
+        let read;
+        let own = match cases.changes.get(index) {
+            Some(Some(Change::Read(own))) => Some(own),
+            Some(Some(Change::Part(part))) => {
+                read = self
+                    .part(part.clone())
+                    .and_then(|mut part| part.remove("change"));
+                read.as_ref()
+            }
+            _ => None,
+        };
+        if let Some(own) = own {
+            let DeValue::Table(changes) = own.get_ref() else {
+                let found = own.get_ref().type_str();
+                let message = format!("`change` must be a table, found {found}");
+                let span = own.span();
+                return Err(self.refusal(Refusal { span, message }));
+            };
+            change::apply(&mut root, changes, Whose::Case).map_err(|e| self.refusal(e))?;
+        }
+        let whose = Whose::Variation {
+            members: &cases.members,
+            case: name,
+        };
+        change::apply(&mut root, cases.varied.get_ref(), whose).map_err(|e| self.refusal(e))?;
+        Ok(root)
+    }
+
+    fn keys(&self, cases: &Cases<'_>, root: DeTable<'_>) -> Result<Keys, ScenarioError> {
+        let root = Spanned::new(cases.span.clone(), DeValue::Table(root));
         Keys::deserialize(ValueDeserializer::from(root)).map_err(|e| self.error(&e))
     }
 }

@@ -182,7 +182,7 @@ impl Scenario {
         let note: Note<'_> = &|_, _| {};
         let groups = Groups::new(std::slice::from_ref(&case), &self.robots, note);
         case.check(0, &text, &groups)
-            .map_err(|error| text.located(error, case.name(), &variation))
+            .map_err(|error| text.located(error, case.name()))
             .map_err(|error| of_case(error, &case, index == 0 && self.first_is_plain))?;
         Ok(case)
     }
@@ -206,7 +206,7 @@ impl Scenario {
         check_names(&text, &cases)?;
         let name = match cases.first() {
             Some(case) => {
-                let name = &case.keys.name;
+                let name = &case.contents.scenario;
                 check_name(name.get_ref(), || text.place(name.span().start))?;
                 name.get_ref().clone()
             }
@@ -225,7 +225,7 @@ impl Scenario {
                 return Ok(());
             };
             case.check(index, &text, &groups)
-                .map_err(|error| text.located(error, case.name(), &variation))
+                .map_err(|error| text.located(error, case.name()))
                 .map_err(|error| of_case(error, case, index == 0 && first_is_plain))
         })?;
         drop(groups);

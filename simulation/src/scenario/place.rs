@@ -10,7 +10,7 @@ use toml::{
 };
 use wbqp::config::{ConfigErrorKind, ConfigErrors};
 
-use super::{ScenarioError, Variation, file::Text};
+use super::{ScenarioError, file::Text};
 use crate::PlantError;
 
 /// A part of a key's path.
@@ -22,26 +22,17 @@ enum Step<'a> {
 
 impl Text<'_> {
     /// The same error with the places that it can have.
-    pub(super) fn located(
-        &self,
-        error: ScenarioError,
-        case: &str,
-        variation: &Variation,
-    ) -> ScenarioError {
-        let mut found = None;
-        let read = self.tables_that(
-            variation,
-            |name| name == case,
-            |tables| {
-                found = Some(tables);
-                Ok(())
-            },
-        );
-        let (Some(tables), Ok(())) = (found, read) else {
+    pub(super) fn located(&self, error: ScenarioError, case: &str) -> ScenarioError {
+        let Ok(cases) = self.opened() else {
+            return error;
+        };
+        let index = cases.index(case);
+        let tables = index.map(|index| self.tables(&cases, index));
+        let (Some(name), Some(Ok(tables))) = (index.and_then(|i| cases.name(i)), tables) else {
             return error;
         };
         let place = |path: &[Step<'_>], about: &str| {
-            let span = find(&tables.root, path, about);
+            let span = find(&tables, path, about);
             span.map_or_else(|| self.name().to_owned(), |span| self.place(span.start))
         };
         let whole = |file: String, source: &ConfigErrors| {
@@ -49,7 +40,7 @@ impl Text<'_> {
             if source.iter().any(|error| is_read(error.kind)) {
                 return place(&[Step::Key("controller")], "");
             }
-            let start = tables.name.span().start;
+            let start = name.span().start;
             if file == self.name() {
                 self.place(start)
             } else {

@@ -2,10 +2,10 @@
 
 use roxmltree::Node;
 
-use crate::urdf::findings::{At, Findings, Irregularity};
-
-/// Largest magnitude of a length, mass or inertia, SI. Beyond it products overflow; no robot is near it.
-const LARGEST: f64 = 1e9;
+use crate::{
+    size::LARGEST_NUMBER,
+    urdf::findings::{At, Findings, Irregularity},
+};
 
 /// Reads the parts of one link or joint and names it in what it finds.
 pub(super) struct Reader<'r, 'a> {
@@ -82,13 +82,13 @@ impl Reader<'_, '_> {
     }
 
     pub(super) fn bounded(&mut self, node: Node<'_, '_>, key: &str, value: f64) -> Option<f64> {
-        if value.abs() <= LARGEST {
+        if value.abs() <= LARGEST_NUMBER {
             return Some(value);
         }
         let tag = node.tag_name().name();
         self.refuse(
             node,
-            format!("<{tag}> {key} is {value:e}: must be at most {LARGEST:e} (SI units)"),
+            format!("<{tag}> {key} is {value:e}: must be at most {LARGEST_NUMBER:e} (SI units)"),
         );
         None
     }

@@ -58,7 +58,14 @@ impl Reader<'_, '_> {
         let [lower, upper] = match kind {
             Kind::Revolute | Kind::Prismatic => self.range(limit, &needs),
             Kind::Continuous => {
-                self.pass_over_range(limit);
+                let remedy = "set the robot's option `range` for this joint";
+                self.pass_over_range(limit, name, remedy);
+                [None; 2]
+            }
+            Kind::Planar => {
+                let remedy =
+                    "set the robot's option `range` for its parts, `….x`, `….y` and `….turn`";
+                self.pass_over_range(limit, name, remedy);
                 [None; 2]
             }
             _ => [None; 2],
@@ -113,17 +120,17 @@ impl Reader<'_, '_> {
         true
     }
 
-    /// A joint that turns for ever has no range.
-    fn pass_over_range(&mut self, limit: Node<'_, '_>) {
+    /// A joint that turns for ever has no range, and one that moves in a plane has no single one.
+    fn pass_over_range(&mut self, limit: Node<'_, '_>, name: &str, remedy: &str) {
         let given = |key| limit.attribute(key);
         if let (Some(lower), Some(upper)) = (given("lower"), given("upper")) {
             self.repair(
                 limit,
                 Irregularity::note(
-                    format!("a continuous joint has a range, {lower} to {upper}"),
+                    format!("a {name} joint has a range, {lower} to {upper}"),
                     "taken as unlimited in position",
                 )
-                .remedy("set the robot's option `range` for this joint")
+                .remedy(remedy)
                 .unless_given([Quantity::Range]),
             );
         }

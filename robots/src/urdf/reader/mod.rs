@@ -19,7 +19,11 @@ use super::{
     findings::{At, Findings, Irregularity, Quantity},
     planar,
 };
-use crate::{direction::direction, source::Source, xml::DEEPEST};
+use crate::{
+    direction::direction,
+    source::Source,
+    xml::{self, DEEPEST},
+};
 use element::Reader;
 
 /// Reads links and joints; what is wrong goes to `findings`. Nothing if there is no robot.
@@ -99,9 +103,9 @@ pub(super) fn parse_error(source: &Source<'_>, error: &roxmltree::Error) -> Robo
 }
 
 /// The text with what other readers of URDFs forgive taken out, byte for byte in the same places: an XML declaration
-/// that does not come first, and the colon of prefixes whose namespace nothing declares.
+/// that does not come first, the colon of prefixes whose namespace nothing declares, and zeros behind the end.
 pub(crate) fn forgiving(text: &str) -> String {
-    let mut mended = text.to_owned();
+    let mut mended = text.trim_end_matches('\0').to_owned();
     if let Some(start) = mended.find("<?xml").filter(|&start| start > 0)
         && let Some(length) = mended[start..].find("?>")
     {
@@ -110,7 +114,7 @@ pub(crate) fn forgiving(text: &str) -> String {
     }
     // More prefixes than these are no robot's.
     for _ in 0..32 {
-        let Err(roxmltree::Error::UnknownNamespace(prefix, _)) = Document::parse(&mended) else {
+        let Err(roxmltree::Error::UnknownNamespace(prefix, _)) = xml::parse(&mended) else {
             break;
         };
         for lead in ["<", "</", " ", "\t", "\n"] {
