@@ -8,7 +8,7 @@ use wbqp::{
     state::State,
 };
 use wbqp_robots::{
-    BaseKind, MimicKind, Options, RobotFiles, from_sources,
+    BaseKind, MimicKind, Options, RobotFiles, from_files, from_sources,
     visuals::{Shape, visuals},
 };
 
