@@ -51,6 +51,8 @@ const RATE: f64 = 1e-10;
 const FAR: f64 = 1e6;
 /// Rounds after which it is assumed that they go to and fro.
 const ZIGZAG: u32 = 4;
+/// Part of the largest variable by which a round moves if rounding is all that moves it.
+const SETTLED: f64 = 1e-12;
 /// Part of the sum of the sizes of its terms below which a sum is rounding.
 const ROUNDED: f64 = 1e-12;
 
@@ -193,7 +195,7 @@ impl Proximal {
             status = self.finds_ray(dual, limits, out).unwrap_or(status);
         }
         if status == Status::Stalled {
-            status = self.solve_precisely(limits, out);
+            status = self.solve_precisely(dual, limits, out);
             // Where rounding made limits contradict one another, there is a feasible point only now.
             if status == Status::Stalled && self.precise.is_feasible() {
                 status = self.finds_ray(dual, limits, out).unwrap_or(status);
@@ -232,6 +234,8 @@ impl Proximal {
             h[j * n + j] += weight;
         }
         self.centre[..n].fill(0.0);
+        // Rounds one after the other that only rounding moved.
+        let mut settled = 0;
         for round in 0..ROUNDS {
             let terms = self.scaled.g_mut().iter_mut().zip(&self.g);
             for ((out, g), centre) in terms.zip(&self.centre) {
@@ -253,7 +257,13 @@ impl Proximal {
             self.x[..n].copy_from_slice(&out.x[..n]);
             let moved = self.x[..n].iter().zip(&self.centre);
             let moved = moved.fold(0.0, |a: f64, (x, c)| a.max((x - c).abs()));
-            let rounding = if round < LATE { LEAST } else { STATIONARY };
+            settled = if moved <= SETTLED * largest(&self.x[..n]) {
+                settled + 1
+            } else {
+                0
+            };
+            let is_late = round >= LATE || settled >= ZIGZAG;
+            let rounding = if is_late { STATIONARY } else { LEAST };
             if self.is_stationary(weight, rounding, out) {
                 if self.hides_cost() {
                     return self.clear_up(dual, limits, out);
@@ -274,7 +284,7 @@ impl Proximal {
             if limits.were_used_up() {
                 return limits.status(out.iterations);
             }
-            if moved == 0.0 && self.x[..n] == self.centre[..n] {
+            if settled > ZIGZAG || moved == 0.0 && self.x[..n] == self.centre[..n] {
                 // Rounding is all that is left.
                 return Status::Stalled;
             }
@@ -359,15 +369,20 @@ impl Proximal {
         if limits.were_used_up() {
             return limits.status(out.iterations);
         }
-        self.solve_precisely(limits, out)
+        self.solve_precisely(dual, limits, out)
     }
 
-    fn solve_precisely(&mut self, limits: &mut Limits<'_>, out: &mut Solution) -> Status {
+    fn solve_precisely(
+        &mut self,
+        dual: &Dual,
+        limits: &mut Limits<'_>,
+        out: &mut Solution,
+    ) -> Status {
         let n = self.scaled.n();
         let problem = (&self.scaled, &self.h[..n * n], &self.g[..n]);
         // The count that the limits see grows from look to look.
         out.iterations += 1;
-        self.precise.solve(problem, limits, out)
+        self.precise.solve(problem, dual.held(), limits, out)
     }
 
     /// What is known if the cost falls for ever along a direction, which is then in the solution: that the problem is
@@ -400,7 +415,7 @@ impl Proximal {
         if !(status == Status::Optimal || status.was_cut_short() || is_proven) {
             out.iterations += 1;
             let nearest = (&self.scaled, self.scaled.h(), self.scaled.g());
-            status = self.precise.solve(nearest, limits, out);
+            status = self.precise.solve(nearest, dual.held(), limits, out);
         }
         if status.was_cut_short() || status == Status::Infeasible {
             return Some(status);

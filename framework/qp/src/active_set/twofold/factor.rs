@@ -1,8 +1,8 @@
 //! The factorisation of the constraints held, in the metric of H.
 //!
 //! # Mathematics
-//! `Jᵀ H J = 1`, and `Jᵀ N = [R; 0]` with a triangle R for the normals N held. A constraint that comes or goes turns
-//! the columns of J by rotations (Goldfarb and Idnani 1983). With `d = Jᵀ a`, the step of x towards a constraint with
+//! `Jᵀ H J = 1`, and `Jᵀ N = [R; 0]` with a triangle R for the normals N held. A constraint that comes turns
+//! the columns of J by a reflection, one that goes by rotations (Goldfarb and Idnani 1983). With `d = Jᵀ a`, the step of x towards a constraint with
 //! the normal a that leaves those held where they are is along `z = J₂ d₂`, and a combines from their normals with
 //! `r = R⁻¹ d₁`.
 
@@ -21,6 +21,8 @@ pub(super) struct Factor {
     d: Vec<Twofold>,
     /// `R⁻¹ d₁`.
     combination: Vec<Twofold>,
+    /// `J₂ v` of a reflection.
+    along: Vec<Twofold>,
 }
 
 impl Factor {
@@ -32,6 +34,7 @@ impl Factor {
             r: vec![Twofold::ZERO; n * n],
             d: vec![Twofold::ZERO; n],
             combination: vec![Twofold::ZERO; n],
+            along: vec![Twofold::ZERO; n],
         }
     }
 
@@ -104,6 +107,37 @@ impl Factor {
         dot(free, free)
     }
 
+    /// The multipliers `λ = −R⁻¹ w` of the minimiser on those held, which is `x₀ + J₁ w` with `Rᵀ w = b − Nᵀ x₀`, from
+    /// that without constraints and what their values lack there.
+    pub(super) fn balance(&mut self, excess: &[Twofold], multipliers: &mut [Twofold]) {
+        let n = self.n;
+        for (i, excess) in excess.iter().enumerate() {
+            let mut sum = *excess;
+            for (r, w) in self.r[i * n..].iter().zip(&self.d[..i]) {
+                sum -= *r * *w;
+            }
+            self.d[i] = sum / self.r[i * n + i];
+        }
+        for i in (0..excess.len()).rev() {
+            let mut sum = -self.d[i];
+            for (l, m) in multipliers.iter().enumerate().skip(i + 1) {
+                sum -= self.r[l * n + i] * *m;
+            }
+            multipliers[i] = sum / self.r[i * n + i];
+        }
+    }
+
+    /// `x += J₁ w`, of the balance before.
+    pub(super) fn approach(&self, x: &mut [Twofold]) {
+        let n = self.n;
+        let columns = self.j[..n * n].chunks_exact(n).zip(&self.d);
+        for (column, w) in columns.take(self.held) {
+            for (x, j) in x.iter_mut().zip(column) {
+                *x += *w * *j;
+            }
+        }
+    }
+
     /// How the constraint looked at combines from those held.
     pub(super) fn combination(&self) -> &[Twofold] {
         &self.combination[..self.held]
@@ -121,13 +155,32 @@ impl Factor {
         }
     }
 
-    /// Holds the constraint looked at.
+    /// Holds the constraint looked at: a reflection turns `d₂` to its first axis.
     pub(super) fn push(&mut self) {
         let (n, q) = (self.n, self.held);
-        for i in (q + 1..n).rev() {
-            let (c, s, size) = rotation(self.d[i - 1], self.d[i]);
-            (self.d[i - 1], self.d[i]) = (size, Twofold::ZERO);
-            self.turn(i - 1, c, s);
+        let d = &mut self.d[q..n];
+        if d[1..].iter().any(|d| d.rounded() != 0.0) {
+            let size = dot(d, d).sqrt();
+            let size = if d[0].rounded() > 0.0 { size } else { -size };
+            // Along d₂ + size e₁, the normal v of the mirror: the sum does not cancel.
+            d[0] += size;
+            let part = Twofold::new(1.0) / (size * d[0]);
+            let free = &mut self.j[q * n..n * n];
+            let along = &mut self.along[..n];
+            along.fill(Twofold::ZERO);
+            for (column, v) in free.chunks_exact(n).zip(&*d) {
+                for (along, j) in along.iter_mut().zip(column) {
+                    *along += *v * *j;
+                }
+            }
+            for (column, v) in free.chunks_exact_mut(n).zip(&*d) {
+                let v = *v * part;
+                for (j, along) in column.iter_mut().zip(&*along) {
+                    *j -= v * *along;
+                }
+            }
+            d.fill(Twofold::ZERO);
+            d[0] = -size;
         }
         self.r[q * n..][..=q].copy_from_slice(&self.d[..=q]);
         self.held = q + 1;

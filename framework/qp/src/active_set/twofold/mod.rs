@@ -15,6 +15,7 @@
 
 mod factor;
 mod number;
+mod start;
 
 use super::{
     constraint::{self, Active, copy_normal, count, equality, is_empty, limits},
@@ -78,6 +79,10 @@ pub(super) struct Precise {
     centre: Vec<Twofold>,
     active: Vec<Active>,
     multipliers: Vec<Twofold>,
+    /// What another method held, with which the first ascent begins.
+    start: Vec<Active>,
+    /// What the values of those held lack at the minimiser without constraints.
+    excess: Vec<Twofold>,
     widening: f64,
     /// Whether a point was found that violates nothing.
     is_feasible: bool,
@@ -100,6 +105,8 @@ impl Precise {
             centre: vec![Twofold::ZERO; n],
             active: Vec::with_capacity(n),
             multipliers: Vec::with_capacity(n),
+            start: Vec::with_capacity(n),
+            excess: vec![Twofold::ZERO; n],
             widening: 0.0,
             is_feasible: false,
             sizes: vec![0.0; n + rows],
@@ -110,22 +117,27 @@ impl Precise {
         }
     }
 
-    /// Solves a problem in units near one with the cost `½ xᵀ H x + gᵀ x`. [`Status::Stalled`] if that does not come
-    /// to an end that can be proven.
+    /// Solves a problem in units near one with the cost `½ xᵀ H x + gᵀ x`, beginning with what another method held.
+    /// [`Status::Stalled`] if that does not come to an end that can be proven.
     pub(super) fn solve(
         &mut self,
         problem: (&Qp, &[f64], &[f64]),
+        held: &[Active],
         limits: &mut Limits<'_>,
         out: &mut Solution,
     ) -> Status {
         let mut status = Status::Stalled;
         self.is_feasible = false;
+        self.start.clear();
+        let most = self.start.capacity();
+        self.start.extend(held.iter().take(most).rev());
         for widening in WIDENINGS {
             self.widening = widening;
             status = self.iterate(problem, limits, out);
             if status != Status::Stalled {
                 break;
             }
+            self.start.clear();
             for index in 0..count(problem.0) {
                 self.sizes[index] = self.size(problem.0, index);
             }
@@ -148,16 +160,17 @@ impl Precise {
         let n = scaled.n();
         self.centre[..n].fill(Twofold::ZERO);
         let mut rho = 0.0;
-        for _ in 0..ROUNDS {
-            let weak = if rho > 0.0 { 0.0 } else { WEAK };
-            if !self.factor.reset(n, (h, rho), weak) {
-                if rho > 0.0 {
-                    return Status::Stalled;
-                }
-                let curvature = h.iter().step_by(n + 1).fold(0.0, |a: f64, h| a.max(*h));
-                rho = WEIGHT * n as f64 * if curvature > 0.0 { curvature } else { 1.0 };
-                continue;
+        self.active.clear();
+        self.multipliers.clear();
+        if !self.factor.reset(n, (h, rho), WEAK) {
+            let curvature = h.iter().step_by(n + 1).fold(0.0, |a: f64, h| a.max(*h));
+            rho = WEIGHT * n as f64 * if curvature > 0.0 { curvature } else { 1.0 };
+            if !self.factor.reset(n, (h, rho), 0.0) {
+                return Status::Stalled;
             }
+        }
+        // Each round begins with what the one before held.
+        for _ in 0..ROUNDS {
             for ((out, g), c) in self.g.iter_mut().zip(g).zip(&self.centre) {
                 *out = Twofold::new(*g) - *c * rho;
             }
@@ -196,14 +209,19 @@ impl Precise {
 
     /// Holds what is violated until nothing is.
     fn ascend(&mut self, scaled: &Qp, limits: &mut Limits<'_>, iterations: &mut u32) -> End {
-        self.active.clear();
-        self.multipliers.clear();
         let all = count(scaled);
         self.settled[..all].fill(false);
+        for held in &self.active {
+            self.settled[held.index] = true;
+        }
+        if let Err(end) = self.gather(scaled, limits, iterations) {
+            return end;
+        }
+        self.begin(scaled);
         for index in 0..all {
             let (lower, upper) = constraint::limits(scaled, index);
             // With limits that are wider nothing is one.
-            if lower != upper || self.widening > 0.0 {
+            if self.settled[index] || lower != upper || self.widening > 0.0 {
                 continue;
             }
             let held = equality(scaled, index);
