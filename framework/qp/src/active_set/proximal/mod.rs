@@ -9,6 +9,7 @@
 //! to end a ray, `recession` decides whether the problem is unbounded. Every round ends at a minimiser on a face, lower
 //! than the one before; there are finitely many faces.
 
+mod doubt;
 mod face;
 mod recession;
 mod scaling;
@@ -51,6 +52,10 @@ const RATE: f64 = 1e-10;
 const FAR: f64 = 1e6;
 /// Rounds after which it is assumed that they go to and fro.
 const ZIGZAG: u32 = 4;
+/// A round that moves by more than this part of the move before has come no closer to the end.
+const AS_FAR: f64 = 0.99;
+/// Rounds as far as the ones before after which nothing will be closer, if no ray leads there.
+const CRAWL: u32 = 8;
 /// Part of the largest variable by which a round moves if rounding is all that moves it.
 const SETTLED: f64 = 1e-12;
 /// Part of the sum of the sizes of its terms below which a sum is rounding.
@@ -195,7 +200,7 @@ impl Proximal {
             status = self.finds_ray(dual, limits, out).unwrap_or(status);
         }
         if status == Status::Stalled {
-            status = self.solve_precisely(dual, limits, out);
+            status = self.solve_precisely(limits, out);
             // Where rounding made limits contradict one another, there is a feasible point only now.
             if status == Status::Stalled && self.precise.is_feasible() {
                 status = self.finds_ray(dual, limits, out).unwrap_or(status);
@@ -234,8 +239,9 @@ impl Proximal {
             h[j * n + j] += weight;
         }
         self.centre[..n].fill(0.0);
-        // Rounds one after the other that only rounding moved.
-        let mut settled = 0;
+        // Rounds one after the other that only rounding moved, and that moved as far as the one before.
+        let (mut settled, mut crawling) = (0, 0);
+        let mut moved_before = f64::INFINITY;
         for round in 0..ROUNDS {
             let terms = self.scaled.g_mut().iter_mut().zip(&self.g);
             for ((out, g), centre) in terms.zip(&self.centre) {
@@ -243,6 +249,8 @@ impl Proximal {
             }
             let start = (out.iterations, Factorisation::Reflections);
             let status = dual.solve(&self.scaled, limits, start, out);
+            // Now: what it holds after another solve is of another problem.
+            self.precise.begin_with(dual.held());
             if status == Status::Infeasible {
                 return if proof::holds(&self.scaled, out) {
                     status
@@ -262,6 +270,12 @@ impl Proximal {
             } else {
                 0
             };
+            crawling = if moved > AS_FAR * moved_before {
+                crawling + 1
+            } else {
+                0
+            };
+            moved_before = moved;
             let is_late = round >= LATE || settled >= ZIGZAG;
             let rounding = if is_late { STATIONARY } else { LEAST };
             if self.is_stationary(weight, rounding, out) {
@@ -284,7 +298,11 @@ impl Proximal {
             if limits.were_used_up() {
                 return limits.status(out.iterations);
             }
-            if settled > ZIGZAG || moved == 0.0 && self.x[..n] == self.centre[..n] {
+            let is_going_nowhere = crawling > CRAWL && self.recession.is_none();
+            if settled > ZIGZAG
+                || is_going_nowhere
+                || moved == 0.0 && self.x[..n] == self.centre[..n]
+            {
                 // Rounding is all that is left.
                 return Status::Stalled;
             }
@@ -345,85 +363,6 @@ impl Proximal {
         pairs.all(|(r, term)| {
             r.abs() <= STATIONARY * term.min(OPPOSED * most) || r.abs() <= rounding * most
         })
-    }
-
-    /// Whether the terms of `H x` are so large beside what they come to and g that the gradient is their rounding: x is
-    /// then the quotient of g and a curvature of which not many digits are known, or of rounding.
-    fn hides_cost(&mut self) -> bool {
-        self.differentiate();
-        let n = self.scaled.n();
-        if largest(&self.g[..n]) == 0.0 {
-            return false;
-        }
-        let sums = self.gradient[..n].iter().zip(&self.g);
-        let pull = sums.fold(0.0, |a: f64, (sum, g)| a.max(g.abs() + (sum - g).abs()));
-        f64::EPSILON * largest(&self.sizes[..n]) > STATIONARY * pull
-    }
-
-    /// What the answer is where the cost is hidden: a ray, or the solution with twice as many digits. What was found so
-    /// far is none.
-    fn clear_up(&mut self, dual: &mut Dual, limits: &mut Limits<'_>, out: &mut Solution) -> Status {
-        if let Some(status) = self.finds_ray(dual, limits, out) {
-            return status;
-        }
-        if limits.were_used_up() {
-            return limits.status(out.iterations);
-        }
-        self.solve_precisely(dual, limits, out)
-    }
-
-    fn solve_precisely(
-        &mut self,
-        dual: &Dual,
-        limits: &mut Limits<'_>,
-        out: &mut Solution,
-    ) -> Status {
-        let n = self.scaled.n();
-        let problem = (&self.scaled, &self.h[..n * n], &self.g[..n]);
-        // The count that the limits see grows from look to look.
-        out.iterations += 1;
-        self.precise.solve(problem, dual.held(), limits, out)
-    }
-
-    /// What is known if the cost falls for ever along a direction, which is then in the solution: that the problem is
-    /// unbounded, or that the point nearest to zero, where limits are not small beside the terms of far away values,
-    /// does not exist.
-    fn finds_ray(
-        &mut self,
-        dual: &mut Dual,
-        limits: &mut Limits<'_>,
-        out: &mut Solution,
-    ) -> Option<Status> {
-        let (n, m) = (self.scaled.n(), self.scaled.m());
-        let problem = (&self.scaled, &self.h[..n * n], &self.g[..n]);
-        // The count that the limits see grows from look to look.
-        out.iterations += 1;
-        let is_found = self
-            .recession
-            .find(problem, dual, limits, &mut out.iterations);
-        if !is_found {
-            return None;
-        }
-        let (h, g) = self.scaled.cost_mut();
-        h.fill(0.0);
-        h.iter_mut().step_by(n + 1).for_each(|h| *h = 1.0);
-        g.fill(0.0);
-        out.iterations += 1;
-        let start = (out.iterations, Factorisation::Reflections);
-        let mut status = dual.solve(&self.scaled, limits, start, out);
-        let is_proven = status == Status::Infeasible && proof::holds(&self.scaled, out);
-        if !(status == Status::Optimal || status.was_cut_short() || is_proven) {
-            out.iterations += 1;
-            let nearest = (&self.scaled, self.scaled.h(), self.scaled.g());
-            status = self.precise.solve(nearest, dual.held(), limits, out);
-        }
-        if status.was_cut_short() || status == Status::Infeasible {
-            return Some(status);
-        }
-        out.x[..n].copy_from_slice(&self.recession.ray()[..n]);
-        out.y[..m].fill(0.0);
-        out.z[..n].fill(0.0);
-        Some(Status::Unbounded)
     }
 
     /// Follows the cost from `x` down the face of the constraints held, and narrower ones; whether nothing seems to end

@@ -117,20 +117,15 @@ impl Precise {
         }
     }
 
-    /// Solves a problem in units near one with the cost `½ xᵀ H x + gᵀ x`, beginning with what another method held.
-    /// [`Status::Stalled`] if that does not come to an end that can be proven.
+    /// Solves a problem in units near one with the cost `½ xᵀ H x + gᵀ x`. [`Status::Stalled`] if that does not come to an end that can be proven.
     pub(super) fn solve(
         &mut self,
         problem: (&Qp, &[f64], &[f64]),
-        held: &[Active],
         limits: &mut Limits<'_>,
         out: &mut Solution,
     ) -> Status {
         let mut status = Status::Stalled;
         self.is_feasible = false;
-        self.start.clear();
-        let most = self.start.capacity();
-        self.start.extend(held.iter().take(most).rev());
         for widening in WIDENINGS {
             self.widening = widening;
             status = self.iterate(problem, limits, out);

@@ -15,6 +15,13 @@ use crate::{
 };
 
 impl Precise {
+    /// The next solve begins with what another method held of the same constraints.
+    pub(in crate::active_set) fn begin_with(&mut self, held: &[Active]) {
+        let most = self.start.capacity();
+        self.start.clear();
+        self.start.extend(held.iter().take(most).rev());
+    }
+
     /// Holds those that another method held, as far as they do not depend on one another.
     pub(super) fn gather(
         &mut self,
