@@ -155,7 +155,7 @@ enum Change<'t> {
 const MANY: usize = 32;
 /// Events, walls and so on of all cases together that differ in more than what they put into the controller's file: each
 /// takes about 0.5 kB, and what a small file can ask for has no end.
-const MOST_ENTRIES: usize = 200_000;
+const MOST_ENTRIES: usize = 50_000;
 
 /// A table with the places that it has in the whole of which a part was parsed.
 fn moved_table(table: DeTable<'_>, by: usize) -> DeTable<'_> {
