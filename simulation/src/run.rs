@@ -277,7 +277,9 @@ impl CaseRun {
     pub fn note_divergence(&mut self, world: &dyn World) {
         if world.is_diverged() {
             self.summary.diverged = Some(world.time());
-            self.summary.divergence = divergence(world.state());
+            // Where the state is as it should be, what moves it is not.
+            let rates = "forces on the simulated robot, or its accelerations, are not finite";
+            self.summary.divergence = divergence(world.state()).or(Some(rates));
         }
     }
 
