@@ -1,10 +1,10 @@
 //! The factorisation of the constraints held, in the metric of H.
 //!
 //! # Mathematics
-//! `Jᵀ H J = 1`, and `Jᵀ N = [R; 0]` with a triangle R for the normals N held. A constraint that comes turns
-//! the columns of J by a reflection, one that goes by rotations (Goldfarb and Idnani 1983). With `d = Jᵀ a`, the step of x towards a constraint with
-//! the normal a that leaves those held where they are is along `z = J₂ d₂`, and a combines from their normals with
-//! `r = R⁻¹ d₁`.
+//! `Jᵀ H J = 1`, and `Jᵀ N = [R; 0]` with a triangle R for the normals N held. A constraint that comes turns the
+//! columns of J by a reflection, one that goes by rotations (Goldfarb and Idnani 1983). With `d = Jᵀ a`, the step of x
+//! towards a constraint with the normal a that leaves those held where they are is along `z = J₂ d₂`, and a combines
+//! from their normals with `r = R⁻¹ d₁`.
 
 use super::number::{Twofold, dot, dot_with};
 

@@ -117,7 +117,8 @@ impl Precise {
         }
     }
 
-    /// Solves a problem in units near one with the cost `½ xᵀ H x + gᵀ x`. [`Status::Stalled`] if that does not come to an end that can be proven.
+    /// Solves a problem in units near one with the cost `½ xᵀ H x + gᵀ x`. [`Status::Stalled`] if that does not come
+    /// to an end that can be proven.
     pub(super) fn solve(
         &mut self,
         problem: (&Qp, &[f64], &[f64]),

@@ -9,7 +9,7 @@ use super::{End, Precise, Twofold};
 use crate::{
     Qp,
     active_set::{
-        constraint::{self, Active, copy_normal},
+        constraint::{self, Active, copy_normal, count},
         limits::Limits,
     },
 };
@@ -31,6 +31,10 @@ impl Precise {
     ) -> Result<(), End> {
         let n = scaled.n();
         while let Some(Active { index, side, .. }) = self.start.pop() {
+            // Whatever the other method's last problem was.
+            if index >= count(scaled) {
+                continue;
+            }
             let (lower, upper) = constraint::limits(scaled, index);
             let limit = if side > 0.0 { upper } else { lower };
             let is_equality = lower == upper;
