@@ -47,6 +47,10 @@ pub fn files() -> Vec<HostileFile> {
         wrong("misfits_3000.controller.toml", 0.5, misfits(3000)),
         good("cases_2000.toml", 1.0, cases(2000)),
         good("set_cases_2000.toml", 1.0, set_cases(2000)),
+        good("events_30000.toml", 1.0, shared(30_000, 1)),
+        good("events_8000_cases_1500.toml", 1.0, shared(8000, 1500)),
+        good("events_10000_of_cases.toml", 2.0, of_cases(10_000, 1000)),
+        good("changed_2000_times_500.toml", 2.0, changed(2000, 500)),
         wrong("expressions_2000.controller.toml", 1.0, expressions(2000)),
         wrong("empty_1000000.urdf", 1.0, empty(1_000_000)),
         wrong("attributes_100000.urdf", 1.0, attributes(100_000)),
@@ -66,16 +70,6 @@ pub fn files() -> Vec<HostileFile> {
         ),
         wrong("nested_100000.controller.toml", 1.0, nested_lists(100_000)),
         wrong("numbers_200000.controller.toml", 1.0, numbers(200_000)),
-        good("stand.controller.toml", 1.0, stand()),
-    ]
-}
-
-/// Scenarios whose cases would have millions of events, if each had its own.
-pub fn events_of_cases() -> Vec<HostileFile> {
-    vec![
-        good("events_8000_cases_1500.toml", 1.0, shared(8000, 1500)),
-        good("events_10000_of_cases.toml", 2.0, of_cases(10_000, 1000)),
-        wrong("changed_2000_times_500.toml", 1.0, changed(2000, 500)),
         good("stand.controller.toml", 1.0, stand()),
     ]
 }

@@ -57,20 +57,37 @@ pub(super) struct Contents {
     initial: Initial,
     plant: PlantConfig,
     sensors: SensorsConfig,
-    detectors: Vec<Detector>,
-    pub(super) events: Vec<Event>,
-    /// Where the detectors and the events are in the text.
-    pub(super) places: [Vec<Range<usize>>; 2],
+    detectors: Listed<Detector>,
+    /// The same as that of other cases that have the same, where no case changes them.
+    pub(super) events: Arc<Listed<Event>>,
 }
 
-impl From<Keys> for Contents {
-    fn from(keys: Keys) -> Self {
-        let places = [
-            keys.detectors.iter().map(Spanned::span).collect(),
-            keys.events.iter().map(Spanned::span).collect(),
-        ];
-        let detectors = keys.detectors.into_iter().map(Spanned::into_inner);
-        let events = keys.events.into_iter().map(Spanned::into_inner);
+/// The entries of a list.
+#[derive(Clone, Debug)]
+pub(super) struct Listed<T> {
+    pub(super) entries: Vec<T>,
+    /// Where each is in the text.
+    places: Vec<Range<usize>>,
+}
+
+impl<T> Listed<T> {
+    /// Each with its place in the text.
+    pub(super) fn iter(&self) -> impl Iterator<Item = (&T, &Range<usize>)> {
+        self.entries.iter().zip(&self.places)
+    }
+}
+
+impl<T> From<Vec<Spanned<T>>> for Listed<T> {
+    fn from(entries: Vec<Spanned<T>>) -> Self {
+        Self {
+            places: entries.iter().map(Spanned::span).collect(),
+            entries: entries.into_iter().map(Spanned::into_inner).collect(),
+        }
+    }
+}
+
+impl Contents {
+    pub(super) fn new(keys: Keys, events: Arc<Listed<Event>>) -> Self {
         Self {
             scenario: keys.name,
             controller: keys.controller,
@@ -78,10 +95,16 @@ impl From<Keys> for Contents {
             initial: keys.initial,
             plant: keys.plant,
             sensors: keys.sensors,
-            detectors: detectors.collect(),
-            events: events.collect(),
-            places,
+            detectors: keys.detectors.into(),
+            events,
         }
+    }
+
+    /// How many entries its lists have, without the events.
+    pub(super) fn entries(&self) -> usize {
+        let plant = &self.plant;
+        let in_plant = plant.walls.len() + plant.contact_points.len() + plant.disturbances.len();
+        self.detectors.entries.len() + in_plant + self.sensors.force_torque.len()
     }
 }
 
@@ -167,12 +190,12 @@ impl Case {
 
     /// Contacts switched by measured force.
     pub fn detectors(&self) -> &[Detector] {
-        &self.contents.detectors
+        &self.contents.detectors.entries
     }
 
     /// What changes at a given time, in the file's order.
     pub fn events(&self) -> &[Event] {
-        &self.contents.events
+        &self.contents.events.entries
     }
 
     /// What is put into the controller's file.
@@ -367,7 +390,7 @@ impl Case {
     fn check_marks(&self, text: &Text<'_>) -> Result<(), ScenarioError> {
         let disturbances = self.contents.plant.disturbances.iter();
         let disturbances: HashSet<&str> = disturbances.map(|d| d.name.as_str()).collect();
-        for (event, span) in self.contents.events.iter().zip(&self.contents.places[1]) {
+        for (event, span) in self.contents.events.iter() {
             let Some(mark) = &event.mark else {
                 continue;
             };
@@ -396,7 +419,7 @@ impl Case {
         common: &Common,
     ) -> Result<(), ScenarioError> {
         let mut detected = HashSet::new();
-        for (detector, span) in self.contents.detectors.iter().zip(&self.contents.places[0]) {
+        for (detector, span) in self.contents.detectors.iter() {
             let refuse = |what: String| ScenarioError::Value {
                 place: text.place(span.start),
                 what: format!("detector: {what}"),
@@ -442,7 +465,7 @@ impl Case {
         let rate = common.rate;
         let last_tick = self.ticks(rate).saturating_sub(1) as f64 / rate;
         let mut marks = HashSet::new();
-        for (event, span) in self.contents.events.iter().zip(&self.contents.places[1]) {
+        for (event, span) in self.contents.events.iter() {
             let refuse = |what: String| ScenarioError::Value {
                 place: text.place(span.start),
                 what: match &event.mark {
@@ -463,7 +486,7 @@ impl Case {
                 return Err(refuse("another event has the same mark".into()));
             }
         }
-        let mut events: Vec<&Event> = self.contents.events.iter().collect();
+        let mut events: Vec<&Event> = self.events().iter().collect();
         events.sort_by(|a, b| a.at.total_cmp(&b.at));
         if !events.is_empty() {
             // Without what happens later.

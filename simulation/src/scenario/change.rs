@@ -9,9 +9,11 @@ use std::{
 
 use toml::{
     Spanned,
-    de::{DeArray, DeTable, DeValue},
+    de::{DeArray, DeString, DeTable, DeValue},
 };
 use wbqp::suggestion::suggestion;
+
+use super::parts::Entry;
 
 /// A list of the file, the key by which changes name its entries, and the name of one without that key.
 pub(super) struct List {
@@ -32,6 +34,9 @@ pub(super) const LISTS: [List; 6] = [
     },
     list(&["sensors", "force_torque"], "frame"),
 ];
+
+/// The place of `[[event]]` among them.
+const EVENTS: usize = 0;
 
 const fn list(path: &'static [&'static str], key: &'static str) -> List {
     List {
@@ -64,12 +69,13 @@ pub(super) struct Refusal {
 
 /// The entries of the lists, taken out of the file, and which of them are for which cases: read once for all cases.
 pub(super) struct Members<'t> {
+    text: &'t str,
     /// Nothing for a list that the file does not have.
     lists: Vec<Option<Entries<'t>>>,
 }
 
 struct Entries<'t> {
-    all: DeArray<'t>,
+    all: Vec<Entry<'t>>,
     /// Indices of those without `cases`.
     of_every_case: Vec<usize>,
     /// Indices of the others, by case.
@@ -77,22 +83,44 @@ struct Entries<'t> {
 }
 
 impl<'t> Members<'t> {
-    /// Takes the entries out of the file, and their keys `cases` out of them.
-    pub(super) fn take(root: &mut DeTable<'t>, known: &[&str]) -> Result<Self, Refusal> {
+    /// Takes the entries out of the tables, and notes those that stand in parts of the text of their own: a list has
+    /// the one kind or the other.
+    pub(super) fn take(
+        text: &'t str,
+        root: &mut DeTable<'t>,
+        parts: &[Vec<Range<usize>>],
+        known: &[&str],
+    ) -> Result<Self, Refusal> {
         let names: HashSet<&str> = known.iter().copied().collect();
         let mut lists = Vec::new();
-        for list in &LISTS {
-            let Some(DeValue::Array(entries)) = descend(root, list.path) else {
-                lists.push(None);
-                continue;
+        for (index, list) in LISTS.iter().enumerate() {
+            let parts = parts.get(index).map_or(&[][..], Vec::as_slice);
+            let mut all = match descend(root, list.path) {
+                Some(DeValue::Array(entries)) => {
+                    let entries = std::mem::replace(entries, DeArray::new());
+                    entries.into_iter().map(Entry::Read).collect()
+                }
+                _ if parts.is_empty() => {
+                    lists.push(None);
+                    continue;
+                }
+                _ => Vec::with_capacity(parts.len()),
             };
+            all.extend(parts.iter().cloned().map(Entry::Part));
             let mut entries = Entries {
-                all: std::mem::replace(entries, DeArray::new()),
+                all,
                 of_every_case: Vec::new(),
                 of_case: HashMap::new(),
             };
             for (index, entry) in entries.all.iter_mut().enumerate() {
-                match cases_of(entry, &names, known)? {
+                let cases = match entry {
+                    Entry::Read(entry) => cases_of(entry, &names, known)?,
+                    Entry::Part(_) => match entry.read(text, list.path) {
+                        Some(mut entry) => cases_of(entry.to_mut(), &names, known)?,
+                        None => None,
+                    },
+                };
+                match cases {
                     None => entries.of_every_case.push(index),
                     Some(cases) => {
                         for case in cases {
@@ -103,7 +131,7 @@ impl<'t> Members<'t> {
             }
             lists.push(Some(entries));
         }
-        Ok(Self { lists })
+        Ok(Self { text, lists })
     }
 
     /// Of each list the indices of the entries that a case has and others may not have.
@@ -115,46 +143,85 @@ impl<'t> Members<'t> {
         lists.collect()
     }
 
-    /// Puts the entries that are for a case where those of all cases were.
-    pub(super) fn put(&self, root: &mut DeTable<'t>, case: &str) {
-        for (list, entries) in LISTS.iter().zip(&self.lists) {
-            let (Some(entries), Some(DeValue::Array(put))) = (entries, descend(root, list.path))
-            else {
+    /// The indices of the events that it has and others may not have.
+    pub(super) fn own_events(&self, case: &str) -> &[usize] {
+        let events = self.lists.get(EVENTS).and_then(Option::as_ref);
+        let own = events.and_then(|events| events.of_case.get(case));
+        own.map_or(&[][..], Vec::as_slice)
+    }
+
+    /// The indices of the entries of a list that a case has, in the file's order.
+    fn indices(&self, list: usize, case: &str) -> Vec<usize> {
+        let Some(Some(entries)) = self.lists.get(list) else {
+            return Vec::new();
+        };
+        let own = entries.of_case.get(case).into_iter().flatten();
+        let mut indices: Vec<usize> = entries.of_every_case.iter().chain(own).copied().collect();
+        indices.sort_unstable();
+        indices
+    }
+
+    /// The entry of a list, without its cases.
+    fn entry(&self, list: usize, index: usize) -> Option<Spanned<DeValue<'t>>> {
+        let path = LISTS.get(list)?.path;
+        let entries = self.lists.get(list)?.as_ref()?;
+        let mut entry = entries.all.get(index)?.read(self.text, path)?.into_owned();
+        if let DeValue::Table(keys) = entry.get_mut() {
+            keys.remove("cases");
+        }
+        Some(entry)
+    }
+
+    /// The events of a case, read one by one.
+    pub(super) fn events(
+        &self,
+        case: &str,
+    ) -> impl ExactSizeIterator<Item = Option<Spanned<DeValue<'t>>>> {
+        let indices = self.indices(EVENTS, case).into_iter();
+        indices.map(|index| self.entry(EVENTS, index))
+    }
+
+    /// Puts the entries that are for a case where those of all cases were; of events only if they are asked for.
+    pub(super) fn put(&self, root: &mut DeTable<'t>, case: &str, events: Events) {
+        for (list, entries) in self.lists.iter().enumerate() {
+            let Some(List { path, .. }) = LISTS.get(list).filter(|_| entries.is_some()) else {
                 continue;
             };
-            let mut indices = entries.of_every_case.clone();
-            indices.extend(entries.of_case.get(case).into_iter().flatten());
-            indices.sort_unstable();
-            for entry in indices.iter().filter_map(|&index| entries.all.get(index)) {
-                put.push(entry.clone());
+            if list == EVENTS && events == Events::LeftOut {
+                continue;
+            }
+            let Some(DeValue::Array(put)) = descend_or_make(root, path) else {
+                continue;
+            };
+            let indices = self.indices(list, case).into_iter();
+            for entry in indices.filter_map(|index| self.entry(list, index)) {
+                put.push(entry);
             }
         }
     }
 
     /// Whether there is an entry of that name that is not for a case.
     fn leave_out(&self, case: &str, list: &List, name: &str) -> bool {
-        let mut lists = LISTS.iter().zip(&self.lists);
-        let entries = lists.find(|(other, _)| other.path == list.path);
-        let Some((_, Some(entries))) = entries else {
+        let index = LISTS.iter().position(|other| other.path == list.path);
+        let Some((index, Some(Some(entries)))) = index.map(|index| (index, self.lists.get(index)))
+        else {
             return false;
         };
-        let own = entries.of_case.get(case);
-        let is_its = |index: usize| {
-            entries.of_every_case.binary_search(&index).is_ok()
-                || own.is_some_and(|own| own.binary_search(&index).is_ok())
-        };
-        let mut all = entries.all.iter().enumerate();
-        all.any(|(index, entry)| list.name_of(entry.get_ref()) == Some(name) && !is_its(index))
+        let its = self.indices(index, case);
+        let mut others = (0..entries.all.len()).filter(|index| its.binary_search(index).is_err());
+        others.any(|other| {
+            let entry = entries.all.get(other);
+            let entry = entry.and_then(|entry| entry.read(self.text, list.path));
+            entry.is_some_and(|entry| list.name_of(entry.get_ref()) == Some(name))
+        })
     }
 }
 
-/// How many entries the lists of a file have.
-pub(super) fn entries(root: &mut DeTable<'_>) -> usize {
-    let count = |list: &List| match descend(root, list.path) {
-        Some(DeValue::Array(entries)) => entries.len(),
-        _ => 0,
-    };
-    LISTS.iter().map(count).sum()
+/// Whether the tables of a case have its events, each of which takes a hundred times its text.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Events {
+    Put,
+    LeftOut,
 }
 
 /// The cases of an entry; nothing if it is in all of them. Takes out its `cases`.
@@ -205,6 +272,25 @@ fn descend<'a, 't>(table: &'a mut DeTable<'t>, path: &[&str]) -> Option<&'a mut 
     match (rest.is_empty(), value) {
         (true, value) => Some(value),
         (false, DeValue::Table(inner)) => descend(inner, rest),
+        _ => None,
+    }
+}
+
+/// The same; what is not there is made.
+fn descend_or_make<'a, 't>(
+    table: &'a mut DeTable<'t>,
+    path: &[&'static str],
+) -> Option<&'a mut DeValue<'t>> {
+    let (first, rest) = path.split_first()?;
+    let made = match rest {
+        [] => DeValue::Array(DeArray::new()),
+        _ => DeValue::Table(DeTable::new()),
+    };
+    let key = Spanned::new(0..0, DeString::Borrowed(first));
+    let entry = table.entry(key).or_insert(Spanned::new(0..0, made));
+    match (rest, entry.get_mut()) {
+        ([], value) => Some(value),
+        (_, DeValue::Table(inner)) => descend_or_make(inner, rest),
         _ => None,
     }
 }

@@ -208,7 +208,9 @@ impl Common {
     pub(super) fn known(&self, contents: &Contents) -> Option<Arc<Known>> {
         let known = locked(&self.known).clone();
         known.filter(|known| {
-            known.contents.duration == contents.duration && known.contents.events == contents.events
+            let (events, others) = (&known.contents.events, &contents.events);
+            let is_same = Arc::ptr_eq(events, others) || events.entries == others.entries;
+            known.contents.duration == contents.duration && is_same
         })
     }
 

@@ -11,20 +11,26 @@ use schemars::JsonSchema;
 use serde::{Deserialize, de::IgnoredAny};
 use toml::{
     Spanned,
-    de::{DeArray, DeTable, DeValue, ValueDeserializer},
+    de::{DeTable, DeValue, ValueDeserializer},
 };
 use wbqp::{
     config::{Overrides, in_words},
     contact::Detector,
-    input::{Enough, Mark, outline},
 };
 
 use super::{
     Event, Initial, ScenarioError, Variation,
-    case::Contents,
-    change::{self, Members, Refusal, Whose},
+    case::{Contents, Listed},
+    change::{self, Events, LISTS, Members, Refusal, Whose},
+    parts::{self, Sections},
 };
 use crate::{PlantConfig, SensorsConfig};
+
+/// The names of cases.
+fn names(keys: &[CaseKeys]) -> Vec<&str> {
+    let names = keys.iter().map(|case| case.name.get_ref().as_str());
+    names.collect()
+}
 
 /// A case as the file, its own changes and a variation make it.
 #[derive(Clone, Debug)]
@@ -111,8 +117,9 @@ struct CaseKeys {
 /// A file, taken apart.
 struct Parts<'t> {
     span: Range<usize>,
-    /// Without the cases.
+    /// Without the cases and without entries of lists.
     root: DeTable<'t>,
+    members: Members<'t>,
     keys: Vec<CaseKeys>,
     /// Of each case.
     changes: Vec<Option<Change<'t>>>,
@@ -151,38 +158,12 @@ enum Change<'t> {
     Part(Range<usize>),
 }
 
-/// So many cases are read one by one.
-const MANY: usize = 32;
-/// Events, walls and so on, together, of all cases but the first that differ in more than what they put into the
-/// controller's file: each takes about 0.5 kB, and what a small file can ask for has no end.
+/// Events that no case changes, by those that belong to some cases only.
+type KnownEvents<'c> = HashMap<&'c [usize], Arc<Listed<Event>>>;
+
+/// Events, walls and so on, together, that cases after the first have for themselves: each takes about 0.5 kB, and what
+/// a small file can ask for has no end.
 const MOST_ENTRIES: usize = 50_000;
-
-/// A table with the places that it has in the whole of which a part was parsed.
-fn moved_table(table: DeTable<'_>, by: usize) -> DeTable<'_> {
-    let mut moved = DeTable::new();
-    for (key, value) in table {
-        let key_span = key.span();
-        let key = Spanned::new(key_span.start + by..key_span.end + by, key.into_inner());
-        moved.insert(key, moved_value(value, by));
-    }
-    moved
-}
-
-fn moved_value(value: Spanned<DeValue<'_>>, by: usize) -> Spanned<DeValue<'_>> {
-    let span = value.span();
-    let value = match value.into_inner() {
-        DeValue::Table(table) => DeValue::Table(moved_table(table, by)),
-        DeValue::Array(elements) => {
-            let mut moved = DeArray::new();
-            for element in elements {
-                moved.push(moved_value(element, by));
-            }
-            DeValue::Array(moved)
-        }
-        other => other,
-    };
-    Spanned::new(span.start + by..span.end + by, value)
-}
 
 /// The text of a file, and behind its end a variation's changes: what is read from them has spans that no part of the
 /// file has.
@@ -190,7 +171,16 @@ pub(super) struct Text<'a> {
     name: &'a str,
     file: &'a str,
     changes: String,
+    /// Where entries stand that are parsed one by one; nothing if all is parsed at once.
+    sections: Option<Sections>,
 }
+
+/// The lists whose entries may be parsed one by one: those that have members, and the cases.
+fn paths() -> Vec<&'static [&'static str]> {
+    LISTS.iter().map(|list| list.path).chain([CASE]).collect()
+}
+
+const CASE: &[&str] = &["case"];
 
 impl<'a> Text<'a> {
     pub(super) fn new(name: &'a str, text: &'a str, variation: &Variation) -> Self {
@@ -199,6 +189,7 @@ impl<'a> Text<'a> {
             name,
             file: text,
             changes,
+            sections: Sections::of(text, &paths()),
         }
     }
 
@@ -267,66 +258,43 @@ impl<'a> Text<'a> {
             let case = CaseKeys::deserialize(ValueDeserializer::from(table));
             keys.push(case.map_err(|e| self.error(&e))?);
         }
+        let members = Members::take(self.file, &mut root, &[], &names(&keys));
         Ok(Parts {
             span,
             root,
+            members: members.map_err(|e| self.refusal(e))?,
             keys,
             changes,
         })
     }
 
-    /// The same, parsed case by case: a tree of thousands of cases takes a hundred times their text. Nothing if the
-    /// cases are few, are not at the end of the file, or if anything is wrong with them: the whole says what.
+    /// The same, parsed entry by entry. Nothing if the entries are few, or if anything is wrong with them: the whole
+    /// says what.
     fn in_parts(&self) -> Option<Parts<'_>> {
-        let mut starts = Vec::new();
-        let is_mixed = outline(self.file, |start, mark| match mark {
-            Mark::Header("case") => {
-                // The bracket before it belongs to it.
-                starts.push(start.saturating_sub(1));
-                Enough::No
-            }
-            Mark::Header(name) if !starts.is_empty() && !name.starts_with("case.") => Enough::Yes,
-            _ => Enough::No,
-        });
-        let first = *starts.first()?;
-        if starts.len() < MANY || is_mixed == Enough::Yes {
-            return None;
-        }
-        let root = DeTable::parse(self.file.get(..first)?).ok()?;
-        let (span, root) = (root.span(), root.into_inner());
+        let Sections { rest, parts } = self.sections.as_ref()?;
+        let root = DeTable::parse(rest).ok()?;
+        let (span, mut root) = (root.span(), root.into_inner());
+        let (cases, lists) = parts.split_last()?;
         if root.contains_key("case") {
             return None;
         }
-        let ends = starts.iter().skip(1).copied().chain([self.file.len()]);
         let (mut keys, mut changes) = (Vec::new(), Vec::new());
-        for (start, end) in starts.iter().copied().zip(ends) {
-            let mut table = self.part(start..end)?;
-            let has_change = table.remove("change").is_some();
-            changes.push(has_change.then_some(Change::Part(start..end)));
-            let table = Spanned::new(start..end, DeValue::Table(table));
-            keys.push(CaseKeys::deserialize(ValueDeserializer::from(table)).ok()?);
+        for part in cases {
+            let mut case = parts::parsed(self.file, part, CASE)?;
+            if let DeValue::Table(case) = case.get_mut() {
+                let has_change = case.remove("change").is_some();
+                changes.push(has_change.then(|| Change::Part(part.clone())));
+            }
+            keys.push(CaseKeys::deserialize(ValueDeserializer::from(case)).ok()?);
         }
+        let members = Members::take(self.file, &mut root, lists, &names(&keys)).ok()?;
         Some(Parts {
             span,
             root,
+            members,
             keys,
             changes,
         })
-    }
-
-    /// The table of a part of the file that has one case and nothing else.
-    fn part(&self, part: Range<usize>) -> Option<DeTable<'_>> {
-        let start = part.start;
-        let parsed = DeTable::parse(self.file.get(part)?).ok()?;
-        let mut root = parsed.into_inner();
-        let DeValue::Array(tables) = root.remove("case")?.into_inner() else {
-            return None;
-        };
-        let mut tables = tables.into_iter();
-        match (tables.next()?.into_inner(), tables.next(), root.is_empty()) {
-            (DeValue::Table(table), None, true) => Some(moved_table(table, start)),
-            _ => None,
-        }
     }
 
     /// Reads every case.
@@ -335,10 +303,11 @@ impl<'a> Text<'a> {
         if cases.keys.is_empty() {
             // Read as well: what is wrong with its keys comes before that it has no case.
             let mut root = cases.root.clone();
-            cases.members.put(&mut root, "");
+            cases.members.put(&mut root, "", Events::Put);
             self.keys(&cases, root)?;
         }
         let mut known: HashMap<_, Arc<Contents>> = HashMap::new();
+        let mut events = KnownEvents::new();
         let mut read = Vec::new();
         let mut entries = 0;
         for (index, case) in cases.keys.iter().enumerate() {
@@ -348,21 +317,21 @@ impl<'a> Text<'a> {
             let contents = if let Some(same) = same {
                 same.clone()
             } else {
-                let mut tables = self.tables(&cases, index)?;
+                let (contents, own_events) = self.contents(&cases, index, &mut events)?;
                 // What the file itself has is bounded by its size.
                 if !read.is_empty() {
-                    entries += change::entries(&mut tables);
+                    entries += contents.entries() + own_events;
                 }
                 if entries > MOST_ENTRIES {
                     return Err(ScenarioError::Value {
                         place: self.place(case.name.span().start),
                         what: format!(
                             "case[{index}]: up to this one, the cases after the first have more than {MOST_ENTRIES} \
-                             events, walls, disturbances and so on together: make files of fewer cases"
+                             events, walls, disturbances and so on of their own: make files of fewer cases"
                         ),
                     });
                 }
-                let contents = Arc::new(Contents::from(self.keys(&cases, tables)?));
+                let contents = Arc::new(contents);
                 if !is_changed {
                     known.insert(own, contents.clone());
                 }
@@ -383,11 +352,10 @@ impl<'a> Text<'a> {
         let Some(index) = cases.index(name) else {
             return Ok(None);
         };
-        let contents = self.keys(&cases, self.tables(&cases, index)?)?;
+        let (contents, _) = self.contents(&cases, index, &mut KnownEvents::new())?;
         let is_changed = cases.changes.get(index).is_some_and(Option::is_some);
         let case = cases.keys.get(index);
-        let case =
-            case.map(|case| CaseFile::new(case, is_changed, variation, Arc::new(contents.into())));
+        let case = case.map(|case| CaseFile::new(case, is_changed, variation, Arc::new(contents)));
         Ok(case.map(|case| (index, case)))
     }
 
@@ -396,18 +364,14 @@ impl<'a> Text<'a> {
         let varied = DeTable::parse(&self.changes).map_err(|e| self.error(&e))?;
         let Parts {
             span,
-            mut root,
+            root,
+            members,
             keys,
             changes,
         } = match self.in_parts() {
             Some(parts) => parts,
             None => self.as_a_whole()?,
         };
-        let names: Vec<&str> = keys
-            .iter()
-            .map(|case| case.name.get_ref().as_str())
-            .collect();
-        let members = Members::take(&mut root, &names).map_err(|e| self.refusal(e))?;
         Ok(Cases {
             span,
             root,
@@ -418,41 +382,83 @@ impl<'a> Text<'a> {
         })
     }
 
-    /// The tables of a case, with its changes and the variation's.
+    /// What the file says of a case, and how many events are there for it alone.
+    fn contents<'c>(
+        &self,
+        cases: &'c Cases<'_>,
+        index: usize,
+        known: &mut KnownEvents<'c>,
+    ) -> Result<(Contents, usize), ScenarioError> {
+        let (tables, events) = self.tables(cases, index)?;
+        let mut keys = self.keys(cases, tables)?;
+        if events == Events::Put {
+            let own = std::mem::take(&mut keys.events);
+            let count = own.len();
+            return Ok((Contents::new(keys, Arc::new(own.into())), count));
+        }
+        let name = cases.name(index).map_or("", |name| name.get_ref().as_str());
+        let key = cases.members.own_events(name);
+        if let Some(events) = known.get(key) {
+            return Ok((Contents::new(keys, events.clone()), 0));
+        }
+        let entries = cases.members.events(name);
+        let mut events = Vec::with_capacity(entries.len());
+        for entry in entries.flatten() {
+            let event = Spanned::deserialize(ValueDeserializer::from(entry));
+            events.push(event.map_err(|e| self.error(&e))?);
+        }
+        let count = events.len();
+        let events = Arc::new(Listed::from(events));
+        known.insert(key, events.clone());
+        Ok((Contents::new(keys, events), count))
+    }
+
+    /// The tables of a case, with its changes and the variation's: with the events if these change any of them.
     pub(super) fn tables<'s>(
         &'s self,
         cases: &'s Cases<'s>,
         index: usize,
-    ) -> Result<DeTable<'s>, ScenarioError> {
+    ) -> Result<(DeTable<'s>, Events), ScenarioError> {
         let name = cases.name(index).map_or("", |name| name.get_ref().as_str());
-        let mut root = cases.root.clone();
-        cases.members.put(&mut root, name);
         let read;
         let own = match cases.changes.get(index) {
             Some(Some(Change::Read(own))) => Some(own),
             Some(Some(Change::Part(part))) => {
-                read = self
-                    .part(part.clone())
-                    .and_then(|mut part| part.remove("change"));
+                let case = parts::parsed(self.file, part, CASE);
+                read = case.and_then(|case| match case.into_inner() {
+                    DeValue::Table(mut case) => case.remove("change"),
+                    _ => None,
+                });
                 read.as_ref()
             }
             _ => None,
         };
-        if let Some(own) = own {
-            let DeValue::Table(changes) = own.get_ref() else {
-                let found = own.get_ref().type_str();
-                let message = format!("`change` must be a table, found {found}");
+        let own = match own.map(|own| (own, own.get_ref())) {
+            None => None,
+            Some((_, DeValue::Table(changes))) => Some(changes),
+            Some((own, other)) => {
+                let message = format!("`change` must be a table, found {}", other.type_str());
                 let span = own.span();
                 return Err(self.refusal(Refusal { span, message }));
-            };
-            change::apply(&mut root, changes, Whose::Case).map_err(|e| self.refusal(e))?;
+            }
+        };
+        let varied = cases.varied.get_ref();
+        let mut changes = own.into_iter().chain([varied]);
+        let events = match changes.any(|changes| changes.contains_key("event")) {
+            true => Events::Put,
+            false => Events::LeftOut,
+        };
+        let mut root = cases.root.clone();
+        cases.members.put(&mut root, name, events);
+        if let Some(own) = own {
+            change::apply(&mut root, own, Whose::Case).map_err(|e| self.refusal(e))?;
         }
         let whose = Whose::Variation {
             members: &cases.members,
             case: name,
         };
-        change::apply(&mut root, cases.varied.get_ref(), whose).map_err(|e| self.refusal(e))?;
-        Ok(root)
+        change::apply(&mut root, varied, whose).map_err(|e| self.refusal(e))?;
+        Ok((root, events))
     }
 
     fn keys(&self, cases: &Cases<'_>, root: DeTable<'_>) -> Result<Keys, ScenarioError> {

@@ -50,6 +50,7 @@ mod error;
 mod event;
 mod file;
 mod json_schema;
+mod parts;
 mod perturbation;
 mod place;
 mod push;

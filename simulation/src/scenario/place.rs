@@ -28,7 +28,8 @@ impl Text<'_> {
         };
         let index = cases.index(case);
         let tables = index.map(|index| self.tables(&cases, index));
-        let (Some(name), Some(Ok(tables))) = (index.and_then(|i| cases.name(i)), tables) else {
+        let (Some(name), Some(Ok((tables, _)))) = (index.and_then(|i| cases.name(i)), tables)
+        else {
             return error;
         };
         let place = |path: &[Step<'_>], about: &str| {

@@ -213,7 +213,7 @@ impl Case {
 
     /// The event that a task's set point at a time comes from; the file if it comes from the controller's.
     fn place_of_set_point(&self, text: &Text<'_>, task: &str, time: f64) -> String {
-        let events = self.events().iter().zip(&self.contents.places[1]);
+        let events = self.contents.events.iter();
         let before =
             events.filter(|(event, _)| event.at <= time && event.follow.contains_key(task));
         let last = before.max_by(|(a, _), (b, _)| a.at.total_cmp(&b.at));

@@ -53,8 +53,7 @@ fn load(path: &Path, text: &str) -> Option<String> {
 fn loading_takes_a_time_that_grows_like_the_file() {
     let _turn = alone::turn();
     let folder = Temporary::new("hostile");
-    let mut files = hostile::files();
-    files.extend(hostile::events_of_cases());
+    let files = hostile::files();
     for file in &files {
         fs::write(folder.file(file.name), &file.text).expect("can be written");
     }
