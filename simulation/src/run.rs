@@ -41,6 +41,8 @@ pub struct Summary {
     pub divergence: Option<&'static str>,
     /// How long the plant was in steps that could not get as short as its tolerance asks for, s.
     pub beyond_tolerance: f64,
+    /// A task or constraint that wrote coefficients which its layout does not declare, and which do nothing.
+    pub undeclared: Option<String>,
     /// Where the last tick's command came from.
     pub last_level: FallbackLevel,
     /// Why it was not that tick's optimum, in words.
@@ -246,6 +248,11 @@ impl CaseRun {
         summary.ticks += 1;
         summary.held += usize::from(report.level != FallbackLevel::Optimal);
         summary.last_level = report.level;
+        if let Some(index) = report.undeclared
+            && summary.undeclared.is_none()
+        {
+            summary.undeclared = controller.entry_names().nth(index).map(str::to_owned);
+        }
         self.requests.detect(controller, measurement);
         if let Some(dumps) = &mut options.dumps {
             dumps.write_if_changed(controller)?;

@@ -93,6 +93,9 @@ pub struct FirstTick {
     /// With which the base of a robot that should stand begins to move, m/s².
     #[serde(skip_serializing_if = "Option::is_none")]
     pub falls: Option<f64>,
+    /// A task or constraint that wrote coefficients which its layout does not declare.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub undeclared: Option<String>,
     /// Contacts that are on and away from their surface at home, with how far they are above it, m.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub off_surface: Vec<(String, f64)>,
@@ -155,6 +158,7 @@ impl Holding {
         let (command, report) = controller.tick(&measurement);
         let (effort, level) = (command.effort.clone(), report.level);
         let is_far = matches!(report.fault, Some(Fault::FirstError(_)));
+        let undeclared = report.undeclared;
         let acceleration = report
             .vdot
             .iter()
@@ -194,6 +198,9 @@ impl Holding {
             contacts: on
                 .map(|(name, contact)| (name.to_owned(), contact.solution[2]))
                 .collect(),
+            undeclared: undeclared
+                .and_then(|index| controller.entry_names().nth(index))
+                .map(str::to_owned),
             off_surface: off_surface(controller),
         });
         holding
@@ -221,6 +228,9 @@ impl Holding {
                 "the first tick {} is {}, not optimal{why}{elsewhere}",
                 tick.place, tick.level
             ));
+        }
+        if let Some(entry) = &tick.undeclared {
+            faults.push(undeclared(entry));
         }
         if let Some(acceleration) = tick.falls {
             faults.push(format!(
@@ -251,8 +261,16 @@ impl Holding {
     }
 }
 
+/// A slip of a plug-in's author.
+pub fn undeclared(entry: &str) -> String {
+    format!(
+        "`{entry}` writes coefficients that its layout does not declare, and they do nothing: declare them in its \
+         `bind`, by `vdot_dense`, `effort_dense` or `force_dense`"
+    )
+}
+
 /// Contacts that are on at the start and are not where the others on parallel surfaces are, at home: their frame may be
-/// a wrong one. The lowest of them touches.
+/// a wrong one. The lowest of them touches, but for a robot whose base is fixed: it is where its file puts it.
 fn off_surface(controller: &Controller) -> Vec<(String, f64)> {
     let robot = controller.robot();
     let mut data = Data::new(&robot.model);
@@ -270,11 +288,14 @@ fn off_surface(controller: &Controller) -> Vec<(String, f64)> {
             Some((spec.name.as_str(), normal, height))
         })
         .collect();
+    let fixed = match robot.model.base() {
+        Base::Fixed => Some(0.0),
+        Base::Floating => None,
+    };
     let lowest = |normal: &Vector3<f64>| {
         let parallel = heights.iter().filter(|(_, n, _)| n.dot(normal) > PARALLEL);
-        parallel
-            .map(|(_, _, height)| *height)
-            .fold(f64::INFINITY, f64::min)
+        let heights = parallel.map(|(_, _, height)| *height);
+        fixed.unwrap_or_else(|| heights.fold(f64::INFINITY, f64::min))
     };
     let above = heights
         .iter()

@@ -9,7 +9,7 @@ pub use examination::{
     ActuatorFacts, BodyFacts, ControllerFacts, Examination, FrameFacts, JointFacts, MimicFacts,
     Robot, effort_unit,
 };
-pub use holding::{Effort, FirstTick, Holding, Means, Missing};
+pub use holding::{Effort, FirstTick, Holding, Means, Missing, undeclared};
 pub use load::{Request, configuration, examine, robot_of};
 use wbqp_terminal::complain;
 

@@ -296,7 +296,11 @@ fn thousandths(x: f64) -> String {
     }
 }
 
+/// An actuator with a larger share of its limit has nothing left.
+const SPENT: f64 = 0.999;
+
 fn holding_text(holding: &Holding, out: &mut String) {
+    let is_fixed = holding.means == Means::GravityCompensation;
     let weight = number(holding.weight);
     let title = match holding.means {
         Means::GravityCompensation => "Holding still at home: gravity compensation".to_owned(),
@@ -328,9 +332,14 @@ fn holding_text(holding: &Holding, out: &mut String) {
     if let Some(largest) = holding.largest_share() {
         let _ = writeln!(
             out,
-            "  most loaded: {} at {} of its limit",
+            "  most loaded: {} at {} of its limit{}",
             largest.actuator,
-            per_cent(largest.share)
+            per_cent(largest.share),
+            if largest.share.is_some_and(|share| share > SPENT) {
+                ": nothing is left for motion; is the posture, or the limit, the right one?"
+            } else {
+                ""
+            }
         );
     }
     if let Some(leaning) = &holding.leaning {
@@ -352,9 +361,14 @@ fn holding_text(holding: &Holding, out: &mut String) {
         for (name, above) in &tick.off_surface {
             let _ = writeln!(
                 out,
-                "  contact `{name}` is {} m above its surface at home, where the others on parallel surfaces are: it \
-                 does not touch; is its frame the right one?",
-                number(*above)
+                "  contact `{name}` is {} m above its surface at home{}: it does not touch; is its frame the right \
+                 one?",
+                number(*above),
+                if is_fixed {
+                    ""
+                } else {
+                    ", where the others on parallel surfaces are"
+                }
             );
         }
         let _ = writeln!(out, "  first tick {}: {}", tick.place, tick.level);

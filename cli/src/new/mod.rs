@@ -23,6 +23,7 @@ use crate::{
     assignment::Assignment,
     check::robot_of,
     output::{self, Existing},
+    run::check_default_world,
     subject::Subject,
 };
 use draft::{Draft, list, quoted};
@@ -133,6 +134,9 @@ impl Arguments {
         match &ticks {
             Ok(()) => say!("{} ticks from home, all optimal", verify::TICKS),
             Err(why) => complain!("warning: {why}"),
+        }
+        if let Err(why) = check_default_world(&output) {
+            complain!("warning: `wbqp run` will not run it: {why}");
         }
         say!("next: wbqp check {0}; wbqp run {0}", output.display());
         Ok(if draft.warnings.is_empty() && ticks.is_ok() {

@@ -14,12 +14,17 @@ use super::{
     summary::{ContactSummary, TaskSummary},
     traces::columns,
 };
-use crate::text::{number, per_cent, quantity};
+use crate::{
+    check::undeclared,
+    text::{number, per_cent, quantity},
+};
 
 /// Nobody asks a robot to end further from where it should be than this share of its size …
 const LOST: f64 = 0.5;
 /// … or, where it is large, than this, m.
 const LOST_AT_MOST: f64 = 1.0;
+/// Nor turned away by more than this, rad.
+const TURNED: f64 = 1.0;
 /// A base that leans by more than this, rad, from how it stood at the beginning, lies rather than stands.
 const FALLEN: f64 = 1.0;
 /// A controller that had no optimum in more than this share of its ticks was busy with something else.
@@ -33,6 +38,8 @@ const SELDOM: f64 = 0.1;
 const TOUCHED: f64 = 0.01;
 /// Bounces are shorter, s: a contact that is on for longer while nothing is there pushes against nothing.
 const BOUNCE: f64 = 0.5;
+/// A run that diverged before this time, s, says nothing of what touches what.
+const AT_ONCE: f64 = 0.1;
 /// What presses from behind with more than this, N, is no rounding.
 const BEHIND: f64 = 0.1;
 
@@ -49,8 +56,19 @@ pub(super) fn of(
 ) -> Result<Vec<String>> {
     let mut words = Vec::new();
     let lost = (LOST * size(controller)).min(LOST_AT_MOST);
+    let leans = match controller.robot().model.base() {
+        Base::Floating => lean(log)?,
+        Base::Fixed => None,
+    };
+    let fallen = leans.filter(|angle| *angle > FALLEN);
     for task in tasks {
-        if task.unit == "m" && task.end.is_some_and(|end| end > lost) {
+        let far = match (task.unit.as_str(), task.rows) {
+            ("m", _) => lost,
+            // Of more rows, postures: they give way to everything else.
+            ("rad", ..=3) if fallen.is_none() => TURNED,
+            _ => continue,
+        };
+        if task.end.is_some_and(|end| end > far) {
             words.push(format!(
                 "`{}` ended {} from its reference",
                 task.name,
@@ -58,7 +76,11 @@ pub(super) fn of(
             ));
         }
     }
-    let untouched = contacts.iter();
+    words.extend(run.undeclared.as_deref().map(undeclared));
+    // What diverged at once came to nothing.
+    let length = run.ticks as f64 / controller.settings().rate;
+    let is_short = run.diverged.is_some() && length < AT_ONCE;
+    let untouched = contacts.iter().filter(|_| !is_short);
     // Contacts are logged in ticks with a solution: of others nothing is known here.
     let in_what = if run.held == 0 {
         ""
@@ -72,11 +94,7 @@ pub(super) fn of(
             .iter()
             .filter_map(|contact| seldom_on(contact, case)),
     );
-    let leans = match controller.robot().model.base() {
-        Base::Floating => lean(log)?,
-        Base::Fixed => None,
-    };
-    if let Some(angle) = leans.filter(|angle| *angle > FALLEN) {
+    if let Some(angle) = fallen {
         words.push(format!(
             "the base ended leaning by {} rad from how it began: has the robot fallen?",
             number(angle)
@@ -89,7 +107,6 @@ pub(super) fn of(
             per_cent(Some(share))
         ));
     }
-    let length = run.ticks as f64 / controller.settings().rate;
     if run.beyond_tolerance > COARSE * length {
         words.push(format!(
             "for {} s, {} of the run, the plant's steps could not get as short as `plant.tolerance` asks for: take \

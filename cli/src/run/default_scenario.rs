@@ -185,13 +185,15 @@ impl Ground<'_> {
             let rate = joint.damping * mobility[(offset + j, offset + j)];
             if rate * SHORTEST > 1.0 {
                 bail!(
-                    "joint `{}` cannot be simulated: its damping {} stops its inertia of {:.1e} within {:.1e} s. Take \
-                     the friction that the robot's file has away, `--set robot.options.ignore_joint_friction=true`, or \
-                     give the joint an `armature`",
+                    "joint `{}` cannot be simulated: its damping {} stops its inertia of {:.1e}, with everything else \
+                     free to move, within {:.1e} s. Give the joint its rotor's inertia as seen through the gear, \
+                     `--set robot.options.armature.{}=0.01`, say; without the friction of the robot's file, \
+                     `--set robot.options.ignore_joint_friction=true`, so light a joint is hard to control",
                     joint.name,
                     joint.damping,
                     1.0 / mobility[(offset + j, offset + j)],
-                    1.0 / rate
+                    1.0 / rate,
+                    joint.name
                 );
             }
             plant.step = plant.step.min(STABLE / rate);

@@ -19,7 +19,7 @@ use std::{
 use anyhow::{Context, Result, anyhow, bail};
 use clap::Args;
 use rayon::prelude::*;
-use wbqp::robot::Severity;
+use wbqp::{config::Overrides, robot::Severity};
 use wbqp_log::{LogSink, McapLog, RunLock};
 use wbqp_measures::log::Log;
 use wbqp_replay::DumpFolder;
@@ -157,6 +157,14 @@ impl Arguments {
         summary::write(&summaries, &summary, &order)?;
         Ok(summary)
     }
+}
+
+/// Whether a controller's file has a world of its own in which it can run.
+///
+/// # Errors
+/// Why not.
+pub(crate) fn check_default_world(controller: &Path) -> Result<()> {
+    default_scenario::text("default", controller, &Overrides::default(), 1.0).map(|_| ())
 }
 
 /// A scenario, or a controller on its default plant for `duration` s.

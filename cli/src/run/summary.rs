@@ -128,6 +128,8 @@ pub struct TaskSummary {
     pub name: String,
     /// Of the error.
     pub unit: String,
+    /// How many numbers the error has.
+    pub rows: usize,
     /// Root of the mean square over the last tenth of the run; absent if it was off then.
     pub end: Option<f64>,
     /// The largest.
@@ -326,6 +328,7 @@ fn tasks(log: &Log, controller: &Controller) -> Result<Vec<TaskSummary>> {
         tasks.push(TaskSummary {
             name: name.to_owned(),
             unit: unit.unwrap_or_default().to_owned(),
+            rows: rows.len(),
             end: error.window(from, f64::INFINITY).rmse(0.0),
             peak: error.max(),
         });

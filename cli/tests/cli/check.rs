@@ -441,3 +441,30 @@ fn a_controller_for_somewhere_else_is_told_to_have_a_scenario() {
     let done = wbqp(&["check", "examples/scenarios/push_away.toml"]);
     assert_eq!(done.code, 0, "{}", done.stderr);
 }
+
+/// Nothing else says where an arm is than its file: a surface that is elsewhere is no slip of all contacts.
+#[test]
+fn a_contact_of_a_fixed_robot_that_is_off_its_surface_is_told() {
+    let folder = Temporary::new("off_surface");
+    let file = folder.file("arm.controller.toml");
+    let text = |height: f64| {
+        format!(
+            "[controller]\nrate = 500.0\n[robot]\ntype = \"quadruped\"\noptions = {{ base = \"fixed\" }}\n[[contact]]\n\
+             frame = \"fl_foot\"\nmotion = \"hard\"\nsurface = {{ origin = [0.0, 0.0, {height:?}] }}\n[[task]]\n\
+             type = \"posture\"\nkp = 30.0\n"
+        )
+    };
+    fs::write(&file, text(-5.0)).unwrap();
+    let done = wbqp(&["check", &file]);
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    let told = |done: &crate::common::Done| {
+        let mut lines = done.stdout.lines();
+        lines.any(|line| {
+            line.contains("`fl_foot` is ")
+                && line.contains(" m above its surface at home: it does not")
+        })
+    };
+    assert!(told(&done), "{}", done.stdout);
+    fs::write(&file, text(5.0)).unwrap();
+    assert!(!told(&wbqp(&["check", &file])));
+}

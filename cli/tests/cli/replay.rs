@@ -87,7 +87,7 @@ fn what_is_no_dump_or_no_tick_of_it_is_told_in_a_line() {
     assert_eq!(done.code, 1);
     let start = format!("error: {scenario}: is not a dump of ticks: line ");
     assert!(done.stderr.starts_with(&start), "{}", done.stderr);
-    assert!(done.stderr.contains("unknown field"), "{}", done.stderr);
+    assert!(done.stderr.contains("unknown key"), "{}", done.stderr);
     assert_eq!(done.stderr.lines().count(), 1, "{}", done.stderr);
 
     let folder = Temporary::new("ticks");

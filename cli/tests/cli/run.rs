@@ -399,6 +399,6 @@ fn what_is_not_there_is_refused_with_a_hint() {
     refused(&["run", "robots/files/othex/othex.urdf"], "wbqp new");
     refused(
         &["run", QUADRUPED, "--set", "change.plant.walls=1"],
-        "unknown field `walls`",
+        "unknown key `walls`; did you mean `wall`?",
     );
 }

@@ -131,6 +131,15 @@ fn home_of(kind: &str) -> String {
 /// What serde says of a value, in the words of the format: `expected f64` is `expected a number`.
 pub fn in_words(message: &str) -> String {
     let mut text = message.trim_end().to_owned();
+    if let Some(words) = of_unknown_key(&text) {
+        return words;
+    }
+    if let Some(key) = text
+        .strip_prefix("missing field `")
+        .and_then(|rest| rest.strip_suffix('`'))
+    {
+        return format!("key `{key}` is missing");
+    }
     for (rust, words) in [
         ("unknown variant `", "unknown value `"),
         ("invalid type: floating point `", "invalid type: number `"),
@@ -154,6 +163,16 @@ pub fn in_words(message: &str) -> String {
         text = text.replace(&format!("expected {integer}"), "expected an integer");
     }
     text
+}
+
+/// Of a key that is not there: which are, and which was meant.
+fn of_unknown_key(message: &str) -> Option<String> {
+    let (name, expected) = message
+        .strip_prefix("unknown field `")?
+        .split_once("`, expected ")?;
+    let mut known: Vec<&str> = expected.split('`').skip(1).step_by(2).collect();
+    known.sort_unstable();
+    Some(format!("unknown key `{name}`{}", suggestion(name, &known)))
 }
 
 /// Reads a table whose keys a schema describes; nothing if anything is wrong with it.
@@ -284,11 +303,13 @@ impl Inspection<'_, '_> {
             for key in keys.required {
                 if !table.contains_key(key) {
                     if !meant.contains(&key) {
+                        let meaning = node.meaning(key).map(|what| format!(": {what}"));
+                        let meaning = meaning.unwrap_or_default();
                         self.report.add(
                             Kind::MissingKey,
                             Some(span.clone()),
                             &at,
-                            format!("key `{key}` is missing"),
+                            format!("key `{key}` is missing{meaning}"),
                         );
                     }
                     self.damaged.push(path.clone());

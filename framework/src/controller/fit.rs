@@ -154,6 +154,13 @@ pub(crate) fn check_layout(layout: &Layout, sizes: &Sizes, frames: usize) -> Res
             None => Ok(()),
         }
     };
+    if rows > 0 && !layout.acts_on_accelerations() && !layout.acts_on_forces() {
+        let s = if rows == 1 { "" } else { "s" };
+        return Err(BindError::Other(format!(
+            "its layout declares {rows} row{s} without coefficients, which ask for nothing: say what they multiply, \
+             accelerations (`vdot_…`), efforts (`effort_…`) or forces (`force_…`)"
+        )));
+    }
     let no_contact = || BindError::Other("its layout declares a contact of another setup".into());
     let nf = |c: crate::contact::ContactId| sizes.nf.get(c.index()).copied().ok_or_else(no_contact);
     match &layout.vdot {

@@ -15,7 +15,7 @@ use crate::{
 ///
 /// Parameters and running object are two types, as of a [`Task`](crate::plugin::Task), and the life cycle is the same.
 /// The attribute is [`constraint`](macro@crate::constraint).
-pub trait Constraint: Clone + Debug + Send + 'static {
+pub trait Constraint: AnyConstraint + Clone {
     /// Handles of frames and contacts, and whatever else is not a parameter.
     type Running: Send + 'static;
 
@@ -49,6 +49,11 @@ pub trait Constraint: Clone + Debug + Send + 'static {
 
 /// Any constraint: what an entry of a configuration holds. Implemented by the attribute
 /// [`constraint`](macro@crate::constraint).
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is no constraint that files can name",
+    label = "without the attribute `#[wbqp::constraint(\"…\")]`",
+    note = "write `#[wbqp::constraint(\"PREFIX.NAME\")]` above its definition; that derives `Clone` and `Debug`, too"
+)]
 #[typetag::serialize(tag = "type")]
 pub trait AnyConstraint: Any + Send + Debug {
     /// Binds the constraint, as [`Constraint::bind`].

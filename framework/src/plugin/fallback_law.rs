@@ -13,7 +13,7 @@ use crate::{
 /// named by `type = "tag"` in the table `[fallback]`. The framework makes what it gives fit to be sent: an effort that
 /// is not finite is replaced by the one that hovers at home, and all are kept within the actuators' limits and slew. A
 /// law may ask for frames; it follows no reference.
-pub trait FallbackLaw: Clone + Debug + Send + 'static {
+pub trait FallbackLaw: AnyFallbackLaw + Clone {
     /// Whatever is neither a parameter nor remembered from tick to tick: buffers.
     type Running: Send + 'static;
 
@@ -43,6 +43,11 @@ pub trait FallbackLaw: Clone + Debug + Send + 'static {
 }
 
 /// Any fallback law. Implemented by the attribute [`fallback_law`](macro@crate::fallback_law).
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is no fallback law that files can name",
+    label = "without the attribute `#[wbqp::fallback_law(\"…\")]`",
+    note = "write `#[wbqp::fallback_law(\"PREFIX.NAME\")]` above its definition; that derives `Clone` and `Debug`, too"
+)]
 #[typetag::serde(tag = "type")]
 pub trait AnyFallbackLaw: Any + Send + Debug {
     /// Binds the law, as [`FallbackLaw::bind`].

@@ -19,7 +19,7 @@ use crate::{
 ///
 /// The type that implements it is its parameters, with the attribute [`reference`](macro@crate::reference), and named
 /// by `reference = { type = "tag", … }` in a task. What it remembers is [`Reference::Running`].
-pub trait Reference: Clone + Debug + Send + 'static {
+pub trait Reference: AnyReference + Clone {
     /// Whatever is not a parameter: where it begins, buffers.
     type Running: Debug + Send + 'static;
 
@@ -79,6 +79,11 @@ pub struct RotationSample {
 
 /// Any reference: what a task's parameters hold. Implemented by the attribute
 /// [`reference`](macro@crate::reference).
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is no reference that files can name",
+    label = "without the attribute `#[wbqp::reference(\"…\")]`",
+    note = "write `#[wbqp::reference(\"PREFIX.NAME\")]` above its definition; that derives `Clone` and `Debug`, too"
+)]
 #[typetag::serialize(tag = "type")]
 pub trait AnyReference: Any + Send + Debug {
     /// Binds the reference, as [`Reference::bind`].

@@ -16,7 +16,7 @@ use crate::{
 ///
 /// The weight enters **linearly**: its unit is 1/unit(row)². Name, weight, activation, transition and hardness
 /// belong to the framework's entry around the task, not to the task.
-pub trait Task: Clone + Debug + Send + 'static {
+pub trait Task: AnyTask + Clone {
     /// Handles of frames, contacts and references, integrators, buffers: whatever is not a parameter.
     type Running: Send + 'static;
 
@@ -51,6 +51,11 @@ pub trait Task: Clone + Debug + Send + 'static {
 
 /// Any task: what an entry of a configuration holds. Implemented by the attribute [`task`](macro@crate::task), which
 /// also gives it the tag by which files name it.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is no task that files can name",
+    label = "without the attribute `#[wbqp::task(\"…\")]`",
+    note = "write `#[wbqp::task(\"PREFIX.NAME\")]` above its definition; that derives `Clone` and `Debug`, too"
+)]
 #[typetag::serialize(tag = "type")]
 pub trait AnyTask: Any + Send + Debug {
     /// Binds the task, as [`Task::bind`].

@@ -128,6 +128,49 @@ impl<'s> Node<'s> {
         Some(self.at(here))
     }
 
+    /// What the value of a key is, as a part of a sentence: the first of its description, and the words that it may be.
+    pub(crate) fn meaning(self, key: &str) -> Option<String> {
+        let here = self.properties()?.get(key)?;
+        let value = self.at(here);
+        let described = [here, value.here].into_iter();
+        let mut described = described.filter_map(|at| at.get("description")?.as_str());
+        let text = described.next()?;
+        let sentence = text.split_once(". ").map_or(text, |(first, _)| first);
+        let sentence = sentence.trim_end_matches('.');
+        let mut letters = sentence.chars();
+        let first = letters.next()?;
+        // A name or a symbol keeps its first letter.
+        let is_word = letters.next().is_some_and(char::is_lowercase);
+        let mut out = match is_word {
+            true => first
+                .to_lowercase()
+                .chain(sentence.chars().skip(1))
+                .collect(),
+            false => sentence.to_owned(),
+        };
+        let words = value.words();
+        if !words.is_empty() {
+            out += &format!(" (one of {})", words.join(", "));
+        }
+        Some(out)
+    }
+
+    /// The words that a value may be, if it is a choice.
+    fn words(self) -> Vec<String> {
+        let listed = self.here.get("enum").and_then(Value::as_array);
+        let branches = self.here.get("oneOf").and_then(Value::as_array);
+        let consts = branches
+            .into_iter()
+            .flatten()
+            .map(|branch| branch.get("const"));
+        let all: Option<Vec<&Value>> = match listed {
+            Some(listed) => Some(listed.iter().collect()),
+            None => consts.collect(),
+        };
+        let words = all.into_iter().flatten().filter_map(Value::as_str);
+        words.map(|word| format!("\"{word}\"")).collect()
+    }
+
     /// Whether this is a table and nothing else.
     pub(crate) fn is_table(self) -> bool {
         self.here.get("type").and_then(Value::as_str) == Some("object")

@@ -166,7 +166,9 @@ impl Report {
     }
 
     pub(crate) fn finish(mut self) -> Result<Passed, Failures> {
-        if self.list.is_empty() && self.passed.robots.is_empty() {
+        if self.passed.robots.is_empty()
+            && (self.list.is_empty() || !self.passed.refused.is_empty())
+        {
             let reasons = self.passed.refused.iter();
             let reasons: Vec<_> = reasons
                 .map(|(robot, error)| format!("`{robot}`: {error}"))

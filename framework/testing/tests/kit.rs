@@ -29,6 +29,7 @@ enum Fault {
     Allocates,
     SameLabels,
     RefusesAll,
+    NoBlock,
     Panics,
 }
 
@@ -71,6 +72,8 @@ impl Task for MoveTool {
                 columns.push(setup.velocity(setup.joint(joint)?));
             }
             layout.vdot_unit(columns)
+        } else if self.fault == Fault::NoBlock {
+            layout
         } else {
             layout.vdot_dense()
         };
@@ -137,6 +140,7 @@ fn every_fault_of_a_task_is_found() {
         ("no_bias_given", Check::Finite),
         ("same_labels", Check::Layout),
         ("refuses_all", Check::Layout),
+        ("no_block", Check::Layout),
         ("panics", Check::Panic),
     ] {
         let found = failed(fault);

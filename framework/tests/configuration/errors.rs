@@ -142,7 +142,7 @@ fn settings() {
     assert_eq!(
         messages("[controller]\n[robot]\ntype = \"test.robot\"\n"),
         [
-            "x.toml:1:1: controller: key `rate` is missing",
+            "x.toml:1:1: controller: key `rate` is missing: ticks per second, Hz",
             "x.toml:2:1: robot (test.robot): key `file` is missing",
         ]
     );
@@ -346,7 +346,8 @@ fn contacts() {
     check(
         &format!("{head}[contact.surface]\nnormal = 1\n"),
         &[
-            "x.toml:11:1: contact[0] `wall`: surface: key `x_axis` is missing",
+            "x.toml:11:1: contact[0] `wall`: surface: key `x_axis` is missing: direction of the surface's x axis in world axes; \
+             projected onto the surface",
             "x.toml:12:10: contact[0] `wall`: surface.normal: invalid type: integer `1`, expected a list of length 3",
         ],
     );

@@ -46,11 +46,12 @@ mod tree;
 use std::{
     borrow::Cow,
     collections::{BTreeMap, HashMap},
+    f64::consts::TAU,
 };
 
 use wbqp::{
     dynamics::{Data, frame_motion},
-    model::{Inertia, JointId, Model},
+    model::{Inertia, Joint, JointId, JointKind, Model},
     nalgebra::{Isometry3, UnitQuaternion},
     robot::{Diagnostic, RobotError},
     state::State,
@@ -286,8 +287,11 @@ fn home(
             findings.refuse_as(crate::options::refuse(
                 "home",
                 format!(
-                    "joint `{}` at {given} is outside its range {} to {}",
-                    joint.name, limits.lower, limits.upper
+                    "joint `{}` at {given} is outside its range {} to {}{}",
+                    joint.name,
+                    limits.lower,
+                    limits.upper,
+                    in_degrees(joint, given)
                 ),
             ));
         } else {
@@ -314,6 +318,15 @@ fn home(
         }
     }
     home
+}
+
+/// What a position beyond a turn may have been meant as.
+fn in_degrees(joint: &Joint, given: f64) -> String {
+    let is_angle = joint.kind == JointKind::Revolute && given.abs() > TAU && given.abs() <= 360.0;
+    match is_angle {
+        true => format!(" rad; {given}° are {:.6} rad", given.to_radians()),
+        false => String::new(),
+    }
 }
 
 fn moving(model: &Model, description: &Description, motions: &Motions<'_>) -> Vec<Moving> {

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use wbqp::{
+    config::in_words,
     controller::Controller,
     plugin::{AnyReference, PerRow},
 };
@@ -84,7 +85,7 @@ impl Event {
                 ));
             }
             let reference = <Box<dyn AnyReference>>::deserialize(value.clone())
-                .map_err(|e| format!("follow.{task}: {}", e.message().trim_end()))?;
+                .map_err(|e| format!("follow.{task}: {}", in_words(e.message())))?;
             let values = check_values(task, &*reference);
             controller.follow(task, reference).map_err(text)?;
             values?;

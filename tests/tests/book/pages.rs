@@ -72,6 +72,23 @@ pub(crate) fn blocks(language: &str) -> Vec<Block> {
     found
 }
 
+/// Blocks with a mark, each with the block behind it.
+pub(crate) fn with_the_next(mark: &str) -> Vec<[Block; 2]> {
+    let mut found = Vec::new();
+    for page in pages() {
+        let mut blocks = blocks_of(&page).into_iter().peekable();
+        while let Some(block) = blocks.next() {
+            if block.is(mark)
+                && let Some(next) = blocks.next_if(|next| next.language == "text")
+            {
+                found.push([block, next]);
+            }
+        }
+    }
+    assert!(!found.is_empty(), "no block is marked `{mark}`");
+    found
+}
+
 /// The blocks of a page; those in lists without their indentation.
 fn blocks_of(page: &Path) -> Vec<Block> {
     let text = fs::read_to_string(page).unwrap_or_else(|e| panic!("{}: {e}", page.display()));

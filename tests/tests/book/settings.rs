@@ -11,7 +11,7 @@ use wbqp_tests::{
     files::{Temporary, workspace},
 };
 
-use crate::pages::{Block, blocks};
+use crate::pages::{Block, blocks, with_the_next};
 
 /// Tables that files of some kind have.
 const TABLES: [&str; 19] = [
@@ -109,6 +109,16 @@ fn part(block: &Block, table: &Table) {
             "{}: no file has a table `{key}`",
             block.place
         );
+    }
+}
+
+#[test]
+fn what_is_refused_is_refused_in_the_words_of_the_page() {
+    for [file, words] in with_the_next("refused") {
+        let name = words.text.split(':').next().unwrap_or_default();
+        let error =
+            ControllerConfig::from_str(&file.text, name, &file.folder).expect_err("refused");
+        assert_eq!(error.to_string(), words.text.trim_end(), "{}", words.place);
     }
 }
 

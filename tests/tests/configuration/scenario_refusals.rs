@@ -101,57 +101,52 @@ fn file_that_is_not_there() {
 fn unknown_keys() {
     let unknown = |piece: &str, other: &str, place: &str, known: &str| {
         let key = other.split([' ', '.']).next().unwrap_or_default();
-        let expected = format!("s.toml:{place}: unknown field `{key}`, expected {known}");
+        let meant = piece.split([' ', '.']).next().unwrap_or_default();
+        let expected = format!(
+            "s.toml:{place}: unknown key `{key}`; did you mean `{meant}`? (known: {known})"
+        );
         refused(piece, other, &expected);
     };
-    let top = "one of `name`, `controller`, `duration`, `initial`, `plant`, `sensors`, \
-               `detector`, `event`, `case`";
+    let top = "case, controller, detector, duration, event, initial, name, plant, sensors";
     unknown("duration", "druation", "3:1", top);
-    unknown("rpy", "rpx", "7:1", "one of `position`, `rpy`, `joints`");
-    let plant = "one of `step`, `tolerance`, `command_delay`, `friction_speed`, `mismatch`, `servo`, `wall`, \
-                 `contact_point`, `disturbance`";
+    unknown("rpy", "rpx", "7:1", "joints, position, rpy");
+    let plant = "command_delay, contact_point, disturbance, friction_speed, mismatch, servo, step, tolerance, wall";
     unknown("step =", "stop =", "13:1", plant);
-    let base = "one of `position_sd`, `rotation_sd`, `linear_sd`, `angular_sd`, `velocity_cutoff`";
+    let base = "angular_sd, linear_sd, position_sd, rotation_sd, velocity_cutoff";
     unknown("position_sd", "position_sf", "30:1", base);
-    let force = "one of `frame`, `force_bias`, `moment_bias`, `force_sd`, `moment_sd`, `cutoff`";
+    let force = "cutoff, force_bias, force_sd, frame, moment_bias, moment_sd";
     unknown("force_sd", "force_df", "34:1", force);
-    let detector = "one of `contact`, `on`, `off`, `dwell`";
+    let detector = "contact, dwell, off, on";
     unknown(
         "on = 1.0\n\n[[event",
         "onn = 1.0\n\n[[event",
         "38:1",
         detector,
     );
-    let event = "one of `at`, `mark`, `tare`, `deactivate_contact`, `activate_contact`, `deactivate`, \
-                 `activate`, `weight`, `follow`";
+    let event = "activate, activate_contact, at, deactivate, deactivate_contact, follow, mark, tare, weight";
     unknown("weight.contact", "weigth.contact", "43:1", event);
-    unknown(
-        "set.task",
-        "sett.task",
-        "50:1",
-        "one of `name`, `set`, `change`",
-    );
+    unknown("set.task", "sett.task", "50:1", "change, name, set");
     refused(
         "set.task",
         "set.tusk",
-        "s.toml:50:5: unknown field `tusk`, expected one of `controller`, `robot`, `solver`, `fallback`, \
-         `measurement`, `contact`, `task`, `constraint`",
+        "s.toml:50:5: unknown key `tusk`; did you mean `task`? (known: constraint, contact, controller, fallback, \
+         measurement, robot, solver, task)",
     );
 }
 
 #[test]
 fn missing_keys() {
-    refused("name = \"push\"\n", "", "s.toml:1:1: missing field `name`");
+    refused("name = \"push\"\n", "", "s.toml:1:1: key `name` is missing");
     refused(
         "duration = 2.0\n",
         "",
-        "s.toml:1:1: missing field `duration`",
+        "s.toml:1:1: key `duration` is missing",
     );
-    refused("at = 1.0\n", "", "s.toml:40:1: missing field `at`");
+    refused("at = 1.0\n", "", "s.toml:40:1: key `at` is missing");
     refused(
         "frame = \"base_link\"\n",
         "",
-        "s.toml:23:1: missing field `frame`",
+        "s.toml:23:1: key `frame` is missing",
     );
 }
 
@@ -549,7 +544,7 @@ fn events() {
     event(
         "to = [",
         "too = [",
-        "follow.base_position: unknown field `too`, expected one of `to`, `duration`, `from`, `start`",
+        "follow.base_position: unknown key `too`; did you mean `to`? (known: duration, from, start, to)",
     );
     event(
         "to = [-0.1, 0.0, 1.258]",

@@ -130,7 +130,7 @@ fn what_is_wrong_in_the_last_of_many_cases_has_its_place() {
         ),
         (
             "change.plant.mismatch.mass_scale = 1.0\n[plant.mismatch]\nmas = 1",
-            "unknown field",
+            "unknown key",
         ),
     ] {
         let text = cases.replace(last, new);

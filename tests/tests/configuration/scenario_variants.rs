@@ -148,14 +148,14 @@ fn changes_of_what_is_not_there() {
     wrong(
         "change.durration = 2.0",
         8,
-        "unknown field `durration`, expected one of `name`, `controller`, `duration`, `initial`, `plant`, \
-         `sensors`, `detector`, `event`, `case`",
+        "unknown key `durration`; did you mean `duration`? (known: case, controller, detector, duration, event, \
+         initial, name, plant, sensors)",
     );
     wrong(
         "change.plant.mismach.mass_scale = 2.0",
         14,
-        "unknown field `mismach`, expected one of `step`, `tolerance`, `command_delay`, `friction_speed`, `mismatch`, \
-         `servo`, `wall`, `contact_point`, `disturbance`",
+        "unknown key `mismach`; did you mean `mismatch`? (known: command_delay, contact_point, disturbance, \
+         friction_speed, mismatch, servo, step, tolerance, wall)",
     );
     wrong(
         "change.plant.wall.wal.friction = 0.3",
@@ -165,8 +165,8 @@ fn changes_of_what_is_not_there() {
     wrong(
         "change.plant.wall.wall.frction = 0.3",
         24,
-        "unknown field `frction`, expected one of `name`, `point`, `normal`, `stiffness`, `damping`, \
-         `friction`, `viscous`, `tangential_stiffness`, `tangential_damping`",
+        "unknown key `frction`; did you mean `friction`? (known: damping, friction, name, normal, point, stiffness, \
+         tangential_damping, tangential_stiffness, viscous)",
     );
     wrong(
         "change.detector.tip.on = 2.0",
@@ -224,8 +224,8 @@ fn cases_of_an_entry() {
     refused(
         "duration = 1.0",
         "duration = 1.0\ncases = [\"other\"]",
-        "s.toml:4:1: unknown field `cases`, expected one of `name`, `controller`, `duration`, `initial`, \
-         `plant`, `sensors`, `detector`, `event`, `case`",
+        "s.toml:4:1: unknown key `cases`; did you mean `case`? (known: case, controller, detector, duration, event, \
+         initial, name, plant, sensors)",
     );
 }
 
@@ -306,8 +306,8 @@ fn variations_that_are_refused() {
     };
     wrong(
         Variation::new().change("plant.mismatch.mass", 1.1),
-        "s.toml: variation `plant.mismatch.mass = 1.1`: unknown field `mass`, expected one of `mass_scale`, \
-         `com_shift`, `inertia_scale`, `thrust_scale`, `rotor_scales`, `rotor_lag_scale`, `thrust_max`",
+        "s.toml: variation `plant.mismatch.mass = 1.1`: unknown key `mass`; did you mean `mass_scale`? (known: \
+         com_shift, inertia_scale, mass_scale, rotor_lag_scale, rotor_scales, thrust_max, thrust_scale)",
     );
     wrong(
         Variation::new().change("plant.wall.door.friction", 0.4),
@@ -326,6 +326,6 @@ fn variations_that_are_refused() {
     let message = Variation::from_toml("chnge.duration = 1").expect_err("is wrong");
     assert_eq!(
         message.to_string(),
-        "variation.toml:1:1: unknown field `chnge`, expected `change` or `set`"
+        "variation.toml:1:1: unknown key `chnge`; did you mean `change`? (known: change, set)"
     );
 }

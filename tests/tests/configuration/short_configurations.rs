@@ -241,6 +241,10 @@ fn mistakes_of_short_contacts_say_what_to_do() {
         "x.toml:7:10: contact[0] `fl_foot`: motion: must be \"hard\", \"soft\" or \"free\"; did you mean `hard`?",
     );
     refused(
+        contact,
+        "x.toml:5:1: contact[0] `fl_foot`: key `motion` is missing: \"hard\" for a contact",
+    );
+    refused(
         &format!("{contact}motoin = \"hard\"\n"),
         "x.toml:7:1: contact[0] `fl_foot`: unknown key `motoin`; did you mean `motion`?",
     );

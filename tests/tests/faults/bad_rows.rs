@@ -1,5 +1,7 @@
 //! A plug-in that writes numbers that are not finite is found out, and nothing of them reaches the command.
 
+use std::fs;
+
 use wbqp::{
     controller::{Controller, FallbackLevel},
     fault::Fault,
@@ -8,7 +10,13 @@ use wbqp::{
     qp::Status,
     settings::Formulation,
 };
-use wbqp_tests::scenes::{Kind, Scene};
+use wbqp_cli::check::{Request, examine};
+use wbqp_log::MemoryLog;
+use wbqp_sim::{RunOptions, Scenario, run_with};
+use wbqp_tests::{
+    files::Temporary,
+    scenes::{Kind, Scene},
+};
 
 /// Writes `bad` into one place after some good ticks.
 #[wbqp::task("test.spoiler")]
@@ -31,6 +39,24 @@ impl Task for SpoilingTask {
         } else {
             rows.b()[0] = value;
         }
+    }
+}
+
+/// Declares an effort, and writes an acceleration.
+#[wbqp::task("test.writes_elsewhere")]
+struct WritesElsewhere {}
+
+impl Task for WritesElsewhere {
+    type Running = ();
+
+    fn bind(&self, setup: &mut Setup<'_>) -> Result<(Layout, ()), BindError> {
+        let actuator = setup.actuators().map(|(id, _)| id).next();
+        let layout = Layout::rows([("a", "N·m")]).error_unit("N·m");
+        Ok((layout.effort_unit(actuator), ()))
+    }
+
+    fn update(&self, (): &mut (), _: &Tick<'_>, rows: &mut Rows<'_>) {
+        rows.vdot()[(0, 0)] = 1.0;
     }
 }
 
@@ -161,4 +187,32 @@ fn what_was_not_declared_is_said_of_its_own_tick_alone() {
         Some("measurement not finite: wrench of contact 0")
     );
     assert_eq!(report.undeclared, None, "no plug-in wrote anything");
+}
+
+#[test]
+fn coefficients_without_a_place_are_told_by_a_check_and_by_a_run() {
+    let folder = Temporary::new("undeclared");
+    let controller = folder.file("x.controller.toml");
+    let text = "[controller]\nrate = 250.0\n\n[robot]\ntype = \"othex\"\n\n[[task]]\nname = \"lost\"\n\
+                type = \"test.writes_elsewhere\"\nweight = 1e-6\n\n[[task]]\ntype = \"base_position\"\nkp = 9.0\n";
+    fs::write(&controller, text).expect("can be written");
+    let checked = examine(&controller, &Request::default(), &|_, _| {}).expect("can be read");
+    assert!(checked.errors.is_empty(), "{:?}", checked.errors);
+    let told = checked
+        .faults
+        .iter()
+        .any(|fault| fault.starts_with("`lost` writes coefficients"));
+    assert!(told, "{:?}", checked.faults);
+
+    let scenario = "name = \"s\"\ncontroller = \"x.controller.toml\"\nduration = 0.02\n[[case]]\nname = \"one\"\n";
+    let scenario = Scenario::from_text(scenario, "s.toml", folder.path()).expect("is right");
+    let run = run_with(
+        &scenario,
+        "one",
+        0,
+        &mut MemoryLog::default(),
+        RunOptions::default(),
+    )
+    .expect("runs");
+    assert_eq!(run.undeclared.as_deref(), Some("lost"));
 }

@@ -31,7 +31,7 @@ use crate::{
     contact::{ContactKind, Motion},
     plugin::AnyConstraint,
     registry,
-    suggestion::suggestion,
+    suggestion::{did_you_mean, suggestion},
 };
 
 /// What limits the efforts of all actuators.
@@ -101,7 +101,9 @@ pub(in crate::config) fn write_out<'t>(
     report: &mut Report<'_>,
 ) {
     let mut brought = Vec::new();
+    let mut asked = None;
     for (index, section) in document.contacts.iter_mut().enumerate() {
+        ask_for_motion(index, section, &mut asked, report);
         if contact(index, section, &mut brought, notes, report) {
             document.is_short = true;
         }
@@ -203,6 +205,31 @@ fn is_possible(one: &Brought, listed: &Listed, report: &mut Report<'_>) -> bool 
     };
     report.add(kind, Some(one.span.clone()), &at, message);
     false
+}
+
+/// A contact in neither form, of which no key is a slip of one of theirs, is asked for the shorter one, and taken to have
+/// it: the file is refused, and what it brings is not missing besides. Of contacts that one table of the file made, the
+/// first is asked.
+fn ask_for_motion(
+    index: usize,
+    section: &mut Section<'_>,
+    asked: &mut Option<Span>,
+    report: &mut Report<'_>,
+) {
+    let keys = ["motion", "kind", "surface"];
+    let is_meant = |key: &str| key == "size" || did_you_mean(key, &keys).is_some();
+    if section.keys.keys().any(|key| is_meant(key.get_ref())) {
+        return;
+    }
+    let span = section.span.clone();
+    if asked.as_ref() != Some(&span) {
+        let at = At::subject(entry::subject("contact", Some(index), section));
+        let message = "key `motion` is missing: \"hard\" for a contact that does not move, \"soft\" or \"free\" (or, \
+                       for one whose constraints the file lists, `kind` and `surface`)";
+        report.add(Kind::MissingKey, Some(span.clone()), &at, message);
+        *asked = Some(span.clone());
+    }
+    value::put(section, "motion", value::text("hard".to_owned(), &span));
 }
 
 /// Writes out one contact. Whether it is short.
