@@ -447,10 +447,11 @@ fn a_controller_for_somewhere_else_is_told_to_have_a_scenario() {
 fn a_contact_of_a_fixed_robot_that_is_off_its_surface_is_told() {
     let folder = Temporary::new("off_surface");
     let file = folder.file("arm.controller.toml");
+    let robot = root().join(HUMANOID).display().to_string();
     let text = |height: f64| {
         format!(
-            "[controller]\nrate = 500.0\n[robot]\ntype = \"quadruped\"\noptions = {{ base = \"fixed\" }}\n[[contact]]\n\
-             frame = \"fl_foot\"\nmotion = \"hard\"\nsurface = {{ origin = [0.0, 0.0, {height:?}] }}\n[[task]]\n\
+            "[controller]\nrate = 500.0\n[robot]\nfile = {robot:?}\noptions = {{ base = \"fixed\" }}\n[[contact]]\n\
+             frame = \"left_sole\"\nmotion = \"hard\"\nsurface = {{ origin = [0.0, 0.0, {height:?}] }}\n[[task]]\n\
              type = \"posture\"\nkp = 30.0\n"
         )
     };
@@ -460,7 +461,7 @@ fn a_contact_of_a_fixed_robot_that_is_off_its_surface_is_told() {
     let told = |done: &crate::common::Done| {
         let mut lines = done.stdout.lines();
         lines.any(|line| {
-            line.contains("`fl_foot` is ")
+            line.contains("`left_sole` is ")
                 && line.contains(" m above its surface at home: it does not")
         })
     };
