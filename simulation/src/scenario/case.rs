@@ -104,7 +104,8 @@ impl Contents {
     pub(super) fn entries(&self) -> usize {
         let plant = &self.plant;
         let in_plant = plant.walls.len() + plant.contact_points.len() + plant.disturbances.len();
-        self.detectors.entries.len() + in_plant + self.sensors.force_torque.len()
+        let in_sensors = self.sensors.force_torque.len() + self.sensors.outages.len();
+        self.detectors.entries.len() + in_plant + in_sensors
     }
 }
 

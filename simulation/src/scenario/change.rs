@@ -22,7 +22,7 @@ pub(super) struct List {
     default: Option<&'static str>,
 }
 
-pub(super) const LISTS: [List; 6] = [
+pub(super) const LISTS: [List; 7] = [
     list(&["event"], "mark"),
     list(&["detector"], "contact"),
     list(&["plant", "wall"], "name"),
@@ -33,6 +33,7 @@ pub(super) const LISTS: [List; 6] = [
         default: Some(crate::plant::DISTURBANCE),
     },
     list(&["sensors", "force_torque"], "frame"),
+    list(&["sensors", "outage"], "sensor"),
 ];
 
 /// The place of `[[event]]` among them.

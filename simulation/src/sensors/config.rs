@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::OutageConfig;
 use crate::{check::Problems, plant::PlantError};
 
 /// Errors of all sensors. The default is perfect knowledge of the state and no force-torque sensor.
@@ -18,6 +19,9 @@ pub struct SensorsConfig {
     /// Force-torque sensors.
     #[serde(rename = "force_torque", skip_serializing_if = "Vec::is_empty")]
     pub force_torque: Vec<ForceTorqueConfig>,
+    /// Times in which a sensor is broken.
+    #[serde(rename = "outage", skip_serializing_if = "Vec::is_empty")]
+    pub outages: Vec<OutageConfig>,
 }
 
 /// Noise on pose and twist of the base. The twist is truth plus noise, or estimated from the poses.
@@ -124,6 +128,9 @@ impl SensorsConfig {
             problems.not_negative(&key("force_sd"), sensor.force_sd);
             problems.not_negative(&key("moment_sd"), sensor.moment_sd);
             problems.positive(&key("cutoff"), sensor.cutoff, true);
+        }
+        for (i, outage) in self.outages.iter().enumerate() {
+            outage.validate(&format!("outage[{i}]"), &mut problems);
         }
         problems.into_result(|problems| PlantError::Config { problems })
     }

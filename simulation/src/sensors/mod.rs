@@ -11,6 +11,7 @@
 
 mod config;
 mod force_torque;
+mod outage;
 mod velocity;
 
 use nalgebra::{Vector3, Vector6};
@@ -20,6 +21,7 @@ use rand_distr::StandardNormal;
 use wbqp::{spatial, state::State};
 
 pub use config::{BaseSensorConfig, ForceTorqueConfig, JointSensorConfig, SensorsConfig};
+pub use outage::{OutageConfig, Reads};
 
 use crate::{
     check::{Problems, unknown_frame},
@@ -27,6 +29,7 @@ use crate::{
     world::World,
 };
 use force_torque::ForceTorque;
+use outage::Outage;
 use velocity::VelocityEstimate;
 
 /// Streams of the generator. Force-torque sensor i has `FORCE_TORQUE + i`.
@@ -46,6 +49,15 @@ pub struct SensorReading {
     pub wrenches: Vec<Vector6<f64>>,
 }
 
+impl SensorReading {
+    /// Does not allocate.
+    fn copy_from(&mut self, other: &Self) {
+        self.time = other.time;
+        self.state.copy_from(&other.state);
+        self.wrenches.copy_from_slice(&other.wrenches);
+    }
+}
+
 /// All sensors of a plant, with their noise and filters.
 #[derive(Clone, Debug)]
 pub struct Sensors {
@@ -54,7 +66,10 @@ pub struct Sensors {
     joints: ChaCha8Rng,
     velocity: VelocityEstimate,
     force_torque: Vec<ForceTorque>,
+    outages: Vec<Outage>,
     reading: SensorReading,
+    /// The reading before, as it was told.
+    last: SensorReading,
 }
 
 impl Sensors {
@@ -78,7 +93,13 @@ impl Sensors {
                 ),
             }
         }
+        let outages = Outage::all(config, plant, &mut problems);
         problems.into_result(|problems| PlantError::Config { problems })?;
+        let reading = SensorReading {
+            time: plant.time(),
+            state: plant.state().clone(),
+            wrenches: vec![Vector6::zeros(); force_torque.len()],
+        };
         Ok(Self {
             config: config.clone(),
             base: stream(seed, BASE),
@@ -88,12 +109,10 @@ impl Sensors {
                 config.joints.velocity_cutoff,
                 plant.state(),
             ),
-            reading: SensorReading {
-                time: plant.time(),
-                state: plant.state().clone(),
-                wrenches: vec![Vector6::zeros(); force_torque.len()],
-            },
+            last: reading.clone(),
+            reading,
             force_torque,
+            outages,
         })
     }
 
@@ -132,6 +151,10 @@ impl Sensors {
         for (wrench, sensor) in reading.wrenches.iter_mut().zip(&mut self.force_torque) {
             *wrench = sensor.sample(plant);
         }
+        for outage in &self.outages {
+            outage.apply(&self.last, &mut self.reading);
+        }
+        self.last.copy_from(&self.reading);
         &self.reading
     }
 }

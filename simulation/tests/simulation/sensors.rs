@@ -7,7 +7,7 @@ use wbqp::robot::RobotModel;
 use wbqp_sim::{
     Plant, PlantCommand, PlantConfig, SensorReading, Sensors, SensorsConfig,
     plant::Disturbance,
-    sensors::{BaseSensorConfig, ForceTorqueConfig, JointSensorConfig},
+    sensors::{BaseSensorConfig, ForceTorqueConfig, JointSensorConfig, OutageConfig, Reads},
 };
 
 use crate::common::{against, carriage, hexarotor, wall};
@@ -119,6 +119,7 @@ fn noise_has_its_standard_deviation_filtered_at_the_sample_rate() {
             moment_sd: 0.01,
             ..ForceTorqueConfig::new("tip")
         }],
+        ..SensorsConfig::default()
     };
     let mut sensors = Sensors::new(&config, &plant, 7).unwrap();
     let mut values: [Vec<f64>; 8] = std::array::from_fn(|_| Vec::new());
@@ -178,6 +179,7 @@ fn noisy() -> SensorsConfig {
             force_sd: 0.05,
             ..ForceTorqueConfig::new("tip")
         }],
+        ..SensorsConfig::default()
     }
 }
 
@@ -221,4 +223,109 @@ fn one_sensors_noise_leaves_the_others_alone() {
         sensors.sample(&plant).state.q.clone()
     };
     assert_eq!(joints(&noisy()), joints(&quiet));
+}
+
+/// Numbers of a reading that a sensor has, and all others.
+fn parted(reading: &SensorReading, sensor: &str) -> [Vec<f64>; 2] {
+    let (state, mut own, mut others) = (&reading.state, Vec::new(), Vec::new());
+    let (base, joints) = (state.v.rows(0, 6), state.v.rows(6, state.v.len() - 6));
+    let all: [(&str, Vec<f64>); 3] = [
+        (
+            "base",
+            (state.p_WR.iter().chain(state.R_WR.coords.iter()))
+                .chain(base.iter())
+                .copied()
+                .collect(),
+        ),
+        (
+            "joints",
+            state.q.iter().chain(joints.iter()).copied().collect(),
+        ),
+        ("tip", reading.wrenches[0].iter().copied().collect()),
+    ];
+    for (name, numbers) in all {
+        let list = if name == sensor {
+            &mut own
+        } else {
+            &mut others
+        };
+        list.extend(numbers);
+    }
+    [own, others]
+}
+
+#[test]
+fn a_broken_sensor_says_no_number_or_its_last_and_nothing_else_changes() {
+    let robot = hexarotor();
+    for (sensor, reads) in ["base", "joints", "tip"]
+        .into_iter()
+        .flat_map(|sensor| [Reads::Nan, Reads::Last].map(|reads| (sensor, reads)))
+    {
+        let mut plant = Plant::new(&robot, &PlantConfig::default(), robot.home.clone()).unwrap();
+        let broken = SensorsConfig {
+            outages: vec![OutageConfig {
+                sensor: sensor.into(),
+                from: 0.0199,
+                until: 0.0401,
+                reads,
+            }],
+            ..noisy()
+        };
+        let mut works = Sensors::new(&noisy(), &plant, 7).unwrap();
+        let mut breaks = Sensors::new(&broken, &plant, 7).unwrap();
+        let command = PlantCommand::rest(&robot);
+        let mut before = None;
+        for sample in 0..20 {
+            let [right, other] = parted(works.sample(&plant), sensor);
+            let reading = breaks.sample(&plant).clone();
+            let [said, same] = parted(&reading, sensor);
+            assert_eq!(other, same);
+            if !(5..=10).contains(&sample) {
+                assert_eq!(right, said, "{sensor} {reads:?} {sample}");
+            } else if reads == Reads::Nan {
+                assert!(said.iter().all(|x| x.is_nan()), "{sensor} {sample}");
+            } else {
+                assert_eq!(before.as_ref(), Some(&said), "{sensor} {sample}");
+            }
+            before = Some(said);
+            plant.advance(&command, 0.004).unwrap();
+        }
+    }
+}
+
+#[test]
+fn an_outage_of_no_sensor_is_refused() {
+    let (robot, fixed) = (hexarotor(), carriage());
+    let refused = |robot: &RobotModel, sensor: &str, from: f64, until: f64| {
+        let plant = Plant::new(robot, &PlantConfig::default(), robot.home.clone()).unwrap();
+        let config = SensorsConfig {
+            outages: vec![OutageConfig {
+                sensor: sensor.into(),
+                from,
+                until,
+                reads: Reads::Nan,
+            }],
+            ..force_torque(ForceTorqueConfig::new("tip"))
+        };
+        let refused = Sensors::new(&config, &plant, 0);
+        refused.map_or_else(|error| error.to_string(), |_| String::new())
+    };
+    assert_eq!(
+        refused(&robot, "bose", 0.0, 1.0),
+        "outage[0].sensor: there is no sensor `bose`; did you mean `base`? (known: tip, joints, base)"
+    );
+    assert_eq!(
+        refused(&fixed, "base", 0.0, 1.0),
+        "outage[0].sensor: there is no sensor `base` (known: tip, joints)"
+    );
+    assert_eq!(
+        refused(&robot, "base", 1.0, 1.0),
+        "outage[0].until: is 1, must be after from = 1"
+    );
+    let nan = refused(&robot, "base", f64::NAN, f64::NAN);
+    assert!(
+        nan.contains("outage[0].from") && nan.contains("outage[0].until"),
+        "{nan}"
+    );
+    assert_eq!(refused(&robot, "joints", 0.5, f64::INFINITY), "");
 }

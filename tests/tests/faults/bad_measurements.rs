@@ -6,7 +6,12 @@ use wbqp::{
     nalgebra,
     nalgebra::UnitQuaternion,
 };
-use wbqp_tests::scenes::{Kind, Scene};
+use wbqp_log::MemoryLog;
+use wbqp_sim::{RunOptions, Scenario, run_with, scenario::Variation};
+use wbqp_tests::{
+    files::workspace,
+    scenes::{Kind, Scene},
+};
 
 fn spoil(what: usize, m: &mut Measurement, bad: f64) -> &'static str {
     match what {
@@ -165,5 +170,27 @@ fn a_clock_that_does_not_go_on_is_reported() {
             let expected = "measurement: the time stamp is not later than the last";
             assert_eq!(message, expected);
         }
+    }
+}
+
+/// While it pushes on the wall: the commands of the ladder hold it there, and the optimum is back in the tick in which
+/// the sensor is.
+#[test]
+fn a_sensor_that_breaks_in_contact_costs_its_ticks_and_nothing_else() {
+    let file = workspace("examples/scenarios/push_with_disturbance.toml");
+    let scenario = Scenario::from_file(&file).expect("ships");
+    for sensor in ["tool", "base", "joints"] {
+        let outage: toml::Table = format!("sensor = \"{sensor}\"\nfrom = 9.0\nuntil = 9.3")
+            .parse()
+            .expect("is TOML");
+        let broken = Variation::new()
+            .change("duration", 10.0)
+            .change("sensors.outage", vec![toml::Value::Table(outage)]);
+        let broken = scenario.varied(&broken).expect("is right");
+        let mut log = MemoryLog::default();
+        let run = run_with(&broken, "with_ft", 1, &mut log, RunOptions::default()).expect("runs");
+        assert_eq!((run.ticks, run.held), (2500, 75), "{sensor}");
+        assert_eq!(run.last_level, FallbackLevel::Optimal);
+        assert!(run.diverged.is_none());
     }
 }

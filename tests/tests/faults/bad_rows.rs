@@ -201,7 +201,7 @@ fn coefficients_without_a_place_are_told_by_a_check_and_by_a_run() {
     let told = checked
         .faults
         .iter()
-        .any(|fault| fault.starts_with("`lost` writes coefficients"));
+        .any(|fault| fault.contains(": `lost` writes coefficients"));
     assert!(told, "{:?}", checked.faults);
 
     let scenario = "name = \"s\"\ncontroller = \"x.controller.toml\"\nduration = 0.02\n[[case]]\nname = \"one\"\n";
