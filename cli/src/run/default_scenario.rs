@@ -187,9 +187,9 @@ impl Ground<'_> {
                 bail!(
                     "joint `{}` cannot be simulated: its damping {} stops its inertia of {:.1e}, with everything else \
                      free to move, within {:.1e} s. Give it its rotor's inertia as seen through the gear, for all \
-                     joints with `--set 'robot.options.armature={{\".*\"=0.01}}'`, for example. Without the friction of \
-                     the robot's file, `--set robot.options.ignore_joint_friction=true`, so light a joint is hard to \
-                     control",
+                     joints with `--set 'robot.options.armature={{\".*\"=0.01}}'`, for example. Without the friction \
+                     of the robot's file, `--set robot.options.ignore_joint_friction=true`, so light a joint is hard \
+                     to control",
                     joint.name,
                     joint.damping,
                     1.0 / mobility[(offset + j, offset + j)],

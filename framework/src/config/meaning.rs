@@ -128,11 +128,12 @@ struct Remark {
 }
 
 impl Check<'_, '_> {
-    /// A period where a rate belongs.
+    /// A period where a rate belongs. Of gains there is nothing to say beside it.
     fn slow_rate(&mut self, section: &Section<'_>) {
         if let (Some(value), Some(rate)) = (section.keys.get("rate"), self.rate)
             && rate < SLOW
         {
+            self.rate = None;
             let remark = Remark {
                 found: format!("is {rate} Hz: a tick every {} s", 1.0 / rate),
                 remedy: format!(

@@ -141,12 +141,11 @@ impl<'s> Node<'s> {
         let first = letters.next()?;
         // A name or a symbol keeps its first letter.
         let is_word = letters.next().is_some_and(char::is_lowercase);
-        let mut out = match is_word {
-            true => first
-                .to_lowercase()
-                .chain(sentence.chars().skip(1))
-                .collect(),
-            false => sentence.to_owned(),
+        let mut out: String = if is_word {
+            let rest = sentence.chars().skip(1);
+            first.to_lowercase().chain(rest).collect()
+        } else {
+            sentence.to_owned()
         };
         let words = value.words();
         if !words.is_empty() {

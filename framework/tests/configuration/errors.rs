@@ -346,8 +346,8 @@ fn contacts() {
     check(
         &format!("{head}[contact.surface]\nnormal = 1\n"),
         &[
-            "x.toml:11:1: contact[0] `wall`: surface: key `x_axis` is missing: direction of the surface's x axis in world axes; \
-             projected onto the surface",
+            "x.toml:11:1: contact[0] `wall`: surface: key `x_axis` is missing: direction of the surface's x axis in \
+             world axes; projected onto the surface",
             "x.toml:12:10: contact[0] `wall`: surface.normal: invalid type: integer `1`, expected a list of length 3",
         ],
     );

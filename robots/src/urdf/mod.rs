@@ -323,9 +323,10 @@ fn home(
 /// What a position beyond a turn may have been meant as.
 fn in_degrees(joint: &Joint, given: f64) -> String {
     let is_angle = joint.kind == JointKind::Revolute && given.abs() > TAU && given.abs() <= 360.0;
-    match is_angle {
-        true => format!(" rad; {given}° are {:.6} rad", given.to_radians()),
-        false => String::new(),
+    if is_angle {
+        format!(" rad; {given}° are {:.6} rad", given.to_radians())
+    } else {
+        String::new()
     }
 }
 

@@ -413,6 +413,11 @@ fn options() {
         &toml("home.elbow = 1.5"),
         &["option `home`", "outside its range -1 to 1"],
     );
+    refused_with(
+        &text,
+        &toml("home.elbow = 30"),
+        &["outside its range -1 to 1 rad; 30° are 0.523599 rad"],
+    );
     refused_with(&text, &toml("home.elbow = nan"), &["option `home`"]);
     refused_with(
         &text,

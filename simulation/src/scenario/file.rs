@@ -444,9 +444,10 @@ impl<'a> Text<'a> {
         };
         let varied = cases.varied.get_ref();
         let mut changes = own.into_iter().chain([varied]);
-        let events = match changes.any(|changes| changes.contains_key("event")) {
-            true => Events::Put,
-            false => Events::LeftOut,
+        let events = if changes.any(|changes| changes.contains_key("event")) {
+            Events::Put
+        } else {
+            Events::LeftOut
         };
         let mut root = cases.root.clone();
         cases.members.put(&mut root, name, events);

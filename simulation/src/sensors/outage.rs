@@ -17,8 +17,8 @@ pub struct OutageConfig {
     /// When it breaks, s: from the first sample at or after this time.
     #[schemars(extend("x-unit" = "s"))]
     pub from: f64,
-    /// When it works again, s; never, if left out.
-    #[serde(default = "never", skip_serializing_if = "is_never")]
+    /// When it works again, s; `inf` (the default) for never.
+    #[serde(default = "never")]
     #[schemars(extend("x-unit" = "s"))]
     pub until: f64,
     /// What it says meanwhile.
@@ -39,10 +39,6 @@ pub enum Reads {
 
 fn never() -> f64 {
     f64::INFINITY
-}
-
-fn is_never(until: &f64) -> bool {
-    *until == f64::INFINITY
 }
 
 /// The measured quantities that a sensor has.
