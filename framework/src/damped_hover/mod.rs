@@ -21,7 +21,8 @@
 //! A floating base **without rotors** stands on its contacts: the same allocation distributes the base's part of τ
 //! over the forces of the contacts that are on or going, normals not below zero and tangential forces dear, and joints
 //! get `τ − Σ J_cᵀ f`. There the joints are held with the inertia that they feel through the contact, a share of the
-//! robot's; damping by as much as a joint whose contact lets go can bear at this rate. With no contact on nothing holds
+//! robot's; damping by as much as a joint whose contact lets go can bear before its velocity is measured again: at this
+//! rate, or, where the state is old, within the time in which the feedback fades. With no contact on nothing holds
 //! the base, which falls with `v̇_R` such that no wrench is needed on it: `M_RR v̇_R = −g_R − M_RJ q̈`. What holds the
 //! joints then is not their weight.
 //!
@@ -82,7 +83,8 @@ pub struct DampedHover {
     /// this is less than one.
     #[wbqp(default = 0.1, unit = "s")]
     pub fading: f64,
-    /// Share of a joint's velocity that damping may take in a period, on a robot that stands.
+    /// Share of a joint's velocity that damping may take on a robot that stands, before the velocity is measured again:
+    /// in a period, or, where the state is old, while the feedback fades.
     #[wbqp(default = 0.5, unit = "1")]
     pub joint_damping: f64,
     /// Price of an effort beside a miss of the same size.
@@ -213,8 +215,7 @@ impl FallbackLaw for DampedHover {
         posture: &mut [f64],
         efforts: &mut [f64],
     ) {
-        let feedback = (1.0 - age / self.fading).clamp(0.0, 1.0);
-        running.accelerate(self, tick, feedback, posture);
+        running.accelerate(self, tick, self.feedback(age), posture);
         if running.falls(tick) {
             running.fall(tick);
         }
@@ -233,7 +234,7 @@ impl FallbackLaw for DampedHover {
             running.columns.clear();
         }
         if floating && running.rotors.is_empty() {
-            running.stiffen(self, tick, feedback, posture);
+            running.stiffen(self, tick, age, posture);
         }
         let nu = running.actuators.len();
         for (column, &x) in running.columns.iter().zip(&running.allocation.x) {
@@ -264,6 +265,11 @@ impl FallbackLaw for DampedHover {
 }
 
 impl DampedHover {
+    /// The share of the feedback that is left on a state of that age, s.
+    fn feedback(&self, age: f64) -> f64 {
+        (1.0 - age / self.fading).clamp(0.0, 1.0)
+    }
+
     fn validate(&self) -> Result<(), BindError> {
         let above_zero = [
             ("max_linear", self.max_linear),
@@ -396,7 +402,14 @@ impl RunningDampedHover {
     }
 
     /// The inertia that joints feel through the contacts they stand on: a share of the robot's mass at the end of each.
-    fn stiffen(&mut self, law: &DampedHover, tick: &Tick<'_>, feedback: f64, posture: &[f64]) {
+    fn stiffen(&mut self, law: &DampedHover, tick: &Tick<'_>, age: f64, posture: &[f64]) {
+        let feedback = law.feedback(age);
+        // How long a velocity is acted upon: that of an old state until the feedback has faded.
+        let acts = if age > 0.0 {
+            0.5 * law.fading
+        } else {
+            tick.period
+        };
         let offset = self.model.joint_offset();
         let contacts = tick.contacts();
         let live = contacts.iter().filter(|c| c.live).count();
@@ -410,7 +423,7 @@ impl RunningDampedHover {
             let joint = j - offset;
             let error = tick.state.q[joint] - posture[joint];
             let damping = 2.0 * k * added;
-            let bearable = (law.joint_damping / tick.period - 2.0 * k).max(0.0) * own;
+            let bearable = (law.joint_damping / acts - 2.0 * k).max(0.0) * own;
             let velocity = damping.min(bearable) * tick.state.v[j];
             if self.vdot[j] != 0.0 {
                 self.force[j] -= feedback * (k * k * added * error + velocity);

@@ -41,6 +41,9 @@ fn never() -> f64 {
     f64::INFINITY
 }
 
+/// A plant's time is a sum of steps: a sample is as late as its stamp says to within this, s.
+const SLACK: f64 = 1e-6;
+
 /// The measured quantities that a sensor has.
 #[derive(Clone, Copy, Debug)]
 enum Measured {
@@ -108,7 +111,7 @@ impl Outage {
 
     /// Breaks a reading, if it is its time; `last` is the reading before it, as it was told. Does not allocate.
     pub(super) fn apply(&self, last: &SensorReading, reading: &mut SensorReading) {
-        if !(self.from..self.until).contains(&reading.time) {
+        if !(self.from..self.until).contains(&(reading.time + SLACK)) {
             return;
         }
         let offset = reading.state.v.len() - reading.state.q.len();

@@ -9,13 +9,17 @@ use wbqp::{
     robot::RobotModel,
     state::State,
 };
+use wbqp_log::MemoryLog;
 use wbqp_robots::OthexVertical;
-use wbqp_sim::{Plant, PlantCommand, PlantConfig, plant};
+use wbqp_sim::{
+    Plant, PlantCommand, PlantConfig, RunOptions, Scenario, plant, run_with, scenario::Variation,
+};
 use wbqp_tasks::MinJerk;
 use wbqp_tests::{
     adversary::is_within_bounds,
     approach::{BEFORE, BEYOND, experiment, simulated, wall},
     closed_loop::ClosedLoop,
+    files::workspace,
     scenes::{Kind, Scene},
 };
 
@@ -391,4 +395,38 @@ fn a_standing_robot_stays_up() {
         state.v.rows(6, 12).amax()
     );
     assert!((initial.p_WR.z - state.p_WR.z).abs() < 0.05 && tilt(state) < 5.0);
+}
+
+/// Its velocity is measured no more: what damped it for the whole time, as if it were still there, tilted it by 0.3 rad
+/// within 50 ms.
+#[test]
+fn a_swaying_robot_without_a_state_is_not_thrown_over() {
+    for robot in ["humanoid", "quadruped"] {
+        let file = workspace(&format!("examples/scenarios/{robot}_stand.toml"));
+        let scenario = Scenario::from_file(&file).expect("ships");
+        let table = |text: &str| toml::Value::Table(text.parse().expect("is TOML"));
+        let sway = "at = 0.1\n[follow.com]\ntype = \"ellipse\"\nsemi_axes = [0.02, 0.02]\naxes = [1, 2]\nduration = 4.0\n\
+                    turns = 2.0";
+        for sensor in ["base", "joints"] {
+            let outage = format!("sensor = \"{sensor}\"\nfrom = 1.6\nuntil = 1.7");
+            let broken = Variation::new()
+                .change("duration", 2.0)
+                .change("plant.disturbance", Vec::<toml::Value>::new())
+                .change("event", vec![table(sway)])
+                .change("sensors.outage", vec![table(&outage)]);
+            let broken = scenario.varied(&broken).expect("is right");
+            let case = broken.cases().next().expect("has a case").to_owned();
+            let mut log = MemoryLog::default();
+            let run = run_with(&broken, &case, 1, &mut log, RunOptions::default()).expect("runs");
+            assert!((100..110).contains(&run.held), "{}", run.held);
+            let tilts = log.messages("/plant").map(|(_, plant)| {
+                let part = |axis: &str| plant["base"]["orientation"][axis].as_f64();
+                let (x, y) = part("x").zip(part("y")).expect("is logged");
+                (1.0 - 2.0 * (x * x + y * y)).acos()
+            });
+            let largest = tilts.fold(0.0, f64::max);
+            println!("{robot} without {sensor}: {largest:.4} rad");
+            assert!(largest < 0.05, "{robot} without {sensor}: {largest} rad");
+        }
+    }
 }
