@@ -25,7 +25,8 @@ class DampedHover(Plugin):
         Time within which feedback on an old state fades, s. No damping may overshoot within it: half its rate times
         this is less than one.
     joint_damping : float, default 0.5
-        Share of a joint's velocity that damping may take in a period, on a robot that stands. [1]
+        Share of a joint's velocity that damping may take on a robot that stands, before the velocity is measured again:
+        in a period, or, where the state is old, while the feedback fades. [1]
     lean : float, default 0.268
         How far a base that cannot push sideways leans against its velocity: the tangent of the angle; 0.268 is 15°.
     levelling : float, default 25.0
