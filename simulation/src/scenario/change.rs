@@ -137,17 +137,18 @@ impl<'t> Members<'t> {
 
     /// Of each list the indices of the entries that a case has and others may not have.
     pub(super) fn own(&self, case: &str) -> Vec<&[usize]> {
-        let lists = self.lists.iter().map(|entries| match entries {
-            Some(entries) => entries.of_case.get(case).map_or(&[][..], Vec::as_slice),
-            None => &[],
-        });
-        lists.collect()
+        let lists = 0..self.lists.len();
+        lists.map(|list| self.own_of(list, case)).collect()
     }
 
-    /// The indices of the events that it has and others may not have.
+    /// The same of the events.
     pub(super) fn own_events(&self, case: &str) -> &[usize] {
-        let events = self.lists.get(EVENTS).and_then(Option::as_ref);
-        let own = events.and_then(|events| events.of_case.get(case));
+        self.own_of(EVENTS, case)
+    }
+
+    fn own_of(&self, list: usize, case: &str) -> &[usize] {
+        let entries = self.lists.get(list).and_then(Option::as_ref);
+        let own = entries.and_then(|entries| entries.of_case.get(case));
         own.map_or(&[][..], Vec::as_slice)
     }
 
@@ -156,7 +157,7 @@ impl<'t> Members<'t> {
         let Some(Some(entries)) = self.lists.get(list) else {
             return Vec::new();
         };
-        let own = entries.of_case.get(case).into_iter().flatten();
+        let own = self.own_of(list, case);
         let mut indices: Vec<usize> = entries.of_every_case.iter().chain(own).copied().collect();
         indices.sort_unstable();
         indices

@@ -18,7 +18,7 @@ use wbqp::{
     serde_json,
 };
 
-use super::{Case, ScenarioError, case::Contents, push::Asked};
+use super::{Case, ScenarioError, contents::Contents, push::Asked};
 
 /// Cases below this number are not worth a thread.
 const FEW: usize = 8;

@@ -20,8 +20,8 @@ use wbqp::{
 
 use super::{
     Event, Initial, ScenarioError, Variation,
-    case::{Contents, Listed},
     change::{self, Events, LISTS, Members, Refusal, Whose},
+    contents::{Contents, Listed},
     parts::{self, Sections},
 };
 use crate::{PlantConfig, SensorsConfig};

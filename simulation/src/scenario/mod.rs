@@ -46,6 +46,7 @@
 mod case;
 mod change;
 mod check;
+mod contents;
 mod error;
 mod event;
 mod file;

@@ -82,21 +82,23 @@ impl Outage {
             .force_torque
             .iter()
             .map(|sensor| sensor.frame.as_str());
-        let mut known: Vec<&str> = wrenches.collect();
+        let frames: Vec<&str> = wrenches.collect();
+        let base = plant.model().base();
         let mut outages = Vec::new();
         for (i, outage) in config.outages.iter().enumerate() {
-            let frame = known.iter().position(|frame| *frame == outage.sensor);
-            let of = match (outage.sensor.as_str(), plant.model().base(), frame) {
+            let frame = frames.iter().position(|frame| *frame == outage.sensor);
+            let of = match (outage.sensor.as_str(), base, frame) {
                 ("base", Base::Floating, _) => Measured::Base,
                 ("joints", _, _) => Measured::Joints,
                 (_, _, Some(index)) => Measured::Wrench(index),
-                (name, base, None) => {
+                (name, _, None) => {
+                    let mut known = frames.clone();
                     known.push("joints");
                     known.extend((base == Base::Floating).then_some("base"));
                     let hint = suggestion(name, &known);
                     let what = format!("there is no sensor `{name}`{hint}");
                     problems.add(&format!("outage[{i}].sensor"), &what);
-                    return outages;
+                    continue;
                 }
             };
             outages.push(Self {

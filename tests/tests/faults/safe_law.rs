@@ -405,8 +405,8 @@ fn a_swaying_robot_without_a_state_is_not_thrown_over() {
         let file = workspace(&format!("examples/scenarios/{robot}_stand.toml"));
         let scenario = Scenario::from_file(&file).expect("ships");
         let table = |text: &str| toml::Value::Table(text.parse().expect("is TOML"));
-        let sway = "at = 0.1\n[follow.com]\ntype = \"ellipse\"\nsemi_axes = [0.02, 0.02]\naxes = [1, 2]\nduration = 4.0\n\
-                    turns = 2.0";
+        let sway = "at = 0.1\n[follow.com]\ntype = \"ellipse\"\nsemi_axes = [0.02, 0.02]\naxes = [1, 2]\n\
+                    duration = 4.0\nturns = 2.0";
         for sensor in ["base", "joints"] {
             let outage = format!("sensor = \"{sensor}\"\nfrom = 1.6\nuntil = 1.7");
             let broken = Variation::new()

@@ -208,8 +208,8 @@ fn is_possible(one: &Brought, listed: &Listed, report: &mut Report<'_>) -> bool 
 }
 
 /// A contact in neither form, of which no key is a slip of one of theirs, is asked for the shorter one, and taken to
-/// have it: the file is refused, and what it brings is not missing besides. Of contacts that one table of the file made,
-/// the first is asked.
+/// have it: the file is refused, and what it brings is not missing besides. Of contacts that one table made, the first
+/// is asked.
 fn ask_for_motion(
     index: usize,
     section: &mut Section<'_>,
