@@ -328,4 +328,21 @@ fn an_outage_of_no_sensor_is_refused() {
         "{nan}"
     );
     assert_eq!(refused(&robot, "joints", 0.5, f64::INFINITY), "");
+    // All at once.
+    let plant = Plant::new(&robot, &PlantConfig::default(), robot.home.clone()).unwrap();
+    let outage = |sensor: &str| OutageConfig {
+        sensor: sensor.into(),
+        from: 0.0,
+        until: 1.0,
+        reads: Reads::Nan,
+    };
+    let config = SensorsConfig {
+        outages: vec![outage("one"), outage("base"), outage("two")],
+        ..SensorsConfig::default()
+    };
+    let error = Sensors::new(&config, &plant, 0).unwrap_err().to_string();
+    assert!(
+        error.contains("`one`") && error.contains("`two`"),
+        "{error}"
+    );
 }
