@@ -59,6 +59,11 @@ fn without_endless(lower: f64, upper: f64) -> [f64; 2] {
     [lower, upper]
 }
 
+/// The size of a fixed variable, of which nothing else is known if it is zero.
+fn size(fixed: f64) -> f64 {
+    if fixed == 0.0 { 1.0 } else { fixed.abs() }
+}
+
 /// The sum of the exponents of two of what is finite and not zero, and how many that are.
 fn exponents(numbers: impl Iterator<Item = f64>) -> (f64, f64) {
     let (mut sum, mut count) = (0_i64, 0_i64);
@@ -114,9 +119,13 @@ impl Scaling {
             let entries = qp.row(i).iter().zip(&self.variables);
             self.rows[i] = reciprocal(entries.fold(0.0, |a: f64, (x, d)| a.max((x * d).abs())));
         }
+        // What a fixed variable costs moves nothing.
+        let movable = || (0..n).filter(|&j| qp.lower()[j] != qp.upper()[j]);
         let scaled = |values: f64, d: f64| (values * d).abs();
-        let steepest = (0..n).fold(0.0, |a: f64, j| a.max(scaled(qp.g()[j], self.variables[j])));
-        let curved = (0..n).fold(0.0, |a: f64, j| {
+        let steepest = movable().fold(0.0, |a: f64, j| {
+            a.max(scaled(qp.g()[j], self.variables[j]))
+        });
+        let curved = movable().fold(0.0, |a: f64, j| {
             a.max(scaled(qp.h()[j * n + j], self.variables[j].powi(2)))
         });
         self.cost = if curved > 0.0 {
@@ -189,7 +198,12 @@ impl Scaling {
         let bounds = qp.lower().iter().zip(qp.upper());
         for (j, (d, (lower, upper))) in self.variables.iter_mut().zip(bounds).enumerate() {
             let [lower, upper] = without_endless(*lower, *upper);
-            let range = range(lower, upper);
+            let range = if lower == upper {
+                // What it is, so that no rounding of it is larger than that.
+                size(lower)
+            } else {
+                range(lower, upper)
+            };
             let h = qp.h()[j * n + j];
             let is_linear = h * range <= STRAIGHT * qp.g()[j].abs();
             let least = if is_linear { 1.0 } else { NEGLIGIBLE };
