@@ -18,8 +18,9 @@ const EXPONENTS: [f64; 3] = [0.0, 4.0, 8.0];
 /// a variable in a large unit, constraints let go by multipliers compared without their units; rays along which the
 /// cost bends by the root of rounding, equalities at an angle of 1e-9, a limit violated because others implied it, a
 /// proof of infeasibility that the rounding of its multipliers outweighs, limits at zero that contradicted one another
-/// by rounding and were widened too far or not at all, and equalities that did and hid that the cost falls for ever.
-const ONCE_WRONG: [(Family, u64, f64); 27] = [
+/// by rounding and were widened too far or not at all, equalities that did and hid that the cost falls for ever, and a
+/// cost whose unit was that of the variables that move alone.
+const ONCE_WRONG: [(Family, u64, f64); 28] = [
     (Family::Unbounded, 22034, 4.0),
     (Family::Unbounded, 539, 8.0),
     (Family::Unbounded, 214_994, 8.0),
@@ -47,6 +48,7 @@ const ONCE_WRONG: [(Family, u64, f64); 27] = [
     (Family::AtZero, 61_071_196, 8.0),
     (Family::AtZero, 104_041_674, 8.0),
     (Family::Unbounded, 50_073_100, 4.0),
+    (Family::Unbounded, 980_019_765, 8.0),
 ];
 
 /// What is wrong with the answer to a random problem, and its iterations.

@@ -119,13 +119,11 @@ impl Scaling {
             let entries = qp.row(i).iter().zip(&self.variables);
             self.rows[i] = reciprocal(entries.fold(0.0, |a: f64, (x, d)| a.max((x * d).abs())));
         }
-        // What a fixed variable costs moves nothing.
-        let movable = || (0..n).filter(|&j| qp.lower()[j] != qp.upper()[j]);
         let scaled = |values: f64, d: f64| (values * d).abs();
-        let steepest = movable().fold(0.0, |a: f64, j| {
-            a.max(scaled(qp.g()[j], self.variables[j]))
-        });
-        let curved = movable().fold(0.0, |a: f64, j| {
+        // What a fixed variable costs moves nothing.
+        let movable = (0..n).filter(|&j| qp.lower()[j] != qp.upper()[j]);
+        let steepest = movable.fold(0.0, |a: f64, j| a.max(scaled(qp.g()[j], self.variables[j])));
+        let curved = (0..n).fold(0.0, |a: f64, j| {
             a.max(scaled(qp.h()[j * n + j], self.variables[j].powi(2)))
         });
         self.cost = if curved > 0.0 {
@@ -198,13 +196,13 @@ impl Scaling {
         let bounds = qp.lower().iter().zip(qp.upper());
         for (j, (d, (lower, upper))) in self.variables.iter_mut().zip(bounds).enumerate() {
             let [lower, upper] = without_endless(*lower, *upper);
-            let range = if lower == upper {
-                // What it is, so that no rounding of it is larger than that.
+            let h = qp.h()[j * n + j];
+            let range = if lower == upper && h == 0.0 {
+                // What it is: nothing else gives it a unit but coefficients, which may be rounding.
                 size(lower)
             } else {
                 range(lower, upper)
             };
-            let h = qp.h()[j * n + j];
             let is_linear = h * range <= STRAIGHT * qp.g()[j].abs();
             let least = if is_linear { 1.0 } else { NEGLIGIBLE };
             if range < least * *d {
