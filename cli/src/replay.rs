@@ -7,7 +7,10 @@ use std::{
 
 use anyhow::{Context, Result};
 use clap::Args;
-use wbqp::{controller::Dump, input};
+use wbqp::{
+    controller::{Dump, FallbackLevel},
+    input,
+};
 use wbqp_replay::{Matrices, ProblemTable};
 use wbqp_terminal::{complain, say};
 
@@ -71,8 +74,13 @@ impl Arguments {
         } else {
             Matrices::Hidden
         };
-        say!("{}", ProblemTable::new(controller, matrices));
-        say!("command");
+        // A measurement that cannot be used leads to no problem.
+        if controller.problem().n() > 0 {
+            say!("{}", ProblemTable::new(controller, matrices));
+        } else {
+            say!("no problem was built in this tick\n");
+        }
+        say!("command{}", of_what(report.level, &dump));
         for (actuator, effort) in controller
             .robot()
             .actuators
@@ -94,8 +102,7 @@ impl Arguments {
 
     /// Robots' files that are not here are read from the dump.
     fn keep_files(&self, dump: &Dump) {
-        // What is no configuration is told of where it is read.
-        let table: toml::Table = dump.configuration.parse().unwrap_or_default();
+        let table = configuration(dump);
         let robot = table.get("robot");
         let directory = self.directory.as_deref();
         let directory = directory.unwrap_or(Path::new(&dump.directory));
@@ -114,4 +121,24 @@ impl Arguments {
             }
         }
     }
+}
+
+/// What a command is, if not a solution.
+fn of_what(level: FallbackLevel, dump: &Dump) -> String {
+    match level {
+        FallbackLevel::Extrapolated => ", the one before".to_owned(),
+        FallbackLevel::Safe => {
+            let table = configuration(dump);
+            let law = table.get("fallback").and_then(|law| law.get("type"));
+            // It is left out where it is the one by default.
+            let law = law.and_then(toml::Value::as_str).unwrap_or("damped_hover");
+            format!(" of the fallback law `{law}`")
+        }
+        _ => String::new(),
+    }
+}
+
+/// What is no configuration is told of where it is read: an empty one.
+fn configuration(dump: &Dump) -> toml::Table {
+    dump.configuration.parse().unwrap_or_default()
 }

@@ -169,8 +169,8 @@ pub(crate) fn _simulate(
     Ok((Log::new(log), described(py, &summary, traceback)?.unbind()))
 }
 
-/// `ticks`, `held` (commands that were not an optimum), `diverged` (when, s), `last_level`, `why`, and the first
-/// `traceback` of what plug-ins written in Python raised.
+/// `ticks`, `held` (commands that were not an optimum), `first_held` (`time` and `why` of the first of these),
+/// `diverged` (when, s), `last_level`, `why`, and the first `traceback` of what plug-ins written in Python raised.
 pub(crate) fn described<'py>(
     py: Python<'py>,
     summary: &Summary,
@@ -179,6 +179,13 @@ pub(crate) fn described<'py>(
     let dict = PyDict::new(py);
     dict.set_item("ticks", summary.ticks)?;
     dict.set_item("held", summary.held)?;
+    let first = summary.first_held.as_ref().map(|first| {
+        let told = PyDict::new(py);
+        told.set_item("time", first.time)?;
+        told.set_item("why", &first.why)?;
+        PyResult::Ok(told)
+    });
+    dict.set_item("first_held", first.transpose()?)?;
     dict.set_item("diverged", summary.diverged)?;
     dict.set_item("last_level", summary.last_level.as_str())?;
     dict.set_item("why", &summary.why)?;

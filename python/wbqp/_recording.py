@@ -79,9 +79,9 @@ class Recording(Mapping[str, Topic]):
     Attributes
     ----------
     summary : dict
-        Of a simulation: ``ticks``, ``held`` (ticks whose command was not their optimum), ``diverged`` (s, or None),
-        ``last_level``, ``why``, and ``traceback``, that of the first exception in a plug-in written in Python. Empty
-        for a file.
+        Of a simulation: ``ticks``, ``held`` (ticks whose command was not their optimum), ``first_held`` (``time`` and
+        ``why`` of the first of these, or None), ``diverged`` (s, or None), ``last_level``, ``why``, and ``traceback``,
+        that of the first exception in a plug-in written in Python. Empty for a file.
     """
 
     def __init__(self, log: Any, summary: dict[str, Any] | None = None) -> None:

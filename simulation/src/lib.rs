@@ -44,7 +44,7 @@ mod world;
 pub use closed_loop::{ClosedLoop, Link, Requests};
 pub use error_gradient::{ErrorGradient, Gradient, GradientEntry};
 pub use plant::{CommandDelay, Plant, PlantCommand, PlantConfig, PlantError};
-pub use run::{CaseRun, Summary, run, run_case, run_with};
+pub use run::{CaseRun, Held, Summary, run, run_case, run_with};
 pub use scenario::{Perturbation, RunError, Scenario, ScenarioError, Variation};
 pub use sensors::{SensorReading, Sensors, SensorsConfig};
 #[cfg(feature = "live")]

@@ -35,6 +35,8 @@ pub struct Summary {
     pub ticks: usize,
     /// Ticks whose command was not that tick's optimum.
     pub held: usize,
+    /// The first of these.
+    pub first_held: Option<Held>,
     /// Time at which the plant diverged, s, if it did.
     pub diverged: Option<f64>,
     /// Why there was no use in going on then, in words.
@@ -47,6 +49,15 @@ pub struct Summary {
     pub last_level: FallbackLevel,
     /// Why it was not that tick's optimum, in words.
     pub why: Option<String>,
+}
+
+/// A tick whose command was not its optimum.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Held {
+    /// When, s.
+    pub time: f64,
+    /// Why, in words.
+    pub why: String,
 }
 
 /// Ticks that a dump holds.
@@ -248,6 +259,12 @@ impl CaseRun {
         summary.ticks += 1;
         summary.held += usize::from(report.level != FallbackLevel::Optimal);
         summary.last_level = report.level;
+        if summary.first_held.is_none()
+            && let Some(why) = report.explain()
+        {
+            let time = measurement.time;
+            summary.first_held = Some(Held { time, why });
+        }
         if let Some(index) = report.undeclared
             && summary.undeclared.is_none()
         {

@@ -10,10 +10,7 @@ use wbqp::{
 use wbqp_measures::log::Log;
 use wbqp_sim::{Summary, scenario::Case};
 
-use super::{
-    summary::{ContactSummary, TaskSummary},
-    traces::columns,
-};
+use super::{summary::ContactSummary, tasks::TaskSummary, traces::columns};
 use crate::{
     check::undeclared,
     text::{number, per_cent, quantity},
@@ -81,13 +78,7 @@ pub(super) fn of(
     let length = run.ticks as f64 / controller.settings().rate;
     let is_short = run.diverged.is_some() && length < AT_ONCE;
     let untouched = contacts.iter().filter(|_| !is_short);
-    // Contacts are logged in ticks with a solution: of others nothing is known here.
-    let in_what = if run.held == 0 {
-        ""
-    } else {
-        " in a tick with a solution"
-    };
-    words.extend(untouched.filter_map(|contact| never_touched(contact, controller, case, in_what)));
+    words.extend(untouched.filter_map(|contact| never_touched(contact, controller, case)));
     words.extend(contacts.iter().filter_map(in_the_air));
     words.extend(
         contacts
@@ -119,12 +110,7 @@ pub(super) fn of(
 }
 
 /// Of a contact that was on, or that a detector waited for, and bore nothing in the whole run.
-fn never_touched(
-    contact: &ContactSummary,
-    controller: &Controller,
-    case: &Case,
-    in_what: &str,
-) -> Option<String> {
+fn never_touched(contact: &ContactSummary, controller: &Controller, case: &Case) -> Option<String> {
     let name = &contact.name;
     let is_awaited = case.detectors().iter().any(|d| &d.contact == name);
     if contact.peak_real.is_some_and(|force| force > 0.0) || !(contact.on > 0.0 || is_awaited) {
@@ -154,7 +140,7 @@ fn never_touched(
         "has a [[detector]]".to_owned()
     };
     Some(format!(
-        "contact `{name}` {promise} and never touched anything{in_what}: {why}"
+        "contact `{name}` {promise} and never touched anything: {why}"
     ))
 }
 

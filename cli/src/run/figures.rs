@@ -10,9 +10,11 @@ use anyhow::{Context, Result};
 use wbqp::{Controller, actuator::Actuator, model::Base};
 use wbqp_measures::{Recording, Series, escaped, log::Log};
 use wbqp_replication::plots::{Colour, Figure, Line, Panel};
+use wbqp_sim::scenario::Case;
 
 use super::{
     summary::effort_pointer,
+    tasks::ErrorOf,
     traces::{columns, norm},
 };
 use crate::{check::effort_unit, text::number};
@@ -26,11 +28,16 @@ const NEAR: f64 = 0.2;
 ///
 /// # Errors
 /// A log that cannot be read, a file that cannot be written.
-pub(super) fn draw(log: &Log, controller: &Controller, stem: &Path) -> Result<Vec<PathBuf>> {
+pub(super) fn draw(
+    log: &Log,
+    controller: &Controller,
+    case: &Case,
+    stem: &Path,
+) -> Result<Vec<PathBuf>> {
     let mut files = Vec::new();
     for (name, panels) in [
         ("motion", motion(log, controller)?),
-        ("tasks", tasks(log, controller)?),
+        ("tasks", tasks(log, controller, case)?),
         ("efforts", efforts(log, controller)?),
         ("contacts", contacts(log, controller)?),
     ] {
@@ -140,9 +147,11 @@ fn angles(quaternion: &[Series]) -> Vec<Series> {
 }
 
 /// The error of every task, row by row; of one with many rows the norm.
-fn tasks(log: &Log, controller: &Controller) -> Result<Vec<Panel>> {
+fn tasks(log: &Log, controller: &Controller, case: &Case) -> Result<Vec<Panel>> {
     let mut panels = Vec::new();
-    for name in controller.task_names() {
+    let layouts = controller.task_names().zip(controller.task_layouts());
+    for (name, layout) in layouts {
+        let of = ErrorOf::of(layout, controller, case);
         let topic = format!("/task/{name}");
         let rows = log.fields(&topic, &["rows"]);
         let Some(first) = rows.first() else {
@@ -151,7 +160,7 @@ fn tasks(log: &Log, controller: &Controller) -> Result<Vec<Panel>> {
         let unit = log.unit(&topic, &["rows", first, "error"]).unwrap_or("1");
         let pointers: Vec<String> = rows
             .iter()
-            .map(|row| format!("/rows/{}/error", escaped(row)))
+            .map(|row| format!("/rows/{}/{}", escaped(row), of.field()))
             .collect();
         let errors = columns(log, &topic, &pointers)?;
         let (what, lines) = if rows.len() <= LINES {
@@ -163,8 +172,12 @@ fn tasks(log: &Log, controller: &Controller) -> Result<Vec<Panel>> {
                 vec![Line::solid("", Colour::Blue, norm)],
             )
         };
+        let of_what = match of {
+            ErrorOf::Measured => "",
+            ErrorOf::Planned => ", planned force (none is measured)",
+        };
         panels.push(panel(
-            format!("Task {}", name.replace('_', " ")),
+            format!("Task {}{of_what}", name.replace('_', " ")),
             format!("{what} [{unit}]"),
             lines,
         ));

@@ -6,9 +6,11 @@ mod figures;
 mod picture;
 mod soles;
 mod summary;
+mod tasks;
 mod traces;
 
-pub use summary::{CaseSummary, ContactSummary, EffortSummary, TaskSummary, TickTime};
+pub use summary::{CaseSummary, ContactSummary, EffortSummary, FirstNotOptimal, TickTime};
+pub use tasks::{ErrorOf, TaskSummary};
 
 use std::{
     collections::BTreeSet,
@@ -150,7 +152,7 @@ impl Arguments {
         let soles = Soles::of(&config)?;
         let led = picture::led(&config)?;
         let controller = of_case.make_controller(config)?;
-        figures::draw(&log, &controller, &directory.join(case))?;
+        figures::draw(&log, &controller, of_case, &directory.join(case))?;
         picture::draw(&log, &controller, &soles, &led, &directory.join(case))?;
         let summary = CaseSummary::of(of_case, &run, &log, &controller)?;
         let order: Vec<&str> = scenario.cases().collect();

@@ -17,7 +17,8 @@ use wbqp_sim::{Summary, scenario::Case};
 
 use super::{
     attention,
-    traces::{columns, norm},
+    tasks::{ErrorOf, TaskSummary},
+    traces::columns,
 };
 use crate::{
     check::effort_unit,
@@ -87,9 +88,6 @@ fn lock(file: &Path) -> Result<RunLock, LogError> {
     RunLock::take(file)
 }
 
-/// Part of the run that "at the end" means.
-const END: f64 = 0.1;
-
 /// A finished case.
 #[derive(Clone, Debug, Serialize)]
 pub struct CaseSummary {
@@ -99,6 +97,8 @@ pub struct CaseSummary {
     pub ticks: usize,
     /// Ticks whose command was not the optimum.
     pub not_optimal: usize,
+    /// The first of these: when, s, and why.
+    pub first_not_optimal: Option<FirstNotOptimal>,
     /// The worst that a tick's command came from: `optimal`, `relaxed`, `extrapolated` or `safe`.
     pub worst_level: &'static str,
     /// Time at which the plant diverged, s.
@@ -121,19 +121,13 @@ pub struct CaseSummary {
     pub tick_time: TickTime,
 }
 
-/// How well a task was followed: norms over its rows.
+/// The first tick whose command was not the optimum.
 #[derive(Clone, Debug, Serialize)]
-pub struct TaskSummary {
-    /// Its name.
-    pub name: String,
-    /// Of the error.
-    pub unit: String,
-    /// How many numbers the error has.
-    pub rows: usize,
-    /// Root of the mean square over the last tenth of the run; absent if it was off then.
-    pub end: Option<f64>,
-    /// The largest.
-    pub peak: Option<f64>,
+pub struct FirstNotOptimal {
+    /// When, s.
+    pub time: f64,
+    /// Why, in words.
+    pub why: String,
 }
 
 /// How much an actuator was asked for.
@@ -185,12 +179,19 @@ impl CaseSummary {
     /// # Errors
     /// A log that cannot be read.
     pub fn of(case: &Case, run: &Summary, log: &Log, controller: &Controller) -> Result<Self> {
-        let (tasks, contacts) = (tasks(log, controller)?, contacts(log, controller)?);
+        let (tasks, contacts) = (
+            TaskSummary::of_all(log, controller, case)?,
+            contacts(log, controller)?,
+        );
         Ok(Self {
             attention: attention::of(run, log, controller, case, (&tasks, &contacts))?,
             case: case.name().to_owned(),
             ticks: run.ticks,
             not_optimal: run.held,
+            first_not_optimal: run.first_held.as_ref().map(|first| FirstNotOptimal {
+                time: first.time,
+                why: first.why.clone(),
+            }),
             worst_level: worst_level(log)?.as_str(),
             diverged: run.diverged,
             divergence: run.divergence,
@@ -233,6 +234,15 @@ impl CaseSummary {
             "  {} ticks, {} not optimal (worst: {}); a tick took {:.0} µs (median), {:.0} µs (99 %)\n",
             self.ticks, self.not_optimal, self.worst_level, self.tick_time.p50, self.tick_time.p99,
         ));
+        if let Some(first) = &self.first_not_optimal {
+            let mut lines = first.why.lines();
+            out.push_str(&format!(
+                "  the first of these at {:.3} s: {}\n",
+                first.time,
+                lines.next().unwrap_or_default()
+            ));
+            lines.for_each(|line| out.push_str(&format!("    {line}\n")));
+        }
         if let Some(busiest) = self.most_loaded() {
             out.push_str(&format!(
                 "  most loaded actuator: {}, {} {}, {} of its limit\n",
@@ -246,7 +256,10 @@ impl CaseSummary {
         for task in &self.tasks {
             let unit = task.unit.as_str();
             tasks.add_row([
-                task.name.clone(),
+                match task.of {
+                    ErrorOf::Measured => task.name.clone(),
+                    ErrorOf::Planned => format!("{} (planned)", task.name),
+                },
                 quantity(task.end, unit),
                 quantity(task.peak, unit),
             ]);
@@ -298,42 +311,6 @@ fn worst_level(log: &Log) -> Result<FallbackLevel> {
         }
     }
     Ok(worst)
-}
-
-fn tasks(log: &Log, controller: &Controller) -> Result<Vec<TaskSummary>> {
-    let mut tasks = Vec::new();
-    for name in controller.task_names() {
-        let topic = format!("/task/{name}");
-        let rows = log.fields(&topic, &["rows"]);
-        let pointers: Vec<String> = std::iter::once("/alpha".to_owned())
-            .chain(
-                rows.iter()
-                    .map(|row| format!("/rows/{}/error", escaped(row))),
-            )
-            .collect();
-        let unit = rows
-            .first()
-            .and_then(|row| log.unit(&topic, &["rows", row, "error"]));
-        let columns = columns(log, &topic, &pointers)?;
-        let Some((alpha, errors)) = columns.split_first() else {
-            continue;
-        };
-        let mut error = norm(errors);
-        for (error, alpha) in error.y.iter_mut().zip(&alpha.y) {
-            if *alpha == 0.0 {
-                *error = f64::NAN;
-            }
-        }
-        let from = log.end() * (1.0 - END);
-        tasks.push(TaskSummary {
-            name: name.to_owned(),
-            unit: unit.unwrap_or_default().to_owned(),
-            rows: rows.len(),
-            end: error.window(from, f64::INFINITY).rmse(0.0),
-            peak: error.max(),
-        });
-    }
-    Ok(tasks)
 }
 
 /// Where an actuator's effort is in a message of `/command`.

@@ -305,15 +305,15 @@ fn a_contact_that_never_touches_is_told() {
     assert_eq!(
         told("change.plant.contact_point=[]").as_deref(),
         Some(
-            "  ATTENTION: contact `fl` was on for 100 % of the run and never touched anything in a tick with a \
-             solution: the plant has no [[plant.contact_point]] with frame = \"fl_foot\""
+            "  ATTENTION: contact `fl` was on for 100 % of the run and never touched anything: the plant has \
+             no [[plant.contact_point]] with frame = \"fl_foot\""
         )
     );
     assert_eq!(
         told("change.plant.wall.ground.point=[0.0,0.0,-9.0]").as_deref(),
         Some(
-            "  ATTENTION: contact `fl` was on for 100 % of the run and never touched anything in a tick with a \
-             solution: frame `fl_foot` did not come to a [[plant.wall]]; is the wall where it goes?"
+            "  ATTENTION: contact `fl` was on for 100 % of the run and never touched anything: frame \
+             `fl_foot` did not come to a [[plant.wall]]; is the wall where it goes?"
         )
     );
     // One that is off, and waits for a touch that never comes.
@@ -401,4 +401,45 @@ fn what_is_not_there_is_refused_with_a_hint() {
         &["run", QUADRUPED, "--set", "change.plant.walls=1"],
         "unknown key `walls`; did you mean `wall`?",
     );
+}
+
+/// While nobody knows the base: why, what really pushes, and what a force is compared with that no sensor measures.
+#[test]
+fn an_outage_is_told_and_what_really_pushes_is_logged() {
+    let out = Temporary::new("outage");
+    let folder = out.0.display().to_string();
+    let outage = "change.sensors.outage=[{sensor=\"base\",from=0.1,until=0.25,reads=\"nan\"}]";
+    let scenario = "examples/scenarios/humanoid_stand.toml";
+    let mut arguments = vec!["run", scenario, "--out", &folder];
+    for change in ["change.duration=0.4", "change.event=[]", outage] {
+        arguments.extend(["--set", change]);
+    }
+    let done = wbqp(&[&arguments[..], &["--set", "change.plant.disturbance=[]"]].concat());
+    for words in [
+        "150 not optimal (worst: safe)",
+        "the first of these at 0.100 s: extrapolated: measurement not finite: base position",
+        "force_left (planned) ",
+    ] {
+        let text = &done.stdout;
+        assert!(text.contains(words), "{words}: {text}{}", done.stderr);
+    }
+    let folder = out.0.join("humanoid_stand");
+    let log = wbqp_measures::log::Log::open(&folder.join("stand.mcap")).unwrap();
+    let real = log.series("/contact/left", "/truth/z").unwrap();
+    assert_eq!(real.len(), 400);
+    let planned = log.series("/contact/left", "/solution/z").unwrap();
+    assert_eq!(planned.samples().count(), 250);
+    let case = &summary(&folder)[0];
+    assert_eq!(case["first_not_optimal"]["time"], 0.1);
+    assert_eq!(case["tasks"][4]["of"], "planned");
+    assert_eq!(case["tasks"][0]["of"], "measured");
+    assert!(case["tasks"][4]["end"].as_f64().unwrap() < 50.0, "{case}");
+    let dump = folder.join("stand.2.tick.toml").display().to_string();
+    let told = wbqp(&["replay", &dump]).stdout;
+    for words in [
+        "no problem was built in this tick",
+        "command of the fallback law `damped_hover`",
+    ] {
+        assert!(told.contains(words), "{told}");
+    }
 }

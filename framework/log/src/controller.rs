@@ -30,7 +30,8 @@ use crate::{
 /// | `/qp` | status, fault, iterations, times of the stages, active limits |
 ///
 /// A tick without a solution ([`FallbackLevel::is_solved`](wbqp::controller::FallbackLevel::is_solved)) has no new
-/// contact and task reports: it writes `/state`, `/command`, `/qp` and `/observer` only.
+/// contact and task reports: it writes `/state`, `/command`, `/qp` and `/observer`, and of contacts what only a
+/// simulator knows.
 #[derive(Debug)]
 pub struct ControllerLog {
     robot: RobotModel,
@@ -139,14 +140,18 @@ impl ControllerLog {
                 observer_fields(report, o);
             })?;
         }
-        if !report.level.is_solved() {
-            return Ok(());
-        }
         for (i, channel) in self.contacts.iter().enumerate() {
             let truth = truth.get(i).copied().flatten();
+            let known = report.level.is_solved().then(|| &report.contacts[i]);
+            if known.is_none() && truth.is_none() {
+                continue;
+            }
             write_message(sink, (*channel, time), (text, DIGITS), |o| {
-                contact_fields(report, i, truth, o);
+                contact_fields(known, truth, o);
             })?;
+        }
+        if !report.level.is_solved() {
+            return Ok(());
         }
         let tasks = report.tasks.iter().zip(&snapshot.references);
         for (channel, (task, references)) in self.tasks.iter().zip(tasks) {

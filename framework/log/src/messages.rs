@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use crate::{Fields, TrueContact, schema, state::joint_unit};
 use wbqp::{
     actuator::ActuatorKind,
-    controller::{Command, Report, Side, TaskReport},
+    controller::{Command, ContactReport, Report, Side, TaskReport},
     plugin::{Layout, RotationSample, Sample},
     robot::RobotModel,
 };
@@ -135,7 +135,7 @@ pub(super) fn contact_schema() -> Value {
         "wbqp.Contact",
         schema::object(
             "A contact point on the robot and the forces of the environment on it, contact axes: z is the \
-             surface's outward normal, so pushing is positive",
+             surface's outward normal, so pushing is positive. Of a tick without a solution what is real alone",
             [
                 ("active", schema::boolean("Switched on")),
                 ("alpha", schema::ratio("Ramp, 0 off to 1 on")),
@@ -176,24 +176,25 @@ pub(super) fn contact_schema() -> Value {
     )
 }
 
+/// `known` is what the controller knows of it, in a tick with a solution.
 pub(super) fn contact_fields(
-    report: &Report,
-    index: usize,
+    known: Option<&ContactReport>,
     truth: Option<TrueContact>,
     o: &mut dyn Fields,
 ) {
-    let contact = &report.contacts[index];
-    let force = |w: &Vector6<f64>| Vector3::new(w[0], w[1], w[2]);
-    o.boolean("active", contact.on);
-    o.number("alpha", contact.alpha);
-    if let Some(task) = &contact.task {
-        o.boolean("clamped", task.clamped);
-        o.xyz("reference", &task.reference);
-        o.xyz("virtual_input", &task.virtual_input);
+    if let Some(contact) = known {
+        let force = |w: &Vector6<f64>| Vector3::new(w[0], w[1], w[2]);
+        o.boolean("active", contact.on);
+        o.number("alpha", contact.alpha);
+        if let Some(task) = &contact.task {
+            o.boolean("clamped", task.clamped);
+            o.xyz("reference", &task.reference);
+            o.xyz("virtual_input", &task.virtual_input);
+        }
+        o.xyz("solution", &force(&contact.solution));
+        o.xyz("measured", &force(&contact.measured));
+        o.xyz("position", &contact.position);
     }
-    o.xyz("solution", &force(&contact.solution));
-    o.xyz("measured", &force(&contact.measured));
-    o.xyz("position", &contact.position);
     if let Some(truth) = truth {
         o.xyz("truth", &truth.force);
         o.xyz("true_position", &truth.position);

@@ -42,6 +42,11 @@ impl Layout {
         self.effort.is_some() || !self.forces.is_empty()
     }
 
+    /// The contact while which the rows exist: only while it is on. None if they always do.
+    pub fn contact(&self) -> Option<ContactId> {
+        self.contact
+    }
+
     /// Number of rows, bounds not counted.
     pub fn len(&self) -> usize {
         self.rows.len()
