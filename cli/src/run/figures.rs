@@ -13,6 +13,7 @@ use wbqp_replication::plots::{Colour, Figure, Line, Panel};
 use wbqp_sim::scenario::Case;
 
 use super::{
+    shades,
     summary::effort_pointer,
     tasks::ErrorOf,
     traces::{columns, norm},
@@ -35,7 +36,8 @@ pub(super) fn draw(
     stem: &Path,
 ) -> Result<Vec<PathBuf>> {
     let mut files = Vec::new();
-    for (name, panels) in [
+    let shades = shades::of(log, case)?;
+    for (name, mut panels) in [
         ("motion", motion(log, controller)?),
         ("tasks", tasks(log, controller, case)?),
         ("efforts", efforts(log, controller)?),
@@ -43,6 +45,9 @@ pub(super) fn draw(
     ] {
         if panels.is_empty() {
             continue;
+        }
+        for panel in &mut panels {
+            panel.shades.clone_from(&shades);
         }
         let file = PathBuf::from(format!("{}.{name}.svg", stem.display()));
         let figure = Figure {

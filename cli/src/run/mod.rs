@@ -4,6 +4,7 @@ mod attention;
 mod default_scenario;
 mod figures;
 mod picture;
+mod shades;
 mod soles;
 mod summary;
 mod tasks;

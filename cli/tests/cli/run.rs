@@ -429,6 +429,8 @@ fn an_outage_is_told_and_what_really_pushes_is_logged() {
     assert_eq!(real.len(), 400);
     let planned = log.series("/contact/left", "/solution/z").unwrap();
     assert_eq!(planned.samples().count(), 250);
+    let svg = fs::read_to_string(folder.join("stand.contacts.svg")).unwrap();
+    assert!(svg.contains("no solution") && !svg.contains("disturbance"));
     let case = &summary(&folder)[0];
     assert_eq!(case["first_not_optimal"]["time"], 0.1);
     assert_eq!(case["tasks"][4]["of"], "planned");
