@@ -14,6 +14,7 @@ use wbqp_sim::scenario::Case;
 
 use super::{
     shades,
+    solves::Solves,
     summary::effort_pointer,
     tasks::ErrorOf,
     traces::{columns, norm},
@@ -32,11 +33,11 @@ const NEAR: f64 = 0.2;
 pub(super) fn draw(
     log: &Log,
     controller: &Controller,
-    case: &Case,
+    (case, solves): (&Case, &Solves),
     stem: &Path,
 ) -> Result<Vec<PathBuf>> {
     let mut files = Vec::new();
-    let shades = shades::of(log, case)?;
+    let shades = shades::of(solves, case, log.end());
     for (name, mut panels) in [
         ("motion", motion(log, controller)?),
         ("tasks", tasks(log, controller, case)?),

@@ -6,10 +6,12 @@ mod figures;
 mod picture;
 mod shades;
 mod soles;
+mod solves;
 mod summary;
 mod tasks;
 mod traces;
 
+pub use solves::LimitSummary;
 pub use summary::{CaseSummary, ContactSummary, EffortSummary, FirstNotOptimal, TickTime};
 pub use tasks::{ErrorOf, TaskSummary};
 
@@ -29,7 +31,7 @@ use wbqp_replay::DumpFolder;
 use wbqp_sim::{LiveWatcher, RunOptions, Scenario, SceneWatcher};
 use wbqp_terminal::{Common, ProgressBars, complain, live_address, say};
 
-use self::soles::Soles;
+use self::{soles::Soles, solves::Solves};
 use crate::{assignment::Assignment, check::RobotOptions, leaning, subject::Subject};
 
 /// Runs a scenario in simulation: a log, figures and a summary of every case
@@ -153,9 +155,10 @@ impl Arguments {
         let soles = Soles::of(&config)?;
         let led = picture::led(&config)?;
         let controller = of_case.make_controller(config)?;
-        figures::draw(&log, &controller, of_case, &directory.join(case))?;
+        let solves = Solves::of(&log)?;
+        figures::draw(&log, &controller, (of_case, &solves), &directory.join(case))?;
         picture::draw(&log, &controller, &soles, &led, &directory.join(case))?;
-        let summary = CaseSummary::of(of_case, &run, &log, &controller)?;
+        let summary = CaseSummary::of(of_case, &run, &log, &controller, solves)?;
         let order: Vec<&str> = scenario.cases().collect();
         summary::write(&summaries, &summary, &order)?;
         Ok(summary)

@@ -12,11 +12,12 @@ use wbqp::{
     serde_json::{self, Value},
 };
 use wbqp_log::{LogError, RunLock};
-use wbqp_measures::{Recording, Series, escaped, log::Log};
+use wbqp_measures::{Series, escaped, log::Log};
 use wbqp_sim::{Summary, scenario::Case};
 
 use super::{
     attention,
+    solves::{LimitSummary, Solves},
     tasks::{ErrorOf, TaskSummary},
     traces::columns,
 };
@@ -88,6 +89,9 @@ fn lock(file: &Path) -> Result<RunLock, LogError> {
     RunLock::take(file)
 }
 
+/// Limits that are printed.
+const SHOWN: usize = 2;
+
 /// A finished case.
 #[derive(Clone, Debug, Serialize)]
 pub struct CaseSummary {
@@ -115,6 +119,8 @@ pub struct CaseSummary {
     pub tasks: Vec<TaskSummary>,
     /// In the order of `u`.
     pub efforts: Vec<EffortSummary>,
+    /// Those that commands were held back by, the most frequent one first.
+    pub limits: Vec<LimitSummary>,
     /// In the configuration's order.
     pub contacts: Vec<ContactSummary>,
     /// How long ticks took, µs.
@@ -178,7 +184,13 @@ impl CaseSummary {
     ///
     /// # Errors
     /// A log that cannot be read.
-    pub fn of(case: &Case, run: &Summary, log: &Log, controller: &Controller) -> Result<Self> {
+    pub(super) fn of(
+        case: &Case,
+        run: &Summary,
+        log: &Log,
+        controller: &Controller,
+        solves: Solves,
+    ) -> Result<Self> {
         let (tasks, contacts) = (
             TaskSummary::of_all(log, controller, case)?,
             contacts(log, controller)?,
@@ -192,13 +204,14 @@ impl CaseSummary {
                 time: first.time,
                 why: first.why.clone(),
             }),
-            worst_level: worst_level(log)?.as_str(),
+            worst_level: solves.worst_level().as_str(),
             diverged: run.diverged,
             divergence: run.divergence,
             last_level: run.last_level,
             why: run.why.clone(),
             tasks,
             efforts: efforts(log, controller)?,
+            limits: solves.limits,
             contacts,
             tick_time: tick_time(log)?,
         })
@@ -252,6 +265,9 @@ impl CaseSummary {
                 per_cent(busiest.share)
             ));
         }
+        if !self.limits.is_empty() {
+            out.push_str(&format!("  limits reached: {}\n", self.limits_in_words()));
+        }
         let mut tasks = table(&["task", "error at the end", "largest error"], &[1, 2]);
         for task in &self.tasks {
             let unit = task.unit.as_str();
@@ -291,26 +307,27 @@ impl CaseSummary {
         out
     }
 
+    /// The most frequent limits.
+    fn limits_in_words(&self) -> String {
+        let mut words: Vec<String> = self
+            .limits
+            .iter()
+            .take(SHOWN)
+            .map(LimitSummary::text)
+            .collect();
+        match self.limits.len().saturating_sub(SHOWN) {
+            0 => {}
+            1 => words.push("one other in summary.json".to_owned()),
+            others => words.push(format!("{others} others in summary.json")),
+        }
+        words.join(", ")
+    }
+
     /// The actuator that came nearest to its limit.
     pub fn most_loaded(&self) -> Option<&EffortSummary> {
         let limited = self.efforts.iter().filter(|e| e.share.is_some());
         limited.max_by(|a, b| a.share.unwrap_or(0.0).total_cmp(&b.share.unwrap_or(0.0)))
     }
-}
-
-fn worst_level(log: &Log) -> Result<FallbackLevel> {
-    let mut worst = FallbackLevel::Optimal;
-    if log.has("/qp") {
-        for message in log.messages("/qp")? {
-            let (_, message) = message?;
-            let name = message.pointer("/level").and_then(|level| level.as_str());
-            let level = FallbackLevel::ALL
-                .into_iter()
-                .find(|r| Some(r.as_str()) == name);
-            worst = worst.max(level.unwrap_or_default());
-        }
-    }
-    Ok(worst)
 }
 
 /// Where an actuator's effort is in a message of `/command`.
