@@ -89,8 +89,10 @@ fn lock(file: &Path) -> Result<RunLock, LogError> {
     RunLock::take(file)
 }
 
-/// Limits that are printed.
+/// Limits that are printed of those that were reached.
 const SHOWN: usize = 2;
+/// And of a list in an explanation.
+const LISTED: usize = 3;
 
 /// A finished case.
 #[derive(Clone, Debug, Serialize)]
@@ -237,8 +239,8 @@ impl CaseSummary {
                 self.case
             ),
         };
-        for line in self.why.iter().flat_map(|why| why.lines()) {
-            out.push_str(&format!("  at the end: {line}\n"));
+        if let Some(why) = &self.why {
+            out.push_str(&format!("  at the end: {}\n", shortened(why)));
         }
         for words in &self.attention {
             out.push_str(&format!("  ATTENTION: {words}\n"));
@@ -248,13 +250,11 @@ impl CaseSummary {
             self.ticks, self.not_optimal, self.worst_level, self.tick_time.p50, self.tick_time.p99,
         ));
         if let Some(first) = &self.first_not_optimal {
-            let mut lines = first.why.lines();
             out.push_str(&format!(
                 "  the first of these at {:.3} s: {}\n",
                 first.time,
-                lines.next().unwrap_or_default()
+                shortened(&first.why)
             ));
-            lines.for_each(|line| out.push_str(&format!("    {line}\n")));
         }
         if let Some(busiest) = self.most_loaded() {
             out.push_str(&format!(
@@ -328,6 +328,31 @@ impl CaseSummary {
         let limited = self.efforts.iter().filter(|e| e.share.is_some());
         limited.max_by(|a, b| a.share.unwrap_or(0.0).total_cmp(&b.share.unwrap_or(0.0)))
     }
+}
+
+/// An explanation with the first limits of each list, all but its first line behind a margin. `wbqp replay` and the
+/// summary's file have it whole.
+fn shortened(why: &str) -> String {
+    let mut out = String::new();
+    let mut listed = 0;
+    for line in why.lines() {
+        let is_limit = line.starts_with("  ");
+        if !is_limit && listed > LISTED {
+            out.push_str(&format!("\n      … {} more", listed - LISTED));
+        }
+        listed = if is_limit { listed + 1 } else { 0 };
+        if listed > LISTED {
+            continue;
+        }
+        if !out.is_empty() {
+            out.push_str("\n    ");
+        }
+        out.push_str(line);
+    }
+    if listed > LISTED {
+        out.push_str(&format!("\n      … {} more", listed - LISTED));
+    }
+    out
 }
 
 /// Where an actuator's effort is in a message of `/command`.
@@ -421,4 +446,20 @@ fn tick_time(log: &Log) -> Result<TickTime> {
         p99: quantile(0.99).unwrap_or_default(),
         max: quantile(1.0).unwrap_or_default(),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::shortened;
+
+    #[test]
+    fn long_lists_are_cut_and_counted() {
+        let limits: String = (0..5).map(|i| format!("\n  limit {i}")).collect();
+        let why = format!("relaxed: they contradict{limits}\ngiven up:\n  limit 1");
+        let cut = "relaxed: they contradict\n      limit 0\n      limit 1\n      limit 2\n      … 2 more\n    given \
+                   up:\n      limit 1";
+        assert_eq!(shortened(&why), cut);
+        assert_eq!(shortened(&format!("a{limits}")).lines().count(), 5);
+        assert_eq!(shortened("safe: no state"), "safe: no state");
+    }
 }
