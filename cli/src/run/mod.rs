@@ -24,7 +24,10 @@ use std::{
 use anyhow::{Context, Result, anyhow, bail};
 use clap::Args;
 use rayon::prelude::*;
-use wbqp::{config::Overrides, robot::Severity};
+use wbqp::{
+    config::Overrides,
+    robot::{Diagnostic, Severity},
+};
 use wbqp_log::{LogSink, McapLog, RunLock};
 use wbqp_measures::log::Log;
 use wbqp_replay::DumpFolder;
@@ -84,12 +87,10 @@ impl Arguments {
             let config = of_case.controller_config()?;
             let level = leaning::held_level(&config, &config.load_robot()?);
             // Most cases have the same robot.
-            for diagnostic in &of_case.make_controller(config)?.robot().diagnostics {
-                if diagnostic.severity == Severity::Warning && warned.insert(diagnostic.to_string())
-                {
-                    complain!("{diagnostic}");
-                }
-            }
+            warn(
+                &of_case.make_controller(config)?.robot().diagnostics,
+                &mut warned,
+            );
             if let Some(words) = level {
                 complain!("warning: {case}: {words}");
             }
@@ -162,6 +163,29 @@ impl Arguments {
         let order: Vec<&str> = scenario.cases().collect();
         summary::write(&summaries, &summary, &order)?;
         Ok(summary)
+    }
+}
+
+/// Prints those warnings that were not printed before; what is the same of several elements once.
+fn warn(diagnostics: &[Diagnostic], warned: &mut BTreeSet<String>) {
+    let mut groups: Vec<(&Diagnostic, usize)> = Vec::new();
+    let warnings = diagnostics
+        .iter()
+        .filter(|each| each.severity == Severity::Warning);
+    for each in warnings.filter(|each| warned.insert(each.to_string())) {
+        match groups
+            .iter_mut()
+            .find(|(first, _)| first.found == each.found)
+        {
+            Some((_, others)) => *others += 1,
+            None => groups.push((each, 0)),
+        }
+    }
+    for (first, others) in groups {
+        complain!("{first}");
+        if others > 0 {
+            complain!("  and {others} more of this kind: `wbqp check` lists them");
+        }
     }
 }
 

@@ -5,7 +5,7 @@ use std::{fs, path::Path};
 use wbqp::serde_json::{self, Value};
 use wbqp_measures::Recording;
 
-use crate::common::{Temporary, wbqp};
+use crate::common::{Temporary, root, wbqp};
 
 const QUADRUPED: &str = "examples/scenarios/quadruped_stand.toml";
 
@@ -378,6 +378,27 @@ fn warnings_of_the_loader_come_before_a_run_once() {
     let quiet = wbqp(&run);
     assert!(!quiet.stderr.contains("warning"), "{}", quiet.stderr);
     let done = wbqp(&[&run[..], &["--set", "task.com.kp=1e9"]].concat());
+    assert_eq!(done.stderr.matches("warning").count(), 1, "{}", done.stderr);
+    // What is the same of several joints, once.
+    let urdf = fs::read_to_string(root().join("robots/files/quadruped/quadruped.urdf")).unwrap();
+    let file = out.file("quadruped.urdf");
+    let (limit, none) = (r#"effort="2.7""#, r#"effort="0""#);
+    assert_eq!(urdf.matches(limit).count(), 12);
+    fs::write(&file, urdf.replace(limit, none)).unwrap();
+    let stand = out.file("stand.toml");
+    let new = [
+        "new",
+        "--urdf",
+        &file,
+        "--kind",
+        "quadruped",
+        "--output",
+        &stand,
+    ];
+    assert_eq!(wbqp(&new).code, 0);
+    let done = wbqp(&["run", &stand, "--duration", "0.01", "--out", &folder]);
+    let more = "  and 11 more of this kind: `wbqp check` lists them\n";
+    assert!(done.stderr.contains(more), "{}", done.stderr);
     assert_eq!(done.stderr.matches("warning").count(), 1, "{}", done.stderr);
 }
 
