@@ -105,6 +105,8 @@ pub struct FirstTick {
 const AT_HOME: &str = "at home";
 /// Contacts nearer to their surface than this, m, touch it.
 const TOUCHES: f64 = 0.02;
+/// An actuator with a larger share of its limit has nothing left.
+pub(super) const SPENT: f64 = 0.999;
 /// Cosine from which on two surfaces are parallel.
 const PARALLEL: f64 = 0.999;
 
@@ -251,7 +253,31 @@ impl Holding {
                 missing.coordinate
             ));
         }
+        if self.means == Means::GravityCompensation
+            && tick.place == AT_HOME
+            && let Some(missing) = self
+                .missing
+                .iter()
+                .find(|missing| self.is_too_weak(missing))
+        {
+            faults.push(format!(
+                "does not hold still at home: {} {} are missing, {}, whose motor is at its limit: another `home`, or \
+                 is the limit the right one?",
+                number(missing.force),
+                missing.unit,
+                missing.coordinate
+            ));
+        }
         faults
+    }
+
+    /// Whether it is a joint's motor that does not give it: a joint without one may hang as it likes.
+    fn is_too_weak(&self, missing: &Missing) -> bool {
+        let mut spent = self
+            .efforts
+            .iter()
+            .filter(|effort| effort.share.is_some_and(|share| share > SPENT));
+        spent.any(|effort| missing.coordinate == joint_words(&effort.actuator))
     }
 
     /// The largest share of a limit.
@@ -324,6 +350,11 @@ fn efforts(robot: &RobotModel, command: &[f64]) -> Vec<Effort> {
         .collect()
 }
 
+/// A joint as a coordinate.
+fn joint_words(name: &str) -> String {
+    format!("joint `{name}`")
+}
+
 fn missing(controller: &Controller, weight: f64) -> Vec<Missing> {
     let model = &controller.robot().model;
     let offset = model.joint_offset();
@@ -346,7 +377,7 @@ fn missing(controller: &Controller, weight: f64) -> Vec<Missing> {
                         wbqp::model::JointKind::Revolute => "N·m",
                         wbqp::model::JointKind::Prismatic => "N",
                     };
-                    (format!("joint `{}`", joint.name), unit)
+                    (joint_words(&joint.name), unit)
                 }
                 (None, Some((name, unit))) => ((*name).to_owned(), *unit),
                 (None, None) => (String::new(), ""),

@@ -6,7 +6,7 @@ use wbqp::robot::{Diagnostic, Severity, SourceLocation};
 
 use super::{
     examination::{BodyFacts, ControllerFacts, Examination, JointFacts, MimicFacts, Robot},
-    holding::{Holding, Means},
+    holding::{Holding, Means, SPENT},
 };
 use crate::text::{indented, number, per_cent, quantity, table, wrapped};
 
@@ -295,9 +295,6 @@ fn thousandths(x: f64) -> String {
         text
     }
 }
-
-/// An actuator with a larger share of its limit has nothing left.
-const SPENT: f64 = 0.999;
 
 fn holding_text(holding: &Holding, out: &mut String) {
     let is_fixed = holding.means == Means::GravityCompensation;

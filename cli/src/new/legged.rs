@@ -1,6 +1,8 @@
 //! Controllers for what stands: four point feet, or two soles.
 #![allow(non_snake_case)]
 
+use std::collections::BTreeSet;
+
 use wbqp::{
     dynamics::{Data, frame_motion},
     model::{FrameId, JointId, Model},
@@ -119,6 +121,18 @@ pub(super) fn humanoid(robot: &RobotModel, has_home: bool, draft: &mut Draft) ->
             legs.len()
         ));
         return false;
+    }
+    let joints: BTreeSet<usize> = legs
+        .iter()
+        .flat_map(|leg| leg.limb.joints.iter().map(|joint| joint.index()))
+        .collect();
+    if 6 + joints.len() <= 6 * legs.len() {
+        draft.warn(&format!(
+            "the legs of {} have {} joints in all: with two soles flat on the ground, six constraints each, the robot \
+             cannot move. It needs legs of more joints, or stands on points, three or more of them (--kind quadruped).",
+            names(&legs).join(" and "),
+            joints.len()
+        ));
     }
     let posture = if has_home {
         Posture::Given

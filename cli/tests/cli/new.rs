@@ -213,3 +213,36 @@ fn what_a_robot_does_not_have_is_said() {
     refused(&fixture("arm.urdf"), "quadruped", "needs four");
     refused(&fixture("quadrotor.urdf"), "humanoid", "needs two legs");
 }
+
+/// Legs with no joint left to move by, and a motor that is too weak for the posture.
+#[test]
+fn a_robot_that_cannot_move_or_hold_still_is_said() {
+    let folder = Temporary::new("cannot");
+    let urdf = fs::read_to_string(fixture("arm.urdf")).unwrap();
+    let weak = folder.file("weak.urdf");
+    let lift = r#"<limit lower="-2" upper="2" effort="60" velocity="3"/>"#;
+    assert_eq!(urdf.matches(lift).count(), 1);
+    fs::write(&weak, urdf.replace(lift, &lift.replace("60", "2"))).unwrap();
+    for (urdf, kind, words) in [
+        (
+            QUADRUPED,
+            "humanoid",
+            "have 6 joints in all: with two soles flat on the ground, six constraints each, the robot cannot move",
+        ),
+        (
+            weak.as_str(),
+            "arm",
+            "missing, joint `lift`, whose motor is at its limit",
+        ),
+    ] {
+        let file = folder.file(&format!("{kind}.toml"));
+        let done = wbqp(&["new", "--urdf", urdf, "--kind", kind, "--output", &file]);
+        assert_eq!(done.code, 1, "{}", done.stdout);
+        assert!(done.stderr.contains(words), "{}", done.stderr);
+        if kind == "arm" {
+            let checked = wbqp(&["check", &file]);
+            assert_eq!(checked.code, 1, "{}", checked.stdout);
+            assert!(checked.stderr.contains("does not hold still at home"));
+        }
+    }
+}
