@@ -35,7 +35,7 @@ HEIGHT = 390  # of a panel
 path = Path(sys.argv[1])
 text = path.read_text()
 # What is drawn lower has its first y beyond.
-element = re.compile(r'<(text|polyline|line)\b[^>]*?(?:\by|y1)="(\d+)"[^>]*?(?:/>|>.*?</text>)\n?|'
+element = re.compile(r'<(text|polyline|line|rect)\b[^>]*?(?:\by|y1)="(\d+)"[^>]*?(?:/>|>.*?</text>)\n?|'
                      r'<(polyline)\b[^>]*?points="[\d.]+,(\d+)[^>]*?/>\n?', re.DOTALL)
 text = element.sub(lambda m: "" if int(m.group(2) or m.group(4)) > HEIGHT else m.group(0), text)
 path.write_text(re.sub(r'(height="|viewBox="0 0 960 )\d+"', rf'\g<1>{HEIGHT}"', text, count=3))

@@ -15,21 +15,19 @@ pub(super) fn of(solves: &Solves, case: &Case, end: f64) -> Vec<Shade> {
     let pushed = disturbances.map(|d| (d.from, d.until)).collect();
     let relaxed = solves.stretches(|level| level == FallbackLevel::Relaxed);
     let unsolved = solves.stretches(|level| !level.is_solved());
-    let shades: [(&str, Colour, f64, Vec<(f64, f64)>); 3] = [
-        ("disturbance", Colour::Sky, 0.25, pushed),
-        ("limits given up", Colour::Orange, 0.3, relaxed),
-        ("no solution", Colour::Red, 0.25, unsolved),
+    let shade = |name: &str, colour, strength, stretches| Shade {
+        name: name.to_owned(),
+        colour,
+        strength,
+        stretches: seen(stretches, LEAST * end, end),
+    };
+    let mut shades = vec![
+        shade("disturbance", Colour::Sky, 0.25, pushed),
+        shade("limits given up", Colour::Orange, 0.3, relaxed),
+        shade("no solution", Colour::Red, 0.25, unsolved),
     ];
+    shades.retain(|shade| !shade.stretches.is_empty());
     shades
-        .into_iter()
-        .map(|(name, colour, strength, stretches)| Shade {
-            name: name.to_owned(),
-            colour,
-            strength,
-            stretches: seen(stretches, LEAST * end, end),
-        })
-        .filter(|shade| !shade.stretches.is_empty())
-        .collect()
 }
 
 /// Stretches within the run, none of them too short to be seen.

@@ -278,10 +278,17 @@ fn arrow(
         neck_y - wing * dx,
     )?;
     let label = escaped(label);
+    // Beyond the tip, and on a white edge: what lies behind stays apart.
+    let (anchor, beyond) = if dx < 0.0 {
+        ("end", -5.0)
+    } else {
+        ("start", 5.0)
+    };
     writeln!(
         out,
-        "<text x=\"{:.1}\" y=\"{:.1}\" fill=\"{colour}\" font-size=\"11\">{label}</text>",
-        tip_x + 5.0,
+        "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"{anchor}\" fill=\"{colour}\" font-size=\"11\" \
+         stroke=\"#fff\" stroke-width=\"3\" paint-order=\"stroke\">{label}</text>",
+        tip_x + beyond,
         tip_y + 3.0
     )
 }

@@ -36,6 +36,10 @@ use crate::text::number;
 const SAMPLES: usize = 160;
 /// Length of the longest arrow relative to the robot's size.
 const LONGEST: f64 = 0.3;
+/// Width of a piece of a wall relative to the robot's size.
+const WALL: f64 = 0.5;
+/// Sine of the angle from which on a surface is none to stand on.
+const STEEP: f64 = 0.5;
 /// A start that is nearer than this, relative to the robot's size, would only blur the picture.
 const APART: f64 = 0.01;
 
@@ -199,7 +203,8 @@ impl<'a> Run<'a> {
             colour: NOW.area,
             opacity: 0.8,
         }));
-        let (floor, cell) = self.floor(&now, &body, &behind, &traces, size);
+        let (mut floor, cell) = self.floor(&now, &body, &behind, &traces, size);
+        floor.extend(self.walls(&now, *time, size));
         let mut text = vec![(self.title(stem, *time), "#000")];
         for ((name, _), colour) in traces.iter().zip(TRACES.iter().cycle()) {
             text.push((name.clone(), *colour));
@@ -221,20 +226,17 @@ impl<'a> Run<'a> {
 
     /// Forces of contacts and thrusts of rotors.
     fn arrows(&self, now: &Posture<'_>, time: f64, size: f64) -> Vec<Shape> {
-        let at = |series: &Series| {
-            let next = series.t.partition_point(|t| *t < time);
-            series.y.get(next).copied().unwrap_or(f64::NAN)
-        };
         let mut arrows: Vec<(Vector3<f64>, Vector3<f64>, &'static str)> = Vec::new();
         for contact in &self.contacts {
-            if at(&contact.on) > 0.0 {
-                let force = Vector3::from_iterator(contact.force.iter().map(at));
+            if at(&contact.on, time) > 0.0 {
+                let force = contact.force.iter().map(|series| at(series, time));
+                let force = Vector3::from_iterator(force);
                 let point = now.points(contact.frame, &[contact.offset])[0];
                 arrows.push((point, contact.R_WC * force, FORCE));
             }
         }
         for ((p, axis), thrust) in now.rotors().into_iter().zip(&self.thrusts) {
-            arrows.push((p, at(thrust) * axis, THRUST));
+            arrows.push((p, at(thrust, time) * axis, THRUST));
         }
         arrows.retain(|(_, force, _)| force.iter().all(|x| x.is_finite()));
         let largest = arrows.iter().map(|(_, force, _)| force.norm());
@@ -248,6 +250,28 @@ impl<'a> Run<'a> {
                 label: newtons(force.norm()),
             });
         arrows.collect()
+    }
+
+    /// A piece of every surface that is touched and is not the floor.
+    fn walls(&self, now: &Posture<'_>, time: f64, size: f64) -> Vec<Shape> {
+        let touched = self.contacts.iter().filter(|c| at(&c.on, time) > 0.0);
+        let walls = touched.filter_map(|contact| {
+            let normal = contact.R_WC * Vector3::z();
+            let along = Vector3::z().cross(&normal);
+            if along.norm() < STEEP {
+                return None;
+            }
+            let along = 0.5 * WALL * size * along.normalize();
+            let up = normal.cross(&along);
+            let middle = now.points(contact.frame, &[contact.offset])[0];
+            let corners = [along + up, along - up, -along - up, up - along];
+            Some(Shape::Area {
+                points: corners.map(|corner| middle + corner).to_vec(),
+                colour: SHADOW,
+                opacity: 0.35,
+            })
+        });
+        walls.collect()
     }
 
     /// A grid below everything, with the support polygon and shadows of the traces on it; and the width of a cell.
@@ -324,6 +348,12 @@ impl<'a> Run<'a> {
         }
         (shapes, cell)
     }
+}
+
+/// A signal at a time.
+fn at(series: &Series, time: f64) -> f64 {
+    let next = series.t.partition_point(|t| *t < time);
+    series.y.get(next).copied().unwrap_or(f64::NAN)
 }
 
 /// Three digits are enough beside an arrow.
