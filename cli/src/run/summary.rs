@@ -454,7 +454,7 @@ mod tests {
 
     #[test]
     fn long_lists_are_cut_and_counted() {
-        let limits: String = (0..5).map(|i| format!("\n  limit {i}")).collect();
+        let limits = "\n  limit 0\n  limit 1\n  limit 2\n  limit 3\n  limit 4";
         let why = format!("relaxed: they contradict{limits}\ngiven up:\n  limit 1");
         let cut = "relaxed: they contradict\n      limit 0\n      limit 1\n      limit 2\n      … 2 more\n    given \
                    up:\n      limit 1";
