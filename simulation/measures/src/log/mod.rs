@@ -1,5 +1,6 @@
 //! Reads logs back: figures and tables are made from the file, not from the simulator's memory.
 
+mod fields;
 mod recorder;
 
 use std::{
@@ -13,6 +14,7 @@ use serde_json::Value;
 use wbqp::input;
 use wbqp_log::{Damage, Timeline};
 
+use self::fields::Fields;
 use crate::{MeasureError, Recording, RotorLimits, Series, Signals, escaped, header::Header};
 
 pub use recorder::Recorder;
@@ -141,18 +143,19 @@ impl Log {
         &self,
         topic: &str,
     ) -> Result<impl Iterator<Item = Result<(f64, Value), MeasureError>>, MeasureError> {
+        Ok(self.texts(topic)?.iter().map(move |(time, text)| {
+            let message = serde_json::from_slice(text);
+            Ok((*time, message.map_err(|source| unreadable(topic, source))?))
+        }))
+    }
+
+    /// Times (s) and texts of a topic's messages.
+    fn texts(&self, topic: &str) -> Result<&Messages, MeasureError> {
         let messages = self.topics.get(topic).ok_or_else(|| MeasureError::Topic {
             topic: topic.to_owned(),
             known: self.topics().collect::<Vec<_>>().join(", "),
         })?;
-        Ok(messages.iter().map(move |(time, text)| {
-            let message =
-                serde_json::from_slice(text).map_err(|source| MeasureError::Unreadable {
-                    topic: topic.to_owned(),
-                    source: Box::new(source),
-                })?;
-            Ok((*time, message))
-        }))
+        Ok(messages)
     }
 
     /// A table of texts.
@@ -217,13 +220,15 @@ impl Recording for Log {
 
     fn columns(&self, topic: &str, fields: &[String]) -> Result<Vec<Series>, MeasureError> {
         let mut columns = vec![Series::default(); fields.len()];
-        for message in self.messages(topic)? {
-            let (time, message) = message?;
-            for (column, field) in columns.iter_mut().zip(fields) {
-                column.t.push(time);
-                column
-                    .y
-                    .push(message.pointer(field).map_or(f64::NAN, to_number));
+        let (fields, mut numbers) = (Fields::new(fields), vec![f64::NAN; fields.len()]);
+        for (time, text) in self.texts(topic)? {
+            numbers.fill(f64::NAN);
+            fields
+                .read(text, &mut numbers)
+                .map_err(|source| unreadable(topic, source))?;
+            for (column, number) in columns.iter_mut().zip(&numbers) {
+                column.t.push(*time);
+                column.y.push(*number);
             }
         }
         Ok(columns)
@@ -300,9 +305,9 @@ fn read(path: &Path) -> Result<Vec<u8>, ReadError> {
     })
 }
 
-fn to_number(value: &Value) -> f64 {
-    match value {
-        Value::Bool(b) => f64::from(u8::from(*b)),
-        other => other.as_f64().unwrap_or(f64::NAN),
+fn unreadable(topic: &str, source: serde_json::Error) -> MeasureError {
+    MeasureError::Unreadable {
+        topic: topic.to_owned(),
+        source: Box::new(source),
     }
 }
