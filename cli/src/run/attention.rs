@@ -37,6 +37,8 @@ const TOUCHED: f64 = 0.01;
 const BOUNCE: f64 = 0.5;
 /// A run that diverged before this time, s, says nothing of what touches what.
 const AT_ONCE: f64 = 0.1;
+/// What a force task asks for beyond its set point by more than this, N, is no rounding.
+const FED: f64 = 1e-6;
 /// What presses from behind with more than this, N, is no rounding.
 const BEHIND: f64 = 0.1;
 
@@ -80,6 +82,9 @@ pub(super) fn of(
     let untouched = contacts.iter().filter(|_| !is_short);
     words.extend(untouched.filter_map(|contact| never_touched(contact, controller, case)));
     words.extend(contacts.iter().filter_map(in_the_air));
+    for contact in contacts {
+        words.extend(fed_with_nothing(contact, log, controller, case)?);
+    }
     words.extend(
         contacts
             .iter()
@@ -142,6 +147,37 @@ fn never_touched(contact: &ContactSummary, controller: &Controller, case: &Case)
     Some(format!(
         "contact `{name}` {promise} and never touched anything: {why}"
     ))
+}
+
+/// Of a contact whose force no sensor measures, and whose force task asks for another force than its set point because
+/// of that.
+fn fed_with_nothing(
+    contact: &ContactSummary,
+    log: &Log,
+    controller: &Controller,
+    case: &Case,
+) -> Result<Option<String>> {
+    let name = &contact.name;
+    let frame = &controller.contact_spec(controller.contact(name)?).frame;
+    let mut sensors = case.sensors().force_torque.iter();
+    if sensors.any(|sensor| &sensor.frame == frame) {
+        return Ok(None);
+    }
+    let pointers = ["/virtual_input/z", "/reference/z"].map(str::to_owned);
+    let columns = columns(log, &format!("/contact/{name}"), &pointers)?;
+    let [asked, wanted] = columns.as_slice() else {
+        return Ok(None);
+    };
+    let differs = asked
+        .minus(wanted)
+        .samples()
+        .any(|(_, force)| force.abs() > FED);
+    Ok(differs.then(|| {
+        format!(
+            "the force task of contact `{name}` feeds back a force that nobody measures, zero: the case has no \
+             [[sensors.force_torque]] with frame = \"{frame}\"; give it one, or the task `feedback = \"off\"`"
+        )
+    }))
 }
 
 /// Of a contact that touched, and that was on before or after that for long: the controller counts on a force then that

@@ -16,7 +16,7 @@ use super::{
     shades,
     solves::Solves,
     summary::effort_pointer,
-    tasks::ErrorOf,
+    tasks::{ErrorOf, by_unit},
     traces::{columns, norm},
 };
 use crate::{check::effort_unit, text::number};
@@ -159,34 +159,31 @@ fn tasks(log: &Log, controller: &Controller, case: &Case) -> Result<Vec<Panel>> 
     for (name, layout) in layouts {
         let of = ErrorOf::of(layout, controller, case);
         let topic = format!("/task/{name}");
-        let rows = log.fields(&topic, &["rows"]);
-        let Some(first) = rows.first() else {
-            continue;
-        };
-        let unit = log.unit(&topic, &["rows", first, "error"]).unwrap_or("1");
-        let pointers: Vec<String> = rows
-            .iter()
-            .map(|row| format!("/rows/{}/{}", escaped(row), of.field()))
-            .collect();
-        let errors = columns(log, &topic, &pointers)?;
-        let (what, lines) = if rows.len() <= LINES {
-            ("error", lines(rows.into_iter().zip(errors)))
-        } else {
-            let norm = norm(&errors);
-            (
-                "norm of the error",
-                vec![Line::solid("", Colour::Blue, norm)],
-            )
-        };
         let of_what = match of {
             ErrorOf::Measured => "",
             ErrorOf::Planned => ", planned force (none is measured)",
         };
-        panels.push(panel(
-            format!("Task {}{of_what}", name.replace('_', " ")),
-            format!("{what} [{unit}]"),
-            lines,
-        ));
+        for (unit, rows) in by_unit(log, &topic) {
+            let pointers: Vec<String> = rows
+                .iter()
+                .map(|row| format!("/rows/{}/{}", escaped(row), of.field()))
+                .collect();
+            let errors = columns(log, &topic, &pointers)?;
+            let (what, lines) = if rows.len() <= LINES {
+                ("error", lines(rows.into_iter().zip(errors)))
+            } else {
+                let norm = norm(&errors);
+                (
+                    "norm of the error",
+                    vec![Line::solid("", Colour::Blue, norm)],
+                )
+            };
+            panels.push(panel(
+                format!("Task {}{of_what}", name.replace('_', " ")),
+                format!("{what} [{unit}]"),
+                lines,
+            ));
+        }
     }
     Ok(panels)
 }

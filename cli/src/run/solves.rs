@@ -88,6 +88,17 @@ impl Solves {
         self.levels.max().and_then(level).unwrap_or_default()
     }
 
+    /// How many ticks had each level that is not `optimal`, from the best to the worst; nothing of those that did not
+    /// occur.
+    pub(super) fn counts(&self) -> Vec<(FallbackLevel, usize)> {
+        let of = |wanted: FallbackLevel| {
+            let levels = self.levels.samples().filter_map(|(_, rank)| level(rank));
+            (wanted, levels.filter(|level| *level == wanted).count())
+        };
+        let others = FallbackLevel::ALL.into_iter().skip(1).map(of);
+        others.filter(|(_, count)| *count > 0).collect()
+    }
+
     /// The stretches of time in which every tick's level is such.
     pub(super) fn stretches(&self, is_such: impl Fn(FallbackLevel) -> bool) -> Vec<(f64, f64)> {
         self.levels

@@ -1,6 +1,6 @@
 //! What is told of a finished run, measured from its log.
 
-use std::{fs, path::Path, thread, time::Duration};
+use std::{collections::BTreeMap, fs, path::Path, thread, time::Duration};
 
 use anyhow::{Context, Result};
 use serde::Serialize;
@@ -103,6 +103,8 @@ pub struct CaseSummary {
     pub ticks: usize,
     /// Ticks whose command was not the optimum.
     pub not_optimal: usize,
+    /// How many of these had which level.
+    pub levels: BTreeMap<&'static str, usize>,
     /// The first of these: when, s, and why.
     pub first_not_optimal: Option<FirstNotOptimal>,
     /// The worst that a tick's command came from: `optimal`, `relaxed`, `extrapolated` or `safe`.
@@ -160,7 +162,8 @@ pub struct ContactSummary {
     pub on: f64,
     /// Share of the run during which a surface pushed it.
     pub touched: f64,
-    /// The longest time, s, for which it was on and planned to push while nothing was there.
+    /// The longest time, s, from when it comes on, or lets go, to when it touches or goes off, as far as it was planned
+    /// to push in it.
     pub in_the_air: f64,
     /// Largest planned normal force, N.
     pub peak_planned: Option<f64>,
@@ -202,6 +205,11 @@ impl CaseSummary {
             case: case.name().to_owned(),
             ticks: run.ticks,
             not_optimal: run.held,
+            levels: solves
+                .counts()
+                .into_iter()
+                .map(|(level, count)| (level.as_str(), count))
+                .collect(),
             first_not_optimal: run.first_held.as_ref().map(|first| FirstNotOptimal {
                 time: first.time,
                 why: first.why.clone(),
@@ -245,9 +253,19 @@ impl CaseSummary {
         for words in &self.attention {
             out.push_str(&format!("  ATTENTION: {words}\n"));
         }
+        // From the best to the worst, as they are told everywhere.
+        let levels = FallbackLevel::ALL.into_iter().filter_map(|level| {
+            let count = self.levels.get(level.as_str())?;
+            Some(format!("{count} {}", level.as_str()))
+        });
+        let levels: Vec<String> = levels.collect();
+        let levels = match levels.as_slice() {
+            [] | [_] => format!("worst: {}", self.worst_level),
+            several => several.join(", "),
+        };
         out.push_str(&format!(
-            "  {} ticks, {} not optimal (worst: {}); a tick took {:.0} µs (median), {:.0} µs (99 %)\n",
-            self.ticks, self.not_optimal, self.worst_level, self.tick_time.p50, self.tick_time.p99,
+            "  {} ticks, {} not optimal ({}); a tick took {:.0} µs (median), {:.0} µs (99 %)\n",
+            self.ticks, self.not_optimal, levels, self.tick_time.p50, self.tick_time.p99,
         ));
         if let Some(first) = &self.first_not_optimal {
             out.push_str(&format!(
@@ -420,14 +438,17 @@ fn contacts(log: &Log, controller: &Controller) -> Result<Vec<ContactSummary>> {
 
 /// Of a contact's three series, which have the same times.
 fn longest_in_the_air(on: &Series, planned: &Series, real: &Series) -> f64 {
-    let (mut longest, mut since) = (0.0_f64, None);
+    let (mut longest, mut time, mut last) = (0.0_f64, 0.0, f64::NAN);
     let forces = planned.y.iter().zip(&real.y);
     for ((t, on), (planned, real)) in on.t.iter().zip(&on.y).zip(forces) {
-        if *on > 0.0 && *planned > 0.0 && *real <= 0.0 {
-            longest = longest.max(t - *since.get_or_insert(*t));
-        } else {
-            since = None;
+        // In a tick without a solution nothing is known of the plan, and the contact is as it was.
+        if *on == 0.0 || *real > 0.0 {
+            time = 0.0;
+        } else if *planned > 0.0 && last.is_finite() {
+            time += t - last;
         }
+        longest = longest.max(time);
+        last = *t;
     }
     longest
 }
@@ -450,7 +471,9 @@ fn tick_time(log: &Log) -> Result<TickTime> {
 
 #[cfg(test)]
 mod tests {
-    use super::shortened;
+    use wbqp_measures::Series;
+
+    use super::{longest_in_the_air, shortened};
 
     #[test]
     fn long_lists_are_cut_and_counted() {
@@ -461,5 +484,16 @@ mod tests {
         assert_eq!(shortened(&why), cut);
         assert_eq!(shortened(&format!("a{limits}")).lines().count(), 5);
         assert_eq!(shortened("safe: no state"), "safe: no state");
+    }
+
+    #[test]
+    fn a_plan_of_nothing_is_no_touch() {
+        let series = |y: [f64; 8]| -> Series { (0..8).map(f64::from).zip(y).collect() };
+        let on = series([1.0; 8]);
+        let planned = series([3.0, 3.0, 0.0, 3.0, f64::NAN, 3.0, 3.0, 3.0]);
+        let real = series([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 9.0, 0.0]);
+        assert_eq!(longest_in_the_air(&on, &planned, &real), 3.0);
+        let off = series([0.0; 8]);
+        assert_eq!(longest_in_the_air(&off, &planned, &real), 0.0);
     }
 }

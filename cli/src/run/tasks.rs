@@ -11,7 +11,8 @@ use super::traces::{columns, norm};
 /// Part of the run that "at the end" means.
 const END: f64 = 0.1;
 
-/// How well a task was followed: norms over its rows.
+/// How well a task was followed: norms over its rows. One whose errors have two units, metres and radians, is there for
+/// each of them.
 #[derive(Clone, Debug, Serialize)]
 pub struct TaskSummary {
     /// Its name.
@@ -74,36 +75,52 @@ impl TaskSummary {
         for (name, layout) in layouts {
             let topic = format!("/task/{name}");
             let of = ErrorOf::of(layout, controller, case);
-            let rows = log.fields(&topic, &["rows"]);
-            let pointers: Vec<String> = std::iter::once("/alpha".to_owned())
-                .chain(
-                    rows.iter()
-                        .map(|row| format!("/rows/{}/{}", escaped(row), of.field())),
-                )
-                .collect();
-            let unit = rows
-                .first()
-                .and_then(|row| log.unit(&topic, &["rows", row, "error"]));
-            let columns = columns(log, &topic, &pointers)?;
-            let Some((alpha, errors)) = columns.split_first() else {
-                continue;
-            };
-            let mut error = norm(errors);
-            for (error, alpha) in error.y.iter_mut().zip(&alpha.y) {
-                if *alpha == 0.0 {
-                    *error = f64::NAN;
+            let [alpha] = columns(log, &topic, &["/alpha".to_owned()])?
+                .try_into()
+                .unwrap_or_default();
+            for (unit, rows) in by_unit(log, &topic) {
+                let pointers: Vec<String> = rows
+                    .iter()
+                    .map(|row| format!("/rows/{}/{}", escaped(row), of.field()))
+                    .collect();
+                let mut error = norm(&columns(log, &topic, &pointers)?);
+                for (error, alpha) in error.y.iter_mut().zip(&alpha.y) {
+                    if *alpha == 0.0 {
+                        *error = f64::NAN;
+                    }
                 }
+                let from = log.end() * (1.0 - END);
+                tasks.push(Self {
+                    name: name.to_owned(),
+                    unit: unit.to_owned(),
+                    rows: rows.len(),
+                    of,
+                    end: error.window(from, f64::INFINITY).rmse(0.0),
+                    peak: error.max(),
+                });
             }
-            let from = log.end() * (1.0 - END);
-            tasks.push(Self {
-                name: name.to_owned(),
-                unit: unit.unwrap_or_default().to_owned(),
-                rows: rows.len(),
-                of,
-                end: error.window(from, f64::INFINITY).rmse(0.0),
-                peak: error.max(),
-            });
         }
         Ok(tasks)
     }
+}
+
+/// A task's rows whose errors have one unit, in the order of the units: metres and radians have no norm.
+pub(super) fn by_unit<'l>(log: &'l Log, topic: &str) -> Vec<(&'l str, Vec<&'l str>)> {
+    let mut groups: Vec<(usize, &str, Vec<&str>)> = Vec::new();
+    for row in log.fields(topic, &["rows"]) {
+        let of = |field| log.unit(topic, &["rows", row, field]);
+        let all = of("error").unwrap_or_default();
+        // The task's error has one unit, of which only the rows' own say which it is: `m or rad`, `m/s²`.
+        let own = of("residual").unwrap_or_default();
+        let own = own.strip_suffix("/s²").unwrap_or(own);
+        let mut units = all.split(" or ").enumerate();
+        let (rank, unit) = units.find(|(_, unit)| *unit == own).unwrap_or((0, all));
+        match groups.iter_mut().find(|(_, other, _)| *other == unit) {
+            Some((.., rows)) => rows.push(row),
+            None => groups.push((rank, unit, vec![row])),
+        }
+    }
+    groups.sort_by_key(|(rank, ..)| *rank);
+    let groups = groups.into_iter();
+    groups.map(|(_, unit, rows)| (unit, rows)).collect()
 }

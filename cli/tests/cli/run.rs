@@ -5,7 +5,7 @@ use std::{fs, path::Path};
 use wbqp::serde_json::{self, Value};
 use wbqp_measures::Recording;
 
-use crate::common::{Temporary, root, wbqp};
+use crate::common::{Temporary, fixture, root, wbqp};
 
 const QUADRUPED: &str = "examples/scenarios/quadruped_stand.toml";
 
@@ -437,7 +437,7 @@ fn an_outage_is_told_and_what_really_pushes_is_logged() {
     }
     let done = wbqp(&[&arguments[..], &["--set", "change.plant.disturbance=[]"]].concat());
     for words in [
-        "150 not optimal (worst: safe)",
+        "150 not optimal (20 extrapolated, 130 safe)",
         "the first of these at 0.100 s: extrapolated: measurement not finite: base position",
         "force_left (planned) ",
     ] {
@@ -465,4 +465,60 @@ fn an_outage_is_told_and_what_really_pushes_is_logged() {
     ] {
         assert!(told.contains(words), "{told}");
     }
+}
+
+/// A sensor that is not there says zero, and the integral of it asks for more than the set point.
+#[test]
+fn feedback_of_a_force_that_nobody_measures_is_told() {
+    let out = Temporary::new("fed");
+    let folder = out.0.display().to_string();
+    let scenario = "examples/scenarios/push_with_disturbance.toml";
+    let words =
+        "ATTENTION: the force task of contact `tip` feeds back a force that nobody measures";
+    for (case, is_told) in [("with_ft", true), ("no_ft", false)] {
+        let mut arguments = vec!["run", scenario, "--case", case, "--out", &folder];
+        for change in [
+            "contact.tip.active=true",
+            "change.detector=[]",
+            "change.sensors.force_torque=[]",
+            "change.event=[]",
+            "change.plant.disturbance=[]",
+            "change.duration=0.1",
+        ] {
+            arguments.extend(["--set", change]);
+        }
+        let done = wbqp(&arguments);
+        assert_eq!(done.stdout.contains(words), is_told, "{}", done.stdout);
+    }
+}
+
+/// Of metres and radians together nothing could be said.
+#[test]
+fn a_pose_is_told_by_its_position_and_its_orientation() {
+    let out = Temporary::new("pose");
+    let (arm, folder) = (out.file("arm.toml"), out.0.display().to_string());
+    let urdf = fixture("arm.urdf");
+    let new = ["new", "--urdf", &urdf, "--kind", "arm", "--output", &arm];
+    assert_eq!(wbqp(&new).code, 0);
+    let away = "task.tool0_frame_pose.position={type=\"hold\",value=[9.0,9.0,9.0]}";
+    let run = ["run", &arm, "--duration", "0.05", "--out", &folder];
+    let far = [
+        "--set",
+        "controller.max_first_error.position=inf",
+        "--set",
+        away,
+    ];
+    let done = wbqp(&[&run[..], &far].concat());
+    let case = &summary(&out.0.join("arm"))[0];
+    let tasks = case["tasks"].as_array().unwrap();
+    let pose = |k: usize| (&tasks[k]["name"], &tasks[k]["unit"], &tasks[k]["rows"]);
+    let name = &"tool0_frame_pose".into();
+    assert_eq!(pose(0), (name, &"m".into(), &3.into()));
+    assert_eq!(pose(1), (name, &"rad".into(), &3.into()));
+    let text = &done.stdout;
+    assert!(
+        text.contains("ATTENTION: `tool0_frame_pose` ended 1"),
+        "{text}{}",
+        done.stderr
+    );
 }

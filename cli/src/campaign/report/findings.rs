@@ -268,7 +268,7 @@ struct Badness {
     completed: bool,
     /// Measures that do not hold.
     missed: u16,
-    /// How far these are from the usual, in spreads.
+    /// How far these are from those that hold, in spreads.
     excess: f32,
     position: usize,
 }
@@ -283,12 +283,17 @@ impl Badness {
     }
 }
 
-/// Adds how far values that do not hold are from the median, in distances between the 5 % and the 95 % quantile. What
-/// has no value is farther than any.
-fn add_excess(excess: &mut [f32], numbers: &[f64], verdicts: &[bool], quantiles: [Option<f64>; 3]) {
-    let [Some(low), Some(middle), Some(high)] = quantiles else {
+/// Adds how far values that do not hold are from the median of those that do, or from zero if none does, in distances
+/// between the 5 % and the 95 % quantile of all. What has no value is farther than any.
+///
+/// The median of all may lie among those that do not hold, and then the one that misses least be far from it.
+fn add_excess(excess: &mut [f32], numbers: &[f64], verdicts: &[bool], of_all: [Option<f64>; 3]) {
+    let [Some(low), _, Some(high)] = of_all else {
         return;
     };
+    let good = numbers.iter().zip(verdicts).filter(|(_, holds)| **holds);
+    let [middle] = quantiles(good.map(|(number, _)| *number).collect(), [0.5]);
+    let middle = middle.unwrap_or(0.0);
     let spread = (high - low).max(f64::MIN_POSITIVE);
     for ((excess, number), holds) in excess.iter_mut().zip(numbers).zip(verdicts) {
         if !holds {
@@ -429,7 +434,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_far_from_the_usual_is_worse_and_what_has_no_value_most() {
+    fn what_is_far_from_what_holds_is_worse_and_what_has_no_value_most() {
         let mut excess = [0.0; 4];
         let quantiles = [Some(1.0), Some(2.0), Some(3.0)];
         add_excess(
@@ -439,5 +444,15 @@ mod tests {
             quantiles,
         );
         assert_eq!(excess, [0.0, 2.0, 3.0, 1e6]);
+        // Most of them do not hold, and the median is among these.
+        let mut excess = [0.0; 5];
+        let quantiles = [Some(0.5), Some(6.0), Some(8.5)];
+        let numbers = [0.5, 2.5, 6.5, 7.5, 8.5];
+        let holds = [true, false, false, false, false];
+        add_excess(&mut excess, &numbers, &holds, quantiles);
+        assert_eq!(excess, [0.0, 0.25, 0.75, 0.875, 1.0]);
+        let mut excess = [0.0; 5];
+        add_excess(&mut excess, &numbers, &[false; 5], quantiles);
+        assert!(excess.is_sorted());
     }
 }
