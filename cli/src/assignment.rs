@@ -84,13 +84,14 @@ impl Assignment {
     /// # Errors
     /// A key that is none of a controller's or a scenario's file.
     pub fn variation(list: &[Self]) -> Result<Variation> {
-        list.iter().try_fold(Variation::new(), |all, each| {
+        let all = list.iter().try_fold(Variation::new(), |all, each| {
             let Self { key, value } = each;
             let prefix = if each.is_of_scenario() { "" } else { "set." };
             let one = Variation::from_toml(&format!("{prefix}{key} = {value}"))
                 .with_context(|| format!("--set {key}"))?;
-            Ok(all.then(&one))
-        })
+            anyhow::Ok(all.then(&one))
+        })?;
+        Ok(all.given_by("--set"))
     }
 
     /// What they change in a controller's file.
@@ -135,6 +136,7 @@ mod tests {
         let found = Assignment::variation(&list).unwrap();
         // An override that is replaced stays in the list, so they are compared as they are applied.
         let twice = Variation::new().set("task.com.kp", 50).then(&expected);
+        let twice = twice.given_by("--set");
         assert_eq!(found, twice);
         assert!(Assignment::overrides(&list).is_err());
     }

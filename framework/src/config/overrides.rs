@@ -10,7 +10,7 @@ use toml::{
 };
 
 use super::{
-    ConfigErrorKind as Kind,
+    ConfigError, ConfigErrorKind as Kind,
     document::Document,
     report::{At, Report, Span},
     table::Section,
@@ -31,6 +31,21 @@ pub(super) struct Override {
 impl Override {
     fn subject(&self) -> String {
         format!("override {}.`{}`", self.target, self.key)
+    }
+
+    /// The keys that lead to it, as [`key_path`] reads them.
+    fn path(&self) -> String {
+        let (kind, name) = self.target.parts();
+        let keys = [Some(kind), name, Some(&self.key)];
+        let keys = keys.into_iter().flatten().map(|key| {
+            let bare = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+            if !key.is_empty() && key.chars().all(bare) {
+                key.to_owned()
+            } else {
+                Value::from(key).to_string()
+            }
+        });
+        keys.collect::<Vec<_>>().join(".")
     }
 }
 
@@ -108,6 +123,18 @@ impl Overrides {
     pub fn append(&mut self, other: &Self) {
         self.list.extend_from_slice(&other.list);
         self.refused.extend_from_slice(&other.refused);
+    }
+
+    /// The path and the value of the one that an error is about, if it is about one of these; of two for the same key
+    /// the later, which counts.
+    pub fn of_error(&self, error: &ConfigError) -> Option<(String, &Value)> {
+        let is_it = |each: &&Override| {
+            let rest = error.subject.strip_prefix(&each.subject());
+            // The error may be of something inside the value.
+            rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
+        };
+        let found = self.list.iter().rev().find(is_it)?;
+        Some((found.path(), &found.value))
     }
 
     /// All, in the order in which they were added.

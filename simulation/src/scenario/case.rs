@@ -286,6 +286,7 @@ impl Case {
         let plant = self.make_plant(&common.robot)?;
         self.check_length(common.rate)?;
         self.make_sensors(&plant, 0)?;
+        self.check_beginnings(text, common.rate)?;
         self.check_detectors(text, groups, &common)?;
         let known = if let Some(known) = common.known(&self.contents) {
             known
@@ -403,14 +404,19 @@ impl Case {
         let rate = common.rate;
         let last_tick = self.ticks(rate).saturating_sub(1) as f64 / rate;
         let mut marks = HashSet::new();
-        for (event, span) in self.contents.events.iter() {
+        for (index, (event, span)) in self.contents.events.iter().enumerate() {
             let refuse = |what: String| ScenarioError::Value {
-                place: text.place(span.start),
+                place: text.place_in_event(&self.name, index, span, &what),
                 what: match &event.mark {
                     Some(mark) => format!("event `{mark}` at {} s: {what}", event.at),
                     None => format!("event at {} s: {what}", event.at),
                 },
             };
+            if event.is_idle() {
+                return Err(refuse(
+                    "does nothing: give it an action, such as `follow`, or a `mark`, or take it out".into(),
+                ));
+            }
             // The check applies every event to a controller that never runs.
             event.apply(&mut controller).map_err(&refuse)?;
             if event.at > last_tick + 1e-6 / rate {

@@ -3,6 +3,7 @@
 //! Works on the parsed text, so that whatever is wrong afterwards still has its place in the file.
 
 use std::{
+    borrow::Cow,
     collections::{HashMap, HashSet},
     ops::Range,
 };
@@ -27,14 +28,16 @@ pub(super) const LISTS: [List; 7] = [
     list(&["detector"], "contact"),
     list(&["plant", "wall"], "name"),
     list(&["plant", "contact_point"], "frame"),
-    List {
-        path: &["plant", "disturbance"],
-        key: "name",
-        default: Some(crate::plant::DISTURBANCE),
-    },
+    DISTURBANCES,
     list(&["sensors", "force_torque"], "frame"),
     list(&["sensors", "outage"], "sensor"),
 ];
+
+pub(super) const DISTURBANCES: List = List {
+    path: &["plant", "disturbance"],
+    key: "name",
+    default: Some(crate::plant::DISTURBANCE),
+};
 
 /// The place of `[[event]]` among them.
 const EVENTS: usize = 0;
@@ -51,7 +54,7 @@ const fn list(path: &'static [&'static str], key: &'static str) -> List {
 const FIXED: [&str; 2] = ["name", "case"];
 
 impl List {
-    fn name_of<'a>(&self, entry: &'a DeValue<'_>) -> Option<&'a str> {
+    pub(super) fn name_of<'a>(&self, entry: &'a DeValue<'_>) -> Option<&'a str> {
         let given = entry.as_table()?.get(self.key);
         given.map_or(self.default, |name| name.get_ref().as_str())
     }
@@ -96,6 +99,13 @@ impl<'t> Members<'t> {
         let mut lists = Vec::new();
         for (index, list) in LISTS.iter().enumerate() {
             let parts = parts.get(index).map_or(&[][..], Vec::as_slice);
+            if let Some(span) = table_at(root, list.path) {
+                let (path, header) = (list.path.join("."), list.display());
+                let message = format!(
+                    "`{path}` is a list, also of one: write `{header}`, with two brackets on each side"
+                );
+                return Err(Refusal { span, message });
+            }
             let mut all = match descend(root, list.path) {
                 Some(DeValue::Array(entries)) => {
                     let entries = std::mem::replace(entries, DeArray::new());
@@ -161,6 +171,18 @@ impl<'t> Members<'t> {
         let mut indices: Vec<usize> = entries.of_every_case.iter().chain(own).copied().collect();
         indices.sort_unstable();
         indices
+    }
+
+    /// All entries of a list, whichever cases have them.
+    pub(super) fn entries(
+        &self,
+        list: &List,
+    ) -> impl Iterator<Item = Cow<'_, Spanned<DeValue<'t>>>> {
+        let path = list.path;
+        let index = LISTS.iter().position(|other| other.path == path);
+        let entries = index.and_then(|index| self.lists.get(index)?.as_ref());
+        let all = entries.into_iter().flat_map(|entries| &entries.all);
+        all.filter_map(move |entry| entry.read(self.text, path))
     }
 
     /// The entry of a list, without its cases.
@@ -275,6 +297,18 @@ fn descend<'a, 't>(table: &'a mut DeTable<'t>, path: &[&str]) -> Option<&'a mut 
         (true, value) => Some(value),
         (false, DeValue::Table(inner)) => descend(inner, rest),
         _ => None,
+    }
+}
+
+/// Where the key at a path is, if its value is a table.
+fn table_at(table: &DeTable<'_>, path: &[&str]) -> Option<Range<usize>> {
+    let (first, rest) = path.split_first()?;
+    let (key, value) = table.get_key_value(*first)?;
+    let inner = value.get_ref().as_table()?;
+    if rest.is_empty() {
+        Some(key.span())
+    } else {
+        table_at(inner, rest)
     }
 }
 

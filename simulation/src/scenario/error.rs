@@ -54,6 +54,14 @@ pub enum ScenarioError {
         /// What is wrong.
         source: ConfigErrors,
     },
+    /// What an option of a command line puts into the controller's file is refused, whatever the case.
+    #[error("{source}\ngiven by `{option}`")]
+    Option {
+        /// The option with its key and value.
+        option: String,
+        /// What is wrong.
+        source: ConfigErrors,
+    },
     /// Something is wrong in one case.
     #[error("{source}\nin case `{case}` of {file}")]
     Case {

@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use wbqp::{
     config::in_words,
-    controller::Controller,
+    controller::{Controller, RequestError},
     plugin::{AnyReference, PerRow},
 };
 
@@ -52,29 +52,35 @@ impl Event {
     /// Does everything to a controller.
     ///
     /// # Errors
-    /// What is wrong, in words.
+    /// What is wrong, in words, behind the key.
     pub fn apply(&self, controller: &mut Controller) -> Result<(), String> {
         if !(self.at.is_finite() && self.at >= 0.0) {
-            return Err("`at` must be finite and not negative".into());
+            return Err("at: must be finite and not negative".into());
         }
-        let text = |e: wbqp::controller::RequestError| e.to_string();
-        for name in &self.tare {
-            controller.tare(name).map_err(text)?;
-        }
-        for name in &self.deactivate_contact {
-            controller.deactivate_contact(name).map_err(text)?;
-        }
-        for name in &self.activate_contact {
-            controller.activate_contact(name).map_err(text)?;
-        }
-        for name in &self.deactivate {
-            controller.deactivate(name).map_err(text)?;
-        }
-        for name in &self.activate {
-            controller.activate(name).map_err(text)?;
+        type Act = fn(&mut Controller, &str) -> Result<(), RequestError>;
+        let switches: [(_, _, Act); 5] = [
+            ("tare", &self.tare, Controller::tare),
+            (
+                "deactivate_contact",
+                &self.deactivate_contact,
+                Controller::deactivate_contact,
+            ),
+            (
+                "activate_contact",
+                &self.activate_contact,
+                Controller::activate_contact,
+            ),
+            ("deactivate", &self.deactivate, Controller::deactivate),
+            ("activate", &self.activate, Controller::activate),
+        ];
+        for (key, names, act) in switches {
+            for name in names {
+                act(controller, name).map_err(|e| format!("{key}: {e}"))?;
+            }
         }
         for (name, weight) in &self.weight {
-            controller.reweight(name, weight.clone()).map_err(text)?;
+            let done = controller.reweight(name, weight.clone());
+            done.map_err(|e| format!("weight.{name}: {}", without_name(e)))?;
             check_weight(name, weight)?;
         }
         for (task, value) in &self.follow {
@@ -87,10 +93,43 @@ impl Event {
             let reference = <Box<dyn AnyReference>>::deserialize(value.clone())
                 .map_err(|e| format!("follow.{task}: {}", in_words(e.message())))?;
             let values = check_values(task, &*reference);
-            controller.follow(task, reference).map_err(text)?;
+            let done = controller.follow(task, reference);
+            done.map_err(|e| format!("follow.{task}: {}", without_name(e)))?;
             values?;
         }
         Ok(())
+    }
+
+    /// Whether nothing happens, and nothing is told, at its time.
+    pub(super) fn is_idle(&self) -> bool {
+        let Self {
+            at: _,
+            mark,
+            tare,
+            deactivate_contact,
+            activate_contact,
+            deactivate,
+            activate,
+            weight,
+            follow,
+        } = self;
+        let lists = [
+            tare,
+            deactivate_contact,
+            activate_contact,
+            deactivate,
+            activate,
+        ];
+        let is_silent = lists.into_iter().all(Vec::is_empty);
+        mark.is_none() && is_silent && weight.is_empty() && follow.is_empty()
+    }
+}
+
+/// What is wrong, behind a key that names the entry already.
+fn without_name(error: RequestError) -> String {
+    match error {
+        RequestError::Value { source, .. } => source.to_string(),
+        other => other.to_string(),
     }
 }
 

@@ -1,10 +1,11 @@
 //! From the text of a scenario's file to what each of its cases has.
 
 use std::{
+    borrow::Cow,
     collections::{BTreeMap, HashMap},
     ops::Range,
     path::PathBuf,
-    sync::Arc,
+    sync::{Arc, OnceLock},
 };
 
 use schemars::JsonSchema;
@@ -14,7 +15,7 @@ use toml::{
     de::{DeTable, DeValue, ValueDeserializer},
 };
 use wbqp::{
-    config::{Overrides, in_words},
+    config::{ConfigErrors, Overrides, in_words},
     contact::Detector,
 };
 
@@ -22,12 +23,13 @@ use super::{
     Event, Initial, ScenarioError, Variation,
     change::{self, Events, LISTS, Members, Refusal, Whose},
     contents::{Contents, Listed},
+    idle, names, outage,
     parts::{self, Sections},
 };
 use crate::{PlantConfig, SensorsConfig};
 
 /// The names of cases.
-fn names(keys: &[CaseKeys]) -> Vec<&str> {
+fn names_of(keys: &[CaseKeys]) -> Vec<&str> {
     let names = keys.iter().map(|case| case.name.get_ref().as_str());
     names.collect()
 }
@@ -144,6 +146,16 @@ impl Cases<'_> {
         self.keys.get(index).map(|case| &case.name)
     }
 
+    /// The entries of its lists.
+    pub(super) fn members(&self) -> &Members<'_> {
+        &self.members
+    }
+
+    /// What a variation changes in all cases.
+    pub(super) fn varied(&self) -> &DeTable<'_> {
+        self.varied.get_ref()
+    }
+
     /// The index of that name.
     pub(super) fn index(&self, name: &str) -> Option<usize> {
         let is_it = |case: &CaseKeys| case.name.get_ref() == name;
@@ -170,9 +182,12 @@ const MOST_ENTRIES: usize = 50_000;
 pub(super) struct Text<'a> {
     name: &'a str,
     file: &'a str,
+    variation: &'a Variation,
     changes: String,
     /// Where entries stand that are parsed one by one; nothing if all is parsed at once.
     sections: Option<Sections>,
+    /// Of the cases, once somebody asks.
+    longest: OnceLock<f64>,
 }
 
 /// The lists whose entries may be parsed one by one: those that have members, and the cases.
@@ -183,13 +198,15 @@ fn paths() -> Vec<&'static [&'static str]> {
 const CASE: &[&str] = &["case"];
 
 impl<'a> Text<'a> {
-    pub(super) fn new(name: &'a str, text: &'a str, variation: &Variation) -> Self {
+    pub(super) fn new(name: &'a str, text: &'a str, variation: &'a Variation) -> Self {
         let changes = " ".repeat(text.len() + 1) + &variation.changes();
         Self {
             name,
             file: text,
+            variation,
             changes,
             sections: Sections::of(text, &paths()),
+            longest: OnceLock::new(),
         }
     }
 
@@ -209,17 +226,44 @@ impl<'a> Text<'a> {
             start += line.len() + 1;
             start > offset
         });
-        format!("{}: variation `{}`", self.name, line.unwrap_or_default())
-    }
-
-    fn error(&self, error: &toml::de::Error) -> ScenarioError {
-        ScenarioError::Syntax {
-            place: self.place(error.span().map_or(0, |span| span.start)),
-            message: in_words(error.message()),
+        let place = self.variation.display(line.unwrap_or_default());
+        if self.variation.is_option() {
+            place
+        } else {
+            format!("{}: {place}", self.name)
         }
     }
 
-    fn refusal(&self, refusal: Refusal) -> ScenarioError {
+    /// The options that gave what is wrong with a controller, if nothing else is.
+    pub(super) fn option_of(&self, errors: &ConfigErrors) -> Option<String> {
+        let options = errors.iter().map(|error| self.variation.option_of(error));
+        let mut options: Vec<String> = options.collect::<Option<_>>()?;
+        options.dedup();
+        Some(options.join("`, `"))
+    }
+
+    fn error(&self, error: &toml::de::Error) -> ScenarioError {
+        let message = in_words(error.message());
+        let key = error.span().and_then(|span| self.key_of_value(&span));
+        ScenarioError::Syntax {
+            place: self.place(error.span().map_or(0, |span| span.start)),
+            message: match key {
+                Some(key) => format!("{key}: {message}"),
+                None => message,
+            },
+        }
+    }
+
+    /// The text that has an offset: the file's, or the variation's behind its end.
+    pub(super) fn text_at(&self, offset: usize) -> &str {
+        if offset <= self.file.len() {
+            self.file
+        } else {
+            &self.changes
+        }
+    }
+
+    pub(super) fn refusal(&self, refusal: Refusal) -> ScenarioError {
         ScenarioError::Syntax {
             place: self.place(refusal.span.start),
             message: refusal.message,
@@ -238,6 +282,18 @@ impl<'a> Text<'a> {
                 "this is a controller's file; a scenario names one: `controller = \"FILE\"`"
                     .to_owned();
             return Err(self.refusal(Refusal { span, message }));
+        }
+        for key in ["initial", "plant", "sensors"] {
+            if let Some((key, DeValue::Array(_))) = root
+                .get_key_value(key)
+                .map(|(key, value)| (key, value.get_ref()))
+            {
+                let (span, key) = (key.span(), key.get_ref());
+                let message = format!(
+                    "`{key}` is there once: write `[{key}]`, with one bracket on each side"
+                );
+                return Err(self.refusal(Refusal { span, message }));
+            }
         }
         let mut tables = Vec::new();
         // Taken out: each case has a copy of the rest.
@@ -258,7 +314,9 @@ impl<'a> Text<'a> {
             let case = CaseKeys::deserialize(ValueDeserializer::from(table));
             keys.push(case.map_err(|e| self.error(&e))?);
         }
-        let members = Members::take(self.file, &mut root, &[], &names(&keys));
+        // Before what refers to cases: a name that is there twice leaves another one out.
+        names::check_cases(self, keys.iter().map(|case| &case.name))?;
+        let members = Members::take(self.file, &mut root, &[], &names_of(&keys));
         Ok(Parts {
             span,
             root,
@@ -287,7 +345,8 @@ impl<'a> Text<'a> {
             }
             keys.push(CaseKeys::deserialize(ValueDeserializer::from(case)).ok()?);
         }
-        let members = Members::take(self.file, &mut root, lists, &names(&keys)).ok()?;
+        names::check_cases(self, keys.iter().map(|case| &case.name)).ok()?;
+        let members = Members::take(self.file, &mut root, lists, &names_of(&keys)).ok()?;
         Some(Parts {
             span,
             root,
@@ -300,6 +359,7 @@ impl<'a> Text<'a> {
     /// Reads every case.
     pub(super) fn cases(&self, variation: &Variation) -> Result<Vec<CaseFile>, ScenarioError> {
         let cases = self.opened()?;
+        idle::check_disturbances(self, &cases)?;
         if cases.keys.is_empty() {
             // Read as well: what is wrong with its keys comes before that it has no case.
             let mut root = cases.root.clone();
@@ -420,20 +480,8 @@ impl<'a> Text<'a> {
         index: usize,
     ) -> Result<(DeTable<'s>, Events), ScenarioError> {
         let name = cases.name(index).map_or("", |name| name.get_ref().as_str());
-        let read;
-        let own = match cases.changes.get(index) {
-            Some(Some(Change::Read(own))) => Some(own),
-            Some(Some(Change::Part(part))) => {
-                let case = parts::parsed(self.file, part, CASE);
-                read = case.and_then(|case| match case.into_inner() {
-                    DeValue::Table(mut case) => case.remove("change"),
-                    _ => None,
-                });
-                read.as_ref()
-            }
-            _ => None,
-        };
-        let own = match own.map(|own| (own, own.get_ref())) {
+        let own = self.changes_of(cases, index);
+        let own = match own.as_ref().map(|own| (own, own.get_ref())) {
             None => None,
             Some((_, DeValue::Table(changes))) => Some(changes),
             Some((own, other)) => {
@@ -451,20 +499,79 @@ impl<'a> Text<'a> {
         };
         let mut root = cases.root.clone();
         cases.members.put(&mut root, name, events);
-        if let Some(own) = own {
-            change::apply(&mut root, own, Whose::Case).map_err(|e| self.refusal(e))?;
+        if let Some(own) = own
+            && let Err(refusal) = change::apply(&mut root, own, Whose::Case)
+        {
+            let meant = outage::misspelt(&root, own);
+            return Err(self.refusal(meant.unwrap_or(refusal)));
         }
         let whose = Whose::Variation {
             members: &cases.members,
             case: name,
         };
-        change::apply(&mut root, varied, whose).map_err(|e| self.refusal(e))?;
+        if let Err(refusal) = change::apply(&mut root, varied, whose) {
+            let meant = outage::misspelt(&root, varied);
+            return Err(self.refusal(meant.unwrap_or(refusal)));
+        }
         Ok((root, events))
+    }
+
+    /// What a case changes, as the file has it.
+    fn changes_of<'s>(
+        &'s self,
+        cases: &'s Cases<'s>,
+        index: usize,
+    ) -> Option<Cow<'s, Spanned<DeValue<'s>>>> {
+        match cases.changes.get(index)?.as_ref()? {
+            Change::Read(own) => Some(Cow::Borrowed(own)),
+            Change::Part(part) => match parts::parsed(self.file, part, CASE)?.into_inner() {
+                DeValue::Table(mut case) => case.remove("change").map(Cow::Owned),
+                _ => None,
+            },
+        }
+    }
+
+    /// Calls something with the changes of every case that has some.
+    pub(super) fn each_change<'s>(
+        &'s self,
+        cases: &'s Cases<'s>,
+        mut call: impl FnMut(&DeTable<'_>),
+    ) {
+        for index in 0..cases.keys.len() {
+            let own = self.changes_of(cases, index);
+            if let Some(own) = own.as_ref().and_then(|own| own.get_ref().as_table()) {
+                call(own);
+            }
+        }
+    }
+
+    /// The longest that the file, by itself or by the changes of any case, lets a run take, s.
+    pub(super) fn longest(&self) -> f64 {
+        *self.longest.get_or_init(|| {
+            let Ok(cases) = self.opened() else {
+                return 0.0;
+            };
+            let own = |table: &DeTable<'_>| number(table.get("duration")?.get_ref());
+            let mut longest = own(&cases.root).unwrap_or(0.0);
+            self.each_change(&cases, |change| {
+                longest = longest.max(own(change).unwrap_or(0.0));
+            });
+            longest
+        })
     }
 
     fn keys(&self, cases: &Cases<'_>, root: DeTable<'_>) -> Result<Keys, ScenarioError> {
         let root = Spanned::new(cases.span.clone(), DeValue::Table(root));
         Keys::deserialize(ValueDeserializer::from(root)).map_err(|e| self.error(&e))
+    }
+}
+
+/// A number of a file.
+fn number(value: &DeValue<'_>) -> Option<f64> {
+    match value {
+        DeValue::Float(number) => number.as_str().parse().ok(),
+        DeValue::Integer(number) => number.as_str().parse().ok(),
+        _ => None,
     }
 }
 

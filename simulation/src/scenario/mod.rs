@@ -50,7 +50,10 @@ mod contents;
 mod error;
 mod event;
 mod file;
+mod idle;
 mod json_schema;
+mod names;
+mod outage;
 mod parts;
 mod perturbation;
 mod place;
@@ -62,11 +65,11 @@ pub use check::Note;
 pub use error::{RunError, ScenarioError};
 pub use event::Event;
 pub use json_schema::json_schema;
+pub use names::is_name;
 pub use perturbation::Perturbation;
 pub use variation::Variation;
 
 use std::{
-    collections::HashMap,
     path::{Path, PathBuf},
     sync::Arc,
 };
@@ -74,7 +77,7 @@ use std::{
 use wbqp::{config::ControllerConfig, input, robot::SourceFile, suggestion::suggestion};
 
 use check::{Groups, Robots};
-use file::{CaseFile, Text};
+use file::Text;
 
 /// A loaded and checked scenario.
 #[derive(Clone, Debug)]
@@ -203,20 +206,20 @@ impl Scenario {
             place: source.name.clone(),
             message,
         })?;
+        let variation = Arc::new(variation);
         let text = Text::new(&source.name, &source.contents, &variation);
         let cases = text.cases(&variation)?;
-        check_names(&text, &cases)?;
-        let name = match cases.first() {
-            Some(case) => {
-                let name = &case.contents.scenario;
-                check_name(name.get_ref(), || text.place(name.span().start))?;
-                name.get_ref().clone()
-            }
-            None => String::new(),
+        let Some(first) = cases.first() else {
+            return Err(ScenarioError::Value {
+                place: text.name().to_owned(),
+                what: "case: there is none; add a [[case]] with a name".to_owned(),
+            });
         };
+        let name = &first.contents.scenario;
+        names::check_scenario(&text, name)?;
+        let name = name.get_ref().clone();
         let first_is_plain = cases.first().is_some_and(|case| !case.is_changed);
         let cases = cases.into_iter();
-        let variation = Arc::new(variation);
         let checked: Vec<Case> = cases
             .map(|case| Case::new(case, &source.name, directory, &variation))
             .collect();
@@ -291,61 +294,13 @@ fn of_case(error: ScenarioError, case: &Case, is_the_file: bool) -> ScenarioErro
     match error {
         error if is_the_file => error,
         // These say so themselves.
-        error @ (ScenarioError::Config { .. } | ScenarioError::Controller { .. }) => error,
+        error @ (ScenarioError::Config { .. }
+        | ScenarioError::Controller { .. }
+        | ScenarioError::Option { .. }) => error,
         error => ScenarioError::Case {
             file: case.file().to_owned(),
             case: case.name().to_owned(),
             source: Box::new(error),
         },
     }
-}
-
-/// Of what names of files and folders are made.
-fn is_plain(c: char) -> bool {
-    c.is_ascii_alphanumeric() || c == '_' || c == '-'
-}
-
-/// Whether a name can be that of a folder in the one that it is made in, on every machine.
-pub fn is_name(name: &str) -> bool {
-    !name.is_empty()
-        && !name.starts_with('.')
-        && !name.ends_with('.')
-        && name.chars().all(|c| is_plain(c) || c == '.')
-}
-
-/// A scenario's name becomes the name of a folder, which must be in the one that runs are written to.
-fn check_name(name: &str, place: impl FnOnce() -> String) -> Result<(), ScenarioError> {
-    if is_name(name) {
-        return Ok(());
-    }
-    Err(ScenarioError::Value {
-        place: place(),
-        what: format!(
-            "name `{name}` must be made of letters, digits, `_`, `-` and, inside, `.`: it names the folder of its runs"
-        ),
-    })
-}
-
-fn check_names(text: &Text<'_>, cases: &[CaseFile]) -> Result<(), ScenarioError> {
-    let refuse = |place: String, what: String| Err(ScenarioError::Value { place, what });
-    if cases.is_empty() {
-        let what = "case: there is none; add a [[case]] with a name".to_owned();
-        return refuse(text.name().to_owned(), what);
-    }
-    let mut first = HashMap::new();
-    for (i, case) in cases.iter().enumerate() {
-        let name = case.name.get_ref();
-        let place = || text.place(case.name.span().start);
-        if first.insert(name.as_str(), i).is_some() {
-            let what = format!("case[{i}]: the name `{name}` is used twice");
-            return refuse(place(), what);
-        }
-        // The name becomes the name of a log file.
-        if name.is_empty() || !name.chars().all(is_plain) {
-            let what =
-                format!("case[{i}]: name `{name}` must be made of letters, digits, `_` and `-`");
-            return refuse(place(), what);
-        }
-    }
-    Ok(())
 }

@@ -10,7 +10,7 @@ use toml::{
 };
 use wbqp::config::{ConfigErrorKind, ConfigErrors};
 
-use super::{ScenarioError, file::Text};
+use super::{ScenarioError, change::Events, file::Text};
 use crate::PlantError;
 
 /// A part of a key's path.
@@ -21,6 +21,40 @@ enum Step<'a> {
 }
 
 impl Text<'_> {
+    /// The key, with all that it is in, whose value is at a place of the text; nothing if it is a table, which its own
+    /// keys say more of, or a place between values.
+    pub(super) fn key_of_value(&self, span: &Range<usize>) -> Option<String> {
+        let root = DeTable::parse(self.text_at(span.start)).ok()?;
+        let (key, value) = locate(root.get_ref(), span)?;
+        let is_table = matches!(value, DeValue::Table(_));
+        (!is_table).then_some(key)
+    }
+
+    /// Where the key of a case's event is that a message begins with, or else the event.
+    pub(super) fn place_in_event(
+        &self,
+        case: &str,
+        index: usize,
+        event: &Range<usize>,
+        message: &str,
+    ) -> String {
+        let found = self.opened().ok().and_then(|cases| {
+            let (tables, events) = self.tables(&cases, cases.index(case)?).ok()?;
+            match events {
+                Events::Put => {
+                    let mut path = vec![Step::Key("event"), Step::Index(index)];
+                    path.extend(steps(message));
+                    find(&tables, &path, message)
+                }
+                Events::LeftOut => {
+                    let entry = cases.members().events(case).nth(index)??;
+                    find_in(&entry, &steps(message), message)
+                }
+            }
+        });
+        self.place(found.map_or(event.start, |span| span.start))
+    }
+
     /// The same error with the places that it can have.
     pub(super) fn located(&self, error: ScenarioError, case: &str) -> ScenarioError {
         let Ok(cases) = self.opened() else {
@@ -47,6 +81,12 @@ impl Text<'_> {
             } else {
                 file
             }
+        };
+        let option = match &error {
+            ScenarioError::Config { source, .. } | ScenarioError::Controller { source, .. } => {
+                self.option_of(source)
+            }
+            _ => None,
         };
         match error {
             ScenarioError::Value { place: file, what } if file == self.name() => {
@@ -86,6 +126,12 @@ impl Text<'_> {
                 },
                 source,
             },
+            ScenarioError::Config { source, .. } | ScenarioError::Controller { source, .. }
+                if option.is_some() =>
+            {
+                let option = option.unwrap_or_default();
+                ScenarioError::Option { option, source }
+            }
             ScenarioError::Config { file, case, source } => ScenarioError::Config {
                 file: whole(file, &source),
                 case,
@@ -149,6 +195,36 @@ fn find_in(value: &Spanned<DeValue<'_>>, path: &[Step<'_>], about: &str) -> Opti
         }
         _ => None,
     }
+}
+
+/// The path of the innermost value that contains a place, in words, and the value.
+fn locate<'a, 't>(
+    table: &'a DeTable<'t>,
+    span: &Range<usize>,
+) -> Option<(String, &'a DeValue<'t>)> {
+    table.iter().find_map(|(key, value)| {
+        let (inner, found) = locate_in(value, span)?;
+        Some((format!("{}{inner}", key.get_ref()), found))
+    })
+}
+
+fn locate_in<'a, 't>(
+    value: &'a Spanned<DeValue<'t>>,
+    span: &Range<usize>,
+) -> Option<(String, &'a DeValue<'t>)> {
+    let inner = match value.get_ref() {
+        DeValue::Table(table) => {
+            locate(table, span).map(|(path, value)| (format!(".{path}"), value))
+        }
+        DeValue::Array(elements) => elements.iter().enumerate().find_map(|(index, element)| {
+            let (path, value) = locate_in(element, span)?;
+            Some((format!("[{index}]{path}"), value))
+        }),
+        _ => None,
+    };
+    let own = value.span();
+    let is_here = own.start <= span.start && span.end <= own.end;
+    inner.or_else(|| is_here.then(|| (String::new(), value.get_ref())))
 }
 
 /// Tables are where their names are, which are in their headers.

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use toml::{Table, Value};
 use wbqp::{
-    config::{Overrides, key_path},
+    config::{ConfigError, Overrides, key_path},
     robot::SourceFile,
 };
 
@@ -33,6 +33,9 @@ pub struct Variation {
     change: Table,
     #[serde(skip_serializing_if = "Overrides::is_empty")]
     set: Overrides,
+    /// What errors call it, if not a variation.
+    #[serde(skip)]
+    option: Option<&'static str>,
 }
 
 impl Variation {
@@ -80,8 +83,16 @@ impl Variation {
         self
     }
 
+    /// The same from a command line, where this option is given for each value: `--set`, whose keys of the controller
+    /// have nothing before them. What is wrong with a value is told as the option.
+    pub fn given_by(mut self, option: &'static str) -> Self {
+        self.option = Some(option);
+        self
+    }
+
     /// This one, then another.
     pub fn then(mut self, other: &Self) -> Self {
+        self.option = other.option.or(self.option);
         merge(&mut self.change, &other.change);
         self.set.append(&other.set);
         self
@@ -99,6 +110,26 @@ impl Variation {
 
     pub(super) fn overrides(&self) -> &Overrides {
         &self.set
+    }
+
+    /// What errors call a line of [`Variation::changes`].
+    pub(super) fn display(&self, line: &str) -> String {
+        match (self.option, line.split_once(" = ")) {
+            (Some(option), Some((key, value))) => format!("{option} change.{key}={value}"),
+            _ => format!("variation `{line}`"),
+        }
+    }
+
+    /// The option that gave what an error of the controller is about, if it is one that it was given by.
+    pub(super) fn option_of(&self, error: &ConfigError) -> Option<String> {
+        let option = self.option?;
+        let (key, value) = self.set.of_error(error)?;
+        Some(format!("{option} {key}={value}"))
+    }
+
+    /// Whether an option of a command line gave it.
+    pub(super) fn is_option(&self) -> bool {
+        self.option.is_some()
     }
 
     /// The changes of the scenario as TOML, a line per value, with its whole path.

@@ -28,6 +28,7 @@ force_sd = 0.05
 [[plant.disturbance]]
 name = "push"
 frame = "base_link"
+force = [0.0, 0.0, 0.0]
 
 [[case]]
 name = "plain"
