@@ -118,6 +118,11 @@ impl Timeline {
         self.marks.get(name).copied()
     }
 
+    /// The names of all instants, in the order of the alphabet.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.marks.keys().map(String::as_str)
+    }
+
     /// Writes it as metadata.
     ///
     /// # Errors

@@ -2,6 +2,7 @@
 
 use std::{
     collections::BTreeSet,
+    fmt::Display,
     panic::{AssertUnwindSafe, catch_unwind},
     path::Path,
 };
@@ -14,7 +15,7 @@ use wbqp_sim::{
     RunError, RunOptions, Scenario, ScenarioError, Summary, Variation, run_case, scenario::Case,
 };
 
-use crate::plan::{Nominal, Plan, Rows, Run};
+use crate::plan::{Measure, Misfit, Nominal, Plan, Rows, Run};
 
 /// A plan with all that its runs need.
 #[derive(Debug)]
@@ -74,6 +75,24 @@ struct Done {
     recorded: Vec<Columns>,
 }
 
+/// A run that did not.
+struct Undone<'a> {
+    status: Status,
+    why: String,
+    /// The measure of the plan's own that the run has nothing for.
+    measure: Option<&'a Measure>,
+}
+
+impl Undone<'_> {
+    fn new(status: Status, why: String) -> Self {
+        Self {
+            status,
+            why,
+            measure: None,
+        }
+    }
+}
+
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -110,7 +129,7 @@ pub enum CampaignError {
     /// The scenario as it is does not reach its end, or cannot be measured.
     #[error("{plan}: variant `{variant}` as it is, without any factor, {why}")]
     Plain {
-        /// The plan.
+        /// The plan; of a measure, its `file:line:column`.
         plan: String,
         /// The variant.
         variant: String,
@@ -132,7 +151,7 @@ pub enum CampaignError {
     /// A measure that counts as failure is none, or is not judged.
     #[error("{plan}: `failure` names `{name}`, {why}")]
     Failure {
-        /// The plan.
+        /// `file:line:column` of `failure`.
         plan: String,
         /// The measure.
         name: String,
@@ -142,7 +161,7 @@ pub enum CampaignError {
     /// A factor does not fit the scenario.
     #[error("{plan}: {what}")]
     Factor {
-        /// The plan.
+        /// `file:line:column` of the factor.
         plan: String,
         /// What is wrong.
         what: String,
@@ -183,19 +202,25 @@ impl Campaign {
         campaign.check_factors()?;
         let mut topics = BTreeSet::new();
         for (index, variant) in campaign.plan.variants().iter().enumerate() {
-            let plain = |why: String| CampaignError::Plain {
-                plan: name.clone(),
+            let plain = |measure: Option<&Measure>, why: String| CampaignError::Plain {
+                plan: measure.map_or_else(|| name.clone(), |m| campaign.plan.place(m.start())),
                 variant: variant.name().to_owned(),
                 why,
             };
             let done = campaign.measured(&campaign.plan.plain(index), None);
-            let done = done.map_err(|(_, why)| plain(format!("does not do: {why}")))?;
+            let done = done.map_err(|undone| {
+                let why = match undone.measure {
+                    Some(measure) => format!("measure `{}`: {}", measure.name(), undone.why),
+                    None => undone.why,
+                };
+                plain(undone.measure, format!("does not do: {why}"))
+            })?;
             for measure in campaign.plan.measures() {
                 if let Some(recorded) = done.recorded.get(measure.case) {
                     let empty = measure.empty_window(recorded);
                     // What it cannot be measured for came before.
                     if let Some(why) = empty.unwrap_or_default() {
-                        return Err(plain(why));
+                        return Err(plain(Some(measure), why));
                     }
                 }
             }
@@ -221,8 +246,8 @@ impl Campaign {
     fn check_factors(&self) -> Result<(), CampaignError> {
         let last = self.plan.len().saturating_sub(1);
         let probes = [0, last / 2, last].map(|run| self.plan.runs(run..run + 1));
-        let refuse = |what: String| {
-            let plan = self.plan.source().name.clone();
+        let refuse = |Misfit { start, what }: Misfit| {
+            let plan = self.plan.place(start);
             Err(CampaignError::Factor { plan, what })
         };
         for (variant, nominals) in self.plan.variants().iter().zip(&self.nominals) {
@@ -236,7 +261,8 @@ impl Campaign {
                     let mut why = None;
                     let is_taken = probes.iter().flatten().any(|run| {
                         let value = &run.factors[index..=index];
-                        let varied = nominal.changes(alone, value).and_then(|text| {
+                        let changes = nominal.changes(alone, value).map_err(|m| m.what);
+                        let varied = changes.and_then(|text| {
                             let variation =
                                 Variation::from_toml(&text).map_err(|e| e.to_string())?;
                             match variant.scenario().varied_case(case, &variation) {
@@ -248,7 +274,10 @@ impl Campaign {
                         why.is_none()
                     });
                     if let (false, Some(why)) = (is_taken, why) {
-                        return refuse(format!("factor `{}`: {why}", factor.name()));
+                        return refuse(Misfit {
+                            start: factor.start(),
+                            what: format!("factor `{}`: {why}", factor.name()),
+                        });
                     }
                 }
             }
@@ -262,7 +291,7 @@ impl Campaign {
         };
         let names = names.to_vec();
         let refuse = |name: &str, why: String| {
-            let plan = self.plan.source().name.clone();
+            let plan = self.plan.place_of_failure();
             let name = name.to_owned();
             Err(CampaignError::Failure { plan, name, why })
         };
@@ -308,7 +337,7 @@ impl Campaign {
         let done = catch_unwind(AssertUnwindSafe(|| {
             self.measured(run, self.topics.as_ref())
         }));
-        let done = done.unwrap_or_else(|panic| Err((Status::Failed, words_of(&*panic))));
+        let done = done.unwrap_or_else(|panic| Err(Undone::new(Status::Failed, words_of(&*panic))));
         let mut outcome = Outcome {
             run: run.number,
             status: Status::Completed,
@@ -320,7 +349,7 @@ impl Campaign {
             verdicts: vec![None; self.columns.len()],
         };
         match done {
-            Err((status, why)) => {
+            Err(Undone { status, why, .. }) => {
                 outcome.status = status;
                 outcome.reason = Some(self.without_folder(run, &why));
             }
@@ -355,7 +384,7 @@ impl Campaign {
         let cases = variant.cases().iter().zip(&self.nominals[run.variant]);
         cases.map(move |(case, nominal)| {
             let changes = nominal.changes(self.plan.factors(), &run.factors);
-            let varied = changes.and_then(|text| {
+            let varied = changes.map_err(|m| m.what).and_then(|text| {
                 let variation = Variation::from_toml(&text).map_err(|e| e.to_string())?;
                 let varied = variant.scenario().varied_case(case, &variation);
                 varied.map_err(|e| e.to_string())
@@ -379,16 +408,13 @@ impl Campaign {
     }
 
     /// Does a run and measures it, from these topics or from all.
-    fn measured(
-        &self,
-        run: &Run,
-        topics: Option<&BTreeSet<String>>,
-    ) -> Result<Done, (Status, String)> {
+    fn measured(&self, run: &Run, topics: Option<&BTreeSet<String>>) -> Result<Done, Undone<'_>> {
         let mut recorded: Vec<Columns> = Vec::new();
         let mut summaries = Vec::new();
         for ((name, case), nominal) in self.cases(run).zip(&self.nominals[run.variant]) {
-            let case = case.map_err(|why| (Status::Refused, format!("{name}: {why}")))?;
-            let failed = |error: RunError| (Status::Failed, format!("{name}: {error}"));
+            let undone = |status, why: &dyn Display| Undone::new(status, format!("{name}: {why}"));
+            let case = case.map_err(|why| undone(Status::Refused, &why))?;
+            let failed = |error: RunError| undone(Status::Failed, &error);
             let mut columns = Columns::with_capacity(nominal.ticks(&case));
             if let Some(topics) = topics {
                 columns = columns.of_topics(topics.clone());
@@ -397,16 +423,19 @@ impl Campaign {
             let summary = run_case(self.scenario(run), &case, run.seed, &mut columns, options);
             let summary = summary.map_err(failed)?;
             if let Some(time) = summary.diverged {
-                let why = format!("{name}: the plant diverged at {time:.2} s");
-                return Err((Status::Diverged, why));
+                let why = format!("the plant diverged at {time:.2} s");
+                return Err(undone(Status::Diverged, &why));
             }
             recorded.push(columns);
             summaries.push(summary);
         }
         match self.rows(run, &recorded) {
             // What the plain runs did not ask for.
-            Err(MeasureError::Topic { .. }) if topics.is_some() => self.measured(run, None),
-            Err(error) => Err((Status::Failed, error.to_string())),
+            Err((_, MeasureError::Topic { .. })) if topics.is_some() => self.measured(run, None),
+            Err((measure, error)) => Err(Undone {
+                measure,
+                ..Undone::new(Status::Failed, in_words(&error))
+            }),
             Ok(rows) => Ok(Done {
                 rows,
                 summaries,
@@ -415,16 +444,22 @@ impl Campaign {
         }
     }
 
-    fn rows(&self, run: &Run, recorded: &[Columns]) -> Result<Vec<Row>, MeasureError> {
+    /// What is measured of a run; an error of one of the plan's own measures comes with it.
+    fn rows(
+        &self,
+        run: &Run,
+        recorded: &[Columns],
+    ) -> Result<Vec<Row>, (Option<&Measure>, MeasureError)> {
+        let of_experiment = |error: MeasureError| (None, error);
         let variant = &self.plan.variants()[run.variant];
         let names: Vec<&str> = variant.cases().iter().map(String::as_str).collect();
         let recordings = recorded.iter().map(|columns| columns as &dyn Recording);
         let cases: Cases<'_> = names.iter().copied().zip(recordings).collect();
         let experiment = experiments::of(variant.scenario().name());
         let mut rows = match (self.plan.rows(), experiment) {
-            (Rows::All, Some(experiment)) => experiment.rows(&cases)?,
+            (Rows::All, Some(experiment)) => experiment.rows(&cases).map_err(of_experiment)?,
             (Rows::Robust, Some(experiment)) => match experiment.robust {
-                Some(robust) => robust.rows(&names, &cases)?,
+                Some(robust) => robust.rows(&names, &cases).map_err(of_experiment)?,
                 None => Vec::new(),
             },
             _ => Vec::new(),
@@ -432,7 +467,8 @@ impl Campaign {
         rows.retain(|row| !row.is_wall_clock());
         for measure in self.plan.measures() {
             if let Some(columns) = recorded.get(measure.case) {
-                rows.push(measure.row(columns)?);
+                let row = measure.row(columns).map_err(|e| (Some(measure), e))?;
+                rows.push(row);
             }
         }
         Ok(rows)
@@ -455,6 +491,24 @@ fn name_of(row: &Row) -> String {
         row.id.clone()
     } else {
         format!("{} {}", row.id, row.quantity)
+    }
+}
+
+/// What a run lacks, and what was probably meant.
+fn in_words(error: &MeasureError) -> String {
+    match error {
+        MeasureError::Mark { name, known } => {
+            let known: Vec<&str> = known.iter().map(String::as_str).collect();
+            format!("the run has no mark `{name}`{}", suggestion(name, &known))
+        }
+        MeasureError::Topic { topic, known } => {
+            let known: Vec<&str> = known.split(", ").collect();
+            format!(
+                "the run has no topic `{topic}`{}",
+                suggestion(topic, &known)
+            )
+        }
+        other => other.to_string(),
     }
 }
 

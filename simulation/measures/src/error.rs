@@ -22,7 +22,15 @@ pub enum MeasureError {
         /// The field asked for.
         field: String,
     },
-    /// A table, or an entry of it, is not there or is not a number: named instants, limits of rotors.
+    /// A named instant is not there: an event's, or the beginning or end of a disturbance.
+    #[error("the recording has no mark `{name}`; it has {}", listed(known))]
+    Mark {
+        /// The mark asked for.
+        name: String,
+        /// The marks there are.
+        known: Vec<String>,
+    },
+    /// A table, or an entry of it, is not there or is not a number: limits of rotors.
     #[error("the recording's table `{name}` lacks `{key}`")]
     Metadata {
         /// The table.
@@ -49,4 +57,11 @@ pub enum MeasureError {
         /// Why.
         source: Box<dyn Error + Send + Sync>,
     },
+}
+
+fn listed(names: &[String]) -> String {
+    match names {
+        [] => "none".to_owned(),
+        names => names.join(", "),
+    }
 }

@@ -20,10 +20,10 @@ impl Header {
     }
 
     pub(crate) fn mark(&self, name: &str) -> Result<f64, MeasureError> {
-        let mark = self.timeline().get(name);
-        mark.ok_or_else(|| MeasureError::Metadata {
-            name: Timeline::NAME.to_owned(),
-            key: name.to_owned(),
+        let timeline = self.timeline();
+        timeline.get(name).ok_or_else(|| MeasureError::Mark {
+            name: name.to_owned(),
+            known: timeline.names().map(str::to_owned).collect(),
         })
     }
 

@@ -29,7 +29,7 @@ pub trait Recording {
     /// A named instant, s.
     ///
     /// # Errors
-    /// [`MeasureError::Metadata`] if the run had none of that name.
+    /// [`MeasureError::Mark`] if the run had none of that name.
     fn mark(&self, name: &str) -> Result<f64, MeasureError>;
 
     /// Limits of the rotors, in the order of their names.

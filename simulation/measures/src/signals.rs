@@ -102,9 +102,9 @@ impl Recording for Signals {
 
     fn mark(&self, name: &str) -> Result<f64, MeasureError> {
         let mark = self.marks.get(name).copied();
-        mark.ok_or_else(|| MeasureError::Metadata {
-            name: "timeline".to_owned(),
-            key: name.to_owned(),
+        mark.ok_or_else(|| MeasureError::Mark {
+            name: name.to_owned(),
+            known: self.marks.keys().cloned().collect(),
         })
     }
 

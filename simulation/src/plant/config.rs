@@ -361,20 +361,8 @@ impl PlantConfig {
                 problems.add(&format!("contact_point[{i}].frame"), &what);
             }
         }
-        let mut names = HashSet::new();
         for (i, disturbance) in self.disturbances.iter().enumerate() {
             disturbance.check(&format!("disturbance[{i}]"), &mut problems);
-            // The log's times and the changes of cases call it by this name.
-            if !names.insert(disturbance.name.as_str()) {
-                let what = if disturbance.name == DISTURBANCE {
-                    format!(
-                        "`{DISTURBANCE}`, which one without a name has, is used twice: give it another one"
-                    )
-                } else {
-                    format!("`{}` is used twice: give it another one", disturbance.name)
-                };
-                problems.add(&format!("disturbance[{i}].name"), &what);
-            }
         }
         problems.into_result(|problems| PlantError::Config { problems })
     }

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use toml::{Table, Value};
+use toml::{Spanned, Table, Value};
 use wbqp::suggestion::suggestion;
 use wbqp_sim::{ScenarioError, scenario::Case};
 
@@ -18,6 +18,8 @@ pub struct Factor {
     paths: Vec<Path>,
     relation: Relation,
     distribution: Distribution,
+    /// Where it begins in the plan.
+    start: usize,
 }
 
 /// What the factor's number is to the scenario's value.
@@ -36,7 +38,8 @@ struct Path {
 }
 
 impl Factor {
-    pub(super) fn new(keys: &FactorKeys) -> Result<Self, String> {
+    pub(super) fn new(entry: &Spanned<FactorKeys>) -> Result<Self, String> {
+        let keys = entry.get_ref();
         let name = &keys.name;
         let refuse = |what: String| Err(format!("factor `{name}`: {what}"));
         let given = [
@@ -68,6 +71,7 @@ impl Factor {
                 .map_err(|what| format!("factor `{name}`: {what}"))?,
             relation,
             distribution: distribution.clone(),
+            start: entry.span().start,
         })
     }
 
@@ -106,6 +110,11 @@ impl Factor {
             Relation::Scale => "scale",
             Relation::Shift => "shift",
         }
+    }
+
+    /// Where it begins in the plan.
+    pub(crate) fn start(&self) -> usize {
+        self.start
     }
 
     pub(super) fn distribution(&self) -> &Distribution {
@@ -245,6 +254,15 @@ pub(crate) struct Nominal {
     rate: f64,
 }
 
+/// Why a factor's number cannot be written.
+#[derive(Clone, Debug)]
+pub(crate) struct Misfit {
+    /// Where the factor begins in the plan.
+    pub(crate) start: usize,
+    /// What is wrong, with the factor's name.
+    pub(crate) what: String,
+}
+
 /// Values of a case that differ from its own, in the order in which they were changed.
 #[derive(Clone, Debug, Default)]
 struct Changed {
@@ -321,11 +339,15 @@ impl Nominal {
         &self,
         factors: &[Factor],
         point: &[Option<f64>],
-    ) -> Result<String, String> {
+    ) -> Result<String, Misfit> {
         let mut changed = Changed::default();
         for (factor, number) in factors.iter().zip(point) {
             if let Some(number) = number {
-                factor.write(*number, self, &mut changed)?;
+                let written = factor.write(*number, self, &mut changed);
+                written.map_err(|what| Misfit {
+                    start: factor.start,
+                    what,
+                })?;
             }
         }
         let lines = changed.values.iter();

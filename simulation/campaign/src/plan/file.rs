@@ -1,11 +1,12 @@
 //! What a plan's file may contain.
 
-use std::{collections::BTreeMap, path::PathBuf};
+use std::{collections::BTreeMap, ops::Range, path::PathBuf};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use toml::Spanned;
-use wbqp_sim::Variation;
+use wbqp::config::in_words;
+use wbqp_sim::{ScenarioError, Variation};
 
 use super::{design::Design, distribution::Distribution};
 
@@ -17,7 +18,8 @@ pub(super) struct Keys {
     #[schemars(with = "String")]
     pub(super) name: Spanned<String>,
     /// The scenario's file; relative paths count from this file's folder.
-    pub(super) scenario: PathBuf,
+    #[schemars(with = "PathBuf")]
+    pub(super) scenario: Spanned<PathBuf>,
     /// Which points of the factors' space are run.
     #[schemars(with = "Design")]
     pub(super) design: Spanned<Design>,
@@ -39,11 +41,11 @@ pub(super) struct Keys {
     /// Values put into the scenario's file in all variants, as in its cases.
     #[serde(default)]
     #[schemars(with = "BTreeMap<String, serde_json::Value>")]
-    pub(super) change: toml::Table,
+    pub(super) change: Option<Spanned<toml::Table>>,
     /// Values put into the controller's file in all variants.
     #[serde(default)]
     #[schemars(with = "BTreeMap<String, serde_json::Value>")]
-    pub(super) set: toml::Table,
+    pub(super) set: Option<Spanned<toml::Table>>,
     /// What is compared: each point is run in every variant, with the same noise. Default: each case of the scenario.
     #[serde(default, rename = "variant")]
     #[schemars(with = "Vec<VariantKeys>")]
@@ -56,6 +58,20 @@ pub(super) struct Keys {
     #[serde(default, rename = "measure")]
     #[schemars(with = "Vec<MeasureKeys>")]
     pub(super) measures: Vec<Spanned<MeasureKeys>>,
+}
+
+impl Keys {
+    /// What a scenario is likely to be refused for: values that the plan puts into it or its controller, or itself.
+    pub(super) fn cause(&self, error: &ScenarioError) -> Range<usize> {
+        let values = match error {
+            ScenarioError::Config { .. } | ScenarioError::Controller { .. } => &self.set,
+            // So it calls a value that is not its own.
+            error if error.to_string().contains(": variation `") => &self.change,
+            _ => &None,
+        };
+        let scenario = || self.scenario.span();
+        values.as_ref().map_or_else(scenario, Spanned::span)
+    }
 }
 
 /// Which of the experiment's rows are measured.
@@ -82,19 +98,35 @@ pub(super) struct VariantKeys {
     /// Values put into the scenario's file, as in its cases.
     #[serde(default)]
     #[schemars(with = "BTreeMap<String, serde_json::Value>")]
-    pub(super) change: toml::Table,
+    pub(super) change: Option<Spanned<toml::Table>>,
     /// Values put into the controller's file, as in the scenario's cases.
     #[serde(default)]
     #[schemars(with = "BTreeMap<String, serde_json::Value>")]
-    pub(super) set: toml::Table,
+    pub(super) set: Option<Spanned<toml::Table>>,
 }
 
-/// The values of two tables as a case has them.
-pub(super) fn variation(change: &toml::Table, set: &toml::Table) -> Result<Variation, String> {
-    let mut table = toml::Table::new();
-    table.insert("change".into(), change.clone().into());
-    table.insert("set".into(), set.clone().into());
-    Variation::from_toml(&table.to_string()).map_err(|error| error.to_string())
+/// A table of values, with its place.
+type Values = Option<Spanned<toml::Table>>;
+
+/// The values of two tables as a case has them; or what is wrong, and where.
+pub(super) fn variation(
+    change: &Values,
+    set: &Values,
+) -> Result<Variation, (Range<usize>, String)> {
+    let mut variation = Variation::new();
+    for (key, values) in [("change", change), ("set", set)] {
+        let Some(values) = values else {
+            continue;
+        };
+        let table = toml::Table::from_iter([(key.to_owned(), values.get_ref().clone().into())]);
+        // Where it is in this text says nothing.
+        let one: Variation = table.try_into().map_err(|error: toml::de::Error| {
+            let message = format!("{key}: {}", in_words(error.message()));
+            (values.span(), message)
+        })?;
+        variation = variation.then(&one);
+    }
+    Ok(variation)
 }
 
 /// A quantity that is varied.

@@ -1,6 +1,7 @@
 //! Measures of a plan's own: expressions over the channels of a run.
 
 use exmex::{Express, FlatEx};
+use toml::Spanned;
 use wbqp_measures::{MeasureError, Recording, Row, Series};
 
 use super::file::{MeasureKeys, Reduction, Time};
@@ -20,6 +21,8 @@ pub struct Measure {
     unit: String,
     at_most: Option<f64>,
     at_least: Option<f64>,
+    /// Where it begins in the plan.
+    start: usize,
 }
 
 #[derive(Clone, Debug)]
@@ -68,7 +71,8 @@ impl Compiled {
 }
 
 impl Measure {
-    pub(super) fn new(keys: &MeasureKeys) -> Result<Self, String> {
+    pub(super) fn new(entry: &Spanned<MeasureKeys>) -> Result<Self, String> {
+        let keys = entry.get_ref();
         let refuse = |what: String| format!("measure `{}`: {what}", keys.name);
         if keys.case == 0 {
             return Err(refuse("cases are counted from 1".to_owned()));
@@ -148,12 +152,18 @@ impl Measure {
             unit: keys.unit.clone(),
             at_most: keys.at_most,
             at_least: keys.at_least,
+            start: entry.span().start,
         })
     }
 
     /// Its name.
     pub fn name(&self) -> &str {
         &self.name
+    }
+
+    /// Where it begins in the plan.
+    pub(crate) fn start(&self) -> usize {
+        self.start
     }
 
     /// Measures a run.

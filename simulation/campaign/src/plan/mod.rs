@@ -11,7 +11,12 @@ mod variant;
 use std::{ops::Range, path::Path};
 
 use toml::Spanned;
-use wbqp::{config::json_schema::schema_of, input, robot::SourceFile, suggestion::suggestion};
+use wbqp::{
+    config::{in_words, json_schema::schema_of},
+    input,
+    robot::SourceFile,
+    suggestion::suggestion,
+};
 use wbqp_measures::experiments;
 use wbqp_sim::{Scenario, Variation, scenario::is_name};
 
@@ -24,7 +29,11 @@ pub use measure::Measure;
 pub use variant::Variant;
 
 use file::{Keys, variation};
-pub(crate) use {design::Points, factor::Nominal, measure::Compiled};
+pub(crate) use {
+    design::Points,
+    factor::{Misfit, Nominal},
+    measure::Compiled,
+};
 
 /// A checked plan.
 ///
@@ -38,6 +47,8 @@ pub struct Plan {
     repetitions: u32,
     rows: Rows,
     failure: Option<Vec<String>>,
+    /// Where it is in the file.
+    place_of_failure: usize,
     variants: Vec<Variant>,
     factors: Vec<Factor>,
     measures: Vec<Measure>,
@@ -93,7 +104,7 @@ impl Plan {
         })?;
         let keys: Keys = toml::from_str(text).map_err(|error| PlanError::Syntax {
             place: place(name, text, error.span().map_or(0, |span| span.start)),
-            message: error.message().to_owned(),
+            message: in_words(error.message()),
         })?;
         let refuse = |span: Range<usize>, what: String| PlanError::Value {
             place: place(name, text, span.start),
@@ -108,19 +119,17 @@ impl Plan {
             return Err(refuse(keys.name.span(), what));
         }
 
-        let common = variation(&keys.change, &keys.set).map_err(|message| PlanError::Value {
-            place: name.to_owned(),
-            what: message,
-        })?;
-        let base = Scenario::from_file_with(&directory.join(&keys.scenario), &common);
+        let common =
+            variation(&keys.change, &keys.set).map_err(|(span, what)| refuse(span, what))?;
+        let base = Scenario::from_file_with(&directory.join(keys.scenario.get_ref()), &common);
         let base = base.map_err(|source| PlanError::Scenario {
-            of: name.to_owned(),
+            of: place(name, text, keys.cause(&source).start),
             source: Box::new(source),
         })?;
-        let variants = Variant::all(&keys, &base, name, &refuse)?;
+        let variants = Variant::all(&keys, &base, &|span| place(name, text, span.start), &refuse)?;
         let mut factors: Vec<Factor> = Vec::new();
         for entry in &keys.factors {
-            let factor = Factor::new(entry.get_ref()).map_err(at(entry.span()))?;
+            let factor = Factor::new(entry).map_err(at(entry.span()))?;
             if factors.iter().any(|other| other.name() == factor.name()) {
                 let what = format!("the name `{}` is used twice", factor.name());
                 return Err(refuse(entry.span(), what));
@@ -150,6 +159,10 @@ impl Plan {
             seed: keys.seed,
             repetitions: keys.repetitions.map_or(1, Spanned::into_inner),
             rows: keys.rows.map_or(Rows::None, Spanned::into_inner),
+            place_of_failure: keys
+                .failure
+                .as_ref()
+                .map_or(0, |failure| failure.span().start),
             failure: keys.failure.map(Spanned::into_inner),
             variants,
             factors,
@@ -215,6 +228,16 @@ impl Plan {
         self.failure.as_deref()
     }
 
+    /// `file:line:column` of the measures that count.
+    pub(crate) fn place_of_failure(&self) -> String {
+        self.place(self.place_of_failure)
+    }
+
+    /// `file:line:column` of what begins at a byte of the file.
+    pub(crate) fn place(&self, offset: usize) -> String {
+        place(&self.source.name, &self.source.contents, offset)
+    }
+
     /// Number of points.
     pub fn points(&self) -> u64 {
         self.points.count()
@@ -276,7 +299,7 @@ fn measures(
     let mut measures: Vec<Measure> = Vec::new();
     for entry in &keys.measures {
         let refuse = |what: String| refuse(entry.span(), what);
-        let measure = Measure::new(entry.get_ref()).map_err(&refuse)?;
+        let measure = Measure::new(entry).map_err(&refuse)?;
         if measures.iter().any(|other| other.name() == measure.name()) {
             let what = format!("the name `{}` is used twice", measure.name());
             return Err(refuse(what));

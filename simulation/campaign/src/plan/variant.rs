@@ -1,5 +1,7 @@
 //! One of the things that a plan compares.
 
+use std::ops::Range;
+
 use wbqp_sim::{Scenario, ScenarioError, Variation};
 
 use super::{
@@ -20,7 +22,7 @@ impl Variant {
     pub(super) fn all(
         keys: &Keys,
         base: &Scenario,
-        plan: &str,
+        place: &dyn Fn(Range<usize>) -> String,
         refuse: &Refuse<'_>,
     ) -> Result<Vec<Self>, PlanError> {
         if keys.variants.is_empty() {
@@ -34,8 +36,10 @@ impl Variant {
         let mut variants: Vec<Self> = Vec::new();
         for entry in &keys.variants {
             let keys = entry.get_ref();
-            let refuse =
-                |what: String| refuse(entry.span(), format!("variant `{}`: {what}", keys.name));
+            let at = |span: Range<usize>, what: String| {
+                refuse(span, format!("variant `{}`: {what}", keys.name))
+            };
+            let refuse = |what: String| at(entry.span(), what);
             if variants.iter().any(|other| other.name == keys.name) {
                 return Err(refuse("the name is used twice".to_owned()));
             }
@@ -43,13 +47,14 @@ impl Variant {
                 return Err(refuse("has no case".to_owned()));
             }
             let of = |source| PlanError::Scenario {
-                of: format!("variant `{}` of {plan}", keys.name),
+                of: format!("variant `{}` of {}", keys.name, place(entry.span())),
                 source: Box::new(source),
             };
             for case in &keys.cases {
                 base.case(case).map_err(|error| refuse(error.to_string()))?;
             }
-            let variation = variation(&keys.change, &keys.set).map_err(&refuse)?;
+            let variation =
+                variation(&keys.change, &keys.set).map_err(|(span, what)| at(span, what))?;
             let scenario = if variation.is_empty() {
                 base.clone()
             } else {

@@ -21,7 +21,10 @@ fn with(more: &str) -> String {
 #[test]
 fn what_is_unknown_empty_or_not_there_is_named_with_its_place() {
     let cases = [
-        (with("[[factr]]\n"), "unknown field `factr`"),
+        (
+            with("[[factr]]\n"),
+            "plan.toml:7:3: unknown key `factr`; did you mean `factor`?",
+        ),
         (
             with("").replace("seed = 5", "seed = 5\nrepetitions = 0"),
             "plan.toml:5:15: `repetitions`",
@@ -32,7 +35,7 @@ fn what_is_unknown_empty_or_not_there_is_named_with_its_place() {
         ),
         (
             with("").replace("[0.8, 1.2]", "[0.8, 1.2, 99.0]"),
-            "invalid length 3, expected an array of length 2",
+            "invalid length 3, expected a list of length 2",
         ),
         (
             with("").replace("\"test\"", "\"../../test\""),
@@ -95,7 +98,7 @@ fn what_is_unknown_empty_or_not_there_is_named_with_its_place() {
             with("").replace("position.z", "position.w"),
             "no number at `/base/position/w`",
         ),
-        (with("").replace(DESIGN, ""), "missing field `design`"),
+        (with("").replace(DESIGN, ""), "key `design` is missing"),
         (
             with("").replace("seed = 5", "failure = [\"dorp\"]"),
             "did you mean `drop`",
@@ -128,13 +131,69 @@ fn what_is_unknown_empty_or_not_there_is_named_with_its_place() {
         ),
         (
             with("").replace("unit = \"m\"", "from = \"nowhere + 1\""),
-            "lacks `nowhere`",
+            "the run has no mark `nowhere`",
         ),
     ];
     for (text, expected) in cases {
         let error = refused(&text);
         assert!(error.contains(expected), "{expected}: {error}");
         assert!(error.contains("plan.toml"), "{error}");
+    }
+}
+
+/// What is only known once the scenario is there, or has been run, has a line of the plan as well.
+#[test]
+fn what_does_not_fit_the_scenario_has_its_line() {
+    let cases = [
+        (
+            with("").replace("mass_scale", "mass_scal"),
+            "plan.toml:7:1: factor `mass`: the scenario has no value",
+        ),
+        (
+            with("").replace(
+                "change.plant.mismatch.mass_scale",
+                "set.task.posture.weight",
+            ),
+            "plan.toml:7:1: factor `mass`: ",
+        ),
+        (
+            with("").replace("unit = \"m\"", "from = \"psh_start + 0.1\""),
+            "plan.toml:12:1: variant `plain` as it is, without any factor, does not do: measure `drop`: the run has no \
+             mark `psh_start`; did you mean `push_start`? (known: push_end, push_start)",
+        ),
+        (
+            with("").replace("/plant.base", "/plat.base"),
+            "plan.toml:12:1: variant `plain` as it is, without any factor, does not do: measure `drop`: the run has no \
+             topic `/plat`; did you mean `/plant`?",
+        ),
+        (
+            with("").replace("unit = \"m\"", "until = \"push_start - 5\""),
+            "plan.toml:12:1: variant `plain`",
+        ),
+        (
+            with("").replace("seed = 5", "failure = [\"dorp\"]"),
+            "plan.toml:4:11: `failure` names `dorp`",
+        ),
+        (
+            with("").replace("seed = 5", "set.tusk.com.kp = 1"),
+            "plan.toml:4:1: set: unknown key `tusk`; did you mean `task`?",
+        ),
+        (
+            with("").replace("seed = 5", "set.task.com.kp = 1"),
+            "plan.toml:4:1",
+        ),
+        (
+            with("").replace("seed = 5", "change.plant.stp = 1"),
+            "plan.toml:4:1",
+        ),
+        (
+            with("[[variant]]\nname = \"a\"\ncases = [\"plain\"]\nset.task.com.kp = 1"),
+            "plan.toml:19:1",
+        ),
+    ];
+    for (text, expected) in cases {
+        let error = refused(&text);
+        assert!(error.contains(expected), "{expected}: {error}");
     }
 }
 

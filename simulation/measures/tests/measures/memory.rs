@@ -97,7 +97,7 @@ fn what_is_not_in_memory_is_named() {
     }
     assert!(matches!(
         run.mark("slide_end"),
-        Err(MeasureError::Metadata { .. })
+        Err(MeasureError::Mark { known, .. }) if known == ["slide_start"]
     ));
     assert!(matches!(
         Signals::new().rotors(),

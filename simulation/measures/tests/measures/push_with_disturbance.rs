@@ -85,7 +85,7 @@ fn a_log_that_lacks_something_says_what() {
     }
     assert!(matches!(
         log.mark("take_off"),
-        Err(MeasureError::Metadata { .. })
+        Err(MeasureError::Mark { known, .. }) if known.iter().any(|mark| mark == "disturbance_end")
     ));
     assert!(matches!(
         log.configuration("absent"),
