@@ -35,6 +35,10 @@ impl Subject {
                  save it as UTF-8"
             );
         }
+        // Every other byte of a plain text in UTF-16 is zero, which is UTF-8 as well, but no text.
+        if let [0, ..] | [_, 0, ..] = bytes.as_slice() {
+            bail!("{name}: is not text in UTF-8 but probably in UTF-16: save it as UTF-8");
+        }
         let text = text.trim_start_matches('\u{feff}');
         if text.trim_start().starts_with('<') {
             return match root_element(text) {
@@ -122,6 +126,23 @@ mod tests {
         assert_eq!(root_element("<sdf>"), Some("sdf"));
         assert_eq!(root_element("<mujoco/>"), Some("mujoco"));
         assert_eq!(root_element("<!-- never closed"), None);
+    }
+
+    #[test]
+    fn utf_16_without_a_mark_is_told_as_that() {
+        let path = std::env::temp_dir().join(format!("wbqp_utf_16_{}.toml", std::process::id()));
+        let text = "name = \"a\"\ncontroller = \"b.toml\"\n".encode_utf16();
+        let [little, big] = [u16::to_le_bytes, u16::to_be_bytes]
+            .map(|bytes| text.clone().flat_map(bytes).collect::<Vec<u8>>());
+        for bytes in [little, big] {
+            std::fs::write(&path, bytes).unwrap();
+            let words = Subject::of_file(&path).unwrap_err().to_string();
+            assert!(
+                words.ends_with("probably in UTF-16: save it as UTF-8"),
+                "{words}"
+            );
+        }
+        std::fs::remove_file(&path).unwrap();
     }
 
     #[test]

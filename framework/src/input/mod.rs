@@ -115,6 +115,10 @@ pub fn read_text(path: &Path) -> io::Result<String> {
 /// # Errors
 /// What is not UTF-8, with the line.
 pub fn text(bytes: Vec<u8>) -> io::Result<String> {
+    if is_utf_16(&bytes) {
+        let what = "is not text in UTF-8 but probably in UTF-16: save it as UTF-8";
+        return Err(io::Error::new(ErrorKind::InvalidData, what));
+    }
     String::from_utf8(bytes).map_err(|error| {
         let valid = error.utf8_error().valid_up_to();
         let before = error.as_bytes().get(..valid).unwrap_or_default();
@@ -122,6 +126,15 @@ pub fn text(bytes: Vec<u8>) -> io::Result<String> {
         let what = format!("is not text: line {line} is not UTF-8");
         io::Error::new(ErrorKind::InvalidData, what)
     })
+}
+
+/// Whether a text begins with the mark of UTF-16, or with a character of which one byte of two is zero: letters, signs
+/// and digits are such, and no text in UTF-8 that is read here begins with a zero or has one behind its first byte.
+fn is_utf_16(bytes: &[u8]) -> bool {
+    matches!(
+        bytes,
+        [0xff, 0xfe, ..] | [0xfe, 0xff, ..] | [0, ..] | [_, 0, ..]
+    )
 }
 
 fn too_large(largest: u64) -> io::Error {
@@ -310,6 +323,18 @@ mod tests {
             "is not text: line 3 is not UTF-8"
         );
         fs::remove_file(path).expect("is there");
+    }
+
+    #[test]
+    fn utf_16_is_told_as_that_with_and_without_its_mark() {
+        let words = "is not text in UTF-8 but probably in UTF-16: save it as UTF-8";
+        let little = |text: &str| text.encode_utf16().flat_map(u16::to_le_bytes).collect();
+        let big = |text: &str| text.encode_utf16().flat_map(u16::to_be_bytes).collect();
+        for bytes in [little("a"), big("a"), little("\u{feff}a"), big("\u{feff}a")] {
+            assert_eq!(refusal(text(bytes)), words);
+        }
+        assert_eq!(text(b"a".to_vec()).ok().as_deref(), Some("a"));
+        assert_eq!(text(Vec::new()).ok().as_deref(), Some(""));
     }
 
     #[test]
