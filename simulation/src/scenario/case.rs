@@ -325,10 +325,22 @@ impl Case {
         Ok(())
     }
 
-    /// The log keeps the times of a disturbance under names of their own.
+    /// The log keeps the times of each disturbance under marks of its own.
     fn check_marks(&self, text: &Text<'_>) -> Result<(), ScenarioError> {
-        let disturbances = self.contents.plant.disturbances.iter();
-        let disturbances: HashSet<&str> = disturbances.map(|d| d.name.as_str()).collect();
+        let mut disturbances: HashSet<&str> = HashSet::new();
+        for (index, disturbance) in self.contents.plant.disturbances.iter().enumerate() {
+            let name = disturbance.name.as_str();
+            // Changes call it by its name as well.
+            if !disturbances.insert(name) {
+                let of_nameless = match name {
+                    crate::plant::DISTURBANCE => ", which one without a name has,",
+                    _ => "",
+                };
+                return Err(self.refuse(&format!(
+                    "plant.disturbance[{index}].name: `{name}`{of_nameless} is used twice: give it another one"
+                )));
+            }
+        }
         for (event, span) in self.contents.events.iter() {
             let Some(mark) = &event.mark else {
                 continue;

@@ -15,6 +15,9 @@ const WEIGHTS: std::ops::RangeInclusive<f64> = 1e-100..=1e100;
 /// No robot's reference has such a number: larger than anything that is taken with a warning in a controller's file.
 const LARGEST_VALUE: f64 = 1e14;
 
+/// What is done to something of a controller that has a name.
+type Act = fn(&mut Controller, &str) -> Result<(), RequestError>;
+
 /// Everything that happens at one time. Actions are applied in the order of the fields.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -57,7 +60,6 @@ impl Event {
         if !(self.at.is_finite() && self.at >= 0.0) {
             return Err("at: must be finite and not negative".into());
         }
-        type Act = fn(&mut Controller, &str) -> Result<(), RequestError>;
         let switches: [(_, _, Act); 5] = [
             ("tare", &self.tare, Controller::tare),
             (

@@ -234,6 +234,13 @@ impl<'a> Text<'a> {
         }
     }
 
+    /// Where the name of a case is.
+    pub(super) fn place_of_case(&self, name: &str) -> Option<String> {
+        let cases = self.opened().ok()?;
+        let name = cases.name(cases.index(name)?)?;
+        Some(self.place(name.span().start))
+    }
+
     /// The options that gave what is wrong with a controller, if nothing else is.
     pub(super) fn option_of(&self, errors: &ConfigErrors) -> Option<String> {
         let options = errors.iter().map(|error| self.variation.option_of(error));
@@ -254,13 +261,9 @@ impl<'a> Text<'a> {
         }
     }
 
-    /// The text that has an offset: the file's, or the variation's behind its end.
-    pub(super) fn text_at(&self, offset: usize) -> &str {
-        if offset <= self.file.len() {
-            self.file
-        } else {
-            &self.changes
-        }
+    /// The file's text.
+    pub(super) fn file(&self) -> &str {
+        self.file
     }
 
     pub(super) fn refusal(&self, refusal: Refusal) -> ScenarioError {
@@ -584,7 +587,7 @@ pub(super) fn syntax(error: &toml::de::Error, name: &str, text: &str) -> Scenari
 }
 
 /// `file:line:column`, columns in characters.
-fn place(name: &str, text: &str, offset: usize) -> String {
+pub(super) fn place(name: &str, text: &str, offset: usize) -> String {
     let before = text.get(..offset.min(text.len())).unwrap_or(text);
     let line = before.matches('\n').count() + 1;
     let column = before.chars().rev().take_while(|&c| c != '\n').count() + 1;

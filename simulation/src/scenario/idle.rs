@@ -65,8 +65,8 @@ impl Case {
     pub(super) fn check_beginnings(&self, text: &Text<'_>, rate: f64) -> Result<(), ScenarioError> {
         let never = |key: String, from: f64, end: f64, does: &str| {
             self.refuse(&format!(
-                "{key}.from: is {from} s, and the run ends at {end} s: it would never {does}; let it begin earlier, or \
-                 make `duration` longer"
+                "{key}.from: is {from} s, and the longest case ends at {end} s: it would never {does}; let it begin \
+                 earlier, or make `duration` longer"
             ))
         };
         let own = self.duration();

@@ -58,6 +58,7 @@ mod parts;
 mod perturbation;
 mod place;
 mod push;
+mod set_point;
 mod variation;
 
 pub use case::{Case, Initial};

@@ -21,13 +21,12 @@ enum Step<'a> {
 }
 
 impl Text<'_> {
-    /// The key, with all that it is in, whose value is at a place of the text; nothing if it is a table, which its own
-    /// keys say more of, or a place between values.
+    /// The key, with all that it is in, whose value is at a place of the file. Nothing for a table, whose own keys are
+    /// what is wrong with it, for what is between values, and for a variation, whose places are its keys.
     pub(super) fn key_of_value(&self, span: &Range<usize>) -> Option<String> {
-        let root = DeTable::parse(self.text_at(span.start)).ok()?;
+        let root = DeTable::parse(self.file()).ok()?;
         let (key, value) = locate(root.get_ref(), span)?;
-        let is_table = matches!(value, DeValue::Table(_));
-        (!is_table).then_some(key)
+        (!matches!(value, DeValue::Table(_))).then_some(key)
     }
 
     /// Where the key of a case's event is that a message begins with, or else the event.

@@ -211,18 +211,6 @@ impl Case {
         Ok(())
     }
 
-    /// The event that a task's set point at a time comes from; the file if it comes from the controller's.
-    fn place_of_set_point(&self, text: &Text<'_>, task: &str, time: f64) -> String {
-        let events = self.contents.events.iter();
-        let before =
-            events.filter(|(event, _)| event.at <= time && event.follow.contains_key(task));
-        let last = before.max_by(|(a, _), (b, _)| a.at.total_cmp(&b.at));
-        last.map_or_else(
-            || self.file().to_owned(),
-            |(_, span)| text.place(span.start),
-        )
-    }
-
     pub(super) fn controller_error(&self, source: ConfigErrors) -> ScenarioError {
         ScenarioError::Controller {
             file: self.file().to_owned(),

@@ -4,8 +4,9 @@ use std::path::Path;
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use wbqp::toml;
 use wbqp_robots as _;
-use wbqp_sim::Scenario;
+use wbqp_sim::{Scenario, Variation};
 use wbqp_tasks as _;
 use wbqp_tests::{files::scenarios, said::scenario};
 
@@ -155,28 +156,29 @@ fn wrong_types() {
     refused(
         "duration = 2.0",
         "duration = \"long\"",
-        "s.toml:3:12: invalid type: string \"long\", expected a number",
+        "s.toml:3:12: duration: invalid type: string \"long\", expected a number",
     );
     refused(
         "position = [-0.5, 0.0, 1.258]",
         "position = [-0.5, 0.0]",
-        "s.toml:6:12: invalid length 2, expected a list of length 3",
+        "s.toml:6:12: initial.position: invalid length 2, expected a list of length 3",
     );
     refused(
         "step = 0.00025",
         "command_delay = -1",
-        "s.toml:13:17: invalid value: integer `-1`, expected an integer, 0 or more",
+        "s.toml:13:17: plant.command_delay: invalid value: integer `-1`, expected an integer, 0 or more",
     );
     refused(
         "set.task.contact_force.feedback = \"off\"",
         "set = 3",
-        "s.toml:50:7: invalid type: integer `3`, expected tables of values, like \
+        "s.toml:50:7: case[1].set: invalid type: integer `3`, expected tables of values, like \
          task.<name>.<key> = …",
     );
     refused(
         "[1e-3, 1e-3, 3.0]",
         "\"x\"",
-        "s.toml:43:24: invalid type: string \"x\", expected a number or a list of numbers, one per row",
+        "s.toml:43:24: event[0].weight.contact_force: invalid type: string \"x\", expected a number or a list of \
+         numbers, one per row",
     );
     refused(
         "duration = 2.0",
@@ -403,7 +405,7 @@ fn plant() {
     refused(
         "normal = [-1.0, 0.0, 0.0]",
         "normal = [-1.0, 0.0, 0.0, 5.0]",
-        "s.toml:18:10: invalid length 4, expected a list of length 3",
+        "s.toml:18:10: plant.wall[0].normal: invalid length 4, expected a list of length 3",
     );
     refused(
         "[[plant.contact_point]]\nframe = \"tool\"",
@@ -490,33 +492,37 @@ fn detectors() {
 
 #[test]
 fn events() {
-    let event = |piece: &str, other: &str, expected: &str| {
+    let event = |piece: &str, other: &str, place: &str, expected: &str| {
         refused(
             piece,
             other,
-            &format!("s.toml:40:1: event at 1 s: {expected}"),
+            &format!("s.toml:{place}: event at 1 s: {expected}"),
         );
     };
     for (value, shown) in [("-1.0", "-1"), ("nan", "NaN"), ("inf", "inf")] {
         refused(
             "at = 1.0",
             &format!("at = {value}"),
-            &format!("s.toml:40:1: event at {shown} s: `at` must be finite and not negative"),
+            &format!("s.toml:41:6: event at {shown} s: at: must be finite and not negative"),
         );
     }
     let entries =
         "base_position, base_orientation, posture, contact_force, propeller_regularisation";
-    for action in ["activate", "deactivate"] {
+    for (action, columns) in [("activate", [20, 12]), ("deactivate", [22, 14])] {
         event(
             "at = 1.0",
             &format!("at = 1.0\n{action}_contact = [\"top\"]"),
-            "there is no contact `top`; did you mean `tip`? (known: tip)",
+            &format!("42:{}", columns[0]),
+            &format!(
+                "{action}_contact: there is no contact `top`; did you mean `tip`? (known: tip)"
+            ),
         );
         event(
             "at = 1.0",
             &format!("at = 1.0\n{action} = [\"cones\"]"),
+            &format!("42:{}", columns[1]),
             &format!(
-                "there is no entry `cones`; did you mean `cone`? (known: {entries}, limits, cone, \
+                "{action}: there is no entry `cones`; did you mean `cone`? (known: {entries}, limits, cone, \
                  no_slip)"
             ),
         );
@@ -528,58 +534,68 @@ fn events() {
     event(
         follow,
         "follow.base_pose",
-        &format!("there is no task `base_pose` (known: {entries})"),
+        "42:8",
+        &format!("follow.base_pose: there is no task `base_pose` (known: {entries})"),
     );
     event(
         follow,
         "follow.propeller_regularisation",
-        "task `propeller_regularisation` follows no reference",
+        "42:8",
+        "follow.propeller_regularisation: task `propeller_regularisation` follows no reference",
     );
     event(
         "\"min_jerk\"",
         "\"minjerk\"",
+        "42:8",
         "follow.base_position: unknown reference type `minjerk`; did you mean `min_jerk`? \
          (known: ellipse, hold, min_jerk, thrust_attitude, waypoints)",
     );
     event(
         "to = [",
         "too = [",
+        "42:45",
         "follow.base_position: unknown key `too`; did you mean `to`? (known: duration, from, start, to)",
     );
     event(
         "to = [-0.1, 0.0, 1.258]",
         "to = [-0.1, 0.0]",
-        "`base_position`: `to` has 2 entries, expected 3",
+        "42:45",
+        "follow.base_position: `to` has 2 entries, expected 3",
     );
     event(
         "duration = 6.0",
         "duration = -6.0",
-        "`base_position`: `duration` is -6, must be finite and above zero",
+        "42:70",
+        "follow.base_position: `duration` is -6, must be finite and above zero",
     );
     event(
         "{ type = \"min_jerk\", to = [-0.1, 0.0, 1.258], duration = 6.0 }",
         "3",
+        "42:24",
         "follow.base_position: must be a table with a `type`, found integer",
     );
-    refused(
+    event(
         follow,
         "follow.contact_force = { type = \"hold\", value = [-5.0] }\n#",
-        "s.toml:40:1: event at 1 s: `contact_force`: `value` is -5 N: a surface pushes and never pulls, a normal force \
-         is 0 or more",
+        "42:41",
+        "follow.contact_force: `value` is -5 N: a surface pushes and never pulls, a normal force is 0 or more",
     );
-    refused(
+    event(
         follow,
         "follow.contact_force = { type = \"hold\", value = [1e4] }\n#",
-        "s.toml:40:1: event at 1 s: `contact_force`: `value` is 10000 N, more than the contact's `force_max` of 20 N",
+        "42:41",
+        "follow.contact_force: `value` is 10000 N, more than the contact's `force_max` of 20 N",
     );
     event(
         weight,
         "weight.contact_force = 1e308",
+        "43:24",
         "weight.contact_force: is 1e308, must be 0 or between 1e-100 and 1e100",
     );
     event(
         "to = [-0.1, 0.0, 1.258]",
         "to = [-0.1, 1e308, 1.258]",
+        "42:50",
         "follow.base_position.to: has 1e308: check the digits",
     );
     for (value, given) in [
@@ -590,19 +606,232 @@ fn events() {
         event(
             weight,
             &format!("weight.contact_force = {value}"),
+            "43:24",
             &format!(
-                "`contact_force`: `weight` is {given}, must be one number, or 3, finite and not negative"
+                "weight.contact_force: `weight` is {given}, must be one number, or 3, finite and not negative"
             ),
         );
     }
     event(
         weight,
         "weight.contactforce = 1.0",
+        "43:23",
         &format!(
-            "there is no entry `contactforce`; did you mean `contact_force`? (known: {entries}, \
+            "weight.contactforce: there is no entry `contactforce`; did you mean `contact_force`? (known: {entries}, \
              limits, cone, no_slip)"
         ),
     );
+}
+
+/// The key that is wrong is the changed one, which the case has.
+#[test]
+fn an_event_that_a_case_changes_is_wrong_there() {
+    let text = replaced("at = 1.0", "at = 1.0\nmark = \"go\"").replace(
+        "set.task.contact_force.feedback = \"off\"",
+        "change.event.go.weight.contact_force = -1.0",
+    );
+    assert_eq!(
+        scenario(&text).expect_err("is negative"),
+        "s.toml:51:40: event `go` at 1 s: weight.contact_force: `weight` is -1, must be one number, or 3, finite and \
+         not negative\nin case `two` of s.toml"
+    );
+}
+
+#[test]
+fn types_of_tables_and_lists() {
+    for (piece, other, place, list) in [
+        ("[[plant.wall]]", "[plant.wall]", "15:8", "plant.wall"),
+        (
+            "[[sensors.force_torque]]",
+            "[sensors.force_torque]",
+            "32:10",
+            "sensors.force_torque",
+        ),
+        ("[[event]]", "[event]", "40:2", "event"),
+    ] {
+        let expected = format!(
+            "s.toml:{place}: `{list}` is a list, also of one: write `[[{list}]]`, with two brackets on each side"
+        );
+        refused(piece, other, &expected);
+    }
+    refused(
+        "[initial]",
+        "[[initial]]",
+        "s.toml:5:3: `initial` is there once: write `[initial]`, with one bracket on each side",
+    );
+    refused(
+        "force = [-3.5, 0.0, 0.0]",
+        "force = [-3.5, \"left\", 0.0]",
+        "s.toml:25:16: plant.disturbance[0].force[1]: invalid type: string \"left\", expected a number",
+    );
+}
+
+/// What would do nothing, whether a case has it from the file or from a change.
+#[test]
+fn entries_that_would_do_nothing() {
+    let force = "force = [-3.5, 0.0, 0.0]\n";
+    refused(
+        force,
+        "",
+        "s.toml:23:1: plant.disturbance[0] `disturbance`: has neither `force` (N) nor `moment` (N·m), so that it does \
+         nothing: give it one, or take it out",
+    );
+    // Zero in so many words may be the beginning of a sweep.
+    for other in ["force = [0, 0, 0]\n", "moment = [0.0, 0.0, 1.0]\n"] {
+        scenario(&replaced(force, other)).expect("says how it pushes");
+    }
+    let in_a_case =
+        replaced(force, "") + "change.plant.disturbance.disturbance.moment = [0, 0, 1]\n";
+    scenario(&in_a_case).expect("pushes in a case");
+
+    let event = |keys: &str| {
+        replaced(
+            "[[case]]",
+            &format!("[[event]]\nat = 0.5\n{keys}\n\n[[case]]"),
+        )
+    };
+    let nothing = "s.toml:45:1: event at 0.5 s: does nothing: give it an action, such as `follow`, or a `mark`, or \
+                   take it out";
+    for keys in ["", "activate = []", "weight = {}"] {
+        assert_eq!(scenario(&event(keys)).expect_err("does nothing"), nothing);
+    }
+    scenario(&event("mark = \"half\"")).expect("marks a time");
+
+    let late = |from: &str, end: &str| {
+        format!(
+            "from: is {from} s, and the longest case ends at {end} s: it would never push; let it begin earlier, or \
+             make `duration` longer"
+        )
+    };
+    let window = "from = 1.0\nuntil = 2.0";
+    refused(
+        window,
+        "from = 2.0",
+        &format!("s.toml:26:8: plant.disturbance[0].{}", late("2", "2")),
+    );
+    let outage = |from: &str| {
+        let other = format!("[[sensors.outage]]\nsensor = \"tool\"\nfrom = {from}\n\n[[event]]");
+        scenario(&replaced("[[event]]", &other))
+    };
+    outage("1.996").expect("breaks the last sample");
+    assert_eq!(
+        outage("1.997").expect_err("is behind the last sample"),
+        "s.toml:42:8: sensors.outage[0].from: is 1.997 s, and the longest case ends at 2 s: it would never break the \
+         sensor; let it begin earlier, or make `duration` longer"
+    );
+    // A case may be shorter or longer than the others, and have what only they come to.
+    let with = |from: &str, change: &str| {
+        scenario(&(replaced(window, &format!("from = {from}")) + change + "\n"))
+    };
+    let gust = "change.plant.disturbance.disturbance.from";
+    with("1.5", "change.duration = 1.2").expect("begins in the other case");
+    with("3.0", "change.duration = 5").expect("begins in this case");
+    assert_eq!(
+        with("6.0", "change.duration = 5").expect_err("begins in none"),
+        format!("s.toml:26:8: plant.disturbance[0].{}", late("6", "5"))
+    );
+    assert_eq!(
+        with("1.0", &format!("{gust} = 3.0")).expect_err("begins never"),
+        format!(
+            "s.toml:50:45: plant.disturbance[0].{}\nin case `two` of s.toml",
+            late("3", "2")
+        )
+    );
+    let short = Variation::new()
+        .change("duration", 1.0)
+        .change("event", toml::Value::Array(vec![]));
+    let good = scenario(GOOD).expect("is good");
+    good.varied(&short).expect("may be shortened from outside");
+}
+
+#[test]
+fn disturbances_have_different_names() {
+    let another = |name: &str| {
+        let other = format!(
+            "[[plant.disturbance]]\n{name}frame = \"tool\"\nmoment = [0, 0, 1]\n\n[sensors.base]"
+        );
+        replaced("[sensors.base]", &other)
+    };
+    assert_eq!(
+        scenario(&another("")).expect_err("have one name"),
+        "s.toml:29:1: plant.disturbance[1].name: `disturbance`, which one without a name has, is used twice: give it \
+         another one"
+    );
+    let gust = another("name = \"gust\"\n");
+    scenario(&gust).expect("have two names");
+    let twice = gust.replacen(
+        "frame = \"base_link\"",
+        "name = \"gust\"\nframe = \"base_link\"",
+        1,
+    );
+    assert_eq!(
+        scenario(&twice).expect_err("have one name"),
+        "s.toml:31:8: plant.disturbance[1].name: `gust` is used twice: give it another one"
+    );
+    // Each in a case of its own.
+    let apart = twice
+        .replacen("name = \"gust\"", "name = \"gust\"\ncases = [\"one\"]", 1)
+        .replacen(
+            "\nname = \"gust\"\nframe = \"tool\"",
+            "\nname = \"gust\"\ncases = [\"two\"]\nframe = \"tool\"",
+            1,
+        );
+    scenario(&apart).expect("are never together");
+}
+
+#[test]
+fn an_outages_misspelt_sensor_is_told_where_it_is() {
+    let text = replaced(
+        "[[event]]",
+        "[[sensors.outage]]\nsensor = \"tol\"\nfrom = 1.0\n\n[[event]]",
+    );
+    assert_eq!(
+        scenario(&(text.clone() + "change.sensors.outage.tool.from = 0.5\n")).expect_err("is none"),
+        "s.toml:41:10: sensors.outage[0].sensor: there is no sensor `tol`; did you mean `tool`, whose outage is \
+         changed?"
+    );
+    // Of a change that names no sensor either, the change is told.
+    let error = scenario(&(text + "change.sensors.outage.toll.from = 0.5\n")).expect_err("is none");
+    assert!(
+        error.starts_with("s.toml:55:23: [[sensors.outage]] with sensor `toll`"),
+        "{error}"
+    );
+}
+
+#[test]
+fn a_case_that_is_there_twice_comes_before_the_one_that_is_lost() {
+    let text =
+        replaced("at = 1.0", "at = 1.0\ncases = [\"two\"]").replace("\"two\"\nset", "\"one\"\nset");
+    assert_eq!(
+        scenario(&text).expect_err("is there twice"),
+        "s.toml:50:8: case[1]: the name `one` is used twice"
+    );
+}
+
+/// Where a push that is too large is asked for: an event, what a case sets, or the controller's file.
+#[test]
+fn pushes_that_are_too_large() {
+    let told = "task `contact_force` pushes on contact `tip`: 19.0 N asked, 8.0 N possible: `rotor_1`, `rotor_6` are \
+                at their largest effort, friction of 0.5 is used up";
+    refused(
+        "follow.base_position = {",
+        "follow.contact_force = { type = \"hold\", value = [19.0] }\n# {",
+        &format!("s.toml:40:1: {told}"),
+    );
+    refused(
+        "set.task.contact_force.feedback = \"off\"",
+        "set.task.contact_force.reference = { type = \"hold\", value = [19.0] }",
+        &format!("s.toml:49:8: {told}\nin case `two` of s.toml"),
+    );
+    // What is possible is less where the plant is heavier.
+    let heavy = replaced(
+        "[[plant.wall]]",
+        "mismatch.mass_scale = 1.5\n\n[[plant.wall]]",
+    );
+    let error = scenario(&heavy).expect_err("is too heavy");
+    let controller = scenarios().join("push_with_disturbance.controller.toml");
+    let start = format!("{}:56:1: task `contact_force` pushes", controller.display());
+    assert!(error.starts_with(&start), "{error}");
 }
 
 /// Values and pieces of text that may stand where a scenario has something else.

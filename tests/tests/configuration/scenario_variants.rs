@@ -182,7 +182,7 @@ fn changes_of_what_is_not_there() {
     wrong(
         "change.plant.wall.wall.stiffness = 'x'",
         36,
-        "invalid type: string \"x\", expected a number",
+        "case[1].change.plant.wall.wall.stiffness: invalid type: string \"x\", expected a number",
     );
     let plain = "name = \"plain\"";
     refused(
@@ -327,5 +327,48 @@ fn variations_that_are_refused() {
     assert_eq!(
         message.to_string(),
         "variation.toml:1:1: unknown key `chnge`; did you mean `change`? (known: change, set)"
+    );
+}
+
+/// What a command line gives is told as its option, not as the case's that is checked first.
+#[test]
+fn values_of_an_option_are_told_as_the_option() {
+    let controller = wbqp_tests::files::scenarios().join("push_with_disturbance.controller.toml");
+    let controller = controller.display();
+    let refused = |variation: Variation, expected: &str| {
+        let error = good().varied(&variation.given_by("--set"));
+        assert_eq!(error.expect_err("is refused").to_string(), expected);
+    };
+    refused(
+        Variation::new().change("duration", f64::NAN),
+        "--set change.duration=nan: duration: is NaN s, must be positive and finite",
+    );
+    refused(
+        Variation::new().change("plant.step", "small"),
+        "--set change.plant.step=\"small\": invalid type: string \"small\", expected a number",
+    );
+    refused(
+        Variation::new().set("task.contact_force.feedback", "of"),
+        &format!(
+            "{controller}: override task `contact_force`.`feedback`: unknown value `of`, expected `off` or `pi`\n\
+             given by `--set task.contact_force.feedback=\"of\"`"
+        ),
+    );
+    // What only the robot shows, in a value of a name that is quoted.
+    let list = toml::Value::Array(vec![1.into(), 2.into()]);
+    refused(
+        Variation::new().set("task.contact_force.weight", list),
+        &format!(
+            "{controller}: override task `contact_force`.`weight`: has 2 entries, expected one number, or 3: one per \
+             row\ngiven by `--set task.contact_force.weight=[1, 2]`"
+        ),
+    );
+    refused(
+        Variation::new().set("task.'left arm'.kp", 1),
+        &format!(
+            "{controller}: override task `left arm`.`kp`: no task has this name (known: base_position, \
+             base_orientation, posture, contact_force, propeller_regularisation)\n\
+             given by `--set task.\"left arm\".kp=1`"
+        ),
     );
 }
