@@ -24,6 +24,7 @@ position_sd = 0.0005
 [[plant.disturbance]]
 name = "push"
 frame = "base_link"
+force = [0.0, 0.0, 0.0]
 
 [[case]]
 name = "plain"

@@ -34,7 +34,7 @@ pub(super) fn check_disturbances(text: &Text<'_>, cases: &Cases<'_>) -> Result<(
             span: entry.span(),
             message: format!(
                 "plant.disturbance[{index}] `{name}`: has neither `force` (N) nor `moment` (N·m), so that it does \
-                 nothing: give it one, or take it out"
+                 nothing: give it one (of zeros, if something else sets it later), or take it out"
             ),
         }));
     }

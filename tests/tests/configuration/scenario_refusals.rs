@@ -674,7 +674,7 @@ fn entries_that_would_do_nothing() {
         force,
         "",
         "s.toml:23:1: plant.disturbance[0] `disturbance`: has neither `force` (N) nor `moment` (N·m), so that it does \
-         nothing: give it one, or take it out",
+         nothing: give it one (of zeros, if something else sets it later), or take it out",
     );
     // Zero in so many words may be the beginning of a sweep.
     for other in ["force = [0, 0, 0]\n", "moment = [0.0, 0.0, 1.0]\n"] {
