@@ -206,12 +206,16 @@ class JointLimits(Plugin):
     `q_u` the range and `v_u` the speed, `a_u` is the smallest of
 
     * `A`,
-    * `(v_u − q̇)/T`: the speed after the period,
-    * the position, between the ticks as well: `2 (q_u − q − T q̇)/T²` while the joint does not turn back within the
-      period, else `min(−q̇²/(2 (q_u − q)), −q̇/T)`,
-    * viability: the a for which `(q̇ + T a)² = 2 A (q_u − q⁺)`, but at least `−q̇/T`,
+    * `κ (v_u − q̇)/T`: the speed comes to its limit by the share κ = 1/4 of what is left in each period,
+    * the same for a speed that becomes zero at the end, `√(2 A (r − r_0/2))` of the room `r = q_u − q`, and `r/(10 T)`
+      where that is less than `r_0 = 100 A T²`,
+    * the position, between the ticks as well: `2 (r − T q̇)/T²` while the joint does not turn back within the period,
+      else `min(−q̇²/(2 r), −q̇/T)`,
+    * viability: the a for which `(q̇ + T a)² = 2 A r⁺`, but at least `−q̇/T`,
 
-    and `a_l` mirrors it (A. Del Prete, IEEE RA-L 3(1), 2018). Beyond a limit the joint is brought back with `A`.
+    and `a_l` mirrors it. The last two (A. Del Prete, IEEE RA-L 3(1), 2018) matter where the joint comes from elsewhere
+    than these limits would have let it. So it comes to its end smoothly, also if commands are a period late; beyond the
+    end it is brought back likewise.
 
     `A` must be within what the motors can do everywhere, or the rows ask for more than there is; then a hard entry
     makes the problem infeasible, `hardness = { exact = … }` does not. Range and speed are the robot's.
