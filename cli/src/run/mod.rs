@@ -53,7 +53,7 @@ pub struct Arguments {
     #[command(flatten)]
     pub robot: RobotOptions,
     /// Simulated time of a controller without scenario, s [default: 5]
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub duration: Option<f64>,
     // A comment of documentation would be this command's help.
     #[expect(missing_docs, reason = "its type says it")]

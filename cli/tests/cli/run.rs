@@ -365,6 +365,9 @@ fn a_run_of_no_tick_is_refused() {
         "{}",
         done.stderr
     );
+    let done = wbqp(&["run", stand, "--duration", "-1"]);
+    assert_eq!(done.code, 1, "{}", done.stderr);
+    assert!(done.stderr.contains("duration: "), "{}", done.stderr);
     assert_eq!(wbqp(&["tick-stats", "--ticks", "0"]).code, 2);
     assert_eq!(wbqp(&["campaign", "plan.toml", "--limit", "0"]).code, 2);
 }

@@ -194,9 +194,14 @@ fn scenario(variation: &str) -> Result<Scenario, String> {
     let file = scenarios().join("push_with_disturbance.toml");
     let variation = Variation::from_toml(variation).expect("is TOML");
     let scenario = Scenario::from_file(&file).expect("ships");
+    let controller = scenarios().join("push_with_disturbance.controller.toml");
+    let named = |error: String| {
+        let error = error.replace(&file.display().to_string(), "s.toml");
+        error.replace(&controller.display().to_string(), "c.toml")
+    };
     scenario
         .varied(&variation)
-        .map_err(|e| e.to_string().replace(&file.display().to_string(), "s.toml"))
+        .map_err(|e| named(e.to_string()))
 }
 
 const WEAK: &str = "change.plant.mismatch = { mass_scale = 1.05, thrust_scale = 0.85 }\n";
@@ -205,7 +210,7 @@ const WEAK: &str = "change.plant.mismatch = { mass_scale = 1.05, thrust_scale = 
 fn a_scenario_that_asks_for_too_much() {
     assert_eq!(
         scenario(WEAK).expect_err("is too weak"),
-        "s.toml: task `contact_force` pushes on contact `tip`: 5.0 N asked, 4.5 N possible: `rotor_1`, `rotor_6` are \
+        "c.toml:56:1: task `contact_force` pushes on contact `tip`: 5.0 N asked, 4.5 N possible: `rotor_1`, `rotor_6` are \
          at their largest effort, friction of 0.5 is used up"
     );
     let asked = |force: &str| {

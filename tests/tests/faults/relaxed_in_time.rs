@@ -15,7 +15,12 @@ fn pushed(name: &str, shipped: &str, force: &str, contacts: usize) -> Workload {
     let folder = scenarios();
     let text = fs::read_to_string(folder.join(format!("{name}.toml"))).expect("ships");
     let controller = folder.join(format!("{name}.controller.toml"));
-    let text = text
+    // The push that comes after the end.
+    let (before, rest) = text
+        .split_once("[[plant.disturbance]]\nname = \"back\"")
+        .expect("ships");
+    let (_, after) = rest.split_once("\n\n").expect("ships");
+    let text = format!("{before}{after}")
         .replacen(shipped, force, 1)
         .replace("duration = 20.0\n", "duration = 12.0\n")
         .replace(
