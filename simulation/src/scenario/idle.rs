@@ -10,7 +10,7 @@ use super::{
     file::{Cases, Text},
 };
 
-/// Refuses a disturbance that nothing is said of how it pushes, neither in its entry nor by any change: a forgotten key.
+/// Refuses a disturbance of which nothing says how it pushes, neither its entry nor any change: a forgotten key.
 ///
 /// One whose force is zero in so many words is taken: what changes it may come later, such as a factor of a campaign,
 /// and a sweep may begin at zero.

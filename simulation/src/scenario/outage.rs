@@ -24,7 +24,8 @@ pub(super) fn misspelt(root: &DeTable<'_>, changes: &DeTable<'_>) -> Option<Refu
     Some(Refusal {
         span,
         message: format!(
-            "sensors.outage[{index}].sensor: there is no sensor `{odd}`; did you mean `{meant}`, whose outage is changed?"
+            "sensors.outage[{index}].sensor: there is no sensor `{odd}`; did you mean `{meant}`, whose outage is \
+             changed?"
         ),
     })
 }

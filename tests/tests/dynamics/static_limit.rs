@@ -210,8 +210,8 @@ const WEAK: &str = "change.plant.mismatch = { mass_scale = 1.05, thrust_scale = 
 fn a_scenario_that_asks_for_too_much() {
     assert_eq!(
         scenario(WEAK).expect_err("is too weak"),
-        "c.toml:56:1: task `contact_force` pushes on contact `tip`: 5.0 N asked, 4.5 N possible: `rotor_1`, `rotor_6` are \
-         at their largest effort, friction of 0.5 is used up"
+        "c.toml:56:1: task `contact_force` pushes on contact `tip`: 5.0 N asked, 4.5 N possible: `rotor_1`, `rotor_6` \
+         are at their largest effort, friction of 0.5 is used up"
     );
     let asked = |force: &str| {
         format!("{WEAK}set.task.contact_force.reference = {{ type = \"hold\", value = [{force}] }}")
