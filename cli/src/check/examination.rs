@@ -34,6 +34,9 @@ pub struct Examination {
     /// Why no controller can be made for a robot that loads.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub remark: Option<String>,
+    /// What of a scenario's case is taken and can hardly be meant, a line each.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
     /// Why it was refused, a line each; empty if it loads.
     pub errors: Vec<String>,
     /// Why the controller does not work where it begins, a line each: its first tick is not optimal, it does not stand,

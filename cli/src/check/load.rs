@@ -45,6 +45,7 @@ pub fn examine(file: &Path, request: &Request, note: Note<'_>) -> Result<Examina
         memory: None,
         holding: None,
         remark: None,
+        warnings: Vec::new(),
         errors: Vec::new(),
         faults: Vec::new(),
     };
@@ -151,6 +152,9 @@ fn with_config(
                 shown
                     .diagnostics
                     .clone_from(&controller.robot().diagnostics);
+            }
+            if let Some(case) = &scenario.case {
+                examination.warnings = case.warnings(&controller);
             }
             let holding = match kind {
                 Subject::Urdf => Holding::of_robot(&controller),

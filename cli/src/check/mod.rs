@@ -181,6 +181,9 @@ impl Arguments {
         } else {
             write!(out, "{}", text::text(&examination, self.frames))?;
         }
+        for warning in &examination.warnings {
+            complain!("warning: {warning}");
+        }
         for error in examination.errors.iter().chain(&examination.faults) {
             complain!("error: {error}");
         }

@@ -86,11 +86,13 @@ impl Arguments {
             let of_case = scenario.case(case)?;
             let config = of_case.controller_config()?;
             let level = leaning::held_level(&config, &config.load_robot()?);
-            // Most cases have the same robot.
-            warn(
-                &of_case.make_controller(config)?.robot().diagnostics,
-                &mut warned,
-            );
+            let controller = of_case.make_controller(config)?;
+            // Most cases have the same robot, and the same world.
+            warn(&controller.robot().diagnostics, &mut warned);
+            let of_world = of_case.warnings(&controller).into_iter();
+            for words in of_world.filter(|words| warned.insert(words.clone())) {
+                complain!("warning: {case}: {words}");
+            }
             if let Some(words) = level {
                 complain!("warning: {case}: {words}");
             }

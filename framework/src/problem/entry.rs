@@ -118,8 +118,16 @@ impl BoundEntry {
     /// Lets the rows go to another weight.
     ///
     /// # Errors
-    /// Why not, in words: the weight does not fit the rows, or is zero where it is the price of a limit.
+    /// Why not, in words: rows that must hold have no weight; it does not fit the rows, or is zero where it is the price
+    /// of a limit.
     pub(crate) fn reweight(&mut self, weight: &PerRow) -> Result<(), String> {
+        if self.treatment == Treatment::Hard {
+            return Err(
+                "belongs to a hard entry, which holds whatever it is: make the entry `hardness = \"soft\"`, or switch it \
+                 off"
+                    .to_owned(),
+            );
+        }
         let rows = self.weight.now().len();
         let usable = weight.values().iter().all(|w| w.is_finite() && *w >= 0.0)
             && (matches!(weight, PerRow::Uniform(_)) || weight.values().len() == rows);

@@ -21,6 +21,9 @@ const TOLERANCES: (f64, f64) = (1e-12, 1e-3);
 /// Shortest time that a disturbance acts, s: the clock's tolerance has no part in it.
 const SHORTEST_WINDOW: f64 = 1e-6;
 
+/// Largest factor of a mismatch: beyond it, it was meant as something else.
+const LARGEST_FACTOR: f64 = 20.0;
+
 /// Name of a disturbance that is given none.
 pub const DISTURBANCE: &str = "disturbance";
 
@@ -72,7 +75,7 @@ pub struct Mismatch {
     pub inertia_scale: f64,
     /// Thrust that rotors produce relative to the thrust that was commanded.
     pub thrust_scale: f64,
-    /// Further factors on it, one per rotor in the robot's order; none: all 1.
+    /// Further factors on it, one per rotor in the robot's order, 0 for one that is dead; none: all 1.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub rotor_scales: Vec<f64>,
     /// Factor on the time constants of all rotors.
@@ -288,6 +291,16 @@ impl Disturbance {
     }
 }
 
+/// A factor that nobody means, such as a percentage.
+fn check_factor(key: &str, value: f64, problems: &mut Problems) {
+    if value.is_finite() && value > LARGEST_FACTOR {
+        let what = format!(
+            "is {value}, must be at most {LARGEST_FACTOR}: it is a factor, 1.05 for 5 % more"
+        );
+        problems.add(key, &what);
+    }
+}
+
 impl PlantConfig {
     /// Checks every number. Names of frames are checked when the plant is made.
     ///
@@ -323,13 +336,20 @@ impl PlantConfig {
             rotor_lag_scale,
             thrust_max,
         } = self.mismatch;
-        problems.positive("mismatch.mass_scale", mass_scale, false);
+        let mut factor = |key: &str, value: f64| {
+            let key = format!("mismatch.{key}");
+            problems.positive(&key, value, false);
+            check_factor(&key, value, &mut problems);
+        };
+        factor("mass_scale", mass_scale);
+        factor("inertia_scale", inertia_scale);
+        factor("rotor_lag_scale", rotor_lag_scale);
+        factor("thrust_scale", thrust_scale);
         problems.finite("mismatch.com_shift", &com_shift);
-        problems.positive("mismatch.inertia_scale", inertia_scale, false);
-        problems.positive("mismatch.rotor_lag_scale", rotor_lag_scale, false);
-        problems.positive("mismatch.thrust_scale", thrust_scale, false);
         for (i, &scale) in rotor_scales.iter().enumerate() {
-            problems.positive(&format!("mismatch.rotor_scales[{i}]"), scale, false);
+            let key = format!("mismatch.rotor_scales[{i}]");
+            problems.not_negative(&key, scale);
+            check_factor(&key, scale, &mut problems);
         }
         problems.positive("mismatch.thrust_max", thrust_max, true);
         let ServoConfig {

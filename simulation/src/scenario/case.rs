@@ -1,7 +1,8 @@
 //! One case of a scenario, with everything that the file, its changes and a variation say.
 
 use std::{
-    collections::{BTreeMap, HashSet},
+    collections::BTreeMap,
+    f64::consts::TAU,
     path::{Path, PathBuf},
     sync::Arc,
 };
@@ -18,19 +19,10 @@ use wbqp::{
     suggestion::suggestion,
 };
 
-use super::{
-    Event, ScenarioError, Variation,
-    check::{Common, Groups, Known, Robots},
-    contents::Contents,
-    file::{CaseFile, Text},
-    push::Asked,
+use super::{Event, ScenarioError, Variation, contents::Contents, file::CaseFile, groups::Robots};
+use crate::{
+    Plant, PlantConfig, PlantError, Sensors, SensorsConfig, World, sensors::ForceTorqueConfig,
 };
-use crate::{Plant, PlantConfig, PlantError, Sensors, SensorsConfig, World};
-
-/// Control periods of a run, at most: at 250 Hz more than four days of simulated time.
-const MOST_TICKS: f64 = 1e8;
-/// Integration steps of a run, at most: at some microseconds each, a day.
-const MOST_STEPS: f64 = 1e10;
 
 /// One case of a [`Scenario`](super::Scenario).
 #[derive(Clone, Debug)]
@@ -55,7 +47,7 @@ pub struct Initial {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[serde(deserialize_with = "crate::exact::maybe")]
     pub position: Option<[f64; 3]>,
-    /// Roll, pitch, yaw of the base, rad.
+    /// Roll, pitch, yaw of the base, rad, each at most a turn.
     #[serde(deserialize_with = "crate::exact::numbers")]
     pub rpy: [f64; 3],
     /// Joint positions that differ from the robot's home, rad or m.
@@ -124,6 +116,12 @@ impl Case {
     /// What the controller measures.
     pub fn sensors(&self) -> &SensorsConfig {
         &self.contents.sensors
+    }
+
+    /// The sensor at a frame.
+    pub fn force_torque_at(&self, frame: &str) -> Option<&ForceTorqueConfig> {
+        let mut sensors = self.contents.sensors.force_torque.iter();
+        sensors.find(|sensor| sensor.frame == frame)
     }
 
     /// Contacts switched by measured force.
@@ -230,6 +228,11 @@ impl Case {
                 return Err(self.refuse(&what));
             }
         }
+        if let Some(angle) = rpy.iter().find(|angle| angle.abs() > TAU) {
+            return Err(self.refuse(&format!(
+                "initial.rpy: has {angle}, more than a turn: angles are in rad, 90° are 1.5708"
+            )));
+        }
         let mut state = robot.home.clone();
         if let Some(position) = position {
             state.p_WR = Vector3::from(*position);
@@ -256,199 +259,6 @@ impl Case {
     /// Number of control periods, at a rate in Hz.
     pub fn ticks(&self, rate: f64) -> usize {
         (self.contents.duration * rate).round() as usize
-    }
-
-    /// Makes everything once, as far as no other case of its group did.
-    pub(super) fn check(
-        &self,
-        index: usize,
-        text: &Text<'_>,
-        groups: &Groups<'_>,
-    ) -> Result<(), ScenarioError> {
-        if !(self.contents.duration.is_finite() && self.contents.duration > 0.0) {
-            return Err(self.refuse(&format!(
-                "duration: is {} s, must be positive and finite",
-                self.contents.duration
-            )));
-        }
-        let common = groups.common(index, self)?;
-        if common.is_checked(&self.contents) {
-            return Ok(());
-        }
-        if self.ticks(common.rate) == 0 {
-            return Err(self.refuse(&format!(
-                "duration: is {} s, shorter than a control period, which is {} s",
-                self.contents.duration,
-                1.0 / common.rate
-            )));
-        }
-        self.check_marks(text)?;
-        let plant = self.make_plant(&common.robot)?;
-        self.check_length(common.rate)?;
-        self.make_sensors(&plant, 0)?;
-        self.check_beginnings(text, common.rate)?;
-        self.check_detectors(text, groups, &common)?;
-        let known = if let Some(known) = common.known(&self.contents) {
-            known
-        } else {
-            let asked = self.check_events(text, groups, &common)?;
-            let known = Arc::new(Known {
-                contents: self.contents.clone(),
-                asked,
-            });
-            common.remember(&known);
-            known
-        };
-        self.check_pushes(text, &common.robot, &common.contacts, &known.asked)?;
-        common.checked(&self.contents);
-        Ok(())
-    }
-
-    /// Refuses a run that would not end in a day or two.
-    fn check_length(&self, rate: f64) -> Result<(), ScenarioError> {
-        let ticks = self.contents.duration * rate;
-        if ticks > MOST_TICKS {
-            return Err(self.refuse(&format!(
-                "duration: is {:e} s, which are {ticks:.1e} control periods at {rate} Hz; a run has at most \
-                 {MOST_TICKS:e}: make it shorter",
-                self.contents.duration
-            )));
-        }
-        let steps = ticks * (1.0 / (rate * self.contents.plant.step)).ceil();
-        if steps > MOST_STEPS {
-            return Err(self.refuse(&format!(
-                "plant.step: is {:e} s, which makes {steps:.1e} steps in {} s; a run has at most {MOST_STEPS:e}: make \
-                 the step larger or the run shorter",
-                self.contents.plant.step, self.contents.duration
-            )));
-        }
-        Ok(())
-    }
-
-    /// The log keeps the times of each disturbance under marks of its own.
-    fn check_marks(&self, text: &Text<'_>) -> Result<(), ScenarioError> {
-        let mut disturbances: HashSet<&str> = HashSet::new();
-        for (index, disturbance) in self.contents.plant.disturbances.iter().enumerate() {
-            let name = disturbance.name.as_str();
-            // Changes call it by its name as well.
-            if !disturbances.insert(name) {
-                let of_nameless = match name {
-                    crate::plant::DISTURBANCE => ", which one without a name has,",
-                    _ => "",
-                };
-                return Err(self.refuse(&format!(
-                    "plant.disturbance[{index}].name: `{name}`{of_nameless} is used twice: give it another one"
-                )));
-            }
-        }
-        for (event, span) in self.contents.events.iter() {
-            let Some(mark) = &event.mark else {
-                continue;
-            };
-            let mut names = ["_start", "_end"]
-                .iter()
-                .filter_map(|end| mark.strip_suffix(end));
-            let taken = names.find(|name| disturbances.contains(name));
-            if let Some(disturbance) = taken {
-                return Err(ScenarioError::Value {
-                    place: text.place(span.start),
-                    what: format!(
-                        "event `{mark}` at {} s: the log keeps a time of the disturbance `{}` under this mark; take \
-                         another one",
-                        event.at, disturbance
-                    ),
-                });
-            }
-        }
-        Ok(())
-    }
-
-    fn check_detectors(
-        &self,
-        text: &Text<'_>,
-        groups: &Groups<'_>,
-        common: &Common,
-    ) -> Result<(), ScenarioError> {
-        let mut detected = HashSet::new();
-        for (detector, span) in self.contents.detectors.iter() {
-            let refuse = |what: String| ScenarioError::Value {
-                place: text.place(span.start),
-                what: format!("detector: {what}"),
-            };
-            detector.validate().map_err(|e| refuse(e.to_string()))?;
-            if !detected.insert(&detector.contact) {
-                let what = format!("contact `{}` has a detector already", detector.contact);
-                return Err(refuse(what));
-            }
-            let mut contacts = common.contacts.iter();
-            let Some(contact) = contacts.find(|c| c.name == detector.contact) else {
-                // It says which there are.
-                let controller = groups.fresh(self, common)?;
-                let unknown = controller.contact(&detector.contact).err();
-                return Err(refuse(unknown.map_or_else(String::new, |e| e.to_string())));
-            };
-            let frame = &contact.frame;
-            if !self
-                .contents
-                .sensors
-                .force_torque
-                .iter()
-                .any(|s| &s.frame == frame)
-            {
-                return Err(refuse(format!(
-                    "no force is measured at contact `{}`: there is no [[sensors.force_torque]] with frame = \
-                     \"{frame}\"",
-                    detector.contact
-                )));
-            }
-        }
-        Ok(())
-    }
-
-    /// Applies every event once, and looks at what is asked of the controller until the end.
-    fn check_events(
-        &self,
-        text: &Text<'_>,
-        groups: &Groups<'_>,
-        common: &Common,
-    ) -> Result<Vec<Asked>, ScenarioError> {
-        let mut controller = groups.fresh(self, common)?;
-        let rate = common.rate;
-        let last_tick = self.ticks(rate).saturating_sub(1) as f64 / rate;
-        let mut marks = HashSet::new();
-        for (index, (event, span)) in self.contents.events.iter().enumerate() {
-            let refuse = |what: String| ScenarioError::Value {
-                place: text.place_in_event(&self.name, index, span, &what),
-                what: match &event.mark {
-                    Some(mark) => format!("event `{mark}` at {} s: {what}", event.at),
-                    None => format!("event at {} s: {what}", event.at),
-                },
-            };
-            if event.is_idle() {
-                return Err(refuse(
-                    "does nothing: give it an action, such as `follow`, or a `mark`, or take it out".into(),
-                ));
-            }
-            // The check applies every event to a controller that never runs.
-            event.apply(&mut controller).map_err(&refuse)?;
-            if event.at > last_tick + 1e-6 / rate {
-                return Err(refuse(format!(
-                    "would never happen: the last tick is at {last_tick:.3} s"
-                )));
-            }
-            if let Some(mark) = &event.mark
-                && !marks.insert(mark.as_str())
-            {
-                return Err(refuse("another event has the same mark".into()));
-            }
-        }
-        let mut events: Vec<&Event> = self.events().iter().collect();
-        events.sort_by(|a, b| a.at.total_cmp(&b.at));
-        if !events.is_empty() {
-            // Without what happens later.
-            controller = groups.fresh(self, common)?;
-        }
-        self.asked(&mut controller, &events)
     }
 
     pub(super) fn refuse(&self, what: &str) -> ScenarioError {

@@ -1,288 +1,222 @@
-//! Checking all cases of a scenario: side by side, with what they have in common made once.
+//! What is wrong with a case: by making its controller, plant and sensors, and what none of them knows alone.
 
-use std::{
-    collections::{HashMap, HashSet},
-    num::NonZero,
-    sync::{
-        Arc, Mutex, MutexGuard, PoisonError,
-        atomic::{AtomicUsize, Ordering},
-    },
-    thread,
+use std::{collections::HashSet, sync::Arc};
+
+use super::{
+    Case, Event, ScenarioError,
+    contradiction::contradiction,
+    file::Text,
+    groups::{Common, Groups, Known},
+    push::Asked,
 };
 
-use wbqp::{
-    config::{ConfigErrors, ControllerConfig, Plan},
-    contact::ContactSpec,
-    controller::{Controller, Memory},
-    robot::RobotModel,
-    serde_json,
-};
+/// Control periods of a run, at most: at 250 Hz more than four days of simulated time.
+const MOST_TICKS: f64 = 1e8;
+/// Integration steps of a run, at most: at some microseconds each, a day.
+const MOST_STEPS: f64 = 1e10;
 
-use super::{Case, ScenarioError, contents::Contents, push::Asked};
+impl Case {
+    /// Makes everything once, as far as no other case of its group did.
+    pub(super) fn check(
+        &self,
+        index: usize,
+        text: &Text<'_>,
+        groups: &Groups<'_>,
+    ) -> Result<(), ScenarioError> {
+        if !(self.contents.duration.is_finite() && self.contents.duration > 0.0) {
+            return Err(self.refuse(&format!(
+                "duration: is {} s, must be positive and finite",
+                self.contents.duration
+            )));
+        }
+        let common = groups.common(index, self)?;
+        if common.is_checked(&self.contents) {
+            return Ok(());
+        }
+        if self.ticks(common.rate) == 0 {
+            return Err(self.refuse(&format!(
+                "duration: is {} s, shorter than a control period, which is {} s",
+                self.contents.duration,
+                1.0 / common.rate
+            )));
+        }
+        self.check_marks(text)?;
+        let plant = self.make_plant(&common.robot)?;
+        self.check_length(common.rate)?;
+        self.make_sensors(&plant, 0)?;
+        self.check_beginnings(text, common.rate)?;
+        self.check_detectors(text, groups, &common)?;
+        let known = if let Some(known) = common.known(&self.contents) {
+            known
+        } else {
+            let asked = self.check_events(text, groups, &common)?;
+            let known = Arc::new(Known {
+                contents: self.contents.clone(),
+                asked,
+            });
+            common.remember(&known);
+            known
+        };
+        self.check_pushes(text, &common.robot, &common.contacts, &known.asked)?;
+        common.checked(&self.contents);
+        Ok(())
+    }
 
-/// Cases below this number are not worth a thread.
-const FEW: usize = 8;
-/// Robots that are kept: cases that name the same one mostly follow one another.
-const KEPT: usize = 4;
+    /// Refuses a run that would not end in a day or two.
+    fn check_length(&self, rate: f64) -> Result<(), ScenarioError> {
+        let ticks = self.contents.duration * rate;
+        if ticks > MOST_TICKS {
+            return Err(self.refuse(&format!(
+                "duration: is {:e} s, which are {ticks:.1e} control periods at {rate} Hz; a run has at most \
+                 {MOST_TICKS:e}: make it shorter",
+                self.contents.duration
+            )));
+        }
+        let steps = ticks * (1.0 / (rate * self.contents.plant.step)).ceil();
+        if steps > MOST_STEPS {
+            return Err(self.refuse(&format!(
+                "plant.step: is {:e} s, which makes {steps:.1e} steps in {} s; a run has at most {MOST_STEPS:e}: make \
+                 the step larger or the run shorter",
+                self.contents.plant.step, self.contents.duration
+            )));
+        }
+        Ok(())
+    }
 
-/// Calls a check for every index of a list, in its order. The one with the lowest index that fails is the error,
-/// whatever fails first.
-pub(super) fn all(
-    order: &[usize],
-    check: impl Fn(usize) -> Result<(), ScenarioError> + Sync,
-) -> Result<(), ScenarioError> {
-    let threads = if order.len() < FEW {
-        1
-    } else {
-        thread::available_parallelism().map_or(1, NonZero::get)
-    };
-    let next = AtomicUsize::new(0);
-    // Those behind one that failed do not matter any more.
-    let end = AtomicUsize::new(usize::MAX);
-    let first: Mutex<Option<(usize, ScenarioError)>> = Mutex::new(None);
-    let work = || {
-        while let Some(&index) = order.get(next.fetch_add(1, Ordering::Relaxed)) {
-            if index >= end.load(Ordering::Relaxed) {
-                continue;
+    /// The log keeps the times of each disturbance under marks of its own.
+    fn check_marks(&self, text: &Text<'_>) -> Result<(), ScenarioError> {
+        let mut disturbances: HashSet<&str> = HashSet::new();
+        for (index, disturbance) in self.contents.plant.disturbances.iter().enumerate() {
+            let name = disturbance.name.as_str();
+            // Changes call it by its name as well.
+            if !disturbances.insert(name) {
+                let of_nameless = match name {
+                    crate::plant::DISTURBANCE => ", which one without a name has,",
+                    _ => "",
+                };
+                return Err(self.refuse(&format!(
+                    "plant.disturbance[{index}].name: `{name}`{of_nameless} is used twice: give it another one"
+                )));
             }
-            if let Err(error) = check(index) {
-                end.fetch_min(index, Ordering::Relaxed);
-                let mut first = locked(&first);
-                if first.as_ref().is_none_or(|(known, _)| index < *known) {
-                    *first = Some((index, error));
+        }
+        for (event, span) in self.contents.events.iter() {
+            let Some(mark) = &event.mark else {
+                continue;
+            };
+            let mut names = ["_start", "_end"]
+                .iter()
+                .filter_map(|end| mark.strip_suffix(end));
+            let taken = names.find(|name| disturbances.contains(name));
+            if let Some(disturbance) = taken {
+                return Err(ScenarioError::Value {
+                    place: text.place(span.start),
+                    what: format!(
+                        "event `{mark}` at {} s: the log keeps a time of the disturbance `{}` under this mark; take \
+                         another one",
+                        event.at, disturbance
+                    ),
+                });
+            }
+        }
+        Ok(())
+    }
+
+    fn check_detectors(
+        &self,
+        text: &Text<'_>,
+        groups: &Groups<'_>,
+        common: &Common,
+    ) -> Result<(), ScenarioError> {
+        let mut detected = HashSet::new();
+        for (detector, span) in self.contents.detectors.iter() {
+            let refuse = |what: String| ScenarioError::Value {
+                place: text.place(span.start),
+                what: format!("detector: {what}"),
+            };
+            detector.validate().map_err(|e| refuse(e.to_string()))?;
+            if !detected.insert(&detector.contact) {
+                let what = format!("contact `{}` has a detector already", detector.contact);
+                return Err(refuse(what));
+            }
+            let mut contacts = common.contacts.iter();
+            let Some(contact) = contacts.find(|c| c.name == detector.contact) else {
+                // It says which there are.
+                let controller = groups.fresh(self, common)?;
+                let unknown = controller.contact(&detector.contact).err();
+                return Err(refuse(unknown.map_or_else(String::new, |e| e.to_string())));
+            };
+            if self.force_torque_at(&contact.frame).is_none() {
+                return Err(refuse(no_force(&contact.name, &contact.frame)));
+            }
+        }
+        Ok(())
+    }
+
+    /// Applies every event once, and looks at what is asked of the controller until the end.
+    fn check_events(
+        &self,
+        text: &Text<'_>,
+        groups: &Groups<'_>,
+        common: &Common,
+    ) -> Result<Vec<Asked>, ScenarioError> {
+        let mut controller = groups.fresh(self, common)?;
+        let rate = common.rate;
+        let last_tick = self.ticks(rate).saturating_sub(1) as f64 / rate;
+        let mut marks = HashSet::new();
+        let refuse_event = |index, event: &Event, span, what: &str| ScenarioError::Value {
+            place: text.place_in_event(self.name(), index, span, what),
+            what: match &event.mark {
+                Some(mark) => format!("event `{mark}` at {} s: {what}", event.at),
+                None => format!("event at {} s: {what}", event.at),
+            },
+        };
+        for (index, (event, span)) in self.contents.events.iter().enumerate() {
+            let refuse = |what: String| refuse_event(index, event, span, &what);
+            if event.is_idle() {
+                return Err(refuse(
+                    "does nothing: give it an action, such as `follow`, or a `mark`, or take it out".into(),
+                ));
+            }
+            // The check applies every event to a controller that never runs.
+            event.apply(&mut controller).map_err(&refuse)?;
+            for contact in common
+                .contacts
+                .iter()
+                .filter(|c| event.tare.contains(&c.name))
+            {
+                if self.force_torque_at(&contact.frame).is_none() {
+                    let what = no_force(&contact.name, &contact.frame);
+                    return Err(refuse(format!("tare: {what}")));
                 }
             }
-        }
-    };
-    thread::scope(|scope| {
-        for _ in 1..threads {
-            scope.spawn(work);
-        }
-        work();
-    });
-    let first = first.into_inner().unwrap_or_else(PoisonError::into_inner);
-    first.map_or(Ok(()), |(_, error)| Err(error))
-}
-
-/// Whatever another thread did to it: what is in here is whole or not there.
-fn locked<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
-    of.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// The cases of a scenario by what they ask of the controller's file: those that ask the same have one controller.
-pub(super) struct Groups<'a> {
-    robots: Arc<Robots>,
-    /// By case.
-    group_of: Vec<usize>,
-    /// What each has, while there are cases that want it.
-    list: Vec<Mutex<Group>>,
-    note: Note<'a>,
-}
-
-/// Hears a case's name and what its controller is going to take, before it is made.
-pub type Note<'a> = &'a (dyn Fn(&str, &Memory) + Sync);
-
-#[derive(Default)]
-struct Group {
-    waiting: usize,
-    common: Option<Arc<Common>>,
-}
-
-/// What the cases of a group have in common.
-pub(super) struct Common {
-    pub(super) robot: RobotModel,
-    /// Of the controller, Hz.
-    pub(super) rate: f64,
-    pub(super) contacts: Vec<ContactSpec>,
-    /// One that nothing happened to, for the first that wants it.
-    fresh: Mutex<Option<Controller>>,
-    known: Mutex<Option<Arc<Known>>>,
-    /// Addresses of what was found good: cases share it.
-    good: Mutex<HashSet<usize>>,
-}
-
-/// What some events within some time ask of a controller, which takes them.
-pub(super) struct Known {
-    /// Whose events and time they are.
-    pub(super) contents: Arc<Contents>,
-    pub(super) asked: Vec<Asked>,
-}
-
-impl<'a> Groups<'a> {
-    pub(super) fn new(cases: &[Case], robots: &Arc<Robots>, note: Note<'a>) -> Self {
-        let mut groups: Vec<Mutex<Group>> = Vec::new();
-        let mut known = HashMap::new();
-        let mut group_of = Vec::new();
-        for case in cases {
-            // Plain data, whose every bit this says.
-            let key = (case.controller_file(), format!("{:?}", case.overrides()));
-            let group = *known.entry(key).or_insert_with(|| {
-                groups.push(Mutex::default());
-                groups.len() - 1
-            });
-            if let Some(group) = groups.get_mut(group) {
-                let group = group.get_mut().unwrap_or_else(PoisonError::into_inner);
-                group.waiting += 1;
+            if event.at > last_tick + 1e-6 / rate {
+                return Err(refuse(format!(
+                    "would never happen: the last tick is at {last_tick:.3} s"
+                )));
             }
-            group_of.push(group);
-        }
-        Self {
-            robots: robots.clone(),
-            group_of,
-            list: groups,
-            note,
-        }
-    }
-
-    /// The cases group by group, so that few groups are there at a time.
-    pub(super) fn order(&self) -> Vec<usize> {
-        let mut order: Vec<usize> = (0..self.group_of.len()).collect();
-        order.sort_by_key(|&case| self.group_of.get(case));
-        order
-    }
-
-    /// What a case has in common with others; made if nobody has made it yet.
-    pub(super) fn common(&self, index: usize, case: &Case) -> Result<Arc<Common>, ScenarioError> {
-        let group = self.group_of.get(index).and_then(|&g| self.list.get(g));
-        let Some(group) = group else {
-            return self.make_common(case);
-        };
-        // Others of the group wait: they would make the same.
-        let mut group = locked(group);
-        let common = match group.common.take() {
-            Some(common) => common,
-            None => self.make_common(case)?,
-        };
-        group.waiting = group.waiting.saturating_sub(1);
-        if group.waiting > 0 {
-            group.common = Some(common.clone());
-        }
-        Ok(common)
-    }
-
-    fn make_common(&self, case: &Case) -> Result<Arc<Common>, ScenarioError> {
-        let controller = self.make(case)?;
-        let ids = controller
-            .contact_names()
-            .filter_map(|name| controller.contact(name).ok());
-        let contacts = ids.map(|id| controller.contact_spec(id).clone()).collect();
-        Ok(Arc::new(Common {
-            robot: controller.robot().clone(),
-            rate: controller.settings().rate,
-            contacts,
-            fresh: Mutex::new(Some(controller)),
-            known: Mutex::default(),
-            good: Mutex::default(),
-        }))
-    }
-
-    /// A controller of a case that nothing has happened to.
-    pub(super) fn fresh(&self, case: &Case, common: &Common) -> Result<Controller, ScenarioError> {
-        let fresh = locked(&common.fresh).take();
-        fresh.map_or_else(|| self.make(case), Ok)
-    }
-
-    fn make(&self, case: &Case) -> Result<Controller, ScenarioError> {
-        let config = case.controller_config()?.without_record();
-        let robot = self.robots.load(&config);
-        let plan = robot
-            .and_then(|robot| Plan::new(config, robot))
-            .map_err(|source| case.controller_error(source))?;
-        (self.note)(case.name(), &plan.memory());
-        plan.make().map_err(|source| case.controller_error(source))
-    }
-}
-
-impl Common {
-    /// Whether the same was found good before. A case lives as long as the check of all, so that no address is that of
-    /// something else.
-    pub(super) fn is_checked(&self, contents: &Arc<Contents>) -> bool {
-        locked(&self.good).contains(&Arc::as_ptr(contents).addr())
-    }
-
-    pub(super) fn checked(&self, contents: &Arc<Contents>) {
-        locked(&self.good).insert(Arc::as_ptr(contents).addr());
-    }
-
-    /// What is known of the same events within the same time.
-    pub(super) fn known(&self, contents: &Contents) -> Option<Arc<Known>> {
-        let known = locked(&self.known).clone();
-        known.filter(|known| {
-            let (events, others) = (&known.contents.events, &contents.events);
-            let is_same = Arc::ptr_eq(events, others) || events.entries == others.entries;
-            known.contents.duration == contents.duration && is_same
-        })
-    }
-
-    pub(super) fn remember(&self, known: &Arc<Known>) {
-        *locked(&self.known) = Some(known.clone());
-    }
-}
-
-/// The robots that the controllers of the cases name, the last of them.
-#[derive(Debug, Default)]
-pub(super) struct Robots(Mutex<Vec<(String, RobotModel)>>);
-
-impl Robots {
-    /// The robot of a configuration.
-    pub(super) fn load(&self, config: &ControllerConfig) -> Result<RobotModel, ConfigErrors> {
-        let key = serde_json::to_string(&(&config.robot, &config.directory)).ok();
-        let known = |key: &String| {
-            let robots = locked(&self.0);
-            let (_, robot) = robots.iter().find(|(known, _)| known == key)?;
-            Some(robot.clone())
-        };
-        if let Some(robot) = key.as_ref().and_then(known) {
-            return Ok(robot);
-        }
-        let robot = config.load_robot()?;
-        if let Some(key) = key {
-            let mut robots = locked(&self.0);
-            if robots.len() == KEPT {
-                robots.remove(0);
-            }
-            robots.push((key, robot.clone()));
-        }
-        Ok(robot)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn refused(index: usize) -> ScenarioError {
-        ScenarioError::Value {
-            place: String::new(),
-            what: index.to_string(),
-        }
-    }
-
-    #[test]
-    fn the_first_in_order_is_told_whatever_fails_first() {
-        for count in [0, 1, 7, 8, 500] {
-            let fails = |index: usize| match index % 5 {
-                3 => Err(refused(index)),
-                _ => Ok(()),
-            };
-            let forth: Vec<usize> = (0..count).collect();
-            let back: Vec<usize> = (0..count).rev().collect();
-            for order in [forth, back] {
-                let error = all(&order, fails).err().map(|error| error.to_string());
-                assert_eq!(error, (count > 3).then(|| refused(3).to_string()));
+            if let Some(mark) = &event.mark
+                && !marks.insert(mark.as_str())
+            {
+                return Err(refuse("another event has the same mark".into()));
             }
         }
+        if let Some((index, what)) = contradiction(self.events())
+            && let Some((event, span)) = self.contents.events.iter().nth(index)
+        {
+            return Err(refuse_event(index, event, span, &what));
+        }
+        let mut events: Vec<&Event> = self.events().iter().collect();
+        events.sort_by(|a, b| a.at.total_cmp(&b.at));
+        if !events.is_empty() {
+            // Without what happens later.
+            controller = groups.fresh(self, common)?;
+        }
+        self.asked(&mut controller, &events)
     }
+}
 
-    #[test]
-    fn every_case_is_looked_at() {
-        let seen = AtomicUsize::new(0);
-        let look = |_| {
-            seen.fetch_add(1, Ordering::Relaxed);
-            Ok(())
-        };
-        let order: Vec<usize> = (0..100).collect();
-        assert!(all(&order, look).is_ok());
-        assert_eq!(seen.into_inner(), 100);
-    }
+fn no_force(contact: &str, frame: &str) -> String {
+    format!(
+        "no force is measured at contact `{contact}`: there is no [[sensors.force_torque]] with frame = \"{frame}\""
+    )
 }

@@ -47,9 +47,11 @@ mod case;
 mod change;
 mod check;
 mod contents;
+mod contradiction;
 mod error;
 mod event;
 mod file;
+mod groups;
 mod idle;
 mod json_schema;
 mod names;
@@ -60,11 +62,12 @@ mod place;
 mod push;
 mod set_point;
 mod variation;
+mod warnings;
 
 pub use case::{Case, Initial};
-pub use check::Note;
 pub use error::{RunError, ScenarioError};
 pub use event::Event;
+pub use groups::Note;
 pub use json_schema::json_schema;
 pub use names::is_name;
 pub use perturbation::Perturbation;
@@ -77,8 +80,8 @@ use std::{
 
 use wbqp::{config::ControllerConfig, input, robot::SourceFile, suggestion::suggestion};
 
-use check::{Groups, Robots};
 use file::Text;
+use groups::{Groups, Robots};
 
 /// A loaded and checked scenario.
 #[derive(Clone, Debug)]
@@ -226,7 +229,7 @@ impl Scenario {
             .collect();
         let robots = Arc::default();
         let groups = Groups::new(&checked, &robots, note);
-        check::all(&groups.order(), |index| {
+        groups::all(&groups.order(), |index| {
             let Some(case) = checked.get(index) else {
                 return Ok(());
             };

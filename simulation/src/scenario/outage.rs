@@ -3,16 +3,14 @@
 use toml::de::{DeTable, DeValue};
 
 use super::change::Refusal;
-
-/// Sensors that have no entry of their own.
-const ALWAYS: [&str; 2] = ["base", "joints"];
+use crate::sensors::BUILT_IN;
 
 /// If changes name the outage of a sensor that there is, and the file has one of a sensor that there is not: that one.
 /// That the first is not there is only what comes of it.
 pub(super) fn misspelt(root: &DeTable<'_>, changes: &DeTable<'_>) -> Option<Refusal> {
     let changed = table(table(changes, "sensors")?, "outage")?;
     let sensors = table(root, "sensors")?;
-    let mut known = ALWAYS.to_vec();
+    let mut known = BUILT_IN.to_vec();
     known.extend(texts(sensors, "force_torque", "frame").map(|(_, frame, _)| frame));
     let there: Vec<_> = texts(sensors, "outage", "sensor").collect();
     let meant = changed.keys().map(|name| &**name.get_ref()).find(|name| {

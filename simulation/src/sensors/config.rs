@@ -1,5 +1,7 @@
 //! The `[sensors]` table.
 
+use std::collections::HashSet;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -60,7 +62,7 @@ pub struct JointSensorConfig {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ForceTorqueConfig {
-    /// Named frame of the robot; readings are in its axes, about its origin.
+    /// Named frame of the robot; readings are in its axes, about its origin. A frame has one sensor.
     pub frame: String,
     /// Constant error of the force, N.
     #[serde(default)]
@@ -129,9 +131,17 @@ impl SensorsConfig {
             problems.not_negative(&key("moment_sd"), sensor.moment_sd);
             problems.positive(&key("cutoff"), sensor.cutoff, true);
         }
-        for (i, outage) in self.outages.iter().enumerate() {
-            outage.validate(&format!("outage[{i}]"), &mut problems);
+        let mut frames = HashSet::new();
+        for (i, sensor) in self.force_torque.iter().enumerate() {
+            if !frames.insert(&sensor.frame) {
+                let what = format!(
+                    "`{}` has a sensor already: what is measured at a frame is one wrench",
+                    sensor.frame
+                );
+                problems.add(&format!("force_torque[{i}].frame"), &what);
+            }
         }
+        OutageConfig::validate(&self.outages, &mut problems);
         problems.into_result(|problems| PlantError::Config { problems })
     }
 }

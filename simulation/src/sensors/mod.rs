@@ -21,6 +21,7 @@ use rand_distr::StandardNormal;
 use wbqp::{spatial, state::State};
 
 pub use config::{BaseSensorConfig, ForceTorqueConfig, JointSensorConfig, SensorsConfig};
+pub(crate) use outage::BUILT_IN;
 pub use outage::{OutageConfig, Reads};
 
 use crate::{

@@ -44,6 +44,11 @@ fn never() -> f64 {
 /// A plant's time is a sum of steps: a sample is as late as its stamp says to within this, s.
 const SLACK: f64 = 1e-6;
 
+const BASE: &str = "base";
+const JOINTS: &str = "joints";
+/// Sensors that have no entry of their own.
+pub(crate) const BUILT_IN: [&str; 2] = [BASE, JOINTS];
+
 /// The measured quantities that a sensor has.
 #[derive(Clone, Copy, Debug)]
 enum Measured {
@@ -53,11 +58,33 @@ enum Measured {
 }
 
 impl OutageConfig {
-    pub(super) fn validate(&self, key: &str, problems: &mut Problems) {
-        problems.not_negative(&format!("{key}.from"), self.from);
-        if self.until.is_nan() || self.until <= self.from {
-            let what = format!("is {}, must be after from = {}", self.until, self.from);
-            problems.add(&format!("{key}.until"), &what);
+    /// Checks the times of all outages.
+    pub(super) fn validate(all: &[Self], problems: &mut Problems) {
+        for (i, outage) in all.iter().enumerate() {
+            let Self { from, until, .. } = outage;
+            problems.not_negative(&format!("outage[{i}].from"), *from);
+            if until.is_nan() || until <= from {
+                let what = format!("is {until}, must be after from = {from}");
+                problems.add(&format!("outage[{i}].until"), &what);
+            }
+        }
+        let mut of_sensor: Vec<(usize, &Self)> = all.iter().enumerate().collect();
+        of_sensor.sort_by(|(_, a), (_, b)| {
+            let by_sensor = a.sensor.cmp(&b.sensor);
+            by_sensor.then(a.from.total_cmp(&b.from))
+        });
+        for pair in of_sensor.windows(2) {
+            if let [(_, earlier), (i, later)] = pair
+                && earlier.sensor == later.sensor
+                && later.from < earlier.until
+            {
+                let what = format!(
+                    "is {} s, when the sensor is broken already, from {} s to {} s: make it one outage, or let this one \
+                     begin later",
+                    later.from, earlier.from, earlier.until
+                );
+                problems.add(&format!("outage[{i}].from"), &what);
+            }
         }
     }
 }
@@ -88,13 +115,13 @@ impl Outage {
         for (i, outage) in config.outages.iter().enumerate() {
             let frame = frames.iter().position(|frame| *frame == outage.sensor);
             let of = match (outage.sensor.as_str(), base, frame) {
-                ("base", Base::Floating, _) => Measured::Base,
-                ("joints", _, _) => Measured::Joints,
+                (BASE, Base::Floating, _) => Measured::Base,
+                (JOINTS, _, _) => Measured::Joints,
                 (_, _, Some(index)) => Measured::Wrench(index),
                 (name, _, None) => {
                     let mut known = frames.clone();
-                    known.push("joints");
-                    known.extend((base == Base::Floating).then_some("base"));
+                    known.push(JOINTS);
+                    known.extend((base == Base::Floating).then_some(BASE));
                     let hint = suggestion(name, &known);
                     let what = format!("there is no sensor `{name}`{hint}");
                     problems.add(&format!("outage[{i}].sensor"), &what);
