@@ -83,7 +83,8 @@ fn gap(qp: &Qp, proof: &Solution) -> f64 {
 }
 
 /// Writes the limits of a proof into storage with room for one per row and bound and one more; the equations of motion,
-/// which always hold, and limits of slacks are left out.
+/// which always hold, and limits of slacks are left out. Those that would have to give the least come first, counted in
+/// the units of the problem: by how far their planes would have to move.
 pub(super) fn write_conflict(
     problem: &Problem,
     qp: &Qp,
@@ -126,7 +127,7 @@ pub(super) fn write_conflict(
         rows.chain(proof.z[..qp.n()].iter().map(|z| z.abs()))
     };
     let largest = terms().fold(0.0, f64::max);
-    for (index, _) in terms()
+    for (index, term) in terms()
         .enumerate()
         .filter(|(_, term)| *term > ROUNDING * largest || largest == 0.0)
     {
@@ -153,7 +154,12 @@ pub(super) fn write_conflict(
             (Side::Lower, lower, owners[0])
         };
         if let Some(row) = owner {
-            push(row, side, limit, multiplier, gap / multiplier.abs());
+            // What it is short by is written when they are in order.
+            push(row, side, limit, multiplier, term);
         }
+    }
+    out.sort_unstable_by(|a, b| b.short.total_cmp(&a.short).then(a.row.cmp(&b.row)));
+    for limit in out {
+        limit.short = gap / limit.multiplier.abs();
     }
 }

@@ -2,15 +2,17 @@
 
 use std::collections::HashMap;
 
+use wbqp::plugin::PerRow;
+
 use super::Event;
 
 /// What an event does to something.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Asked {
+#[derive(Clone, Copy, PartialEq)]
+enum Asked<'e> {
     On,
     Off,
-    /// A weight or a reference; two of them are never both meant.
-    Value,
+    Weight(&'e PerRow),
+    Reference(&'e toml::Value),
 }
 
 /// The first event that contradicts one of the same time, itself included: its index, and why, behind the key.
@@ -26,9 +28,7 @@ pub(super) fn contradiction(events: &[Event]) -> Option<(usize, String)> {
         }
         for (of, key, name, asked) in asked(event) {
             let before = known.insert((of, name), (index, asked));
-            let Some((other, before)) =
-                before.filter(|(_, b)| *b != asked || asked == Asked::Value)
-            else {
+            let Some((other, before)) = before.filter(|(_, before)| *before != asked) else {
                 continue;
             };
             let whose = if other == index {
@@ -39,13 +39,13 @@ pub(super) fn contradiction(events: &[Event]) -> Option<(usize, String)> {
             let what = match before {
                 Asked::On => "switches it on",
                 Asked::Off => "switches it off",
-                Asked::Value => "gives it one",
+                Asked::Weight(_) | Asked::Reference(_) => "gives it another one",
             };
             let subject = match asked {
-                Asked::Value => format!("{key}.{name}"),
+                Asked::Weight(_) | Asked::Reference(_) => format!("{key}.{name}"),
                 Asked::On | Asked::Off => format!("{key}: `{name}`"),
             };
-            let why = format!("{subject}: {whose} {what}, too; only the last of them would count");
+            let why = format!("{subject}: {whose} {what}, and only the last of them would count");
             return Some((index, why));
         }
     }
@@ -53,7 +53,7 @@ pub(super) fn contradiction(events: &[Event]) -> Option<(usize, String)> {
 }
 
 /// To what an event does something that another could undo: among what it is known, by which key, its name, and what.
-fn asked(event: &Event) -> impl Iterator<Item = (&'static str, &'static str, &str, Asked)> {
+fn asked(event: &Event) -> impl Iterator<Item = (&'static str, &'static str, &str, Asked<'_>)> {
     let switches = [
         (
             "contact",
@@ -74,9 +74,11 @@ fn asked(event: &Event) -> impl Iterator<Item = (&'static str, &'static str, &st
         let names = names.iter();
         names.map(move |name| (of, key, name.as_str(), asked))
     });
-    let weights = event.weight.keys();
-    let references = event.follow.keys();
+    let weights = event.weight.iter();
+    let references = event.follow.iter();
     switches
-        .chain(weights.map(|name| ("weight", "weight", name.as_str(), Asked::Value)))
-        .chain(references.map(|name| ("follow", "follow", name.as_str(), Asked::Value)))
+        .chain(weights.map(|(name, to)| ("weight", "weight", name.as_str(), Asked::Weight(to))))
+        .chain(
+            references.map(|(name, to)| ("follow", "follow", name.as_str(), Asked::Reference(to))),
+        )
 }

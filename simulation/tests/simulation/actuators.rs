@@ -110,6 +110,11 @@ fn weak_rotors_produce_less_than_was_commanded() {
     assert_eq!(thrusts(with(1.0, f64::INFINITY)), [4.0, 9.0]);
     assert_eq!(thrusts(with(1.0, 7.0)), [4.0, 7.0]);
     assert_eq!(thrusts(with(0.5, 7.0)), [2.0, 4.5]);
+    let dead = Mismatch {
+        rotor_scales: vec![0.0, 0.5, 1.0, 1.0, 1.0, 1.0],
+        ..Mismatch::default()
+    };
+    assert_eq!(thrusts(dead), [0.0, 4.5]);
 }
 
 #[test]

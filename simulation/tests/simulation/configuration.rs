@@ -64,6 +64,14 @@ fn every_number_that_cannot_be_is_refused_by_its_key() {
             "mismatch.thrust_scale: is -1, must be positive and finite",
         ),
         (
+            refused(|c| c.mismatch.mass_scale = 105.0),
+            "mismatch.mass_scale: is 105, must be at most 20: it is a factor, 1.05 for 5 % more",
+        ),
+        (
+            refused(|c| c.mismatch.rotor_scales = vec![0.0, -0.5]),
+            "mismatch.rotor_scales[1]: is -0.5, must be finite and not negative",
+        ),
+        (
             refused(|c| c.servo.time_constant = nan),
             "servo.time_constant: is NaN, must be positive and finite",
         ),

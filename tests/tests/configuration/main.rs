@@ -13,5 +13,6 @@ mod meaning_of_numbers;
 mod scenario_refusals;
 mod scenario_sharing;
 mod scenario_variants;
+mod scenario_warnings;
 mod short_configurations;
 mod varied_case;
