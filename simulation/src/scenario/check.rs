@@ -5,9 +5,9 @@ use std::{collections::HashSet, sync::Arc};
 use super::{
     Case, Event, ScenarioError,
     contradiction::contradiction,
-    file::Text,
     groups::{Common, Groups, Known},
     push::Asked,
+    text::Text,
 };
 
 /// Control periods of a run, at most: at 250 Hz more than four days of simulated time.

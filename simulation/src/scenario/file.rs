@@ -5,7 +5,7 @@ use std::{
     collections::{BTreeMap, HashMap},
     ops::Range,
     path::PathBuf,
-    sync::{Arc, OnceLock},
+    sync::Arc,
 };
 
 use schemars::JsonSchema;
@@ -14,17 +14,15 @@ use toml::{
     Spanned,
     de::{DeTable, DeValue, ValueDeserializer},
 };
-use wbqp::{
-    config::{ConfigErrors, Overrides, in_words},
-    contact::Detector,
-};
+use wbqp::{config::Overrides, contact::Detector};
 
 use super::{
     Event, Initial, ScenarioError, Variation,
-    change::{self, Events, LISTS, Members, Refusal, Whose},
+    change::{self, Events, Members, Refusal, Whose},
     contents::{Contents, Listed},
     idle, names, outage,
     parts::{self, Sections},
+    text::{CASE, Text},
 };
 use crate::{PlantConfig, SensorsConfig};
 
@@ -177,105 +175,10 @@ type KnownEvents<'c> = HashMap<&'c [usize], Arc<Listed<Event>>>;
 /// a small file can ask for has no end.
 const MOST_ENTRIES: usize = 50_000;
 
-/// The text of a file, and behind its end a variation's changes: what is read from them has spans that no part of the
-/// file has.
-pub(super) struct Text<'a> {
-    name: &'a str,
-    file: &'a str,
-    variation: &'a Variation,
-    changes: String,
-    /// Where entries stand that are parsed one by one; nothing if all is parsed at once.
-    sections: Option<Sections>,
-    /// Of the cases, once somebody asks.
-    longest: OnceLock<f64>,
-}
-
-/// The lists whose entries may be parsed one by one: those that have members, and the cases.
-fn paths() -> Vec<&'static [&'static str]> {
-    LISTS.iter().map(|list| list.path).chain([CASE]).collect()
-}
-
-const CASE: &[&str] = &["case"];
-
-impl<'a> Text<'a> {
-    pub(super) fn new(name: &'a str, text: &'a str, variation: &'a Variation) -> Self {
-        let changes = " ".repeat(text.len() + 1) + &variation.changes();
-        Self {
-            name,
-            file: text,
-            variation,
-            changes,
-            sections: Sections::of(text, &paths()),
-            longest: OnceLock::new(),
-        }
-    }
-
-    /// What errors call it.
-    pub(super) fn name(&self) -> &str {
-        self.name
-    }
-
-    /// `file:line:column`; for what is wrong with a variation, the value.
-    pub(super) fn place(&self, offset: usize) -> String {
-        if offset <= self.file.len() {
-            return place(self.name, self.file, offset);
-        }
-        let lines = self.changes.get(self.file.len() + 1..).unwrap_or_default();
-        let mut start = self.file.len() + 1;
-        let line = lines.lines().find(|line| {
-            start += line.len() + 1;
-            start > offset
-        });
-        let place = self.variation.display(line.unwrap_or_default());
-        if self.variation.is_option() {
-            place
-        } else {
-            format!("{}: {place}", self.name)
-        }
-    }
-
-    /// Where the name of a case is.
-    pub(super) fn place_of_case(&self, name: &str) -> Option<String> {
-        let cases = self.opened().ok()?;
-        let name = cases.name(cases.index(name)?)?;
-        Some(self.place(name.span().start))
-    }
-
-    /// The options that gave what is wrong with a controller, if nothing else is.
-    pub(super) fn option_of(&self, errors: &ConfigErrors) -> Option<String> {
-        let options = errors.iter().map(|error| self.variation.option_of(error));
-        let mut options: Vec<String> = options.collect::<Option<_>>()?;
-        options.dedup();
-        Some(options.join("`, `"))
-    }
-
-    fn error(&self, error: &toml::de::Error) -> ScenarioError {
-        let message = in_words(error.message());
-        let key = error.span().and_then(|span| self.key_of_value(&span));
-        ScenarioError::Syntax {
-            place: self.place(error.span().map_or(0, |span| span.start)),
-            message: match key {
-                Some(key) => format!("{key}: {message}"),
-                None => message,
-            },
-        }
-    }
-
-    /// The file's text.
-    pub(super) fn file(&self) -> &str {
-        self.file
-    }
-
-    pub(super) fn refusal(&self, refusal: Refusal) -> ScenarioError {
-        ScenarioError::Syntax {
-            place: self.place(refusal.span.start),
-            message: refusal.message,
-        }
-    }
-
+impl Text<'_> {
     /// The file, all of it parsed at once.
     fn as_a_whole(&self) -> Result<Parts<'_>, ScenarioError> {
-        let root = DeTable::parse(self.file).map_err(|e| self.error(&e))?;
+        let root = DeTable::parse(self.file()).map_err(|e| self.error(&e))?;
         let (span, mut root) = (root.span(), root.into_inner());
         if let Some(controller) = root.get("controller")
             && controller.get_ref().is_table()
@@ -319,7 +222,7 @@ impl<'a> Text<'a> {
         }
         // Before what refers to cases: a name that is there twice leaves another one out.
         names::check_cases(self, keys.iter().map(|case| &case.name))?;
-        let members = Members::take(self.file, &mut root, &[], &names_of(&keys));
+        let members = Members::take(self.file(), &mut root, &[], &names_of(&keys));
         Ok(Parts {
             span,
             root,
@@ -341,7 +244,7 @@ impl<'a> Text<'a> {
         }
         let (mut keys, mut changes) = (Vec::new(), Vec::new());
         for part in cases {
-            let mut case = parts::parsed(self.file, part, CASE)?;
+            let mut case = parts::parsed(self.file(), part, CASE)?;
             if let DeValue::Table(case) = case.get_mut() {
                 let has_change = case.remove("change").is_some();
                 changes.push(has_change.then(|| Change::Part(part.clone())));
@@ -349,7 +252,7 @@ impl<'a> Text<'a> {
             keys.push(CaseKeys::deserialize(ValueDeserializer::from(case)).ok()?);
         }
         names::check_cases(self, keys.iter().map(|case| &case.name)).ok()?;
-        let members = Members::take(self.file, &mut root, lists, &names_of(&keys)).ok()?;
+        let members = Members::take(self.file(), &mut root, lists, &names_of(&keys)).ok()?;
         Some(Parts {
             span,
             root,
@@ -527,7 +430,7 @@ impl<'a> Text<'a> {
     ) -> Option<Cow<'s, Spanned<DeValue<'s>>>> {
         match cases.changes.get(index)?.as_ref()? {
             Change::Read(own) => Some(Cow::Borrowed(own)),
-            Change::Part(part) => match parts::parsed(self.file, part, CASE)?.into_inner() {
+            Change::Part(part) => match parts::parsed(self.file(), part, CASE)?.into_inner() {
                 DeValue::Table(mut case) => case.remove("change").map(Cow::Owned),
                 _ => None,
             },
@@ -576,20 +479,4 @@ fn number(value: &DeValue<'_>) -> Option<f64> {
         DeValue::Integer(number) => number.as_str().parse().ok(),
         _ => None,
     }
-}
-
-/// What is wrong with a text that stands alone.
-pub(super) fn syntax(error: &toml::de::Error, name: &str, text: &str) -> ScenarioError {
-    ScenarioError::Syntax {
-        place: place(name, text, error.span().map_or(0, |span| span.start)),
-        message: in_words(error.message()),
-    }
-}
-
-/// `file:line:column`, columns in characters.
-pub(super) fn place(name: &str, text: &str, offset: usize) -> String {
-    let before = text.get(..offset.min(text.len())).unwrap_or(text);
-    let line = before.matches('\n').count() + 1;
-    let column = before.chars().rev().take_while(|&c| c != '\n').count() + 1;
-    format!("{name}:{line}:{column}")
 }

@@ -7,7 +7,8 @@ use toml::de::DeTable;
 use super::{
     Case, ScenarioError,
     change::{DISTURBANCES, Refusal},
-    file::{Cases, Text},
+    file::Cases,
+    text::Text,
 };
 
 /// Refuses a disturbance of which nothing says how it pushes, neither its entry nor any change: a forgotten key.

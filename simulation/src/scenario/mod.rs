@@ -61,6 +61,7 @@ mod perturbation;
 mod place;
 mod push;
 mod set_point;
+mod text;
 mod variation;
 mod warnings;
 
@@ -80,8 +81,8 @@ use std::{
 
 use wbqp::{config::ControllerConfig, input, robot::SourceFile, suggestion::suggestion};
 
-use file::Text;
 use groups::{Groups, Robots};
+use text::Text;
 
 /// A loaded and checked scenario.
 #[derive(Clone, Debug)]

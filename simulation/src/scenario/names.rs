@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use toml::Spanned;
 
-use super::{ScenarioError, file::Text};
+use super::{ScenarioError, text::Text};
 
 /// Of what names of files and folders are made.
 fn is_plain(c: char) -> bool {

@@ -10,7 +10,7 @@ use toml::{
 };
 use wbqp::config::{ConfigErrorKind, ConfigErrors};
 
-use super::{ScenarioError, change::Events, file::Text};
+use super::{ScenarioError, change::Events, text::Text};
 use crate::PlantError;
 
 /// A part of a key's path.

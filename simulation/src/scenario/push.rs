@@ -10,7 +10,7 @@ use wbqp::{
     suggestion::suggestion,
 };
 
-use super::{Case, Event, ScenarioError, file::Text};
+use super::{Case, Event, ScenarioError, text::Text};
 use crate::{
     PlantError,
     check::unknown_frame,

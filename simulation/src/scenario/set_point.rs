@@ -8,7 +8,7 @@ use wbqp::robot::SourceFile;
 
 use super::{
     Case,
-    file::{Text, place},
+    text::{Text, place},
 };
 
 impl Case {

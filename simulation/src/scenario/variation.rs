@@ -49,7 +49,7 @@ impl Variation {
     /// # Errors
     /// [`ScenarioError::Syntax`] with line and column.
     pub fn from_toml(text: &str) -> Result<Self, ScenarioError> {
-        toml::from_str(text).map_err(|error| super::file::syntax(&error, NAME, text))
+        toml::from_str(text).map_err(|error| super::text::syntax(&error, NAME, text))
     }
 
     /// Changes a value of the scenario, named by a [path](key_path) such as `plant.wall.NAME.friction`. Of two for the
