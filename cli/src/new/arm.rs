@@ -28,6 +28,8 @@ const TIP: [&str; 9] = [
 ];
 /// Postures that are tried.
 const TRIALS: usize = 2000;
+/// Room to the ends of a joint's range from which on more room is no better, as a share of the range.
+const ROOM: f64 = 0.2;
 /// Joints before which a fork is a shoulder and not a hand.
 const SHORTEST: usize = 3;
 
@@ -105,8 +107,8 @@ fn longest(model: &Model) -> Option<Limb> {
     (!arm.joints.is_empty()).then_some(arm)
 }
 
-/// Of many postures the one in which the tip's slowest direction is fastest, not far from the middle of the ranges,
-/// with the tip above the base.
+/// Of many postures the one in which the tip's slowest direction is fastest, not far from rest, with room to both ends of
+/// the ranges, and with the tip above the base.
 fn elbow_bent(model: &Model, at: &State, joints: &[JointId], tip: FrameId) -> Option<State> {
     let mut random = Random(0x2545_f491_4f6c_dd1d);
     let mut data = Data::new(model);
@@ -114,7 +116,7 @@ fn elbow_bent(model: &Model, at: &State, joints: &[JointId], tip: FrameId) -> Op
     let mut best: Option<(f64, State)> = None;
     for _ in 0..TRIALS {
         let mut trial = at.clone();
-        let mut strain = 0.0;
+        let (mut strain, mut crowded) = (0.0, 0.0);
         for joint in joints {
             let [lower, upper] = usable_range(model, *joint);
             let rest = 0.0_f64.max(lower).min(upper);
@@ -122,6 +124,10 @@ fn elbow_bent(model: &Model, at: &State, joints: &[JointId], tip: FrameId) -> Op
             // Tenths are easier to read.
             let q = ((10.0 * q).round() / 10.0).max(lower).min(upper);
             strain += (q - rest).powi(2) / joints.len() as f64;
+            let room = (q - lower).min(upper - q) / (ROOM * (upper - lower));
+            if room < 1.0 {
+                crowded += (1.0 - room).powi(2);
+            }
             *trial.q.get_mut(joint.index())? = q;
         }
         data.update_kinematics(model, &trial);
@@ -140,7 +146,7 @@ fn elbow_bent(model: &Model, at: &State, joints: &[JointId], tip: FrameId) -> Op
         };
         let singular = J.rows(0, rows).into_owned().singular_values();
         let slowest = singular.iter().copied().fold(f64::INFINITY, f64::min);
-        let score = slowest.ln() - 0.3 * strain;
+        let score = slowest.ln() - 0.3 * strain - 0.3 * crowded;
         if score.is_finite() && best.as_ref().is_none_or(|(most, _)| score > *most) {
             best = Some((score, trial));
         }

@@ -2,7 +2,10 @@
 
 use std::{fs, path::Path};
 
-use wbqp::{Controller, ControllerConfig, Measurement, controller::FallbackLevel, serde_json};
+use wbqp::{
+    Controller, ControllerConfig, Measurement, controller::FallbackLevel, model::JointKind,
+    serde_json,
+};
 use {wbqp_robots as _, wbqp_tasks as _};
 
 use crate::common::{Temporary, fixture, root, wbqp};
@@ -140,6 +143,29 @@ fn an_arm_holds_its_tip() {
     assert!(elbow < -0.3, "{text}");
     ticks_optimally(&mut controller);
     stands(&folder, Path::new(&folder.file("new.toml")));
+}
+
+/// As some arms have them: 0 is far from all that the joints can be.
+#[test]
+fn an_arm_is_at_home_with_room_to_both_ends_of_its_ranges() {
+    let folder = Temporary::new("arm_elsewhere");
+    let urdf = fs::read_to_string(fixture("arm.urdf")).unwrap();
+    let urdf = urdf.replace("lower=\"-2\" upper=\"2\"", "lower=\"0.8\" upper=\"5.5\"");
+    let file = folder.file("elsewhere.urdf");
+    fs::write(&file, urdf).unwrap();
+    let (_, controller) = new(&folder, &file, "arm", 0);
+    let robot = controller.robot();
+    let joints = robot.model.joints().iter().zip(&robot.home.q);
+    let mut seen = 0;
+    for (joint, q) in joints.filter(|(joint, _)| joint.kind == JointKind::Revolute) {
+        let range = joint.limits.upper - joint.limits.lower;
+        if range.is_finite() {
+            let room = (q - joint.limits.lower).min(joint.limits.upper - q) / range;
+            assert!(room > 0.1, "{}: {q}", joint.name);
+            seen += 1;
+        }
+    }
+    assert_eq!(seen, 5);
 }
 
 #[test]
