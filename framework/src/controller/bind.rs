@@ -345,10 +345,8 @@ impl Bound {
         misfits.stop_if_any()?;
 
         let mut world = World::new(&robot, period, bindings, frame_ids);
-        world.observer = settings.observer.clone().map(|observer| {
-            let actuation = Actuation::new(&model, &robot.actuators);
-            Observer::new(observer, actuation, &model, robot.nu())
-        });
+        let observer = settings.observer.clone();
+        world.observer = observer.map(|settings| Observer::new(settings, &robot, &world.bindings));
         let relaxation = Relaxation::new(&problem, &entries, &table, &robot.actuators, capacity);
         let relaxed = relaxation.qp.capacity();
         misfits.solver("active_set", native.bind(relaxed).map_err(BindError::from));

@@ -17,20 +17,29 @@
 //! a Luenberger observer with poles near `2π f_v` and `2π f_w` where `f_w ≪ f_v`. For constant errors of the base's
 //! acceleration ŵ is the observer of the generalised momentum of De Luca et al., "Collision detection and safe reaction
 //! with the DLR-III lightweight manipulator arm", IROS 2006, for the base alone.
+//!
+//! While λ is not known, because a sensor fails, or because a tick without a solution has planned none, nothing is
+//! predicted: v̂ is what is measured, and ŵ is forgotten, `ŵ ← (1 − c_b) ŵ`. A wrench of contacts from before would
+//! have to be taken back by ŵ once the robot is off the surface, one of zero would let ŵ stand for the surface: and the
+//! fallback law, which pushes against ŵ, would push against either. What is not confirmed becomes worse with time, too.
 
 use nalgebra::{DVector, Matrix6, Vector3, Vector6};
 
 use super::report::FallbackLevel;
 use crate::{
-    contact::ContactState,
+    contact::{ContactBinding, ContactState},
     plugin::PreviousSolution,
     settings::{ContactForces, Observer as Settings},
 };
-use wbqp_dynamics::{Actuation, Data, elementary::low_pass, model::Model};
+use wbqp_dynamics::{Actuation, Data, elementary::low_pass};
+use wbqp_robot_model::RobotModel;
 
 /// A prediction that is farther from what is measured counts for nothing, m/s or rad/s: it comes from a wrench, or from
 /// a mass matrix, of no robot, and would not be forgotten for long.
 const CREDIBLE: f64 = 100.0;
+
+/// Time in which a wrench that is not confirmed becomes 1/e, s.
+const FORGETTING: f64 = 2.0;
 
 /// How the last tick ended, and how long ago it was, s.
 #[derive(Clone, Copy, Debug)]
@@ -48,22 +57,50 @@ pub(crate) struct Observer {
     base: usize,
     /// S, row-major, nv × nu.
     inputs: Vec<f64>,
+    /// By contact: whether its force counts. What is measured at a frame counts once, however many contacts are there.
+    counts: Vec<bool>,
     /// Predicted velocities, then the innovation.
     velocity: DVector<f64>,
+    /// Whether the wrenches of the last measurement were not usable.
+    pub(crate) is_blind: bool,
     /// ŵ, `[force; moment]` about the base's origin, world axes, N and N·m. Zero for a fixed base.
     pub(crate) disturbance: Vector6<f64>,
 }
 
 impl Observer {
-    pub(crate) fn new(settings: Settings, actuation: Actuation, model: &Model, nu: usize) -> Self {
+    pub(crate) fn new(settings: Settings, robot: &RobotModel, bindings: &[ContactBinding]) -> Self {
+        let (model, nu) = (&robot.model, robot.nu());
+        let is_first = |(i, binding): (usize, &ContactBinding)| {
+            let mut before = bindings[..i].iter();
+            !before.any(|other| other.spec.frame == binding.spec.frame)
+        };
+        let counts = match settings.forces {
+            ContactForces::Measured => bindings.iter().enumerate().map(is_first).collect(),
+            ContactForces::Planned => vec![true; bindings.len()],
+        };
         Self {
+            counts,
             settings,
-            actuation,
+            actuation: Actuation::new(model, &robot.actuators),
             base: model.joint_offset(),
             inputs: vec![0.0; model.nv() * nu],
             velocity: DVector::zeros(model.nv()),
+            is_blind: false,
             disturbance: Vector6::zeros(),
         }
+    }
+
+    /// Whether the contact forces of the last tick, which ended on that level, are known.
+    pub(crate) fn knows_forces(&self, level: FallbackLevel) -> bool {
+        match self.settings.forces {
+            ContactForces::Measured => !self.is_blind,
+            ContactForces::Planned => level.is_solved(),
+        }
+    }
+
+    /// Forgets what it cannot confirm, `elapsed` s after the last tick.
+    pub(crate) fn forget(&mut self, elapsed: f64) {
+        self.disturbance *= (-elapsed / FORGETTING).exp();
     }
 
     /// Predicts the velocities of this tick from everything that is known of the last one.
@@ -96,7 +133,8 @@ impl Observer {
             for j in self.base..v.len() {
                 *push -= mass[(i, j)] * planned(j);
             }
-            for contact in contacts {
+            let counted = contacts.iter().zip(&self.counts);
+            for (contact, _) in counted.filter(|(_, counts)| **counts) {
                 let force = match self.settings.forces {
                     ContactForces::Measured => contact.measured,
                     ContactForces::Planned => contact.solution + contact.free_force,

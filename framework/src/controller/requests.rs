@@ -84,14 +84,18 @@ impl Controller {
     }
 
     /// Takes what the contact's force-torque sensor says now, on average over about half a second, for its zero, from
-    /// the next tick on: for a constant error of the sensor, while nothing is touched. Nothing happens before the first
-    /// tick.
+    /// the next tick on: for a constant error of the sensor, while nothing is touched. The same goes for all contacts at
+    /// its frame, which have one sensor. Nothing happens before the first tick.
     ///
     /// # Errors
     /// [`RequestError::Absent`].
     pub fn tare(&mut self, contact: &str) -> Result<(), RequestError> {
         let i = self.contact(contact)?.index();
-        self.world.bindings[i].zero.take();
+        for k in 0..self.world.bindings.len() {
+            if self.world.bindings[k].spec.frame == self.world.bindings[i].spec.frame {
+                self.world.bindings[k].zero.take();
+            }
+        }
         Ok(())
     }
 

@@ -9,7 +9,9 @@ use serde::{Deserialize, Serialize};
 /// wrench: errors of masses and thrusts, wind, a cable.
 ///
 /// For a robot that flies, or stands on sensors: what carries it and is neither a contact nor an effort is taken for
-/// an unknown wrench.
+/// an unknown wrench. While the forces at contacts are not known, because a sensor fails, or, with `forces = "planned"`,
+/// because a tick has no solution, the wrench is forgotten within some seconds, and velocities are the measured
+/// ones.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Observer {
@@ -40,7 +42,7 @@ pub struct Observer {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ContactForces {
-    /// What force-torque sensors measure, also while a contact is off.
+    /// What force-torque sensors measure, also while a contact is off; once where several contacts have one frame.
     #[default]
     Measured,
     /// What the last solution has at contacts that are on: for robots without such sensors.

@@ -96,6 +96,7 @@ pub(in super::super) fn remember_world(world: &World, before: &mut Memory) {
     }
     let observer = world.observer.as_ref();
     before.disturbance = observer.map_or([0.0; 6], |observer| observer.disturbance.into());
+    before.is_blind = observer.is_some_and(|observer| observer.is_blind);
     let last = &world.last;
     copy(&mut before.asked, last.virtual_input.as_slice());
     copy(&mut before.vdot, last.vdot.as_slice());
@@ -129,6 +130,7 @@ pub(in super::super) fn recall_filters(world: &mut World, before: &Memory) {
     }
     if let Some(observer) = &mut world.observer {
         observer.disturbance = before.disturbance.into();
+        observer.is_blind = before.is_blind;
     }
     copy(world.last.virtual_input.as_mut_slice(), &before.asked);
     copy(world.last.vdot.as_mut_slice(), &before.vdot);

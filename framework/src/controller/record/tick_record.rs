@@ -77,7 +77,7 @@ pub(crate) struct Memory {
     pub(crate) time: f64,
     pub(crate) origin: Option<f64>,
     /// Whether the first tick was behind; it was in all records that do not say so.
-    #[serde(default = "is_behind")]
+    #[serde(default = "yes")]
     pub(crate) has_begun: bool,
     /// The last usable state.
     pub(crate) state: StateRecord,
@@ -85,6 +85,9 @@ pub(crate) struct Memory {
     /// The unknown wrench on the base; zero in older records.
     #[serde(default)]
     pub(crate) disturbance: [f64; 6],
+    /// Whether the wrenches of the last measurement were not usable, for the observer; they were in records without it.
+    #[serde(default)]
+    pub(crate) is_blind: bool,
     pub(crate) asked: Vec<f64>,
     pub(crate) vdot: Vec<f64>,
     pub(crate) sent: Vec<f64>,
@@ -120,7 +123,7 @@ pub(crate) struct Memory {
     pub(crate) needed: Vec<bool>,
 }
 
-fn is_behind() -> bool {
+fn yes() -> bool {
     true
 }
 

@@ -8,6 +8,9 @@ impl World {
     /// Contacts are switched off, but not on, for which the measured force would be needed.
     pub(crate) fn look(&mut self, m: &Measurement, level: FallbackLevel) {
         self.take_state(m, level);
+        if let Some(observer) = &mut self.observer {
+            observer.is_blind = true;
+        }
         let contacts = self.contacts.iter_mut().zip(&mut self.bindings);
         for (contact, binding) in contacts {
             if !binding.switch.is_wanted() {

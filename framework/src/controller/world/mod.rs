@@ -63,6 +63,9 @@ impl World {
     /// Takes a measurement over and computes everything that depends on it.
     pub(crate) fn measure(&mut self, m: &Measurement, level: FallbackLevel) {
         self.take_state(m, level);
+        if let Some(observer) = &mut self.observer {
+            observer.is_blind = false;
+        }
         for ((binding, contact), wrench) in self
             .bindings
             .iter_mut()
@@ -86,15 +89,20 @@ impl World {
         let can_predict = self.origin.is_some() && self.is_continuous;
         self.time = m.time - *self.origin.get_or_insert(m.time);
         let observer = self.observer.as_mut().filter(|_| can_predict);
-        if let Some(observer) = observer {
-            let elapsed = self.elapsed;
-            let (data, contacts) = (&self.data, &self.contacts);
-            let last = LastTick { level, elapsed };
-            observer.predict(&self.state.v, data, contacts, &self.last, last);
-            self.state.copy_from(&m.state);
-            observer.correct(&mut self.state.v, data, elapsed);
-        } else {
-            self.state.copy_from(&m.state);
+        match observer {
+            Some(observer) if observer.knows_forces(level) => {
+                let elapsed = self.elapsed;
+                let (data, contacts) = (&self.data, &self.contacts);
+                let last = LastTick { level, elapsed };
+                observer.predict(&self.state.v, data, contacts, &self.last, last);
+                self.state.copy_from(&m.state);
+                observer.correct(&mut self.state.v, data, elapsed);
+            }
+            Some(observer) => {
+                observer.forget(self.elapsed);
+                self.state.copy_from(&m.state);
+            }
+            None => self.state.copy_from(&m.state),
         }
         // Sensors deliver quaternions that are almost of unit length: everything after needs exactly that.
         self.state.R_WR = UnitQuaternion::new_normalize(*m.state.R_WR.quaternion());
