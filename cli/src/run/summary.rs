@@ -18,7 +18,8 @@ use wbqp_sim::{Summary, scenario::Case};
 use super::{
     attention,
     solves::{LimitSummary, Solves},
-    tasks::{ErrorOf, TaskSummary},
+    task_errors::ErrorOf,
+    tasks::TaskSummary,
     traces::columns,
 };
 use crate::{
