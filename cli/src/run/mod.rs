@@ -13,7 +13,7 @@ mod tasks;
 mod traces;
 
 pub use solves::LimitSummary;
-pub use summary::{CaseSummary, ContactSummary, EffortSummary, FirstNotOptimal, TickTime};
+pub use summary::{CaseSummary, ContactSummary, EffortSummary, TickTime};
 pub use task_errors::ErrorOf;
 pub use tasks::TaskSummary;
 
