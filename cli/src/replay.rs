@@ -8,6 +8,7 @@ use std::{
 use anyhow::{Context, Result};
 use clap::Args;
 use wbqp::{
+    ControllerConfig,
     controller::{Dump, FallbackLevel},
     input,
 };
@@ -80,7 +81,7 @@ impl Arguments {
         } else {
             say!("no problem was built in this tick\n");
         }
-        say!("command{}", of_what(report.level, &dump));
+        say!("command{}", self.of_what(report.level, &dump)?);
         for (actuator, effort) in controller
             .robot()
             .actuators
@@ -102,7 +103,8 @@ impl Arguments {
 
     /// Robots' files that are not here are read from the dump.
     fn keep_files(&self, dump: &Dump) {
-        let table = configuration(dump);
+        // What is no configuration is told of where it is read.
+        let table: toml::Table = dump.configuration.parse().unwrap_or_default();
         let robot = table.get("robot");
         let directory = self.directory.as_deref();
         let directory = directory.unwrap_or(Path::new(&dump.directory));
@@ -121,24 +123,16 @@ impl Arguments {
             }
         }
     }
-}
 
-/// What a command is, if not a solution.
-fn of_what(level: FallbackLevel, dump: &Dump) -> String {
-    match level {
-        FallbackLevel::Extrapolated => ", the one before".to_owned(),
-        FallbackLevel::Safe => {
-            let table = configuration(dump);
-            let law = table.get("fallback").and_then(|law| law.get("type"));
-            // It is left out where it is the one by default.
-            let law = law.and_then(toml::Value::as_str).unwrap_or("damped_hover");
-            format!(" of the fallback law `{law}`")
-        }
-        _ => String::new(),
+    /// What a command is, if not a solution.
+    fn of_what(&self, level: FallbackLevel, dump: &Dump) -> Result<String> {
+        Ok(match level {
+            FallbackLevel::Extrapolated => ", the one before".to_owned(),
+            FallbackLevel::Safe => {
+                let config = ControllerConfig::from_dump(dump, self.directory.as_deref())?;
+                format!(" of the fallback law `{}`", config.fallback.typetag_name())
+            }
+            _ => String::new(),
+        })
     }
-}
-
-/// What is no configuration is told of where it is read: an empty one.
-fn configuration(dump: &Dump) -> toml::Table {
-    dump.configuration.parse().unwrap_or_default()
 }

@@ -1,6 +1,6 @@
 //! What a file is: a robot's URDF, a controller or a scenario.
 
-use std::{borrow::Cow, path::Path};
+use std::path::Path;
 
 use anyhow::{Context, Result, bail};
 use serde::Serialize;
@@ -25,20 +25,14 @@ impl Subject {
     /// A file that cannot be read, or that is none of these.
     pub fn of_file(path: &Path) -> Result<Self> {
         let name = path.display();
-        let bytes = input::read(path, input::LARGEST_TEXT)
-            .with_context(|| format!("{name}: cannot be read"))?;
-        let text = String::from_utf8_lossy(&bytes);
+        let refused = || format!("{name}: cannot be read");
+        let bytes = input::read(path, input::LARGEST_TEXT).with_context(refused)?;
         // XML may be in another encoding, TOML may not.
-        if matches!(text, Cow::Owned(_)) && !text.trim_start().starts_with('<') {
-            bail!(
-                "{name}: is not text in UTF-8: it should be a URDF, a controller or a scenario; in another encoding, \
-                 save it as UTF-8"
-            );
-        }
-        // Every other byte of a plain text in UTF-16 is zero, which is UTF-8 as well, but no text.
-        if let [0, ..] | [_, 0, ..] = bytes.as_slice() {
-            bail!("{name}: is not text in UTF-8 but probably in UTF-16: save it as UTF-8");
-        }
+        let text = if is_xml(&bytes) {
+            String::from_utf8_lossy(&bytes).into_owned()
+        } else {
+            input::text(bytes).with_context(refused)?
+        };
         let text = text.trim_start_matches('\u{feff}');
         if text.trim_start().starts_with('<') {
             return match root_element(text) {
@@ -60,6 +54,12 @@ impl Subject {
             )
         })
     }
+}
+
+/// Whether the first character is the bracket of XML, in an encoding in which one byte is enough for it.
+fn is_xml(bytes: &[u8]) -> bool {
+    let text = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(bytes);
+    matches!(text.trim_ascii_start(), [b'<', next, ..] if *next != 0)
 }
 
 /// The name of the first element, behind declarations, comments and a document type.
@@ -129,18 +129,29 @@ mod tests {
     }
 
     #[test]
-    fn utf_16_without_a_mark_is_told_as_that() {
-        let path = std::env::temp_dir().join(format!("wbqp_utf_16_{}.toml", std::process::id()));
-        let text = "name = \"a\"\ncontroller = \"b.toml\"\n".encode_utf16();
-        let [little, big] = [u16::to_le_bytes, u16::to_be_bytes]
-            .map(|bytes| text.clone().flat_map(bytes).collect::<Vec<u8>>());
-        for bytes in [little, big] {
+    fn only_xml_may_be_in_another_encoding_and_not_in_one_of_two_bytes() {
+        let path = std::env::temp_dir().join(format!("wbqp_encoding_{}", std::process::id()));
+        let subject = |bytes: &[u8]| {
             std::fs::write(&path, bytes).unwrap();
-            let words = Subject::of_file(&path).unwrap_err().to_string();
-            assert!(
-                words.ends_with("probably in UTF-16: save it as UTF-8"),
-                "{words}"
-            );
+            Subject::of_file(&path).map_err(|error| format!("{error:#}"))
+        };
+        let latin = b"\n<robot name=\"\xe9\"/>";
+        assert_eq!(subject(latin), Ok(Subject::Urdf));
+        assert_eq!(subject("\u{feff}<robot/>".as_bytes()), Ok(Subject::Urdf));
+        let words = subject(b"[robot]\n# \xe9").unwrap_err();
+        assert!(
+            words.ends_with("cannot be read: is not text: line 2 is not UTF-8"),
+            "{words}"
+        );
+        for text in ["<robot/>", "\n<robot/>", "name = \"a\"", "\u{feff}<robot/>"] {
+            for bytes in [u16::to_le_bytes, u16::to_be_bytes] {
+                let bytes: Vec<u8> = text.encode_utf16().flat_map(bytes).collect();
+                let words = subject(&bytes).unwrap_err();
+                assert!(
+                    words.ends_with("probably in UTF-16: save it as UTF-8"),
+                    "{words}"
+                );
+            }
         }
         std::fs::remove_file(&path).unwrap();
     }

@@ -8,18 +8,6 @@ use wbqp::{robot::RobotError, suggestion::suggestion};
 
 use crate::source::Source;
 
-/// Keys that every rotor may have, and `[defaults]`.
-const SHARED: [&str; 6] = [
-    "frame",
-    "thrust_coefficient",
-    "moment_coefficient",
-    "thrust",
-    "time_constant",
-    "slew",
-];
-/// Keys of a rotor alone.
-const OWN: [&str; 4] = ["name", "reaction", "position", "axis"];
-
 type Keys = BTreeMap<Spanned<String>, Spanned<Value>>;
 
 /// A file's keys, whatever they are and have as values.
@@ -42,7 +30,7 @@ pub(crate) fn refused(source: &Source<'_>, error: &toml::de::Error) -> Option<Ro
     let is_there =
         |r: &&Spanned<Keys>| r.span().contains(&at) || r.get_ref().iter().any(|k| has_key(&k));
     let rotor = loose.rotor.iter().find(is_there);
-    let (element, keys, known) = if let Some(rotor) = rotor {
+    let (element, keys) = if let Some(rotor) = rotor {
         let keys = rotor.get_ref();
         let name = keys.iter().find(|(key, _)| key.get_ref() == "name");
         let name = name.and_then(|(_, value)| value.get_ref().as_str());
@@ -50,18 +38,23 @@ pub(crate) fn refused(source: &Source<'_>, error: &toml::de::Error) -> Option<Ro
             || "a rotor without a name".to_owned(),
             |name| format!("rotor `{name}`"),
         );
-        (element, keys, [&OWN[..], &SHARED].concat())
+        (element, keys)
     } else {
         loose.defaults.iter().find(has_key)?;
-        ("[defaults]".to_owned(), &loose.defaults, SHARED.to_vec())
+        ("[defaults]".to_owned(), &loose.defaults)
     };
+    let message = error.message();
     let what = match keys.iter().find(has_key) {
-        Some((key, _)) if !known.contains(&key.get_ref().as_str()) => {
-            let key = key.get_ref();
-            format!("unknown field `{key}`{}", suggestion(key, &known))
-        }
-        Some((key, _)) => format!("`{}`: {}", key.get_ref(), error.message()),
-        None => error.message().to_owned(),
+        Some((key, _)) if key.span().contains(&at) => unknown(key.get_ref(), message),
+        Some((key, _)) => format!("`{}`: {message}", key.get_ref()),
+        None => message.to_owned(),
     };
     Some(source.error(at, &element, what))
+}
+
+/// Words for a key that its table does not have; the message ends with a list, in backticks, of those that it has.
+fn unknown(key: &str, message: &str) -> String {
+    let list = message.rsplit(", expected ").next().unwrap_or_default();
+    let known: Vec<&str> = list.split('`').skip(1).step_by(2).collect();
+    format!("unknown field `{key}`{}", suggestion(key, &known))
 }

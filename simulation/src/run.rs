@@ -10,6 +10,7 @@
 
 use std::time::Instant;
 
+use serde::Serialize;
 use wbqp::{
     controller::{Controller, FallbackLevel, Snapshot},
     robot::SourceFile,
@@ -52,7 +53,7 @@ pub struct Summary {
 }
 
 /// A tick whose command was not its optimum.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Held {
     /// When, s.
     pub time: f64,

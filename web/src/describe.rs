@@ -92,8 +92,7 @@ pub(crate) fn run(
         let id = controller.contact(name).ok()?;
         let spec = controller.contact_spec(id);
         let mut about = serde_json::to_value(spec).unwrap_or_default();
-        let sensors = &case.sensors().force_torque;
-        about["sensed"] = sensors.iter().any(|s| s.frame == spec.frame).into();
+        about["sensed"] = case.force_torque_at(&spec.frame).is_some().into();
         about["axes"] = controller
             .contact_state(id)
             .R_WC

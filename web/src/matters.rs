@@ -1,14 +1,12 @@
 //! What matters in a tick: which weights and gains move the command, which limits hold it.
 
 use wbqp::{
-    controller::{Controller, Effect, LimitRow, RequestError, Sensitivity},
+    controller::{Controller, Effect, RequestError, Sensitivity},
     serde_json::{Value, json},
 };
 
-/// Weights and gains that are told.
+/// Weights and gains, and limits, that are told.
 const MOST: usize = 6;
-/// A limit with a multiplier below this share of the largest does not hold anything.
-const NEGLIGIBLE: f64 = 1e-6;
 
 /// The derivatives of the last tick as JSON:
 ///
@@ -24,11 +22,7 @@ pub(crate) fn tell(controller: &mut Controller, sensitivity: &mut Sensitivity) -
         Ok(()) | Err(RequestError::NotKept) => None,
         Err(error) => Some(error.to_string()),
     };
-    let mut effects = sensitivity.effects();
-    // Where limits hold everything, the others move it by rounding.
-    let least = effects.first().map_or(0.0, |most| 1e-10 * most.effort);
-    effects.retain(|effect| effect.effort > least);
-    effects.truncate(MOST);
+    let effects = sensitivity.strongest_effects(MOST);
     let notes = sensitivity.notes_on(&effects);
     let effects = effects.iter().map(|effect| of_effect(effect, sensitivity));
     let effects: Vec<Value> = effects.collect();
@@ -60,12 +54,7 @@ fn of_effect(effect: &Effect, sensitivity: &Sensitivity) -> Value {
 }
 
 fn limits(controller: &Controller) -> Vec<Value> {
-    let mut active: Vec<&LimitRow> = controller.report().active.iter().collect();
-    active.sort_by(|a, b| b.multiplier.abs().total_cmp(&a.multiplier.abs()));
-    let largest = active.first().map_or(0.0, |row| row.multiplier.abs());
-    let holding = active
-        .into_iter()
-        .filter(|row| row.multiplier.abs() > NEGLIGIBLE * largest);
+    let holding = controller.report().holding().into_iter();
     holding
         .take(MOST)
         .filter_map(|row| {

@@ -159,8 +159,7 @@ fn fed_with_nothing(
 ) -> Result<Option<String>> {
     let name = &contact.name;
     let frame = &controller.contact_spec(controller.contact(name)?).frame;
-    let mut sensors = case.sensors().force_torque.iter();
-    if sensors.any(|sensor| &sensor.frame == frame) {
+    if case.force_torque_at(frame).is_some() {
         return Ok(None);
     }
     let pointers = ["/virtual_input/z", "/reference/z"].map(str::to_owned);

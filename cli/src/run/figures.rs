@@ -16,7 +16,7 @@ use super::{
     shades,
     solves::Solves,
     summary::effort_pointer,
-    tasks::{ErrorOf, by_unit},
+    task_errors::{ErrorOf, TaskErrors},
     traces::{columns, norm},
 };
 use crate::{check::effort_unit, text::number};
@@ -155,35 +155,30 @@ fn angles(quaternion: &[Series]) -> Vec<Series> {
 /// The error of every task, row by row; of one with many rows the norm.
 fn tasks(log: &Log, controller: &Controller, case: &Case) -> Result<Vec<Panel>> {
     let mut panels = Vec::new();
-    let layouts = controller.task_names().zip(controller.task_layouts());
-    for (name, layout) in layouts {
-        let of = ErrorOf::of(layout, controller, case);
-        let topic = format!("/task/{name}");
+    for errors in TaskErrors::of_all(log, controller, case) {
+        let TaskErrors {
+            name,
+            of,
+            unit,
+            rows,
+            series,
+            ..
+        } = errors?;
         let of_what = match of {
             ErrorOf::Measured => "",
             ErrorOf::Planned => ", planned force (none is measured)",
         };
-        for (unit, rows) in by_unit(log, &topic) {
-            let pointers: Vec<String> = rows
-                .iter()
-                .map(|row| format!("/rows/{}/{}", escaped(row), of.field()))
-                .collect();
-            let errors = columns(log, &topic, &pointers)?;
-            let (what, lines) = if rows.len() <= LINES {
-                ("error", lines(rows.into_iter().zip(errors)))
-            } else {
-                let norm = norm(&errors);
-                (
-                    "norm of the error",
-                    vec![Line::solid("", Colour::Blue, norm)],
-                )
-            };
-            panels.push(panel(
-                format!("Task {}{of_what}", name.replace('_', " ")),
-                format!("{what} [{unit}]"),
-                lines,
-            ));
-        }
+        let (what, lines) = if rows.len() <= LINES {
+            ("error", lines(rows.into_iter().zip(series)))
+        } else {
+            let norm = Line::solid("", Colour::Blue, norm(&series));
+            ("norm of the error", vec![norm])
+        };
+        panels.push(panel(
+            format!("Task {}{of_what}", name.replace('_', " ")),
+            format!("{what} [{unit}]"),
+            lines,
+        ));
     }
     Ok(panels)
 }

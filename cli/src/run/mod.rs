@@ -8,12 +8,14 @@ mod shades;
 mod soles;
 mod solves;
 mod summary;
+mod task_errors;
 mod tasks;
 mod traces;
 
 pub use solves::LimitSummary;
-pub use summary::{CaseSummary, ContactSummary, EffortSummary, FirstNotOptimal, TickTime};
-pub use tasks::{ErrorOf, TaskSummary};
+pub use summary::{CaseSummary, ContactSummary, EffortSummary, TickTime};
+pub use task_errors::ErrorOf;
+pub use tasks::TaskSummary;
 
 use std::{
     collections::BTreeSet,

@@ -13,12 +13,13 @@ use wbqp::{
 };
 use wbqp_log::{LogError, RunLock};
 use wbqp_measures::{Series, escaped, log::Log};
-use wbqp_sim::{Summary, scenario::Case};
+use wbqp_sim::{Held, Summary, scenario::Case};
 
 use super::{
     attention,
     solves::{LimitSummary, Solves},
-    tasks::{ErrorOf, TaskSummary},
+    task_errors::ErrorOf,
+    tasks::TaskSummary,
     traces::columns,
 };
 use crate::{
@@ -106,7 +107,7 @@ pub struct CaseSummary {
     /// How many of these had which level.
     pub levels: BTreeMap<&'static str, usize>,
     /// The first of these: when, s, and why.
-    pub first_not_optimal: Option<FirstNotOptimal>,
+    pub first_not_optimal: Option<Held>,
     /// The worst that a tick's command came from: `optimal`, `relaxed`, `extrapolated` or `safe`.
     pub worst_level: &'static str,
     /// Time at which the plant diverged, s.
@@ -129,15 +130,6 @@ pub struct CaseSummary {
     pub contacts: Vec<ContactSummary>,
     /// How long ticks took, µs.
     pub tick_time: TickTime,
-}
-
-/// The first tick whose command was not the optimum.
-#[derive(Clone, Debug, Serialize)]
-pub struct FirstNotOptimal {
-    /// When, s.
-    pub time: f64,
-    /// Why, in words.
-    pub why: String,
 }
 
 /// How much an actuator was asked for.
@@ -210,10 +202,7 @@ impl CaseSummary {
                 .into_iter()
                 .map(|(level, count)| (level.as_str(), count))
                 .collect(),
-            first_not_optimal: run.first_held.as_ref().map(|first| FirstNotOptimal {
-                time: first.time,
-                why: first.why.clone(),
-            }),
+            first_not_optimal: run.first_held.clone(),
             worst_level: solves.worst_level().as_str(),
             diverged: run.diverged,
             divergence: run.divergence,

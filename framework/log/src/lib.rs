@@ -41,6 +41,7 @@ mod run;
 mod scan;
 pub mod schema;
 mod state;
+mod time;
 
 pub use controller::{ControllerLog, TrueContact};
 pub use fields::{Fields, write_message};
@@ -55,6 +56,7 @@ pub use run::{Timeline, configuration_hash, write_diagnostics, write_rotors, wri
 #[cfg(feature = "mcap")]
 pub use scan::{Damage, check};
 pub use state::{state_schema, write_state};
+pub use time::nanoseconds;
 
 use std::{collections::BTreeMap, path::PathBuf};
 

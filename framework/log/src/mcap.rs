@@ -12,7 +12,7 @@ use std::{
 use mcap::{Attachment, Compression, McapError, WriteOptions, Writer, records};
 use serde_json::Value;
 
-use crate::{ChannelId, LogError, LogSink, RunLock};
+use crate::{ChannelId, LogError, LogSink, RunLock, nanoseconds};
 
 /// A sink that writes an MCAP file: messages in JSON or Protocol Buffers with their schemas, zstd chunks. Log time is
 /// the message's time in ns.
@@ -184,10 +184,7 @@ impl<W: Write + Seek + Send> LogSink for McapLog<W> {
     }
 
     fn write(&mut self, channel: ChannelId, time: f64, message: &[u8]) -> Result<(), LogError> {
-        if !(time.is_finite() && time >= 0.0) {
-            return Err(LogError::Time(time));
-        }
-        let nanoseconds = (time * 1e9).round() as u64;
+        let nanoseconds = nanoseconds(time)?;
         self.begin_chunk(nanoseconds)?;
         let writer = self.writer.as_mut().ok_or(LogError::Finished)?;
         let entry = self

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde_json::Value;
 
-use crate::{ChannelId, LogError, LogSink};
+use crate::{ChannelId, LogError, LogSink, nanoseconds};
 
 /// A log in memory: everything is public, and what is JSON is parsed.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -71,9 +71,7 @@ impl LogSink for MemoryLog {
         self.open()?;
         let opened = self.channels.get(channel.index());
         let (_, _, schema) = opened.ok_or(LogError::Channel(channel))?;
-        if !(time.is_finite() && time >= 0.0) {
-            return Err(LogError::Time(time));
-        }
+        nanoseconds(time)?;
         if schema.is_null() {
             self.protobuf.push((channel, time, message.to_owned()));
             return Ok(());

@@ -8,7 +8,7 @@ use toml::{
 };
 
 use super::{
-    ConfigErrorKind as Kind,
+    ConfigErrorKind as Kind, defaults,
     report::{At, Report, Span},
     table::Section,
 };
@@ -145,8 +145,14 @@ impl<'t> Document<'t> {
         match target {
             Target::Controller => self.controller.as_mut().ok_or_else(Vec::new),
             Target::Robot => self.robot.as_mut().ok_or_else(Vec::new),
-            Target::Solver => Ok(self.solver.get_or_insert_with(|| default("active_set"))),
-            Target::Fallback => Ok(self.fallback.get_or_insert_with(|| default("damped_hover"))),
+            Target::Solver => {
+                let section = || of_type(defaults::solver().typetag_name());
+                Ok(self.solver.get_or_insert_with(section))
+            }
+            Target::Fallback => {
+                let section = || of_type(defaults::fallback().typetag_name());
+                Ok(self.fallback.get_or_insert_with(section))
+            }
             Target::Measurement => Ok(self.measurement.get_or_insert_with(no_keys)),
             Target::Contact(name) => named(&mut self.contacts, &directory.contacts, name),
             Target::Task(name) => named(&mut self.tasks, &directory.tasks, name),
@@ -214,7 +220,7 @@ fn excerpt(source: &str, offset: usize) -> String {
 }
 
 /// What a file without `[solver]` or `[fallback]` stands for.
-fn default<'t>(tag: &'static str) -> Section<'t> {
+fn of_type<'t>(tag: &'static str) -> Section<'t> {
     let mut keys = DeTable::new();
     keys.insert(
         Spanned::new(0..0, "type".into()),

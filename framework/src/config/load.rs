@@ -11,7 +11,7 @@ use serde_json::Value as Json;
 
 use super::{
     ConfigError, ConfigErrorKind as Kind, ConfigErrors, ControllerConfig, Keeping,
-    MeasurementLimits, Overrides, Settings,
+    MeasurementLimits, Overrides, Settings, defaults,
     document::Document,
     entry,
     expand::{self, Reading, Texts},
@@ -23,11 +23,10 @@ use super::{
 use crate::{
     contact::ContactSpec,
     controller::Dump,
-    damped_hover::DampedHover,
     error::BindError,
     input,
     plugin::{AnyConstraint, AnyFallbackLaw, AnyTask, ENTRY_KEYS, Entry, Hardness},
-    qp::{ActiveSet, Solver},
+    qp::Solver,
     registry::{self, PluginKind, schema::Node},
 };
 use wbqp_robot_model::{Robot, SourceFile, SourceLocation};
@@ -229,11 +228,11 @@ impl Parts {
             .and_then(|section| single::<dyn Robot>(section, report));
         let solver: Option<Box<dyn Solver>> = match document.solver {
             Some(section) => single::<dyn Solver>(section, report),
-            None => Some(Box::new(ActiveSet::default())),
+            None => Some(defaults::solver()),
         };
         let fallback: Option<Box<dyn AnyFallbackLaw>> = match document.fallback {
             Some(section) => single::<dyn AnyFallbackLaw>(section, report),
-            None => Some(Box::new(DampedHover::default())),
+            None => Some(defaults::fallback()),
         };
         let measurement = match document.measurement {
             Some(section) => measurement(section, report),

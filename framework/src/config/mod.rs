@@ -29,6 +29,7 @@
 
 mod build;
 mod compose;
+mod defaults;
 mod document;
 mod entry;
 mod error;
@@ -46,9 +47,8 @@ use std::path::PathBuf;
 
 use crate::{
     contact::ContactSpec,
-    damped_hover::DampedHover,
     plugin::{AnyConstraint, AnyFallbackLaw, AnyTask, Entry},
-    qp::{ActiveSet, Solver},
+    qp::Solver,
     settings::{MeasurementLimits, Settings},
 };
 use wbqp_robot_model::{Diagnostic, Robot, SourceFile};
@@ -105,8 +105,8 @@ impl ControllerConfig {
         Self {
             settings,
             robot,
-            solver: Box::new(ActiveSet::default()),
-            fallback: Box::new(DampedHover::default()),
+            solver: defaults::solver(),
+            fallback: defaults::fallback(),
             measurement: MeasurementLimits::default(),
             contacts: Vec::new(),
             tasks: Vec::new(),

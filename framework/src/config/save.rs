@@ -8,10 +8,9 @@ use toml::{
     ser::{Error, ValueSerializer},
 };
 
-use super::ControllerConfig;
+use super::{ControllerConfig, defaults};
 use crate::{
-    damped_hover::DampedHover,
-    plugin::{AnyFallbackLaw, Entry, Hardness, PerRow},
+    plugin::{Entry, Hardness, PerRow},
     settings::MeasurementLimits,
 };
 
@@ -26,8 +25,7 @@ impl ControllerConfig {
         section(&mut text, "[controller]", "controller", &self.settings)?;
         section(&mut text, "[robot]", "robot", &self.robot)?;
         section(&mut text, "[solver]", "solver", &self.solver)?;
-        let default: &dyn AnyFallbackLaw = &DampedHover::default();
-        if keys_of("fallback", &self.fallback)? != keys_of("fallback", &default)? {
+        if keys_of("fallback", &self.fallback)? != keys_of("fallback", &defaults::fallback())? {
             section(&mut text, "[fallback]", "fallback", &self.fallback)?;
         }
         if self.measurement != MeasurementLimits::default() {

@@ -69,6 +69,9 @@ pub struct LimitRow {
     pub short: f64,
 }
 
+/// A limit with a price below this share of the highest does not hold anything.
+const NEGLIGIBLE: f64 = 1e-6;
+
 /// The report of a tick, in storage made once.
 #[derive(Clone, Debug)]
 pub struct Report {
@@ -137,6 +140,19 @@ impl Report {
     /// Name and unit of a row.
     pub fn row(&self, row: RowId) -> Option<&Named> {
         self.names.row(row)
+    }
+
+    /// The active limits that hold the optimum back, the most expensive first; those that the optimum does no more than
+    /// touch are left out. Allocates.
+    pub fn holding(&self) -> Vec<&LimitRow> {
+        let price = |limit: &LimitRow| limit.multiplier.abs();
+        let mut holding: Vec<&LimitRow> = self.active.iter().collect();
+        holding.sort_by(|a, b| price(b).total_cmp(&price(a)));
+        let least = holding
+            .first()
+            .map_or(0.0, |first| NEGLIGIBLE * price(first));
+        holding.retain(|limit| price(limit) > least);
+        holding
     }
 
     /// The fault in one line, with the names of entries, contacts and actuators; nothing after an optimum. Allocates.

@@ -311,6 +311,14 @@ impl Controller {
     }
 }
 
+impl Controller {
+    /// Lets stage times be measured.
+    pub fn with_stopwatch(mut self, stopwatch: Box<dyn Stopwatch>) -> Self {
+        self.stopwatch = stopwatch;
+        self
+    }
+}
+
 /// No clock: all stage times are zero.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct NoStopwatch;

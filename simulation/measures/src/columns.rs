@@ -7,7 +7,7 @@ use std::{
 };
 
 use serde_json::Value;
-use wbqp_log::{ChannelId, Fields, LogError, LogSink};
+use wbqp_log::{ChannelId, Fields, LogError, LogSink, nanoseconds};
 
 use crate::{MeasureError, Recording, RotorLimits, Series, escaped, header::Header};
 
@@ -103,17 +103,13 @@ impl Columns {
     }
 
     fn begin(&mut self, channel: ChannelId, time: f64) -> Result<&mut dyn Fields, LogError> {
-        if !(time.is_finite() && time >= 0.0) {
-            return Err(LogError::Time(time));
-        }
+        let nanoseconds = nanoseconds(time)?;
         let topic = self.topics.get_mut(channel.index());
         let topic = topic.ok_or(LogError::Channel(channel))?;
         if !topic.is_kept {
             return Ok(&mut self.nowhere);
         }
-        // Files have whole nanoseconds.
-        let nanoseconds = (time * 1e9).round();
-        topic.times.push(nanoseconds * 1e-9);
+        topic.times.push(nanoseconds as f64 * 1e-9);
         (topic.open, topic.next) = (None, 0);
         Ok(topic)
     }

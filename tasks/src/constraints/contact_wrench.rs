@@ -119,30 +119,13 @@ impl Constraint for ContactWrench {
     }
 
     fn update(&self, pyramid: &mut Pyramid, tick: &Tick<'_>, rows: &mut ConstraintRows<'_>) {
-        let Pyramid {
-            contact: id,
-            kind,
-            ref normals,
-        } = *pyramid;
-        let contact = tick.contact(id);
-        let [lower, upper] = contact.force_limits;
-        rows.bound(0, lower, upper);
-        let normal = kind.normal();
-        let friction = contact.friction * self.approximation.factor(self.sides);
+        pyramid.write(self.approximation, tick, rows);
         let (x, y) = (self.half_length_x, self.half_length_y);
-        let torsion = self
-            .torsional_friction
-            .unwrap_or(contact.friction * (x + y) / 3.0);
-        let mut force = rows.force(id);
-        let mut k = 0;
-        if let Some([along_x, along_y]) = kind.tangential() {
-            for n in normals {
-                force[(k, along_x)] = n[0];
-                force[(k, along_y)] = n[1];
-                force[(k, normal)] = -friction;
-                k += 1;
-            }
-        }
+        let friction = tick.contact(pyramid.contact).friction;
+        let torsion = self.torsional_friction.unwrap_or(friction * (x + y) / 3.0);
+        let (kind, sides) = (pyramid.kind, pyramid.normals.len());
+        let mut force = rows.force(pyramid.contact);
+        let mut k = sides;
         for (row, _, component) in moments(kind) {
             let arm = match row {
                 3 => y,
@@ -151,11 +134,11 @@ impl Constraint for ContactWrench {
             };
             for sign in [1.0, -1.0] {
                 force[(k, component)] = sign;
-                force[(k, normal)] = -arm;
+                force[(k, kind.normal())] = -arm;
                 k += 1;
             }
         }
-        for row in 0..k {
+        for row in sides..k {
             rows.limit(row, f64::NEG_INFINITY, 0.0);
         }
     }

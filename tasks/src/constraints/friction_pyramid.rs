@@ -55,6 +55,31 @@ impl Pyramid {
             normals,
         }
     }
+
+    /// Writes the bound on the normal force, and the sides into the first rows.
+    pub(super) fn write(
+        &self,
+        approximation: Approximation,
+        tick: &Tick<'_>,
+        rows: &mut ConstraintRows<'_>,
+    ) {
+        let contact = tick.contact(self.contact);
+        let [lower, upper] = contact.force_limits;
+        rows.bound(0, lower, upper);
+        let Some([x, y]) = self.kind.tangential() else {
+            return;
+        };
+        let friction = contact.friction * approximation.factor(self.normals.len());
+        let mut force = rows.force(self.contact);
+        for (k, [along_x, along_y]) in self.normals.iter().enumerate() {
+            force[(k, x)] = *along_x;
+            force[(k, y)] = *along_y;
+            force[(k, self.kind.normal())] = -friction;
+        }
+        for k in 0..self.normals.len() {
+            rows.limit(k, f64::NEG_INFINITY, 0.0);
+        }
+    }
 }
 
 /// How a pyramid approximates the friction cone.
@@ -70,7 +95,7 @@ pub enum Approximation {
 
 impl Approximation {
     /// `μ'/μ` for a number of sides.
-    pub(super) fn factor(self, sides: usize) -> f64 {
+    fn factor(self, sides: usize) -> f64 {
         match self {
             Self::Inner => elementary::sin_cos(PI / sides as f64).1,
             Self::Outer => 1.0,
@@ -142,27 +167,7 @@ impl Constraint for FrictionPyramid {
     }
 
     fn update(&self, pyramid: &mut Pyramid, tick: &Tick<'_>, rows: &mut ConstraintRows<'_>) {
-        let Pyramid {
-            contact: id,
-            kind,
-            ref normals,
-        } = *pyramid;
-        let contact = tick.contact(id);
-        let [lower, upper] = contact.force_limits;
-        rows.bound(0, lower, upper);
-        let Some([x, y]) = kind.tangential() else {
-            return;
-        };
-        let friction = contact.friction * self.approximation.factor(normals.len());
-        let mut force = rows.force(id);
-        for (k, [along_x, along_y]) in normals.iter().enumerate() {
-            force[(k, x)] = *along_x;
-            force[(k, y)] = *along_y;
-            force[(k, kind.normal())] = -friction;
-        }
-        for k in 0..normals.len() {
-            rows.limit(k, f64::NEG_INFINITY, 0.0);
-        }
+        pyramid.write(self.approximation, tick, rows);
     }
 
     fn remembered(&self, _: &mut Self::Running, _: &mut Remembered<'_>) {}

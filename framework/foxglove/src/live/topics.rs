@@ -4,7 +4,7 @@ use std::{collections::BTreeMap, sync::Arc};
 
 use foxglove::{Context, PartialMetadata, RawChannel, Schema};
 use wbqp::serde_json::{self, Value};
-use wbqp_log::{ChannelId, LogError, LogSink};
+use wbqp_log::{ChannelId, LogError, LogSink, nanoseconds};
 
 /// Topics of a context, which servers hand on. Metadata and attachments, which live views have no place for, are left
 /// out.
@@ -51,12 +51,9 @@ impl LogSink for Topics {
     }
 
     fn write(&mut self, channel: ChannelId, time: f64, message: &[u8]) -> Result<(), LogError> {
-        if !(time.is_finite() && time >= 0.0) {
-            return Err(LogError::Time(time));
-        }
+        let log_time = Some(nanoseconds(time)?);
         let known = self.channels.get(channel.index());
         let known = known.ok_or(LogError::Channel(channel))?;
-        let log_time = Some((time * 1e9).round() as u64);
         known.log_with_meta(message, PartialMetadata { log_time });
         Ok(())
     }

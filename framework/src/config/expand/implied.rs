@@ -5,7 +5,7 @@ use serde_json::Value as Json;
 use super::{List, Notes, Reading, Texts, read, value};
 use crate::{
     config::{
-        ControllerConfig,
+        ControllerConfig, defaults,
         document::Document,
         entry,
         json_schema::schema_of,
@@ -74,8 +74,11 @@ impl Lister<'_> {
             self.noted(List::Robot, 0, &subject, section);
             self.plugin::<dyn Robot>(&subject, section);
         }
-        self.optional::<dyn Solver>(document.solver.as_ref(), "active_set");
-        self.optional::<dyn AnyFallbackLaw>(document.fallback.as_ref(), "damped_hover");
+        self.optional::<dyn Solver>(document.solver.as_ref(), defaults::solver().typetag_name());
+        self.optional::<dyn AnyFallbackLaw>(
+            document.fallback.as_ref(),
+            defaults::fallback().typetag_name(),
+        );
         if let Some(section) = &document.measurement {
             self.defaults("measurement", &schema_of::<MeasurementLimits>(), section);
         }

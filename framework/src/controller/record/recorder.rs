@@ -1,6 +1,44 @@
 //! The last ticks of a controller, in a ring made once.
 
-use super::Record;
+use super::{
+    super::{Controller, RequestError},
+    Dump, Record, blank_record,
+};
+
+impl Controller {
+    /// Records the last `ticks` ticks, at least one. Costs a copy of the rows per tick.
+    ///
+    /// # Errors
+    /// [`RequestError::Unrecordable`] if a plug-in cannot be written to a file.
+    pub fn with_recorder(mut self, ticks: usize) -> Result<Self, RequestError> {
+        if let Err(problem) = &self.made_from.configuration {
+            return Err(RequestError::Unrecordable {
+                problem: problem.clone(),
+            });
+        }
+        let blank = blank_record(&self);
+        self.recorder = Some(Recorder::new(&blank, ticks));
+        Ok(self)
+    }
+
+    /// The recorded ticks if the level has changed in one of them since this was last asked. Allocates: call it outside
+    /// the real-time part.
+    pub fn take_dump(&mut self) -> Option<Dump> {
+        let recorder = self.recorder.as_mut()?;
+        if !std::mem::take(&mut recorder.pending) {
+            return None;
+        }
+        self.dump()
+    }
+
+    /// The recorded ticks; nothing without a recorder or before the first tick. Allocates.
+    pub fn dump(&self) -> Option<Dump> {
+        let records: Vec<Record> = self.recorder.as_ref()?.records().cloned().collect();
+        let configuration = self.made_from.configuration.clone().ok()?;
+        let directory = &self.made_from.directory;
+        (!records.is_empty()).then(|| Dump::new(directory, configuration, &self.robot, records))
+    }
+}
 
 /// A ring of records, and whether something happened that is worth a dump.
 #[derive(Clone, Debug)]

@@ -69,6 +69,16 @@ impl Sensitivity {
         effects.sort_by(|a, b| b.effort.total_cmp(&a.effort));
         effects
     }
+
+    /// The first of [`Sensitivity::effects`], `most` of them, without those that move the efforts by rounding beside
+    /// the first: where limits hold everything, that is all that the others do. Allocates.
+    pub fn strongest_effects(&self, most: usize) -> Vec<Effect> {
+        let mut effects = self.effects();
+        let least = effects.first().map_or(0.0, |first| ROUNDING * first.effort);
+        effects.retain(|effect| effect.effort > least);
+        effects.truncate(most);
+        effects
+    }
 }
 
 /// The label without the row or the index.

@@ -43,9 +43,55 @@ use crate::qp::Status;
 use shares::Shares;
 use workspace::{Place, Workspace};
 
+impl Controller {
+    /// Begins to keep what each tick begins with, from the next one on, for [`Controller::sensitivity`]. A tick copies
+    /// a few hundred numbers then. Allocates once.
+    pub fn keep_beginnings(&mut self) {
+        if self.before.is_none() {
+            self.before = Some(Box::new(Before::new(self)));
+        }
+    }
+
+    /// Keeps nothing any more: ticks are as they were before [`Controller::keep_beginnings`], and there are no
+    /// derivatives until that is called again.
+    pub fn forget_beginnings(&mut self) {
+        self.before = None;
+    }
+
+    /// Derivatives of the last tick's optimum, accelerations, efforts and contact forces, with respect to weights,
+    /// gains, references, and the measured state and wrenches; from one factorisation on the active limits.
+    ///
+    /// They are those of the tick alone: of what it would have computed from other numbers with the same past. Filters,
+    /// the observer and integrals are in it as far as this tick moves them. References are parameters of their own, and
+    /// stay what they were when the state is moved, also those that look at it. The command's rounding into its limits
+    /// and its velocity references are not part of it. [`Sensitivity::notes`] says where they do not exist.
+    ///
+    /// Does not allocate, unless keys of an entry were changed since the last call. Nothing of the controller
+    /// changes: the next tick is the same to the bit. Not for inside a real-time loop: it takes as long as fifty
+    /// to a thousand ticks.
+    ///
+    /// ```no_run
+    /// # fn run(mut controller: wbqp::Controller) -> Result<(), wbqp::controller::RequestError> {
+    /// use wbqp::controller::Sensitivity;
+    ///
+    /// let mut sensitivity = Sensitivity::new(&mut controller);
+    /// controller.tick(&controller.measurement());
+    /// controller.sensitivity(&mut sensitivity)?;
+    /// println!("{sensitivity}");
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// [`RequestError`]; what is in the storage is of no tick then.
+    pub fn sensitivity(&mut self, out: &mut Sensitivity) -> Result<(), RequestError> {
+        out.fill(self)
+    }
+}
+
 impl Sensitivity {
     /// Fills everything from the controller's last tick; [`Controller::sensitivity`].
-    pub(super) fn fill(&mut self, controller: &mut Controller) -> Result<(), RequestError> {
+    fn fill(&mut self, controller: &mut Controller) -> Result<(), RequestError> {
         self.forget();
         if self.stamp != controller.stamp {
             return Err(RequestError::OtherController);

@@ -3,7 +3,7 @@
 use std::{collections::BTreeMap, sync::Arc};
 
 use serde_json::Value;
-use wbqp_log::{ChannelId, LogError, LogSink};
+use wbqp_log::{ChannelId, LogError, LogSink, nanoseconds};
 
 use super::{Log, Messages};
 use crate::header::Header;
@@ -45,16 +45,12 @@ impl LogSink for Recorder {
     }
 
     fn write(&mut self, channel: ChannelId, time: f64, message: &[u8]) -> Result<(), LogError> {
-        if !(time.is_finite() && time >= 0.0) {
-            return Err(LogError::Time(time));
-        }
+        let nanoseconds = nanoseconds(time)?;
         let topic = self.topics.get_mut(channel.index());
         let (topic, messages) = topic.ok_or(LogError::Channel(channel))?;
         if !self.schemas.contains_key(topic) {
             return Ok(());
         }
-        // Files have whole nanoseconds.
-        let nanoseconds = (time * 1e9).round() as u64;
         messages.push((nanoseconds as f64 * 1e-9, message.to_owned()));
         Ok(())
     }

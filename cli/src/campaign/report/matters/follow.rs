@@ -13,8 +13,6 @@ use super::{Line, Told};
 const MOST: usize = 6;
 /// What is smaller than this share of what moves most is rounding.
 const ROUNDING: f64 = 1e-10;
-/// A limit with a multiplier below this share of the largest does not hold anything.
-const NEGLIGIBLE: f64 = 1e-6;
 
 /// Errors of all tasks, tick by tick, and when contacts begin and end.
 #[derive(Debug, Default)]
@@ -157,11 +155,7 @@ fn tell(controller: &mut Controller, sensitivity: &mut Sensitivity) -> Told {
             ..Told::default()
         };
     }
-    let mut effects = sensitivity.effects();
-    // Where limits hold everything, the others move it by rounding.
-    let least = effects.first().map_or(0.0, |most| 1e-10 * most.effort);
-    effects.retain(|effect| effect.effort > least);
-    effects.truncate(MOST);
+    let effects = sensitivity.strongest_effects(MOST);
     let notes = sensitivity.notes_on(&effects);
     let effects = effects.iter().map(|effect| Line {
         name: format!("{} {}", effect.owner, effect.key),
@@ -236,12 +230,7 @@ fn references(sensitivity: &Sensitivity) -> Vec<Line> {
 
 /// What holds the optimum back, the most expensive first.
 fn limits(controller: &Controller) -> Vec<String> {
-    let mut active: Vec<_> = controller.report().active.iter().collect();
-    active.sort_by(|a, b| b.multiplier.abs().total_cmp(&a.multiplier.abs()));
-    let largest = active.first().map_or(0.0, |row| row.multiplier.abs());
-    let holding = active
-        .into_iter()
-        .filter(|row| row.multiplier.abs() > NEGLIGIBLE * largest);
+    let holding = controller.report().holding().into_iter();
     holding
         .take(MOST)
         .filter_map(|row| {

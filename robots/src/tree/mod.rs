@@ -25,22 +25,24 @@
 //! ```
 #![allow(non_snake_case)]
 
+mod actuators;
+mod bodies;
+
 use std::{collections::BTreeMap, path::Path};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use wbqp::{
-    actuator::{Actuator, ActuatorKind, Drive, JointMotor, Reaction, Rotor},
     dynamics::Data,
-    model::{Base, BodyId, Inertia, Joint, JointKind, JointLimits, Model, ModelBuilder},
-    nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, UnitQuaternion, Vector3},
+    model::Model,
+    nalgebra::{Isometry3, Quaternion, UnitQuaternion},
     robot::{Robot, RobotError, RobotModel},
     serde_json::{self, Value},
     state::State,
     suggestion::suggestion,
 };
 
-use crate::{BaseKind, direction::direction, size};
+use crate::{BaseKind, size};
 
 /// A robot as plain data, for programs that read other formats: bodies, joints, frames, motors and rotors.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -296,9 +298,6 @@ impl Robot for Tree {
     }
 }
 
-/// A body of the model and where a body of the data is in it.
-type Place = (BodyId, Isometry3<f64>);
-
 impl Tree {
     fn refuse(&self, element: &str, what: impl Into<String>) -> RobotError {
         RobotError::Option {
@@ -317,129 +316,6 @@ impl Tree {
                 "has {number:e}, must be at most {most:e} (SI units); leave out what has no limit"
             );
             Err(self.refuse(&element, what))
-        })
-    }
-
-    fn model(&self) -> Result<Model, RobotError> {
-        let refused = |source| RobotError::Model {
-            file: format!("robot `{}`", self.name),
-            source,
-        };
-        let mut bodies = self.bodies.iter();
-        let Some(first) = bodies.next() else {
-            return Err(self.refuse("body", "there is none; the first is the base"));
-        };
-        if first.joint.is_some() || first.parent.is_some() {
-            let what = "is the first: the base has neither `parent` nor `joint`";
-            return Err(self.refuse(&format!("body `{}`", first.name), what));
-        }
-        if first.position != [0.0; 3] || first.quaternion != identity() {
-            let what = "is the base, which hangs on nothing: it has neither `position` nor `quaternion`; say in \
-                        `home` where it is";
-            return Err(self.refuse(&format!("body `{}`", first.name), what));
-        }
-        let base = match self.base {
-            BaseKind::Floating => Base::Floating,
-            BaseKind::Fixed => Base::Fixed,
-        };
-        let mut builder = ModelBuilder::new(&self.name, base, &first.name, first.inertia())
-            .gravity(self.gravity.into());
-        let mut places: BTreeMap<&str, Place> = BTreeMap::new();
-        places.insert(&first.name, (builder.base(), Isometry3::identity()));
-        for body in bodies {
-            let element = format!("body `{}`", body.name);
-            let parent = body.parent.as_deref().unwrap_or_default();
-            let (carrier, X_CP) = self.place(&places, &element, "parent", parent)?;
-            let X_CL = X_CP * self.pose(&element, body.position, body.quaternion)?;
-            let place = match &body.joint {
-                None => {
-                    builder.weld(carrier, X_CL, &body.name, &body.inertia());
-                    (carrier, X_CL)
-                }
-                Some(joint) => {
-                    let anchor = Translation3::from(joint.anchor);
-                    let X_BL = Isometry3::from(anchor.inverse());
-                    let follows = joint.follows.as_ref();
-                    let leader = follows.map(|f| (f.joint.as_str(), [f.multiplier, f.offset]));
-                    let id = builder.body_at(
-                        carrier,
-                        self.joint(joint, X_CL * anchor)?,
-                        leader,
-                        X_BL,
-                        &body.name,
-                        &body.inertia(),
-                    );
-                    (id, X_BL)
-                }
-            };
-            places.insert(&body.name, place);
-        }
-        for frame in &self.frames {
-            let element = format!("frame `{}`", frame.name);
-            let (body, X_BL) = self.place(&places, &element, "body", &frame.body)?;
-            let X_LF = self.pose(&element, frame.position, frame.quaternion)?;
-            builder.frame(&frame.name, body, X_BL * X_LF);
-        }
-        builder.build_with_any_inertia().map_err(refused)
-    }
-
-    fn place(
-        &self,
-        places: &BTreeMap<&str, Place>,
-        element: &str,
-        key: &str,
-        name: &str,
-    ) -> Result<Place, RobotError> {
-        places.get(name).copied().ok_or_else(|| {
-            let known: Vec<&str> = places.keys().copied().collect();
-            let hint = suggestion(name, &known);
-            self.refuse(
-                element,
-                format!("`{key}`: there is no body `{name}` before it{hint}"),
-            )
-        })
-    }
-
-    fn pose(
-        &self,
-        element: &str,
-        position: [f64; 3],
-        [w, x, y, z]: [f64; 4],
-    ) -> Result<Isometry3<f64>, RobotError> {
-        let rotation = UnitQuaternion::try_new(Quaternion::new(w, x, y, z), 1e-9)
-            .filter(|q| q.coords.iter().all(|x| x.is_finite()));
-        let rotation = rotation.ok_or_else(|| {
-            self.refuse(
-                element,
-                "`quaternion` needs four finite numbers, not all zero",
-            )
-        })?;
-        Ok(Isometry3::from_parts(position.into(), rotation))
-    }
-
-    fn joint(&self, joint: &TreeJoint, X_PJ: Isometry3<f64>) -> Result<Joint, RobotError> {
-        let axis = direction(Vector3::from(joint.axis)).ok_or_else(|| {
-            let what = "`axis` needs finite numbers and a direction";
-            self.refuse(&format!("joint `{}`", joint.name), what)
-        })?;
-        let [lower, upper] = joint.range;
-        Ok(Joint {
-            name: joint.name.clone(),
-            kind: match joint.kind {
-                TreeJointKind::Revolute => JointKind::Revolute,
-                TreeJointKind::Prismatic => JointKind::Prismatic,
-            },
-            axis,
-            X_PJ,
-            limits: JointLimits {
-                lower,
-                upper,
-                velocity: joint.velocity,
-                effort: joint.effort,
-            },
-            damping: joint.damping,
-            friction: joint.friction,
-            armature: joint.armature,
         })
     }
 
@@ -473,81 +349,21 @@ impl Tree {
         )
     }
 
-    fn actuators(&self, model: &Model) -> Result<Vec<Actuator>, RobotError> {
-        let mut actuators = Vec::new();
-        for rotor in &self.rotors {
-            let element = format!("rotor `{}`", rotor.name);
-            let Some(frame) = model.frame(&rotor.frame) else {
-                let known: Vec<&str> = model.frames().iter().map(|f| f.name.as_str()).collect();
-                let hint = suggestion(&rotor.frame, &known);
-                let what = format!("there is no frame `{}`{hint}", rotor.frame);
-                return Err(self.refuse(&element, what));
-            };
-            let [lower, upper] = rotor.thrust;
-            let [rise, fall] = rotor.time_constant;
-            let is_positive = |x: f64| x.is_finite() && x > 0.0;
-            if !rotor.moment.is_finite()
-                || ![rise, fall, rotor.thrust_coefficient]
-                    .into_iter()
-                    .all(is_positive)
-            {
-                let what =
-                    "`moment` must be finite, `time_constant` and `thrust_coefficient` positive";
-                return Err(self.refuse(&element, what));
-            }
-            actuators.push(Actuator {
-                name: rotor.name.clone(),
-                kind: ActuatorKind::Rotor(Rotor {
-                    frame,
-                    thrust_coefficient: rotor.thrust_coefficient,
-                    moment_coefficient: rotor.moment.abs(),
-                    reaction: if rotor.moment < 0.0 {
-                        Reaction::Negative
-                    } else {
-                        Reaction::Positive
-                    },
-                    rise,
-                    fall,
-                }),
-                lower,
-                upper,
-                slew: f64::INFINITY,
-            });
-        }
-        for motor in &self.motors {
-            let Some(joint) = model.joint(&motor.joint) else {
-                let what = Self::unknown_joint(model, &motor.joint);
-                return Err(self.refuse(&format!("motor `{}`", motor.name), what));
-            };
-            let effort = model.joints()[joint.index()].limits.effort;
-            let [lower, upper] = motor.limits;
-            // What is not a number stays so, and is refused later.
-            let lower = if lower < -effort { -effort } else { lower };
-            let upper = if upper > effort { effort } else { upper };
-            if lower > upper {
-                let [from, to] = motor.limits;
-                let what = format!(
-                    "`limits` are {from} to {to}, and joint `{}` bears {effort} either way: there is nothing that it \
-                     could do; correct `limits`, or the joint's `effort`",
-                    motor.joint
-                );
-                return Err(self.refuse(&format!("motor `{}`", motor.name), what));
-            }
-            actuators.push(Actuator {
-                name: motor.name.clone(),
-                kind: ActuatorKind::Joint(JointMotor {
-                    joint,
-                    drive: match motor.drive {
-                        TreeDrive::Torque => Drive::Torque,
-                        TreeDrive::Velocity => Drive::Velocity,
-                    },
-                }),
-                lower,
-                upper,
-                slew: f64::INFINITY,
-            });
-        }
-        Ok(actuators)
+    fn pose(
+        &self,
+        element: &str,
+        position: [f64; 3],
+        [w, x, y, z]: [f64; 4],
+    ) -> Result<Isometry3<f64>, RobotError> {
+        let rotation = UnitQuaternion::try_new(Quaternion::new(w, x, y, z), 1e-9)
+            .filter(|q| q.coords.iter().all(|x| x.is_finite()));
+        let rotation = rotation.ok_or_else(|| {
+            self.refuse(
+                element,
+                "`quaternion` needs four finite numbers, not all zero",
+            )
+        })?;
+        Ok(Isometry3::from_parts(position.into(), rotation))
     }
 }
 
@@ -568,13 +384,5 @@ fn too_large(path: &str, value: &Value) -> Option<(String, f64)> {
                 .find_map(|(key, value)| too_large(&join(key), value))
         }
         _ => None,
-    }
-}
-
-impl TreeBody {
-    fn inertia(&self) -> Inertia {
-        let ([xx, yy, zz], [xy, xz, yz]) = (self.moments, self.products);
-        let I = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
-        Inertia::from_com(self.mass, self.com.into(), I)
     }
 }

@@ -1,17 +1,23 @@
 //! Many controllers of one configuration, ticked by threads of Rust on arrays of all of them.
 
+mod numbers;
+mod outputs;
+
 use std::{
     path::PathBuf,
     sync::{Mutex, MutexGuard, TryLockError},
 };
 
 use pyo3::{
-    exceptions::{PyIndexError, PyKeyError, PyRuntimeError, PyTypeError, PyValueError},
+    exceptions::{PyKeyError, PyRuntimeError, PyValueError},
     prelude::*,
-    types::{PyBool, PyDict, PyEllipsis},
+    types::{PyDict, PyEllipsis},
 };
 use rayon::prelude::*;
-use wbqp::controller::{FallbackLevel, RequestError};
+use wbqp::controller::RequestError;
+
+use numbers::{number, numbers};
+use outputs::{Outputs, Shape};
 
 use crate::{
     config::{self, Source},
@@ -64,53 +70,6 @@ pub(crate) struct Batch {
     computed: [Py<PyAny>; 7],
 }
 
-/// What is computed per controller.
-#[derive(Clone, Copy)]
-struct Shape {
-    actuators: usize,
-    joints: usize,
-    velocities: usize,
-    contacts: usize,
-}
-
-/// Where the outputs of a controller are, which are stored quantity by quantity.
-struct Outputs {
-    effort: usize,
-    rotor_speed: usize,
-    joint_acceleration: usize,
-    joint_velocity: usize,
-    vdot: usize,
-    contact: usize,
-    level: usize,
-}
-
-impl Shape {
-    fn cells(self) -> usize {
-        2 * self.actuators + 2 * self.joints + self.velocities + 6 * self.contacts + 1
-    }
-
-    fn outputs(self, i: usize, n: usize) -> Outputs {
-        let rotor_speed = self.actuators * n;
-        let joint_acceleration = rotor_speed + self.actuators * n;
-        let joint_velocity = joint_acceleration + self.joints * n;
-        let vdot = joint_velocity + self.joints * n;
-        let contact = vdot + self.velocities * n;
-        let level = contact + 6 * self.contacts * n;
-        Outputs {
-            effort: self.actuators * i,
-            rotor_speed: rotor_speed + self.actuators * i,
-            joint_acceleration: joint_acceleration + self.joints * i,
-            joint_velocity: joint_velocity + self.joints * i,
-            vdot: vdot + self.velocities * i,
-            contact: contact + 6 * self.contacts * i,
-            level: level + i,
-        }
-    }
-}
-
-/// What is said of truth values where numbers are expected.
-const NO_MASK: &str = "of: must be the numbers of controllers, not a mask; `numpy.flatnonzero(mask)` makes them of one";
-
 impl Batch {
     /// Threads do not come along into a process that is forked off.
     fn check_process(&self) -> PyResult<()> {
@@ -139,7 +98,7 @@ impl Batch {
         of: Option<&Bound<'_, PyAny>>,
         ask: impl Fn(&mut wbqp::Controller) -> Result<(), RequestError>,
     ) -> PyResult<()> {
-        let which = self.which(of)?;
+        let which = numbers(of, self.n)?;
         let mut inner = self.lock()?;
         for i in which {
             if let Some(one) = inner.get_mut(i) {
@@ -147,54 +106,6 @@ impl Batch {
             }
         }
         Ok(())
-    }
-
-    /// Positions of one controller, or of several, or of all.
-    fn which(&self, of: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<usize>> {
-        let Some(of) = of else {
-            return Ok((0..self.n).collect());
-        };
-        if of.is_instance_of::<PyBool>() {
-            return Err(PyTypeError::new_err(NO_MASK));
-        }
-        if let Ok(one) = of.extract::<isize>() {
-            return Ok(vec![self.index(one)?]);
-        }
-        let several = of.try_iter()?;
-        let index = |one: PyResult<Bound<'_, PyAny>>| {
-            let one = one?;
-            if one.is_instance_of::<PyBool>() {
-                return Err(PyTypeError::new_err(NO_MASK));
-            }
-            self.index(one.extract()?)
-        };
-        several.map(index).collect()
-    }
-
-    fn index(&self, of: isize) -> PyResult<usize> {
-        let n = self.n.cast_signed();
-        let at = if of < 0 { of + n } else { of };
-        if (0..n).contains(&at) {
-            return Ok(at as usize);
-        }
-        Err(PyIndexError::new_err(format!(
-            "there is no controller {of}: there are {n}"
-        )))
-    }
-
-    fn write(memory: &Memory, places: &Outputs, controller: &wbqp::Controller) {
-        let (command, report) = (controller.command(), controller.report());
-        memory.write(places.effort, &command.effort);
-        memory.write(places.rotor_speed, &command.rotor_speed);
-        memory.write(places.joint_acceleration, &command.joint_acceleration);
-        memory.write(places.joint_velocity, &command.joint_velocity);
-        memory.write(places.vdot, report.vdot.as_slice());
-        for (k, contact) in report.contacts.iter().enumerate() {
-            memory.write(places.contact + 6 * k, contact.solution.as_slice());
-        }
-        let levels = FallbackLevel::ALL.iter();
-        let level = levels.take_while(|level| **level != report.level).count();
-        memory.set(places.level, level as f64);
     }
 
     fn assign(&self, py: Python<'_>, which: usize, value: &Bound<'_, PyAny>) -> PyResult<()> {
@@ -267,7 +178,7 @@ impl Batch {
             .collect();
         for (i, one) in inner.iter().enumerate() {
             Places::of(sizes, i, n).write(inputs.get(), &one.inputs);
-            Self::write(outputs.get(), &shape.outputs(i, n), &one.controller);
+            Outputs::of(shape, i, n).write(outputs.get(), &one.controller);
         }
         let write = |at, shape: &[usize]| {
             array(inputs.bind(py), at, shape, Access::Write).map(|a| a.into_any().unbind())
@@ -275,7 +186,7 @@ impl Batch {
         let read = |at, shape: &[usize]| {
             array(outputs.bind(py), at, shape, Access::Read).map(|a| a.into_any().unbind())
         };
-        let (at, to) = (Places::of(sizes, 0, n), shape.outputs(0, n));
+        let (at, to) = (Places::of(sizes, 0, n), Outputs::of(shape, 0, n));
         Ok(Self {
             measured: [
                 write(at.time, &[n])?,
@@ -324,7 +235,7 @@ impl Batch {
             let one = |(i, one): (usize, &mut Inner)| {
                 Places::of(sizes, i, n).read(inputs, &mut one.inputs);
                 one.controller.tick(&one.inputs);
-                Self::write(outputs, &shape.outputs(i, n), &one.controller);
+                Outputs::of(shape, i, n).write(outputs, &one.controller);
                 plugin::interrupt()
             };
             self.threads.install(|| {
@@ -480,7 +391,7 @@ impl Batch {
 
     /// Why the last command of a controller is not its optimum, in words; `None` if it is.
     fn explain(&self, of: isize) -> PyResult<Option<String>> {
-        let at = self.index(of)?;
+        let at = number(of, self.n)?;
         let inner = self.lock()?;
         Ok(inner.get(at).and_then(|one| one.controller.explain()))
     }
@@ -571,7 +482,7 @@ impl Batch {
     /// Says that what the next tick measures is meant to be elsewhere: environments that were set back, say.
     #[pyo3(signature = (of = None))]
     fn reset(&self, of: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
-        let which = self.which(of)?;
+        let which = numbers(of, self.n)?;
         let mut inner = self.lock()?;
         for i in which {
             if let Some(one) = inner.get_mut(i) {
