@@ -325,7 +325,8 @@ fn parallel_rotors_below_a_level_base_are_a_warning() {
         "--output",
         &output,
     ];
-    assert_eq!(wbqp(&new).code, 0);
+    // Rotors are assumed, which is status 1.
+    assert_eq!(wbqp(&new).code, 1);
     let leaning = folder.file("new.toml");
     let text = fs::read_to_string(&leaning).unwrap();
     let follows = "reference = { type = \"thrust_attitude\" }\n";
