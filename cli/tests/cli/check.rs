@@ -352,6 +352,29 @@ fn parallel_rotors_below_a_level_base_are_a_warning() {
     );
 }
 
+/// A share of the upper limit alone looks like room to both sides.
+#[test]
+fn rotors_near_their_lower_limits_are_said() {
+    let folder = Temporary::new("idle");
+    let rotors = fs::read_to_string(root().join(ROTORS)).unwrap();
+    let idle = |min: &str| {
+        let file = folder.file("idle.toml");
+        let with_min = rotors
+            .lines()
+            .map(|line| match line.split_once("thrust = {") {
+                Some(_) => format!("thrust = {{ min = {min}, max = 10.0 }}"),
+                None => line.to_owned(),
+            });
+        fs::write(&file, with_min.collect::<Vec<_>>().join("\n")).unwrap();
+        wbqp(&["check", OTHEX, "--rotors", &file]).stdout
+    };
+    let words = "above its lower limit of 5 N (";
+    let told = idle("5.0");
+    assert!(told.contains(words), "{told}");
+    let told = idle("1.0");
+    assert!(!told.contains("above its lower limit"), "{told}");
+}
+
 #[test]
 fn a_controller_that_does_not_work_where_it_begins_fails() {
     let file = "examples/scenarios/quadruped_stand.controller.toml";
