@@ -71,7 +71,8 @@ mod tests {
     /// Rows of the feet of the quadruped that ships, at home, that follow from the others; of two feet alone, too.
     fn dependent(options: &str) -> [usize; 2] {
         let text = format!(
-            "[controller]\nrate = 500.0\nhover = \"unchecked\"\n[robot]\ntype = \"urdf\"\nfile = \"quadruped.urdf\"\n{options}"
+            "[controller]\nrate = 500.0\nhover = \"unchecked\"\n[robot]\ntype = \"urdf\"\n\
+             file = \"quadruped.urdf\"\n{options}"
         );
         let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../robots/files/quadruped");
         let config = wbqp::ControllerConfig::from_str(&text, "test", folder).unwrap();

@@ -1,4 +1,4 @@
-//! Numbers of a URDF that can be computed with and are not likely to be meant: taken, with a warning; strictly, refused.
+//! Numbers of a URDF that can be computed with and are not likely to be meant: taken with a warning; strictly, refused.
 
 use wbqp::robot::SourceFile;
 use wbqp_robots::{Options, from_sources};
