@@ -3,7 +3,7 @@
 use wbqp::{
     actuator::{Actuator, ActuatorKind, Rotor},
     dynamics::{Data, frame_motion},
-    model::{Base, Model},
+    model::{Base, FrameId, JointKind, Model},
     nalgebra::Vector3,
     robot::{Diagnostic, Severity, SourceLocation},
     state::State,
@@ -23,6 +23,11 @@ const SLOWEST: f64 = 2.0;
 /// Up to this angle below the horizon a thrust may be there to steer, as a cosine.
 const DOWNWARDS: f64 = -0.5;
 
+/// Cosine from which on a joint turns about the direction of a thrust.
+const ALONG: f64 = 0.9999;
+/// A rotor nearer to the axis of its joint turns about it, m.
+const ON_AXIS: f64 = 1e-3;
+
 /// What is doubtful of rotors in a posture; `places` are those of the rotors in their file.
 pub(crate) fn doubts(
     model: &Model,
@@ -36,6 +41,18 @@ pub(crate) fn doubts(
     }
     let mut data = Data::new(model);
     data.update_kinematics(model, home);
+    let frames = rotors.iter().filter_map(|actuator| match &actuator.kind {
+        ActuatorKind::Rotor(rotor) => Some(rotor.frame),
+        ActuatorKind::Joint(_) => None,
+    });
+    let spun: Vec<String> = frames
+        .filter_map(|frame| spun_by(model, frame))
+        .map(|name| format!("\"{name}\""))
+        .collect();
+    let lock = format!(
+        "thrusts stand for what turns propellers: `lock = [{}]` in [robot]",
+        spun.join(", ")
+    );
     for (actuator, place) in rotors.iter().zip(places) {
         let ActuatorKind::Rotor(rotor) = &actuator.kind else {
             continue;
@@ -59,6 +76,11 @@ pub(crate) fn doubts(
             let found = format!("it is {distance:.0} m from the body that carries it");
             doubt(found, "`position` and the URDF's `xyz` are in metres");
         }
+        if spun_by(model, rotor.frame).is_some() {
+            let found = "the joint that turns it is not locked: the controller takes it for a joint, with a motor \
+                         that may turn the robot";
+            doubt(found.to_owned(), &lock);
+        }
         constants(rotor, actuator.upper, &mut doubt);
         let thrust = frame_motion(model, &data, rotor.frame).R_WF * Vector3::z();
         if model.base() == Base::Floating && thrust.z < DOWNWARDS {
@@ -70,6 +92,21 @@ pub(crate) fn doubts(
         }
     }
     doubts
+}
+
+/// The joint that does nothing but turn a rotor about its thrust, without end.
+fn spun_by(model: &Model, frame: FrameId) -> Option<&str> {
+    let frame = &model.frames()[frame.index()];
+    let joint = &model.joints()[model.joint_of(frame.body)?.index()];
+    let mut carried = model.bodies().iter().skip(1);
+    let carries = carried.any(|body| body.parent == frame.body);
+    let is_endless = joint.limits.lower == f64::NEG_INFINITY || joint.limits.upper == f64::INFINITY;
+    let thrust = frame.X_BF.rotation * Vector3::z();
+    // The axis goes through the body's origin.
+    let place = frame.X_BF.translation.vector;
+    let beside = (place - joint.axis.into_inner() * joint.axis.dot(&place)).norm();
+    let turns = joint.kind == JointKind::Revolute && thrust.dot(&joint.axis).abs() > ALONG;
+    (turns && is_endless && !carries && beside < ON_AXIS).then_some(joint.name.as_str())
 }
 
 fn constants(rotor: &Rotor, most: f64, doubt: &mut impl FnMut(String, &str)) {

@@ -62,6 +62,9 @@ pub struct Effort {
     pub limit: Option<f64>,
     /// Share of that limit.
     pub share: Option<f64>,
+    /// The limit on the other side, of a rotor that cannot give less than that and has little left to it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub near_lower: Option<f64>,
 }
 
 /// A generalised force that the actuators do not give.
@@ -107,6 +110,8 @@ const AT_HOME: &str = "at home";
 const TOUCHES: f64 = 0.02;
 /// An actuator with a larger share of its limit has nothing left.
 pub(super) const SPENT: f64 = 0.999;
+/// A rotor that cannot give this share less than it needs to hover cannot let the robot descend, or turn it.
+const LITTLE: f64 = 0.2;
 /// Cosine from which on two surfaces are parallel.
 const PARALLEL: f64 = 0.999;
 
@@ -280,6 +285,14 @@ impl Holding {
         spent.any(|effort| missing.coordinate == joint_words(&effort.actuator))
     }
 
+    /// The rotor with the least left to its lower limit, of those with little.
+    pub fn nearest_lower(&self) -> Option<(&Effort, f64)> {
+        let near = self.efforts.iter().filter_map(|e| Some((e, e.near_lower?)));
+        near.min_by(|(a, a_lower), (b, b_lower)| {
+            (a.effort - a_lower).total_cmp(&(b.effort - b_lower))
+        })
+    }
+
     /// The largest share of a limit.
     pub fn largest_share(&self) -> Option<&Effort> {
         let known = self.efforts.iter().filter(|e| e.share.is_some());
@@ -345,6 +358,8 @@ fn efforts(robot: &RobotModel, command: &[f64]) -> Vec<Effort> {
                 unit: effort_unit(&robot.model, actuator),
                 limit,
                 share: limit.filter(|l| *l != 0.0).map(|l| effort / l),
+                near_lower: Some(actuator.lower)
+                    .filter(|lower| *lower > 0.0 && effort - lower < LITTLE * effort),
             }
         })
         .collect()

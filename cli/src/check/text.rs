@@ -339,6 +339,22 @@ fn holding_text(holding: &Holding, out: &mut String) {
             }
         );
     }
+    if let Some((effort, lower)) = holding.nearest_lower() {
+        let (unit, left) = (effort.unit, effort.effort - lower);
+        let others = holding.efforts.iter().filter(|e| e.near_lower.is_some());
+        let others = match others.count() {
+            0 | 1 => String::new(),
+            n => format!(" ({} more have little left, too)", n - 1),
+        };
+        let _ = writeln!(
+            out,
+            "  {} is {} {unit} above its lower limit of {} {unit}{others}: nearly nothing can be thrust less; is the \
+             rotors' `thrust.min`, their idling, the right one?",
+            effort.actuator,
+            number(left + 0.0),
+            number(lower)
+        );
+    }
     if let Some(leaning) = &holding.leaning {
         let _ = writeln!(out, "  {leaning}");
     }

@@ -13,6 +13,7 @@ use wbqp::{
 
 use super::{
     draft::{Draft, home, list, quoted, rounded},
+    independence::Motion,
     limbs::{Limb, Neutral, frames_on, limbs, named},
     posture::{Goal, reach, rested},
     shapes,
@@ -89,11 +90,14 @@ pub(super) fn quadruped(robot: &RobotModel, has_home: bool, draft: &mut Draft) -
     draft.comment(
         "The feet: points that neither slip nor pull. A frame's origin is the point that touches; `offset` moves it.",
     );
+    let motion = motion(robot, &posture, &legs, 3);
+    motion.explain(draft);
     draft.line("[[contact]]");
     draft.line(&format!("frames = {}", list(&names(&legs))));
-    draft.line(
-        "motion = \"hard\"                   # they must not move, and their friction cones hold",
-    );
+    draft.line(&format!(
+        "motion = \"{}\"                   # they must not move, and their friction cones hold",
+        motion.key()
+    ));
     draft.line("friction = 0.6");
     tasks(robot, "kp = 30.0", draft);
     true
@@ -158,6 +162,8 @@ pub(super) fn humanoid(robot: &RobotModel, has_home: bool, draft: &mut Draft) ->
              Measure it.",
         );
     }
+    let motion = motion(robot, &posture, &legs, 6);
+    motion.explain(draft);
     let all = names(&legs);
     let frames: Vec<(String, &Sole)> = match soles.as_slice() {
         [left, right] if left.is_like(right) => vec![(format!("frames = {}", list(&all)), left)],
@@ -176,16 +182,27 @@ pub(super) fn humanoid(robot: &RobotModel, has_home: bool, draft: &mut Draft) ->
         draft.lines(&format!(
             "[[contact]]
 {frames}
-motion = \"hard\"
+motion = \"{}\"
 size = [{x}, {y}]
 offset = [{}]
 friction = 0.6                    # Coulomb coefficient; less is more careful",
+            motion.key(),
             offset.join(", ")
         ));
     }
     // Arms are heavy: at the usual weight they swing before the legs do anything.
     tasks(robot, "weight = 0.1\nkp = 30.0", draft);
     true
+}
+
+/// Whether the contacts can be held firmly where the robot stands; `rows_each` are those of a contact.
+fn motion(robot: &RobotModel, posture: &Posture, legs: &[Leg], rows_each: usize) -> Motion {
+    let state = match posture {
+        Posture::Found(state) => state,
+        Posture::Given | Posture::None => &robot.home,
+    };
+    let frames: Vec<FrameId> = legs.iter().map(|leg| leg.foot).collect();
+    Motion::of(&robot.model, state, &frames, rows_each)
 }
 
 /// So many legs whose ends are lowest with all joints at zero, in the robot's order.

@@ -2,6 +2,7 @@
 
 mod arm;
 mod draft;
+mod independence;
 mod legged;
 mod limbs;
 mod multirotor;
@@ -10,6 +11,7 @@ mod shapes;
 mod verify;
 
 use std::{
+    collections::BTreeSet,
     path::{Path, PathBuf},
     process::ExitCode,
 };
@@ -23,16 +25,16 @@ use crate::{
     assignment::Assignment,
     check::robot_of,
     output::{self, Existing},
-    run::check_default_world,
+    run::{self, default_world},
     subject::Subject,
 };
 use draft::{Draft, list, quoted};
 
 /// Writes a controller to start from, for a robot's file
 ///
-/// Looks for feet, soles, the tip or rotors, finds a home posture, writes the controller with comments, and ticks it a
-/// hundred times. Succeeds if everything was found and every tick is optimal; what could not be determined is said, and
-/// stands in the file.
+/// Looks for feet, soles, the tip or rotors, finds a home posture, writes the controller with comments, ticks it a
+/// hundred times, and simulates it for two seconds. Succeeds if everything was found and every tick is optimal; what
+/// could not be determined is said, and stands in the file.
 #[derive(Args, Debug)]
 pub struct Arguments {
     /// The robot
@@ -130,20 +132,31 @@ impl Arguments {
         for warning in &draft.warnings {
             complain!("warning: {warning}");
         }
-        let ticks = verify::tick(&output);
-        match &ticks {
-            Ok(()) => say!("{} ticks from home, all optimal", verify::TICKS),
-            Err(why) => complain!("warning: {why}"),
-        }
-        if let Err(why) = check_default_world(&output) {
-            complain!("warning: `wbqp run` will not run it: {why}");
+        let works = Self::try_out(&output);
+        if let Err(why) = &works {
+            complain!("warning: {why}");
         }
         say!("next: wbqp check {0}; wbqp run {0}", output.display());
-        Ok(if draft.warnings.is_empty() && ticks.is_ok() {
+        Ok(if draft.warnings.is_empty() && works.is_ok() {
             ExitCode::SUCCESS
         } else {
             ExitCode::FAILURE
         })
+    }
+
+    /// Says what the loader noticed, as `wbqp check` does, and how far the controller works.
+    fn try_out(output: &Path) -> Result<(), String> {
+        let mut controller = verify::load(output)?;
+        run::warn(&controller.robot().diagnostics, &mut BTreeSet::new());
+        verify::tick(&mut controller)?;
+        say!("{} ticks from home, all optimal", verify::TICKS);
+        let seconds = verify::SECONDS;
+        let world = default_world(output, seconds)
+            .map_err(|why| format!("`wbqp run` will not run it: {why}"))?;
+        verify::simulate(&world)
+            .map_err(|why| format!("within {seconds} s of simulation {why}"))?;
+        say!("{seconds} s of simulation, all ticks optimal");
+        Ok(())
     }
 
     /// What is put into `[robot]`, with paths that count from the working directory.

@@ -34,6 +34,9 @@ const TILT: f64 = 0.35;
 /// Singular values of the allocation below this share of the largest are none.
 const RANK: f64 = 0.02;
 
+/// What no robot's file says of rotors, in a warning.
+const NUMBERS: &str = "their thrusts, coefficients, time constants and the signs of `reaction`";
+
 /// A rotor as far as the URDF shows it.
 struct Rotor {
     name: String,
@@ -72,14 +75,19 @@ pub(super) fn multirotor(
         given(robot)
     } else {
         let mut rotors = assumed(model);
+        draft.line("");
         if rotors.len() < FEWEST {
             rotors = invented(model);
-            draft.line("");
             draft.warn(&format!(
                 "no frames of `{}` have `rotor`, `prop` or `motor` in their names: the number of its rotors, {}, their \
-                 places and their directions are ASSUMED. Put the true ones into the rotors' file.",
+                 places and their directions are ASSUMED, {NUMBERS} too. Put the true ones into the rotors' file.",
                 model.name(),
                 rotors.len()
+            ));
+        } else {
+            draft.warn(&format!(
+                "the robot's file says no more of its rotors than where they are: {NUMBERS} are ASSUMED. Put the true \
+                 ones into the rotors' file: with a wrong sign the robot turns about its vertical axis."
             ));
         }
         if rotors.iter().any(|rotor| rotor.z.z < 0.3) {

@@ -23,7 +23,7 @@ const LOST_AT_MOST: f64 = 1.0;
 /// Nor turned away by more than this, rad.
 const TURNED: f64 = 1.0;
 /// A base that leans by more than this, rad, from how it stood at the beginning, lies rather than stands.
-const FALLEN: f64 = 1.0;
+pub(crate) const FALLEN: f64 = 1.0;
 /// A controller that had no optimum in more than this share of its ticks was busy with something else.
 const OFTEN: f64 = 0.5;
 /// Blows and switches last no longer than this share of a run: a plant that was beyond its tolerance for longer is not

@@ -12,6 +12,7 @@ mod task_errors;
 mod tasks;
 mod traces;
 
+pub(crate) use attention::FALLEN;
 pub use solves::LimitSummary;
 pub use summary::{CaseSummary, ContactSummary, EffortSummary, TickTime};
 pub use task_errors::ErrorOf;
@@ -26,14 +27,11 @@ use std::{
 use anyhow::{Context, Result, anyhow, bail};
 use clap::Args;
 use rayon::prelude::*;
-use wbqp::{
-    config::Overrides,
-    robot::{Diagnostic, Severity},
-};
+use wbqp::robot::{Diagnostic, Severity};
 use wbqp_log::{LogSink, McapLog, RunLock};
 use wbqp_measures::log::Log;
 use wbqp_replay::DumpFolder;
-use wbqp_sim::{LiveWatcher, RunOptions, Scenario, SceneWatcher};
+use wbqp_sim::{LiveWatcher, RunOptions, Scenario, SceneWatcher, Variation};
 use wbqp_terminal::{Common, ProgressBars, complain, live_address, say};
 
 use self::{soles::Soles, solves::Solves};
@@ -171,7 +169,7 @@ impl Arguments {
 }
 
 /// Prints those warnings that were not printed before; what is the same of several elements once.
-fn warn(diagnostics: &[Diagnostic], warned: &mut BTreeSet<String>) {
+pub(crate) fn warn(diagnostics: &[Diagnostic], warned: &mut BTreeSet<String>) {
     let mut groups: Vec<(&Diagnostic, usize)> = Vec::new();
     let warnings = diagnostics
         .iter()
@@ -193,12 +191,12 @@ fn warn(diagnostics: &[Diagnostic], warned: &mut BTreeSet<String>) {
     }
 }
 
-/// Whether a controller's file has a world of its own in which it can run.
+/// A controller in a world of its own, for `duration` s.
 ///
 /// # Errors
-/// Why not.
-pub(crate) fn check_default_world(controller: &Path) -> Result<()> {
-    default_scenario::text("default", controller, &Overrides::default(), 1.0).map(|_| ())
+/// Why it has none in which it can run.
+pub(crate) fn default_world(controller: &Path, duration: f64) -> Result<Scenario> {
+    of_controller(controller, &[], duration, &Variation::default())
 }
 
 /// A scenario, or a controller on its default plant for `duration` s.
@@ -218,18 +216,13 @@ pub(crate) fn load(file: &Path, robot: &RobotOptions, duration: Option<f64>) -> 
             Scenario::from_file_with(file, &variation)?
         }
         Subject::Controller => {
-            let of_controller: Vec<Assignment> = set
+            let set: Vec<Assignment> = set
                 .iter()
                 .filter(|s| !s.is_of_scenario())
                 .cloned()
                 .collect();
-            let overrides = Assignment::overrides(&of_controller)?;
-            let name = stem(file);
             let duration = duration.unwrap_or(DURATION);
-            let text = default_scenario::text(&name, file, &overrides, duration)?;
-            let label = format!("{} with the default plant", file.display());
-            Scenario::from_text_with(&text, &label, Path::new(""), &variation)
-                .map_err(|error| anyhow!(without_places(&error.to_string(), &label)))?
+            of_controller(file, &set, duration, &variation)?
         }
         Subject::Urdf => bail!(
             "{}: is a robot without a controller; `wbqp new --urdf` writes one to start from",
@@ -237,6 +230,20 @@ pub(crate) fn load(file: &Path, robot: &RobotOptions, duration: Option<f64>) -> 
         ),
     };
     Ok(scenario)
+}
+
+/// A controller on its default plant.
+fn of_controller(
+    file: &Path,
+    set: &[Assignment],
+    duration: f64,
+    variation: &Variation,
+) -> Result<Scenario> {
+    let overrides = Assignment::overrides(set)?;
+    let text = default_scenario::text(&stem(file), file, &overrides, duration)?;
+    let label = format!("{} with the default plant", file.display());
+    Scenario::from_text_with(&text, &label, Path::new(""), variation)
+        .map_err(|error| anyhow!(without_places(&error.to_string(), &label)))
 }
 
 /// What is said of a text that nobody has: lines and columns in it say nothing.

@@ -325,7 +325,8 @@ fn parallel_rotors_below_a_level_base_are_a_warning() {
         "--output",
         &output,
     ];
-    assert_eq!(wbqp(&new).code, 0);
+    // Rotors are assumed, which is status 1.
+    assert_eq!(wbqp(&new).code, 1);
     let leaning = folder.file("new.toml");
     let text = fs::read_to_string(&leaning).unwrap();
     let follows = "reference = { type = \"thrust_attitude\" }\n";
@@ -349,6 +350,29 @@ fn parallel_rotors_below_a_level_base_are_a_warning() {
         "{}",
         tilted.stdout
     );
+}
+
+/// A share of the upper limit alone looks like room to both sides.
+#[test]
+fn rotors_near_their_lower_limits_are_said() {
+    let folder = Temporary::new("idle");
+    let rotors = fs::read_to_string(root().join(ROTORS)).unwrap();
+    let idle = |min: &str| {
+        let file = folder.file("idle.toml");
+        let with_min = rotors
+            .lines()
+            .map(|line| match line.split_once("thrust = {") {
+                Some(_) => format!("thrust = {{ min = {min}, max = 10.0 }}"),
+                None => line.to_owned(),
+            });
+        fs::write(&file, with_min.collect::<Vec<_>>().join("\n")).unwrap();
+        wbqp(&["check", OTHEX, "--rotors", &file]).stdout
+    };
+    let words = "above its lower limit of 5 N (";
+    let told = idle("5.0");
+    assert!(told.contains(words), "{told}");
+    let told = idle("1.0");
+    assert!(!told.contains("above its lower limit"), "{told}");
 }
 
 #[test]

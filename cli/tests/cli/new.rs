@@ -8,7 +8,7 @@ use wbqp::{
 };
 use {wbqp_robots as _, wbqp_tasks as _};
 
-use crate::common::{Temporary, fixture, root, wbqp};
+use crate::common::{Done, Temporary, fixture, root, wbqp};
 
 const QUADRUPED: &str = "robots/files/quadruped/quadruped.urdf";
 const HUMANOID: &str = "robots/files/humanoid/humanoid.urdf";
@@ -23,6 +23,11 @@ fn new(folder: &Temporary, urdf: &str, kind: &str, code: i32) -> (String, Contro
         done.stdout.contains("100 ticks from home, all optimal"),
         "{}",
         done.stdout
+    );
+    assert!(
+        done.stdout.contains("2 s of simulation, all ticks optimal"),
+        "{}",
+        done.stderr
     );
     let controller = Controller::new(ControllerConfig::from_file(&file).unwrap()).unwrap();
     (text, controller)
@@ -82,6 +87,79 @@ fn a_quadruped_stands_on_its_feet() {
     let counted = lines.filter(|line| !line.is_empty() && !line.starts_with('#'));
     assert!(counted.count() <= 35, "{text}");
     stands(&folder, Path::new(&folder.file("new.toml")));
+}
+
+/// Legs in two planes: hard rows of their feet depend on one another, and contradict as soon as the ground gives way.
+#[test]
+fn planar_legs_have_soft_contacts() {
+    let folder = Temporary::new("planar");
+    let file = folder.file("new.toml");
+    let lock = "robot.lock=[\".*_hip_roll\"]";
+    let arguments = [
+        "new",
+        "--urdf",
+        QUADRUPED,
+        "--kind",
+        "quadruped",
+        "--set",
+        lock,
+        "--output",
+        &file,
+    ];
+    let done = wbqp(&arguments);
+    assert_eq!(done.code, 0, "{}{}", done.stdout, done.stderr);
+    let text = fs::read_to_string(&file).unwrap();
+    assert!(text.contains("motion = \"soft\""), "{text}");
+    let why = "of the 12 directions in which contacts with hard motion must not move, 2 follow from the others";
+    assert!(text.replace("\n# ", " ").contains(why), "{text}");
+    stands(&folder, Path::new(&file));
+}
+
+/// One foot above the ground: a tick at home sees nothing of that, and lets all four carry.
+#[test]
+fn a_robot_that_does_not_stand_in_simulation_is_said() {
+    let folder = Temporary::new("falls");
+    let done = new_at_home(&folder, "fl_hip_roll", "0.0", "-1.6");
+    assert!(done.stdout.contains("100 ticks from home, all optimal"));
+    let words = "warning: within 2 s of simulation";
+    assert!(done.stderr.contains(words), "{}", done.stderr);
+}
+
+#[test]
+fn joints_of_a_named_posture_that_were_moved_are_said() {
+    let folder = Temporary::new("moved");
+    let done = new_at_home(&folder, "fl_hip_roll", "-1.2", "-1.244");
+    let words = "joint `fl_hip_roll`: is at -1.2 in the home state, outside its range -0.9 to 0.9: moved to -0.9";
+    assert!(done.stderr.contains(words), "{}", done.stderr);
+}
+
+/// Writes a controller for the quadruped that begins in a named posture: knees bent, one by `knee`, and a joint
+/// elsewhere. It has something to be said of.
+fn new_at_home(folder: &Temporary, joint: &str, at: &str, knee: &str) -> Done {
+    let mut values = vec![(joint.to_owned(), at)];
+    for leg in ["fl", "fr", "hl", "hr"] {
+        values.push((format!("{leg}_hip_pitch"), "0.68"));
+        values.push((
+            format!("{leg}_knee"),
+            if leg == "fl" { knee } else { "-1.244" },
+        ));
+    }
+    let values: Vec<String> = values
+        .iter()
+        .map(|(name, value)| format!("<joint name=\"{name}\" value=\"{value}\"/>"))
+        .collect();
+    let srdf = folder.file("robot.srdf");
+    let text = format!(
+        "<robot name=\"quadruped\"><group_state name=\"half\" group=\"all\">{}</group_state></robot>",
+        values.join("")
+    );
+    fs::write(&srdf, text).unwrap();
+    let (file, home) = (folder.file("new.toml"), "robot.home=half");
+    let robot = ["new", "--urdf", QUADRUPED, "--kind", "quadruped"];
+    let rest = ["--srdf", &srdf, "--set", home, "--output", &file];
+    let done = wbqp(&[&robot[..], &rest].concat());
+    assert_eq!(done.code, 1, "{}{}", done.stdout, done.stderr);
+    done
 }
 
 #[test]
@@ -171,7 +249,13 @@ fn an_arm_is_at_home_with_room_to_both_ends_of_its_ranges() {
 #[test]
 fn a_quadrotor_hovers_on_rotors_that_are_assumed() {
     let folder = Temporary::new("quadrotor");
-    let (text, mut controller) = new(&folder, &fixture("quadrotor.urdf"), "multirotor", 0);
+    // The file has nothing of rotors but their places: that is said, in the file as well.
+    let (text, mut controller) = new(&folder, &fixture("quadrotor.urdf"), "multirotor", 1);
+    let unwrapped = text.replace("\n# ", " ");
+    assert!(
+        unwrapped.contains("ATTENTION: the robot's file says no more of its rotors"),
+        "{text}"
+    );
     // Turning propellers are locked: thrusts stand for them.
     assert_eq!(controller.robot().model.nv(), 6);
     assert!(text.contains("rotor_3_joint"), "{text}");

@@ -51,7 +51,8 @@ fn a_new_controller_is_not_written_over_what_it_is_made_from() {
     // Neither over the rotors that are read.
     let output = folder.file("quad.toml");
     let new = ["new", "--urdf", &file, "--output", &output];
-    assert_eq!(wbqp(&[&new, &kind[..]].concat()).code, 0);
+    // Rotors are assumed, which is status 1.
+    assert_eq!(wbqp(&[&new, &kind[..]].concat()).code, 1);
     let rotors = fs::read_to_string(&beside).unwrap();
     let rotor_file = beside.display().to_string();
     let new = ["new", "--urdf", &file, "--output", &rotor_file];

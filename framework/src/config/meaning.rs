@@ -10,6 +10,7 @@
 //! | `weight` | the largest is above 10¹² × the smallest that is not zero | below 1e-100, above 1e100 |
 //! | gains, 1/s, 1/s², 1/s³ | above (2 rate)ⁿ: no discrete loop is stable with that | a million times as much |
 //! | a time, s | above a month | below 1 ns unless zero, above a million years |
+//! | `friction`, the half length of a sole | above the limit in [`unusual`] | as everything of its unit |
 //! | anything else with a unit | above the limit in [`largest`] | a million times as much |
 //! | `rate`, Hz | below 1 | below 0.1: a period |
 
@@ -61,6 +62,33 @@ fn largest(unit: &str) -> Option<f64> {
         // The thrust of a launcher.
         "N" | "N·m" | "N/s" | "N·s/m" | "N·m·s/rad" | "N/m" => 1e8,
         _ => return None,
+    })
+}
+
+/// What is to be said of a number that its unit allows and its key hardly does.
+fn unusual(key: &str, unit: &str, value: &Spanned<DeValue<'_>>) -> Option<Remark> {
+    let number = number(value)?;
+    // The largest that somebody may mean.
+    let (most, why, remedy) = match key {
+        // Rubber on dry concrete has 1, tyres of racing cars have less than 3.
+        "friction" => (
+            5.0,
+            "no two materials have a Coulomb coefficient of more than 5",
+            "it is a ratio of forces, not in per cent",
+        ),
+        // Of a short contact its `size`, halved.
+        "half_length_x" | "half_length_y" => (
+            1.0,
+            "no sole is longer than 2 m",
+            "lengths, as a contact's `size`, of which this is half, are in m",
+        ),
+        _ => return None,
+    };
+    let size = number.abs();
+    (size > most && size <= largest(unit)?).then(|| Remark {
+        found: format!("is {number}: {why}"),
+        remedy: remedy.to_owned(),
+        is_refused: false,
     })
 }
 
@@ -189,7 +217,11 @@ impl Check<'_, '_> {
                 Some("the task's") => unit,
                 own => own,
             };
-            self.value(&at.key(key), node.at(about), value, (own, unit));
+            if let Some(remark) = own.and_then(|unit| unusual(key, unit, value)) {
+                self.say(&at.key(key), value.span(), remark);
+            } else {
+                self.value(&at.key(key), node.at(about), value, (own, unit));
+            }
         }
     }
 

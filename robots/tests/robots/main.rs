@@ -6,5 +6,6 @@ mod never_panics;
 mod rotor_refusals;
 mod texts;
 mod tree_robots;
+mod unlikely;
 mod urdf_habits;
 mod urdf_refusals;

@@ -55,6 +55,36 @@ fn shipped_controllers_have_no_warnings() {
     assert!(files.len() >= 4);
 }
 
+/// A coefficient in per cent, and a foot in centimetres.
+#[test]
+fn what_its_unit_allows_and_its_key_hardly_does_is_said() {
+    let motion = "motion = \"hard\"\n";
+    let of = |keys: &str| load(&with(motion, &format!("{motion}{keys}"))).expect("is taken");
+    for usual in ["friction = 3.0", "size = [2.0, 0.1]\nfriction = 0.6"] {
+        assert_eq!(of(usual), Vec::<String>::new(), "{usual}");
+    }
+    let rough = of("friction = 60.0");
+    assert_eq!(rough.len(), 4, "{rough:#?}");
+    let said = "friction is 60: no two materials have a Coulomb coefficient of more than 5: taken as it is; it is a \
+                ratio of forces, not in per cent";
+    assert!(
+        rough[0].starts_with("x.toml:10:12: warning: contact"),
+        "{}",
+        rough[0]
+    );
+    assert!(rough[0].ends_with(said), "{}", rough[0]);
+    // Where `motion` is, which brings the constraint with the half lengths.
+    let large = of("size = [14.38, 5.88]");
+    assert_eq!(large.len(), 8, "{large:#?}");
+    assert!(
+        large[0].starts_with("x.toml:9:10: warning: "),
+        "{}",
+        large[0]
+    );
+    let said = "half_length_x is 7.19: no sole is longer than 2 m";
+    assert!(large.iter().any(|one| one.contains(said)), "{large:#?}");
+}
+
 #[test]
 fn what_cannot_be_meant_is_refused_at_its_place() {
     for (old, new, said) in [

@@ -26,6 +26,15 @@ use crate::{
 };
 use element::Reader;
 
+/// A turn, with room for rounding, rad.
+const MOST_TURNED: f64 = 6.3;
+/// A radius of gyration below this is a number that was made up for a small body, at worst, m …
+const FARTHEST: f64 = 5.0;
+/// … and so is a moment below this, kg·m².
+const HEAVY: f64 = 1.0;
+/// A body's mass over the third power of that radius, kg/m³: less than that of masts, and a tenth of air's.
+const THINNEST: f64 = 0.1;
+
 /// Reads links and joints; what is wrong goes to `findings`. Nothing if there is no robot.
 pub(super) fn read(document: &Document<'_>, findings: &mut Findings<'_>) -> Option<Description> {
     let root = document.root_element();
@@ -238,10 +247,28 @@ impl Reader<'_, '_> {
         } else {
             // URDF's rpy are about fixed axes: x first, then y, then z.
             let [roll, pitch, yaw] = rpy?;
+            self.doubt_rpy(origin, [roll, pitch, yaw]);
             UnitQuaternion::from_euler_angles(roll, pitch, yaw)
         };
         let [x, y, z] = xyz?;
         Some(Isometry3::from_parts(Translation3::new(x, y, z), rotation))
+    }
+
+    /// No angle is more than a turn but for one in degrees.
+    fn doubt_rpy(&mut self, origin: Node<'_, '_>, rpy: [f64; 3]) {
+        let Some(angle) = rpy.into_iter().find(|angle| angle.abs() > MOST_TURNED) else {
+            return;
+        };
+        let found = format!("an angle of its rpy is {angle} rad, more than a turn");
+        self.repair(
+            origin,
+            Irregularity::warning(found.clone(), "used as it is")
+                .remedy(format!(
+                    "angles are in radians: {angle}° are {:.6} rad",
+                    angle.to_radians()
+                ))
+                .refused_as(found),
+        );
     }
 
     /// `quat_xyzw`, of URDF 1.2.
@@ -311,10 +338,35 @@ impl Reader<'_, '_> {
                 .unless_given([Quantity::Inertia]),
             );
         }
+        self.doubt_extent(node, mass, &I_cm);
         Some(Inertial {
             offset: node.range().start,
             inertia: Inertia::from_com(mass, Vector3::zeros(), I_cm).transformed(&X_LC),
         })
+    }
+
+    /// Moments of a body far larger than its mass makes likely: of other units, as most data sheets have them.
+    fn doubt_extent(&mut self, node: Node<'_, '_>, mass: f64, I_cm: &Matrix3<f64>) {
+        let moment = I_cm.symmetric_eigenvalues().max();
+        let radius = (moment / mass).sqrt();
+        // Without mass it is said already; with next to none it is a frame.
+        let is_doubtful = mass > 0.0 && moment > HEAVY && radius > FARTHEST;
+        if !is_doubtful || mass > THINNEST * radius.powi(3) {
+            return;
+        }
+        let found = format!(
+            "with {mass} kg and a moment of inertia of {moment} kg·m² its mass is {radius:.1} m from its middle"
+        );
+        self.repair(
+            node,
+            Irregularity::warning(found.clone(), "taken as it is")
+                .remedy(
+                    "moments are in kg·m²: 1 g·mm² is 1e-9, 1 kg·mm² 1e-6, 1 g·cm² 1e-7; the robot's option \
+                     `inertia` says otherwise",
+                )
+                .unless_given([Quantity::Inertia])
+                .refused_as(found),
+        );
     }
 
     fn kind(&mut self, node: Node<'_, '_>) -> Option<Kind> {
