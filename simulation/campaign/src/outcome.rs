@@ -50,8 +50,8 @@ pub struct Outcome {
     pub covered: Vec<Option<f64>>,
 }
 
-fn is_default(gaps: &Gaps) -> bool {
-    *gaps == Gaps::default()
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
 }
 
 /// How a run ended.

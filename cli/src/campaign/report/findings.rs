@@ -383,7 +383,7 @@ mod tests {
 
     #[test]
     fn the_worst_come_first_and_among_equals_the_first() {
-        let mut holds = vec![false; 40];
+        let mut holds = [false; 40];
         holds[0] = true;
         let worse = |position: usize| Badness {
             completed: position != 30,

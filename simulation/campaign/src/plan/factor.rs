@@ -143,8 +143,8 @@ impl Factor {
     pub(crate) fn scales_nothing(&self) -> String {
         let paths: Vec<String> = self.paths.iter().map(Path::text).collect();
         format!(
-            "factor `{}`: `scale` of `{}`, which is 0 in the scenario, is always 0, and has no effect: give the numbers \
-             themselves, as `value = {{ uniform = [lowest, highest] }}` in place of `scale`",
+            "factor `{}`: `scale` of `{}`, which is 0 in the scenario, is always 0, and has no effect: give the \
+             numbers themselves, as `value = {{ uniform = [lowest, highest] }}` in place of `scale`",
             self.name,
             paths.join("`, `")
         )

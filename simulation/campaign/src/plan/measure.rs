@@ -270,7 +270,7 @@ impl Measure {
         let [from, until] = window.ends;
         Lack {
             why: format!(
-                "there is nothing in its window, from {from} s until {until} s, of a run whose last tick is at {end:.3} s"
+                "there is nothing in its window, from {from} s until {until} s, of a run until {end:.3} s"
             ),
             remedy: "give it another one, with `from` and `until`",
         }

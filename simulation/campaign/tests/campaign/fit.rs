@@ -70,8 +70,8 @@ fn rotors_need_no_list_and_other_lists_are_told_to_be_written_out() {
     for (path, words) in [
         (
             "change.plant.mismatch.mass_scale[1]",
-            "`change.plant.mismatch.mass_scale` is the number 1.0, no list with entry 1; write it out first, with all its \
-             entries: `change.plant.mismatch.mass_scale = [1.0, 1.0, …]`",
+            "`change.plant.mismatch.mass_scale` is the number 1.0, no list with entry 1; write it out first, with all \
+             its entries: `change.plant.mismatch.mass_scale = [1.0, 1.0, …]`",
         ),
         (
             "change.plant.nothing[0]",
