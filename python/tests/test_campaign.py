@@ -56,9 +56,7 @@ def test_a_plan_says_what_it_has(plan: Path) -> None:
 
 
 def test_a_refused_run_neither_holds_nor_fails(plan: Path) -> None:
-    text = plan.read_text(encoding="utf-8").replace(
-        'type = "saltelli", base = 4', 'type = "grid"'
-    )
+    text = plan.read_text(encoding="utf-8").replace('type = "saltelli", base = 4', 'type = "grid"')
     text = text.replace("scale = { uniform = [0.95, 1.05] }", "value = { values = [1.0, -1.0] }")
     plan.write_text(text.replace("scale = { uniform = [0.5, 1.5] }", "scale = { values = [1.0] }"), encoding="utf-8")
     with pytest.warns(UserWarning, match="factor `mass`: with the value -1"):
