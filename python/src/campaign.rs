@@ -1,6 +1,7 @@
 //! Campaigns: plans, parts of them, tables.
 
 use std::{
+    ffi::CString,
     ops::ControlFlow,
     path::{Path, PathBuf},
     sync::atomic::{AtomicBool, Ordering},
@@ -10,14 +11,14 @@ use std::{
 
 use numpy::PyArray1;
 use pyo3::{
-    exceptions::{PyOSError, PyRuntimeError},
+    exceptions::{PyOSError, PyRuntimeError, PyUserWarning},
     prelude::*,
     types::{PyDict, PyList},
 };
 use rayon::prelude::*;
 use wbqp_campaign::{
-    Campaign, ErrorOf, Factor, Outcome, Part, Plan, PlanError, Run, Shard, ShardError, Variant,
-    table,
+    Campaign, ErrorOf, Factor, Gaps, Outcome, Part, Plan, PlanError, Run, Shard, ShardError,
+    Variant, table,
 };
 
 use crate::{config::refused_text, simulate::variation};
@@ -49,7 +50,13 @@ fn campaign(
     });
     let plan = plan.map_err(|error| plan_error(py, &error))?;
     let campaign = py.detach(|| Campaign::new(plan));
-    campaign.map_err(|error| refused_text(py, &error.to_string()))
+    let campaign = campaign.map_err(|error| refused_text(py, &error.to_string()))?;
+    let category = py.get_type::<PyUserWarning>();
+    for end in campaign.refused_ends() {
+        let words = CString::new(end.to_string()).unwrap_or_default();
+        PyErr::warn(py, &category, &words, 2)?;
+    }
+    Ok(campaign)
 }
 
 /// Does work on other threads while this one listens to Python's signals; the work hears when it is to stop.
@@ -158,8 +165,8 @@ pub(crate) fn _campaign_merge(py: Python<'_>, directory: PathBuf, to: PathBuf) -
 }
 
 /// Does the first runs of a plan with other values of the controller (`set`) and of the scenario (`change`), on so many
-/// threads (0: all cores): a dict of columns, `variant`, `point`, `status`, `holds` and dicts `factors`, `measures` and
-/// `verdicts` (1, 0, or NaN where there is none), all in the order of the runs.
+/// threads (0: all cores): a dict of columns, `variant`, `point`, `status`, `holds` and dicts `factors`, `measures`,
+/// `verdicts` and `covered`, all in the order of the runs; `holds` and `verdicts` are 1, 0, or NaN where there is none.
 #[pyfunction]
 #[pyo3(signature = (path, set = None, change = None, limit = None, jobs = 0))]
 pub(crate) fn _campaign_outcomes<'py>(
@@ -186,6 +193,7 @@ pub(crate) fn _campaign_outcomes<'py>(
         .filter_map(|(run, outcome)| Some((run, outcome?)))
         .collect();
     let number = |value: Option<f64>| value.unwrap_or(f64::NAN);
+    let truth = |value: Option<bool>| value.map(|value| f64::from(u8::from(value)));
     let column = |of: &dyn Fn(&(&Run, Outcome)) -> Option<f64>| {
         PyArray1::from_iter(py, pairs.iter().map(|pair| number(of(pair))))
     };
@@ -201,22 +209,24 @@ pub(crate) fn _campaign_outcomes<'py>(
     )?;
     let statuses: Vec<&str> = pairs.iter().map(|(_, o)| o.status.as_str()).collect();
     dict.set_item("status", statuses)?;
-    dict.set_item(
-        "holds",
-        PyArray1::from_iter(py, pairs.iter().map(|(_, o)| o.holds)),
-    )?;
+    dict.set_item("holds", column(&|(_, o)| truth(o.holds)))?;
     let (factors, measures, verdicts) = (PyDict::new(py), PyDict::new(py), PyDict::new(py));
+    let covered = PyDict::new(py);
     for (i, factor) in plan.factors().iter().enumerate() {
         factors.set_item(factor.name(), column(&|(run, _)| run.factors[i]))?;
     }
     for (i, measure) in campaign.columns().iter().enumerate() {
         measures.set_item(&measure.name, column(&|(_, o)| o.measured[i]))?;
-        let verdict = |o: &Outcome| o.verdicts[i].map(|v| f64::from(u8::from(v)));
-        verdicts.set_item(&measure.name, column(&|(_, o)| verdict(o)))?;
+        verdicts.set_item(&measure.name, column(&|(_, o)| truth(o.verdicts[i])))?;
+        if measure.gaps != Gaps::NoValue {
+            let share = column(&|(_, o)| o.covered.get(i).copied().flatten());
+            covered.set_item(&measure.name, share)?;
+        }
     }
     dict.set_item("factors", factors)?;
     dict.set_item("measures", measures)?;
     dict.set_item("verdicts", verdicts)?;
+    dict.set_item("covered", covered)?;
     Ok(dict)
 }
 

@@ -55,6 +55,16 @@ def test_a_plan_says_what_it_has(plan: Path) -> None:
     assert about["measures"] == [{"name": "farthest", "unit": "m", "tolerance": "≤ 10 m", "counts": True}]
 
 
+def test_a_refused_run_neither_holds_nor_fails(plan: Path) -> None:
+    text = plan.read_text(encoding="utf-8").replace('type = "saltelli", base = 4', 'type = "grid"')
+    text = text.replace("scale = { uniform = [0.95, 1.05] }", "value = { values = [1.0, -1.0] }")
+    plan.write_text(text.replace("scale = { uniform = [0.5, 1.5] }", "scale = { values = [1.0] }"), encoding="utf-8")
+    with pytest.warns(UserWarning, match="factor `mass`: with the value -1"):
+        found = campaign.outcomes(plan)
+    assert found["status"] == ["completed", "refused"]
+    np.testing.assert_array_equal(found["holds"], [1.0, np.nan])
+
+
 def test_outcomes_are_arrays_and_other_values_change_them(plan: Path) -> None:
     found = campaign.outcomes(plan, limit=4)
     assert found["status"] == ["completed"] * 4 and found["holds"].all()
@@ -137,8 +147,10 @@ def test_a_gain_that_was_spoilt_is_found_again(tmp_path: Path) -> None:
     page = tuned.write(tmp_path / "out").read_text(encoding="utf-8")
     assert "before and after" in page and "<svg" in page
     # What misses its share is worse than anything that has it.
-    half = {**tuned.after, "holds": np.array([True, False])}
+    half = {**tuned.after, "holds": np.array([1.0, 0.0])}
     assert objective.value(half) > FAILED
+    # What is not simulated does not make the others' share look whole.
+    assert objective.value({**tuned.after, "holds": np.array([1.0, np.nan])}) > FAILED
     with pytest.raises(KeyError, match="'error'"):
         Objective("eror").value(tuned.after)
     with pytest.raises(ValueError, match="empty"):

@@ -133,8 +133,12 @@ def outcomes(
     Returns
     -------
     dict
-        ``variant``, ``point``, ``status``, ``holds`` and, by name, ``factors``, ``measures`` and ``verdicts`` (1, 0 or
-        NaN): arrays in the order of the runs.
+        ``variant``, ``point``, ``status``, ``holds`` and, by name, ``factors``, ``measures``, ``verdicts`` and, of
+        measures with ``gaps``, ``covered``, the share of the window that is there: arrays in the order of the runs.
+        ``holds`` and ``verdicts`` are 1, 0 or NaN; ``holds`` is NaN where a run was refused and never simulated: the
+        share that holds is ``np.nanmean(found["holds"])``.
+
+    A factor with an end of whose range the scenario is refused is warned of (``UserWarning``).
     """
     given = (None if values is None else dict(values) for values in (set, change))
     return dict(_wbqp._campaign_outcomes(Path(plan), *given, limit, jobs))

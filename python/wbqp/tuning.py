@@ -65,7 +65,8 @@ class Objective:
         failure of its own: see ``share``.
     share
         Share of the runs that must hold (all measures that count are within what is accepted). What has less is worse
-        than anything that has it, the more the more is missing.
+        than anything that has it, the more the more is missing. A run that is refused counts as one that does not hold:
+        values with which runs are not simulated would look better by that.
     """
 
     measure: str
@@ -84,7 +85,7 @@ class Objective:
         if values is None:
             known = ", ".join(map(repr, found["measures"]))
             raise KeyError(f"the plan has no measure {self.measure!r}; it has {known}")
-        missing = self.share - float(np.mean(found["holds"]))
+        missing = self.share - float(np.mean(np.nan_to_num(found["holds"])))
         if missing > 1e-12:
             return FAILED * (1.0 + missing)
         there = np.where(np.isnan(values), np.inf, values)
@@ -366,7 +367,10 @@ svg { width: 100%; height: auto; } .better { color: #17734a; } .worse { color: #
 
 def _page(tuned: Tuned) -> str:
     def share(found: Mapping[str, Any]) -> str:
-        return f"{100 * float(np.mean(found['holds'])):.1f} %"
+        simulated = found["holds"][~np.isnan(found["holds"])]
+        refused = len(found["holds"]) - len(simulated)
+        of = f" of {len(simulated)} that were simulated ({refused} were refused)" if refused else ""
+        return f"{100 * float(np.mean(simulated)):.1f} %{of}" if len(simulated) else "none, as all were refused,"
 
     def number(value: float) -> str:
         return "–" if not math.isfinite(value) or value >= FAILED else f"{value:.4g}"
@@ -385,7 +389,8 @@ def _page(tuned: Tuned) -> str:
         for found in (tuned.before, tuned.after):
             verdicts = found["verdicts"][name]
             judged = not np.isnan(verdicts).all()
-            held = f"{100 * float(np.nansum(verdicts)) / len(verdicts):.1f} %" if judged else "–"
+            simulated = np.count_nonzero(~np.isnan(found["holds"]))
+            held = f"{100 * float(np.nansum(verdicts)) / simulated:.1f} %" if judged else "–"
             cells.append(f'<td class="n">{held}</td>')
         rows.append(f"<tr>{''.join(cells)}</tr>")
     goal = tuned.objective

@@ -4,14 +4,17 @@ use std::{
     num::{NonZeroU64, NonZeroUsize},
     ops::ControlFlow,
     path::PathBuf,
-    sync::atomic::{AtomicU64, Ordering},
+    sync::{
+        Mutex, PoisonError,
+        atomic::{AtomicU64, Ordering},
+    },
     time::Instant,
 };
 
 use anyhow::{Context, Result};
 use clap::{Args, ValueEnum};
-use wbqp_campaign::{Campaign, Outcome, Part, Plan, Run, Shard, useful_threads};
-use wbqp_terminal::{ProgressBars, say};
+use wbqp_campaign::{Campaign, Outcome, Part, Plan, Run, Shard, Status, useful_threads};
+use wbqp_terminal::{ProgressBars, complain, say};
 
 use super::single;
 
@@ -64,6 +67,9 @@ impl Arguments {
         let path = self.plan.clone().unwrap_or_default();
         let plan = Plan::from_file(&path)?;
         let campaign = Campaign::new(plan)?;
+        for end in campaign.refused_ends() {
+            complain!("warning: {end}");
+        }
         if let Some(number) = self.run {
             return single::run(&campaign, number, &self.out);
         }
@@ -95,7 +101,9 @@ impl Arguments {
         let count = Counts::default();
         let finished = |run: &Run, outcome: &Outcome| {
             let done = 1 + count.done.fetch_add(1, Ordering::Relaxed);
-            if !outcome.holds {
+            if outcome.status == Status::Refused {
+                count.refuse(outcome);
+            } else if outcome.holds != Some(true) {
                 let failures = count.failures.fetch_add(1, Ordering::Relaxed);
                 if failures < self.dumps {
                     let with_log = self.log == Logs::Failures;
@@ -115,13 +123,24 @@ impl Arguments {
         shard.run(&finished)?;
         let table = shard.finish()?;
         bar.finish();
-        let (done, failures) = (count.done.into_inner(), count.failures.into_inner());
+        let done = count.done.into_inner();
+        let refused = count.refused.into_inner();
+        let refused = refused.unwrap_or_else(PoisonError::into_inner);
         let seconds = begin.elapsed().as_secs_f64();
         if done > 0 {
             say!(
-                "{name}: {done} runs in {}, {:.1} per second; {failures} do not hold",
+                "{name}: {done} runs in {}, {:.1} per second; {} of {} simulated runs do not hold",
                 duration(seconds),
-                done as f64 / seconds
+                done as f64 / seconds,
+                count.failures.into_inner(),
+                done - refused.count
+            );
+        }
+        if let Some((run, why)) = refused.first {
+            say!(
+                "{name}: {} of {done} runs were REFUSED: they were not simulated, and say nothing of the controller; \
+                 the first, run {run}: {why}",
+                refused.count
             );
         }
         say!("table: {}", table.display());
@@ -139,8 +158,33 @@ impl Arguments {
 struct Counts {
     done: AtomicU64,
     failures: AtomicU64,
+    refused: Mutex<Refused>,
     /// Runs whose logs or dumps could not be written.
     unkept: AtomicU64,
+}
+
+/// Runs that were not simulated.
+#[derive(Debug, Default)]
+struct Refused {
+    count: u64,
+    /// Number and reason of the first, in the plan's order.
+    first: Option<(u64, String)>,
+}
+
+impl Counts {
+    fn refuse(&self, outcome: &Outcome) {
+        let refused = self.refused.lock();
+        let mut refused = refused.unwrap_or_else(PoisonError::into_inner);
+        refused.count += 1;
+        let is_first = refused
+            .first
+            .as_ref()
+            .is_none_or(|(run, _)| outcome.run < *run);
+        if is_first {
+            let why = outcome.reason.clone().unwrap_or_default();
+            refused.first = Some((outcome.run, why));
+        }
+    }
 }
 
 /// A time in words: `4 min 10 s`.

@@ -43,8 +43,17 @@ pub(super) fn run(campaign: &Campaign, number: u64, out: &Path) -> Result<()> {
             Some(false) => "  ✗",
             None => "  –",
         };
+        let covered = outcome.covered.get(index).copied().flatten();
+        let covered = covered
+            .filter(|share| *share < 1.0)
+            .map_or(String::new(), |share| {
+                format!(
+                    " ({:.1} % of the window is there)",
+                    (1e3 * share).floor() / 10.0
+                )
+            });
         say!(
-            "  {}: {value} {} [{}]{verdict}",
+            "  {}: {value} {} [{}]{verdict}{covered}",
             column.name,
             column.unit,
             column.tolerance

@@ -165,6 +165,56 @@ fn a_part_that_is_killed_goes_on_to_the_same_table_and_the_page_says_what_broke(
     assert!(folder.0.join("whole/run-119/plain.mcap").is_file());
 }
 
+/// Half of the runs are refused, and of the others those that are too heavy drop too far.
+#[test]
+fn refused_runs_are_in_no_share_and_no_effect_and_are_told_apart() {
+    let folder = Temporary::new("campaign-refused-runs");
+    let path = plan(&folder.0);
+    let text = PLAN.replace("[0.0, 2.0, 1e9]", "[0.0]").replace(
+        "from = 0.9, to = 1.1, count = 40",
+        "from = 0.9, to = 1.1, count = 5",
+    );
+    let delay = r#"
+[[factor]]
+name = "delay"
+path = "change.plant.command_delay"
+value = { values = [1, -1] }
+"#;
+    fs::write(&path, format!("{text}{delay}")).unwrap();
+    let out = folder.file("out");
+    let done = wbqp(&["campaign", path.to_str().unwrap(), "--out", &out]);
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    let warning =
+        "factor `delay`: with the value -1, at an end of its range, the scenario is refused";
+    assert!(done.stderr.contains(warning), "{}", done.stderr);
+    for words in [
+        "hover: 10 runs in ",
+        " of 5 simulated runs do not hold",
+        "hover: 5 of 10 runs were REFUSED: they were not simulated",
+        "the first, run 1: plain: hover.toml: variation `plant.command_delay = -1`",
+    ] {
+        assert!(done.stdout.contains(words), "{words}: {}", done.stdout);
+    }
+    // Dumps are of what was simulated.
+    assert!(!Path::new(&out).join("run-1").exists() && Path::new(&out).join("run-0").is_dir());
+    let table = format!("{out}/shard-1-of-1.parquet");
+    let page = folder.file("page.html");
+    campaign(&["report", &table, "--out", &page]);
+    let page = fs::read_to_string(page).unwrap();
+    for words in [
+        "<td class=\"number refused\">5</td><td class=\"number\">5</td>",
+        "<b>5 of 10 runs were refused</b>: they were never simulated",
+        "The first, run 1: plain: hover.toml: variation",
+    ] {
+        assert!(page.contains(words), "{words}");
+    }
+    // The delay, of which one value alone was simulated, breaks nothing; the mass does.
+    assert!(page.contains("share that holds over mass"));
+    assert!(!page.contains("share that holds over delay"));
+    let worst = page.find("The worst runs").unwrap();
+    assert!(!page[worst..].contains("command_delay = -1"));
+}
+
 /// A limit of the shell on the size of files stands for a disk without room.
 #[cfg(target_os = "linux")]
 #[test]

@@ -19,7 +19,7 @@
 //! with the DLR-III lightweight manipulator arm", IROS 2006, for the base alone.
 //!
 //! While λ is not known, because a sensor fails, or because a tick without a solution has planned none, nothing is
-//! predicted: v̂ is what is measured, and ŵ is forgotten, `ŵ ← (1 − c_b) ŵ`. A wrench of contacts from before would
+//! predicted: v̂ is what is measured, and ŵ is forgotten, `ŵ ← ŵ exp(−Δ/2 s)`. A wrench of contacts from before would
 //! have to be taken back by ŵ once the robot is off the surface, one of zero would let ŵ stand for the surface: and the
 //! fallback law, which pushes against ŵ, would push against either. What is not confirmed becomes worse with time, too.
 

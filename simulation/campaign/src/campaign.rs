@@ -7,7 +7,6 @@ use std::{
     path::Path,
 };
 
-use serde::{Deserialize, Serialize};
 use wbqp::{robot::SourceFile, suggestion::suggestion};
 use wbqp_log::configuration_hash;
 use wbqp_measures::{Cases, Columns, MeasureError, Recording, Row, experiments};
@@ -15,7 +14,11 @@ use wbqp_sim::{
     RunError, RunOptions, Scenario, ScenarioError, Summary, Variation, run_case, scenario::Case,
 };
 
-use crate::plan::{Measure, Misfit, Nominal, Plan, Rows, Run};
+use crate::{
+    CampaignError, Column, Outcome, Status,
+    fit::{self, RefusedEnd},
+    plan::{Gaps, Lack, Measure, Measured, Nominal, Plan, Rows, Run},
+};
 
 /// A plan with all that its runs need.
 #[derive(Debug)]
@@ -24,52 +27,15 @@ pub struct Campaign {
     /// By variant and case.
     nominals: Vec<Vec<Nominal>>,
     columns: Vec<Column>,
+    refused_ends: Vec<RefusedEnd>,
     /// The topics that the measures ask for; all, until that is known.
     topics: Option<BTreeSet<String>>,
     fingerprint: String,
 }
 
-/// A measure of a campaign: a column of its table.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Column {
-    /// Its name, unique in the campaign.
-    pub name: String,
-    /// Its unit.
-    pub unit: String,
-    /// What is accepted, in words.
-    pub tolerance: String,
-    /// Whether it is judged at all.
-    pub is_judged: bool,
-    /// Whether a run fails in which it does not hold.
-    pub counts: bool,
-}
-
-/// What became of a run.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Outcome {
-    /// Its number.
-    pub run: u64,
-    /// How it ended.
-    pub status: Status,
-    /// Why it did not reach its end.
-    pub reason: Option<String>,
-    /// Whether it reached its end and every measure that counts holds.
-    pub holds: bool,
-    /// Control periods of all its cases.
-    pub ticks: u64,
-    /// Ticks whose command was not that tick's optimum.
-    pub held_ticks: u64,
-    /// By column; nothing where the run has no such value.
-    pub measured: Vec<Option<f64>>,
-    /// By column; nothing for columns that are not judged, or not reached.
-    pub verdicts: Vec<Option<bool>>,
-}
-
 /// A run that reached its end.
 struct Done {
-    rows: Vec<Row>,
+    measured: Vec<Measured>,
     /// By case.
     summaries: Vec<Summary>,
     recorded: Vec<Columns>,
@@ -93,91 +59,6 @@ impl Undone<'_> {
     }
 }
 
-/// How a run ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Status {
-    /// All its cases reached their end.
-    Completed,
-    /// The plant diverged.
-    Diverged,
-    /// The scenario was refused with these values: a task asks for more than the plant can, for example.
-    Refused,
-    /// The run could not go on: an event, a measure, or a panic.
-    Failed,
-}
-
-impl Status {
-    /// In one word, as tables have it.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::Completed => "completed",
-            Self::Diverged => "diverged",
-            Self::Refused => "refused",
-            Self::Failed => "failed",
-        }
-    }
-}
-
-/// Why a campaign cannot begin.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum CampaignError {
-    /// The scenario's values cannot be read.
-    #[error(transparent)]
-    Scenario(#[from] ScenarioError),
-    /// The scenario as it is does not reach its end, or cannot be measured.
-    #[error("{plan}: variant `{variant}` as it is, without any factor, {why}")]
-    Plain {
-        /// The plan; of a measure, its `file:line:column`.
-        plan: String,
-        /// The variant.
-        variant: String,
-        /// What happened.
-        why: String,
-    },
-    /// The variants have different measures.
-    #[error(
-        "{plan}: variants `{one}` and `{other}` have different measures; a table has the same of all"
-    )]
-    Columns {
-        /// The plan.
-        plan: String,
-        /// A variant.
-        one: String,
-        /// Another.
-        other: String,
-    },
-    /// A measure that counts as failure is none, or is not judged.
-    #[error("{plan}: `failure` names `{name}`, {why}")]
-    Failure {
-        /// `file:line:column` of `failure`.
-        plan: String,
-        /// The measure.
-        name: String,
-        /// What is wrong with it.
-        why: String,
-    },
-    /// A factor does not fit the scenario.
-    #[error("{plan}: {what}")]
-    Factor {
-        /// `file:line:column` of the factor.
-        plan: String,
-        /// What is wrong.
-        what: String,
-    },
-    /// There is no gradient of a task's error.
-    #[error("{plan}: gradient of the error of `{task}`: {why}")]
-    Gradient {
-        /// The plan.
-        plan: String,
-        /// The task.
-        task: String,
-        /// What is missing.
-        why: String,
-    },
-}
-
 impl Campaign {
     /// Prepares a plan: runs every variant of the scenario as it is once, which tells what can be measured.
     ///
@@ -192,14 +73,16 @@ impl Campaign {
             nominals.push(cases.collect::<Result<Vec<_>, ScenarioError>>()?);
         }
         let fingerprint = fingerprint(&plan)?;
+        fit::check(&plan, &nominals)?;
+        let refused_ends = fit::refused_ends(&plan, &nominals);
         let mut campaign = Self {
             plan,
             nominals,
             columns: Vec::new(),
+            refused_ends,
             topics: None,
             fingerprint,
         };
-        campaign.check_factors()?;
         let mut topics = BTreeSet::new();
         for (index, variant) in campaign.plan.variants().iter().enumerate() {
             let plain = |measure: Option<&Measure>, why: String| CampaignError::Plain {
@@ -215,17 +98,14 @@ impl Campaign {
                 };
                 plain(undone.measure, format!("does not do: {why}"))
             })?;
-            for measure in campaign.plan.measures() {
-                if let Some(recorded) = done.recorded.get(measure.case) {
-                    let empty = measure.empty_window(recorded);
-                    // What it cannot be measured for came before.
-                    if let Some(why) = empty.unwrap_or_default() {
-                        return Err(plain(Some(measure), why));
-                    }
+            for (measure, measured) in campaign.own(&done) {
+                if let Some(Lack { why, remedy }) = &measured.lacks {
+                    let what = format!("has no value of measure `{}`", measure.name());
+                    return Err(plain(Some(measure), format!("{what}: {why}; {remedy}")));
                 }
             }
             topics.extend(done.recorded.iter().flat_map(Columns::asked));
-            let columns: Vec<Column> = done.rows.iter().map(column).collect();
+            let columns: Vec<Column> = done.measured.iter().map(column).collect();
             if index == 0 {
                 campaign.columns = columns;
             } else if columns != campaign.columns {
@@ -239,50 +119,6 @@ impl Campaign {
         campaign.topics = Some(topics);
         campaign.choose_what_counts()?;
         Ok(campaign)
-    }
-
-    /// The points of every variant can be written into its cases, and each factor alone is taken at one of them at
-    /// least: a key that there is not is refused at all. What a push asks of a plant is another matter.
-    fn check_factors(&self) -> Result<(), CampaignError> {
-        let last = self.plan.len().saturating_sub(1);
-        let probes = [0, last / 2, last].map(|run| self.plan.runs(run..run + 1));
-        let refuse = |Misfit { start, what }: Misfit| {
-            let plan = self.plan.place(start);
-            Err(CampaignError::Factor { plan, what })
-        };
-        for (variant, nominals) in self.plan.variants().iter().zip(&self.nominals) {
-            for (case, nominal) in variant.cases().iter().zip(nominals) {
-                for run in probes.iter().flatten() {
-                    let changes = nominal.changes(self.plan.factors(), &run.factors);
-                    changes.map(|_| ()).or_else(refuse)?;
-                }
-                for (index, factor) in self.plan.factors().iter().enumerate() {
-                    let alone = std::slice::from_ref(factor);
-                    let mut why = None;
-                    let is_taken = probes.iter().flatten().any(|run| {
-                        let value = &run.factors[index..=index];
-                        let changes = nominal.changes(alone, value).map_err(|m| m.what);
-                        let varied = changes.and_then(|text| {
-                            let variation =
-                                Variation::from_toml(&text).map_err(|e| e.to_string())?;
-                            match variant.scenario().varied_case(case, &variation) {
-                                Ok(_) | Err(ScenarioError::Push { .. }) => Ok(()),
-                                Err(error) => Err(error.to_string()),
-                            }
-                        });
-                        why = varied.err();
-                        why.is_none()
-                    });
-                    if let (false, Some(why)) = (is_taken, why) {
-                        return refuse(Misfit {
-                            start: factor.start(),
-                            what: format!("factor `{}`: {why}", factor.name()),
-                        });
-                    }
-                }
-            }
-        }
-        Ok(())
     }
 
     fn choose_what_counts(&mut self) -> Result<(), CampaignError> {
@@ -326,6 +162,11 @@ impl Campaign {
         &self.columns
     }
 
+    /// Ends of factors' ranges with which the scenario is refused: runs next to them will not be simulated.
+    pub fn refused_ends(&self) -> &[RefusedEnd] {
+        &self.refused_ends
+    }
+
     /// What decides the results: a hash of the plan, the scenario, the controllers, the robots and this version.
     pub fn fingerprint(&self) -> &str {
         &self.fingerprint
@@ -342,31 +183,46 @@ impl Campaign {
             run: run.number,
             status: Status::Completed,
             reason: None,
-            holds: false,
+            holds: Some(false),
             ticks: 0,
             held_ticks: 0,
             measured: vec![None; self.columns.len()],
             verdicts: vec![None; self.columns.len()],
+            covered: Vec::new(),
         };
+        if self.columns.iter().any(|c| c.gaps != Gaps::NoValue) {
+            outcome.covered = vec![None; self.columns.len()];
+        }
         match done {
             Err(Undone { status, why, .. }) => {
                 outcome.status = status;
+                outcome.holds = (status != Status::Refused).then_some(false);
                 outcome.reason = Some(self.without_folder(run, &why));
             }
-            Ok(Done {
-                rows, summaries, ..
-            }) => {
-                outcome.ticks = summaries.iter().map(|s| s.ticks as u64).sum();
-                outcome.held_ticks = summaries.iter().map(|s| s.held as u64).sum();
+            Ok(done) => {
+                outcome.ticks = done.summaries.iter().map(|s| s.ticks as u64).sum();
+                outcome.held_ticks = done.summaries.iter().map(|s| s.held as u64).sum();
                 for (index, column) in self.columns.iter().enumerate() {
-                    let row = rows.iter().find(|row| name_of(row) == column.name);
-                    outcome.measured[index] = row.and_then(|row| row.measured);
-                    outcome.verdicts[index] = row.and_then(|row| row.pass);
+                    let mut all = done.measured.iter();
+                    let Some(found) = all.find(|found| name_of(&found.row) == column.name) else {
+                        continue;
+                    };
+                    outcome.measured[index] = found.row.measured;
+                    outcome.verdicts[index] = found.row.pass;
+                    if let Some(covered) = outcome.covered.get_mut(index) {
+                        *covered = found.covered;
+                    }
                 }
+                let lacks = self.own(&done).find_map(|(measure, found)| {
+                    let lack = found.lacks.as_ref()?;
+                    Some(format!("measure `{}`: {}", measure.name(), lack.why))
+                });
+                outcome.reason = lacks;
                 let judged = self.columns.iter().zip(&outcome.verdicts);
-                outcome.holds = judged
+                let holds = judged
                     .filter(|(c, _)| c.counts)
                     .all(|(_, v)| *v == Some(true));
+                outcome.holds = Some(holds);
             }
         }
         outcome
@@ -436,8 +292,8 @@ impl Campaign {
                 measure,
                 ..Undone::new(Status::Failed, in_words(&error))
             }),
-            Ok(rows) => Ok(Done {
-                rows,
+            Ok(measured) => Ok(Done {
+                measured,
                 summaries,
                 recorded,
             }),
@@ -449,7 +305,7 @@ impl Campaign {
         &self,
         run: &Run,
         recorded: &[Columns],
-    ) -> Result<Vec<Row>, (Option<&Measure>, MeasureError)> {
+    ) -> Result<Vec<Measured>, (Option<&Measure>, MeasureError)> {
         let of_experiment = |error: MeasureError| (None, error);
         let variant = &self.plan.variants()[run.variant];
         let names: Vec<&str> = variant.cases().iter().map(String::as_str).collect();
@@ -465,23 +321,36 @@ impl Campaign {
             _ => Vec::new(),
         };
         rows.retain(|row| !row.is_wall_clock());
+        let mut measured: Vec<Measured> = rows.into_iter().map(Measured::from).collect();
         for measure in self.plan.measures() {
             if let Some(columns) = recorded.get(measure.case) {
-                let row = measure.row(columns).map_err(|e| (Some(measure), e))?;
-                rows.push(row);
+                let found = measure.measured(columns);
+                measured.push(found.map_err(|e| (Some(measure), e))?);
             }
         }
-        Ok(rows)
+        Ok(measured)
+    }
+
+    /// The plan's own measures with what a run has of them: its last ones.
+    fn own<'a>(
+        &'a self,
+        done: &'a Done,
+    ) -> impl Iterator<Item = (&'a Measure, &'a Measured)> + use<'a> {
+        let measures = self.plan.measures();
+        let others = done.measured.len().saturating_sub(measures.len());
+        measures.iter().zip(&done.measured[others..])
     }
 }
 
-fn column(row: &Row) -> Column {
+fn column(measured: &Measured) -> Column {
+    let row = &measured.row;
     Column {
         name: name_of(row),
         unit: row.unit.clone(),
         tolerance: row.tolerance.clone(),
         is_judged: row.pass.is_some(),
         counts: row.pass.is_some(),
+        gaps: measured.gaps,
     }
 }
 

@@ -5,7 +5,10 @@
 //! into a folder, survives being killed, and leaves a table; `table::merge` makes one table of all.
 
 mod campaign;
+mod error;
+mod fit;
 mod gradient;
+mod outcome;
 mod plan;
 #[cfg(feature = "parquet")]
 mod shard;
@@ -13,10 +16,13 @@ mod shard;
 pub mod table;
 mod threads;
 
-pub use campaign::{Campaign, CampaignError, Column, Outcome, Status};
+pub use campaign::Campaign;
+pub use error::CampaignError;
+pub use fit::RefusedEnd;
 pub use gradient::ErrorOf;
+pub use outcome::{Column, Outcome, Status};
 pub use plan::{
-    Design, Distribution, Factor, Measure, Plan, PlanError, Reduction, Rows, Run, Variant,
+    Design, Distribution, Factor, Gaps, Measure, Plan, PlanError, Reduction, Rows, Run, Variant,
     json_schema,
 };
 #[cfg(feature = "parquet")]

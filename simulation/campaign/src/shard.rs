@@ -361,6 +361,7 @@ impl Progress {
                         && range.contains(&outcome.run)
                         && outcome.measured.len() == measures
                         && outcome.verdicts.len() == measures
+                        && [0, measures].contains(&outcome.covered.len())
                 };
                 match outcome {
                     Ok(outcome) if is_own(&outcome) && done.insert(outcome.run) => {}

@@ -18,6 +18,8 @@ use crate::{MeasureError, Recording, RotorLimits, Series, escaped, header::Heade
 pub struct Columns {
     topics: Vec<Topic>,
     header: Header,
+    /// Times at which anything came, of topics that are not kept too.
+    times: Vec<f64>,
     /// Messages of a topic for which there is room from the start.
     capacity: usize,
     /// The topics that are kept; all if nothing is said.
@@ -58,8 +60,15 @@ impl Columns {
     pub fn with_capacity(messages: usize) -> Self {
         Self {
             capacity: messages,
+            times: Vec::with_capacity(messages),
             ..Self::default()
         }
+    }
+
+    /// The times at which anything came, s, ascending: those of all ticks, also where a topic that is asked for, or
+    /// that is kept, has no message.
+    pub fn times(&self) -> &[f64] {
+        &self.times
     }
 
     /// Keeps these topics alone.
@@ -103,13 +112,17 @@ impl Columns {
     }
 
     fn begin(&mut self, channel: ChannelId, time: f64) -> Result<&mut dyn Fields, LogError> {
-        let nanoseconds = nanoseconds(time)?;
+        // As files have them.
+        let time = nanoseconds(time)? as f64 * 1e-9;
         let topic = self.topics.get_mut(channel.index());
         let topic = topic.ok_or(LogError::Channel(channel))?;
+        if self.times.last().is_none_or(|last| *last < time) {
+            self.times.push(time);
+        }
         if !topic.is_kept {
             return Ok(&mut self.nowhere);
         }
-        topic.times.push(nanoseconds as f64 * 1e-9);
+        topic.times.push(time);
         (topic.open, topic.next) = (None, 0);
         Ok(topic)
     }

@@ -2,21 +2,21 @@
 //!
 //! A column is read when it is wanted and forgotten again; what stays is a few bytes per line and factor.
 
-use std::{
-    cmp::{Ordering, Reverse},
-    collections::BTreeMap,
-};
+use std::cmp::Ordering;
 
 use anyhow::Result;
-use wbqp_campaign::Column;
+use wbqp_campaign::{Column, Gaps};
 
 use super::{
     lines::Part,
+    reasons::Reasons,
     statistics::{Groups, Share, quantiles},
 };
 
 /// How runs end.
 pub(super) const ENDS: [&str; 4] = ["completed", "diverged", "refused", "failed"];
+/// The end of a run that was never simulated: it is in no share and no effect.
+pub(super) const REFUSED: usize = 2;
 /// Runs that are listed as the worst.
 const WORST: usize = 10;
 /// Groups of a factor's values.
@@ -28,13 +28,13 @@ const CELLS: u8 = 6;
 #[derive(Debug)]
 pub(super) struct Findings {
     pub(super) variant: String,
+    /// Of those that were simulated.
     pub(super) holds: Share,
     /// How many ended how, in the order of [`ENDS`].
     pub(super) ended: [usize; 4],
     /// By measure.
     pub(super) measures: Vec<Measured>,
-    /// The most frequent first.
-    pub(super) reasons: Vec<Reason>,
+    pub(super) reasons: Reasons,
     /// The strongest first; empty if all runs hold.
     pub(super) effects: Vec<Effect>,
     /// How far apart the best and the worst group of each effect are in the share with which a measure holds, measure
@@ -53,16 +53,10 @@ pub(super) struct Measured {
     pub(super) holds: Option<Share>,
     /// 5 %, median, 95 %.
     pub(super) quantiles: [Option<f64>; 3],
-}
-
-/// Why runs ended early, without its numbers.
-#[derive(Debug)]
-pub(super) struct Reason {
-    pub(super) ended: String,
-    pub(super) why: String,
-    pub(super) count: usize,
-    /// Number of the first run.
-    pub(super) first: i64,
+    /// How many simulated runs have none.
+    pub(super) without: usize,
+    /// The smallest share of its window that a value is of, if it may be of less than all.
+    pub(super) least_covered: Option<f64>,
 }
 
 /// The share that holds over groups of a factor's values.
@@ -97,12 +91,14 @@ pub(super) struct Map {
 #[derive(Debug)]
 pub(super) struct WorstRun {
     pub(super) run: i64,
+    pub(super) completed: bool,
     pub(super) reason: Option<String>,
     /// Measures that count and do not hold, with their values; not a number where there is none.
     pub(super) missed: Vec<(String, f64)>,
     /// By factor; what is not a number was the scenario's own.
     pub(super) factors: Vec<f64>,
-    position: usize,
+    /// Among the variant's lines.
+    pub(super) position: usize,
 }
 
 impl Findings {
@@ -117,16 +113,24 @@ impl Findings {
             }
             ends.push(end.map_or(u8::MAX, |end| end as u8));
         })?;
+        let is_simulated = |position: usize| usize::from(ends[position]) != REFUSED;
         let mut missed: Vec<u16> = vec![0; part.count];
         let mut excess: Vec<f32> = vec![0.0; part.count];
         let mut measures = Vec::new();
         for column in columns {
             let numbers = part.numbers(&format!("measure.{}", column.name))?;
+            let values = numbers.iter().filter(|number| !number.is_nan()).count();
+            let simulated = part.count - ended[REFUSED];
             let quantiles = quantiles(numbers, [0.05, 0.5, 0.95]);
+            let mut least_covered = None;
+            if column.gaps != Gaps::NoValue {
+                let covered = part.numbers(&format!("covered.{}", column.name))?;
+                least_covered = covered.into_iter().reduce(f64::min);
+            }
             let mut share = None;
             if column.is_judged {
                 let verdicts: Vec<bool> = verdicts(part, column)?.collect();
-                share = Some(Share::of_all(verdicts.iter().copied()));
+                share = Some(Share::of_all(of_simulated(&verdicts, &is_simulated)));
                 if column.counts {
                     for (missed, holds) in missed.iter_mut().zip(&verdicts) {
                         *missed = missed.saturating_add(u16::from(!holds));
@@ -140,6 +144,8 @@ impl Findings {
             measures.push(Measured {
                 holds: share,
                 quantiles,
+                without: simulated.saturating_sub(values),
+                least_covered,
             });
         }
         let worse = |position: usize| Badness {
@@ -148,21 +154,23 @@ impl Findings {
             excess: excess[position],
             position,
         };
-        let mut worst = worst(&holds, worse);
+        let failed = |position: &usize| !holds[*position] && is_simulated(*position);
+        let mut worst = worst((0..part.count).filter(failed), worse);
         let worst_completed = worst_completed(part, &holds, &ends, worse)?;
         drop((missed, excess));
-        let reasons = reasons(part, &ends, &mut worst)?;
-
-        let is_perfect = holds.iter().all(|holds| *holds);
+        let reasons = Reasons::of(part, &ends, &mut worst)?;
+        let share = Share::of_all(of_simulated(&holds, &is_simulated));
+        let is_perfect = share.count == share.of;
         let mut effects: Vec<(Effect, Groups)> = Vec::new();
         for (factor, name) in factors.iter().enumerate() {
-            let numbers = part.numbers(&format!("factor.{name}"))?;
+            let mut numbers = part.numbers(&format!("factor.{name}"))?;
             for run in &mut worst {
                 run.factors.extend(numbers.get(run.position));
             }
             if is_perfect {
                 continue;
             }
+            leave_out_refused(&mut numbers, &is_simulated);
             let groups = Groups::new(&numbers, GROUPS);
             if groups.ranges.len() > 1 {
                 let shares = groups.shares(holds.iter().copied());
@@ -200,7 +208,9 @@ impl Findings {
         let map = match effects.as_slice() {
             [across, up, ..] => {
                 let groups = |effect: &Effect| {
-                    let numbers = part.numbers(&format!("factor.{}", factors[effect.factor]))?;
+                    let name = &factors[effect.factor];
+                    let mut numbers = part.numbers(&format!("factor.{name}"))?;
+                    leave_out_refused(&mut numbers, &is_simulated);
                     anyhow::Ok(Groups::new(&numbers, CELLS))
                 };
                 Some(Map::of(&groups(across)?, &groups(up)?, &holds))
@@ -209,7 +219,7 @@ impl Findings {
         };
         Ok(Self {
             variant: part.name().to_owned(),
-            holds: Share::of_all(holds.into_iter()),
+            holds: share,
             ended,
             measures,
             reasons,
@@ -240,6 +250,24 @@ impl Map {
             columns: across.ranges.clone(),
             rows: up.ranges.clone(),
             cells: counts.into_iter().map(shares).collect(),
+        }
+    }
+}
+
+/// Those of the lines that were simulated.
+fn of_simulated(
+    holds: &[bool],
+    is_simulated: &impl Fn(usize) -> bool,
+) -> impl Iterator<Item = bool> {
+    let holds = holds.iter().enumerate();
+    holds.filter_map(|(position, holds)| is_simulated(position).then_some(*holds))
+}
+
+/// What is not a number is in no group.
+fn leave_out_refused(numbers: &mut [f64], is_simulated: &impl Fn(usize) -> bool) {
+    for (position, number) in numbers.iter_mut().enumerate() {
+        if !is_simulated(position) {
+            *number = f64::NAN;
         }
     }
 }
@@ -307,10 +335,10 @@ fn add_excess(excess: &mut [f32], numbers: &[f64], verdicts: &[bool], of_all: [O
     }
 }
 
-/// Those that do not hold, the worst first.
-fn worst(holds: &[bool], worse: impl Fn(usize) -> Badness) -> Vec<WorstRun> {
+/// Of those that do not hold, the worst first.
+fn worst(failed: impl Iterator<Item = usize>, worse: impl Fn(usize) -> Badness) -> Vec<WorstRun> {
     let mut worst: Vec<usize> = Vec::new();
-    for position in (0..holds.len()).filter(|position| !holds[*position]) {
+    for position in failed {
         let this = worse(position);
         let rank = worst.partition_point(|other| worse(*other).order(&this) == Ordering::Less);
         if rank < WORST {
@@ -320,6 +348,7 @@ fn worst(holds: &[bool], worse: impl Fn(usize) -> Badness) -> Vec<WorstRun> {
     }
     let run = |position: usize| WorstRun {
         run: 0,
+        completed: worse(position).completed,
         reason: None,
         missed: Vec::new(),
         factors: Vec::new(),
@@ -348,79 +377,13 @@ fn worst_completed(
     Ok(number)
 }
 
-/// Why runs ended early, alike reasons together, and the worst runs' own; these get their numbers as well.
-fn reasons(part: &Part<'_>, ends: &[u8], worst: &mut [WorstRun]) -> Result<Vec<Reason>> {
-    let mut classes: BTreeMap<(u8, String), (usize, usize)> = BTreeMap::new();
-    part.texts("reason", |position, reason| {
-        let Some(reason) = reason else {
-            return;
-        };
-        let class = (ends[position], without_numbers(reason));
-        classes.entry(class).or_insert((0, position)).0 += 1;
-        if let Some(run) = worst.iter_mut().find(|run| run.position == position) {
-            run.reason = Some(reason.to_owned());
-        }
-    })?;
-    let mut reasons = Vec::new();
-    for ((end, why), (count, position)) in classes {
-        let ended = ENDS.get(usize::from(end)).copied().unwrap_or_default();
-        let reason = Reason {
-            ended: ended.to_owned(),
-            why,
-            count,
-            first: 0,
-        };
-        reasons.push((position, reason));
-    }
-    reasons.sort_by_key(|(_, reason)| Reverse(reason.count));
-    reasons.truncate(20);
-    part.wholes("run", |position, number| {
-        let first = reasons.iter_mut().filter(|(at, _)| *at == position);
-        first.for_each(|(_, reason)| reason.first = number);
-        let worst = worst.iter_mut().filter(|run| run.position == position);
-        worst.for_each(|run| run.run = number);
-    })?;
-    Ok(reasons.into_iter().map(|(_, reason)| reason).collect())
-}
-
-/// A text with `#` for every number.
-fn without_numbers(text: &str) -> String {
-    let mut class = String::new();
-    let mut in_number = false;
-    let mut last = ' ';
-    for c in text.chars() {
-        let begins = c.is_ascii_digit() && !last.is_alphanumeric() && last != '_';
-        let goes_on = in_number && (c.is_ascii_digit() || "._eE".contains(c));
-        if begins && !in_number {
-            class.push('#');
-        }
-        if !begins && !goes_on {
-            class.push(c);
-        }
-        in_number = begins || goes_on;
-        last = c;
-    }
-    class
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn reasons_that_differ_in_numbers_alone_are_one_class() {
-        let one = without_numbers("robust: the plant diverged at 12.25 s");
-        assert_eq!(one, without_numbers("robust: the plant diverged at 3.5 s"));
-        assert_eq!(one, "robust: the plant diverged at # s");
-        assert_eq!(
-            without_numbers("task_2 asks 1e-3 N of x1"),
-            "task_2 asks #-# N of x1"
-        );
-    }
-
-    #[test]
     fn the_worst_come_first_and_among_equals_the_first() {
-        let mut holds = vec![false; 40];
+        let mut holds = [false; 40];
         holds[0] = true;
         let worse = |position: usize| Badness {
             completed: position != 30,
@@ -428,7 +391,7 @@ mod tests {
             excess: if position == 5 { 2.0 } else { 0.5 },
             position,
         };
-        let worst = worst(&holds, worse);
+        let worst = worst((0..40).filter(|position| !holds[*position]), worse);
         let positions: Vec<usize> = worst.iter().map(|run| run.position).collect();
         assert_eq!(positions, [30, 7, 27, 5, 1, 2, 3, 4, 6, 8]);
     }

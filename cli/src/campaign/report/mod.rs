@@ -4,6 +4,7 @@ mod figures;
 mod findings;
 mod lines;
 mod matters;
+mod reasons;
 mod section;
 mod statistics;
 
@@ -147,7 +148,8 @@ impl Page<'_> {
                     p.lead {
                         (self.runs) " runs of " (about.points) " points in " (about.variants.len())
                         " variants. A run holds if it reaches its end and every measure that counts is within what is \
-                         accepted. Intervals are Wilson's, with a confidence of 95 %."
+                         accepted. One that is refused was never simulated, and is in no share. Intervals are \
+                         Wilson's, with a confidence of 95 %."
                     }
                     (section::overview(self.findings))
                     @for found in self.findings {

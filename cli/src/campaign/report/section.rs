@@ -3,28 +3,33 @@
 use std::path::Path;
 
 use maud::{Markup, html};
-use wbqp_campaign::table::Description;
+use wbqp_campaign::{Gaps, table::Description};
 use wbqp_measures::number;
 
 use super::{
     figures,
-    findings::{ENDS, Findings},
+    findings::{ENDS, Findings, Measured, REFUSED},
+    reasons::Reason,
     statistics::Share,
 };
 
 /// How many runs of each variant hold, and how the others ended.
 pub(super) fn overview(all: &[Findings]) -> Markup {
+    let others = || ENDS.iter().enumerate().filter(|(end, _)| *end != REFUSED);
     html! {
         h2 { "What holds" }
         div.scroll { table {
-            thead { tr { th { "variant" } th { "runs" } th { "holds" } @for end in ENDS { th { (end) } } } }
+            thead { tr { th { "variant" } th { "runs" } th { "refused" } th { "simulated" } th { "of these hold" }
+                @for (_, end) in others() { th { (end) } } } }
             tbody {
                 @for found in all {
                     tr {
                         td { (found.variant) }
+                        td.number { (found.ended.iter().sum::<usize>()) }
+                        td.number.refused[found.ended[REFUSED] > 0] { (found.ended[REFUSED]) }
                         td.number { (found.holds.of) }
                         td.number { (found.holds.words()) }
-                        @for count in found.ended { td.number { (count) } }
+                        @for (end, _) in others() { td.number { (found.ended[end]) } }
                     }
                 }
             }
@@ -36,6 +41,7 @@ pub(super) fn overview(all: &[Findings]) -> Markup {
 pub(super) fn section(found: &Findings, about: &Description, plan: &Path, beside: &Path) -> Markup {
     html! {
         h2 { "Variant " (found.variant) }
+        (refused(found))
         (measures(found, about))
         (reasons(found))
         (effects(found, about))
@@ -48,17 +54,18 @@ fn measures(found: &Findings, about: &Description) -> Markup {
     html! {
         div.scroll { table {
             thead { tr { th { "measure" } th { "accepted" } th { "holds" } th { "5 %" }
-                th { "median" } th { "95 %" } th { "unit" } } }
+                th { "median" } th { "95 %" } th { "unit" } th { "without a value" } } }
             tbody {
                 @for (column, measured) in about.measures.iter().zip(&found.measures) {
                     tr.aside[!column.counts] {
-                        td { (column.name) }
+                        td { (column.name) (covered(column.gaps, measured)) }
                         td { (column.tolerance) }
                         td.number { (measured.holds.map_or("–".to_owned(), Share::words)) }
                         @for value in measured.quantiles {
                             td.number { (value.map_or("–".to_owned(), number)) }
                         }
                         td { (column.unit) }
+                        td.number { (measured.without) }
                     }
                 }
             }
@@ -66,25 +73,65 @@ fn measures(found: &Findings, about: &Description) -> Markup {
     }
 }
 
-/// Why runs ended early, alike reasons together: without their numbers.
+/// Of a measure that may be of less than its window: of how much.
+fn covered(gaps: Gaps, measured: &Measured) -> Markup {
+    let what = match gaps {
+        Gaps::NoValue => return html! {},
+        Gaps::Hold => "the last value goes on in gaps",
+        Gaps::Skip => "gaps are left out",
+    };
+    html! {
+        @if let Some(least) = measured.least_covered {
+            br; small { (what) "; at least " (format!("{:.1} %", floored(100.0 * least))) " of the window is there" }
+        }
+    }
+}
+
+/// With one digit, never more than it is: what is not all does not look like it.
+fn floored(percent: f64) -> f64 {
+    (10.0 * percent).floor() / 10.0
+}
+
+/// Runs that were not simulated, if there are any: what is not known of the variant.
+fn refused(found: &Findings) -> Markup {
+    let count = found.ended[REFUSED];
+    html! {
+        @if let Some((run, why)) = &found.reasons.first_refused {
+            p.refused {
+                b { (count) " of " (found.ended.iter().sum::<usize>()) " runs were refused" }
+                ": they were never simulated, say nothing of the controller, and are in no share, no effect and no map \
+                 below. The first, run " (run) ": " (why)
+            }
+            @if found.reasons.refused.len() > 1 { (reason_table(&found.reasons.refused)) }
+        }
+    }
+}
+
+/// Why runs ended early or lack a value, alike reasons together: without their numbers.
 fn reasons(found: &Findings) -> Markup {
     html! {
-        @if !found.reasons.is_empty() {
-            h3 { "Why runs ended early" }
-            div.scroll { table {
-                thead { tr { th { "runs" } th { "ended" } th { "why" } th { "first" } } }
-                tbody {
-                    @for reason in &found.reasons {
-                        tr {
-                            td.number { (reason.count) }
-                            td { (reason.ended) }
-                            td { (reason.why) }
-                            td.number { "run " (reason.first) }
-                        }
+        @if !found.reasons.simulated.is_empty() {
+            h3 { "Why runs ended early, or have no value of a measure" }
+            (reason_table(&found.reasons.simulated))
+        }
+    }
+}
+
+fn reason_table(reasons: &[Reason]) -> Markup {
+    html! {
+        div.scroll { table {
+            thead { tr { th { "runs" } th { "ended" } th { "why" } th { "first" } } }
+            tbody {
+                @for reason in reasons {
+                    tr {
+                        td.number { (reason.count) }
+                        td { (reason.ended) }
+                        td { (reason.why) }
+                        td.number { "run " (reason.first) }
                     }
                 }
-            } }
-        }
+            }
+        } }
     }
 }
 
@@ -161,10 +208,9 @@ fn worst(found: &Findings, about: &Description, plan: &Path, beside: &Path) -> M
                                 } @else { (run.run) }
                             }
                             td.words {
-                                @match &run.reason {
-                                    Some(reason) => (reason),
-                                    None => (missed(&run.missed, about)),
-                                }
+                                @if let Some(reason) = &run.reason { (reason) }
+                                @if run.reason.is_some() && run.completed { "; " }
+                                @if run.reason.is_none() || run.completed { (missed(&run.missed, about)) }
                             }
                             @for value in &run.factors {
                                 td.number { (if value.is_nan() { "–".to_owned() } else { number(*value) }) }

@@ -106,7 +106,7 @@ impl Distribution {
     }
 
     /// The value below which a share `u` of the distribution lies, 0 ≤ u < 1.
-    pub(super) fn quantile(&self, u: f64) -> f64 {
+    pub(crate) fn quantile(&self, u: f64) -> f64 {
         match self {
             Self::Uniform([low, high]) => low + (high - low) * u,
             Self::LogUniform([low, high]) => (low.ln() + (high / low).ln() * u).exp(),
@@ -119,6 +119,21 @@ impl Distribution {
                 let levels = self.levels().unwrap_or(1);
                 self.level(((u * levels as f64) as usize).min(levels.saturating_sub(1)))
             }
+        }
+    }
+
+    /// The smallest and the largest value; of a Gaussian, which has none, three standard deviations from the mean.
+    pub(crate) fn ends(&self) -> [f64; 2] {
+        match self {
+            Self::Uniform(ends) | Self::LogUniform(ends) => *ends,
+            Self::Normal { mean, sd } => [mean - 3.0 * sd, mean + 3.0 * sd],
+            Self::Values(values) => {
+                let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+                let largest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+                [least, largest]
+            }
+            Self::Integers([first, last]) => [*first as f64, *last as f64],
+            Self::Range { from, to, .. } => [*from, *to],
         }
     }
 

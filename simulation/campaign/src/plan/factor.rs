@@ -117,8 +117,37 @@ impl Factor {
         self.start
     }
 
-    pub(super) fn distribution(&self) -> &Distribution {
+    pub(crate) fn distribution(&self) -> &Distribution {
         &self.distribution
+    }
+
+    /// Whether it scales nothing but zeros in a case, and no other factor makes anything of them.
+    pub(crate) fn scales_zeros_of(&self, nominal: &Nominal, others: &[&Self]) -> bool {
+        let is_zero = |path: &Path| {
+            let is_written = |other: &&Self| other.paths.iter().any(|p| p.key == path.key);
+            if others.iter().any(is_written) {
+                return false;
+            }
+            let Some(value) = nominal.value(&path.key) else {
+                return false;
+            };
+            match (path.entry, &value) {
+                (Some(entry), Value::Array(entries)) => entries.get(entry).is_some_and(is_zero),
+                _ => is_zero(&value),
+            }
+        };
+        self.relation == Relation::Scale && self.paths.iter().all(is_zero)
+    }
+
+    /// What is wrong with one that does, in words.
+    pub(crate) fn scales_nothing(&self) -> String {
+        let paths: Vec<String> = self.paths.iter().map(Path::text).collect();
+        format!(
+            "factor `{}`: `scale` of `{}`, which is 0 in the scenario, is always 0, and has no effect: give the \
+             numbers themselves, as `value = {{ uniform = [lowest, highest] }}` in place of `scale`",
+            self.name,
+            paths.join("`, `")
+        )
     }
 
     fn is_written_over(&self, nominal: &Nominal, path: &Path) -> Result<Value, String> {
@@ -156,10 +185,12 @@ impl Factor {
                     *own = self.of(number, own)?;
                     Value::Array(entries)
                 }
-                (_, Some(entry)) => {
+                (current, Some(entry)) => {
+                    let own = current.as_ref();
                     return Err(format!(
-                        "factor `{}`: the scenario has no list at `{}` to take entry {entry} of",
-                        self.name, path.key
+                        "factor `{}`: {}",
+                        self.name,
+                        path.no_list(own, entry)
                     ));
                 }
                 (None, None) if self.relation == Relation::Value => self.number(number, None),
@@ -211,7 +242,45 @@ impl Factor {
     }
 }
 
+/// Whether a value is the number 0, or a list of nothing else.
+fn is_zero(value: &Value) -> bool {
+    match value {
+        Value::Float(x) => *x == 0.0,
+        Value::Integer(i) => *i == 0,
+        Value::Array(entries) => entries.iter().all(is_zero),
+        _ => false,
+    }
+}
+
 impl Path {
+    /// What is wrong with a value that is none, or a number, where an entry of a list is wanted; and what to write.
+    fn no_list(&self, own: Option<&Value>, entry: usize) -> String {
+        let key = &self.key;
+        let (what, filler) = match own {
+            Some(Value::Float(_) | Value::Integer(_)) => {
+                let number = own.map_or_else(String::new, Value::to_string);
+                (
+                    format!("`{key}` is the number {number}, no list with entry {entry}"),
+                    number,
+                )
+            }
+            Some(other) => {
+                return format!(
+                    "`{key}` is a {}, no list with entry {entry}",
+                    other.type_str()
+                );
+            }
+            None => {
+                let what = format!("the scenario has no list at `{key}` to take entry {entry} of");
+                (what, "1.0".to_owned())
+            }
+        };
+        let entries = vec![filler; entry + 1].join(", ");
+        format!(
+            "{what}; write it out first, with all its entries: `{key} = [{entries}, …]` at the beginning of the plan"
+        )
+    }
+
     fn text(&self) -> String {
         match self.entry {
             Some(entry) => format!("{}[{entry}]", self.key),
@@ -275,10 +344,21 @@ impl Nominal {
         let config = case.controller_config()?;
         // What cannot be written has no values to be scaled.
         let controller = config.to_toml().ok().and_then(|text| text.parse().ok());
+        let rate = config.settings.rate;
+        let mut scenario = case.values();
+        let mismatch = scenario
+            .get_mut("plant")
+            .and_then(|p| p.get_mut("mismatch"));
+        if let Some(mismatch) = mismatch.and_then(Value::as_table_mut) {
+            // How many there are is the robot's matter: a scenario without any means all 1.
+            let rotors = case.make_controller(config)?.robot().rotors().count();
+            let scales = Value::from(vec![1.0; rotors]);
+            mismatch.entry("rotor_scales").or_insert(scales);
+        }
         Ok(Self {
-            scenario: case.values(),
+            scenario,
             controller: controller.unwrap_or_default(),
-            rate: config.settings.rate,
+            rate,
         })
     }
 

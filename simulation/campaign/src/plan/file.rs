@@ -174,6 +174,10 @@ pub(super) struct MeasureKeys {
     pub(super) expression: Option<String>,
     /// What becomes of the values over time.
     pub(super) reduce: Reduction,
+    /// What becomes of ticks of the window in which a signal has no value, as references, tasks and planned forces in a
+    /// tick without a solution; default: the measure has no value, and the run does not hold.
+    #[serde(default)]
+    pub(super) gaps: Gaps,
     /// From this time on, s: a number, or an expression with the names of marks; default: the beginning.
     #[serde(default)]
     pub(super) from: Option<Time>,
@@ -201,6 +205,19 @@ fn first() -> usize {
 pub(super) enum Time {
     Number(f64),
     Expression(String),
+}
+
+/// What becomes of ticks of a measure's window in which a signal has no value.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Gaps {
+    /// With one such tick the measure has no value; one that is `last` asks for the last tick alone.
+    #[default]
+    NoValue,
+    /// The signal's last value goes on; the table says which share of the window is without.
+    Hold,
+    /// They are left out; the table says which share of the window is left.
+    Skip,
 }
 
 /// From values over time to one number.

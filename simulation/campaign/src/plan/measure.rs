@@ -2,9 +2,12 @@
 
 use exmex::{Express, FlatEx};
 use toml::Spanned;
-use wbqp_measures::{MeasureError, Recording, Row, Series};
+use wbqp_measures::{Columns, MeasureError, Recording, Row, Series};
 
-use super::file::{MeasureKeys, Reduction, Time};
+use super::{
+    file::{Gaps, MeasureKeys, Reduction, Time},
+    window::{Channel, Otherwise, Window},
+};
 
 /// A number from the channels of a run.
 #[derive(Clone, Debug)]
@@ -16,6 +19,7 @@ pub struct Measure {
     signals: Vec<Signal>,
     expression: Compiled,
     reduce: Reduction,
+    gaps: Gaps,
     from: Option<Compiled>,
     until: Option<Compiled>,
     unit: String,
@@ -23,6 +27,41 @@ pub struct Measure {
     at_least: Option<f64>,
     /// Where it begins in the plan.
     start: usize,
+}
+
+/// What a run has of a measure.
+#[derive(Clone, Debug)]
+pub(crate) struct Measured {
+    pub(crate) row: Row,
+    pub(crate) gaps: Gaps,
+    /// Share of the window's ticks whose value is their own; of a measure that may do without, see [`Gaps`].
+    pub(crate) covered: Option<f64>,
+    pub(crate) lacks: Option<Lack>,
+}
+
+/// Why a measure has no value.
+#[derive(Clone, Debug)]
+pub(crate) struct Lack {
+    /// In words.
+    pub(crate) why: String,
+    /// What would be done about it, in words.
+    pub(crate) remedy: &'static str,
+}
+
+/// Of a window with gaps.
+const REMEDY: &str = "a tick without a solution has no references, tasks and planned forces: give the measure another \
+    window, or `gaps = \"hold\"` (the last value goes on) or `gaps = \"skip\"` (such ticks are left out); the table \
+    then says which share of the window is there";
+
+impl From<Row> for Measured {
+    fn from(row: Row) -> Self {
+        Self {
+            row,
+            gaps: Gaps::NoValue,
+            covered: None,
+            lacks: None,
+        }
+    }
 }
 
 #[derive(Clone, Debug)]
@@ -147,6 +186,7 @@ impl Measure {
             signals,
             expression,
             reduce: keys.reduce,
+            gaps: keys.gaps,
             from: time(&keys.from)?,
             until: time(&keys.until)?,
             unit: keys.unit.clone(),
@@ -166,45 +206,74 @@ impl Measure {
         self.start
     }
 
+    /// What becomes of ticks of its window in which a signal has no value.
+    pub fn gaps(&self) -> Gaps {
+        self.gaps
+    }
+
     /// Measures a run.
     ///
     /// # Errors
     /// [`MeasureError`] if the run lacks a topic or a mark.
-    pub(crate) fn row(&self, run: &dyn Recording) -> Result<Row, MeasureError> {
+    pub(crate) fn measured(&self, run: &Columns) -> Result<Measured, MeasureError> {
         let tolerance = match (self.at_least, self.at_most) {
             (Some(low), Some(high)) => format!("{low} … {high} {}", self.unit),
             (Some(low), None) => format!("≥ {low} {}", self.unit),
             (None, Some(high)) => format!("≤ {high} {}", self.unit),
             (None, None) => "informative".to_owned(),
         };
-        let value = self.value(run)?;
+        let window = self.window(run)?;
+        let (value, lacks) = match self.reduced(&window) {
+            Some(value) => (Some(value), None),
+            None => (None, Some(Self::lack(&window, run))),
+        };
         let what = ("", self.unit.as_str());
         let tolerance = tolerance.trim_end();
-        if self.at_least.is_none() && self.at_most.is_none() {
-            return Ok(Row::informative(&self.name, what, None, value, tolerance));
-        }
-        let low = self.at_least.unwrap_or(f64::NEG_INFINITY);
-        let high = self.at_most.unwrap_or(f64::INFINITY);
-        let holds = |x: f64| (low..=high).contains(&x);
-        Ok(Row::judged(&self.name, what, None, value, tolerance, holds))
+        let row = if self.at_least.is_none() && self.at_most.is_none() {
+            Row::informative(&self.name, what, None, value, tolerance)
+        } else {
+            let low = self.at_least.unwrap_or(f64::NEG_INFINITY);
+            let high = self.at_most.unwrap_or(f64::INFINITY);
+            let holds = |x: f64| (low..=high).contains(&x);
+            Row::judged(&self.name, what, None, value, tolerance, holds)
+        };
+        Ok(Measured {
+            row,
+            gaps: self.gaps,
+            covered: (self.gaps != Gaps::NoValue).then(|| window.covered()),
+            lacks,
+        })
     }
 
-    /// Why a run that has all topics and marks has nothing to be measured: its window is empty.
-    ///
-    /// # Errors
-    /// [`MeasureError`] if the run lacks a topic or a mark.
-    pub(crate) fn empty_window(&self, run: &dyn Recording) -> Result<Option<String>, MeasureError> {
-        if self.series(run)?.samples().next().is_some() {
-            return Ok(None);
+    /// Its number, if the window has what that takes.
+    fn reduced(&self, window: &Window) -> Option<f64> {
+        let is_whole = window.values.len() == window.ticks;
+        let is_enough = match (self.gaps, self.reduce) {
+            (Gaps::Skip, _) => true,
+            (_, Reduction::Last) => window.has_last,
+            _ => is_whole,
+        };
+        is_enough
+            .then(|| reduced(self.reduce, &window.values))
+            .flatten()
+    }
+
+    /// Why there is no number.
+    fn lack(window: &Window, run: &Columns) -> Lack {
+        if let Some(why) = window.lack() {
+            return Lack {
+                why,
+                remedy: REMEDY,
+            };
         }
-        let time = |time: &Option<Compiled>| time.as_ref().map(|t| t.time(run)).transpose();
-        let from = time(&self.from)?.unwrap_or(0.0);
-        let until = time(&self.until)?.unwrap_or(run.end());
-        Ok(Some(format!(
-            "has nothing in the window of measure `{}`: from {from} s until {until} s, of a run of {} s",
-            self.name,
-            run.end()
-        )))
+        let end = run.times().last().copied().unwrap_or(0.0);
+        let [from, until] = window.ends;
+        Lack {
+            why: format!(
+                "there is nothing in its window, from {from} s until {until} s, of a run until {end:.3} s"
+            ),
+            remedy: "give it another one, with `from` and `until`",
+        }
     }
 
     /// Which case of a variant it is of, by position.
@@ -217,26 +286,22 @@ impl Measure {
     ///
     /// # Errors
     /// [`MeasureError`] if the run lacks a topic or a mark.
-    pub fn moment(&self, run: &dyn Recording) -> Result<Option<f64>, MeasureError> {
-        let series = self.series(run)?;
-        let samples = series.samples().filter(|(_, y)| y.is_finite());
+    pub fn moment(&self, run: &Columns) -> Result<Option<f64>, MeasureError> {
+        let window = self.window(run)?;
         let size = |y: f64| match self.reduce {
             Reduction::Max => y,
             Reduction::Min => -y,
             Reduction::Last => 0.0,
             _ => y.abs(),
         };
+        let samples = window.values.samples();
         let most = samples.max_by(|a, b| size(a.1).total_cmp(&size(b.1)));
         Ok(most.map(|(t, _)| t))
     }
 
-    fn value(&self, run: &dyn Recording) -> Result<Option<f64>, MeasureError> {
-        Ok(reduced(self.reduce, &self.series(run)?))
-    }
-
-    /// What is measured, at every time of its window.
-    fn series(&self, run: &dyn Recording) -> Result<Series, MeasureError> {
-        let mut columns = Vec::new();
+    /// What is measured, in every tick of its window.
+    fn window(&self, run: &Columns) -> Result<Window, MeasureError> {
+        let mut channels = Vec::new();
         for name in &self.expression.names {
             // Every name is a signal's: that was checked.
             let Some(signal) = self.signals.iter().find(|s| s.name == *name) else {
@@ -249,43 +314,29 @@ impl Measure {
                     field: signal.field.clone(),
                 });
             }
-            columns.push(series);
+            let channel = format!("{}{}", signal.topic, signal.field.replace('/', "."));
+            channels.push(Channel {
+                called: format!("`{name}` ({channel})"),
+                series,
+            });
         }
-        let from = self.from.as_ref().map(|t| t.time(run)).transpose()?;
-        let until = self.until.as_ref().map(|t| t.time(run)).transpose()?;
-        let series = self.computed(&columns);
-        let (from, until) = (
-            from.unwrap_or(f64::NEG_INFINITY),
-            until.unwrap_or(f64::INFINITY),
-        );
-        Ok(series.window(from, until))
-    }
-
-    /// The expression at every time that all signals have.
-    fn computed(&self, columns: &[Series]) -> Series {
-        let Some((first, others)) = columns.split_first() else {
-            return Series::default();
+        let time = |time: &Option<Compiled>, otherwise: f64| {
+            let time = time.as_ref().map(|t| t.time(run)).transpose();
+            time.map(|time| time.unwrap_or(otherwise))
         };
-        let mut next = vec![0; others.len()];
-        let mut values = Vec::with_capacity(columns.len());
-        let mut out = Series::default();
-        for (t, y) in first.samples() {
-            values.clear();
-            values.push(y);
-            for (other, next) in others.iter().zip(&mut next) {
-                while other.t.get(*next).is_some_and(|u| *u < t - 1e-9) {
-                    *next += 1;
-                }
-                let at = other.t.get(*next).filter(|u| (**u - t).abs() < 1e-9);
-                values.extend(at.and(other.y.get(*next)));
-            }
-            if values.len() == columns.len() {
-                out.t.push(t);
-                out.y
-                    .push(self.expression.expression.eval(&values).unwrap_or(f64::NAN));
-            }
-        }
-        out
+        let ends = [
+            time(&self.from, f64::NEG_INFINITY)?,
+            time(&self.until, f64::INFINITY)?,
+        ];
+        let otherwise = match self.gaps {
+            Gaps::Hold => Otherwise::Last,
+            Gaps::NoValue | Gaps::Skip => Otherwise::Nothing,
+        };
+        let compute = |values: &[f64]| {
+            let value = self.expression.expression.eval(values);
+            value.unwrap_or(f64::NAN)
+        };
+        Ok(Window::of(run.times(), &channels, otherwise, ends, compute))
     }
 }
 

@@ -7,6 +7,7 @@ mod factor;
 mod file;
 mod measure;
 mod variant;
+mod window;
 
 use std::{ops::Range, path::Path};
 
@@ -24,7 +25,7 @@ pub use design::Design;
 pub use distribution::Distribution;
 pub use error::PlanError;
 pub use factor::Factor;
-pub use file::{Reduction, Rows};
+pub use file::{Gaps, Reduction, Rows};
 pub use measure::Measure;
 pub use variant::Variant;
 
@@ -32,7 +33,7 @@ use file::{Keys, variation};
 pub(crate) use {
     design::Points,
     factor::{Misfit, Nominal},
-    measure::Compiled,
+    measure::{Compiled, Lack, Measured},
 };
 
 /// A checked plan.
@@ -241,6 +242,11 @@ impl Plan {
     /// Number of points.
     pub fn points(&self) -> u64 {
         self.points.count()
+    }
+
+    /// Whether factors take any value: the scenario as it is has none.
+    pub(crate) fn has_points(&self) -> bool {
+        self.design != Design::Plain
     }
 
     /// Number of runs.

@@ -1,6 +1,6 @@
 //! Columns of a table.
 
-use crate::{Campaign, Outcome};
+use crate::{Campaign, Gaps, Outcome};
 
 /// The values of a column.
 #[derive(Clone, Debug, PartialEq)]
@@ -92,7 +92,7 @@ pub(super) fn of_outcomes(campaign: &Campaign, outcomes: &[Outcome]) -> Vec<(Str
             Data::Number(numbers.collect()),
         ));
     }
-    let holds = outcomes.iter().map(|o| Some(o.holds));
+    let holds = outcomes.iter().map(|o| o.holds);
     columns.extend([
         (
             "status".to_owned(),
@@ -109,6 +109,13 @@ pub(super) fn of_outcomes(campaign: &Campaign, outcomes: &[Outcome]) -> Vec<(Str
             format!("measure.{}", column.name),
             Data::Number(measured.collect()),
         ));
+        if column.gaps != Gaps::NoValue {
+            let covered = outcomes.iter().map(|o| o.covered.get(index).copied());
+            columns.push((
+                format!("covered.{}", column.name),
+                Data::Number(covered.map(Option::flatten).collect()),
+            ));
+        }
         if column.is_judged {
             let verdicts = outcomes.iter().map(|o| o.verdicts[index]);
             columns.push((

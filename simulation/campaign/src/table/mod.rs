@@ -4,10 +4,11 @@
 //! |---|---|
 //! | `run`, `point`, `seed`, `variant` | which run |
 //! | `factor.<name>` | the factors' numbers; null where the scenario's own counts |
-//! | `status`, `reason` | how it ended, and why not otherwise |
-//! | `holds` | whether it reached its end and every measure that counts holds |
+//! | `status`, `reason` | how it ended, and why not otherwise, or why a measure has no value |
+//! | `holds` | whether it reached its end and every measure that counts holds; null if it was refused |
 //! | `ticks`, `held_ticks` | control periods, and those whose command was not their optimum |
 //! | `measure.<name>`, `holds.<name>` | the measures, and verdicts of those that are judged; null where there is none |
+//! | `covered.<name>` | of measures with `gaps`: share of the window's ticks that have all signals |
 //!
 //! Groups of lines have a fixed size, and nothing in a file says when, where or in how many parts it was made: the same
 //! campaign gives the same bytes. The metadata `wbqp.campaign` is a [`Description`] as JSON.

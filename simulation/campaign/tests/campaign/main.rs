@@ -1,6 +1,8 @@
 //! Plans, campaigns, shards and tables, with a robot that hovers for a fifth of a second.
 
 mod common;
+mod fit;
+mod gaps;
 mod gradient;
 mod plans;
 mod runs;

@@ -72,7 +72,7 @@ fn what_is_unknown_empty_or_not_there_is_named_with_its_place() {
         ),
         (
             with("").replace("unit = \"m\"", "until = \"push_start - 5\""),
-            "has nothing in the window of measure `drop`",
+            "has no value of measure `drop`: there is nothing in its window, from 0 s until -5 s",
         ),
         (
             with("").replace("change.plant", "plant"),

@@ -23,7 +23,7 @@ fn measured_with(plan: &str, variant: &str, seed: u64) -> Vec<(String, f64)> {
         .unwrap();
     let outcome = campaign.outcome(&campaign.plan().plain(index));
     assert_eq!(outcome.status, Status::Completed, "{:?}", outcome.reason);
-    assert!(outcome.holds, "{variant} does not hold");
+    assert_eq!(outcome.holds, Some(true), "{variant} does not hold");
     let names = campaign.columns().iter().map(|column| column.name.clone());
     let values = outcome
         .measured

@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use wbqp_campaign::Measure;
-use wbqp_measures::Recording;
+use wbqp_measures::Columns;
 use wbqp_sim::scenario::Case;
 
 use super::follow::Tracking;
@@ -28,7 +28,7 @@ pub(super) fn of(
     case: &Case,
     tracking: &Tracking,
     measures: &[&Measure],
-    recorded: &dyn Recording,
+    recorded: &Columns,
 ) -> Result<Vec<Moment>> {
     let mut moments = Vec::new();
     for measure in measures {
