@@ -4,9 +4,10 @@ use std::fs;
 
 use wbqp::{
     Controller,
+    contact::ContactSpec,
     nalgebra::{Vector3, Vector6},
 };
-use wbqp_sim::{CaseRun, ClosedLoop, Scenario};
+use wbqp_sim::{CaseRun, ClosedLoop, Requests, Scenario};
 use wbqp_tests::{
     files::scenarios,
     scenes::{Kind, Scene, observer},
@@ -116,6 +117,74 @@ fn a_tick_without_wrenches_reports_its_own_estimate() {
     assert!(report.fault.is_some(), "the wrench is no number");
     assert_eq!(report.disturbance, expected);
     assert!(expected != before, "{before}: noise moves it in every tick");
+}
+
+/// A fast observer while the tip pushes, whose sensor breaks at 9 s for 1.5 s: how far the base goes from where it was
+/// until 11 s, m, and the largest force that is taken for unknown before the sensor breaks, N. `others` are contacts
+/// that are never on, at the frame of the first.
+fn pushing_without_a_sensor(others: &[&str]) -> (f64, f64) {
+    let folder = scenarios();
+    let text = fs::read_to_string(folder.join("push_with_disturbance.toml")).expect("ships");
+    let text = text.replace(
+        "velocity = 3.0, wrench = 0.25",
+        "velocity = 20.0, wrench = 1.0",
+    );
+    let scenario = Scenario::from_text(&text, "push.toml", &folder).expect("is good");
+    let case = scenario.case("robust").expect("ships");
+    let mut config = case.controller_config().expect("is good");
+    for name in others {
+        config.contacts.push(ContactSpec {
+            name: (*name).to_owned(),
+            active: false,
+            ..config.contacts[0].clone()
+        });
+    }
+    let mut controller = case.make_controller(config).expect("fits");
+    let mut plant = ClosedLoop::new(case, &controller, 3).expect("fits");
+    let mut requests = Requests::new(case, 250.0);
+    let (mut place, mut farthest, mut largest) = (None, 0.0_f64, 0.0_f64);
+    for _ in 0..250 * 11 {
+        let mut measurement = plant.measure().clone();
+        while let Some(event) = requests.due(measurement.time) {
+            event.apply(&mut controller).expect("fits");
+        }
+        requests.detect(&mut controller, &measurement);
+        if (9.0..10.5).contains(&measurement.time) {
+            measurement.wrenches.fill(Vector6::repeat(f64::NAN));
+        }
+        let (command, report) = controller.tick(&measurement);
+        let place = match place {
+            None if measurement.time < 9.0 => {
+                if measurement.time > 8.0 {
+                    let force = report.disturbance.fixed_rows::<3>(0);
+                    largest = largest.max(force.norm());
+                }
+                None
+            }
+            _ => Some(*place.get_or_insert(plant.plant().state().p_WR)),
+        };
+        plant.advance(command).expect("is finite");
+        if let Some(place) = place {
+            farthest = farthest.max((plant.plant().state().p_WR - place).norm());
+        }
+    }
+    (farthest, largest)
+}
+
+/// What is measured no longer is no reason to take its contrary for a force that nobody knows.
+#[test]
+fn a_force_that_is_not_measured_any_more_does_not_throw_the_robot_away() {
+    let (farthest, _) = pushing_without_a_sensor(&[]);
+    assert!(farthest < 0.15, "{farthest}");
+}
+
+/// A sensor is one, however many contacts its frame has.
+#[test]
+fn two_contacts_of_one_frame_push_once() {
+    let (_, alone) = pushing_without_a_sensor(&[]);
+    let (_, beside) = pushing_without_a_sensor(&["floor"]);
+    assert!(alone < 1.0, "{alone}");
+    assert!((beside - alone).abs() < 0.1, "{alone} {beside}");
 }
 
 /// From one tick to the next, where velocities are differences of noisy poses.
