@@ -164,11 +164,28 @@ impl Measurement {
         Ok(())
     }
 
+    /// Copies numbers into an array: one for all, or as many as there are. One that is alone in its list is none for
+    /// all: somebody has left the others out.
     fn assign(&self, py: Python<'_>, which: usize, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        let size = |of: &Bound<'_, PyAny>| of.getattr("size")?.extract::<usize>();
+        let value = &py.import("numpy")?.call_method1("asarray", (value,))?;
+        let is_one = value.getattr("ndim")?.extract::<usize>()? == 0;
+        let array = self.arrays[which].bind(py);
+        if !is_one && size(value)? != size(array)? {
+            return Err(PyValueError::new_err(format!(
+                "measurement.{}: has shape {}, must have {}, or be one number for all",
+                ATTRIBUTES[which],
+                value.getattr("shape")?,
+                array.getattr("shape")?
+            )));
+        }
         let everything = pyo3::types::PyEllipsis::get(py);
         self.arrays[which].bind(py).set_item(everything, value)
     }
 }
+
+/// Of the arrays, in their order.
+const ATTRIBUTES: [&str; 5] = ["position", "quaternion", "q", "v", "wrench"];
 
 #[cold]
 fn other_sizes(is: Sizes, wanted: Sizes) -> PyErr {

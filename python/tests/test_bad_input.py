@@ -35,6 +35,14 @@ def test_wrong_shapes_and_types_are_refused_where_they_are_written() -> None:
     for wrong in ([1.0, 2.0], np.zeros((2, 3)), np.zeros(4)):
         with pytest.raises(ValueError):
             m.q = wrong
+    # What NumPy would repeat.
+    with pytest.raises(ValueError, match=r"measurement\.q: has shape \(1,\), must have \(3,\)"):
+        m.q = [0.6]
+    with pytest.raises(ValueError, match="measurement.position"):
+        m.position = [1.0]
+    m.v = 0.0
+    m.wrench = [[1.0, 0.0, 0.0, 0.0, 0.0, 0.0]]
+    m.wrench = np.zeros(6)
     with pytest.raises(ValueError):
         m.q[:] = ["a", "b", "c"]
     with pytest.raises(TypeError):

@@ -107,8 +107,8 @@ fn longest(model: &Model) -> Option<Limb> {
     (!arm.joints.is_empty()).then_some(arm)
 }
 
-/// Of many postures the one in which the tip's slowest direction is fastest, not far from rest, with room to both ends of
-/// the ranges, and with the tip above the base.
+/// Of many postures the one in which the tip's slowest direction is fastest, not far from rest, with room to both ends
+/// of the ranges, and with the tip above the base.
 fn elbow_bent(model: &Model, at: &State, joints: &[JointId], tip: FrameId) -> Option<State> {
     let mut random = Random(0x2545_f491_4f6c_dd1d);
     let mut data = Data::new(model);

@@ -55,8 +55,8 @@ impl Controller {
     }
 
     /// Takes what the contact's force-torque sensor says now, on average over about half a second, for its zero, from
-    /// the next tick on: for a constant error of the sensor, while nothing is touched. The same goes for all contacts at
-    /// its frame, which have one sensor. Nothing happens before the first tick.
+    /// the next tick on: for a constant error of the sensor, while nothing is touched. The same goes for all contacts
+    /// at its frame, which have one sensor. Nothing happens before the first tick.
     ///
     /// # Errors
     /// [`RequestError::Absent`].

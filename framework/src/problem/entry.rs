@@ -118,13 +118,13 @@ impl BoundEntry {
     /// Lets the rows go to another weight.
     ///
     /// # Errors
-    /// Why not, in words: rows that must hold have no weight; it does not fit the rows, or is zero where it is the price
-    /// of a limit.
+    /// Why not, in words: rows that must hold have no weight; it does not fit the rows, or is zero where it is the
+    /// price of a limit.
     pub(crate) fn reweight(&mut self, weight: &PerRow) -> Result<(), String> {
         if self.treatment == Treatment::Hard {
             return Err(
-                "belongs to a hard entry, which holds whatever it is: make the entry `hardness = \"soft\"`, or switch it \
-                 off"
+                "belongs to a hard entry, which holds whatever it is: make the entry `hardness = \"soft\"`, or \
+                 switch it off"
                     .to_owned(),
             );
         }

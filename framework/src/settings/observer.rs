@@ -9,9 +9,9 @@ use serde::{Deserialize, Serialize};
 /// wrench: errors of masses and thrusts, wind, a cable.
 ///
 /// For a robot that flies, or stands on sensors: what carries it and is neither a contact nor an effort is taken for
-/// an unknown wrench. While the forces at contacts are not known, because a sensor fails, or, with `forces = "planned"`,
-/// because a tick has no solution, the wrench is forgotten within some seconds, and velocities are the measured
-/// ones.
+/// an unknown wrench. While the forces at contacts are not known, because a sensor fails, or, with
+/// `forces = "planned"`, because a tick has no solution, the wrench is forgotten within some seconds, and velocities
+/// are the measured ones.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Observer {

@@ -79,8 +79,8 @@ impl OutageConfig {
                 && later.from < earlier.until
             {
                 let what = format!(
-                    "is {} s, when the sensor is broken already, from {} s to {} s: make it one outage, or let this one \
-                     begin later",
+                    "is {} s, when the sensor is broken already, from {} s to {} s: make it one outage, or let this \
+                     one begin later",
                     later.from, earlier.from, earlier.until
                 );
                 problems.add(&format!("outage[{i}].from"), &what);

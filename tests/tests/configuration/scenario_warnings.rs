@@ -58,16 +58,16 @@ fn a_contact_needs_a_wall_a_point_and_a_surface_like_it() {
     assert_eq!(
         warnings(WALL),
         [
-            "contact `tip` touches nothing: no contact point is on its body; add a [[plant.contact_point]] with frame = \
-          \"tool\""
+            "contact `tip` touches nothing: no contact point is on its body; add a [[plant.contact_point]] with \
+          frame = \"tool\""
         ]
     );
     let floor = WALL.replace("[-1.0, 0.0, 0.0]", "[0.0, 0.0, 3.0]");
     assert_eq!(
         warnings(&format!("{floor}{POINT}")),
         [
-            "contact `tip`: its surface has the normal [-1.0, 0.0, 0.0], and no wall of the plant has one within 45° of it \
-          (`wall` is the nearest, 90° away)"
+            "contact `tip`: its surface has the normal [-1.0, 0.0, 0.0], and no wall of the plant has one within 45° \
+          of it (`wall` is the nearest, 90° away)"
         ]
     );
 }
