@@ -57,8 +57,8 @@ pub(crate) struct Observer {
     base: usize,
     /// S, row-major, nv × nu.
     inputs: Vec<f64>,
-    /// By contact: whether its force counts. What is measured at a frame counts once, however many contacts are there.
-    counts: Vec<bool>,
+    /// By contact: the first at its frame where forces are measured, itself where they are planned.
+    first: Vec<usize>,
     /// Predicted velocities, then the innovation.
     velocity: DVector<f64>,
     /// Whether the wrenches of the last measurement were not usable.
@@ -70,16 +70,19 @@ pub(crate) struct Observer {
 impl Observer {
     pub(crate) fn new(settings: Settings, robot: &RobotModel, bindings: &[ContactBinding]) -> Self {
         let (model, nu) = (&robot.model, robot.nu());
-        let is_first = |(i, binding): (usize, &ContactBinding)| {
-            let mut before = bindings[..i].iter();
-            !before.any(|other| other.spec.frame == binding.spec.frame)
-        };
-        let counts = match settings.forces {
-            ContactForces::Measured => bindings.iter().enumerate().map(is_first).collect(),
-            ContactForces::Planned => vec![true; bindings.len()],
+        let frames = || bindings.iter().map(|binding| &binding.spec.frame);
+        let first = match settings.forces {
+            ContactForces::Measured => frames()
+                .map(|frame| {
+                    frames()
+                        .position(|other| other == frame)
+                        .unwrap_or_default()
+                })
+                .collect(),
+            ContactForces::Planned => (0..bindings.len()).collect(),
         };
         Self {
-            counts,
+            first,
             settings,
             actuation: Actuation::new(model, &robot.actuators),
             base: model.joint_offset(),
@@ -96,6 +99,14 @@ impl Observer {
             ContactForces::Measured => !self.is_blind,
             ContactForces::Planned => level.is_solved(),
         }
+    }
+
+    /// Whether a contact's force counts: what is measured at a frame counts once, however many contacts are there, that
+    /// of the first of them which is told of it.
+    fn counts(&self, contact: usize, contacts: &[ContactState]) -> bool {
+        let first = self.first[contact];
+        !(first..contact)
+            .any(|other| self.first[other] == first && contacts[other].measured != Vector6::zeros())
     }
 
     /// Forgets what it cannot confirm, `elapsed` s after the last tick.
@@ -133,8 +144,10 @@ impl Observer {
             for j in self.base..v.len() {
                 *push -= mass[(i, j)] * planned(j);
             }
-            let counted = contacts.iter().zip(&self.counts);
-            for (contact, _) in counted.filter(|(_, counts)| **counts) {
+            for (k, contact) in contacts.iter().enumerate() {
+                if !self.counts(k, contacts) {
+                    continue;
+                }
                 let force = match self.settings.forces {
                     ContactForces::Measured => contact.measured,
                     ContactForces::Planned => contact.solution + contact.free_force,
