@@ -51,6 +51,15 @@ impl Motion {
         if self.dependent == 0 { "hard" } else { "soft" }
     }
 
+    /// What the key asks of the contacts.
+    pub(super) fn in_words(&self) -> &'static str {
+        if self.dependent == 0 {
+            "they must not move"
+        } else {
+            "they should not move"
+        }
+    }
+
     /// Why it is soft, for the file.
     pub(super) fn explain(&self, draft: &mut Draft) {
         if self.dependent > 0 {

@@ -95,8 +95,9 @@ pub(super) fn quadruped(robot: &RobotModel, has_home: bool, draft: &mut Draft) -
     draft.line("[[contact]]");
     draft.line(&format!("frames = {}", list(&names(&legs))));
     draft.line(&format!(
-        "motion = \"{}\"                   # they must not move, and their friction cones hold",
-        motion.key()
+        "motion = \"{}\"                   # {}, and their friction cones hold",
+        motion.key(),
+        motion.in_words()
     ));
     draft.line("friction = 0.6");
     tasks(robot, "kp = 30.0", draft);

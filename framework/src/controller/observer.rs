@@ -144,14 +144,16 @@ impl Observer {
             for j in self.base..v.len() {
                 *push -= mass[(i, j)] * planned(j);
             }
-            for (k, contact) in contacts.iter().enumerate() {
-                if !self.counts(k, contacts) {
-                    continue;
-                }
-                let force = match self.settings.forces {
-                    ContactForces::Measured => contact.measured,
-                    ContactForces::Planned => contact.solution + contact.free_force,
-                };
+        }
+        for (k, contact) in contacts.iter().enumerate() {
+            if !self.counts(k, contacts) {
+                continue;
+            }
+            let force = match self.settings.forces {
+                ContactForces::Measured => contact.measured,
+                ContactForces::Planned => contact.solution + contact.free_force,
+            };
+            for (i, push) in push.iter_mut().enumerate() {
                 *push += contact.J.column(i).dot(&force);
             }
         }

@@ -24,7 +24,7 @@ impl Case {
             .filter_map(|contact| self.missing(contact, controller.robot()))
             .collect();
         if let Ok(plant) = self.make_plant(controller.robot()) {
-            warnings.extend(self.plant().walls.iter().filter_map(|w| far(&plant, w)));
+            warnings.extend(far(&plant, &self.plant().walls));
         }
         warnings
     }
@@ -82,15 +82,19 @@ impl Case {
     }
 }
 
-/// A wall that no contact point is near at the start.
-fn far(plant: &Plant, wall: &WallConfig) -> Option<String> {
-    let of_wall = plant
-        .contacts()
-        .filter(|(_, touched, _)| touched.name == wall.name);
-    let nearest = of_wall
-        .map(|(_, _, truth)| -truth.penetration)
-        .min_by(f64::total_cmp)?;
-    (nearest > FAR).then(|| {
+/// Walls that no contact point is near at the start.
+fn far(plant: &Plant, walls: &[WallConfig]) -> impl Iterator<Item = String> {
+    let mut nearest = vec![f64::INFINITY; walls.len()];
+    // Point by point, each with all walls.
+    for (index, (_, _, truth)) in plant.contacts().enumerate() {
+        let nearest = &mut nearest[index % walls.len()];
+        *nearest = nearest.min(-truth.penetration);
+    }
+    let far = walls.iter().zip(nearest).filter(|(_, nearest)| {
+        // Without a contact point nothing is known.
+        nearest.is_finite() && *nearest > FAR
+    });
+    far.map(|(wall, nearest)| {
         format!(
             "wall `{}` is {nearest:.0} m from the nearest contact point at the start; `point` and `position` are in m",
             wall.name

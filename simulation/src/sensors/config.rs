@@ -123,23 +123,21 @@ impl SensorsConfig {
                 problems.positive(key, cutoff, true);
             }
         }
-        for (i, sensor) in self.force_torque.iter().enumerate() {
-            let key = |name| format!("force_torque[{i}].{name}");
-            problems.finite(&key("force_bias"), &sensor.force_bias);
-            problems.finite(&key("moment_bias"), &sensor.moment_bias);
-            problems.not_negative(&key("force_sd"), sensor.force_sd);
-            problems.not_negative(&key("moment_sd"), sensor.moment_sd);
-            problems.positive(&key("cutoff"), sensor.cutoff, true);
-        }
         let mut frames = HashSet::new();
         for (i, sensor) in self.force_torque.iter().enumerate() {
+            let key = |name| format!("force_torque[{i}].{name}");
             if !frames.insert(&sensor.frame) {
                 let what = format!(
                     "`{}` has a sensor already: what is measured at a frame is one wrench",
                     sensor.frame
                 );
-                problems.add(&format!("force_torque[{i}].frame"), &what);
+                problems.add(&key("frame"), &what);
             }
+            problems.finite(&key("force_bias"), &sensor.force_bias);
+            problems.finite(&key("moment_bias"), &sensor.moment_bias);
+            problems.not_negative(&key("force_sd"), sensor.force_sd);
+            problems.not_negative(&key("moment_sd"), sensor.moment_sd);
+            problems.positive(&key("cutoff"), sensor.cutoff, true);
         }
         OutageConfig::validate(&self.outages, &mut problems);
         problems.into_result(|problems| PlantError::Config { problems })
