@@ -10,7 +10,7 @@ use wbqp::{
 use wbqp_measures::log::Log;
 use wbqp_sim::{Summary, scenario::Case};
 
-use super::{summary::ContactSummary, tasks::TaskSummary, traces::columns};
+use super::{contacts::ContactSummary, tasks::TaskSummary, traces::columns};
 use crate::{
     check::undeclared,
     text::{number, per_cent, quantity},
@@ -39,6 +39,9 @@ const BOUNCE: f64 = 0.5;
 const AT_ONCE: f64 = 0.1;
 /// What a force task asks for beyond its set point by more than this, N, is no rounding.
 const FED: f64 = 1e-6;
+/// A force that differs from what its task wants by more than this share of it, and by more than this, N, is not what
+/// was asked for.
+const OFF: (f64, f64) = (0.1, 0.05);
 /// What presses from behind with more than this, N, is no rounding.
 const BEHIND: f64 = 0.1;
 
@@ -82,6 +85,13 @@ pub(super) fn of(
     let untouched = contacts.iter().filter(|_| !is_short);
     words.extend(untouched.filter_map(|contact| never_touched(contact, controller, case)));
     words.extend(contacts.iter().filter_map(in_the_air));
+    words.extend(
+        contacts
+            .iter()
+            .filter_map(never_on(contacts, controller, case)),
+    );
+    let of_forces = contacts.iter().filter(|_| fallen.is_none());
+    words.extend(of_forces.filter_map(off_its_set_point));
     for contact in contacts {
         words.extend(fed_with_nothing(contact, log, controller, case)?);
     }
@@ -193,6 +203,47 @@ fn in_the_air(contact: &ContactSummary) -> Option<String> {
             number(contact.peak_real.unwrap_or_default())
         )
     })
+}
+
+/// Of a contact that ended with another force than its task wants.
+fn off_its_set_point(contact: &ContactSummary) -> Option<String> {
+    let (real, wanted) = contact.end_real.zip(contact.end_wanted)?;
+    let (share, least) = OFF;
+    ((real - wanted).abs() > (share * wanted.abs()).max(least)).then(|| {
+        format!(
+            "contact `{}` was pushed with {} N over the last tenth of the run, and its force task wants {} N",
+            contact.name,
+            number(real),
+            number(wanted)
+        )
+    })
+}
+
+/// Of a contact that touched, and that nothing was there to switch on, nor another one at its frame.
+fn never_on(
+    contacts: &[ContactSummary],
+    controller: &Controller,
+    case: &Case,
+) -> impl Fn(&ContactSummary) -> Option<String> {
+    let frame = |name: &str| {
+        let contact = controller.contact(name).ok()?;
+        Some(controller.contact_spec(contact).frame.as_str())
+    };
+    move |contact| {
+        let own = frame(&contact.name)?;
+        let is_awaited = case.detectors().iter().any(|d| d.contact == contact.name);
+        let mut others = contacts.iter().filter(|other| other.on > 0.0);
+        let is_counted = others.any(|other| frame(&other.name) == Some(own));
+        (contact.touched > TOUCHED && !is_counted && !is_awaited).then(|| {
+            format!(
+                "contact `{}` touched for {} of the run, with up to {} N, and was never on: let a [[detector]] or an \
+                 event (`activate_contact`) switch it on, or give the contact `active = true`",
+                contact.name,
+                per_cent(Some(contact.touched)),
+                number(contact.peak_real.unwrap_or_default())
+            )
+        })
+    }
 }
 
 /// Of a contact that touched, and that its detector hardly ever switched on.

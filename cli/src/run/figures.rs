@@ -236,7 +236,7 @@ fn efforts(log: &Log, controller: &Controller) -> Result<Vec<Panel>> {
     Ok(panels.collect())
 }
 
-/// Normal and tangential force of every contact, planned and real.
+/// Normal and tangential force of every contact, planned and real, and the set point of its force task.
 fn contacts(log: &Log, controller: &Controller) -> Result<Vec<Panel>> {
     let mut panels = Vec::new();
     for name in controller.contact_names() {
@@ -247,6 +247,7 @@ fn contacts(log: &Log, controller: &Controller) -> Result<Vec<Panel>> {
             "/solution/y",
             "/truth/x",
             "/truth/y",
+            "/reference/z",
         ];
         let columns = columns(
             log,
@@ -257,15 +258,23 @@ fn contacts(log: &Log, controller: &Controller) -> Result<Vec<Panel>> {
             continue;
         };
         let tangential = |at: std::ops::Range<usize>| columns.get(at).map(norm).unwrap_or_default();
+        let mut lines = vec![
+            Line::solid("normal, real", Colour::Blue, real.clone()),
+            Line::dashed("normal, planned", Colour::Black, planned.clone()),
+            Line::solid("tangential, real", Colour::Orange, tangential(4..6)),
+            Line::dashed("tangential, planned", Colour::Red, tangential(2..4)),
+        ];
+        if let Some(wanted) = columns.get(6).filter(|wanted| wanted.max().is_some()) {
+            lines.push(Line::dashed(
+                "normal, wanted",
+                Colour::Green,
+                wanted.clone(),
+            ));
+        }
         panels.push(panel(
             format!("Contact {}", name.replace('_', " ")),
             "force [N]".to_owned(),
-            vec![
-                Line::solid("normal, real", Colour::Blue, real.clone()),
-                Line::dashed("normal, planned", Colour::Black, planned.clone()),
-                Line::solid("tangential, real", Colour::Orange, tangential(4..6)),
-                Line::dashed("tangential, planned", Colour::Red, tangential(2..4)),
-            ],
+            lines,
         ));
     }
     Ok(panels)

@@ -1,6 +1,7 @@
 //! `wbqp run`: a scenario in simulation, with logs, figures and a summary.
 
 mod attention;
+mod contacts;
 mod default_scenario;
 mod figures;
 mod picture;
@@ -13,8 +14,9 @@ mod tasks;
 mod traces;
 
 pub(crate) use attention::FALLEN;
+pub use contacts::ContactSummary;
 pub use solves::LimitSummary;
-pub use summary::{CaseSummary, ContactSummary, EffortSummary, TickTime};
+pub use summary::{CaseSummary, EffortSummary, TickTime};
 pub use task_errors::ErrorOf;
 pub use tasks::TaskSummary;
 

@@ -12,11 +12,12 @@ use wbqp::{
     serde_json::{self, Value},
 };
 use wbqp_log::{LogError, RunLock};
-use wbqp_measures::{Series, escaped, log::Log};
+use wbqp_measures::{escaped, log::Log};
 use wbqp_sim::{Held, Summary, scenario::Case};
 
 use super::{
     attention,
+    contacts::ContactSummary,
     solves::{LimitSummary, Solves},
     task_errors::ErrorOf,
     tasks::TaskSummary,
@@ -145,26 +146,6 @@ pub struct EffortSummary {
     pub share: Option<f64>,
 }
 
-/// What a contact bore.
-#[derive(Clone, Debug, Serialize)]
-pub struct ContactSummary {
-    /// Its name.
-    pub name: String,
-    /// Share of the run during which it was on.
-    pub on: f64,
-    /// Share of the run during which a surface pushed it.
-    pub touched: f64,
-    /// The longest time, s, from when it comes on, or lets go, to when it touches or goes off, as far as it was planned
-    /// to push in it.
-    pub in_the_air: f64,
-    /// Largest planned normal force, N.
-    pub peak_planned: Option<f64>,
-    /// Largest real normal force, N.
-    pub peak_real: Option<f64>,
-    /// The least, N: below zero if something pressed from behind the contact's surface.
-    pub least_real: Option<f64>,
-}
-
 /// Quantiles, µs.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct TickTime {
@@ -190,7 +171,7 @@ impl CaseSummary {
     ) -> Result<Self> {
         let (tasks, contacts) = (
             TaskSummary::of_all(log, controller, case)?,
-            contacts(log, controller)?,
+            ContactSummary::of_all(log, controller)?,
         );
         Ok(Self {
             attention: attention::of(run, log, controller, case, (&tasks, &contacts))?,
@@ -294,16 +275,18 @@ impl CaseSummary {
             &[
                 "contact",
                 "on",
-                "largest planned force",
-                "largest real force",
+                "normal force at the end",
+                "largest planned",
+                "largest real",
             ],
-            &[1, 2, 3],
+            &[1, 2, 3, 4],
         );
         let force = |x: Option<f64>| x.map_or_else(|| "–".to_owned(), |x| format!("{x:.1} N"));
         for contact in &self.contacts {
             contacts.add_row([
                 contact.name.clone(),
                 per_cent(Some(contact.on)),
+                contact.at_end(),
                 force(contact.peak_planned),
                 force(contact.peak_real),
             ]);
@@ -405,49 +388,6 @@ fn efforts(log: &Log, controller: &Controller) -> Result<Vec<EffortSummary>> {
     Ok(robot.actuators.iter().zip(&efforts).map(of).collect())
 }
 
-fn contacts(log: &Log, controller: &Controller) -> Result<Vec<ContactSummary>> {
-    let mut contacts = Vec::new();
-    for name in controller.contact_names() {
-        let pointers = ["/active", "/solution/z", "/truth/z"].map(str::to_owned);
-        let columns = columns(log, &format!("/contact/{name}"), &pointers)?;
-        if let [on, planned, real] = columns.as_slice() {
-            contacts.push(ContactSummary {
-                name: name.to_owned(),
-                on: on.mean().unwrap_or(0.0),
-                touched: share_above_zero(real),
-                in_the_air: longest_in_the_air(on, planned, real),
-                peak_planned: planned.max(),
-                peak_real: real.max(),
-                least_real: real.min(),
-            });
-        }
-    }
-    Ok(contacts)
-}
-
-/// Of a contact's three series, which have the same times.
-fn longest_in_the_air(on: &Series, planned: &Series, real: &Series) -> f64 {
-    let (mut longest, mut time, mut last) = (0.0_f64, 0.0, f64::NAN);
-    let forces = planned.y.iter().zip(&real.y);
-    for ((t, on), (planned, real)) in on.t.iter().zip(&on.y).zip(forces) {
-        // In a tick without a solution nothing is known of the plan, and the contact is as it was.
-        if *on == 0.0 || *real > 0.0 {
-            time = 0.0;
-        } else if *planned > 0.0 && last.is_finite() {
-            time += t - last;
-        }
-        longest = longest.max(time);
-        last = *t;
-    }
-    longest
-}
-
-/// Of the samples.
-fn share_above_zero(series: &Series) -> f64 {
-    let count = series.y.iter().filter(|y| **y > 0.0).count();
-    count as f64 / series.y.len().max(1) as f64
-}
-
 fn tick_time(log: &Log) -> Result<TickTime> {
     let columns = columns(log, "/qp", &["/times/total".to_owned()])?;
     let quantile = |p| columns.first().and_then(|times| times.quantile(p));
@@ -460,9 +400,7 @@ fn tick_time(log: &Log) -> Result<TickTime> {
 
 #[cfg(test)]
 mod tests {
-    use wbqp_measures::Series;
-
-    use super::{longest_in_the_air, shortened};
+    use super::shortened;
 
     #[test]
     fn long_lists_are_cut_and_counted() {
@@ -473,16 +411,5 @@ mod tests {
         assert_eq!(shortened(&why), cut);
         assert_eq!(shortened(&format!("a{limits}")).lines().count(), 5);
         assert_eq!(shortened("safe: no state"), "safe: no state");
-    }
-
-    #[test]
-    fn a_plan_of_nothing_is_no_touch() {
-        let series = |y: [f64; 8]| -> Series { (0..8).map(f64::from).zip(y).collect() };
-        let on = series([1.0; 8]);
-        let planned = series([3.0, 3.0, 0.0, 3.0, f64::NAN, 3.0, 3.0, 3.0]);
-        let real = series([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 9.0, 0.0]);
-        assert_eq!(longest_in_the_air(&on, &planned, &real), 3.0);
-        let off = series([0.0; 8]);
-        assert_eq!(longest_in_the_air(&off, &planned, &real), 0.0);
     }
 }

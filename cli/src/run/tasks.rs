@@ -12,7 +12,7 @@ use super::{
 };
 
 /// Part of the run that "at the end" means.
-const END: f64 = 0.1;
+pub(super) const END: f64 = 0.1;
 
 /// How well a task was followed: norms over its rows. One whose errors have two units, metres and radians, is there for
 /// each of them.

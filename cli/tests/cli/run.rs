@@ -222,6 +222,38 @@ fn a_contact_that_hardly_ever_is_on_is_told() {
     }
 }
 
+/// Nothing switches it on; or other tasks pull against its force.
+#[test]
+fn a_contact_that_is_not_pushed_as_wanted_is_told() {
+    let out = Temporary::new("wanted");
+    let folder = out.0.display().to_string();
+    for (case, change, words) in [
+        (
+            "with_ft",
+            "change.detector=[]",
+            "N, and was never on: let a [[detector]]",
+        ),
+        (
+            "no_ft",
+            "task.contact_force.weight=[1e-3,1e-3,1e-5]",
+            "N over the last tenth of the run, and its force task wants 5 N",
+        ),
+    ] {
+        let scenario = "examples/scenarios/push_with_disturbance.toml";
+        let arguments = ["run", scenario, "--case", case, "--out", &folder];
+        let done = wbqp(&[&arguments[..], &["--set", change]].concat());
+        let lines = done.stdout.lines();
+        let told = lines.filter(|line| line.contains("ATTENTION: contact `tip`"));
+        let told: Vec<&str> = told.collect();
+        assert!(
+            matches!(told.as_slice(), [line] if line.contains(words)),
+            "{}{}",
+            done.stdout,
+            done.stderr
+        );
+    }
+}
+
 /// On from the beginning, the contact is counted on while the robot is still on its way.
 #[test]
 fn a_contact_that_is_on_in_the_air_is_told() {

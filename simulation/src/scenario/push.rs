@@ -179,9 +179,10 @@ impl Case {
             least,
         } in asked
         {
-            let Some(ContactSpec { name, .. }) = contacts.get(*contact) else {
+            let Some(contact) = contacts.get(*contact) else {
                 continue;
             };
+            let name = &contact.name;
             if least.normal < -SLACK {
                 return Err(ScenarioError::Value {
                     place: self.place_of_set_point(text, task, least.at),
@@ -189,6 +190,16 @@ impl Case {
                         "task `{task}` asks for {:.1} N at contact `{name}`, at {:.2} s: a surface pushes and never \
                          pulls, a normal force is 0 or more",
                         least.normal, least.at
+                    ),
+                });
+            }
+            if largest.normal > 0.0 && largest.normal < contact.force_min - SLACK {
+                return Err(ScenarioError::Value {
+                    place: self.place_of_set_point(text, task, largest.at),
+                    what: format!(
+                        "task `{task}` asks for {:.1} N at contact `{name}`, which pushes with {:.1} N at the least \
+                         while it is on: lower its `force_min`, or ask for more",
+                        largest.normal, contact.force_min
                     ),
                 });
             }
@@ -205,6 +216,7 @@ impl Case {
                     asked: largest.normal,
                     possible,
                     limits,
+                    doubt: self.missing(contact, robot),
                 });
             }
         }

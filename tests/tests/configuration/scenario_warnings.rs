@@ -82,3 +82,89 @@ fn a_wall_in_other_units_is_far_away() {
         "{told:?}"
     );
 }
+
+#[test]
+fn a_contact_elsewhere_on_its_body_is_told() {
+    let shifted = POINT.to_owned() + "offset = [0.0, 0.03, 0.0]\n";
+    let told = warnings(&format!("{WALL}{shifted}"));
+    assert_eq!(told.len(), 1, "{told:?}");
+    assert!(
+        told[0].starts_with("contact `tip`: its point is 30 mm from the plant's contact points"),
+        "{told:?}"
+    );
+    // Between two of the plant's, as a sole's.
+    let other = POINT.to_owned() + "offset = [0.0, -0.03, 0.0]\n";
+    assert_eq!(
+        warnings(&format!("{WALL}{shifted}{other}")),
+        Vec::<String>::new()
+    );
+}
+
+/// What a quadruped's scenario of 2 s with these lines says.
+fn of_quadruped(lines: &str) -> Vec<String> {
+    of_quadruped_case(lines, "")
+}
+
+/// With further lines in its case.
+fn of_quadruped_case(lines: &str, of_case: &str) -> Vec<String> {
+    let text = format!(
+        r#"name = "stand"
+controller = "quadruped_short.controller.toml"
+duration = 2.0
+[plant]
+contact_point = [
+    {{ frame = "fl_foot" }}, {{ frame = "fr_foot" }}, {{ frame = "hl_foot" }}, {{ frame = "hr_foot" }},
+]
+[[plant.wall]]
+name = "ground"
+point = [0.0, 0.0, 0.0]
+normal = [0.0, 0.0, 1.0]
+{lines}
+[[case]]
+name = "stand"
+{of_case}
+"#
+    );
+    let scenario = Scenario::from_text(&text, "stand.toml", &scenarios()).expect("is sound");
+    let case = scenario.case("stand").expect("is there");
+    let config = case.controller_config().expect("is sound");
+    case.warnings(&case.make_controller(config).expect("fits"))
+}
+
+#[test]
+fn a_robot_that_stands_in_the_air_or_for_too_short_is_told() {
+    assert_eq!(of_quadruped(""), Vec::<String>::new());
+    let told = of_quadruped("[initial]\nposition = [0.0, 0.0, 0.8]");
+    assert_eq!(told.len(), 4, "{told:?}");
+    let slow = "set.contact.fl_foot.transition = 100.0";
+    assert_eq!(
+        of_quadruped_case("", slow),
+        ["contact `fl_foot`: its `transition` takes 100 s, and the run ends at 2 s"]
+    );
+    let is_above = |words: &String| words.contains("m from wall `ground` then");
+    assert!(told.iter().all(is_above), "{told:?}");
+}
+
+#[test]
+fn references_that_come_to_nothing_are_told() {
+    let event = |lines: &str| format!("[[event]]\nat = 0.5\n{lines}");
+    let follow = |duration: f64| {
+        event(&format!(
+            "follow.com = {{ type = \"min_jerk\", to = [0.0, 0.0, 0.2], duration = {duration:?} }}"
+        ))
+    };
+    assert_eq!(of_quadruped(&follow(1.5)), Vec::<String>::new());
+    assert_eq!(
+        of_quadruped(&follow(20.0)),
+        ["task `com`: its reference from 0.5 s on takes 20 s, and the run ends at 2 s"]
+    );
+    let off = "set.task.com.active = false";
+    assert_eq!(
+        of_quadruped_case(&follow(1.5), off),
+        [
+            "task `com` gets a reference (`follow`) and is never on: add `activate = [\"com\"]` to an event"
+        ]
+    );
+    let on = follow(1.0) + "\nactivate = [\"com\"]";
+    assert_eq!(of_quadruped_case(&on, off), Vec::<String>::new());
+}

@@ -236,6 +236,24 @@ fn a_scenario_that_asks_for_too_much() {
     .expect_err("has weights on the tangential force");
     scenario(&format!("{WEAK}set.task.contact_force.weight = 0.0")).expect("asks for nothing");
     scenario(&format!("{WEAK}set.task.contact_force.active = false")).expect("is off");
+    // A surface that no wall is like is the reason then, whatever else is at its limit.
+    let turned =
+        "set.contact.tip.surface = { normal = [0.0, 0.0, -1.0], x_axis = [1.0, 0.0, 0.0] }";
+    let refused = scenario(&format!("{}\n{turned}", asked("19.9"))).expect_err("is too weak");
+    assert!(refused.contains(" N asked, "), "{refused}");
+    assert!(
+        refused.contains(
+            "\n  contact `tip`: its surface has the normal [0.0, 0.0, -1.0], and no wall"
+        ),
+        "{refused}"
+    );
+    // A force that the contact cannot have while it is on.
+    let refused = scenario("set.contact.tip.force_min = 6.0").expect_err("is below");
+    assert!(
+        refused.contains("asks for 5.0 N at contact `tip`, which pushes with 6.0 N at the least"),
+        "{refused}"
+    );
+    scenario("set.contact.tip.force_min = 5.0").expect("is just possible");
     // A robot whose rotors have other limits, in controller and plant alike.
     let strong = scenario("set.robot.thrust_max = 12.0").expect("is possible");
     let case = strong.case("with_ft").expect("exists");
