@@ -11,7 +11,7 @@ use pyo3::{
     prelude::*,
     types::PyDict,
 };
-use wbqp::serde_json::Value;
+use wbqp::{robot::Severity, serde_json::Value};
 use wbqp_log::{ChannelId, LogError, LogSink, McapLog};
 use wbqp_measures::log::Recorder;
 use wbqp_sim::{RunError, RunOptions, Scenario, ScenarioError, SceneWatcher, Summary, Variation};
@@ -145,6 +145,9 @@ pub(crate) fn _simulate(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(Log, Py<PyDict>)> {
     let scenario = scenario(py, &path, set, change)?;
+    let warnings = py
+        .detach(|| warnings(&scenario, case))
+        .map_err(|error| scenario_error(py, &error))?;
     let _ = (plugin::traceback(), plugin::interrupt());
     let refused = |error: LogError| PyOSError::new_err(error.to_string());
     let (summary, log) = match log {
@@ -165,8 +168,20 @@ pub(crate) fn _simulate(
             )
         }
     };
-    let traceback = plugin::traceback();
-    Ok((Log::new(log), described(py, &summary, traceback)?.unbind()))
+    let described = described(py, &summary, plugin::traceback())?;
+    described.set_item("warnings", warnings)?;
+    Ok((Log::new(log), described.unbind()))
+}
+
+/// What the loader took of a case and its robot, and what can hardly be meant, in words.
+fn warnings(scenario: &Scenario, case: &str) -> Result<Vec<String>, ScenarioError> {
+    let case = scenario.case(case)?;
+    let controller = case.make_controller(case.controller_config()?)?;
+    let diagnostics = controller.robot().diagnostics.iter();
+    let of_robot = diagnostics.filter(|each| each.severity == Severity::Warning);
+    let mut warnings: Vec<String> = of_robot.map(ToString::to_string).collect();
+    warnings.extend(case.warnings(&controller));
+    Ok(warnings)
 }
 
 /// `ticks`, `held` (commands that were not an optimum), `first_held` (`time` and `why` of the first of these),

@@ -6,6 +6,7 @@ import os
 import signal
 import threading
 import time
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -67,6 +68,16 @@ def test_a_topic_has_what_any_of_its_messages_has() -> None:
     assert np.isnan(reference[0]) and np.isfinite(reference[-1]), reference
     level = push["/qp"]["level"]
     assert level.shape == push["/qp"].t.shape and set(level) <= {"optimal", "relaxed", "extrapolated", "safe"}
+
+
+def test_what_can_hardly_be_meant_is_warned_of() -> None:
+    short = {"duration": 0.01}
+    with pytest.warns(UserWarning, match="quadruped_short stand: contact `fl_foot` is on from the start"):
+        high = wbqp.simulate("quadruped_short", change={**short, "initial": {"position": [0.0, 0.0, 2.0]}})
+    assert len(high.summary["warnings"]) == 4, high.summary
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert wbqp.simulate("quadruped_short", change=short).summary["warnings"] == []
 
 
 def test_values_are_replaced_and_mistakes_are_config_errors() -> None:

@@ -80,8 +80,9 @@ class Recording(Mapping[str, Topic]):
     ----------
     summary : dict
         Of a simulation: ``ticks``, ``held`` (ticks whose command was not their optimum), ``first_held`` (``time`` and
-        ``why`` of the first of these, or None), ``diverged`` (s, or None), ``last_level``, ``why``, and ``traceback``,
-        that of the first exception in a plug-in written in Python. Empty for a file.
+        ``why`` of the first of these, or None), ``diverged`` (s, or None), ``last_level``, ``why``, ``traceback``,
+        that of the first exception in a plug-in written in Python, and ``warnings``, of what the loader took and can
+        hardly be meant (not of a case in MuJoCo). Empty for a file.
     """
 
     def __init__(self, log: Any, summary: dict[str, Any] | None = None) -> None:

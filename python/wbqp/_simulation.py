@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -94,6 +95,12 @@ def simulate(
     Recording
         Named arrays over time.
 
+    Warns
+    -----
+    UserWarning
+        Of what the loader took and can hardly be meant, as ``wbqp check`` tells it; ``warnings`` in the recording's
+        `summary`.
+
     Raises
     ------
     ConfigError
@@ -110,4 +117,6 @@ def simulate(
         made, summary = _wbqp._simulate(path, case, seed, set, change, target, tell)
     finally:
         close()
+    for words in summary["warnings"]:
+        warnings.warn(f"{path.stem} {case}: {words}", stacklevel=2)
     return Recording(made, summary)

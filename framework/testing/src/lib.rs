@@ -68,7 +68,7 @@
 //!   `b`, error, limit and bound is written; what is declared exists
 //! * [`Finite`](Check::Finite): coefficients, `b` and errors are finite; limits are numbers in order
 //! * [`Coefficients`](Check::Coefficients): they depend on the configuration and on time alone: not on velocities,
-//!   measured forces, the last solution or the states before
+//!   measured forces, the last solution or the states before; not all are zero in every state
 //! * [`Allocation`](Check::Allocation): `update` does not allocate, if a counter is given: see [`PluginTest::counting`]
 //!
 //! What else is checked depends on what the rows mean, their [`RowSemantics`]. With `J` the coefficients on `v̇`,
@@ -324,6 +324,11 @@ impl PluginTest {
             report.fail(Check::RowSemantics, "", STATE_THE_MEANING);
             RowSemantics::Other
         });
+        if !P::IS_TASK && needs_an_error(meaning) {
+            report.fail(Check::RowSemantics, &name, NO_ERROR);
+            return;
+        }
+        let mut is_idle = layout.len() > 0;
         for k in 0..self.states {
             let mut scatter = Scatter::new(self.seed.wrapping_add(1000 * k as u64));
             report.state(k);
@@ -333,6 +338,7 @@ impl PluginTest {
             if !written::check_rows::<P>(bench, &here, &there, report) {
                 return;
             }
+            is_idle = is_idle && written::is_zero::<P>(bench, &here);
             let compared = match meaning {
                 RowSemantics::Position => {
                     motion::position_jacobian::<P>(bench, &here, &mut scatter, report)
@@ -356,6 +362,9 @@ impl PluginTest {
                 report.fail(Check::Layout, &name, message);
             }
         }
+        if is_idle && self.states > 0 {
+            report.fail(Check::Coefficients, &name, IDLE);
+        }
     }
 }
 
@@ -377,6 +386,21 @@ const STATE_THE_MEANING: &str = "it has inequality rows on v̇, and nothing says
     (limits on the second derivative of a function of the configuration), `.semantics(RowSemantics::Motion)` \
     (limits on accelerations that have no error) or, for neither, `.semantics(RowSemantics::Other)` (nothing is \
     compared)";
+
+/// Of rows that no command can do anything about.
+const IDLE: &str = "all coefficients of all rows are zero in every state: it asks for nothing";
+
+/// Of a constraint whose rows are said to be derivatives of an error.
+const NO_ERROR: &str = "a constraint has no error that its rows could be derivatives of: state \
+    `RowSemantics::Barrier`, `RowSemantics::Motion` or `RowSemantics::Other`";
+
+/// Whether what is compared is the error.
+fn needs_an_error(meaning: RowSemantics) -> bool {
+    matches!(
+        meaning,
+        RowSemantics::Position | RowSemantics::Velocity | RowSemantics::Affine
+    )
+}
 
 /// What the layout says of the rows' meaning, if it says enough.
 fn assumed<P: Subject + ?Sized>(layout: &Layout) -> Option<RowSemantics> {

@@ -101,6 +101,19 @@ pub(crate) fn check_rows<P: Subject + ?Sized>(
     sound
 }
 
+/// Whether all coefficients are zero in a state.
+pub(crate) fn is_zero<P: Subject + ?Sized>(bench: &Bench<'_>, here: &Inputs) -> bool {
+    let Some(written) = bench.write::<P>(&here.state, here, here) else {
+        return false;
+    };
+    let forces = written.forces.iter().map(|(_, block)| Some(block));
+    let blocks = [written.vdot.as_ref(), written.effort.as_ref()].into_iter();
+    blocks
+        .chain(forces)
+        .flatten()
+        .all(|block| block.iter().all(|x| *x == 0.0))
+}
+
 /// The label of a row.
 pub(crate) fn label(layout: &Layout, k: usize) -> &str {
     layout.row_labels().nth(k).map_or("", |(label, _)| label)

@@ -27,6 +27,7 @@ enum Fault {
     VelocityInCoefficients,
     NoBiasGiven,
     Allocates,
+    Idle,
     SameLabels,
     RefusesAll,
     NoBlock,
@@ -81,6 +82,11 @@ impl Task for MoveTool {
     }
 
     fn update(&self, moving: &mut Moving, tick: &Tick<'_>, rows: &mut Rows<'_>) {
+        if self.fault == Fault::Idle {
+            rows.b().fill(0.0);
+            rows.error().fill(0.0);
+            return;
+        }
         let f = tick.frame(moving.frame);
         rows.vdot().copy_from(&f.J.rows(0, 3));
         let error = f.p_WF - moving.home;
@@ -142,6 +148,7 @@ fn every_fault_of_a_task_is_found() {
         ("refuses_all", Check::Layout),
         ("no_block", Check::Layout),
         ("panics", Check::Panic),
+        ("idle", Check::Coefficients),
     ] {
         let found = failed(fault);
         assert!(found.contains(&check), "{fault}: {found:?}");
@@ -359,6 +366,16 @@ fn barriers_are_compared_without_knowing_their_gains() {
             .run()
     };
     test("a = 5.0").expect("it is right");
+    // It has no error to be compared.
+    let failures = PluginTest::constraint("type = \"test.keep_above\"\na = 5.0")
+        .semantics(RowSemantics::Velocity)
+        .run()
+        .expect_err("has no error");
+    let said = failures.to_string();
+    assert!(
+        said.contains("a constraint has no error") && !said.contains("NaN"),
+        "{said}"
+    );
     for (keys, check) in [
         ("a = 5.0\nbias = 0.0", Check::Bias),
         ("a = 5.0\naxis = 1", Check::Jacobian),
