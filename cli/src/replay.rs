@@ -15,6 +15,8 @@ use wbqp::{
 use wbqp_replay::{Matrices, ProblemTable};
 use wbqp_terminal::{complain, say};
 
+use crate::text::seconds;
+
 /// Runs a dumped tick again, bit by bit, and prints it
 #[derive(Args, Debug)]
 pub struct Arguments {
@@ -60,7 +62,7 @@ impl Arguments {
         let report = controller.report();
         say!(
             "tick {tick} of {last}, t = {} s, robot {}, {} Hz, written by wbqp {}",
-            report.time,
+            seconds(report.time),
             controller.robot().model.name(),
             controller.settings().rate,
             dump.wbqp,

@@ -22,6 +22,16 @@ pub fn number(x: f64) -> String {
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
+/// A time in s, to the nanosecond: what sums of periods are off by is no part of it.
+pub(crate) fn seconds(time: f64) -> f64 {
+    let nanoseconds = (1e9 * time).round();
+    if nanoseconds.abs() < 1e15 {
+        nanoseconds / 1e9
+    } else {
+        time
+    }
+}
+
 /// A number with its unit, or a dash where there is none.
 pub fn quantity(x: Option<f64>, unit: &str) -> String {
     x.map_or_else(|| "–".to_owned(), |x| format!("{} {unit}", number(x)))
@@ -81,6 +91,14 @@ pub fn wrapped(words: &[String], separator: &str, margin: usize, width: usize) -
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn times_have_nanoseconds() {
+        assert_eq!(seconds(7.0 * 0.2).to_string(), "1.4");
+        assert_eq!(seconds(-0.1 - 0.2).to_string(), "-0.3");
+        assert_eq!(seconds(1e300), 1e300);
+        assert!(seconds(f64::NAN).is_nan());
+    }
 
     #[test]
     fn numbers_have_four_digits() {

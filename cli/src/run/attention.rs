@@ -7,7 +7,7 @@ use wbqp::{
     model::Base,
     nalgebra::{Quaternion, UnitQuaternion, Vector3},
 };
-use wbqp_measures::log::Log;
+use wbqp_measures::{Series, log::Log};
 use wbqp_sim::{Summary, scenario::Case};
 
 use super::{contacts::ContactSummary, tasks::TaskSummary, traces::columns};
@@ -58,11 +58,10 @@ pub(super) fn of(
 ) -> Result<Vec<String>> {
     let mut words = Vec::new();
     let lost = (LOST * size(controller)).min(LOST_AT_MOST);
-    let leans = match controller.robot().model.base() {
-        Base::Floating => lean(log)?,
+    let fallen = match controller.robot().model.base() {
+        Base::Floating => fall(&lean(log)?),
         Base::Fixed => None,
     };
-    let fallen = leans.filter(|angle| *angle > FALLEN);
     for task in tasks {
         let far = match (task.unit.as_str(), task.rows) {
             ("m", _) => lost,
@@ -100,9 +99,10 @@ pub(super) fn of(
             .iter()
             .filter_map(|contact| seldom_on(contact, case)),
     );
-    if let Some(angle) = fallen {
+    if let Some((angle, since)) = fallen {
         words.push(format!(
-            "the base ended leaning by {} rad from how it began: has the robot fallen?",
+            "the base ended leaning by {} rad from how it began, and by more than {FALLEN} rad from {since:.3} s on: \
+             has the robot fallen?",
             number(angle)
         ));
     }
@@ -283,19 +283,28 @@ fn size(controller: &Controller) -> f64 {
     (largest - least).norm()
 }
 
-/// The angle between the base's z axis at the beginning and at the end, rad.
-fn lean(log: &Log) -> Result<Option<f64>> {
+/// The angle between the base's z axis at the beginning and at each time, rad.
+fn lean(log: &Log) -> Result<Series> {
     let parts = ["w", "x", "y", "z"].map(|part| format!("/base/orientation/{part}"));
     let columns = columns(log, "/plant", &parts)?;
     let [w, x, y, z] = columns.as_slice() else {
-        return Ok(None);
+        return Ok(Series::default());
     };
     let up = |k: usize| {
-        let part = |c: &wbqp_measures::Series| c.y.get(k).copied();
+        let part = |c: &Series| c.y.get(k).copied();
         let q = Quaternion::new(part(w)?, part(x)?, part(y)?, part(z)?);
         Some(UnitQuaternion::try_new(q, 0.5)? * Vector3::z())
     };
-    let last = w.len().checked_sub(1);
-    let ends = up(0).zip(last.and_then(up));
-    Ok(ends.map(|(first, last)| first.angle(&last)))
+    let Some(first) = up(0) else {
+        return Ok(Series::default());
+    };
+    let leans = (0..w.len()).filter_map(|k| Some((*w.t.get(k)?, first.angle(&up(k)?))));
+    Ok(leans.collect())
+}
+
+/// How far a robot leans at the end, rad, and since when, s, if that is as far as if it lay.
+fn fall(lean: &Series) -> Option<(f64, f64)> {
+    let (_, end) = lean.samples().last()?;
+    let (since, _) = lean.stretches(|angle| angle > FALLEN).pop()?;
+    (end > FALLEN).then_some((end, since))
 }
