@@ -73,7 +73,7 @@ pub enum ScenarioError {
         source: Box<ScenarioError>,
     },
     /// A task asks for a normal force that the plant cannot push with, whatever the controller.
-    #[error("{}{}", push_message(place, task, contact, *asked, *possible, limits), behind(doubt))]
+    #[error("{}", push_message(place, task, contact, *asked, *possible, limits))]
     Push {
         /// The scenario's file, with line and column of the event that asks for it if one does.
         place: String,
@@ -85,10 +85,8 @@ pub enum ScenarioError {
         asked: f64,
         /// Largest normal force in a static equilibrium, N; `None` if there is no equilibrium.
         possible: Option<f64>,
-        /// What does not let the plant push harder, in words.
+        /// What does not let the plant push harder, in words; first, if the plant lacks something for the contact, what.
         limits: Vec<String>,
-        /// What the plant lacks for the contact, in words, where it lacks anything: that comes first then.
-        doubt: Option<String>,
     },
     /// The plant or its sensors are refused.
     #[error("{}", plant_message(file, table, places, source))]
@@ -115,13 +113,6 @@ fn plant_message(file: &str, table: &str, places: &[String], error: &PlantError)
         }
         other => format!("{}: {other}", place(0)),
     }
-}
-
-/// A further line, if there is any.
-fn behind(doubt: &Option<String>) -> String {
-    doubt
-        .as_ref()
-        .map_or_else(String::new, |doubt| format!("\n  {doubt}"))
 }
 
 /// Both numbers are rounded, but never to the same.

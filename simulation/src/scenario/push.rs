@@ -215,8 +215,11 @@ impl Case {
                     contact: name.clone(),
                     asked: largest.normal,
                     possible,
-                    limits,
-                    doubt: self.missing(contact, robot),
+                    limits: self
+                        .missing(contact, robot)
+                        .into_iter()
+                        .chain(limits)
+                        .collect(),
                 });
             }
         }

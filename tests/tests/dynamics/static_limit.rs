@@ -243,7 +243,7 @@ fn a_scenario_that_asks_for_too_much() {
     assert!(refused.contains(" N asked, "), "{refused}");
     assert!(
         refused.contains(
-            "\n  contact `tip`: its surface has the normal [0.0, 0.0, -1.0], and no wall"
+            " possible: contact `tip`: its surface has the normal [0.0, 0.0, -1.0], and no wall"
         ),
         "{refused}"
     );
