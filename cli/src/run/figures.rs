@@ -1,6 +1,7 @@
 //! Figures of any run: where the base went, what tasks missed, what actuators gave, what contacts bore.
 
 use std::{
+    f64::consts::TAU,
     fs,
     io::ErrorKind,
     path::{Path, PathBuf},
@@ -23,8 +24,8 @@ use crate::{check::effort_unit, text::number};
 
 /// Lines that one panel can show apart.
 const LINES: usize = 6;
-/// A limit is drawn if the effort comes so near to it.
-const NEAR: f64 = 0.2;
+/// A limit is drawn if an effort comes to this share of it: beside one that is far away nothing else could be seen.
+const NEAR: f64 = 0.5;
 
 /// Draws all figures of a case as `<stem>.<what>.svg`; returns their names.
 ///
@@ -134,7 +135,7 @@ fn motion(log: &Log, controller: &Controller) -> Result<Vec<Panel>> {
     Ok(groups.collect())
 }
 
-/// Roll, pitch and yaw of quaternions w, x, y, z.
+/// Roll, pitch and yaw of quaternions w, x, y, z, each without jumps by whole turns.
 fn angles(quaternion: &[Series]) -> Vec<Series> {
     let [w, x, y, z] = quaternion else {
         return Vec::new();
@@ -145,8 +146,10 @@ fn angles(quaternion: &[Series]) -> Vec<Series> {
         let q = wbqp::nalgebra::Quaternion::new(at(w), at(x), at(y), at(z));
         let rpy = wbqp::nalgebra::UnitQuaternion::new_normalize(q).euler_angles();
         for (series, angle) in angles.iter_mut().zip([rpy.0, rpy.1, rpy.2]) {
+            let last = series.y.iter().rfind(|last| last.is_finite());
+            let turns = last.map_or(0.0, |last| ((last - angle) / TAU).round());
             series.t.push(t);
-            series.y.push(angle);
+            series.y.push(angle + TAU * turns);
         }
     }
     angles
@@ -278,4 +281,32 @@ fn contacts(log: &Log, controller: &Controller) -> Result<Vec<Panel>> {
         ));
     }
     Ok(panels)
+}
+
+#[cfg(test)]
+mod tests {
+    use wbqp::nalgebra::UnitQuaternion;
+
+    use super::*;
+
+    #[test]
+    fn an_angle_goes_on_beyond_half_a_turn() {
+        let yaws: Vec<f64> = (0..40).map(|k| 0.3 * f64::from(k)).collect();
+        let mut parts = vec![Series::default(); 4];
+        for yaw in &yaws {
+            let q = UnitQuaternion::from_euler_angles(0.1, 0.0, *yaw);
+            for (series, part) in parts.iter_mut().zip([q.w, q.i, q.j, q.k]) {
+                series.t.push(*yaw);
+                series.y.push(part);
+            }
+        }
+        let found = angles(&parts);
+        let yaw = found.get(2).expect("is there");
+        assert!(
+            yaw.y.iter().zip(&yaws).all(|(a, b)| (a - b).abs() < 1e-9),
+            "{yaw:?}"
+        );
+        let roll = found.first().expect("is there");
+        assert!(roll.y.iter().all(|x| (x - 0.1).abs() < 1e-9), "{roll:?}");
+    }
 }

@@ -328,7 +328,7 @@ impl PluginTest {
             report.fail(Check::RowSemantics, &name, NO_ERROR);
             return;
         }
-        let mut is_idle = layout.row_labels().next().is_some();
+        let mut is_idle = !layout.is_empty();
         for k in 0..self.states {
             let mut scatter = Scatter::new(self.seed.wrapping_add(1000 * k as u64));
             report.state(k);
