@@ -5,6 +5,7 @@ pub mod assignment;
 pub mod campaign;
 pub mod check;
 pub mod command_line;
+mod csv;
 pub mod export_mjcf;
 mod leaning;
 pub mod log;

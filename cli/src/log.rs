@@ -5,11 +5,14 @@ use std::{
     process::ExitCode,
 };
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use clap::{Args, Subcommand};
 use wbqp::input::size;
 use wbqp_log::{Repaired, repair};
+use wbqp_measures::log::Log;
 use wbqp_terminal::say;
+
+use crate::csv;
 
 /// Looks after logs
 #[derive(Args, Debug)]
@@ -34,6 +37,20 @@ pub enum Command {
         #[arg(long, value_name = "FILE")]
         output: Option<PathBuf>,
     },
+    /// Writes a log's signals as CSV, a file per topic
+    ///
+    /// The first column is the time, `t` in s; the others are called as in Python, `truth/z`. What a message does not
+    /// have is empty, true is 1 and false 0.
+    Csv {
+        /// The log
+        file: PathBuf,
+        /// Only this topic, such as `/contact/tip`; may be given several times
+        #[arg(long = "topic", value_name = "TOPIC")]
+        topics: Vec<String>,
+        /// The folder for the files; `<file>` without its ending, beside it, if absent
+        #[arg(long, value_name = "DIR")]
+        out: Option<PathBuf>,
+    },
 }
 
 impl Arguments {
@@ -42,24 +59,43 @@ impl Arguments {
     /// # Errors
     /// A log that cannot be read, or a file that cannot be written.
     pub fn run(&self) -> Result<ExitCode> {
-        let Command::Repair { file, output } = &self.command;
-        let output = output.clone().unwrap_or_else(|| beside(file));
-        let found = repair(file, &output)?;
-        say!(
-            "{}: {} messages, up to {} s, of {}, {}",
-            output.display(),
-            found.messages,
-            found.end,
-            file.display(),
-            state(&found)
-        );
-        let is_complete = found.damage.is_none() || found.is_index_alone;
-        Ok(if is_complete {
-            ExitCode::SUCCESS
-        } else {
-            ExitCode::FAILURE
-        })
+        match &self.command {
+            Command::Repair { file, output } => repaired(file, output.as_ref()),
+            Command::Csv { file, topics, out } => tables(file, topics, out.as_ref()),
+        }
     }
+}
+
+fn tables(file: &Path, topics: &[String], out: Option<&PathBuf>) -> Result<ExitCode> {
+    let log = Log::open(file).with_context(|| file.display().to_string())?;
+    let topics: Vec<&str> = match topics {
+        [] => log.topics().collect(),
+        topics => topics.iter().map(String::as_str).collect(),
+    };
+    let folder = out.cloned().unwrap_or_else(|| file.with_extension(""));
+    for (table, rows) in csv::write(&log, &topics, &folder)? {
+        say!("{}: {rows} rows", table.display());
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn repaired(file: &Path, output: Option<&PathBuf>) -> Result<ExitCode> {
+    let output = output.cloned().unwrap_or_else(|| beside(file));
+    let found = repair(file, &output)?;
+    say!(
+        "{}: {} messages, up to {} s, of {}, {}",
+        output.display(),
+        found.messages,
+        found.end,
+        file.display(),
+        state(&found)
+    );
+    let is_complete = found.damage.is_none() || found.is_index_alone;
+    Ok(if is_complete {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::FAILURE
+    })
 }
 
 /// How the file was.

@@ -1,20 +1,15 @@
 //! Runs as series: of a log in a file or in memory, and the experiments' rows from them.
 
-use std::{
-    collections::{BTreeMap, HashSet},
-    path::PathBuf,
-    sync::OnceLock,
-};
+use std::{collections::BTreeMap, path::PathBuf, sync::OnceLock};
 
 use pyo3::{
     exceptions::{PyKeyError, PyOSError, PyValueError},
     prelude::*,
     types::{PyBytes, PyDict},
 };
-use wbqp::serde_json::Value;
 use wbqp_measures::{
     MeasureError, Recording, RotorLimits, Series, Signals,
-    log::{Log as Inner, ReadError},
+    log::{Contents, Log as Inner, ReadError},
 };
 
 use crate::{
@@ -121,8 +116,8 @@ impl Log {
         let dict = PyDict::new(py);
         let signals = self.signals()?;
         let log = self.log.as_ref();
-        let fields = log.map_or_else(|| Ok(Fields::default()), |log| Fields::of(log, topic));
-        let Fields { numbers, texts } = fields.map_err(|error| measure_error(&error))?;
+        let contents = log.map_or_else(|| Ok(Contents::default()), |log| log.contents(topic));
+        let Contents { numbers, texts, .. } = contents.map_err(|error| measure_error(&error))?;
         let columns = signals.columns(topic, &numbers);
         let columns = columns.map_err(|error| measure_error(&error))?;
         if let Some(first) = columns.first() {
@@ -175,75 +170,6 @@ impl Log {
     fn attachment<'py>(&self, py: Python<'py>, name: &str) -> Option<Bound<'py, PyBytes>> {
         let contents = self.log.as_ref()?.attachment(name)?;
         Some(PyBytes::new(py, contents))
-    }
-}
-
-/// What a topic's messages have, of all of them: a contact that is off says less than one that is on.
-#[derive(Default)]
-struct Fields {
-    /// Pointers to numbers, in the order of the messages.
-    numbers: Vec<String>,
-    /// Pointers to texts, and the text of each message.
-    texts: BTreeMap<String, Vec<Option<String>>>,
-}
-
-impl Fields {
-    fn of(log: &Inner, topic: &str) -> Result<Self, MeasureError> {
-        let mut fields = Self::default();
-        let mut known = HashSet::new();
-        let mut count = 0;
-        for (index, message) in log.messages(topic)?.enumerate() {
-            count = index + 1;
-            let mut see = |path: &str, value: &Value| match value {
-                Value::String(text) => {
-                    if !fields.texts.contains_key(path) {
-                        fields.texts.insert(path.to_owned(), Vec::new());
-                    }
-                    if let Some(texts) = fields.texts.get_mut(path) {
-                        texts.resize(index, None);
-                        texts.push(Some(text.clone()));
-                    }
-                }
-                _ if !known.contains(path) => {
-                    known.insert(path.to_owned());
-                    fields.numbers.push(path.to_owned());
-                }
-                _ => {}
-            };
-            leaves(&message?.1, &mut String::new(), &mut see);
-        }
-        for texts in fields.texts.values_mut() {
-            texts.resize(count, None);
-        }
-        let Self { numbers, texts } = &mut fields;
-        // `null` where there is no text.
-        numbers.retain(|path| !texts.contains_key(path));
-        Ok(fields)
-    }
-}
-
-/// Shows every number, text, truth value and `null` with the pointer to it.
-fn leaves(value: &Value, path: &mut String, see: &mut impl FnMut(&str, &Value)) {
-    match value {
-        Value::Object(object) => {
-            let length = path.len();
-            for (name, inner) in object {
-                path.push('/');
-                path.push_str(&wbqp_measures::escaped(name));
-                leaves(inner, path, see);
-                path.truncate(length);
-            }
-        }
-        Value::Array(items) => {
-            let length = path.len();
-            for (i, inner) in items.iter().enumerate() {
-                path.push('/');
-                path.push_str(&i.to_string());
-                leaves(inner, path, see);
-                path.truncate(length);
-            }
-        }
-        leaf => see(path, leaf),
     }
 }
 

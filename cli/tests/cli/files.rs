@@ -9,6 +9,7 @@ use std::{
 };
 
 use wbqp_log::RunLock;
+use wbqp_measures::Recording;
 
 use crate::common::{Temporary, root, wbqp};
 
@@ -209,6 +210,52 @@ fn a_log_that_was_cut_is_repaired_beside_it() {
     assert!(saved.topics().count() > 3);
     // A second time there is a file in the way.
     assert_eq!(wbqp(&["log", "repair", &cut]).code, 1);
+}
+
+/// Every number of the file is that of the log, to the bit.
+#[test]
+fn a_log_is_written_as_csv() {
+    let (folder, file, out) = with_stand("csv");
+    let done = wbqp(&["run", &file, "--duration", "0.1", "--out", &out]);
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    let path = folder.0.join("out/stand/default.mcap");
+    let log = path.display().to_string();
+    let done = wbqp(&["log", "csv", &log]);
+    assert_eq!(done.code, 0, "{}", done.stderr);
+    let tables = path.with_extension("");
+    let names = |table: &str| {
+        let mut table = csv::Reader::from_path(tables.join(table)).unwrap();
+        let header = table.headers().unwrap().clone();
+        let rows: Vec<_> = table.records().map(Result::unwrap).collect();
+        (header, rows)
+    };
+    let (header, rows) = names("plant.csv");
+    assert_eq!(&header[0], "t");
+    let at = header
+        .iter()
+        .position(|name| name == "base/position/z")
+        .unwrap();
+    let log_file = wbqp_measures::log::Log::open(&path).unwrap();
+    let height = log_file
+        .columns("/plant", &["/base/position/z".to_owned()])
+        .unwrap();
+    assert_eq!(rows.len(), height[0].len());
+    for (row, (t, z)) in rows.iter().zip(height[0].samples()) {
+        let number = |k: usize| row[k].parse::<f64>().unwrap();
+        assert_eq!((number(0), number(at)), (t, z));
+    }
+    let (header, rows) = names("qp.csv");
+    let level = header.iter().position(|name| name == "level").unwrap();
+    assert!(rows.iter().all(|row| &row[level] == "optimal"));
+    // What is a text alone is no table; a topic that is not there is refused with those that are.
+    assert!(!tables.join("robot_description.csv").exists());
+    let done = wbqp(&["log", "csv", &log, "--topic", "/contact/nobody"]);
+    assert_eq!(done.code, 1);
+    assert!(
+        done.stderr.contains("/contact/nobody") && done.stderr.contains("/plant"),
+        "{}",
+        done.stderr
+    );
 }
 
 #[test]

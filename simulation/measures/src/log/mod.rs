@@ -1,10 +1,11 @@
 //! Reads logs back: figures and tables are made from the file, not from the simulator's memory.
 
+mod contents;
 mod fields;
 mod recorder;
 
 use std::{
-    collections::{BTreeMap, BTreeSet},
+    collections::BTreeMap,
     path::{Path, PathBuf},
     sync::Arc,
 };
@@ -15,8 +16,9 @@ use wbqp::input;
 use wbqp_log::{Damage, Timeline};
 
 use self::fields::Fields;
-use crate::{MeasureError, Recording, RotorLimits, Series, Signals, escaped, header::Header};
+use crate::{MeasureError, Recording, RotorLimits, Series, Signals, header::Header};
 
+pub use contents::Contents;
 pub use recorder::Recorder;
 
 /// Times, s, and texts of a topic's messages.
@@ -158,6 +160,14 @@ impl Log {
         Ok(messages)
     }
 
+    /// What a topic's messages have.
+    ///
+    /// # Errors
+    /// [`MeasureError::Topic`], [`MeasureError::Unreadable`].
+    pub fn contents(&self, topic: &str) -> Result<Contents, MeasureError> {
+        Contents::of(self, topic)
+    }
+
     /// A table of texts.
     pub fn metadata(&self, name: &str) -> Option<&BTreeMap<String, String>> {
         self.header.metadata.get(name)
@@ -185,11 +195,8 @@ impl Log {
     pub fn signals(&self) -> Result<Signals, MeasureError> {
         let mut signals = Signals::new();
         for topic in self.topics() {
-            let mut fields = BTreeSet::new();
-            for message in self.messages(topic)? {
-                leaves(&message?.1, &mut String::new(), &mut fields);
-            }
-            let fields: Vec<String> = fields.into_iter().collect();
+            let Contents { numbers, texts, .. } = self.contents(topic)?;
+            let fields: Vec<String> = numbers.into_iter().chain(texts.into_keys()).collect();
             for (field, series) in fields.iter().zip(self.columns(topic, &fields)?) {
                 signals = signals.with_series(topic, field, series);
             }
@@ -281,21 +288,6 @@ fn header(bytes: &[u8]) -> Result<Header, ReadError> {
         }
     }
     Ok(header)
-}
-
-/// Paths of everything in a message that is no object.
-fn leaves(value: &Value, path: &mut String, fields: &mut BTreeSet<String>) {
-    let Value::Object(object) = value else {
-        fields.insert(path.clone());
-        return;
-    };
-    for (name, inner) in object {
-        let length = path.len();
-        path.push('/');
-        path.push_str(&escaped(name));
-        leaves(inner, path, fields);
-        path.truncate(length);
-    }
 }
 
 fn read(path: &Path) -> Result<Vec<u8>, ReadError> {

@@ -1,0 +1,86 @@
+//! `wbqp log csv`: a log as tables for spreadsheets and for programs that read nothing else.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+
+use anyhow::{Context, Result, bail};
+use wbqp_measures::{
+    Recording,
+    log::{Contents, Log},
+};
+
+/// Writes a file per topic, `contact_tip.csv` of `/contact/tip`, into a folder that is made if need be; returns them
+/// with their numbers of rows. The first column is the time, `t` in s; the others are called by the names of the
+/// objects around them and their own, `truth/z`. What a message does not have is empty, true is 1 and false 0.
+///
+/// # Errors
+/// A topic that the log does not have, a message that is not JSON, a file that cannot be written.
+pub(crate) fn write(log: &Log, topics: &[&str], folder: &Path) -> Result<Vec<(PathBuf, usize)>> {
+    fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+    let mut files: Vec<(PathBuf, usize)> = Vec::new();
+    for topic in topics {
+        let contents = log.contents(topic)?;
+        if contents.numbers.is_empty() {
+            // Texts alone, such as the robot's description.
+            continue;
+        }
+        let file = folder.join(format!("{}.csv", stem(topic)));
+        if files.iter().any(|(other, _)| *other == file) {
+            bail!(
+                "{}: two topics would have this file, `{topic}` is the second: write them one by one, with `--topic`",
+                file.display()
+            );
+        }
+        table(log, topic, &contents, &file).with_context(|| file.display().to_string())?;
+        files.push((file, contents.times.len()));
+    }
+    if files.is_empty() {
+        bail!("there are no numbers in {}", topics.join(", "));
+    }
+    Ok(files)
+}
+
+fn table(log: &Log, topic: &str, contents: &Contents, file: &Path) -> Result<()> {
+    let Contents {
+        times,
+        numbers,
+        texts,
+    } = contents;
+    let columns = log.columns(topic, numbers)?;
+    let mut out = csv::Writer::from_path(file)?;
+    let names = numbers
+        .iter()
+        .chain(texts.keys())
+        .map(|name| name.trim_start_matches('/'));
+    out.write_record(std::iter::once("t").chain(names))?;
+    for (k, time) in times.iter().enumerate() {
+        let numbers = columns.iter().map(|column| match column.y.get(k) {
+            Some(y) if !y.is_nan() => y.to_string(),
+            _ => String::new(),
+        });
+        let texts = texts
+            .values()
+            .map(|texts| texts.get(k).cloned().flatten().unwrap_or_default());
+        out.write_record(
+            std::iter::once(time.to_string())
+                .chain(numbers)
+                .chain(texts),
+        )?;
+    }
+    out.flush()?;
+    Ok(())
+}
+
+/// A topic as the name of a file.
+fn stem(topic: &str) -> String {
+    let plain = |c: char| {
+        if c.is_alphanumeric() || matches!(c, '-' | '.') {
+            c
+        } else {
+            '_'
+        }
+    };
+    topic.trim_start_matches('/').chars().map(plain).collect()
+}
