@@ -231,8 +231,9 @@ fn largest_of((lower, upper): (&[f64], &[f64]), of: impl Fn(f64, f64) -> f64) ->
 /// A constraint whose limits are crossed by more than rounding.
 fn crossed(qp: &Qp, index: usize) -> Option<Active> {
     let (lower, upper) = limits(qp, index);
-    let is_crossed =
-        lower > upper && lower - upper > VIOLATION * (lower.abs() + upper.abs()) + NOTHING;
+    let is_crossed = lower > upper
+        && lower - upper > VIOLATION * (lower.abs() + upper.abs())
+        && larger(lower.abs(), upper.abs()) > NOTHING;
     // Both limits; the multiplier names one.
     is_crossed.then_some(Active {
         index,

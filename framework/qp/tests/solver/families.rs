@@ -42,6 +42,9 @@ pub enum Family {
     Combined,
     /// Variables and rows in units of their own that differ by eight orders of magnitude.
     BadlyScaled,
+    /// The largest of fewer residuals than there are parameters: limits that sum up to the cost, and free variables
+    /// alone. A direction along which the cost falls by rounding is never far.
+    Minimax,
     /// Rows at angles of 1e-13 to 1e-4 to combinations of others: with rounding of their limits the solution moves far,
     /// and multipliers are as large as angles are small.
     NearlyDependent,
@@ -51,7 +54,7 @@ pub enum Family {
 }
 
 /// Those whose every answer is to be right.
-pub const FAMILIES: [Family; 13] = [
+pub const FAMILIES: [Family; 14] = [
     Family::Regular,
     Family::Degenerate,
     Family::Redundant,
@@ -65,6 +68,7 @@ pub const FAMILIES: [Family; 13] = [
     Family::Combined,
     Family::BadlyScaled,
     Family::NearlyDependent,
+    Family::Minimax,
 ];
 
 /// What the answer must be.
@@ -142,7 +146,7 @@ pub fn draw(family: Family, seed: u64, largest: usize, exponent: f64) -> Known {
         Family::Faint => rng.random_range(0..=n + 2),
         Family::Semidefinite | Family::SemidefiniteBox => rng.random_range(0..n),
         Family::Unbounded => rng.random_range(0..=n - 1),
-        Family::Linear | Family::DegenerateLinear => 0,
+        Family::Linear | Family::DegenerateLinear | Family::Minimax => 0,
         _ => n + 2,
     };
     let mut h = vec![0.0; n * n];
@@ -166,7 +170,9 @@ pub fn draw(family: Family, seed: u64, largest: usize, exponent: f64) -> Known {
     }
 
     let mut rows: Vec<Row> = Vec::new();
-    if family != Family::SemidefiniteBox {
+    if family == Family::Minimax {
+        rows = minimax(&mut x, rng);
+    } else if family != Family::SemidefiniteBox {
         let equalities = rng.random_range(0..=n / 2);
         let inequalities = rng.random_range(0..=2 * n);
         for k in 0..equalities + inequalities {
@@ -220,6 +226,7 @@ pub fn draw(family: Family, seed: u64, largest: usize, exponent: f64) -> Known {
     let mut bounds: Vec<(f64, f64, f64)> = Vec::new();
     for (j, &x) in x.iter().enumerate() {
         let kind = match family {
+            Family::Minimax => 6,
             Family::Faint if faint[j] < 1.0 => rng.random_range(2..5_u8),
             Family::SemidefiniteBox | Family::Linear | Family::DegenerateLinear => {
                 rng.random_range(0..5_u8)
@@ -315,6 +322,31 @@ pub fn draw(family: Family, seed: u64, largest: usize, exponent: f64) -> Known {
         variable_units: d.iter().map(|d| 1.0 / d).collect(),
         cost_unit,
     }
+}
+
+/// Pairs of rows `±(a y − b) ≤ t` that a point of all but the last variable satisfies with t = 0.
+fn minimax(x: &mut [f64], rng: &mut ChaCha8Rng) -> Vec<Row> {
+    let Some((t, parameters)) = x.split_last_mut() else {
+        return Vec::new();
+    };
+    *t = 0.0;
+    let whole = rng.random_bool(0.3);
+    let mut rows = Vec::new();
+    for _ in 0..rng.random_range(1..=parameters.len().max(1)) {
+        let a = parameters.iter().map(|_| match whole {
+            true => f64::from(rng.random_range(-9..=9_i8)),
+            false => rng.random_range(-1.0..1.0),
+        });
+        let a: Vec<f64> = a.collect();
+        let (b, y) = (dot(&a, parameters), rng.random_range(0.1..1.0));
+        for side in [1.0, -1.0] {
+            let mut a: Vec<f64> = a.iter().map(|a| side * a).collect();
+            a.push(-1.0);
+            let (lower, upper) = (f64::NEG_INFINITY, side * b);
+            rows.push(Row { a, lower, upper, y });
+        }
+    }
+    rows
 }
 
 /// Duplicates, combinations, empty rows and rows of rounding.

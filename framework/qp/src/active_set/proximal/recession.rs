@@ -37,6 +37,8 @@ const VANISHES: f64 = 5e-13;
 /// The same of the largest component of the ray, in units in which the diagonal of H and the largest coefficient of
 /// every row are one, for each variable.
 const ROUNDING: f64 = 1e-15;
+/// How much further the cost has to fall along a ray than what the ray is off by explains.
+const BEYOND: f64 = 64.0;
 /// A component of a ray below this part of the largest is rounding.
 const NO_COMPONENT: f64 = 1e-12;
 
@@ -151,7 +153,7 @@ impl Recession {
                 break;
             }
         }
-        self.is_clean_ray(problem)
+        self.is_beyond_rounding() && self.is_clean_ray(problem)
     }
 
     /// Takes the direction once more, from the span of what is held.
@@ -254,6 +256,32 @@ impl Recession {
         self.ray[..n].copy_from_slice(&self.other[..n]);
         self.balance(problem);
         problem.has_ray(&self.ray[..n])
+    }
+
+    /// Whether the direction, as it was projected, is more than what rounding leaves of −g. With the basis q of the
+    /// span that was taken out of −g
+    /// ```text
+    /// gᵀ d = −dᵀ d + Σ (qᵀ g) (qᵀ d),
+    /// ```
+    /// and of a cost that has a minimum g is within the span: what is left falls by as much as it is off by.
+    fn is_beyond_rounding(&mut self) -> bool {
+        let n = self.nearest.n();
+        let (ray, g) = (&self.ray[..n], self.nearest.g());
+        let sizes = &mut self.ones[..n];
+        for (size, g) in sizes.iter_mut().zip(g) {
+            *size = g.abs();
+        }
+        let mut explained = 0.0;
+        for q in self.span.basis() {
+            let part = dot(q, g).abs();
+            explained += part * dot(q, ray).abs();
+            for (size, q) in sizes.iter_mut().zip(q) {
+                *size += part * q.abs();
+            }
+        }
+        let terms = ray.iter().zip(sizes);
+        explained += terms.map(|(d, size)| f64::EPSILON * *size * d.abs()).sum::<f64>();
+        -dot(g, ray) > BEYOND * explained
     }
 
     /// Corrects the direction by what is left of the sums that have to vanish, in units in which each of its components
