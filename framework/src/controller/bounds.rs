@@ -1,12 +1,15 @@
 //! The bounds of what a measurement may be: the configuration's, or from the robot.
 //!
 //! # Where the bounds come from
-//! With `c` = 10 for "ten times what is possible", per revolute joint `c max(q̇_max, 50 rad/s)`, per prismatic joint
+//! Joints may be `c` times as far from zero as their range goes, with `c` = 10 for "ten times what is possible", and the
+//! base [`FARTHEST`] from the world's origin. Speeds are, per revolute joint `c max(q̇_max, 50 rad/s)`, per prismatic joint
 //! `c max(q̇_max, 5 m/s)`; a limit above [`FASTEST`] says nothing, as no limit, and counts as 100 rad/s or 10 m/s. The
 //! base turns as fast as the fastest revolute joint, and moves with `c max(10 m/s, q̇_max r)`, with the largest limit
 //! and the reach r: how far from the base's origin anything can be. Accelerations go to the largest speed within
 //! [`REACTION`]. Forces go to `c (m g + Σ thrust + Σ torque / r)`, or to `c` times the contact's `force_max` where that
 //! is more, and moments to the force times r, at least 0.1 m.
+
+use std::f64::consts::PI;
 
 use super::Measurement;
 use crate::{contact::ContactSpec, fault::Fault, settings::MeasurementLimits};
@@ -20,6 +23,10 @@ use wbqp_robot_model::RobotModel;
 const MARGIN: f64 = 10.0;
 /// A limit on a joint's speed above this says nothing, rad/s or m/s.
 const FASTEST: f64 = 1000.0;
+/// Distance of a base from the world's origin that no map has, m.
+const FARTHEST: f64 = 1e8;
+/// Position of a joint without range: as many turns as it may have made, rad or m.
+const ENDLESS: f64 = 1e6;
 /// Time within which anything may reach its largest speed, s.
 const REACTION: f64 = 0.001;
 /// Time without a measurement that is taken for an outage and not for a wrong stamp, s.
@@ -30,6 +37,8 @@ const GRAVITY: f64 = 9.81;
 /// Bounds for a robot, and when it was seen. In storage made once.
 #[derive(Clone, Debug)]
 pub(super) struct Plausible {
+    /// Of the base, from the world's origin.
+    pub(super) position: f64,
     /// Of the base: linear and angular.
     pub(super) velocity: [f64; 2],
     pub(super) acceleration: [f64; 2],
@@ -46,6 +55,7 @@ pub(super) struct Plausible {
 
 #[derive(Clone, Copy, Debug)]
 pub(super) struct JointBounds {
+    pub(super) position: f64,
     pub(super) velocity: f64,
     pub(super) acceleration: f64,
     pub(super) jump: f64,
@@ -76,6 +86,7 @@ impl Plausible {
             let own = MARGIN * f64::max(speed_of(joint), least);
             let velocity = limits.max_joint_velocity.unwrap_or(own);
             JointBounds {
+                position: limits.max_joint_position.unwrap_or(farthest(joint)),
                 velocity,
                 acceleration: limits.max_joint_acceleration.unwrap_or(velocity / REACTION),
                 jump: limits.max_joint_jump.unwrap_or(velocity * period),
@@ -106,6 +117,7 @@ impl Plausible {
             [force, limits.max_moment.unwrap_or(force * reach)]
         };
         Self {
+            position: limits.max_position.unwrap_or(FARTHEST),
             velocity,
             acceleration: either(
                 [
@@ -132,6 +144,8 @@ impl Plausible {
         let wrench = |i: usize| self.wrenches.iter().map(|w| w[i]).reduce(f64::max);
         MeasurementLimits {
             max_gap: Some(self.gap),
+            max_position: Some(self.position),
+            max_joint_position: joint(|j| j.position),
             max_linear_velocity: Some(self.velocity[0]),
             max_angular_velocity: Some(self.velocity[1]),
             max_joint_velocity: joint(|j| j.velocity),
@@ -154,9 +168,10 @@ impl Plausible {
         };
     }
 
-    /// What of the speeds and forces is not plausible.
+    /// What of positions, speeds and forces is not plausible.
     pub(super) fn in_itself(&self, measurement: &Measurement) -> Option<Fault> {
-        self.speeds(measurement)
+        self.places(&measurement.state)
+            .or_else(|| self.speeds(measurement))
             .or_else(|| self.forces(measurement))
     }
 }
@@ -164,6 +179,20 @@ impl Plausible {
 /// What is configured, or what follows from the robot.
 fn either(configured: [Option<f64>; 2], own: [f64; 2]) -> [f64; 2] {
     std::array::from_fn(|i| configured[i].unwrap_or(own[i]))
+}
+
+/// How far from zero a joint may be, rad or m.
+fn farthest(joint: &Joint) -> f64 {
+    let ends = joint.limits.lower.abs().max(joint.limits.upper.abs());
+    let least = match joint.kind {
+        JointKind::Revolute => PI,
+        JointKind::Prismatic => 0.1,
+    };
+    if ends.is_finite() {
+        MARGIN * ends.max(least)
+    } else {
+        ENDLESS
+    }
 }
 
 /// A joint's limit on its speed, as far as it says something.

@@ -1,7 +1,7 @@
 //! What the sensors say at the beginning of a tick, and whether it can be true of the robot.
 //!
 //! # What is compared
-//! The time since the last usable state, speeds and forces with a bound each ([`bounds`](super::bounds)). Positions and
+//! The time since the last usable state, places, speeds and forces with a bound each ([`bounds`](super::bounds)). Positions and
 //! velocities, besides, with those of the last usable state. Positions may have changed by a bound per period, for as
 //! many periods as the robot was not seen, and while it was seen by twice what its speed explains. Velocities may have
 //! changed by a bound for all the time in between.
@@ -102,7 +102,9 @@ impl Plausible {
         if let Some(fault) = stamp.and_then(|last| beyond(Quantity::Gap, now - last, self.gap)) {
             return Some(fault);
         }
-        let fault = self.speeds(measurement).or_else(|| {
+        let absurd = self.places(&measurement.state);
+        let absurd = absurd.or_else(|| self.speeds(measurement));
+        let fault = absurd.or_else(|| {
             let unseen = self.see(now)?;
             let passed = stamp.map_or(unseen, |stamp| unseen.max(now - stamp));
             self.since(&measurement.state, last, [unseen, passed])
@@ -119,6 +121,23 @@ impl Plausible {
         let last = self.seen.last.replace(stamp)?;
         self.seen.gap = self.seen.gap.max(stamp - last);
         Some(self.seen.gap.max(self.period))
+    }
+
+    /// Where nothing of the robot can be.
+    pub(super) fn places(&self, state: &State) -> Option<Fault> {
+        let base = beyond(
+            Quantity::BasePosition,
+            length(state.p_WR.into()),
+            self.position,
+        );
+        base.or_else(|| {
+            let joints = state.q.iter().zip(&self.joints).enumerate();
+            let mut joints = joints.filter_map(|(i, (q, bounds))| {
+                let joint = Quantity::JointPosition(JointId::new(i));
+                beyond(joint, q.abs(), bounds.position)
+            });
+            joints.next()
+        })
     }
 
     pub(super) fn speeds(&self, measurement: &Measurement) -> Option<Fault> {

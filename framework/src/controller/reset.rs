@@ -31,8 +31,10 @@ impl Controller {
             }
             self.fallback.without_state.renew(before);
         }
-        self.fallback.clock.previous = None;
-        self.fallback.clock.steady = 0;
+        // What `slew` allows counts from the last command all the same.
+        let clock = &mut self.fallback.clock;
+        clock.previous = clock.previous.filter(|previous| *previous < stamp);
+        clock.steady = 0;
         self.world.restart(measurement);
         self.plausible.restart(before);
         self.command.engage(&self.robot.model, &self.world.state);

@@ -9,6 +9,8 @@ impl Quantity {
     pub fn key(self) -> &'static str {
         match self {
             Self::Gap => "max_gap",
+            Self::BasePosition => "max_position",
+            Self::JointPosition(_) => "max_joint_position",
             Self::LinearVelocity => "max_linear_velocity",
             Self::AngularVelocity => "max_angular_velocity",
             Self::JointVelocity(_) => "max_joint_velocity",
@@ -26,7 +28,8 @@ impl Quantity {
 
     fn joint(self) -> Option<JointId> {
         match self {
-            Self::JointVelocity(joint)
+            Self::JointPosition(joint)
+            | Self::JointVelocity(joint)
             | Self::JointAcceleration(joint)
             | Self::JointJump(joint) => Some(joint),
             _ => None,
@@ -43,6 +46,8 @@ impl Quantity {
     pub(super) fn what(self) -> &'static str {
         match self {
             Self::Gap => "time since the last measurement",
+            Self::BasePosition => "distance of the base from the world's origin",
+            Self::JointPosition(_) => "position of joint",
             Self::LinearVelocity => "speed of the base",
             Self::AngularVelocity => "angular speed of the base",
             Self::JointVelocity(_) => "speed of joint",
@@ -65,8 +70,9 @@ impl Quantity {
             (Self::AngularVelocity | Self::JointVelocity(_), _) => "rad/s",
             (Self::LinearAcceleration, _) | (Self::JointAcceleration(_), true) => "m/s²",
             (Self::AngularAcceleration | Self::JointAcceleration(_), _) => "rad/s²",
-            (Self::PositionJump, _) | (Self::JointJump(_), true) => "m",
-            (Self::RotationJump | Self::JointJump(_), _) => "rad",
+            (Self::PositionJump | Self::BasePosition, _)
+            | (Self::JointJump(_) | Self::JointPosition(_), true) => "m",
+            (Self::RotationJump | Self::JointJump(_) | Self::JointPosition(_), _) => "rad",
             (Self::Force(_), _) => "N",
             (Self::Moment(_), _) => "N·m",
             _ => "",

@@ -69,6 +69,8 @@ pub enum Quantity {
     BaseOrientation,
     /// Joint positions.
     JointPositions,
+    /// Position of a joint.
+    JointPosition(JointId),
     /// Generalised velocities.
     Velocities,
     /// The list of wrenches.

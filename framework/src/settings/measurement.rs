@@ -15,6 +15,15 @@ pub struct MeasurementLimits {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "s"))]
     pub max_gap: Option<f64>,
+    /// Largest distance of a floating base from the world's origin, m. Default: 1e8.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-unit" = "m"))]
+    pub max_position: Option<f64>,
+    /// Largest size of each joint's position, rad or m. Default: ten times that of its range, but at least ten times
+    /// half a turn or 0.1 m; 1e6 without range.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-unit" = "rad or m"))]
+    pub max_joint_position: Option<f64>,
     /// Largest speed of a floating base, m/s. Default: ten times the speed of a limb's end, at least 100.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("x-unit" = "m/s"))]
@@ -68,6 +77,8 @@ impl MeasurementLimits {
     /// Everything that is finite is taken.
     pub const ANY: Self = Self {
         max_gap: Some(f64::INFINITY),
+        max_position: Some(f64::INFINITY),
+        max_joint_position: Some(f64::INFINITY),
         max_linear_velocity: Some(f64::INFINITY),
         max_angular_velocity: Some(f64::INFINITY),
         max_joint_velocity: Some(f64::INFINITY),
@@ -85,6 +96,8 @@ impl MeasurementLimits {
     pub(crate) fn problems(&self) -> impl Iterator<Item = (&'static str, String)> {
         [
             ("max_gap", self.max_gap),
+            ("max_position", self.max_position),
+            ("max_joint_position", self.max_joint_position),
             ("max_linear_velocity", self.max_linear_velocity),
             ("max_angular_velocity", self.max_angular_velocity),
             ("max_joint_velocity", self.max_joint_velocity),

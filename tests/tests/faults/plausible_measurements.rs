@@ -104,6 +104,8 @@ fn change(measurement: &mut Measurement, quantity: Quantity, by: f64) {
     let base = state.v.len() - state.q.len();
     let along = |v: Vector3<f64>| v.try_normalize(0.0).unwrap_or_else(Vector3::x);
     match quantity {
+        Quantity::BasePosition => state.p_WR = along(state.p_WR) * by,
+        Quantity::JointPosition(joint) => state.q[joint.index()] = -by,
         Quantity::LinearVelocity => {
             let v = along(Vector3::new(state.v[0], state.v[1], state.v[2])) * by;
             state.v.rows_mut(0, 3).copy_from(&v);
@@ -142,6 +144,8 @@ fn all(controller: &Controller) -> Vec<Quantity> {
         .contact(&contact.expect("has one"))
         .expect("exists");
     let joints_and_contacts = [
+        Quantity::BasePosition,
+        Quantity::JointPosition(joint),
         Quantity::JointVelocity(joint),
         Quantity::JointAcceleration(joint),
         Quantity::JointJump(joint),
@@ -164,6 +168,8 @@ fn all(controller: &Controller) -> Vec<Quantity> {
 /// Limits in the file, of which each can be met without the others.
 fn set(limits: &mut MeasurementLimits, quantity: Quantity, limit: f64) {
     let key = match quantity {
+        Quantity::BasePosition => &mut limits.max_position,
+        Quantity::JointPosition(_) => &mut limits.max_joint_position,
         Quantity::LinearVelocity => &mut limits.max_linear_velocity,
         Quantity::AngularVelocity => &mut limits.max_angular_velocity,
         Quantity::JointVelocity(_) => &mut limits.max_joint_velocity,
@@ -186,6 +192,7 @@ fn each_bound_is_where_the_file_says_and_names_itself() {
         for quantity in all(&started(kind, |_| ()).0) {
             let limit = match quantity {
                 Quantity::RotationJump => 0.5,
+                Quantity::BasePosition | Quantity::JointPosition(_) => 10.0,
                 Quantity::Force(_) | Quantity::Moment(_) => 20.0,
                 _ => 2.0,
             };
@@ -240,7 +247,13 @@ fn what_the_file_does_not_say_is_derived_from_the_robot() {
                 controller.tick(&m);
                 implausible(&controller).filter(|found| found.quantity == quantity)
             };
-            let limit = tick_with(1e30).expect("1e30 is too much").limit;
+            let too_much = match quantity {
+                // Further, it would be no place at all.
+                Quantity::PositionJump => 1e6,
+                Quantity::JointJump(_) => 3.0 * limits.max_joint_jump.expect("is told"),
+                _ => 1e30,
+            };
+            let limit = tick_with(too_much).expect("is too much").limit;
             assert_eq!(tick_with(0.9 * limit), None, "{kind:?} {quantity:?}");
             assert!(tick_with(1.1 * limit).is_some(), "{kind:?} {quantity:?}");
         }
@@ -318,6 +331,60 @@ fn a_robot_that_was_not_seen_may_be_as_far_away_as_it_can_have_come() {
                 "{outage} {distance} {lost:?}"
             );
         }
+    }
+}
+
+/// Degrees for radians, and no place at all: before anything can be compared, too.
+#[test]
+fn where_nothing_can_be_is_a_fault_in_the_first_tick() {
+    for kind in KINDS {
+        for by in [100.0, 1e16] {
+            let (mut controller, mut measurement) = started(kind, |_| ());
+            let index = controller.robot().model.joints().len().min(2) - 1;
+            measurement.state.q[index] += by;
+            let fault = controller
+                .reset(&measurement)
+                .expect_err("is beyond its range");
+            assert!(fault.to_string().contains("position of joint"), "{fault}");
+            let scene = Scene::new(kind, 4, u32::MAX, u32::MAX);
+            let mut new = Controller::new(scene.config()).expect("is sound");
+            new.tick(&measurement);
+            assert_eq!(new.report().fault, Some(fault));
+            assert!(new.report().level > FallbackLevel::Relaxed);
+        }
+        let (mut controller, mut measurement) = started(kind, |_| ());
+        measurement.state.p_WR.x = 1e160;
+        assert!(controller.reset(&measurement).is_err());
+    }
+}
+
+/// However often a controller is told that a jump is meant, commands change no faster than actuators can.
+#[test]
+fn reset_gives_no_slew_away() {
+    let config = Scene::new(Kind::Quadruped, 4, u32::MAX, u32::MAX).config();
+    let mut robot = config.load_robot().expect("is built in");
+    for actuator in &mut robot.actuators {
+        actuator.slew = 10.0;
+    }
+    let mut controller = Controller::with_robot(config, robot).expect("is sound");
+    let mut measurement = controller.measurement();
+    for k in 0..5 {
+        measurement.time = PERIOD * f64::from(k);
+        controller.tick(&measurement);
+    }
+    let (time, sent) = (measurement.time, controller.command().effort.clone());
+    for _ in 0..10 {
+        measurement.time += 1e-6;
+        controller.reset(&measurement).expect("is plausible");
+        controller.tick(&measurement);
+    }
+    let most = 10.0 * (measurement.time - time) * (1.0 + 1e-6);
+    let efforts = controller.command().effort.iter().zip(&sent);
+    for (now, before) in efforts {
+        assert!(
+            (now - before).abs() <= most,
+            "{now} after {before}, {most} allowed"
+        );
     }
 }
 

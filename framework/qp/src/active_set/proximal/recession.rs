@@ -280,7 +280,9 @@ impl Recession {
             }
         }
         let terms = ray.iter().zip(sizes);
-        explained += terms.map(|(d, size)| f64::EPSILON * *size * d.abs()).sum::<f64>();
+        explained += terms
+            .map(|(d, size)| f64::EPSILON * *size * d.abs())
+            .sum::<f64>();
         -dot(g, ray) > BEYOND * explained
     }
 
