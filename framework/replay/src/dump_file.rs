@@ -93,6 +93,7 @@ pub fn load(file: &Path) -> Result<Dump, DumpError> {
         file: name(),
         problem,
     };
+    input::check_lines(&text).map_err(refused)?;
     // In one line: a quoted part of a file of another kind says nothing.
     let dump: Dump = toml::from_str(&text).map_err(|error| {
         let before = error.span().and_then(|span| text.get(..span.start));

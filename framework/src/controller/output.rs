@@ -137,7 +137,8 @@ impl Gate {
         }
         let effort = asked.max(least).min(most);
         let with_speed = |effort: f64| match kind {
-            ActuatorKind::Rotor(rotor) => (effort, rotor.speed(effort)),
+            // A coefficient next to zero asks for more than there are numbers.
+            ActuatorKind::Rotor(rotor) => (effort, rotor.speed(effort).min(f64::MAX)),
             ActuatorKind::Joint(_) => (effort, 0.0),
         };
         let sent = with_speed(effort);

@@ -147,6 +147,8 @@ fn too_large(largest: u64) -> io::Error {
 const TABLE: usize = 1400;
 const KEY: usize = 500;
 const ELEMENT: usize = 600;
+/// The same of a line, whatever is in it.
+const LINE: usize = 60;
 /// Keys that are few.
 const FEW: usize = 8;
 /// What the tables of a TOML text may take: so many times the text, and so much in any case.
@@ -164,6 +166,7 @@ const REPEATED: usize = 1000;
 /// How many tables there are, and what they would take, in words that go behind the file's name; or which key is there
 /// again and again.
 pub fn check_toml(text: &str) -> Result<(), String> {
+    check_lines(text)?;
     // The smallest table is `a.b=1`; most texts are too short for too many of them.
     if text.len() / 4 * TABLE <= IN_ANY_CASE {
         return Ok(());
@@ -212,6 +215,27 @@ pub fn check_toml(text: &str) -> Result<(), String> {
     Err(format!(
         "has {tables} tables, {keys} keys and {elements} elements of lists: reading them would take {takes} of memory, \
          more than the {most} that a text of this length may"
+    ))
+}
+
+/// Refuses a text of next to nothing but ends of lines, of which each takes many times its size while it is read.
+///
+/// # Errors
+/// How many there are, in words that go behind the file's name.
+pub fn check_lines(text: &str) -> Result<(), String> {
+    if text.len() * LINE <= IN_ANY_CASE {
+        return Ok(());
+    }
+    let lines = text.bytes().filter(|byte| *byte == b'\n').count();
+    let (takes, most) = (lines * LINE, TIMES * text.len() + IN_ANY_CASE);
+    if takes <= most {
+        return Ok(());
+    }
+    let [takes, most] = [takes, most].map(|bytes| size(bytes as u64));
+    Err(format!(
+        "has {lines} lines in {}: reading them would take {takes} of memory, more than the {most} that a text of this \
+         length may; take the empty ones out",
+        size(text.len() as u64)
     ))
 }
 
@@ -394,6 +418,11 @@ mod tests {
         assert!(what.starts_with("has 400000 tables"), "{what}");
         let flat = lines(20_000, |key| format!("k{key} = [1.5]\n"));
         assert_eq!(check_toml(&flat), Ok(()));
+        let blank = "\n".repeat(8 << 20);
+        let what = check_toml(&blank).expect_err("is refused");
+        assert!(what.starts_with("has 8388608 lines in 8 MiB: "), "{what}");
+        let comments = "# As far as anybody reads.\n".repeat(300_000);
+        assert_eq!(check_toml(&comments), Ok(()));
         let nested = format!("x = {}", "[".repeat(300_000));
         assert_eq!(check_toml(&nested), Ok(()));
         let tasks =

@@ -132,6 +132,10 @@ impl Scenario {
             file: name.clone(),
             source,
         })?;
+        input::check_lines(&contents).map_err(|what| ScenarioError::Value {
+            place: name.clone(),
+            what,
+        })?;
         let directory = path.parent().unwrap_or(Path::new(""));
         let source = SourceFile { name, contents };
         Self::new(source, directory, variation.clone(), note)
