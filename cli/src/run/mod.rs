@@ -29,7 +29,10 @@ use std::{
 use anyhow::{Context, Result, anyhow, bail};
 use clap::Args;
 use rayon::prelude::*;
-use wbqp::robot::{Diagnostic, Severity};
+use wbqp::{
+    input::size,
+    robot::{Diagnostic, Severity},
+};
 use wbqp_log::{LogSink, McapLog, RunLock};
 use wbqp_measures::log::Log;
 use wbqp_replay::DumpFolder;
@@ -67,6 +70,10 @@ pub struct Arguments {
 const DURATION: f64 = 5.0;
 /// The file with the summaries of all cases.
 const SUMMARY: &str = "summary.json";
+/// What figures and summary of a case take for each tick, bytes: all messages of its log, about. From how much on that
+/// is said beforehand.
+const PER_TICK: u64 = 8 << 10;
+const MUCH: u64 = 1 << 30;
 /// The most dumps of ticks that a case writes.
 const MOST_DUMPS: usize = 4;
 
@@ -97,6 +104,14 @@ impl Arguments {
             }
             if let Some(words) = level {
                 complain!("warning: {case}: {words}");
+            }
+            let takes = PER_TICK * of_case.ticks(controller.settings().rate) as u64;
+            if takes > MUCH {
+                complain!(
+                    "warning: {case}: figures and summary are made from the whole log at the end, and take about {} of \
+                     memory then; a shorter `duration` takes less, and the log is kept whatever becomes of them",
+                    size(takes)
+                );
             }
         }
         let bars = ProgressBars::new(2);
