@@ -11,6 +11,8 @@ const VIOLATION: f64 = 1e-10;
 const NOTHING: f64 = 1e-13;
 /// The same of a row without coefficients, which has no scale.
 const EMPTY: f64 = 1e-9;
+/// A part of the cost that is its rounding.
+const CHEAP: f64 = 1e-12;
 
 /// A finite limit from this on is taken for none where it would be weighed beside others: as other solvers do.
 pub(super) const ENDLESS: f64 = 1e20;
@@ -143,6 +145,32 @@ pub(super) fn keep_bounds(qp: &Qp, solution: &mut Solution) {
         let is_outside = *x < *lower || *x > *upper;
         if is_outside && (*x - limit).abs() > VIOLATION * (limit.abs() + x.abs()) {
             *x = limit;
+        }
+    }
+}
+
+/// Moves what a bound holds onto it, where its multiplier is larger than what rows push with, and what it is off by
+/// costs more than [`CHEAP`] of the linear cost: off by rounding it costs that multiplier, and rows cost less.
+#[inline(always)]
+pub(super) fn settle_on_bounds(qp: &Qp, solution: &mut Solution) {
+    let Solution { x, y, z, .. } = solution;
+    let terms = qp.g().iter().zip(x.iter());
+    let cheap = CHEAP * terms.map(|(g, x)| (g * x).abs()).sum::<f64>();
+    for (j, (x, z)) in x.iter_mut().zip(z.iter()).enumerate().take(qp.n()) {
+        if *z == 0.0 {
+            continue;
+        }
+        let limit = if *z > 0.0 {
+            qp.upper()[j]
+        } else {
+            qp.lower()[j]
+        };
+        let distance = (*x - limit).abs();
+        if z.abs() * distance > cheap && distance <= VIOLATION * (limit.abs() + x.abs()).max(1.0) {
+            let rows = (0..qp.m()).map(|i| (qp.row(i)[j] * y[i]).abs());
+            if rows.sum::<f64>() <= z.abs() {
+                *x = limit;
+            }
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{
     compact::Compact,
-    constraint::keep_bounds,
+    constraint::{keep_bounds, settle_on_bounds},
     dual::{Dual, clear},
     limits::Limits,
     proof,
@@ -72,6 +72,7 @@ impl Workspace {
         };
         if out.status == Status::Optimal {
             keep_bounds(qp, out);
+            settle_on_bounds(qp, out);
         }
         if !(out.status == Status::Optimal || out.status.was_cut_short()) {
             self.dual.forget();

@@ -3,7 +3,7 @@
 //! # Mathematics
 //! With `x = D x'` and `A' = R A D`, `H' = c D H D`, `g' = c D g`. D makes the diagonal of H one where it is not zero;
 //! a variable without curvature gets the unit in which its coefficients are those of others, in the geometric mean, or
-//! its bounds are one. R makes the largest coefficient of every row one. c makes the larger of H and a thousandth of g
+//! its bounds are one; one that has nothing but a cost, the unit in which that is one. R makes the largest coefficient of every row one. c makes the larger of H and a thousandth of g
 //! one. All are powers of two, so that nothing is rounded, and the scaled problem hardly depends on the units of the
 //! problem.
 
@@ -57,6 +57,14 @@ fn without_endless(lower: f64, upper: f64) -> [f64; 2] {
         f64::INFINITY
     };
     [lower, upper]
+}
+
+/// Whether a variable has neither curvature nor limits nor a part in any row.
+fn is_alone(qp: &Qp, j: usize) -> bool {
+    let limits = without_endless(qp.lower()[j], qp.upper()[j]);
+    qp.h()[j * qp.n() + j] == 0.0
+        && limits.iter().all(|limit| limit.is_infinite())
+        && (0..qp.m()).all(|i| qp.row(i)[j] == 0.0)
 }
 
 /// The size of a fixed variable, of which nothing else is known if it is zero.
@@ -121,7 +129,7 @@ impl Scaling {
         }
         let scaled = |values: f64, d: f64| (values * d).abs();
         // What a fixed variable costs moves nothing.
-        let movable = (0..n).filter(|&j| qp.lower()[j] != qp.upper()[j]);
+        let movable = (0..n).filter(|&j| qp.lower()[j] != qp.upper()[j] && !is_alone(qp, j));
         let steepest = movable.fold(0.0, |a: f64, j| a.max(scaled(qp.g()[j], self.variables[j])));
         let curved = (0..n).fold(0.0, |a: f64, j| {
             a.max(scaled(qp.h()[j * n + j], self.variables[j].powi(2)))
@@ -131,6 +139,10 @@ impl Scaling {
         } else {
             reciprocal(steepest)
         };
+        // What costs and nothing else has the unit in which its cost is one: whatever it is, it falls for ever.
+        for j in (0..n).filter(|&j| is_alone(qp, j)) {
+            self.variables[j] = reciprocal(self.cost * qp.g()[j].abs());
+        }
     }
 
     /// Where rows connect variables without curvature alone, nothing says what their common unit is against that of the
